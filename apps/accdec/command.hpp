@@ -1,0 +1,33 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace accdec::cli {
+
+/// Exit codes of every subcommand.
+enum ExitCode {
+  exit_ok = 0,         ///< done and verified
+  exit_no_answer = 1,  ///< infeasible, failed, or verification failed
+  exit_bad_input = 2   ///< usage or input; nothing was written
+};
+
+/// What main and the subcommands share. A subcommand stores its exit code here from its CLI11 callback; exceptions of type
+/// InputError (io) and std::invalid_argument become exit_bad_input in main, all others exit_no_answer.
+struct Context {
+  bool quiet = false;
+  int exit_code = exit_ok;
+};
+
+// One file a subcommand, cmd_NAME.cpp, each with one function that registers it.
+void add_evaluate(CLI::App& app, Context& context);
+void add_design(CLI::App& app, Context& context);
+void add_verify(CLI::App& app, Context& context);
+void add_export(CLI::App& app, Context& context);
+void add_paper(CLI::App& app, Context& context);
+void add_plot(CLI::App& app, Context& context);
+void add_solvers(CLI::App& app, Context& context);
+void add_program(CLI::App& app, Context& context);
+void add_study(CLI::App& app, Context& context);
+void add_compare(CLI::App& app, Context& context);
+
+}  // namespace accdec::cli

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <accdec/machine/machine.hpp>
+#include <accdec/motion/corner.hpp>
+#include <accdec/motion/filter.hpp>
+
+namespace accdec {
+
+enum class Shape { boxcar, trapezoid, s_curve, hann, blackman, blackman_sinc, taps };
+/// The names task files use: "boxcar", "trapezoid", "s-curve", "hann", "blackman", "blackman-sinc", "taps".
+std::string_view to_string(Shape shape);
+std::optional<Shape> shape_from_string(std::string_view name);
+
+/// A filter as a task describes it.
+struct FilterSpec {
+  Shape kind = Shape::boxcar;
+  int order = 0;             ///< N; for Shape::taps the number of taps less one
+  double cutoff = 0.0;       ///< blackman-sinc: fraction of the Nyquist frequency
+  int ramp = 0;              ///< trapezoid: taps in a ramp
+  std::vector<double> taps;  ///< Shape::taps
+};
+/// @throws std::invalid_argument as the shapes do.
+Filter make_filter(const FilterSpec& spec);
+
+/// Bounds on what the design may choose.
+struct DesignBounds {
+  int order_min = 1;
+  int order_max = 400;
+  bool symmetric = false;
+};
+
+/// One corner of a task. Angles are kept as given, so that a result can state them.
+struct TaskCorner {
+  std::string name;
+  double angle = 0.0;    ///< rad, interior, 0 < angle <= pi
+  double heading = 0.0;  ///< rad
+  Turn turn = Turn::left;
+  std::vector<double> direction_in, direction_out;  ///< instead of angle, heading and turn, for any number of axes; else empty
+  double feed_in = 0.0;             ///< m/s
+  double feed_out = 0.0;            ///< m/s
+  std::optional<double> error_max;  ///< m; none: no bound
+  double speed_min = 0.0;           ///< m/s, bound on the smallest tangential speed
+  std::optional<int> delay;         ///< samples; none: to be chosen
+  double weight = 1.0;              ///< > 0, of this corner in the cycle time
+
+  Corner geometry;  ///< made from the above by the reader, as many axes as the machine
+};
+
+/// A design task: what accdec reads from a task file. SI throughout.
+struct Task {
+  std::string title;
+  double sample_period = 1e-3;       ///< s
+  std::optional<FilterSpec> filter;  ///< none: to be designed
+  DesignBounds design;
+  Machine machine;
+  std::vector<TaskCorner> corners;
+  std::optional<double> program_error_max;  ///< m, [program] error_max_um
+};
+
+/// sum_j w_j (N + 1 + d_j) T, s. `delays` has one entry per corner.
+double cycle_time(const Task& task, int order, const std::vector<int>& delays);
+
+}  // namespace accdec

@@ -1,0 +1,57 @@
+#include <accdec/motion/filter.hpp>
+
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace accdec {
+
+Filter::Filter(std::vector<double> taps) : taps_(std::move(taps)) {
+  if (taps_.empty()) throw std::invalid_argument("a filter needs at least one tap");
+  double largest = 0.0;
+  for (std::size_t i = 0; i < taps_.size(); ++i) {
+    if (!std::isfinite(taps_[i])) throw std::invalid_argument(fmt::format("tap b_{} is not a finite number", i));
+    if (taps_[i] < 0.0) {
+      throw std::invalid_argument(
+          fmt::format("tap b_{} = {} is negative; taps must be >= 0 or the velocity command oscillates", i, taps_[i]));
+    }
+    largest = std::max(largest, taps_[i]);
+  }
+  if (largest == 0.0) throw std::invalid_argument("all taps are zero; their sum must be positive");
+
+  // Scaling by the largest tap first keeps the sum finite for taps near the ends of the double range.
+  double sum = 0.0;
+  for (double& b : taps_) sum += (b /= largest);
+  for (double& b : taps_) b /= sum;
+
+  const std::size_t n = taps_.size();
+  cumulative_.resize(n + 1);
+  remaining_.resize(n + 1);
+  elapsed_moment_.resize(n + 1);
+  remaining_moment_.resize(n + 1);
+
+  cumulative_[0] = 0.0;
+  for (std::size_t k = 1; k <= n; ++k) cumulative_[k] = cumulative_[k - 1] + taps_[k - 1];
+  // Rounding can leave the running sum an ulp above 1, which a velocity limit at exactly the feed would notice.
+  for (std::size_t k = 1; k <= n; ++k) cumulative_[k] = std::min(cumulative_[k], 1.0);
+  cumulative_[n] = 1.0;
+
+  remaining_[n] = 0.0;
+  for (std::size_t k = n; k-- > 0;) remaining_[k] = remaining_[k + 1] + taps_[k];
+  for (double& r : remaining_) r = std::min(r, 1.0);
+
+  elapsed_moment_[0] = 0.0;
+  for (std::size_t m = 1; m <= n; ++m) elapsed_moment_[m] = elapsed_moment_[m - 1] + cumulative_[m];
+
+  // p(k) = p(k + 1) + (1 - B_{k+1}), from p(N) = 0: exact zeros where the motion is over.
+  remaining_moment_[n] = 0.0;
+  for (std::size_t k = n; k-- > 0;) remaining_moment_[k] = remaining_moment_[k + 1] + remaining_[k + 1];
+  mean_delay_ = remaining_moment_[0];
+
+  while (taps_[static_cast<std::size_t>(first_nonzero_)] == 0.0) ++first_nonzero_;
+  last_nonzero_ = order();
+  while (taps_[static_cast<std::size_t>(last_nonzero_)] == 0.0) --last_nonzero_;
+}
+
+}  // namespace accdec
