@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <accdec/motion/corner.hpp>
+#include <accdec/motion/filter.hpp>
+
+namespace accdec {
+
+/// The sampled motion of one corner from rest to rest. Columns are machine axes, rows samples.
+struct SampledMotion {
+  Eigen::MatrixXd velocity;      ///< m/s
+  Eigen::MatrixXd acceleration;  ///< m/s^2, (V'[n] - V'[n-1])/T
+  Eigen::MatrixXd jerk;          ///< m/s^3
+  Eigen::MatrixXd position;      ///< m, relative to the corner point; right-rectangle sum
+  int start = 0;                 ///< row of the last rest sample before leg 1: k = 0 of the start
+  int corner = 0;                ///< row of the last command sample of leg 1: k = 0 of the blend
+  int stop = 0;                  ///< row of the last command sample of leg 2: k = 0 of the stop
+  int cruise_in = 0;             ///< a row at full speed on leg 1, between start and blend
+  int cruise_out = 0;            ///< a row at full speed on leg 2, between blend and stop
+};
+
+/// Plain convolution of the command stream (rest, leg 1, gap, leg 2, rest) with the taps; both legs long enough to reach full speed.
+SampledMotion simulate_corner(const Filter& filter, const Corner& corner, int delay, double sample_period);
+
+}  // namespace accdec

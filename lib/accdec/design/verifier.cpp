@@ -1,0 +1,278 @@
+#include <accdec/design/verifier.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/design/simulation.hpp>
+
+namespace accdec {
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::optimal: return "optimal";
+    case Status::feasible: return "feasible";
+    case Status::infeasible: return "infeasible";
+    case Status::failed: return "failed";
+  }
+  return "?";
+}
+
+namespace {
+
+using Rows = std::pair<int, int>;  // [first, last]
+
+struct Peak {
+  double value = 0.0;
+  Event event = Event::start;
+  int sample = 0;
+};
+
+/// Largest value of `quantity(row)` over the three events, with k counted within each.
+template <class Quantity>
+Peak peak_over_events(const SampledMotion& m, Quantity quantity) {
+  Peak peak;
+  bool any = false;
+  const int last = static_cast<int>(m.velocity.rows()) - 1;
+  const auto scan = [&](Event event, int zero, Rows rows) {
+    for (int row = rows.first; row <= rows.second; ++row) {
+      const double value = quantity(row);
+      if (!any || value > peak.value) peak = {value, event, row - zero};
+      any = true;
+    }
+  };
+  scan(Event::start, m.start, {m.start, m.cruise_in});
+  scan(Event::blend, m.corner, {m.corner, m.cruise_out});
+  scan(Event::stop, m.stop, {m.stop, last});
+  return peak;
+}
+
+LimitUse make_use(LimitKind kind, const std::string& axis, const std::string& corner, const Peak& peak, double bound) {
+  LimitUse use;
+  use.kind = kind;
+  use.axis = axis;
+  use.corner = corner;
+  use.event = peak.event;
+  use.value = std::max(peak.value, 0.0);
+  use.bound = bound;
+  use.utilisation = utilisation_of(kind, use.value, bound);
+  use.sample = peak.sample;
+  return use;
+}
+
+void axis_limits(const SampledMotion& m, const Machine& machine, const std::string& corner, std::vector<LimitUse>& out) {
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+    const Axis& axis = machine.axes[i];
+    const auto a = static_cast<Eigen::Index>(i);
+    const auto force = [&](int n) { return axis.mass * m.acceleration(n, a) + axis.damping * m.velocity(n, a); };
+    const auto add = [&](LimitKind kind, double bound, auto quantity) {
+      if (bound < unlimited) out.push_back(make_use(kind, axis.name, corner, peak_over_events(m, quantity), bound));
+    };
+    add(LimitKind::velocity, axis.velocity_max, [&](int n) { return std::abs(m.velocity(n, a)); });
+    add(LimitKind::acceleration, axis.acceleration_max, [&](int n) { return std::abs(m.acceleration(n, a)); });
+    add(LimitKind::jerk, axis.jerk_max, [&](int n) { return std::abs(m.jerk(n, a)); });
+    add(LimitKind::force, axis.force_max, [&](int n) { return std::abs(force(n)); });
+    add(LimitKind::power, axis.power_max, [&](int n) { return force(n) * m.velocity(n, a); });
+    add(LimitKind::regeneration, axis.regeneration_max, [&](int n) { return -force(n) * m.velocity(n, a); });
+  }
+}
+
+/// Distance from the corner point (origin) to the segment a-b.
+double origin_to_segment(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  const Eigen::VectorXd d = b - a;
+  const double length2 = d.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp(-a.dot(d) / length2, 0.0, 1.0) : 0.0;
+  return (a + t * d).norm();
+}
+
+/// Distance from a point to the programmed contour: leg 1 backwards from the origin, leg 2 forwards.
+double leg_gap(const Eigen::VectorXd& x, const Eigen::VectorXd& outward) {
+  const double along = std::max(0.0, x.dot(outward));
+  return (x - along * outward).norm();
+}
+
+CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, int delay, int order, double period,
+                             int* error_sample, int* speed_sample) {
+  CornerResult result;
+  result.name = corner.name;
+  result.delay = delay;
+  result.corner_time = (order + 1 + delay) * period;
+  const int last = m.corner + order + delay + 1;
+  const Eigen::VectorXd back = -corner.geometry.direction_in, forward = corner.geometry.direction_out;
+  result.corner_error = result.polyline_error = result.speed_min = unlimited;
+  Eigen::VectorXd previous;
+  for (int row = m.corner; row <= last; ++row) {
+    const Eigen::VectorXd x = m.position.row(row).transpose();
+    const double distance = x.norm(), speed = m.velocity.row(row).norm();
+    if (distance < result.corner_error) {
+      result.corner_error = distance;
+      *error_sample = row - m.corner;
+    }
+    if (speed < result.speed_min) {
+      result.speed_min = speed;
+      *speed_sample = row - m.corner;
+    }
+    const auto gap = [&](const Eigen::VectorXd& y) { return std::min(leg_gap(y, back), leg_gap(y, forward)); };
+    result.contour_deviation = std::max(result.contour_deviation, gap(x));
+    if (row > m.corner) {
+      result.polyline_error = std::min(result.polyline_error, origin_to_segment(previous, x));
+      // Between two samples the deviation peaks where the nearer leg changes.
+      const auto difference = [&](double t) {
+        const Eigen::VectorXd y = previous + t * (x - previous);
+        return leg_gap(y, back) - leg_gap(y, forward);
+      };
+      if (difference(0.0) < 0.0 && difference(1.0) > 0.0) {
+        double low = 0.0, high = 1.0;
+        for (int i = 0; i < 60; ++i) (difference(0.5 * (low + high)) < 0.0 ? low : high) = 0.5 * (low + high);
+        result.contour_deviation = std::max(result.contour_deviation, gap(previous + low * (x - previous)));
+      }
+    }
+    previous = x;
+  }
+  for (double* distance : {&result.corner_error, &result.polyline_error, &result.contour_deviation}) {
+    if (*distance < position_floor) *distance = 0.0;
+  }
+  return result;
+}
+
+/// Amplitude left in an undamped oscillator of frequency f that the taps hit one after another, 1 for a single hit of the whole sum.
+double residual_amplitude(const Filter& filter, double frequency, double period) {
+  const std::complex<double> rotation = std::polar(1.0, 2.0 * std::numbers::pi * frequency * period);
+  std::complex<double> state = 0.0;
+  for (const double b : filter.taps()) state = state * rotation + b;
+  return std::abs(state);
+}
+
+LimitUse vibration_limit(const Filter& filter, const Mode& mode, double period) {
+  // The response is band-limited to N T: between grid points a sixteenth of its shortest ripple apart, a parabola through three
+  // of them locates a peak far more closely than the amplitude can change.
+  const double width = mode.frequency_high - mode.frequency_low;
+  const int cells = width > 0.0 ? 16 + static_cast<int>(16.0 * width * period * (filter.order() + 1)) : 0;
+  LimitUse use;
+  use.kind = LimitKind::vibration;
+  use.bound = mode.residual_max;
+  use.frequency = mode.frequency_low;
+  const auto consider = [&](double f) {
+    const double r = residual_amplitude(filter, f, period);
+    if (r > use.value) use.value = r, use.frequency = f;
+    return r;
+  };
+  if (cells == 0) {
+    consider(mode.frequency_low);
+  } else {
+    const double h = width / cells;
+    std::vector<double> r(static_cast<std::size_t>(cells) + 1);
+    for (int i = 0; i <= cells; ++i) r[static_cast<std::size_t>(i)] = consider(mode.frequency_low + h * i);
+    for (int i = 1; i < cells; ++i) {
+      const auto u = static_cast<std::size_t>(i);
+      if (r[u] < r[u - 1] || r[u] < r[u + 1]) continue;
+      double centre = mode.frequency_low + h * i, step = h;
+      for (int refine = 0; refine < 12; ++refine) {
+        const double left = residual_amplitude(filter, centre - step, period), here = residual_amplitude(filter, centre, period),
+                     right = residual_amplitude(filter, centre + step, period);
+        const double curvature = left - 2.0 * here + right;
+        if (curvature < 0.0) centre += std::clamp(0.5 * step * (left - right) / curvature, -step, step);
+        step *= 0.25;
+      }
+      consider(std::clamp(centre, mode.frequency_low, mode.frequency_high));
+    }
+  }
+  use.utilisation = utilisation_of(use.kind, use.value, use.bound);
+  // A residual asked to vanish is held when it vanishes to rounding.
+  if (use.bound == 0.0 && use.value < 1e-12) use.utilisation = 0.0;
+  return use;
+}
+
+}  // namespace
+
+VerificationReport verify_by_simulation(const Task& task, const Filter& filter, const std::vector<int>& delays,
+                                        std::vector<LimitUse>* limits, std::vector<CornerResult>* corners) {
+  if (delays.size() != task.corners.size()) {
+    throw std::invalid_argument(fmt::format("{} delays for {} corners", delays.size(), task.corners.size()));
+  }
+  std::vector<LimitUse> uses;
+  std::vector<CornerResult> measured;
+  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+    const TaskCorner& corner = task.corners[j];
+    if (delays[j] < 0) throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delays[j]));
+    const SampledMotion motion = simulate_corner(filter, corner.geometry, delays[j], task.sample_period);
+    axis_limits(motion, task.machine, corner.name, uses);
+    int error_sample = 0, speed_sample = 0;
+    measured.push_back(measure_samples(motion, corner, delays[j], filter.order(), task.sample_period, &error_sample, &speed_sample));
+    if (corner.error_max) {
+      uses.push_back(make_use(LimitKind::corner_error, "", corner.name,
+                              {measured.back().corner_error, Event::blend, error_sample}, *corner.error_max));
+    }
+    if (corner.speed_min > 0.0) {
+      uses.push_back(make_use(LimitKind::speed_min, "", corner.name, {measured.back().speed_min, Event::blend, speed_sample},
+                              corner.speed_min));
+    }
+  }
+  for (const Mode& mode : task.machine.modes) uses.push_back(vibration_limit(filter, mode, task.sample_period));
+
+  VerificationReport report;
+  report.performed = true;
+  report.tolerance = verification_tolerance;
+  const LimitUse* worst = nullptr;
+  for (const LimitUse& use : uses) {
+    if (worst == nullptr || use.utilisation > worst->utilisation) worst = &use;
+  }
+  if (worst != nullptr) {
+    report.worst = describe(*worst);
+    report.max_violation = std::max(0.0, worst->utilisation - 1.0);
+  }
+  report.feasible = report.max_violation <= verification_tolerance;
+  if (limits != nullptr) *limits = std::move(uses);
+  if (corners != nullptr) *corners = std::move(measured);
+  return report;
+}
+
+DesignResult assess(const Task& task, const Filter& filter, const std::vector<int>& delays, bool keep_broken) {
+  DesignResult result;
+  result.task = task;
+  result.verification = verify_by_simulation(task, filter, delays, &result.limits, &result.corners);
+  result.cycle_time = cycle_time(task, filter.order(), delays);
+  result.status = result.verification.feasible ? Status::feasible : Status::failed;
+  if (!result.verification.feasible) {
+    result.message = "a limit is broken: " + result.verification.worst;
+    if (!keep_broken) {
+      result.corners.clear();
+      result.cycle_time = 0.0;
+      return result;
+    }
+  }
+  result.filter = filter;
+  return result;
+}
+
+DesignResult evaluate_task(const Task& task) {
+  if (!task.filter) throw std::invalid_argument("evaluate needs a [filter] table; `accdec design` chooses one");
+  std::vector<int> delays;
+  for (const TaskCorner& corner : task.corners) {
+    if (!corner.delay) {
+      throw std::invalid_argument(
+          fmt::format("corner {}: evaluate needs delay_samples; `accdec design` chooses it", corner.name));
+    }
+    delays.push_back(*corner.delay);
+  }
+  DesignResult result = assess(task, make_filter(*task.filter), delays, true);
+  result.solver.method = "given";
+  return result;
+}
+
+std::string describe(const LimitUse& use) {
+  std::string text(to_string(use.kind));
+  std::replace(text.begin(), text.end(), '_', ' ');
+  if (!use.axis.empty()) text += " " + use.axis;
+  text += fmt::format(": {:.1f} %", 100.0 * use.utilisation);
+  if (use.kind == LimitKind::vibration) return text + fmt::format(" at {:.4g} Hz", use.frequency);
+  text += fmt::format(" at k = {} of the {}", use.sample, to_string(use.event));
+  if (!use.corner.empty()) text += ", corner " + use.corner;
+  return text;
+}
+
+}  // namespace accdec
