@@ -6,15 +6,10 @@
 
 #include <fmt/format.h>
 
+#include <accdec/motion/leg_distance.hpp>
+
 namespace accdec {
 namespace {
-
-/// |-P u1 + Q u2| for P, Q >= 0 and cos(theta) = -u1.u2, as a sum that does not cancel when the legs are nearly collinear:
-/// P^2 + Q^2 + 2 P Q cos = (P - Q)^2 + 2 P Q (1 + cos).
-double leg_distance(double p, double q, double cos_interior) {
-  const double d = p - q;
-  return std::sqrt(d * d + 2.0 * p * q * (1.0 + cos_interior));
-}
 
 /// Distance of the origin from the segment between points given by leg coordinates.
 double segment_distance(double p0, double q0, double p1, double q1, double c) {
