@@ -1,0 +1,91 @@
+#include <accdec/design/formulation.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace accdec {
+
+MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options, std::span<const int> samples)
+    : order_(options.order) {
+  set_name("least corner error");
+  const CumulativeVariables b = add_cumulative_variables(*this, options.order);
+  sigma_ = add_variable("sigma", {0.0, nlp::infinity});
+  bool any_bound = false;
+  for (const TaskCorner& corner : task.corners) any_bound = any_bound || corner.error_max.has_value();
+  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+    const TaskCorner& corner = task.corners[j];
+    if (any_bound && !corner.error_max) continue;
+    // A tolerance of zero is an exact stop, which the delay alone ensures.
+    const double unit = any_bound ? *corner.error_max : 100e-6;
+    if (unit == 0.0) continue;
+    const double in = corner.geometry.feed_in * task.sample_period / unit, out = corner.geometry.feed_out * task.sample_period / unit;
+    const int k = samples[j], m = k - options.blend_delays[j];
+    Affine p = in * b.remaining_moment(k), q = out * b.elapsed_moment(m);
+    if (!options.reduced) {
+      const int ip = add_variable("P " + corner.name, {0.0, nlp::infinity}), iq = add_variable("Q " + corner.name, {0.0, nlp::infinity});
+      add_to_row(add_row("distance in, corner " + corner.name, {0.0, 0.0}), p + Affine{0.0, {{ip, -1.0}}});
+      add_to_row(add_row("distance out, corner " + corner.name, {0.0, 0.0}), q + Affine{0.0, {{iq, -1.0}}});
+      p = {0.0, {{ip, 1.0}}};
+      q = {0.0, {{iq, 1.0}}};
+    }
+    const int row = add_row("corner error, corner " + corner.name, {-nlp::infinity, 0.0});
+    add_product(row, 1.0, p, p);
+    add_product(row, 1.0, q, q);
+    add_product(row, 2.0 * corner.geometry.cos_interior(), p, q);
+    add_to_row(row, {0.0, {{sigma_, -1.0}}});
+  }
+  add_limit_rows(*this, b, task, options);
+  set_objective({0.0, {{sigma_, 1.0}}});
+  if (options.reduced) omit_hessian();
+  finish();
+}
+
+namespace {
+
+/// Sets every variable that a row "affine - variable = 0" defines.
+void fill_defined(const nlp::Problem& problem, int first, std::vector<double>& x) {
+  std::vector<double> c(static_cast<std::size_t>(problem.num_rows()));
+  problem.rows(x, c);
+  for (const nlp::Entry& e : problem.jacobian_pattern()) {
+    const nlp::Bound bound = problem.row_bound(e.row);
+    const bool definition = bound.lower == 0.0 && bound.upper == 0.0;
+    if (definition && e.column >= first && x[static_cast<std::size_t>(e.column)] == 0.0) {
+      x[static_cast<std::size_t>(e.column)] = c[static_cast<std::size_t>(e.row)];
+    }
+  }
+}
+
+void fill_cumulative(const Filter& filter, int order, std::vector<double>& x) {
+  for (int k = 1; k <= order; ++k) x[static_cast<std::size_t>(k - 1)] = filter.cumulative(k);
+}
+
+}  // namespace
+
+std::vector<double> MarginProblem::start_from(const Filter& filter) const {
+  std::vector<double> x(static_cast<std::size_t>(num_variables()), 0.0);
+  fill_cumulative(filter, order_, x);
+  fill_defined(*this, order_ + 1, x);
+  std::vector<double> c(static_cast<std::size_t>(num_rows()));
+  rows(x, c);
+  double sigma = 1.0;
+  for (const nlp::Entry& e : jacobian_pattern()) {
+    if (e.column == sigma_) sigma = std::max(sigma, c[static_cast<std::size_t>(e.row)]);
+  }
+  x[static_cast<std::size_t>(sigma_)] = sigma;
+  return x;
+}
+
+Filter filter_from(std::span<const double> x, int order) {
+  std::vector<double> taps(static_cast<std::size_t>(order) + 1);
+  double previous = 0.0;
+  for (int i = 0; i <= order; ++i) {
+    const double next = i == order ? 1.0 : x[static_cast<std::size_t>(i)];
+    taps[static_cast<std::size_t>(i)] = std::max(0.0, next - previous);
+    previous = next;
+  }
+  return Filter(std::move(taps));
+}
+
+}  // namespace accdec

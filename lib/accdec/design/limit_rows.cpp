@@ -1,0 +1,296 @@
+#include <accdec/design/limit_rows.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include <accdec/machine/utilisation.hpp>
+
+namespace accdec {
+
+Affine CumulativeVariables::cumulative(int k) const {
+  if (k <= 0) return {};
+  if (k > order_) return {1.0, {}};
+  return {0.0, {{k - 1, 1.0}}};
+}
+
+Affine CumulativeVariables::remaining(int k) const { return Affine{1.0, {}} + -1.0 * cumulative(k); }
+
+Affine CumulativeVariables::tap(int i) const {
+  return i < 0 || i > order_ ? Affine{} : cumulative(i + 1) + -1.0 * cumulative(i);
+}
+
+Affine CumulativeVariables::remaining_moment(int k) const {
+  Affine sum{static_cast<double>(std::max(0, -k)), {}};
+  for (int j = std::max(k, 0) + 1; j <= order_; ++j) {
+    sum.constant += 1.0;
+    sum.add(j - 1, -1.0);
+  }
+  return sum;
+}
+
+Affine CumulativeVariables::elapsed_moment(int m) const {
+  Affine sum{static_cast<double>(std::max(0, m - order_)), {}};
+  for (int j = 1; j <= std::min(m, order_); ++j) sum.add(j - 1, 1.0);
+  return sum;
+}
+
+CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int order) {
+  for (int k = 1; k <= order; ++k) problem.add_variable(fmt::format("B_{}", k), {0.0, 1.0});
+  return CumulativeVariables(order);
+}
+
+namespace {
+
+/// Largest speeds with which one axis starts, and stops, on its own in any event of the task. Start and stop rows grow with the
+/// speed, so the largest implies the rest.
+struct AxisSpeeds {
+  double start = 0.0, stop = 0.0;
+};
+
+AxisSpeeds axis_speeds(const Task& task, Eigen::Index axis) {
+  AxisSpeeds speeds;
+  for (const TaskCorner& corner : task.corners) {
+    const double in = std::abs(corner.geometry.feed_in * corner.geometry.direction_in[axis]);
+    const double out = std::abs(corner.geometry.feed_out * corner.geometry.direction_out[axis]);
+    // An axis moved by one leg only sees a plain stop or start in the blend as well.
+    speeds.start = std::max({speeds.start, in, in == 0.0 ? out : 0.0});
+    speeds.stop = std::max({speeds.stop, out, out == 0.0 ? in : 0.0});
+  }
+  return speeds;
+}
+
+class RowBuilder {
+ public:
+  RowBuilder(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task, const FormulationOptions& options)
+      : problem_(problem), b_(b), task_(task), options_(options), period_(task.sample_period), one_(1.0 - options.margin) {}
+
+  void taps() {
+    double bound = 1.0;
+    for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
+      const AxisSpeeds speeds = axis_speeds(task_, index(a));
+      const double fastest = std::max(speeds.start, speeds.stop);
+      const double limit = task_.machine.axes[a].acceleration_max;
+      if (fastest > 0.0 && limit < unlimited) bound = std::min(bound, limit * period_ / fastest);
+    }
+    const double upper = bound < 1.0 ? bound * one_ : nlp::infinity;
+    for (int i = 0; i <= b_.order(); ++i) affine(fmt::format("acceleration, tap {}", i), b_.tap(i), {0.0, upper});
+  }
+
+  void jerk() {
+    double bound = nlp::infinity;  // on |b_i - b_{i-1}|
+    std::string name;
+    for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
+      const AxisSpeeds speeds = axis_speeds(task_, index(a));
+      const double fastest = std::max(speeds.start, speeds.stop);
+      const double limit = task_.machine.axes[a].jerk_max;
+      if (fastest > 0.0 && limit * period_ * period_ / fastest < bound) {
+        bound = limit * period_ * period_ / fastest;
+        name = task_.machine.axes[a].name;
+      }
+    }
+    if (bound >= 1.0) return;
+    for (int i = 0; i <= b_.order() + 1; ++i) {
+      affine(fmt::format("jerk {}, k = {}", name, i + 1), (1.0 / bound) * (b_.tap(i) + -1.0 * b_.tap(i - 1)), {-one_, one_});
+    }
+  }
+
+  /// Start and stop of one axis at the task's largest speeds.
+  void start_and_stop(std::size_t a) {
+    const Axis& axis = task_.machine.axes[a];
+    const AxisSpeeds speeds = axis_speeds(task_, index(a));
+    for (int k = 1; k <= b_.order() + 1; ++k) {
+      if (speeds.start > 0.0) {
+        const double s = speeds.start;
+        const Affine force = s * (axis.mass / period_ * b_.tap(k - 1) + axis.damping * b_.cumulative(k));
+        bounded(axis, "start", k, LimitKind::force, force);
+        bounded(axis, "start", k, LimitKind::power, force, s * b_.cumulative(k));
+      }
+      if (speeds.stop > 0.0) {
+        const double s = speeds.stop;
+        const Affine force = s * (-axis.mass / period_ * b_.tap(k - 1) + axis.damping * b_.remaining(k));
+        // Driving forces while stopping stay below friction at feed, which is no row; braking forces at or below the start's
+        // speed stay below the start's.
+        if (speeds.stop > speeds.start) bounded(axis, "stop", k, LimitKind::force, force);
+        if (k <= b_.order()) bounded(axis, "stop", k, LimitKind::regeneration, force, s * b_.remaining(k));
+      }
+    }
+  }
+
+  /// Blend of one corner on an axis that both legs move.
+  void blend(std::size_t a, const TaskCorner& corner, int delay) {
+    const Axis& axis = task_.machine.axes[a];
+    const double in = corner.geometry.feed_in * corner.geometry.direction_in[index(a)];
+    const double out = corner.geometry.feed_out * corner.geometry.direction_out[index(a)];
+    if (in == 0.0 || out == 0.0) return;
+    const std::string event = "blend of corner " + corner.name;
+    const int n = b_.order();
+    const auto acceleration = [&](int k) {
+      return -in / period_ * b_.tap(k - 1) + out / period_ * b_.tap(k - 1 - delay);
+    };
+    for (int k = 1; k <= n + delay + 1; ++k) {
+      const Affine v = in * b_.remaining(k) + out * b_.cumulative(k - delay);
+      const Affine acc = acceleration(k);
+      const bool overlap = k - 1 <= n && k - 1 - delay >= 0;
+      // Accelerations of equal sign partly cancel and stay below the larger; only opposed legs add up.
+      if (overlap && in * out < 0.0) bounded(axis, event, k, LimitKind::acceleration, acc);
+      const Affine force = axis.mass * acc + axis.damping * v;
+      bounded(axis, event, k, LimitKind::force, force);
+      bounded(axis, event, k, LimitKind::power, force, v);
+      bounded(axis, event, k, LimitKind::regeneration, force, v);
+    }
+    if (axis.jerk_max == unlimited) return;
+    for (int k = delay + 1; k <= n + 2; ++k) {
+      bounded(axis, event, k, LimitKind::jerk, 1.0 / period_ * (acceleration(k) + -1.0 * acceleration(k - 1)));
+    }
+  }
+
+  void speed(const TaskCorner& corner, int delay) {
+    if (corner.speed_min <= 0.0) return;
+    const double v1 = corner.geometry.feed_in / corner.speed_min, v2 = corner.geometry.feed_out / corner.speed_min;
+    const double c = corner.geometry.cos_interior();
+    const double least = (1.0 + options_.margin) * (1.0 + options_.margin);
+    for (int k = 1; k <= b_.order() + delay + 1; ++k) {
+      const Affine in = b_.remaining(k), out = b_.cumulative(k - delay);
+      const int row = problem_.add_row(fmt::format("smallest speed, corner {}, k = {}", corner.name, k), {least, nlp::infinity});
+      problem_.add_product(row, v1 * v1, in, in);
+      problem_.add_product(row, v2 * v2, out, out);
+      problem_.add_product(row, -2.0 * v1 * v2 * c, in, out);
+    }
+  }
+
+  void vibration(const Mode& mode, const std::vector<double>& frequencies) {
+    if (mode.residual_max >= 1.0) return;
+    for (const double f : frequencies) {
+      const double w = 2.0 * std::numbers::pi * f * period_;
+      Affine real, imaginary;
+      for (int i = 0; i <= b_.order(); ++i) {
+        real += std::cos(w * i) * b_.tap(i);
+        imaginary += std::sin(w * i) * b_.tap(i);
+      }
+      const std::string name = fmt::format("vibration at {:.6g} Hz", f);
+      if (mode.residual_max == 0.0) {
+        affine(name + ", cosine", std::move(real), {0.0, 0.0});
+        affine(name + ", sine", std::move(imaginary), {0.0, 0.0});
+        continue;
+      }
+      if (!options_.reduced) {
+        real = defined_variable("C at " + name, real);
+        imaginary = defined_variable("S at " + name, imaginary);
+      }
+      const int row = problem_.add_row(name, {-nlp::infinity, one_ * one_});
+      const double scale = 1.0 / (mode.residual_max * mode.residual_max);
+      problem_.add_product(row, scale, real, real);
+      problem_.add_product(row, scale, imaginary, imaginary);
+    }
+  }
+
+  void symmetry() {
+    for (int k = 1; 2 * k <= b_.order() + 1; ++k) {
+      affine(fmt::format("symmetry, k = {}", k), b_.cumulative(k) + b_.cumulative(b_.order() + 1 - k), {1.0, 1.0});
+    }
+  }
+
+ private:
+  static Eigen::Index index(std::size_t a) { return static_cast<Eigen::Index>(a); }
+
+  void affine(std::string name, const Affine& value, nlp::Bound bound) {
+    problem_.add_to_row(problem_.add_row(std::move(name), bound), value);
+  }
+
+  /// New variable equal to an affine form, so that dense forms stand in linear rows only.
+  Affine defined_variable(const std::string& name, const Affine& value) {
+    const int variable = problem_.add_variable(name, {-nlp::infinity, nlp::infinity});
+    affine("definition of " + name, value + Affine{0.0, {{variable, -1.0}}}, {0.0, 0.0});
+    return {0.0, {{variable, 1.0}}};
+  }
+
+  /// Row for one limit of one axis at one sample, scaled to +-1; nothing where the axis has no such limit.
+  /// `quantity` is what is bounded, or the force of a power at the given speed.
+  void bounded(const Axis& axis, const std::string& event, int k, LimitKind kind, const Affine& quantity,
+               const Affine& speed = {1.0, {}}) {
+    const auto add = [&](double bound, nlp::Bound scaled) {
+      if (bound == unlimited) return;
+      std::string name = fmt::format("{} {}, {}, k = {}", to_string(kind), axis.name, event, k);
+      if (speed.terms.empty()) {
+        affine(std::move(name), speed.constant / bound * quantity, scaled);
+      } else {
+        problem_.add_product(problem_.add_row(std::move(name), scaled), 1.0 / bound, quantity, speed);
+      }
+    };
+    switch (kind) {
+      case LimitKind::acceleration: add(axis.acceleration_max, {-one_, one_}); break;
+      case LimitKind::jerk: add(axis.jerk_max, {-one_, one_}); break;
+      case LimitKind::force: add(axis.force_max, {-one_, one_}); break;
+      case LimitKind::power: add(axis.power_max, {-nlp::infinity, one_}); break;
+      case LimitKind::regeneration: add(axis.regeneration_max, {-one_, nlp::infinity}); break;
+      default: break;
+    }
+  }
+
+  QuadraticProblem& problem_;
+  const CumulativeVariables& b_;
+  const Task& task_;
+  const FormulationOptions& options_;
+  double period_, one_;
+};
+
+}  // namespace
+
+void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task, const FormulationOptions& options) {
+  RowBuilder rows(problem, b, task, options);
+  rows.taps();
+  rows.jerk();
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    rows.start_and_stop(a);
+    for (std::size_t j = 0; j < task.corners.size(); ++j) rows.blend(a, task.corners[j], options.blend_delays[j]);
+  }
+  for (std::size_t j = 0; j < task.corners.size(); ++j) rows.speed(task.corners[j], options.blend_delays[j]);
+  for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
+    rows.vibration(task.machine.modes[i], options.mode_frequencies[i]);
+  }
+  if (task.design.symmetric) rows.symmetry();
+}
+
+std::vector<std::string> contradictions(const Task& task) {
+  std::vector<std::string> found;
+  for (const TaskCorner& corner : task.corners) {
+    for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
+      const Axis& axis = task.machine.axes[i];
+      const auto a = static_cast<Eigen::Index>(i);
+      const double speed = std::max(std::abs(corner.geometry.feed_in * corner.geometry.direction_in[a]),
+                                    std::abs(corner.geometry.feed_out * corner.geometry.direction_out[a]));
+      const double friction = axis.damping * speed;
+      const auto tell = [&](const char* limit, const char* unit, double needed, double bound) {
+        if (needed <= bound * (1.0 + 1e-12)) return;
+        found.push_back(fmt::format("{} {}: corner {} needs {:.6g} {} at constant feed, the limit is {:.6g} {}", limit, axis.name,
+                                    corner.name, needed, unit, bound, unit));
+      };
+      tell("velocity", "m/s", speed, axis.velocity_max);
+      tell("force", "N", friction, axis.force_max);
+      tell("power", "W", friction * speed, axis.power_max);
+    }
+    const double feed = std::min(corner.geometry.feed_in, corner.geometry.feed_out);
+    if (corner.speed_min > feed * (1.0 + 1e-12)) {
+      found.push_back(fmt::format("speed_min: corner {} asks for at least {:.6g} m/s, its slower leg runs at {:.6g} m/s", corner.name,
+                                  corner.speed_min, feed));
+    }
+  }
+  return found;
+}
+
+std::vector<std::vector<double>> initial_frequencies(const Task& task, int order) {
+  std::vector<std::vector<double>> all;
+  for (const Mode& mode : task.machine.modes) {
+    const double width = mode.frequency_high - mode.frequency_low;
+    const int cells = width > 0.0 ? 1 + static_cast<int>(2.0 * width * task.sample_period * (order + 1)) : 0;
+    std::vector<double> frequencies{mode.frequency_low};
+    for (int i = 1; i <= cells; ++i) frequencies.push_back(mode.frequency_low + width * i / cells);
+    all.push_back(std::move(frequencies));
+  }
+  return all;
+}
+
+}  // namespace accdec
