@@ -1,16 +1,15 @@
-// Smallest delay for random corners: angle 1 .. 180 deg, both feeds 6 .. 60 m/min and tolerance 5 .. 200 um all different.
-// items_per_second is corners per second on one core; the argument is the filter's order N.
+// Smallest delay for random corners: angle 1 .. 180 deg, both feeds 6 .. 60 m/min and tolerance 5 .. 200 um all
+// different. items_per_second is corners per second on one core; the argument is the filter's order N.
 //   bench_delay --benchmark_repetitions=5 --benchmark_report_aggregates_only=true
 
 #include <benchmark/benchmark.h>
 
+#include <accdec/motion/shapes.hpp>
+#include <accdec/motion/smallest_delay.hpp>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <vector>
-
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
 
 namespace {
 
@@ -50,7 +49,9 @@ void run(benchmark::State& state, const Filter& filter, double low, double high,
 }
 
 // The Acc/Dec time stays 40 ms while the sampling gets finer: the same motion, resolved by more samples.
-double period(const benchmark::State& state) { return 0.04 / static_cast<double>(state.range(0)); }
+double period(const benchmark::State& state) {
+  return 0.04 / static_cast<double>(state.range(0));
+}
 
 void blackman_sinc(benchmark::State& state) {
   const int order = static_cast<int>(state.range(0));

@@ -1,12 +1,11 @@
 #pragma once
 
+#include <accdec/motion/filter.hpp>
+#include <accdec/motion/shapes.hpp>
 #include <cmath>
 #include <random>
 #include <utility>
 #include <vector>
-
-#include <accdec/motion/filter.hpp>
-#include <accdec/motion/shapes.hpp>
 
 namespace accdec::test {
 
@@ -18,10 +17,12 @@ inline double uniform(Random& random, double low, double high) {
 inline double log_uniform(Random& random, double low, double high) {
   return std::exp(uniform(random, std::log(low), std::log(high)));
 }
-inline int integer(Random& random, int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); }
+inline int integer(Random& random, int low, int high) {
+  return std::uniform_int_distribution<int>(low, high)(random);
+}
 
-/// Filters of order 0 .. order_max of every kind a user could bring: standard shapes, rough random taps, taps over a huge
-/// dynamic range, one-sided decays, combs, and zero taps at either end.
+/// Filters of order 0 .. order_max of every kind a user could bring: standard shapes, rough random taps, taps over a
+/// huge dynamic range, one-sided decays, combs, and zero taps at either end.
 inline Filter random_filter(Random& random, int order_max) {
   const int order = integer(random, 0, order_max);
   std::vector<double> taps(static_cast<std::size_t>(order) + 1);

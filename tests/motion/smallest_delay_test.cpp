@@ -1,15 +1,13 @@
-#include <accdec/motion/smallest_delay.hpp>
-
 #include <gtest/gtest.h>
 
+#include <accdec/motion/blend.hpp>
+#include <accdec/motion/corner.hpp>
+#include <accdec/motion/smallest_delay.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
-
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/corner.hpp>
 
 #include "random_case.hpp"
 
@@ -61,8 +59,8 @@ void expect_smallest(const Filter& in, const Filter& out, const Case& corner) {
   for (int smaller = 0; smaller < d; ++smaller) {
     const double error = plain_error(in, out, corner.c, corner.step_in, corner.step_out, smaller);
     ASSERT_GT(error, corner.error_max * (1.0 - 1e-12))
-        << "delay " << smaller << " does, " << d << " was returned; cos " << corner.c << " steps " << corner.step_in << " "
-        << corner.step_out << " bound " << corner.error_max << " orders " << in.order() << " " << out.order();
+        << "delay " << smaller << " does, " << d << " was returned; cos " << corner.c << " steps " << corner.step_in
+        << " " << corner.step_out << " bound " << corner.error_max << " orders " << in.order() << " " << out.order();
   }
 }
 
@@ -78,7 +76,8 @@ TEST(SmallestDelay, EqualsBruteForceOneFilter) {
 TEST(SmallestDelay, EqualsBruteForcePairs) {
   Random random(2);
   for (int i = 0; i < 200000; ++i) {
-    const Filter in = random_filter(random, i % 500 == 0 ? 300 : 40), out = random_filter(random, i % 300 == 0 ? 300 : 40);
+    const Filter in = random_filter(random, i % 500 == 0 ? 300 : 40),
+                 out = random_filter(random, i % 300 == 0 ? 300 : 40);
     expect_smallest(in, out, random_corner(random, in));
     if (HasFatalFailure()) return;
   }
@@ -106,8 +105,8 @@ TEST(SmallestDelay, AnyToleranceAboveTheUndelayedErrorNeedsNone) {
   EXPECT_EQ(finder(-1.0, 1e-4, 1e-4, 1e-4), 0);  // straight on at one feed: a sample in every step's length
 }
 
-// Boxcar, equal feeds, N + d even: eps = 2 v0 T cos(theta/2) E[max(i - N/2 - d/2, 0)]; with j = (N - d)/2 taps left of N + 1
-// the sum is j (j + 1) / (2 (N + 1)). The bound is put just above and just below it.
+// Boxcar, equal feeds, N + d even: eps = 2 v0 T cos(theta/2) E[max(i - N/2 - d/2, 0)]; with j = (N - d)/2 taps left of
+// N + 1 the sum is j (j + 1) / (2 (N + 1)). The bound is put just above and just below it.
 TEST(SmallestDelay, BoxcarInClosedForm) {
   const int order = 40;
   const DelayFinder finder(boxcar(order));

@@ -1,15 +1,13 @@
+#include <accdec/motion/leg_distance.hpp>
 #include <accdec/motion/smallest_delay.hpp>
-
 #include <algorithm>
 #include <cmath>
-
-#include <accdec/motion/leg_distance.hpp>
 
 namespace accdec {
 namespace {
 
-/// Argument of the smallest f over lo .. hi for f that falls, then rises. Doubling steps from the guess bracket the minimum,
-/// golden section narrows it: O(log |guess - minimum|) values of f.
+/// Argument of the smallest f over lo .. hi for f that falls, then rises. Doubling steps from the guess bracket the
+/// minimum, golden section narrows it: O(log |guess - minimum|) values of f.
 template <class Function>
 int minimise(const Function& f, int guess, int lo, int hi) {
   int best = guess;
@@ -90,7 +88,9 @@ DelayFinder::Ramp::Ramp(const std::vector<double>& values) {
   cell_.resize(static_cast<std::size_t>(cells) + 3);
   int m = 0;
   for (std::size_t c = 0; c < cell_.size(); ++c) {
-    while (m < last() && static_cast<std::size_t>(std::sqrt(points_[static_cast<std::size_t>(m) + 1].value) * scale_) < c) ++m;
+    while (m < last() &&
+           static_cast<std::size_t>(std::sqrt(points_[static_cast<std::size_t>(m) + 1].value) * scale_) < c)
+      ++m;
     cell_[c] = m;
   }
 }
