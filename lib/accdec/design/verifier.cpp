@@ -41,7 +41,10 @@ Peak peak_over_events(const SampledMotion& m, Quantity quantity) {
   const auto scan = [&](Event event, int zero, Rows rows) {
     for (int row = rows.first; row <= rows.second; ++row) {
       const double value = quantity(row);
-      if (!any || value > peak.value) peak = {value, event, row - zero};
+      if (any && value <= peak.value) continue;
+      // Among samples equal but for rounding the first is the one a reader expects.
+      const bool clearly = !any || value > peak.value + 1e-12 * std::abs(peak.value);
+      peak = clearly ? Peak{value, event, row - zero} : Peak{value, peak.event, peak.sample};
       any = true;
     }
   };

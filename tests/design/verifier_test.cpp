@@ -1,0 +1,104 @@
+#include <accdec/design/verifier.hpp>
+
+#include <gmock/gmock.h>
+
+#include <accdec/design/simulation.hpp>
+#include <accdec/motion/blend.hpp>
+#include <accdec/motion/shapes.hpp>
+#include <design/tasks.hpp>
+
+namespace accdec {
+namespace {
+
+using testing::plane_corner;
+using testing::plane_task;
+using ::testing::HasSubstr;
+
+TEST(Simulation, GivesTableTwoOfThePaper) {
+  // Blackman-sinc, N = 40, 95 degrees, feeds 0.1 and 0.3 m/s: 488, 267, 48, 0 um.
+  const Filter filter = blackman_sinc(40, 0.049);
+  const double printed[] = {488, 267, 48, 0};
+  const int delays[] = {0, 5, 15, 41};
+  for (int i = 0; i < 4; ++i) {
+    const Task task = plane_task({}, plane_corner("A", 95, 0, 0.1, 0.3), std::nullopt);
+    std::vector<CornerResult> corners;
+    verify_by_simulation(task, filter, {delays[i]}, nullptr, &corners);
+    EXPECT_NEAR(corners[0].corner_error * 1e6, printed[i], 0.5) << "d = " << delays[i];
+  }
+}
+
+TEST(Verifier, AgreesWithTheFormulasOnEveryMeasureAndLimit) {
+  std::mt19937 rng(7);
+  for (int round = 0; round < 200; ++round) {
+    Task task = testing::random_task(rng, 1 + round % 3);
+    task.machine.modes = {{30.0, 60.0, 0.3}, {80.0, 80.0, 0.2}};
+    const int order = 1 + static_cast<int>(rng() % 40);
+    const Filter filter = testing::random_filter(rng, order);
+    std::vector<int> delays;
+    for (std::size_t j = 0; j < task.corners.size(); ++j) delays.push_back(static_cast<int>(rng() % 50));
+    std::vector<LimitUse> uses;
+    std::vector<CornerResult> corners;
+    const VerificationReport report = verify_by_simulation(task, filter, delays, &uses, &corners);
+    std::vector<LimitUse> expected;
+    for (std::size_t j = 0; j < task.corners.size(); ++j) {
+      const TaskCorner& corner = task.corners[j];
+      const CornerMeasures m = measure(Blend(filter, corner.geometry, delays[j], task.sample_period));
+      EXPECT_NEAR(corners[j].corner_error, m.corner_error, 1e-12 + 1e-10 * m.corner_error);
+      EXPECT_NEAR(corners[j].polyline_error, m.polyline_error, 1e-12 + 1e-10 * m.polyline_error);
+      EXPECT_NEAR(corners[j].contour_deviation, m.contour_deviation, 1e-12 + 1e-9 * m.contour_deviation);
+      EXPECT_NEAR(corners[j].speed_min, m.speed_min, 1e-12 + 1e-10 * m.speed_min);
+      for (const LimitUse& use :
+           axis_utilisation(filter, corner.geometry, delays[j], task.sample_period, task.machine, corner.name)) {
+        expected.push_back(use);
+      }
+    }
+    double worst = 0.0;
+    for (const LimitUse& use : expected) {
+      const auto same = std::find_if(uses.begin(), uses.end(), [&](const LimitUse& other) {
+        return other.kind == use.kind && other.axis == use.axis && other.corner == use.corner;
+      });
+      ASSERT_NE(same, uses.end());
+      EXPECT_NEAR(same->utilisation, use.utilisation, 1e-9 * (1.0 + use.utilisation)) << describe(use);
+    }
+    for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, task.machine)) {
+      const auto same = std::find_if(uses.begin(), uses.end(), [&](const LimitUse& other) {
+        return other.kind == LimitKind::vibration && other.bound == use.bound;
+      });
+      ASSERT_NE(same, uses.end());
+      EXPECT_NEAR(same->utilisation, use.utilisation, 1e-9 * (1.0 + use.utilisation));
+    }
+    for (const LimitUse& use : uses) worst = std::max(worst, use.utilisation);
+    EXPECT_EQ(report.feasible, worst <= 1.0 + verification_tolerance);
+  }
+}
+
+TEST(Verifier, NamesTheLimitThatIsBroken) {
+  Axis axis;
+  axis.acceleration_max = 4.0;  // a boxcar of 20 taps at 0.1 m/s asks for 5 m/s^2
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), std::nullopt);
+  const DesignResult result = assess(task, boxcar(19), {0}, false);
+  EXPECT_EQ(result.status, Status::failed);
+  EXPECT_FALSE(result.filter.has_value());
+  EXPECT_THAT(result.message, HasSubstr("acceleration x: 125.0 % at k = 1 of the start, corner A"));
+  EXPECT_NEAR(result.verification.max_violation, 0.25, 1e-12);
+}
+
+TEST(Verifier, TakesAnExactStopAsErrorZero) {
+  Task task = plane_task({}, plane_corner("A", 90, 30, 0.1, 0.2), 0.0);
+  EXPECT_TRUE(verify_by_simulation(task, hann(30), {31}).feasible);
+  EXPECT_FALSE(verify_by_simulation(task, hann(30), {20}).feasible);
+}
+
+TEST(Evaluate, NeedsFilterAndDelays) {
+  Task task = plane_task({}, plane_corner("A", 90, 0, 0.1, 0.1), std::nullopt);
+  EXPECT_THROW(evaluate_task(task), std::invalid_argument);
+  task.filter = FilterSpec{Shape::boxcar, 10, 0.0, 0, {}};
+  EXPECT_THROW(evaluate_task(task), std::invalid_argument);
+  task.corners[0].delay = 3;
+  const DesignResult result = evaluate_task(task);
+  EXPECT_EQ(result.status, Status::feasible);
+  EXPECT_DOUBLE_EQ(result.cycle_time, 14e-3);
+}
+
+}  // namespace
+}  // namespace accdec
