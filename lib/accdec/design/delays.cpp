@@ -1,0 +1,92 @@
+#include <accdec/design/design.hpp>
+
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include <accdec/design/limit_rows.hpp>
+#include <accdec/design/verifier.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+
+namespace accdec {
+namespace {
+
+/// Whether one corner holds its axis limits and its smallest speed at a delay. Uses the blend formulas, for speed; the final
+/// design is simulated.
+bool holds(const Task& task, const TaskCorner& corner, const Filter& filter, int delay, std::string* broken) {
+  const auto tell = [&](const LimitUse& use) {
+    if (use.utilisation <= 1.0 + verification_tolerance) return true;
+    *broken = describe(use);
+    return false;
+  };
+  for (const LimitUse& use : axis_utilisation(filter, corner.geometry, delay, task.sample_period, task.machine, corner.name)) {
+    if (!tell(use)) return false;
+  }
+  const CornerMeasures measures = measure(Blend(filter, corner.geometry, delay, task.sample_period));
+  LimitUse use;
+  use.corner = corner.name;
+  use.event = Event::blend;
+  if (corner.error_max && measures.corner_error > position_floor) {
+    use.kind = LimitKind::corner_error;
+    use.sample = measures.corner_error_sample;
+    use.utilisation = utilisation_of(use.kind, measures.corner_error, *corner.error_max);
+    if (!tell(use)) return false;
+  }
+  if (corner.speed_min > 0.0) {
+    use.kind = LimitKind::speed_min;
+    use.sample = measures.speed_min_sample;
+    use.utilisation = utilisation_of(use.kind, measures.speed_min, corner.speed_min);
+    if (!tell(use)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+DesignResult design_delays(const Task& task, const DesignOptions& options) {
+  const auto began = std::chrono::steady_clock::now();
+  const Filter filter = make_filter(*task.filter);
+  const DelayFinder smallest(filter);
+  std::vector<int> delays;
+  std::string impossible;
+  long tried = 0;
+  for (const TaskCorner& corner : task.corners) {
+    const double period = task.sample_period;
+    int delay = corner.delay.value_or(
+        corner.error_max ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
+                                    corner.geometry.feed_out * period, *corner.error_max)
+                         : 0);
+    // From N + 1 on the legs do not overlap and nothing changes any more.
+    const int last = corner.delay.value_or(std::max(delay, filter.order() + 1));
+    std::string broken;
+    while (++tried, !holds(task, corner, filter, delay, &broken) && delay < last) ++delay;
+    if (!holds(task, corner, filter, delay, &broken)) {
+      impossible = fmt::format("this filter breaks a limit at corner {} whatever its delay; at d = {}: {}", corner.name, delay, broken);
+      if (corner.delay) impossible = fmt::format("this filter breaks a limit at the given delay: {}", broken);
+      break;
+    }
+    delays.push_back(delay);
+    if (options.progress) options.progress(fmt::format("corner {}: d = {}", corner.name, delay));
+  }
+  DesignResult result;
+  if (impossible.empty()) {
+    result = assess(task, filter, delays, false);
+    if (result.status == Status::feasible) {
+      result.status = Status::optimal;
+      result.lower_bound = result.cycle_time;
+      result.gap = 0.0;
+      result.certificate = R"({"kind":"enumeration"})";
+    }
+  } else {
+    result.task = task;
+    result.status = Status::infeasible;
+    result.message = impossible;
+  }
+  result.solver.method = "given";
+  result.solver.name = "enumeration";
+  result.solver.evaluations = tried;
+  result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return result;
+}
+
+}  // namespace accdec

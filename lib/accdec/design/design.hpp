@@ -1,0 +1,40 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include <accdec/design/result.hpp>
+#include <accdec/design/task.hpp>
+#include <accdec/solvers/solver.hpp>
+
+namespace accdec {
+
+enum class Method {
+  exact,  ///< branch on (N, d, k) with linear programmes: proves the shortest corner
+  nlp     ///< smooth relaxation, rounding and repair with any registered solver: verified, nothing proved
+};
+
+struct DesignOptions {
+  Method method = Method::exact;
+  std::string solver = "ipopt";                       ///< registry name, for Method::nlp
+  solvers::Options solver_options;                    ///< tolerance, seed, native options of every single solve
+  double time_limit = 600.0;                          ///< s, for the whole design
+  const std::atomic<bool>* cancel = nullptr;          ///< ends the search early with the best verified design so far
+  std::function<void(const std::string&)> progress;   ///< one line a step; nothing is told when empty
+  bool certificate = true;                            ///< exact: keep the proof in the result
+};
+
+/// Chooses what the task leaves open (filter, order, delays) for the least cycle time within all limits.
+/// The result is verified by simulation, or its status is infeasible or failed and it carries no filter.
+/// @throws std::invalid_argument for an unknown solver or native option.
+DesignResult design_task(const Task& task, const DesignOptions& options = {});
+
+/// The filter given, delays free (fixed where the task gives them): for every corner the smallest delay at which its error bound and
+/// all limits hold. Exhaustive from the smallest delay the corner error allows, so the result is the optimum.
+DesignResult design_delays(const Task& task, const DesignOptions& options = {});
+
+/// Filter and delays by nonlinear programming, see Method::nlp.
+DesignResult design_nlp(const Task& task, const DesignOptions& options = {});
+
+}  // namespace accdec

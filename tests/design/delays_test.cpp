@@ -1,0 +1,58 @@
+#include <gmock/gmock.h>
+
+#include <accdec/design/design.hpp>
+#include <accdec/design/verifier.hpp>
+#include <accdec/motion/shapes.hpp>
+#include <design/tasks.hpp>
+
+namespace accdec {
+namespace {
+
+TEST(DesignDelays, IsTheFirstDelayThatSimulationAccepts) {
+  std::mt19937 rng(41);
+  int found = 0, none = 0;
+  for (int round = 0; round < 400; ++round) {
+    Task task = testing::random_task(rng, 1);
+    // Limits loose enough that about half of the filters pass.
+    for (Axis& axis : task.machine.axes) {
+      axis.acceleration_max *= 3.0;
+      axis.jerk_max *= 10.0;
+      axis.force_max *= 3.0;
+      axis.power_max *= 5.0;
+      axis.regeneration_max *= 5.0;
+    }
+    const int order = 2 + static_cast<int>(rng() % 30);
+    task.filter = FilterSpec{round % 2 == 0 ? Shape::trapezoid : Shape::s_curve, order, 0.0, order / 4, {}};
+    const Filter filter = make_filter(*task.filter);
+    int expected = -1;
+    for (int d = 0; d <= order + 1 && expected < 0; ++d) {
+      if (verify_by_simulation(task, filter, {d}).feasible) expected = d;
+    }
+    const DesignResult result = design_delays(task);
+    if (expected < 0) {
+      EXPECT_EQ(result.status, Status::infeasible);
+      EXPECT_FALSE(result.filter.has_value());
+      ++none;
+    } else {
+      ASSERT_EQ(result.status, Status::optimal) << result.message;
+      EXPECT_EQ(result.corners[0].delay, expected);
+      ++found;
+    }
+  }
+  EXPECT_GT(found, 80);
+  EXPECT_GT(none, 80);
+}
+
+TEST(DesignDelays, KeepsGivenDelays) {
+  Task task = testing::plane_task({}, testing::plane_corner("A", 90, 0, 0.1, 0.1), 20e-6);
+  task.filter = FilterSpec{Shape::hann, 40, 0.0, 0, {}};
+  task.corners[0].delay = 39;
+  EXPECT_EQ(design_delays(task).corners[0].delay, 39);
+  task.corners[0].delay = 0;
+  const DesignResult result = design_delays(task);
+  EXPECT_EQ(result.status, Status::infeasible);
+  EXPECT_THAT(result.message, ::testing::HasSubstr("at the given delay: corner error"));
+}
+
+}  // namespace
+}  // namespace accdec
