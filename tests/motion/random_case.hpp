@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <accdec/motion/corner.hpp>
 #include <accdec/motion/filter.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <cmath>
@@ -52,6 +54,17 @@ inline Filter random_filter(Random& random, int order_max) {
     }
   }
   return Filter(std::move(taps));
+}
+
+/// Two random legs in `axes` axes with the given interior angle, rad (axes >= 2), feeds 6 .. 60 m/min.
+inline Corner random_corner_in_space(Random& random, int axes, double angle) {
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd u(axes), w(axes);
+  for (int i = 0; i < axes; ++i) u[i] = normal(random), w[i] = normal(random);
+  u.normalize();
+  w = (w - w.dot(u) * u).normalized();
+  return make_corner(u, -std::cos(angle) * u + std::sin(angle) * w, uniform(random, 0.1, 1.0),
+                     uniform(random, 0.1, 1.0));
 }
 
 }  // namespace accdec::test
