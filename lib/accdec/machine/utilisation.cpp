@@ -131,41 +131,65 @@ double residual_vibration(const Filter& filter, double frequency, double sample_
   return std::hypot(c, s);
 }
 
+namespace {
+
+/// |H|^2 and its derivative with respect to f, up to a positive factor, by Horner's rule on H and dH/dz.
+struct Response {
+  double square, slope;
+};
+
+Response response(const Filter& filter, double frequency, double sample_period) {
+  const double w = 2.0 * std::numbers::pi * frequency * sample_period;
+  const double zr = std::cos(w), zi = -std::sin(w);
+  double hr = 0.0, hi = 0.0, dr = 0.0, di = 0.0;
+  const auto taps = filter.taps();
+  for (std::size_t i = taps.size(); i-- > 0;) {
+    const double r = dr * zr - di * zi + hr, im = dr * zi + di * zr + hi;
+    dr = r;
+    di = im;
+    const double h = hr * zr - hi * zi + taps[i];
+    hi = hr * zi + hi * zr;
+    hr = h;
+  }
+  // dH/dw = -j z dH/dz; d|H|^2/dw = 2 Re(conj(H) dH/dw).
+  const double gr = zr * di + zi * dr, gi = zi * di - zr * dr;
+  return {hr * hr + hi * hi, hr * gr + hi * gi};
+}
+
+}  // namespace
+
 std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine) {
   std::vector<LimitUse> uses;
   for (const Mode& mode : machine.modes) {
-    const auto response = [&](double f) { return residual_vibration(filter, f, sample_period); };
-    // |H|^2 is a trigonometric polynomial of degree N: 8 points to the shortest period 1/(N T) catch every maximum.
+    const auto at = [&](double f) { return response(filter, f, sample_period); };
+    // |H|^2 is a trigonometric polynomial of degree N: 8 points to its shortest period 1/(N T) separate the maxima.
     const double width = mode.frequency_high - mode.frequency_low;
     const int cells = std::max(1, static_cast<int>(std::ceil(8.0 * width * sample_period * (filter.order() + 1))));
     const auto grid = [&](int i) { return mode.frequency_low + width * std::min(1.0, static_cast<double>(i) / cells); };
-    std::vector<double> at(static_cast<std::size_t>(cells) + 1);
-    for (int i = 0; i <= cells; ++i) at[static_cast<std::size_t>(i)] = response(grid(i));
-
-    double best_f = grid(0), best = at[0];
-    const auto consider = [&](double f, double value) {
-      if (value > best) best = value, best_f = f;
+    std::vector<Response> points(static_cast<std::size_t>(cells) + 1);
+    double best_f = grid(0), best = -1.0;
+    const auto consider = [&](double f, const Response& r) {
+      if (r.square > best) best = r.square, best_f = f;
     };
-    for (int i = 0; i <= cells && width > 0.0; ++i) {
-      const auto u = static_cast<std::size_t>(i);
-      consider(grid(i), at[u]);
-      const bool peak = (i == 0 || at[u] >= at[u - 1]) && (i == cells || at[u] >= at[u + 1]);
-      if (!peak) continue;
-      double low = grid(std::max(i - 1, 0)), high = grid(std::min(i + 1, cells));
-      for (int step = 0; step < 60 && high - low > 1e-13 * high; ++step) {
-        const double f1 = low + (high - low) * 0.381966011250105, f2 = low + (high - low) * 0.618033988749895;
-        const double r1 = response(f1), r2 = response(f2);
-        consider(f1, r1);
-        consider(f2, r2);
-        (r1 < r2 ? low : high) = r1 < r2 ? f1 : f2;
+    for (int i = 0; i <= cells; ++i) consider(grid(i), points[static_cast<std::size_t>(i)] = at(grid(i)));
+    const double worth = 0.5 * best;  // a maximum between grid points rises far less than that above the nearer of them
+    for (int i = 0; i < cells; ++i) {
+      const Response &left = points[static_cast<std::size_t>(i)], &right = points[static_cast<std::size_t>(i) + 1];
+      if (!(left.slope > 0.0 && right.slope < 0.0) || std::max(left.square, right.square) < worth) continue;
+      double low = grid(i), high = grid(i + 1);
+      for (int step = 0; step < 40 && high - low > 1e-9 * (grid(i + 1) - grid(i)); ++step) {
+        const double f = 0.5 * (low + high);
+        const Response r = at(f);
+        consider(f, r);
+        (r.slope > 0.0 ? low : high) = f;
       }
     }
     LimitUse use;
     use.kind = LimitKind::vibration;
-    use.value = best;
-    use.bound = mode.residual_max;
-    use.utilisation = utilisation_of(use.kind, best, mode.residual_max);
     use.frequency = best_f;
+    use.value = residual_vibration(filter, best_f, sample_period);
+    use.bound = mode.residual_max;
+    use.utilisation = utilisation_of(use.kind, use.value, mode.residual_max);
     uses.push_back(use);
   }
   return uses;

@@ -25,9 +25,9 @@ std::string_view to_string(LimitKind kind);
 
 /// The three events of every corner on which the axis limits hold; k counts from the last sample before each begins.
 enum class Event {
-  start,  ///< from rest along leg 1, k = 0 .. N + 1
-  blend,  ///< around the corner, k = 0 .. N + d + 1
-  stop,   ///< to rest along leg 2, k = 0 .. N + 1
+  start,  ///< from rest along leg 1, k = 0 .. N + 1; the jerk also at N + 2, where the last tap's acceleration ends
+  blend,  ///< around the corner, k = 0 .. N + d + 1; the jerk also at N + d + 2
+  stop,   ///< to rest along leg 2, as the start
   none    ///< not tied to an event: vibration
 };
 std::string_view to_string(Event event);
@@ -58,8 +58,8 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
 /// Residual vibration of a filter at frequency f in Hz: |sum_i b_i exp(-2 pi j f i T)|, 0 .. 1.
 double residual_vibration(const Filter& filter, double frequency, double sample_period);
 
-/// The worst frequency of every mode's band: a grid finer than the response can wiggle, then golden section around each
-/// local maximum. O((N + 1) * grid).
+/// The worst frequency of every mode's band: a grid finer than the response can wiggle, then bisection on its slope in every
+/// cell that holds a maximum worth it. O((N + 1) * grid), grid = 8 (N + 1) T (high - low).
 std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine);
 
 }  // namespace accdec

@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+
+#include <accdec/machine/utilisation.hpp>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include "../motion/random_case.hpp"
+
+namespace accdec {
+namespace {
+
+using test::integer;
+using test::Random;
+using test::random_filter;
+using test::uniform;
+
+constexpr double pi = std::numbers::pi;
+constexpr double period = 1e-3;
+
+double plain_response(const Filter& filter, double f) {
+  std::complex<long double> sum = 0;
+  for (int i = 0; i <= filter.order(); ++i) {
+    const long double x = 2.0L * std::numbers::pi_v<long double> * f * i * period;
+    sum += static_cast<long double>(filter.tap(i)) * std::complex<long double>(std::cos(x), -std::sin(x));
+  }
+  return static_cast<double>(std::abs(sum));
+}
+
+// Dirichlet kernel: |sin((N + 1) x/2) / ((N + 1) sin(x/2))|, x = 2 pi f T.
+TEST(Vibration, BoxcarIsTheDirichletKernel) {
+  for (double f : {1.0, 12.5, 24.39, 99.0, 250.0, 499.0}) {
+    const double x = 2 * pi * f * period;
+    EXPECT_NEAR(residual_vibration(boxcar(40), f, period), std::abs(std::sin(20.5 * x) / (41 * std::sin(x / 2))),
+                1e-14);
+  }
+  EXPECT_NEAR(residual_vibration(boxcar(39), 25.0, period), 0.0, 1e-15);
+  EXPECT_DOUBLE_EQ(residual_vibration(s_curve(20), 0.0, period), 1.0);
+}
+
+// ZV shaper: taps 1/2 at 0 and n leave an undamped mode at f = 1/(2 n T) at rest; |cos(pi f n T)| elsewhere.
+TEST(Vibration, ZvShaperLeavesNoResidual) {
+  for (int n : {1, 5, 13}) {
+    std::vector<double> taps(static_cast<std::size_t>(n) + 1, 0.0);
+    taps.front() = taps.back() = 1;
+    const Filter zv(taps);
+    EXPECT_NEAR(residual_vibration(zv, 1 / (2 * n * period), period), 0.0, 1e-15);
+    EXPECT_NEAR(residual_vibration(zv, 17.0, period), std::abs(std::cos(pi * 17.0 * n * period)), 1e-14);
+  }
+}
+
+// What "residual" means: an undamped mode driven by the filtered velocity command rings on, after the start, with
+// |H(f)| times the amplitude of an unfiltered step. Sampled exactly: the modal coordinate e^{jwt}-demodulated is the
+// sum of the steps.
+TEST(Vibration, ResidualIsTheAmplitudeAnUndampedModeKeeps) {
+  Random random(1);
+  for (int i = 0; i < 50; ++i) {
+    const Filter filter = random_filter(random, 30);
+    const double f = uniform(random, 2, 200), w = 2 * pi * f;
+    // x'' + w^2 x = -V' dot: each step of speed dV adds -dV/w sin(w t) to x. Position and speed just after the last
+    // step:
+    double x = 0, v = 0;
+    for (int k = 1; k <= filter.order() + 1; ++k) {
+      v -= filter.cumulative(k) - filter.cumulative(k - 1);
+      const double c = std::cos(w * period), s = std::sin(w * period);
+      const double next_x = c * x + s / w * v, next_v = -w * s * x + c * v;
+      x = next_x;
+      v = next_v;
+    }
+    EXPECT_NEAR(std::hypot(w * x, v), residual_vibration(filter, f, period), 1e-12);
+  }
+}
+
+TEST(Vibration, WorstFrequencyOfABandEqualsADenseGrid) {
+  Random random(2);
+  for (int i = 0; i < 200; ++i) {
+    const Filter filter = random_filter(random, 60);
+    Machine machine;
+    Mode mode;
+    mode.frequency_low = uniform(random, 1, 400);
+    mode.frequency_high = mode.frequency_low + (i % 4 == 0 ? 0.0 : test::log_uniform(random, 0.01, 400));
+    mode.residual_max = 0.05;
+    machine.modes = {mode};
+    const LimitUse use = vibration_utilisation(filter, period, machine).at(0);
+    EXPECT_EQ(use.kind, LimitKind::vibration);
+    EXPECT_EQ(use.event, Event::none);
+    EXPECT_GE(use.frequency, mode.frequency_low);
+    EXPECT_LE(use.frequency, mode.frequency_high);
+    EXPECT_NEAR(use.value, plain_response(filter, use.frequency), 1e-13);
+    EXPECT_DOUBLE_EQ(use.utilisation, use.value / 0.05);
+    double worst = 0.0;
+    const int n = 2000;
+    for (int j = 0; j <= n; ++j) {
+      const double f = mode.frequency_low + (mode.frequency_high - mode.frequency_low) * j / n;
+      worst = std::max(worst, residual_vibration(filter, f, period));
+    }
+    // From above and from below: |dH/df| <= 2 pi N T, and at an inner maximum the grid is short by second order only.
+    EXPECT_GE(use.value, worst - 1e-12);
+    const double cell = (mode.frequency_high - mode.frequency_low) / n;
+    EXPECT_LE(use.value, worst + 0.5 * cell * 2 * pi * filter.order() * period + 1e-12);
+  }
+}
+
+TEST(Vibration, EveryModeInOrder) {
+  Machine machine;
+  machine.modes = {{38, 46, 0.05}, {100, 100, 0.0}, {0.001, 0.001, 1.0}};
+  const auto uses = vibration_utilisation(boxcar(9), period, machine);
+  ASSERT_EQ(uses.size(), 3u);
+  EXPECT_DOUBLE_EQ(uses[0].frequency, 38);  // falls towards its zero at 100 Hz
+  EXPECT_EQ(uses[1].bound, 0.0);
+  EXPECT_NEAR(uses[1].value, 0.0, 1e-15);
+  EXPECT_LE(uses[2].utilisation, 1.0);
+}
+
+}  // namespace
+}  // namespace accdec
