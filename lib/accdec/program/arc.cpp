@@ -1,0 +1,78 @@
+#include <accdec/program/arc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace accdec {
+namespace {
+
+constexpr double rounding = 1e-5;  // m, what programs with few decimals are forgiven
+constexpr double relative_rounding = 1e-3;
+
+struct Polar {
+  double radius, angle;
+};
+Polar polar(const Arc& arc, const ProgramPoint& p) {
+  const double x = p[arc.first] - arc.center_first, y = p[arc.second] - arc.center_second;
+  return {std::hypot(x, y), std::atan2(y, x)};
+}
+
+}  // namespace
+
+ArcProblem arc_by_center(Arc& arc, bool clockwise, int turns) {
+  const Polar a = polar(arc, arc.from), b = polar(arc, arc.to);
+  if (a.radius < 1e-9 || b.radius < 1e-9) return ArcProblem::radius_zero;
+  if (!(std::abs(a.radius - b.radius) <= std::max(rounding, relative_rounding * std::min(a.radius, b.radius)))) {
+    return ArcProblem::radius_differs;
+  }
+  constexpr double full = 2.0 * std::numbers::pi;
+  double angle = b.angle - a.angle;
+  const bool closed = arc.from[arc.first] == arc.to[arc.first] && arc.from[arc.second] == arc.to[arc.second];
+  if (closed) {
+    angle = full;
+  } else {
+    if (clockwise) angle = -angle;
+    while (angle <= 0.0) angle += full;
+    while (angle > full) angle -= full;
+  }
+  angle += full * (turns - 1);
+  arc.angle = clockwise ? -angle : angle;
+  return ArcProblem::none;
+}
+
+ArcProblem arc_by_radius(Arc& arc, bool clockwise, double radius, int turns) {
+  const double x = arc.to[arc.first] - arc.from[arc.first], y = arc.to[arc.second] - arc.from[arc.second];
+  const double chord = std::hypot(x, y), r = std::abs(radius);
+  if (r < 1e-9) return ArcProblem::radius_zero;
+  if (chord == 0.0) return ArcProblem::same_end;
+  if (!(0.5 * chord <= r + rounding)) return ArcProblem::radius_too_small;
+  const double height = std::sqrt(std::max(0.0, (r - 0.5 * chord) * (r + 0.5 * chord)));
+  // Up to half a turn clockwise has the centre to the right of the chord; each of the other choices changes sides.
+  const double side = (clockwise == (radius > 0.0)) ? 1.0 : -1.0;
+  arc.center_first = arc.from[arc.first] + 0.5 * x + side * height * y / chord;
+  arc.center_second = arc.from[arc.second] + 0.5 * y - side * height * x / chord;
+  return arc_by_center(arc, clockwise, turns);
+}
+
+int chord_count(const Arc& arc, double tolerance) {
+  const double r = std::max(polar(arc, arc.from).radius, polar(arc, arc.to).radius);
+  // 2 acos(1 - t/r) without its cancellation.
+  const double step = std::min(4.0 * std::asin(std::sqrt(std::min(1.0, 0.5 * tolerance / r))), 0.5 * std::numbers::pi);
+  const double count = std::ceil(std::abs(arc.angle) / step - 1e-9);
+  return count <= 1e7 ? std::max(1, static_cast<int>(count)) : 0;
+}
+
+ProgramPoint chord_end(const Arc& arc, int i, int n) {
+  if (i == n) return arc.to;
+  const Polar a = polar(arc, arc.from), b = polar(arc, arc.to);
+  const double t = static_cast<double>(i) / n, radius = a.radius + t * (b.radius - a.radius);
+  const double angle = a.angle + t * arc.angle;
+  ProgramPoint p;
+  for (std::size_t k = 0; k < p.size(); ++k) p[k] = arc.from[k] + t * (arc.to[k] - arc.from[k]);
+  p[arc.first] = arc.center_first + radius * std::cos(angle);
+  p[arc.second] = arc.center_second + radius * std::sin(angle);
+  return p;
+}
+
+}  // namespace accdec

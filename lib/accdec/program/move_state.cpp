@@ -1,0 +1,61 @@
+#include <accdec/program/move_state.hpp>
+
+#include <cmath>
+#include <string>
+
+namespace accdec {
+
+void MoveState::send(const ProgramPoint& to, bool rapid, bool inside_arc, std::size_t column) {
+  Move move;
+  move.to = to;
+  move.tolerance = tolerance;
+  move.control = control;
+  if (inside_arc && control != PathControl::blend) {
+    // Chord ends are no corners of the program; what exactness means on an arc is that of its chords.
+    move.control = PathControl::blend;
+    move.tolerance = arc_tolerance_;
+  }
+  move.rapid = rapid;
+  move.inside_arc = inside_arc;
+  move.line = source_.line_number();
+  move.column = static_cast<std::uint32_t>(column);
+  if (!rapid) {
+    const double feed_unit = rotary_only(position, to) ? 1e-3 : unit;
+    move.duration = feed_duration(position, to, feed * feed_unit / 60.0);
+  }
+  sink_.move(move);
+  position = to;
+}
+
+void MoveState::straight(const ProgramPoint& to, bool rapid, std::size_t column) {
+  if (!rapid && feed <= 0.0) source_.fail(column, "no feed: an F word must come before the first feed move");
+  send(to, rapid, false, column);
+}
+
+void MoveState::arc(Arc arc, bool clockwise, int turns, const double* radius, Plane plane, std::size_t column) {
+  if (feed <= 0.0) source_.fail(column, "no feed: an F word must come before the first feed move");
+  arc.from = position;
+  arc.first = first_axis(plane);
+  arc.second = second_axis(plane);
+  const ArcProblem problem =
+      radius != nullptr ? arc_by_radius(arc, clockwise, *radius, turns) : arc_by_center(arc, clockwise, turns);
+  const auto distance = [&](const ProgramPoint& p) {
+    return std::hypot(p[arc.first] - arc.center_first, p[arc.second] - arc.center_second) / unit;
+  };
+  switch (problem) {
+    case ArcProblem::none: break;
+    case ArcProblem::radius_zero: source_.fail(column, "impossible arc: its radius is 0");
+    case ArcProblem::radius_differs:
+      source_.fail(column, "impossible arc: radius " + std::to_string(distance(arc.from)) + " at its start, " +
+                               std::to_string(distance(arc.to)) + " at its end");
+    case ArcProblem::radius_too_small:
+      source_.fail(column, "impossible arc: its ends are more than twice the radius apart");
+    case ArcProblem::same_end:
+      source_.fail(column, "impossible arc: a full circle needs its centre (I J K), not a radius");
+  }
+  const int chords = chord_count(arc, arc_tolerance_);
+  if (chords == 0) source_.fail(column, "arc of more than 10 million chords: the arc tolerance is too small for it");
+  for (int i = 1; i <= chords; ++i) send(chord_end(arc, i, chords), false, i < chords, column);
+}
+
+}  // namespace accdec

@@ -1,0 +1,42 @@
+#include <accdec/program/number.hpp>
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+
+namespace accdec {
+namespace {
+
+constexpr double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+
+}  // namespace
+
+bool read_number(const char*& p, const char* end, double& value) {
+  const char* q = p;
+  const bool negative = q != end && *q == '-';
+  if (q != end && (*q == '-' || *q == '+')) ++q;
+  const char* const start = q;
+  std::uint64_t digits = 0;
+  unsigned digit = 0;
+  while (q != end && (digit = static_cast<unsigned>(*q) - '0') <= 9U) digits = digits * 10U + digit, ++q;
+  std::ptrdiff_t count = q - start, decimals = 0;
+  if (q != end && *q == '.') {
+    const char* const point = ++q;
+    while (q != end && (digit = static_cast<unsigned>(*q) - '0') <= 9U) digits = digits * 10U + digit, ++q;
+    decimals = q - point;
+    count += decimals;
+  }
+  if (count == 0) return false;
+  double result = 0.0;
+  if (count <= 15) {  // both exact as doubles, so the quotient is correctly rounded
+    result = static_cast<double>(digits) / powers[decimals];
+  } else if (std::from_chars(start, q, result, std::chars_format::fixed).ec != std::errc{}) {
+    return false;
+  }
+  if (!(result <= number_max)) return false;
+  value = negative ? -result : result;
+  p = q;
+  return true;
+}
+
+}  // namespace accdec

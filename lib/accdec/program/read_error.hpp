@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace accdec {
+
+/// What is wrong with a program, and where. what() is "file:line:column: message"; lines and columns count from 1.
+class ReadError : public std::invalid_argument {
+ public:
+  ReadError(const std::string& file, std::int64_t line, std::size_t column, const std::string& message)
+      : std::invalid_argument(file + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + message),
+        line_(line),
+        column_(column) {}
+  std::int64_t line() const { return line_; }
+  std::size_t column() const { return column_; }
+
+ private:
+  std::int64_t line_;
+  std::size_t column_;
+};
+
+}  // namespace accdec

@@ -1,0 +1,24 @@
+#include <accdec/program/reader.hpp>
+
+#include <accdec/program/canonical_call.hpp>
+
+namespace accdec {
+
+ProgramFormat read_program(LineSource& source, const ReadOptions& options, MoveSink& sink) {
+  if (source.name().ends_with(".csv") || source.name().ends_with(".CSV")) {
+    read_csv(source, options, sink);
+    return ProgramFormat::csv;
+  }
+  std::string_view line;
+  while (source.next(line)) {
+    if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
+    source.again();
+    if (find_call(line).name.empty()) break;
+    read_canonical(source, options, sink);
+    return ProgramFormat::canonical;
+  }
+  read_rs274(source, options, sink);
+  return ProgramFormat::rs274;
+}
+
+}  // namespace accdec

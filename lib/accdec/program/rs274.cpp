@@ -1,0 +1,231 @@
+#include <accdec/program/reader.hpp>
+
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <accdec/program/move_state.hpp>
+#include <accdec/program/words.hpp>
+
+namespace accdec {
+namespace {
+
+/// Modal groups of G codes, as far as they are understood.
+enum Group : int { g_motion, g_plane, g_distance, g_arc_distance, g_units, g_path, g_other, g_dwell };
+
+struct Code {
+  Group group;
+  bool known = true;
+};
+
+Code classify(int tenths) {
+  switch (tenths) {
+    case 0: case 10: case 20: case 30: case 800: return {g_motion};
+    case 40: return {g_dwell};
+    case 170: case 180: case 190: return {g_plane};
+    case 200: case 210: return {g_units};
+    case 610: case 611: case 640: return {g_path};
+    case 900: case 910: return {g_distance};
+    case 901: case 911: return {g_arc_distance};
+    case 400: case 430: case 490: case 540: case 550: case 560: case 570: case 580: case 590: case 591: case 592: case 593:
+    case 940: case 960: case 970: case 980: case 990: return {g_other};
+    default: return {g_other, false};
+  }
+}
+
+std::string name(char letter, int tenths) {
+  return tenths % 10 == 0 ? fmt::format("{}{}", letter, tenths / 10) : fmt::format("{}{}.{}", letter, tenths / 10, tenths % 10);
+}
+
+class Interpreter {
+ public:
+  Interpreter(LineSource& source, const ReadOptions& options, MoveSink& sink)
+      : source_(source), state_(source, sink, options.arc_tolerance) {}
+
+  void run() {
+    std::string_view line;
+    bool opened = false;
+    while (source_.next(line)) {
+      switch (scan_words(source_, line, words_)) {
+        case LineKind::empty: break;
+        case LineKind::percent:
+          if (opened) return;
+          opened = true;
+          break;
+        case LineKind::words:
+          opened = true;
+          if (!execute()) return;
+      }
+    }
+  }
+
+ private:
+  bool execute();
+  bool modal_codes();
+  void path_control(int tenths);
+  void move();
+  void arc_move(const ProgramPoint& to, std::size_t column);
+  ProgramPoint target() const;
+  void refuse_unused() const;
+
+  bool take(char letter) {
+    if (!words_.has(letter)) return false;
+    used_ |= letter_bit(letter);
+    return true;
+  }
+
+  LineSource& source_;
+  MoveState state_;
+  Words words_;
+  std::uint32_t used_ = 0;
+  int motion_ = -1;  // tenths; -1: none yet, 800: cancelled
+  Plane plane_ = Plane::xy;
+  bool absolute_ = true, absolute_center_ = false;
+};
+
+bool Interpreter::execute() {
+  used_ = Words::passed_over;
+  if (take('F')) {
+    state_.feed = words_['F'];
+    if (!(state_.feed > 0.0)) source_.fail(words_.column('F'), "the feed must be positive");
+  }
+  bool stop = false, end = false;
+  for (const Words::Item& m : words_.m_codes()) {
+    switch (m.tenths) {
+      case 0: case 10: stop = true; break;
+      case 20: case 300: end = true; break;
+      case 30: case 40: case 50: case 60: case 70: case 80: case 90: case 480: case 490: break;
+      default: source_.fail(m.column, name('M', m.tenths) + " is not supported");
+    }
+  }
+  const bool dwell = words_.g_codes().empty() ? false : modal_codes();
+  if (dwell) {
+    if (!take('P')) source_.fail(words_.g_codes().front().column, "G4 needs its time in P, in seconds");
+    if (words_['P'] < 0.0) source_.fail(words_.column('P'), "a dwell cannot be negative");
+    state_.stop(words_['P']);
+  }
+  if (words_.any_axis()) move();
+  refuse_unused();
+  if (stop) state_.stop(0.0);
+  return !end;
+}
+
+/// Sets modes in the order of execution of the language; motion comes later. Returns whether there is a dwell.
+bool Interpreter::modal_codes() {
+  unsigned seen = 0;
+  bool dwell = false;
+  const Words::Item* path = nullptr;
+  for (const Words::Item& g : words_.g_codes()) {
+    const Code code = classify(g.tenths);
+    if (!code.known) source_.fail(g.column, name('G', g.tenths) + " is not supported");
+    if (code.group != g_other && (seen & (1U << code.group)) != 0U) {
+      source_.fail(g.column, name('G', g.tenths) + " contradicts another G word of its group in this block");
+    }
+    seen |= 1U << code.group;
+    switch (code.group) {
+      case g_motion: motion_ = g.tenths; break;
+      case g_plane: plane_ = g.tenths == 170 ? Plane::xy : g.tenths == 180 ? Plane::zx : Plane::yz; break;
+      case g_distance: absolute_ = g.tenths == 900; break;
+      case g_arc_distance: absolute_center_ = g.tenths == 901; break;
+      case g_units: {
+        const double unit = g.tenths == 200 ? 0.0254 : 1e-3;
+        // The feed number keeps its meaning in the old unit unless this block gives a new one.
+        if (!words_.has('F')) state_.feed *= state_.unit / unit;
+        state_.unit = unit;
+        break;
+      }
+      case g_path: path = &g; break;
+      case g_dwell: dwell = true; break;
+      case g_other: break;
+    }
+  }
+  if (dwell && path != nullptr && path->tenths == 640 && words_.has('P')) {
+    source_.fail(words_.column('P'), "P could belong to G4 or to G64: write them in separate blocks");
+  }
+  if (path != nullptr) path_control(path->tenths);
+  return dwell;
+}
+
+void Interpreter::path_control(int tenths) {
+  state_.control = tenths == 611   ? PathControl::exact_stop
+                   : tenths == 610 ? PathControl::exact_path
+                                   : PathControl::blend;
+  if (tenths != 640) return;
+  state_.tolerance = -1.0;
+  if (take('P')) {
+    if (!(words_['P'] > 0.0)) source_.fail(words_.column('P'), "the tolerance of G64 must be positive; G61 is the exact path");
+    state_.tolerance = words_['P'] * state_.unit;
+  }
+  take('Q');  // collinear moves need not be merged here
+}
+
+ProgramPoint Interpreter::target() const {
+  ProgramPoint to = state_.position;
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
+    const char letter = program_axes[a];
+    if (!words_.has(letter)) continue;
+    const double value = words_[letter] * (a >= 3 && a < 6 ? 1e-3 : state_.unit);
+    to[a] = absolute_ ? value : to[a] + value;
+  }
+  return to;
+}
+
+void Interpreter::move() {
+  used_ |= Words::axes;
+  const std::size_t column = words_.first_axis_column();
+  const ProgramPoint to = target();
+  switch (motion_) {
+    case 0: state_.straight(to, true, column); return;
+    case 10: state_.straight(to, false, column); return;
+    case 20: case 30: arc_move(to, column); return;
+    default: source_.fail(column, "axis word without a motion: G0, G1, G2 or G3 must come first");
+  }
+}
+
+void Interpreter::arc_move(const ProgramPoint& to, std::size_t column) {
+  Arc arc;
+  arc.to = to;
+  int turns = 1;
+  if (take('P')) {
+    const double p = words_['P'];
+    if (!(p >= 1.0 && p <= 1e6 && p == std::floor(p))) {
+      source_.fail(words_.column('P'), "P of an arc is its number of turns, a whole number from 1");
+    }
+    turns = static_cast<int>(p);
+  }
+  const bool clockwise = motion_ == 20;
+  if (take('R')) {
+    const double radius = words_['R'] * state_.unit;
+    state_.arc(arc, clockwise, turns, &radius, plane_, column);
+    return;
+  }
+  const std::size_t first = MoveState::first_axis(plane_), second = MoveState::second_axis(plane_);
+  const char i = static_cast<char>('I' + first), j = static_cast<char>('I' + second);
+  const bool has_i = take(i), has_j = take(j);
+  if (!has_i && !has_j) source_.fail(column, fmt::format("an arc in this plane needs R, or {} and {}", i, j));
+  if (absolute_center_ && !(has_i && has_j)) {
+    source_.fail(column, fmt::format("with G90.1 an arc needs both {} and {}", i, j));
+  }
+  arc.center_first = (has_i ? words_[i] * state_.unit : 0.0) + (absolute_center_ ? 0.0 : state_.position[first]);
+  arc.center_second = (has_j ? words_[j] * state_.unit : 0.0) + (absolute_center_ ? 0.0 : state_.position[second]);
+  state_.arc(arc, clockwise, turns, nullptr, plane_, column);
+}
+
+void Interpreter::refuse_unused() const {
+  const std::uint32_t unused = words_.present() & ~used_;
+  if (unused == 0U) return;
+  for (char letter = 'A'; letter <= 'Z'; ++letter) {
+    if ((unused & letter_bit(letter)) != 0U) {
+      source_.fail(words_.column(letter), fmt::format("word {} has no meaning in this block", letter));
+    }
+  }
+}
+
+}  // namespace
+
+void read_rs274(LineSource& source, const ReadOptions& options, MoveSink& sink) {
+  Interpreter(source, options, sink).run();
+}
+
+}  // namespace accdec

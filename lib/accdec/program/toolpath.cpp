@@ -1,0 +1,219 @@
+#include <accdec/program/toolpath.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/program/read_error.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr double nothing = 1e-12;  // m; moves shorter than this have no direction worth the name
+
+class Builder : public MoveSink {
+ public:
+  Builder(const LineSource& source, const Machine& machine, const ToolpathOptions& options)
+      : source_(source), options_(options) {
+    for (std::size_t a = 0; a < program_axis_count; ++a) limits_[a] = find_axis(machine, a);
+    limited_ = !machine.axes.empty();
+  }
+
+  void begin(const ProgramPoint& at) override { position_ = at; }
+  void move(const Move& move) override;
+  void stop(double dwell) override {
+    stopped_ = true;
+    if (dwell > 0.0 && path_.blocks() == 0) path_.dwell_first += dwell;
+    if (dwell > 0.0 && path_.blocks() > 0) path_.dwell.emplace_back(path_.blocks() - 1, dwell);
+  }
+  Toolpath finish();
+
+ private:
+  void add_axes(unsigned moving);
+  double rapid_duration(const Move& move) const;
+  void check_feed(const Move& move) const;
+  void close_joint(const Move& next);
+  [[noreturn]] void fail(const Move& move, const std::string& message) const {
+    throw ReadError(source_.name(), move.line, move.column, message);
+  }
+  Joint classify(const double* in, const double* out) const;
+
+  const LineSource& source_;
+  const ToolpathOptions& options_;
+  std::array<const Axis*, program_axis_count> limits_{};
+  bool limited_ = false;
+  Toolpath path_;
+  ProgramPoint position_{};
+  ProgramPoint start_{};
+  unsigned used_ = 0;  // bit a: axis a has moved
+  Move last_;
+  bool stopped_ = false;
+};
+
+void Builder::add_axes(unsigned moving) {
+  used_ |= moving;
+  const std::vector<std::size_t> old = path_.axes;
+  path_.axes.clear();
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
+    if ((used_ & (1U << a)) != 0U) path_.axes.push_back(a);
+  }
+  std::vector<double> points;
+  const std::size_t rows = path_.blocks() + 1;
+  points.reserve(rows * path_.axes.size() * 2);
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (const std::size_t a : path_.axes) {
+      const auto column = std::find(old.begin(), old.end(), a);
+      points.push_back(column == old.end()
+                           ? start_[a]
+                           : path_.points[i * old.size() + static_cast<std::size_t>(column - old.begin())]);
+    }
+  }
+  path_.points = std::move(points);
+}
+
+double Builder::rapid_duration(const Move& move) const {
+  double duration = 0.0;
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
+    const double distance = std::abs(move.to[a] - position_[a]);
+    if (distance == 0.0) continue;
+    if (limits_[a] == nullptr || !(limits_[a]->velocity_max < unlimited)) {
+      fail(move, fmt::format("a rapid move needs the velocity limit of axis {} in the task", program_axes[a]));
+    }
+    duration = std::max(duration, distance / limits_[a]->velocity_max);
+  }
+  return duration;
+}
+
+void Builder::check_feed(const Move& move) const {
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
+    if (limits_[a] == nullptr) continue;
+    const double speed = std::abs(move.to[a] - position_[a]) / move.duration;
+    if (speed <= limits_[a]->velocity_max * (1.0 + 1e-9)) continue;
+    fail(move, fmt::format("the feed moves axis {} at {:.6g} mm/s, its limit is {:.6g}", program_axes[a], speed * 1e3,
+                           limits_[a]->velocity_max * 1e3));
+  }
+}
+
+Joint Builder::classify(const double* in, const double* out) const {
+  double dot = 0.0, a = 0.0, b = 0.0, cross = 0.0;
+  const std::size_t n = path_.dimensions();
+  for (std::size_t i = 0; i < n; ++i) {
+    dot += in[i] * out[i];
+    a += in[i] * in[i];
+    b += out[i] * out[i];
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const double c = in[i] * out[j] - in[j] * out[i];
+      cross += c * c;
+    }
+  }
+  if (dot <= 0.0) return Joint::corner;
+  // Sine and cosine of the turn, both scaled by the lengths.
+  const double sine = std::sqrt(cross), scale = std::sqrt(a * b);
+  if (sine <= 1e-9 * scale) return Joint::straight;
+  return sine < std::sin(smooth_turn) * scale ? Joint::smooth : Joint::corner;
+}
+
+/// Decides on the joint between the last block kept and the one being added, whose end point is stored already.
+void Builder::close_joint(const Move& next) {
+  const std::size_t b = path_.blocks() - 1, n = path_.dimensions();
+  const double* p = path_.point(b);
+  std::array<double, program_axis_count> in{}, out{};
+  for (std::size_t i = 0; i < n; ++i) {
+    in[i] = p[n + i] - p[i];
+    out[i] = p[2 * n + i] - p[n + i];
+  }
+  Joint joint = classify(in.data(), out.data());
+  const bool stop = stopped_ || last_.control == PathControl::exact_stop ||
+                    (options_.rapid_stops && last_.rapid != next.rapid);
+  double tolerance = unlimited;
+  if (stop) {
+    joint = Joint::stop;
+  } else if (joint != Joint::straight) {
+    tolerance = last_.control == PathControl::exact_path ? 0.0 : last_.tolerance;
+    if (tolerance < 0.0 && options_.error_max) tolerance = *options_.error_max;
+    if (tolerance < 0.0) {
+      fail(last_, "the corner at the end of this move has no tolerance: G64 P in the program or [program] error_max_um in the task");
+    }
+  }
+  path_.joint.back() = joint;
+  path_.tolerance.back() = tolerance;
+}
+
+void Builder::move(const Move& move) {
+  unsigned moving = 0;
+  double length2 = 0.0;
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
+    const double distance = move.to[a] - position_[a];
+    if (distance == 0.0) continue;
+    moving |= 1U << a;
+    length2 += distance * distance;
+  }
+  if (length2 < nothing * nothing) {
+    ++path_.empty_moves;
+    return;
+  }
+  if ((moving & ~used_) != 0U) {
+    for (std::size_t a = 0; a < program_axis_count; ++a) {
+      if ((moving & (1U << a)) != 0U && limited_ && limits_[a] == nullptr) {
+        fail(move, fmt::format("axis {} is not among the axes of the task", program_axes[a]));
+      }
+    }
+    if (path_.blocks() == 0) start_ = position_;
+    add_axes(moving);
+  }
+  if (path_.blocks() == UINT32_MAX || move.line > UINT32_MAX) fail(move, "more than 4294967295 blocks or lines");
+  const double duration = move.rapid ? rapid_duration(move) : move.duration;
+  if (!(duration > 0.0 && duration < 1e9)) fail(move, "the move takes more than 1e9 s or no time at all");
+  if (!move.rapid) check_feed(move);
+  for (const std::size_t a : path_.axes) path_.points.push_back(move.to[a]);
+  if (path_.blocks() > 0) close_joint(move);
+  path_.duration.push_back(duration);
+  path_.tolerance.push_back(unlimited);
+  path_.joint.push_back(Joint::stop);
+  path_.line.push_back(static_cast<std::uint32_t>(move.line));
+  position_ = move.to;
+  last_ = move;
+  stopped_ = false;
+}
+
+Toolpath Builder::finish() {
+  if (path_.blocks() == 0) {
+    throw ReadError(source_.name(), std::max<std::int64_t>(1, source_.line_number()), 1, "the program does not move");
+  }
+  return std::move(path_);
+}
+
+}  // namespace
+
+std::string Toolpath::axis_name(std::size_t dimension) const {
+  return std::string(1, static_cast<char>(program_axes[axes[dimension]] | 0x20));
+}
+
+const Axis* find_axis(const Machine& machine, std::size_t program_axis) {
+  if (machine.axes.size() == 1) return &machine.axes.front();
+  for (const Axis& axis : machine.axes) {
+    if (axis.name.size() == 1 && (axis.name[0] & ~0x20) == program_axes[program_axis]) return &axis;
+  }
+  return nullptr;
+}
+
+Machine program_machine(const Machine& machine, const Toolpath& path) {
+  Machine result;
+  result.modes = machine.modes;
+  for (std::size_t i = 0; i < path.dimensions(); ++i) {
+    const Axis* axis = find_axis(machine, path.axes[i]);
+    result.axes.push_back(axis != nullptr ? *axis : Axis{});
+    result.axes.back().name = path.axis_name(i);
+  }
+  return result;
+}
+
+Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options) {
+  Builder builder(source, machine, options);
+  read_program(source, options.read, builder);
+  return builder.finish();
+}
+
+}  // namespace accdec

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <accdec/machine/machine.hpp>
+#include <accdec/program/line_source.hpp>
+#include <accdec/program/move.hpp>
+#include <accdec/program/reader.hpp>
+
+namespace accdec {
+
+/// How the joint at the end of a block is passed.
+enum class Joint : std::uint8_t {
+  corner,    ///< within its tolerance, judged at the samples: the corner error of a single corner
+  smooth,    ///< turns by less than `smooth_turn`: within its tolerance, judged on the path between the samples, too
+  straight,  ///< no turn: the path leads through it, nothing is asked
+  stop       ///< at rest
+};
+/// Largest turn of a smooth joint, rad: chords of arcs and of finely sampled curves turn less, corners more. At speed the samples
+/// lie farther apart than usual tolerances, so that the sampled error of a path that goes almost straight on says little.
+inline constexpr double smooth_turn = 0.34906585039886592;  // 20 degrees
+
+/// The straight moves of a program in the order of execution; block b leads from point b to point b + 1, and joint b is the
+/// one at its end. Moves of no length are not kept. About 45 bytes a block for two axes.
+struct Toolpath {
+  std::vector<std::size_t> axes;        ///< which of `program_axes` move, ascending: the columns of the points
+  std::vector<double> points;           ///< (blocks + 1) rows, m; see `program_axes` for rotary axes
+  std::vector<double> duration;         ///< s a block, > 0
+  std::vector<double> tolerance;        ///< m, of every joint; unlimited where it has none
+  std::vector<Joint> joint;             ///< one a block; the last is `stop`
+  std::vector<std::uint32_t> line;      ///< of every block
+  std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
+  double dwell_first = 0.0;             ///< before the first block, s
+  std::int64_t empty_moves = 0;         ///< moves of no length that were left out
+
+  std::size_t blocks() const { return duration.size(); }
+  std::size_t dimensions() const { return axes.size(); }
+  const double* point(std::size_t i) const { return points.data() + i * axes.size(); }
+  std::string axis_name(std::size_t dimension) const;
+};
+
+struct ToolpathOptions {
+  ReadOptions read;
+  std::optional<double> error_max;  ///< m, tolerance where the program gives none
+  bool rapid_stops = false;         ///< stop wherever rapid and feed moves meet
+};
+
+/// The task's axis that moves a program axis: the one of its name in either case; a task with a single axis gives its limits to
+/// every axis, one without any axis limits nothing. nullptr if there is none of that name.
+const Axis* find_axis(const Machine& machine, std::size_t program_axis);
+/// The machine with one axis a column of the path.
+Machine program_machine(const Machine& machine, const Toolpath& path);
+
+/// Reads a whole program.
+/// @throws ReadError, besides the reader's, for an axis the machine does not have, a feed above an axis' velocity limit, a rapid
+///         move of an axis without velocity limit, and a corner without tolerance.
+Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options);
+
+}  // namespace accdec

@@ -1,0 +1,102 @@
+#include <accdec/program/words.hpp>
+
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <accdec/program/number.hpp>
+
+namespace accdec {
+namespace {
+
+std::string printable(char c) {
+  if (c > ' ' && c < '\x7f') return fmt::format("'{}'", c);
+  return fmt::format("byte {:#04x}", static_cast<unsigned char>(c));
+}
+
+[[noreturn]] void refuse(const LineSource& source, char c, std::size_t column) {
+  switch (c) {
+    case '#': source.fail(column, "parameters (#) are not supported: give the interpreter's canonical output instead");
+    case '[':
+    case ']': source.fail(column, "expressions ([ ]) are not supported: give the interpreter's canonical output instead");
+    case ')': source.fail(column, "')' without its '('");
+    case '/': source.fail(column, "'/' deletes a block only as its first character");
+    case '%': source.fail(column, "'%' must stand alone on its line");
+    default: source.fail(column, printable(c) + " is no word of a program");
+  }
+}
+
+}  // namespace
+
+std::size_t Words::first_axis_column() const {
+  std::size_t column = SIZE_MAX;
+  for (char letter = 'A'; letter <= 'Z'; ++letter) {
+    if ((present_ & axes & letter_bit(letter)) != 0U && this->column(letter) < column) column = this->column(letter);
+  }
+  return column;
+}
+
+LineKind scan_words(LineSource& source, std::string_view line, Words& words) {
+  words.clear();
+  const char* const begin = line.data();
+  const char* const end = begin + line.size();
+  const char* p = begin;
+  bool first = true;
+  const auto column = [&](const char* at) { return static_cast<std::size_t>(at - begin) + 1; };
+  while (p != end) {
+    const char c = *p;
+    if (c == ' ' || c == '\t') {
+      ++p;
+      continue;
+    }
+    const char letter = static_cast<char>(c & ~0x20);
+    if (letter < 'A' || letter > 'Z') {
+      if (c == ';') break;
+      if (c == '(') {
+        const char* q = p + 1;
+        while (q != end && *q != ')' && *q != '(') ++q;
+        if (q == end) source.fail(column(p), "comment without its ')'");
+        if (*q == '(') source.fail(column(q), "'(' inside a comment");
+        p = q + 1;
+        continue;
+      }
+      if (first && c == '/') return LineKind::empty;
+      if (first && c == '%') {
+        const char* q = p + 1;
+        while (q != end && (*q == ' ' || *q == '\t')) ++q;
+        if (q == end) return LineKind::percent;
+      }
+      refuse(source, c, column(p));
+    }
+    first = false;
+    const char* const word = p++;
+    while (p != end && (*p == ' ' || *p == '\t')) ++p;
+    if (letter == 'O') {
+      source.fail(column(word), "O words are not supported: give the interpreter's canonical output instead");
+    }
+    double value = 0.0;
+    if (!read_number(p, end, value)) {
+      if (p != end && (*p == '#' || *p == '[')) refuse(source, *p, column(p));
+      source.fail(column(word), fmt::format("word {} has no number from -1e12 to 1e12", letter));
+    }
+    if (letter == 'G' || letter == 'M') {
+      const double tenths = std::round(value * 10.0);
+      if (std::abs(value * 10.0 - tenths) > 1e-6 || tenths < 0.0 || tenths > 9999.0) {
+        source.fail(column(word), fmt::format("{}{} is not supported", letter, value));
+      }
+      std::size_t& count = letter == 'G' ? words.g_count_ : words.m_count_;
+      if (count == Words::codes_max) source.fail(column(word), "more than 16 codes in a block");
+      (letter == 'G' ? words.g_ : words.m_)[count++] = {static_cast<int>(tenths), static_cast<std::uint32_t>(column(word))};
+      continue;
+    }
+    const std::uint32_t bit = letter_bit(letter);
+    if ((words.present_ & bit) != 0U) source.fail(column(word), fmt::format("word {} twice in a block", letter));
+    words.present_ |= bit;
+    words.value_[static_cast<std::size_t>(letter - 'A')] = value;
+    words.column_[static_cast<std::size_t>(letter - 'A')] = static_cast<std::uint32_t>(column(word));
+  }
+  return words.present_ == 0U && words.g_count_ == 0 && words.m_count_ == 0 ? LineKind::empty : LineKind::words;
+}
+
+}  // namespace accdec

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <accdec/program/line_source.hpp>
+
+namespace accdec {
+
+enum class LineKind { empty, words, percent };
+
+constexpr std::uint32_t letter_bit(char letter) { return 1U << (letter - 'A'); }
+
+/// The words of one RS-274 block.
+class Words {
+ public:
+  /// A G or M code, in tenths: G61.1 is 611.
+  struct Item {
+    int tenths;
+    std::uint32_t column;
+  };
+
+  static constexpr std::uint32_t axes = letter_bit('X') | letter_bit('Y') | letter_bit('Z') | letter_bit('A') |
+                                        letter_bit('B') | letter_bit('C') | letter_bit('U') | letter_bit('V') |
+                                        letter_bit('W');
+  /// Numbers of lines, tools and spindle speeds.
+  static constexpr std::uint32_t passed_over = letter_bit('N') | letter_bit('S') | letter_bit('T') |
+                                               letter_bit('H') | letter_bit('D');
+  static constexpr std::size_t codes_max = 16;
+
+  bool has(char letter) const { return (present_ & letter_bit(letter)) != 0U; }
+  std::uint32_t present() const { return present_; }
+  bool any_axis() const { return (present_ & axes) != 0U; }
+  double operator[](char letter) const { return value_[static_cast<std::size_t>(letter - 'A')]; }
+  std::size_t column(char letter) const { return column_[static_cast<std::size_t>(letter - 'A')]; }
+  std::size_t first_axis_column() const;
+  std::span<const Item> g_codes() const { return {g_.data(), g_count_}; }
+  std::span<const Item> m_codes() const { return {m_.data(), m_count_}; }
+
+ private:
+  friend LineKind scan_words(LineSource& source, std::string_view line, Words& words);
+  void clear() {
+    present_ = 0;
+    g_count_ = m_count_ = 0;
+  }
+
+  std::uint32_t present_ = 0;  ///< all letters but G and M
+  std::array<double, 26> value_{};
+  std::array<std::uint32_t, 26> column_{};
+  std::array<Item, codes_max> g_{}, m_{};
+  std::size_t g_count_ = 0, m_count_ = 0;
+};
+
+/// Splits a line into words; comments vanish, a deleted block (/) counts as empty. Letters of either case, blanks between words
+/// and between letter and number.
+/// @throws ReadError on anything that is no word, or a letter given twice.
+LineKind scan_words(LineSource& source, std::string_view line, Words& words);
+
+}  // namespace accdec
