@@ -2,37 +2,32 @@
 #include <accdec/motion/smallest_delay.hpp>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace accdec {
 namespace {
 
-/// Argument of the smallest f over lo .. hi for f that falls, then rises. Doubling steps from the guess bracket the
-/// minimum, golden section narrows it: O(log |guess - minimum|) values of f.
+struct Minimum {
+  int at;
+  double value;
+};
+
+/// Smallest f over lo .. hi for f that falls, then rises. Doubling steps from the guess bracket the minimum, golden
+/// section narrows it: O(log |guess - minimum|) values of f.
 template <class Function>
-int minimise(const Function& f, int guess, int lo, int hi) {
+Minimum minimise(const Function& f, int guess, int lo, int hi) {
+  // All three at once: they do not wait for each other, and mostly the guess is the answer.
+  const double above = guess < hi ? f(guess + 1) : std::numeric_limits<double>::infinity();
+  const double below = guess > lo ? f(guess - 1) : std::numeric_limits<double>::infinity();
   int best = guess;
-  double f_best = f(best);
+  double f_best = f(guess);
+  if (f_best <= std::min(above, below)) return {best, f_best};
+  const int direction = above < f_best ? 1 : -1;
   int left = lo - 1, right = hi + 1;  // f is not smaller there, or they lie outside
-  int direction = 0;
-  if (best < hi) {
-    const double value = f(best + 1);
-    if (value < f_best) {
-      direction = 1;
-      left = best++;
-      f_best = value;
-    } else {
-      right = best + 1;
-    }
-  }
-  if (direction == 0) {
-    if (best == lo) return best;
-    const double value = f(best - 1);
-    if (!(value < f_best)) return best;
-    direction = -1;
-    right = best--;
-    f_best = value;
-  }
-  for (int step = 2;; step *= 2) {
+  (direction > 0 ? left : right) = guess;
+  best += direction;
+  f_best = direction > 0 ? above : below;
+  for (int step = 1;; step *= 2) {
     const int next = best + direction * step;
     if (next <= left || next >= right) break;
     const double value = f(next);
@@ -60,7 +55,7 @@ int minimise(const Function& f, int guess, int lo, int hi) {
       (upwards ? right : left) = next;
     }
   }
-  return best;
+  return {best, f_best};
 }
 
 std::vector<double> remaining_from_the_end(const Filter& filter) {
@@ -82,8 +77,8 @@ DelayFinder::Ramp::Ramp(const std::vector<double>& values) {
     const double step = m + 1 < values.size() ? values[m + 1] - values[m] : 1.0;
     points_.push_back({values[m], std::min(1.0 / step, 1e300)});  // finite for taps near the smallest double
   }
-  // Two cells a sample keep the search within a cell short; the last one belongs to the top itself.
-  const int cells = 2 * (last() + 1);
+  // With four cells a sample most hold no point or one; the last cell belongs to the top itself.
+  const int cells = 4 * (last() + 1);
   scale_ = top() > 0.0 ? cells / std::sqrt(top()) : 0.0;
   cell_.resize(static_cast<std::size_t>(cells) + 3);
   int m = 0;
@@ -97,14 +92,12 @@ DelayFinder::Ramp::Ramp(const std::vector<double>& values) {
 
 int DelayFinder::Ramp::floor(double x) const {
   const auto cell = static_cast<std::size_t>(std::sqrt(x) * scale_);
-  int m = cell_[cell];
-  const int end = cell_[cell + 1] + 1;  // the value there lies in a later cell, so beyond x
-  if (end - m <= 8) {
-    while (m + 1 < end && (*this)[m + 1] <= x) ++m;
-    return m;
-  }
-  const auto begin = points_.begin() + m;
-  const auto after = std::upper_bound(begin, points_.begin() + std::min(end, last() + 1), x,
+  auto m = static_cast<std::size_t>(cell_[cell]);
+  m += points_[m + 1].value <= x;  // no branch to mispredict; there is a next point, for x is below the top
+  if (points_[m + 1].value > x) return static_cast<int>(m);
+  // The next cell's entry is the last point that may lie at or below x.
+  const auto end = points_.begin() + std::min(cell_[cell + 1] + 1, last() + 1);
+  const auto after = std::upper_bound(points_.begin() + static_cast<std::ptrdiff_t>(m) + 1, end, x,
                                       [](double value, const Point& point) { return value < point.value; });
   return static_cast<int>(after - points_.begin()) - 1;
 }
@@ -122,7 +115,13 @@ DelayFinder::DelayFinder(const Filter& filter_in, const Filter& filter_out)
       last_(filter_in.last_nonzero_tap()),
       first_(filter_out.first_nonzero_tap()),
       stop_delay_(std::max(0, last_ - first_)),
-      mean_delay_out_(filter_out.mean_delay()) {}
+      mean_delay_out_(filter_out.mean_delay()) {
+  // The mean power of leg 1's last stretch, where tolerances usually put the apex; it serves the first guess only.
+  if (last_ > 1) {
+    const int m = std::clamp(in_.floor(in_.top() / 256.0), 1, last_ - 1);
+    exponent_ = std::clamp(std::log(in_.top() / in_[m]) / std::log(static_cast<double>(last_) / m), 2.0, 8.0);
+  }
+}
 
 int DelayFinder::operator()(double cos_interior, double step_in, double step_out, double error_max) const {
   const double error = std::max(0.0, error_max);
@@ -138,13 +137,18 @@ int DelayFinder::operator()(double cos_interior, double step_in, double step_out
     const double q = std::sqrt(root2) - p * cos_interior;
     return k - first_ - out_.inverse(std::max(q, 0.0));
   };
-  // At a symmetric apex P = Q = eps / (2 cos(theta/2)).
-  const double apex = error / (step_in * std::sqrt(2.0 * (1.0 + cos_interior)));
+  // Were both ramps the same power n of time, k would be least where Q/P = g solves z (1 + g cos) = g (g + cos) with
+  // g = z^n / ratio; to first order in log(ratio) that is log g = log(ratio) / (n - 1 + n tan^2(theta/2)).
+  const double a = (ratio - 1.0) * (1.0 + cos_interior);
+  const double b = (ratio + 1.0) * ((exponent_ - 1.0) * (1.0 + cos_interior) + exponent_ * (1.0 - cos_interior));
+  const double g = (b + a) / (b - a);
+  const double apex = error / (step_in * std::sqrt(1.0 + g * (g + 2.0 * cos_interior)));
   const int guess = apex < in_.top() ? last_ - in_.floor(apex) : 0;
-  int k = minimise(real_delay, guess, 0, last_);
+  const Minimum least = minimise(real_delay, guess, 0, last_);
   // Rounding of an inverse may cost a delay that touches the bound; the error itself, compared below, decides.
-  const double lower = std::ceil(real_delay(k) - 1e-9);
+  const double lower = std::ceil(least.value - 1e-9);
 
+  int k = least.at;
   for (int d = std::clamp(static_cast<int>(lower), 0, stop_delay_); d < stop_delay_; ++d) {
     const auto distance = [&](int sample) {
       const int m = sample - d - first_;
@@ -152,8 +156,9 @@ int DelayFinder::operator()(double cos_interior, double step_in, double step_out
       return leg_distance(in_[last_ - sample] * step_in, q * step_out, cos_interior);
     };
     if (distance(k) <= error) return d;
-    k = minimise(distance, k, 0, last_);
-    if (distance(k) <= error) return d;
+    const Minimum nearest = minimise(distance, k, 0, last_);
+    if (nearest.value <= error) return d;
+    k = nearest.at;
   }
   return stop_delay_;
 }

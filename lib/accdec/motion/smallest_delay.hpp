@@ -64,6 +64,7 @@ class DelayFinder {
   Ramp out_;  ///< out_[m] = elapsed_moment(m + first_) of leg 2's
   int last_, first_, stop_delay_;
   double mean_delay_out_;
+  double exponent_ = 2.0;
 };
 
 }  // namespace accdec
