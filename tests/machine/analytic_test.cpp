@@ -10,6 +10,8 @@
 #include <numbers>
 #include <vector>
 
+#include "../motion/random_case.hpp"
+
 namespace accdec {
 namespace {
 
@@ -112,6 +114,32 @@ TEST(Analytic, ForceThenPowerLimitWithoutFriction) {
                                 ? axis.force_max * t / axis.mass
                                 : std::sqrt(corner_speed * corner_speed + 2 * axis.power_max * (t - knee) / axis.mass);
     EXPECT_NEAR(v * filter.cumulative(k), expected, 20 * axis.force_max / axis.mass * fine) << t;
+  }
+}
+
+// Among all filters whose start from rest keeps the force limit, the one that saturates it at every sample is the
+// fastest and has the smallest corner error, whatever the angle.
+TEST(Analytic, SaturatedStartIsFastestAndNearestToTheCorner) {
+  const double v = 0.5, mass = 100, damping = 800, force = 600;
+  const double a = force * period / mass / v, r = 1 / (1 + damping * period / mass);  // B[k] <= r (B[k-1] + a)
+  const auto start = [&](auto use) {
+    std::vector<double> speeds;
+    for (double now = 0.0; now < 1.0;) {
+      now = std::min(1.0, now + use() * (r * (now + a) - now));
+      speeds.push_back(now);
+    }
+    return from_speeds(speeds);
+  };
+  const Filter best = start([] { return 1.0; });
+  test::Random random(1);
+  for (int i = 0; i < 2000; ++i) {
+    const double least = test::uniform(random, 0.1, 0.999);
+    const Filter other =
+        start([&] { return test::uniform(random, 0, 2) < 1 ? 1.0 : test::uniform(random, least, 1.0); });
+    ASSERT_GE(other.order(), best.order());
+    const Corner corner = planar_corner(test::uniform(random, 0.02, 3.14), 0, Turn::left, v, v);
+    EXPECT_GE(measure(Blend(other, corner, 0, period)).polyline_error,
+              measure(Blend(best, corner, 0, period)).polyline_error);
   }
 }
 

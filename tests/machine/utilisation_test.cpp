@@ -151,11 +151,16 @@ TEST(Utilisation, Conventions) {
   EXPECT_EQ(to_string(Event::blend), "blend");
 }
 
-TEST(Utilisation, RefusesUnequalNumbersOfAxes) {
+TEST(Utilisation, RefusesUnequalNumbersOfAxesAndBadPeriods) {
   Machine machine;
   machine.axes.resize(3);
-  EXPECT_THROW(axis_utilisation(boxcar(3), planar_corner(1, 0, Turn::left, 1, 1), 0, 1e-3, machine),
-               std::invalid_argument);
+  const Corner corner = planar_corner(1, 0, Turn::left, 1, 1);
+  EXPECT_THROW(axis_utilisation(boxcar(3), corner, 0, 1e-3, machine), std::invalid_argument);
+  machine.axes.resize(2);
+  for (double bad : {0.0, -1e-3, std::nan(""), HUGE_VAL}) {
+    EXPECT_THROW(axis_utilisation(boxcar(3), corner, 0, bad, machine), std::invalid_argument);
+    EXPECT_THROW(vibration_utilisation(boxcar(3), bad, machine), std::invalid_argument);
+  }
 }
 
 }  // namespace

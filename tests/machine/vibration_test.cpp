@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 #include "../motion/random_case.hpp"
@@ -112,6 +113,28 @@ TEST(Vibration, EveryModeInOrder) {
   EXPECT_EQ(uses[1].bound, 0.0);
   EXPECT_NEAR(uses[1].value, 0.0, 1e-15);
   EXPECT_LE(uses[2].utilisation, 1.0);
+}
+
+TEST(Vibration, RefusesBadBands) {
+  for (const Mode& bad :
+       {Mode{0, 10, 0.1}, Mode{-5, 10, 0.1}, Mode{20, 10, 0.1}, Mode{1, HUGE_VAL, 0.1}, Mode{std::nan(""), 2, 1}}) {
+    Machine machine;
+    machine.modes = {bad};
+    EXPECT_THROW(vibration_utilisation(boxcar(3), period, machine), std::invalid_argument);
+  }
+}
+
+// Wide bands and long filters: 1 .. 500 Hz with 401 taps holds some 200 maxima; the first side lobe of a boxcar is the
+// largest above its first zero.
+TEST(Vibration, FirstSideLobeOfALongBoxcar) {
+  const int order = 400;
+  Machine machine;
+  const double zero = 1 / ((order + 1) * period);
+  machine.modes = {{zero, 500, 1}};
+  const LimitUse use = vibration_utilisation(boxcar(order), period, machine).at(0);
+  // For large N the lobe is that of sin(x)/x: 0.217234 at x = 4.493409.
+  EXPECT_NEAR(use.value, 0.217234, 2e-5);
+  EXPECT_NEAR(use.frequency / zero, 4.493409 / pi, 1e-4);
 }
 
 }  // namespace

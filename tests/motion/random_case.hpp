@@ -28,7 +28,7 @@ inline int integer(Random& random, int low, int high) {
 inline Filter random_filter(Random& random, int order_max) {
   const int order = integer(random, 0, order_max);
   std::vector<double> taps(static_cast<std::size_t>(order) + 1);
-  switch (integer(random, 0, 8)) {
+  switch (integer(random, 0, 9)) {
     case 0: return boxcar(order);
     case 1: return trapezoid(order, integer(random, 0, order / 2));
     case 2: return order < 2 ? boxcar(order) : s_curve(order);
@@ -47,6 +47,9 @@ inline Filter random_filter(Random& random, int order_max) {
     case 7:  // comb: mostly zeros inside
       for (double& b : taps) b = integer(random, 0, 4) == 0 ? uniform(random, 0.0, 1.0) : 0.0;
       taps[static_cast<std::size_t>(integer(random, 0, order))] = 1.0;
+      break;
+    case 8:
+      for (double& b : taps) b = log_uniform(random, 1e-60, 1.0);
       break;
     default: {  // zero taps at both ends
       const int first = integer(random, 0, order), last = integer(random, first, order);

@@ -83,6 +83,18 @@ TEST(SmallestDelay, EqualsBruteForcePairs) {
   }
 }
 
+// A bound that is the error of some delay, but for rounding, is met by that delay, not by the next.
+TEST(SmallestDelay, TiesAreMetNotMissed) {
+  Random random(3);
+  for (int i = 0; i < 50000; ++i) {
+    const Filter filter = random_filter(random, 40);
+    Case corner = random_corner(random, filter);
+    const int d = integer(random, 0, filter.order());
+    corner.error_max = plain_error(filter, filter, corner.c, corner.step_in, corner.step_out, d) * (1 + 1e-12);
+    ASSERT_LE(DelayFinder(filter)(corner.c, corner.step_in, corner.step_out, corner.error_max), d);
+  }
+}
+
 TEST(SmallestDelay, ZeroToleranceIsTheExactStop) {
   // Taps 2 .. 5 of 0 .. 7: leg 1 stands still from sample 5 on, leg 2 up to 2 samples after its command.
   const Filter filter({0, 0, 1, 2, 1, 1, 0, 0});

@@ -51,6 +51,12 @@ struct AxisEvent {
   int delay;
 };
 
+void require_period(double sample_period) {
+  if (!(sample_period > 0.0) || !std::isfinite(sample_period)) {
+    throw std::invalid_argument(fmt::format("sample period must be positive and finite, got {} s", sample_period));
+  }
+}
+
 /// Keeps the worst of a limit as samples come in.
 class Worst {
  public:
@@ -87,6 +93,7 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
     throw std::invalid_argument(
         fmt::format("corner has {} axes, the machine {}", corner.axes(), machine.axes.size()));
   }
+  require_period(sample_period);
   std::vector<LimitUse> uses;
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
@@ -159,8 +166,13 @@ Response response(const Filter& filter, double frequency, double sample_period) 
 }  // namespace
 
 std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine) {
+  require_period(sample_period);
   std::vector<LimitUse> uses;
   for (const Mode& mode : machine.modes) {
+    if (!(mode.frequency_low > 0.0 && mode.frequency_high >= mode.frequency_low && std::isfinite(mode.frequency_high))) {
+      throw std::invalid_argument(fmt::format("mode needs 0 < frequency_low <= frequency_high, got {} to {} Hz",
+                                              mode.frequency_low, mode.frequency_high));
+    }
     const auto at = [&](double f) { return response(filter, f, sample_period); };
     // |H|^2 is a trigonometric polynomial of degree N: 8 points to its shortest period 1/(N T) separate the maxima.
     const double width = mode.frequency_high - mode.frequency_low;

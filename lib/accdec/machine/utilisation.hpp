@@ -51,7 +51,7 @@ double utilisation_of(LimitKind kind, double value, double bound);
 
 /// Worst use, over start, blend and stop, of every finite axis limit. One entry per limit and axis, in axis order.
 /// @param corner  as many axes as the machine
-/// @throws std::invalid_argument if the numbers of axes differ.
+/// @throws std::invalid_argument if the numbers of axes differ or the sample period is not positive and finite.
 std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corner, int delay, double sample_period,
                                        const Machine& machine, const std::string& corner_name = "");
 
@@ -60,6 +60,7 @@ double residual_vibration(const Filter& filter, double frequency, double sample_
 
 /// The worst frequency of every mode's band: a grid finer than the response can wiggle, then bisection on its slope in every
 /// cell that holds a maximum worth it. O((N + 1) * grid), grid = 8 (N + 1) T (high - low).
+/// @throws std::invalid_argument on a band or sample period out of range.
 std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine);
 
 }  // namespace accdec

@@ -28,9 +28,10 @@ class DelayFinder {
   /// @param step_in       v1 T, m, > 0: length of a full-speed sample of leg 1
   /// @param step_out      v2 T, m, > 0
   /// @param error_max     bound on min_k |S[k]|, m, >= 0 (a negative bound or NaN is taken as 0)
-  /// @return the smallest d >= 0 with corner error <= error_max; never more than the d of an exact stop. The error of
-  /// the delay
-  ///         returned, as computed by `corner_error`, satisfies the bound to the last bit.
+  /// @return the smallest d >= 0 with corner error <= error_max, ties by rounding aside (1e-12 of the bound); never
+  /// more
+  ///         than the d of an exact stop. The error of the delay returned, as computed by `corner_error`, satisfies the
+  ///         bound to the last bit.
   int operator()(double cos_interior, double step_in, double step_out, double error_max) const;
 
   /// The delay from which on the motion stops exactly in the corner: last non-zero tap of leg 1's filter less first of
