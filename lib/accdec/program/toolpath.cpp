@@ -130,9 +130,10 @@ void Builder::close_joint(const Move& next) {
   double tolerance = unlimited;
   if (stop) {
     joint = Joint::stop;
-  } else if (joint != Joint::straight) {
+  } else {
     tolerance = last_.control == PathControl::exact_path ? 0.0 : last_.tolerance;
     if (tolerance < 0.0 && options_.error_max) tolerance = *options_.error_max;
+    if (tolerance < 0.0 && joint == Joint::straight) tolerance = unlimited;
     if (tolerance < 0.0) {
       fail(last_, "the corner at the end of this move has no tolerance: G64 P in the program or [program] error_max_um in the task");
     }
@@ -172,6 +173,7 @@ void Builder::move(const Move& move) {
   path_.duration.push_back(duration);
   path_.tolerance.push_back(unlimited);
   path_.joint.push_back(Joint::stop);
+  path_.inside_arc.push_back(move.inside_arc ? 1 : 0);
   path_.line.push_back(static_cast<std::uint32_t>(move.line));
   position_ = move.to;
   last_ = move;

@@ -17,7 +17,7 @@ namespace accdec {
 enum class Joint : std::uint8_t {
   corner,    ///< within its tolerance, judged at the samples: the corner error of a single corner
   smooth,    ///< turns by less than `smooth_turn`: within its tolerance, judged on the path between the samples, too
-  straight,  ///< no turn: the path leads through it, nothing is asked
+  straight,  ///< no turn: as smooth, but needs no tolerance
   stop       ///< at rest
 };
 /// Largest turn of a smooth joint, rad: chords of arcs and of finely sampled curves turn less, corners more. At speed the samples
@@ -33,6 +33,7 @@ struct Toolpath {
   std::vector<double> tolerance;        ///< m, of every joint; unlimited where it has none
   std::vector<Joint> joint;             ///< one a block; the last is `stop`
   std::vector<std::uint32_t> line;      ///< of every block
+  std::vector<std::uint8_t> inside_arc; ///< whether the joint lies between two chords of one arc
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;             ///< before the first block, s
   std::int64_t empty_moves = 0;         ///< moves of no length that were left out

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <accdec/program/toolpath.hpp>
+
+namespace accdec {
+
+/// How a program becomes a stream of command samples; the definition that the time model, the simulation and the planner share.
+///
+/// A *run* is a maximal sequence of blocks joined by smooth or straight joints without delay. Its blocks take D = sum L_i/(v_i T)
+/// samples at their feeds; the run is commanded in n = ceil(D) whole samples, all its feeds lowered by D/n, so that it begins and
+/// ends exactly on a sample. Within a run a joint may fall between two samples: the command position at a sample is the point of
+/// the path reached at that time. After a run the command rests for the delay of its last joint (and the dwell, in whole samples).
+/// After the last sample of the command the filter needs N + 1 more to come to rest.
+class CommandTiming {
+ public:
+  /// @param delays  samples, one a block (of the joint at its end; that of the last block is not used); kept by reference
+  CommandTiming(const Toolpath& path, double sample_period, std::span<const int> delays)
+      : path_(path), sample_period_(sample_period), delays_(delays) {}
+
+  /// Whether a run ends with block b.
+  bool ends_run(std::size_t b) const {
+    return path_.joint[b] == Joint::corner || path_.joint[b] == Joint::stop || delays_[b] > 0;
+  }
+  std::size_t run_end(std::size_t first) const {
+    while (!ends_run(first)) ++first;
+    return first;
+  }
+  /// First block of the run of block b.
+  std::size_t run_begin(std::size_t b) const {
+    while (b > 0 && !ends_run(b - 1)) --b;
+    return b;
+  }
+  /// D of blocks first .. last, samples, not rounded.
+  double run_length(std::size_t first, std::size_t last) const {
+    double sum = 0.0;
+    for (std::size_t b = first; b <= last; ++b) sum += path_.duration[b];
+    return sum / sample_period_;
+  }
+  /// n of a run of length D.
+  static std::int64_t run_samples(double length) {
+    return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(length - 1e-9)));
+  }
+  std::int64_t dwell_samples(double dwell) const { return static_cast<std::int64_t>(std::ceil(dwell / sample_period_ - 1e-9)); }
+
+  const Toolpath& path() const { return path_; }
+  double sample_period() const { return sample_period_; }
+  int delay(std::size_t b) const { return delays_[b]; }
+
+  /// All command samples of the program: runs, delays and dwells.
+  std::int64_t command_samples() const;
+
+ private:
+  const Toolpath& path_;
+  double sample_period_;
+  std::span<const int> delays_;
+};
+
+/// Emits the command samples of blocks first .. last, which must begin and end with runs, to
+///   sink.command(u, count, end)    `count` samples, each moving by u (m, one value an axis), the last reaching `end`
+///   sink.joint(b, time, rest)      joint b is reached `time` samples after the beginning, where the command then rests for `rest`
+/// joint comes after the command that reaches it, and before anything later. The joint of the last block is not emitted.
+template <class Sink>
+void emit_commands(const CommandTiming& timing, std::size_t first, std::size_t last, Sink& sink) {
+  const Toolpath& path = timing.path();
+  const std::size_t n = path.dimensions();
+  std::vector<double> at(path.point(first), path.point(first) + n), u(n), w(n), to(n);
+  const std::vector<double> zero(n, 0.0);
+  std::int64_t k = 0;  // samples emitted
+  std::size_t next_dwell = 0;
+  while (next_dwell < path.dwell.size() && path.dwell[next_dwell].first < first) ++next_dwell;
+
+  for (std::size_t run = first; run <= last;) {
+    const std::size_t end = timing.run_end(run);
+    const double length = timing.run_length(run, end);
+    const std::int64_t samples = CommandTiming::run_samples(length);
+    const double scale = static_cast<double>(samples) / (length * timing.sample_period());
+    const std::int64_t run_start = k;
+    double t = static_cast<double>(k);
+    for (std::size_t b = run; b <= end; ++b) {
+      const double tau = path.duration[b] * scale;
+      double e = b == end ? static_cast<double>(run_start + samples) : t + tau;
+      if (std::abs(e - std::round(e)) < 1e-9) e = std::round(e);
+      e = std::min(e, static_cast<double>(run_start + samples));
+      const double* p = path.point(b);
+      for (std::size_t i = 0; i < n; ++i) w[i] = (p[n + i] - p[i]) / tau;
+      if (t > static_cast<double>(k) && e >= static_cast<double>(k + 1)) {  // the sample under way ends on this block
+        for (std::size_t i = 0; i < n; ++i) {
+          to[i] = p[n + i] - w[i] * (e - static_cast<double>(k + 1));
+          u[i] = to[i] - at[i];
+        }
+        sink.command(u.data(), 1, to.data());
+        at = to;
+        ++k;
+        t = static_cast<double>(k);
+      }
+      if (t <= static_cast<double>(k)) {
+        const auto whole = static_cast<std::int64_t>(std::floor(e)) - k;
+        if (whole > 0) {
+          for (std::size_t i = 0; i < n; ++i) to[i] = p[n + i] - w[i] * (e - static_cast<double>(k + whole));
+          sink.command(w.data(), whole, to.data());
+          at = to;
+          k += whole;
+        }
+      }
+      t = e;
+      if (b < end) sink.joint(b, e, 0);
+    }
+    if (end == last) break;
+    std::int64_t rest = timing.delay(end);
+    for (; next_dwell < path.dwell.size() && path.dwell[next_dwell].first <= end; ++next_dwell) {
+      if (path.dwell[next_dwell].first == end) rest += timing.dwell_samples(path.dwell[next_dwell].second);
+    }
+    sink.joint(end, static_cast<double>(k), rest);
+    if (rest > 0) sink.command(zero.data(), rest, at.data());
+    k += rest;
+    run = end + 1;
+  }
+}
+
+}  // namespace accdec

@@ -1,0 +1,103 @@
+#include <accdec/program/limit_watch.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace accdec {
+
+LimitWatch::LimitWatch(const Machine* machine, std::size_t dimensions, double sample_period)
+    : machine_(machine), period_(sample_period) {
+  for (std::size_t a = 0; machine_ != nullptr && a < dimensions; ++a) {
+    const Axis& axis = machine_->axes[a];
+    const auto add = [&](LimitKind kind, double bound) {
+      if (bound < unlimited) worst_.push_back({kind, a, bound, 0.0, 0, 0});
+    };
+    add(LimitKind::velocity, axis.velocity_max);
+    add(LimitKind::acceleration, axis.acceleration_max);
+    add(LimitKind::jerk, axis.jerk_max);
+    add(LimitKind::force, axis.force_max);
+    add(LimitKind::power, axis.power_max);
+    add(LimitKind::regeneration, axis.regeneration_max);
+  }
+}
+
+void LimitWatch::mark(std::int64_t index, std::size_t block) {
+  if (!worst_.empty() && (marks_.empty() || marks_.back().second != block)) marks_.emplace_back(index, block);
+}
+
+double LimitWatch::value_at(const Worst& worst, double velocity, double acceleration, double jerk) const {
+  const Axis& axis = machine_->axes[worst.axis];
+  const double v = velocity / period_, a = acceleration / (period_ * period_);
+  const double force = axis.mass * a + axis.damping * v;
+  switch (worst.kind) {
+    case LimitKind::velocity: return std::abs(v);
+    case LimitKind::acceleration: return std::abs(a);
+    case LimitKind::jerk: return std::abs(jerk) / (period_ * period_ * period_);
+    case LimitKind::force: return std::abs(force);
+    case LimitKind::power: return force * v;
+    case LimitKind::regeneration: return -force * v;
+    default: return 0.0;
+  }
+}
+
+void LimitWatch::look(const MotionBuffer& motion, std::size_t block) {
+  for (Worst& worst : worst_) {
+    const auto v = motion.velocity(worst.axis), a = motion.acceleration(worst.axis), b = motion.acceleration_before(worst.axis);
+    if (v.size() == 0) break;
+    // The largest of this stretch first, in the units of the samples; where it is only if it is the worst so far.
+    const Axis& axis = machine_->axes[worst.axis];
+    const double m = axis.mass / (period_ * period_), c = axis.damping / period_;
+    double largest = 0.0;
+    switch (worst.kind) {
+      case LimitKind::velocity: largest = v.abs().maxCoeff() / period_; break;
+      case LimitKind::acceleration: largest = a.abs().maxCoeff() / (period_ * period_); break;
+      case LimitKind::jerk: largest = (a - b).abs().maxCoeff() / (period_ * period_ * period_); break;
+      case LimitKind::force: largest = (m * a + c * v).abs().maxCoeff(); break;
+      case LimitKind::power: largest = ((m * a + c * v) * v).maxCoeff() / period_; break;
+      default: largest = (-(m * a + c * v) * v).maxCoeff() / period_; break;
+    }
+    if (!(largest > worst.value * (1.0 + 1e-12))) continue;
+    for (Eigen::Index i = 0; i < v.size(); ++i) {
+      const double value = value_at(worst, v[i], a[i], a[i] - b[i]);
+      if (!(value > worst.value)) continue;
+      worst.value = value;
+      const std::int64_t index = motion.seen_begin() + i;
+      worst.sample = motion.number(index);
+      worst.block = block;
+      for (const auto& [from, marked] : marks_) {
+        if (from <= index) worst.block = marked;
+      }
+    }
+  }
+  marks_.clear();
+}
+
+void LimitWatch::steady(const MotionBuffer& motion, const double* u, std::size_t block) {
+  for (Worst& worst : worst_) {
+    const double value = value_at(worst, u[worst.axis], 0.0, 0.0);
+    if (!(value > worst.value)) continue;
+    worst.value = value;
+    worst.sample = motion.sample() + 1;
+    worst.block = block;
+  }
+}
+
+void LimitWatch::finish(std::vector<LimitUse>& limits, std::vector<std::uint32_t>& lines, const Toolpath& path) const {
+  for (const Worst& worst : worst_) {
+    const std::uint32_t line = path.line[std::min(worst.block, path.blocks() - 1)];
+    LimitUse use;
+    use.kind = worst.kind;
+    use.axis = path.axis_name(worst.axis);
+    use.corner = fmt::format("line {}", line);
+    use.value = worst.value;
+    use.bound = worst.bound;
+    use.utilisation = utilisation_of(worst.kind, worst.value, worst.bound);
+    use.sample = static_cast<int>(std::min<std::int64_t>(worst.sample, INT32_MAX));
+    limits.push_back(use);
+    lines.push_back(line);
+  }
+}
+
+}  // namespace accdec

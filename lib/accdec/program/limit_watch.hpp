@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <accdec/machine/utilisation.hpp>
+#include <accdec/program/motion_buffer.hpp>
+#include <accdec/program/toolpath.hpp>
+
+namespace accdec {
+
+/// Keeps the worst use of every finite axis limit as the motion goes by.
+class LimitWatch {
+ public:
+  /// @param machine  nullptr: nothing is watched
+  LimitWatch(const Machine* machine, std::size_t dimensions, double sample_period);
+
+  /// From this index of the buffer on block `block` is commanded.
+  void mark(std::int64_t index, std::size_t block);
+  /// Takes the new samples of the buffer in.
+  void look(const MotionBuffer& motion, std::size_t block);
+  /// Takes a stretch of steady motion at u m a sample in.
+  void steady(const MotionBuffer& motion, const double* u, std::size_t block);
+  void finish(std::vector<LimitUse>& limits, std::vector<std::uint32_t>& lines, const Toolpath& path) const;
+
+ private:
+  struct Worst {
+    LimitKind kind{};
+    std::size_t axis = 0;
+    double bound = 0.0;
+    double value = 0.0;
+    std::int64_t sample = 0;
+    std::size_t block = 0;
+  };
+  double value_at(const Worst& worst, double velocity, double acceleration, double jerk) const;
+
+  const Machine* machine_;
+  double period_;
+  std::vector<Worst> worst_;
+  std::vector<std::pair<std::int64_t, std::size_t>> marks_;  // index, block
+};
+
+}  // namespace accdec

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <accdec/motion/filter.hpp>
+#include <accdec/program/simulate.hpp>
+
+namespace accdec {
+
+/// The filtered motion of a window of samples. All in m and samples: velocity in m a sample, acceleration in m a sample squared.
+class MotionBuffer {
+ public:
+  /// At rest in `start`, which is sample 0.
+  MotionBuffer(const Filter& filter, std::size_t dimensions, const double* start);
+
+  /// Number of the last sample made.
+  std::int64_t sample() const { return base_ + pos_ - 1; }
+  std::int64_t room() const { return capacity_ - pos_; }
+  /// Index of the next sample; samples seen_begin() .. index() - 1 are new since seen().
+  std::int64_t index() const { return pos_; }
+  std::int64_t seen_begin() const { return seen_; }
+  std::int64_t number(std::int64_t index) const { return base_ + index; }
+  void seen() { seen_ = pos_; }
+
+  /// From the next sample on the command moves by u a sample.
+  void change(const double* u);
+  /// Makes `count` <= room() samples; the command reaches `end` after `left` samples.
+  void advance(std::int64_t count, std::int64_t left, const double* end);
+  /// Passes over `count` samples of steady motion, after which `left` remain to `end`. What is in the buffer is lost.
+  void pass_over(std::int64_t count, const double* u, const double* end, std::int64_t left);
+  /// Makes room; the last 2 N + 8 samples stay. The command will reach `end` after `left` samples.
+  void shift(const double* end, std::int64_t left);
+  /// Hands the new samples on.
+  void deliver(const SampleSink& sink) const;
+
+  double position(std::size_t axis, std::int64_t sample) const {
+    return axes_[axis].position[static_cast<std::size_t>(sample - base_)];
+  }
+  /// Values of the new samples, with `before` more in front.
+  Eigen::Map<const Eigen::ArrayXd> velocity(std::size_t axis) const { return view(axes_[axis].velocity, 0); }
+  Eigen::Map<const Eigen::ArrayXd> acceleration(std::size_t axis) const { return view(axes_[axis].acceleration, 0); }
+  Eigen::Map<const Eigen::ArrayXd> acceleration_before(std::size_t axis) const { return view(axes_[axis].acceleration, 1); }
+  const std::vector<double>& command_end() const { return command_end_; }
+
+ private:
+  struct AxisMotion {
+    std::vector<double> command;       // u of every sample
+    std::vector<double> acceleration;  // with N + 1 samples of the future
+    std::vector<double> velocity, position;
+    double now = 0.0;  // u
+  };
+  Eigen::Map<const Eigen::ArrayXd> view(const std::vector<double>& values, std::int64_t earlier) const {
+    return {values.data() + seen_ - earlier, pos_ - seen_};
+  }
+
+  Eigen::ArrayXd taps_, remaining_;  // b_i; sum of the taps after i
+  double mean_delay_;
+  std::int64_t order_, keep_, capacity_;
+  std::int64_t base_ = 0, pos_ = 1, seen_ = 1;
+  std::vector<AxisMotion> axes_;
+  std::vector<double> command_end_;
+};
+
+}  // namespace accdec

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <accdec/motion/filter.hpp>
+#include <accdec/program/simulate.hpp>
+#include <accdec/program/toolpath.hpp>
+
+namespace accdec {
+
+/// Smallest delay of every joint as if it were alone: of a corner the smallest with corner error (at samples) within its tolerance,
+/// of a smooth joint the smallest with which the path passes within it, of a stop the filter's exact stop. One a block, in samples;
+/// 0 for straight joints and the last block. O(1) to O(log N) a joint.
+std::vector<int> pairwise_delays(const Toolpath& path, const Filter& filter, double sample_period);
+
+/// Smallest d >= 0 with which the path through the samples passes a lone joint within `error_max`: the polyline error never grows
+/// with d. @param turn_in, turn_out see DelayFinder: cos(theta) and the full-speed steps v T of both legs in m
+int smallest_path_delay(const Filter& filter, double cos_interior, double step_in, double step_out, double error_max, int stop_delay);
+
+/// Whether an error found by simulation is within its bound; see verification_tolerance and position_floor.
+bool holds(double error, double bound);
+
+/// Delays for a whole program and the simulation that verified them.
+struct ProgramPlan {
+  std::vector<int> delays;     ///< samples, one a block
+  std::vector<double> errors;  ///< m, on the simulated path, one a block
+  Simulation simulation;       ///< of the whole program with these delays, every sample
+  std::size_t raised = 0;      ///< joints whose delay the overlap with further moves raised above the pairwise one
+  int rounds = 0;              ///< of repair
+  bool errors_hold = false;    ///< every joint within its tolerance
+};
+
+/// Delays with which every joint holds its tolerance on the simulated path. Starts from the pairwise delays; where joints closer than
+/// the filter is long break their bound nevertheless, delays are raised there, round by round, until all hold; then each one raised is
+/// lowered again as far as its surroundings allow. With the delay of an exact stop a joint holds whatever its neighbours do, so
+/// this ends.
+/// @param machine  as many axes as the path, or without axes
+ProgramPlan plan_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
+
+/// Simulates given delays and says whether they hold.
+ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+                          std::vector<int> delays);
+
+}  // namespace accdec

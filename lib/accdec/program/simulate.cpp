@@ -1,0 +1,190 @@
+#include <accdec/program/simulate.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+
+#include <accdec/program/limit_watch.hpp>
+#include <accdec/program/motion_buffer.hpp>
+
+namespace accdec {
+namespace {
+
+/// Feeds the commands to the motion buffer and reads joints and limits off it.
+class Simulator {
+ public:
+  Simulator(const CommandTiming& timing, const Filter& filter, std::size_t first, std::span<double> errors,
+            const SimulationOptions& options)
+      : path_(timing.path()),
+        order_(filter.order()),
+        mean_delay_(filter.mean_delay()),
+        errors_(errors),
+        options_(options),
+        motion_(filter, path_.dimensions(), path_.point(first)),
+        watch_(options.machine, path_.dimensions(), timing.sample_period()),
+        block_(first) {}
+
+  void command(const double* u, std::int64_t count, const double* end) {
+    motion_.change(u);
+    watched_until_ = std::max(watched_until_, motion_.sample() + order_ + 2);
+    while (count > 0) {
+      // Steady motion is passed over, except for the last two samples, where the window of the next joint begins.
+      const std::int64_t steady = count - 2 - std::max<std::int64_t>(0, watched_until_ - motion_.sample());
+      if (steady > steady_min && !options_.samples) {
+        const std::int64_t transient = count - 2 - steady;
+        advance(transient, count, end);
+        count -= transient;
+        flush();
+        watch_.steady(motion_, u, block_);
+        motion_.pass_over(steady, u, end, count - steady);
+        count -= steady;
+      } else {
+        advance(count, count, end);
+        count = 0;
+      }
+    }
+  }
+
+  void joint(std::size_t b, double time, std::int64_t rest) {
+    const auto reached = static_cast<std::int64_t>(time);
+    // A rest longer than the filter adds only samples that stand still in the joint.
+    const std::int64_t window = (time > static_cast<double>(reached) ? 1 : 0) + std::min<std::int64_t>(rest, order_ + 1) + order_ + 1;
+    const double guess = time + 0.5 * static_cast<double>(std::min<std::int64_t>(rest, order_ + 1)) + mean_delay_;
+    pending_.push_back({b, reached, reached + window, static_cast<std::int64_t>(guess)});
+    watched_until_ = std::max(watched_until_, reached + window + 1);
+    block_ = b + 1;
+  }
+
+  Simulation finish() {
+    const std::vector<double> zero(path_.dimensions(), 0.0), end(motion_.command_end());
+    command(zero.data(), order_ + 2, end.data());  // the last step of the jerk, too
+    flush();
+    Simulation result;
+    result.samples = motion_.sample() - 1;
+    watch_.finish(result.limits, result.limit_lines, path_);
+    return result;
+  }
+
+ private:
+  static constexpr std::int64_t steady_min = 16;
+  struct Pending {
+    std::size_t block;
+    std::int64_t begin, end, guess;  // samples
+  };
+
+  /// @param left  samples of the command still to come, these included, up to its end point
+  void advance(std::int64_t count, std::int64_t left, const double* end) {
+    while (count > 0) {
+      if (motion_.room() == 0) {
+        flush();
+        motion_.shift(end, left);
+      }
+      const std::int64_t now = std::min(count, motion_.room());
+      watch_.mark(motion_.index(), block_);
+      motion_.advance(now, left, end);
+      count -= now;
+      left -= now;
+    }
+  }
+
+  void flush() {
+    while (!pending_.empty() && pending_.front().end < motion_.sample()) {
+      errors_[pending_.front().block] = error_of(pending_.front());
+      pending_.pop_front();
+    }
+    watch_.look(motion_, block_);
+    if (options_.samples) motion_.deliver(options_.samples);
+    motion_.seen();
+  }
+
+  double error_of(const Pending& joint) const;
+
+  const Toolpath& path_;
+  std::int64_t order_;
+  double mean_delay_;
+  std::span<double> errors_;
+  const SimulationOptions& options_;
+  MotionBuffer motion_;
+  LimitWatch watch_;
+  std::deque<Pending> pending_;
+  std::int64_t watched_until_ = 0;  // no sample before this is passed over
+  std::size_t block_;
+};
+
+/// Nearest point of the segment from a to b (relative to the joint) to the joint, squared.
+double segment_distance2(const double* a, const double* b, std::size_t n) {
+  double ab2 = 0.0, dot = 0.0, a2 = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double d = b[i] - a[i];
+    ab2 += d * d;
+    dot -= a[i] * d;
+    a2 += a[i] * a[i];
+  }
+  if (dot <= 0.0 || ab2 == 0.0) return a2;
+  const double t = std::min(1.0, dot / ab2);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double x = a[i] + t * (b[i] - a[i]);
+    sum += x * x;
+  }
+  return sum;
+}
+
+double Simulator::error_of(const Pending& joint) const {
+  const double* corner = path_.point(joint.block + 1);
+  const std::size_t n = path_.dimensions();
+  const auto distance2 = [&](std::int64_t k) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double d = motion_.position(i, k) - corner[i];
+      sum += d * d;
+    }
+    return sum;
+  };
+  // Downhill from where an even motion would be nearest; that the nearest sample is within the bound is all that must be known, so
+  // the whole window is searched only if the bound is not met.
+  const auto finish = [&](std::int64_t k, double best) {
+    if (path_.joint[joint.block] == Joint::corner || path_.joint[joint.block] == Joint::stop) return std::sqrt(best);
+    std::array<double, program_axis_count> a{}, b{};
+    for (const std::int64_t other : {k - 1, k + 1}) {
+      if (other < joint.begin || other > joint.end) continue;
+      for (std::size_t i = 0; i < n; ++i) {
+        a[i] = motion_.position(i, k) - corner[i];
+        b[i] = motion_.position(i, other) - corner[i];
+      }
+      best = std::min(best, segment_distance2(a.data(), b.data(), n));
+    }
+    return std::sqrt(best);
+  };
+  std::int64_t k = std::clamp(joint.guess, joint.begin, joint.end);
+  double best = distance2(k);
+  for (const int step : {1, -1}) {
+    while (k + step >= joint.begin && k + step <= joint.end) {
+      const double next = distance2(k + step);
+      if (!(next < best)) break;
+      best = next;
+      k += step;
+    }
+  }
+  double error = finish(k, best);
+  if (error > path_.tolerance[joint.block]) {
+    for (std::int64_t j = joint.begin; j <= joint.end; ++j) error = std::min(error, finish(j, distance2(j)));
+  }
+  return error;
+}
+
+}  // namespace
+
+Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+                            std::span<double> errors, const SimulationOptions& options) {
+  Simulator simulator(timing, filter, first, errors, options);
+  if (first == 0 && timing.path().dwell_first > 0.0) {
+    const std::vector<double> zero(timing.path().dimensions(), 0.0);
+    simulator.command(zero.data(), timing.dwell_samples(timing.path().dwell_first), timing.path().point(0));
+  }
+  emit_commands(timing, first, last, simulator);
+  return simulator.finish();
+}
+
+}  // namespace accdec

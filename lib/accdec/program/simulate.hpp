@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <accdec/machine/utilisation.hpp>
+#include <accdec/motion/filter.hpp>
+#include <accdec/program/command_stream.hpp>
+
+namespace accdec {
+
+/// Receives the filtered motion: `count` samples from sample number `first` on; position[i] and velocity[i] point at the values of
+/// axis i, m and m a sample.
+using SampleSink = std::function<void(std::int64_t first, std::int64_t count, const double* const* position,
+                                      const double* const* velocity)>;
+
+struct SimulationOptions {
+  const Machine* machine = nullptr;  ///< as many axes as the path; none: limits are not looked at
+  SampleSink samples;                ///< when set, gets every sample, those of steady motion included
+};
+
+/// What the simulation of a program, or of a part of it, found.
+struct Simulation {
+  std::int64_t samples = 0;        ///< from the last at rest before to the first at rest after the motion
+  std::vector<LimitUse> limits;    ///< worst use of every finite axis limit; `sample` counts from the start of the program
+  std::vector<std::uint32_t> limit_lines;  ///< line of the block commanded when it occurred, one a limit
+};
+
+/// Filters the command samples of a program and follows the motion sample by sample.
+///
+/// A change of the command by D at a sample adds D b_0, D b_1 .. to the N + 1 following changes of velocity: the cost is that of the
+/// changes, O(N) each, whatever the number of moves that overlap, plus a few additions a sample; stretches of steady motion are
+/// passed over in one step. Velocity and position are anew computed from the command every few thousand samples, so that
+/// rounding does not accumulate.
+///
+/// @param first, last  blocks to simulate; the motion begins and ends at rest there
+/// @param errors       of every joint first .. last - 1, indexed by block: min |S| over the samples of its window [reached, left +
+///                     N + 1] for corners and stops, the distance of the path through those samples for smooth and straight joints, m
+Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+                            std::span<double> errors, const SimulationOptions& options = {});
+
+}  // namespace accdec

@@ -1,0 +1,102 @@
+#include <gtest/gtest.h>
+
+#include <accdec/motion/blend.hpp>
+#include <accdec/motion/shapes.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/program/plan.hpp>
+
+#include "reference.hpp"
+
+namespace accdec {
+namespace {
+
+using test::path_of;
+using test::random_program;
+using test::Reference;
+
+constexpr double period = 1e-3;
+
+TEST(Plan, EveryJointHoldsItsToleranceOnThePathByDefinition) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Toolpath path = path_of(random_program(seed, 400));
+    const Filter filter = seed % 2 == 0 ? boxcar(30) : blackman_sinc(40, 0.049);
+    const ProgramPlan plan = plan_program(path, filter, period, {});
+    EXPECT_TRUE(plan.errors_hold);
+    EXPECT_GT(plan.raised, 0U) << "short moves must overlap in this test";
+    const Reference reference(path, filter, period, plan.delays);
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      EXPECT_LE(reference.error(path, filter.order(), b), path.tolerance[b] * (1.0 + 1e-9) + 1e-12) << "seed " << seed << " joint " << b;
+    }
+  }
+}
+
+TEST(Plan, ADelayRaisedByOverlapCannotBeOneShorter) {
+  const Toolpath path = path_of(random_program(5, 200));
+  const Filter filter = boxcar(30);
+  const ProgramPlan plan = plan_program(path, filter, period, {});
+  const std::vector<int> pairwise = pairwise_delays(path, filter, period);
+  int checked = 0;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (plan.delays[b] <= pairwise[b]) continue;
+    // Lowered in order of the program, each against its surroundings of that moment; the last raised one is minimal for certain.
+    bool last = true;
+    for (std::size_t c = b + 1; c < path.blocks(); ++c) last = last && plan.delays[c] <= pairwise[c];
+    if (!last) continue;
+    std::vector<int> shorter = plan.delays;
+    --shorter[b];
+    const Reference reference(path, filter, period, shorter);
+    bool all = true;
+    for (std::size_t c = 0; c + 1 < path.blocks(); ++c) all = all && holds(reference.error(path, filter.order(), c), path.tolerance[c]);
+    EXPECT_FALSE(all);
+    ++checked;
+  }
+  EXPECT_EQ(checked, 1);
+}
+
+TEST(Plan, LoneCornersGetTheirSmallestDelay) {
+  std::string text = "G91 G1 F6000 X30\n";
+  for (int i = 1; i <= 17; ++i) {
+    text += "G64 P0.0" + std::to_string(i) + " X" + std::to_string(20 - 3 * i) + " Y" + std::to_string(25 + i) + "\nX30\n";
+  }
+  const Toolpath path = path_of("G64 P0.02\n" + text);
+  const Filter filter = blackman_sinc(40, 0.049);
+  const ProgramPlan plan = plan_program(path, filter, period, {});
+  EXPECT_TRUE(plan.errors_hold);
+  EXPECT_EQ(plan.raised, 0U);
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] != Joint::corner) continue;
+    const auto leg = [&](std::size_t i) { return Eigen::Vector2d(path.point(i + 1)[0] - path.point(i)[0], path.point(i + 1)[1] - path.point(i)[1]); };
+    // Whole samples: the feed a block really has is its length over ceil of its duration.
+    const auto feed = [&](std::size_t i) { return leg(i).norm() / (std::ceil(path.duration[i] / period - 1e-9) * period); };
+    const Corner corner = make_corner(leg(b), leg(b + 1), feed(b), feed(b + 1));
+    int smallest = 0;
+    while (measure(Blend(filter, corner, smallest, period)).corner_error > path.tolerance[b]) ++smallest;
+    EXPECT_EQ(plan.delays[b], smallest) << "joint " << b;
+  }
+}
+
+TEST(Plan, SmallestPathDelayIsTheFirstWhosePolylineHolds) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const Filter filter = blackman_sinc(40, 0.049);
+  for (int i = 0; i < 300; ++i) {
+    const double turn = smooth_turn * unit(random), v1 = 0.02 + unit(random), v2 = 0.02 + unit(random);
+    const double bound = 1e-6 * std::pow(100.0, unit(random));
+    const Corner corner = planar_corner(std::numbers::pi - turn, 0.0, Turn::left, v1, v2);
+    const int d = smallest_path_delay(filter, corner.cos_interior(), v1 * period, v2 * period, bound, 40);
+    int expected = 0;
+    while (measure(Blend(filter, corner, expected, period)).polyline_error > bound) ++expected;
+    EXPECT_EQ(d, expected);
+  }
+}
+
+TEST(Plan, StraightAndToleratedJointsCostNothing) {
+  const Filter filter = boxcar(40);
+  const Toolpath straight = path_of("G61 G1 F6000 X10\nX20 F3000\nX30\n");
+  const ProgramPlan plan = plan_program(straight, filter, period, {});
+  EXPECT_TRUE(plan.errors_hold);
+  EXPECT_EQ(plan.simulation.samples, 100 + 200 + 200 + 41);
+}
+
+}  // namespace
+}  // namespace accdec
