@@ -5,10 +5,12 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <accdec/nlp/evaluator.hpp>
 #include <accdec/nlp/problem.hpp>
 
 namespace accdec::solvers {
@@ -74,10 +76,7 @@ struct Options {
 };
 
 /// Measured outside the library.
-struct Counts {
-  std::int64_t objective = 0, gradient = 0, rows = 0, jacobian = 0, hessian = 0;
-  double evaluation_time = 0.0;  ///< s inside the problem's functions
-};
+using Counts = nlp::Counts;
 
 struct Result {
   std::vector<double> x;  ///< the point returned; where limits or cancellation stopped the run, the best verified-feasible one seen

@@ -1,0 +1,225 @@
+// Ipopt 3.11 with MUMPS: a filter line-search interior-point method.
+
+#include <algorithm>
+#include <mutex>
+#include <stdexcept>
+
+#include <IpIpoptApplication.hpp>
+#include <IpTNLP.hpp>
+#include <fmt/format.h>
+
+#include <accdec/solvers/registration.hpp>
+#include <accdec/solvers/run.hpp>
+
+namespace accdec::solvers {
+namespace {
+
+using nlp::Evaluator;
+using nlp::StopRun;
+
+std::size_t at(Ipopt::Index i) { return static_cast<std::size_t>(i); }
+
+/// Ipopt's view of a problem. StopRun never crosses Ipopt: a callback reports failure and the next intermediate callback ends the run.
+class Adapter : public Ipopt::TNLP {
+ public:
+  Adapter(Evaluator& evaluator, std::span<const double> start) : evaluator_(evaluator), x_(start.begin(), start.end()), start_(x_) {}
+
+  bool finished() const { return finished_; }
+  std::vector<double>& x() { return x_; }
+  std::vector<double>& multipliers() { return multipliers_; }
+  double objective() const { return objective_; }
+
+  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian, IndexStyleEnum& style) override {
+    n = problem().num_variables();
+    m = problem().num_rows();
+    jacobian = static_cast<Ipopt::Index>(problem().jacobian_pattern().size());
+    hessian = problem().has_hessian() ? static_cast<Ipopt::Index>(problem().hessian_pattern().size()) : 0;
+    style = C_STYLE;
+    return true;
+  }
+
+  bool get_bounds_info(Ipopt::Index n, double* xl, double* xu, Ipopt::Index m, double* cl, double* cu) override {
+    const auto fill = [](nlp::Bound b, double& lower, double& upper) {
+      lower = std::max(b.lower, -2e19);  // beyond 1e19 Ipopt takes a bound as absent
+      upper = std::min(b.upper, 2e19);
+    };
+    for (int i = 0; i < n; ++i) fill(problem().variable_bound(i), xl[i], xu[i]);
+    for (int i = 0; i < m; ++i) fill(problem().row_bound(i), cl[i], cu[i]);
+    return true;
+  }
+
+  bool get_starting_point(Ipopt::Index, bool, double* x, bool, double*, double*, Ipopt::Index, bool, double*) override {
+    std::copy(start_.begin(), start_.end(), x);
+    return true;
+  }
+
+  bool eval_f(Ipopt::Index n, const double* x, bool, double& value) override {
+    return guarded([&] { value = evaluator_.objective({x, at(n)}); });
+  }
+  bool eval_grad_f(Ipopt::Index n, const double* x, bool, double* g) override {
+    return guarded([&] { evaluator_.gradient({x, at(n)}, {g, at(n)}); });
+  }
+  bool eval_g(Ipopt::Index n, const double* x, bool, Ipopt::Index m, double* c) override {
+    return guarded([&] { evaluator_.rows({x, at(n)}, {c, at(m)}); });
+  }
+  bool eval_jac_g(Ipopt::Index n, const double* x, bool, Ipopt::Index, Ipopt::Index count, Ipopt::Index* rows, Ipopt::Index* columns,
+                  double* values) override {
+    if (values == nullptr) return copy_pattern(problem().jacobian_pattern(), rows, columns);
+    return guarded([&] { evaluator_.jacobian({x, at(n)}, {values, at(count)}); });
+  }
+  bool eval_h(Ipopt::Index n, const double* x, bool, double factor, Ipopt::Index m, const double* multipliers, bool, Ipopt::Index count,
+              Ipopt::Index* rows, Ipopt::Index* columns, double* values) override {
+    if (values == nullptr) return copy_pattern(problem().hessian_pattern(), rows, columns);
+    return guarded([&] { evaluator_.hessian({x, at(n)}, factor, {multipliers, at(m)}, {values, at(count)}); });
+  }
+
+  // Ipopt 3.11 knows only CPU time limits; wall clock and cancellation are polled here.
+  bool intermediate_callback(Ipopt::AlgorithmMode, Ipopt::Index, double, double, double, double, double, double, double, double,
+                             Ipopt::Index, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
+    return guarded([&] { evaluator_.poll(); });
+  }
+
+  void finalize_solution(Ipopt::SolverReturn, Ipopt::Index n, const double* x, const double*, const double*, Ipopt::Index m, const double*,
+                         const double* multipliers, double objective, const Ipopt::IpoptData*,
+                         Ipopt::IpoptCalculatedQuantities*) override {
+    finished_ = true;
+    x_.assign(x, x + n);
+    multipliers_.assign(multipliers, multipliers + m);
+    objective_ = objective;
+  }
+
+ private:
+  const nlp::Problem& problem() const { return evaluator_.problem(); }
+
+  template <class Call>
+  static bool guarded(Call call) {
+    try {
+      call();
+      return true;
+    } catch (const StopRun&) {
+      return false;
+    }
+  }
+
+  static bool copy_pattern(const std::vector<nlp::Entry>& pattern, Ipopt::Index* rows, Ipopt::Index* columns) {
+    for (const nlp::Entry& e : pattern) {
+      *rows++ = e.row;
+      *columns++ = e.column;
+    }
+    return true;
+  }
+
+  Evaluator& evaluator_;
+  std::vector<double> x_, start_, multipliers_;
+  double objective_ = 0.0;
+  bool finished_ = false;
+};
+
+void set_native(Ipopt::IpoptApplication& app, const std::string& name, const std::string& value) {
+  const Ipopt::SmartPtr<const Ipopt::RegisteredOption> option = app.RegOptions()->GetOption(name);
+  if (!Ipopt::IsValid(option)) {
+    throw std::invalid_argument(fmt::format("Ipopt has no option \"{}\"; its documentation lists all", name));
+  }
+  bool ok = false;
+  try {
+    switch (option->Type()) {
+      case Ipopt::OT_Number: ok = app.Options()->SetNumericValue(name, std::stod(value)); break;
+      case Ipopt::OT_Integer: ok = app.Options()->SetIntegerValue(name, std::stoi(value)); break;
+      default: ok = app.Options()->SetStringValue(name, value); break;
+    }
+  } catch (const std::logic_error&) {
+    ok = false;
+  }
+  if (!ok) throw std::invalid_argument(fmt::format("Ipopt option \"{}\" does not accept \"{}\"", name, value));
+}
+
+Claim claim_of(Ipopt::ApplicationReturnStatus status) {
+  switch (status) {
+    case Ipopt::Solve_Succeeded: return Claim::solved;
+    case Ipopt::Solved_To_Acceptable_Level: return Claim::acceptable;
+    case Ipopt::Feasible_Point_Found: return Claim::solved;
+    case Ipopt::Infeasible_Problem_Detected: return Claim::infeasible;
+    case Ipopt::Diverging_Iterates: return Claim::unbounded;
+    case Ipopt::Maximum_Iterations_Exceeded: return Claim::evaluation_limit;
+    case Ipopt::Maximum_CpuTime_Exceeded: return Claim::time_limit;
+    case Ipopt::User_Requested_Stop: return Claim::cancelled;
+    case Ipopt::Invalid_Number_Detected: return Claim::invalid_number;
+    default: return Claim::failed;
+  }
+}
+
+std::string words_of(Ipopt::ApplicationReturnStatus status) {
+  switch (status) {
+    case Ipopt::Solve_Succeeded: return "";
+    case Ipopt::Solved_To_Acceptable_Level: return "Ipopt: solved to acceptable level";
+    case Ipopt::Infeasible_Problem_Detected: return "Ipopt: converged to a point of local infeasibility";
+    case Ipopt::Search_Direction_Becomes_Too_Small: return "Ipopt: search direction becomes too small";
+    case Ipopt::Diverging_Iterates: return "Ipopt: iterates diverge";
+    case Ipopt::Maximum_Iterations_Exceeded: return "Ipopt: iteration limit";
+    case Ipopt::Restoration_Failed: return "Ipopt: restoration failed";
+    case Ipopt::Not_Enough_Degrees_Of_Freedom: return "Ipopt: not enough degrees of freedom";
+    case Ipopt::Invalid_Problem_Definition: return "Ipopt: invalid problem definition";
+    default: return fmt::format("Ipopt: return status {}", static_cast<int>(status));
+  }
+}
+
+/// MUMPS keeps global state: two Ipopts at once in one process crash.
+std::mutex& one_at_a_time() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+class IpoptSolver final : public Solver {
+ public:
+  explicit IpoptSolver(bool exact_hessian) : exact_(exact_hessian) {}
+  std::string name() const override { return exact_ ? "ipopt" : "ipopt-lbfgs"; }
+  std::string library_version() const override { return "Ipopt 3.11.9"; }
+  Capabilities capabilities() const override {
+    Capabilities can;
+    can.uses_hessian = exact_;
+    return can;
+  }
+
+ protected:
+  Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
+    const std::lock_guard lock(one_at_a_time());
+    Evaluator evaluator(problem, limits_of(options));
+    const Ipopt::SmartPtr<Adapter> adapter = new Adapter(evaluator, start);
+    const Ipopt::SmartPtr<Ipopt::IpoptApplication> app = new Ipopt::IpoptApplication(false);
+    app->Options()->SetIntegerValue("print_level", 0);
+    app->Options()->SetStringValue("sb", "yes");
+    app->Options()->SetNumericValue("tol", options.tolerance);
+    app->Options()->SetNumericValue("constr_viol_tol", options.feasibility_tolerance);
+    app->Options()->SetNumericValue("bound_relax_factor", 0.0);
+    app->Options()->SetIntegerValue("max_iter", 3000);
+    // Approximate minimum degree orders the few dense rows of position sums last; the automatic choice fills the factors in.
+    app->Options()->SetIntegerValue("mumps_pivot_order", 0);
+    if (!exact_ || !problem.has_hessian()) app->Options()->SetStringValue("hessian_approximation", "limited-memory");
+    for (const auto& [key, value] : options.native) set_native(*app, key, value);
+
+    Result result;
+    // An empty name: no stray ipopt.opt in the working directory is read.
+    Ipopt::ApplicationReturnStatus status = app->Initialize("");
+    if (status == Ipopt::Solve_Succeeded) status = app->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(adapter)));
+    result.x = adapter->x();
+    // A multiplier of a stopped run belongs to no point of interest.
+    if (adapter->finished()) result.row_multipliers = adapter->multipliers();
+    result.claimed_objective = adapter->objective();
+    result.claim = claim_of(status);
+    result.message = words_of(status);
+    conclude(evaluator, result);
+    return result;
+  }
+
+ private:
+  bool exact_;
+};
+
+}  // namespace
+
+void add_ipopt(SolverList& list) {
+  list.push_back(std::make_unique<IpoptSolver>(true));
+  list.push_back(std::make_unique<IpoptSolver>(false));
+}
+
+}  // namespace accdec::solvers
