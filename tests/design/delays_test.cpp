@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <accdec/design/design.hpp>
+#include <accdec/design/enumeration.hpp>
 #include <accdec/design/verifier.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <design/tasks.hpp>
@@ -36,6 +37,10 @@ TEST(DesignDelays, IsTheFirstDelayThatSimulationAccepts) {
     } else {
       ASSERT_EQ(result.status, Status::optimal) << result.message;
       EXPECT_EQ(result.corners[0].delay, expected);
+      EXPECT_EQ(check_smallest_delays(task, filter, {expected}), "");
+      if (expected <= order) {
+        EXPECT_THAT(check_smallest_delays(task, filter, {order + 2}), ::testing::HasSubstr("holds every limit too"));
+      }
       ++found;
     }
   }

@@ -71,7 +71,11 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
   DesignResult result;
   if (impossible.empty()) {
     result = assess(task, filter, delays, false);
-    if (result.status == Status::feasible) {
+    if (result.status == Status::failed) {
+      // Every corner holds its limits, so this is one the delays have no part in: vibration.
+      result.status = Status::infeasible;
+      result.message = "this filter breaks a limit whatever the delays: " + result.verification.worst;
+    } else {
       result.status = Status::optimal;
       result.lower_bound = result.cycle_time;
       result.gap = 0.0;
