@@ -34,7 +34,7 @@ TEST(Plan, ADelayRaisedByOverlapCannotBeOneShorter) {
   const Toolpath path = path_of(random_program(5, 200));
   const Filter filter = boxcar(30);
   const ProgramPlan plan = plan_program(path, filter, period, {});
-  const std::vector<int> pairwise = pairwise_delays(path, filter, period);
+  const std::vector<int> pairwise = pairwise_delays(path, filter, period).delays;
   int checked = 0;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (plan.delays[b] <= pairwise[b]) continue;
@@ -88,6 +88,51 @@ TEST(Plan, SmallestPathDelayIsTheFirstWhosePolylineHolds) {
     while (measure(Blend(filter, corner, expected, period)).polyline_error > bound) ++expected;
     EXPECT_EQ(d, expected);
   }
+}
+
+TEST(Plan, DelaysGrowUntilTheAxisLimitsHoldWhereLegsOverlap) {
+  // A reversal at full acceleration: the boxcar uses the whole limit for each leg, so the legs may not overlap at all.
+  Machine machine;
+  machine.axes.push_back({"x", 0.2, 2.5});
+  const Filter filter = boxcar(39);
+  const Toolpath path = path_of("G64 P10\nG1 F6000 X50\nX0\n", machine);
+  EXPECT_EQ(pairwise_delays(path, filter, period).delays[0], 0);
+  EXPECT_EQ(pairwise_delays(path, filter, period, machine).delays[0], 40);
+  machine.axes[0].acceleration_max = 5.0;
+  EXPECT_EQ(pairwise_delays(path, filter, period, machine).delays[0], 0);
+}
+
+TEST(Plan, ShortMovesTogetherHoldTheLimitsThatEachAloneHolds) {
+  std::size_t raised = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Machine machine;
+    const Filter filter = trapezoid(30, 6);
+    // Each axis can just start the fastest block, 6000 mm/min, from rest.
+    double top = 0.0, edge = 0.0;
+    for (int i = 0; i <= 31; ++i) {
+      top = std::max(top, filter.tap(i));
+      edge = std::max(edge, std::abs(filter.tap(i) - filter.tap(i - 1)));
+    }
+    for (const char* name : {"x", "y", "z"}) machine.axes.push_back({name, 0.2, 0.1 * top / period, 0.1 * edge / period / period});
+    const Toolpath path = path_of(random_program(seed, 300), machine);
+    const ProgramPlan plan = plan_program(path, filter, period, program_machine(machine, path));
+    EXPECT_TRUE(plan.errors_hold);
+    raised += plan.raised;
+    for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9) << to_string(use.kind) << use.axis;
+    const Reference reference(path, filter, period, plan.delays);
+    double acceleration = 0.0;
+    for (std::size_t k = 2; k < reference.position.size(); ++k) {
+      for (std::size_t a = 0; a < path.dimensions(); ++a) {
+        const double change = reference.position[k][a] - 2.0 * reference.position[k - 1][a] + reference.position[k - 2][a];
+        acceleration = std::max(acceleration, std::abs(change) / (period * period));
+      }
+    }
+    EXPECT_LE(acceleration, 0.1 * top / period * (1.0 + 1e-6));
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      EXPECT_LE(reference.error(path, filter.order(), b), path.tolerance[b] * (1.0 + 1e-9) + 1e-12);
+    }
+  }
+  EXPECT_GT(raised, 0U);
 }
 
 TEST(Plan, StraightAndToleratedJointsCostNothing) {

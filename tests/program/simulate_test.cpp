@@ -92,7 +92,7 @@ TEST(Simulation, WatchesTheLimitsOfEveryAxis) {
   const std::vector<int> delays{7, 0};
   const CommandTiming timing(path, period, delays);
   std::vector<double> errors(2, 0.0);
-  const Simulation result = simulate_program(timing, filter, 0, 1, errors, {&machine, {}});
+  const Simulation result = simulate_program(timing, filter, 0, 1, errors, {&machine, false, {}});
   const Corner corner = make_corner(Eigen::Vector2d(1.0, 0.0), Eigen::Vector2d(-3.0, 4.0), 0.1, 0.1);
   const std::vector<LimitUse> expected = axis_utilisation(filter, corner, 7, period, machine);
   ASSERT_EQ(result.limits.size(), expected.size());

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
+#include <accdec/design/verifier.hpp>
+
 namespace accdec {
 
-LimitWatch::LimitWatch(const Machine* machine, std::size_t dimensions, double sample_period)
-    : machine_(machine), period_(sample_period) {
+LimitWatch::LimitWatch(const Machine* machine, std::size_t dimensions, double sample_period, bool blame)
+    : machine_(machine), period_(sample_period), blame_(blame) {
   for (std::size_t a = 0; machine_ != nullptr && a < dimensions; ++a) {
     const Axis& axis = machine_->axes[a];
     const auto add = [&](LimitKind kind, double bound) {
@@ -58,20 +61,30 @@ void LimitWatch::look(const MotionBuffer& motion, std::size_t block) {
       case LimitKind::power: largest = ((m * a + c * v) * v).maxCoeff() / period_; break;
       default: largest = (-(m * a + c * v) * v).maxCoeff() / period_; break;
     }
-    if (!(largest > worst.value * (1.0 + 1e-12))) continue;
+    const double broken = worst.bound * (1.0 + verification_tolerance);
+    const bool blame = blame_ && largest > broken;
+    if (!blame && !(largest > worst.value * (1.0 + 1e-12))) continue;
     for (Eigen::Index i = 0; i < v.size(); ++i) {
       const double value = value_at(worst, v[i], a[i], a[i] - b[i]);
+      const std::int64_t index = motion.seen_begin() + i;
+      if (blame && value > broken) broken_.push_back(static_cast<std::uint32_t>(block_at(index, block)));
       if (!(value > worst.value)) continue;
       worst.value = value;
-      const std::int64_t index = motion.seen_begin() + i;
       worst.sample = motion.number(index);
-      worst.block = block;
-      for (const auto& [from, marked] : marks_) {
-        if (from <= index) worst.block = marked;
-      }
+      worst.block = block_at(index, block);
     }
   }
   marks_.clear();
+  if (broken_.size() > 1) {
+    std::sort(broken_.begin(), broken_.end());
+    broken_.erase(std::unique(broken_.begin(), broken_.end()), broken_.end());
+  }
+}
+
+std::size_t LimitWatch::block_at(std::int64_t index, std::size_t current) const {
+  const auto after = std::upper_bound(marks_.begin(), marks_.end(), index,
+                                      [](std::int64_t i, const auto& mark) { return i < mark.first; });
+  return after == marks_.begin() ? current : std::prev(after)->second;
 }
 
 void LimitWatch::steady(const MotionBuffer& motion, const double* u, std::size_t block) {

@@ -13,7 +13,7 @@ namespace accdec {
 class LimitWatch {
  public:
   /// @param machine  nullptr: nothing is watched
-  LimitWatch(const Machine* machine, std::size_t dimensions, double sample_period);
+  LimitWatch(const Machine* machine, std::size_t dimensions, double sample_period, bool blame);
 
   /// From this index of the buffer on block `block` is commanded.
   void mark(std::int64_t index, std::size_t block);
@@ -22,6 +22,8 @@ class LimitWatch {
   /// Takes a stretch of steady motion at u m a sample in.
   void steady(const MotionBuffer& motion, const double* u, std::size_t block);
   void finish(std::vector<LimitUse>& limits, std::vector<std::uint32_t>& lines, const Toolpath& path) const;
+  /// With `blame`: every block during whose command a limit was broken, ascending.
+  const std::vector<std::uint32_t>& broken() const { return broken_; }
 
  private:
   struct Worst {
@@ -34,8 +36,13 @@ class LimitWatch {
   };
   double value_at(const Worst& worst, double velocity, double acceleration, double jerk) const;
 
+  /// Block commanded at an index of the buffer.
+  std::size_t block_at(std::int64_t index, std::size_t current) const;
+
   const Machine* machine_;
   double period_;
+  bool blame_;
+  std::vector<std::uint32_t> broken_;
   std::vector<Worst> worst_;
   std::vector<std::pair<std::int64_t, std::size_t>> marks_;  // index, block
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include <accdec/program/add_scaled.hpp>
 #include <accdec/program/move.hpp>
 
 namespace accdec {
@@ -38,7 +39,7 @@ void MotionBuffer::change(const double* u) {
     AxisMotion& axis = axes_[a];
     const double step = u[a] - axis.now;
     if (step == 0.0) continue;
-    Eigen::Map<Eigen::ArrayXd>(axis.acceleration.data() + pos_, order_ + 1) += step * taps_;
+    add_scaled(axis.acceleration.data() + pos_, step, taps_.data(), order_ + 1);
     axis.now = u[a];
   }
 }

@@ -9,10 +9,24 @@
 
 namespace accdec {
 
+/// Which delays are asked for.
+enum class DelayRule {
+  smallest,    ///< what the tolerances ask for
+  exact_stop,  ///< an exact stop at every joint but those inside arcs
+  none         ///< none but where the program stops
+};
+
+struct PairwiseDelays {
+  std::vector<int> delays;      ///< samples, one a block; 0 for the last
+  bool limits_possible = true;  ///< false if some joint breaks an axis limit even where its legs do not overlap
+};
+
 /// Smallest delay of every joint as if it were alone: of a corner the smallest with corner error (at samples) within its tolerance,
-/// of a smooth joint the smallest with which the path passes within it, of a stop the filter's exact stop. One a block, in samples;
-/// 0 for straight joints and the last block. O(1) to O(log N) a joint.
-std::vector<int> pairwise_delays(const Toolpath& path, const Filter& filter, double sample_period);
+/// of a smooth joint the smallest with which the path passes within it, of a stop the filter's exact stop; each then
+/// lengthened until the axis limits hold while the legs overlap. O(1) to O(log N) a joint, O(N^2) where limits bind.
+/// @param machine  as many axes as the path, or without axes
+PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine = {},
+                               DelayRule rule = DelayRule::smallest);
 
 /// Smallest d >= 0 with which the path through the samples passes a lone joint within `error_max`: the polyline error never grows
 /// with d. @param turn_in, turn_out see DelayFinder: cos(theta) and the full-speed steps v T of both legs in m
@@ -32,9 +46,9 @@ struct ProgramPlan {
 };
 
 /// Delays with which every joint holds its tolerance on the simulated path. Starts from the pairwise delays; where joints closer than
-/// the filter is long break their bound nevertheless, delays are raised there, round by round, until all hold; then each one raised is
-/// lowered again as far as its surroundings allow. With the delay of an exact stop a joint holds whatever its neighbours do, so
-/// this ends.
+/// the filter is long break their bound nevertheless, or moves together break an axis limit that each alone holds, delays are raised
+/// there, round by round, until all hold; then each one raised is lowered again as far as its surroundings allow. With delays longer
+/// than the filter every joint is alone, so this ends. Limits that no delay helps are reported as broken.
 /// @param machine  as many axes as the path, or without axes
 ProgramPlan plan_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 

@@ -22,7 +22,7 @@ class Simulator {
         errors_(errors),
         options_(options),
         motion_(filter, path_.dimensions(), path_.point(first)),
-        watch_(options.machine, path_.dimensions(), timing.sample_period()),
+        watch_(options.machine, path_.dimensions(), timing.sample_period(), options.blame),
         block_(first) {}
 
   void command(const double* u, std::int64_t count, const double* end) {
@@ -63,6 +63,7 @@ class Simulator {
     Simulation result;
     result.samples = motion_.sample() - 1;
     watch_.finish(result.limits, result.limit_lines, path_);
+    result.broken = watch_.broken();
     return result;
   }
 

@@ -18,6 +18,7 @@ using SampleSink = std::function<void(std::int64_t first, std::int64_t count, co
 
 struct SimulationOptions {
   const Machine* machine = nullptr;  ///< as many axes as the path; none: limits are not looked at
+  bool blame = false;                ///< find the blocks during whose command a limit is broken, see Simulation::broken
   SampleSink samples;                ///< when set, gets every sample, those of steady motion included
 };
 
@@ -26,6 +27,7 @@ struct Simulation {
   std::int64_t samples = 0;        ///< from the last at rest before to the first at rest after the motion
   std::vector<LimitUse> limits;    ///< worst use of every finite axis limit; `sample` counts from the start of the program
   std::vector<std::uint32_t> limit_lines;  ///< line of the block commanded when it occurred, one a limit
+  std::vector<std::uint32_t> broken;       ///< blocks commanded (or about to be, after their delay) when a limit was broken
 };
 
 /// Filters the command samples of a program and follows the motion sample by sample.

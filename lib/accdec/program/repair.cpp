@@ -1,0 +1,146 @@
+#include <accdec/program/repair.hpp>
+
+#include <algorithm>
+
+#include <accdec/program/plan.hpp>
+
+namespace accdec {
+namespace {
+
+void unique_ascending(std::vector<std::size_t>& joints) {
+  std::sort(joints.begin(), joints.end());
+  joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
+}
+
+}  // namespace
+
+Repair::Repair(const Toolpath& path, const Filter& filter, double sample_period, const Machine* machine, std::vector<int>& delays,
+               std::vector<double>& errors)
+    : path_(path),
+      filter_(filter),
+      machine_(machine),
+      timing_(path, sample_period, delays),
+      delays_(delays),
+      errors_(errors),
+      scratch_(path.blocks(), 0.0),
+      apart_(filter.order() + 2) {}
+
+void Repair::blame(std::uint32_t block, std::vector<std::size_t>& joints) const {
+  // Looking back no farther than changes of the command still act.
+  double back = 0.0;
+  for (std::size_t b = block; b > 0 && back <= apart_; --b) {
+    if (delays_[b - 1] < apart_) {
+      joints.push_back(b - 1);
+      return;
+    }
+    back += delays_[b - 1] + path_.duration[b - 1] / timing_.sample_period();
+  }
+}
+
+std::vector<std::size_t> Repair::failing(std::span<const std::uint32_t> broken) const {
+  std::vector<std::size_t> joints;
+  for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
+    if (!holds(errors_[b], path_.tolerance[b])) joints.push_back(b);
+  }
+  for (const std::uint32_t block : broken) blame(block, joints);
+  unique_ascending(joints);
+  return joints;
+}
+
+Repair::Range Repair::around(std::size_t joint) const {
+  // A joint's window reaches from N samples before it to rest + N + 1 after it, rest <= N + 2; blocks take at least their duration.
+  const double n = apart_, period = timing_.sample_period();
+  Range range{joint, joint + 1, joint, joint};
+  double back = 0.0;
+  while (range.first > 0 && back < 4.0 * n) {
+    back += path_.duration[range.first] / period + delays_[range.first - 1];
+    --range.first;
+    if (back < 3.0 * n) range.eval_first = range.first;
+  }
+  if (range.first == 0) range.eval_first = 0;
+  range.first = timing_.run_begin(range.first);
+  double ahead = 0.0;
+  const std::size_t end = path_.blocks() - 1;
+  while (range.last < end && ahead < 5.0 * n) {
+    ahead += path_.duration[range.last] / period;
+    if (ahead < 2.0 * n) range.eval_last = range.last;
+    ++range.last;
+  }
+  range.last = timing_.run_end(range.last);
+  if (range.last == end) range.eval_last = std::max(range.eval_last, end - 1);
+  return range;
+}
+
+void Repair::simulate(const Range& range) {
+  SimulationOptions options;
+  options.machine = machine_;
+  options.blame = machine_ != nullptr;
+  broken_ = simulate_program(timing_, filter_, range.first, range.last, scratch_, options).broken;
+}
+
+void Repair::judge(std::size_t first, std::size_t last, std::vector<std::size_t>& failing) const {
+  for (std::size_t b = first; b <= last; ++b) {
+    if (!holds(scratch_[b], path_.tolerance[b])) failing.push_back(b);
+  }
+  // Blocks whose motion the ends of the range cannot have touched.
+  for (const std::uint32_t block : broken_) {
+    if (block >= first && block <= last + 1) blame(block, failing);
+  }
+}
+
+void Repair::accept(std::size_t first, std::size_t last) {
+  std::copy(scratch_.begin() + static_cast<std::ptrdiff_t>(first), scratch_.begin() + static_cast<std::ptrdiff_t>(last) + 1,
+            errors_.begin() + static_cast<std::ptrdiff_t>(first));
+}
+
+std::vector<std::size_t> Repair::round(const std::vector<std::size_t>& joints, int step) {
+  for (const std::size_t b : joints) delays_[b] = std::min(apart_, delays_[b] + step);
+  std::vector<std::size_t> failing;
+  for (std::size_t i = 0; i < joints.size();) {
+    Range range = around(joints[i]);
+    std::vector<std::pair<std::size_t, std::size_t>> spans{{range.eval_first, range.eval_last}};
+    for (++i; i < joints.size(); ++i) {
+      const Range next = around(joints[i]);
+      if (next.first > range.last) break;
+      range.first = std::min(range.first, next.first);
+      range.last = std::max(range.last, next.last);
+      if (next.eval_first <= spans.back().second + 1) {
+        spans.back().second = std::max(spans.back().second, next.eval_last);
+      } else {
+        spans.emplace_back(next.eval_first, next.eval_last);
+      }
+    }
+    simulate(range);
+    for (const auto& [first, last] : spans) {
+      accept(first, last);
+      judge(first, last, failing);
+    }
+  }
+  unique_ascending(failing);
+  return failing;
+}
+
+void Repair::lower(std::size_t joint, int least) {
+  int good = delays_[joint], bad = least - 1;
+  // Growing steps down while it holds, then bisection; raised delays are mostly right or a little too long.
+  std::vector<std::size_t> failing;
+  for (int step = 1; good - bad > 1;) {
+    const int next = std::max(bad + 1, good - step);
+    delays_[joint] = next;
+    const Range range = around(joint);
+    simulate(range);
+    failing.clear();
+    judge(range.eval_first, range.eval_last, failing);
+    if (failing.empty()) {
+      good = next;
+      step *= 2;
+      accept(range.eval_first, range.eval_last);
+    } else {
+      bad = next;
+      step = std::max(1, (good - bad) / 2);
+    }
+  }
+  delays_[joint] = good;
+}
+
+}  // namespace accdec

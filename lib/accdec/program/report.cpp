@@ -1,0 +1,171 @@
+#include <accdec/program/report.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include <accdec/design/verifier.hpp>
+
+namespace accdec {
+namespace {
+
+void judge_limits(ProgramResult& result, const Machine& machine) {
+  std::vector<LimitUse>& limits = result.plan.simulation.limits;
+  for (const LimitUse& use : vibration_utilisation(result.filter, result.sample_period, machine)) {
+    limits.push_back(use);
+    result.plan.simulation.limit_lines.push_back(0);
+  }
+  VerificationReport& report = result.verification;
+  report.performed = true;
+  report.tolerance = verification_tolerance;
+  double worst = 0.0;
+  for (const LimitUse& use : limits) {
+    if (use.utilisation <= worst) continue;
+    worst = use.utilisation;
+    report.worst = use.kind == LimitKind::vibration
+                       ? fmt::format("vibration: {:.1f} % at {:.6g} Hz", 100.0 * use.utilisation, use.frequency)
+                       : fmt::format("{} {}: {:.1f} % at sample {}, {}", to_string(use.kind), use.axis, 100.0 * use.utilisation,
+                                     use.sample, use.corner);
+  }
+  if (result.worst_utilisation > worst) {
+    worst = result.worst_utilisation;
+    report.worst = fmt::format("corner error: {:.1f} % of its tolerance, line {}", 100.0 * worst, result.worst_line);
+  }
+  report.max_violation = std::max(0.0, worst - 1.0);
+  const bool limits_hold = std::all_of(limits.begin(), limits.end(),
+                                       [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
+  report.feasible = result.plan.errors_hold && limits_hold;
+  result.status = report.feasible ? Status::feasible : Status::failed;
+  if (!report.feasible) result.message = "a limit is broken: " + report.worst;
+}
+
+void count_joints(ProgramResult& result, int stop_delay) {
+  const Toolpath& path = result.path;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    const int delay = result.plan.delays[b];
+    result.delay_total += delay * result.sample_period;
+    if (path.joint[b] == Joint::straight && delay == 0) continue;
+    ++result.corners;
+    if (delay > 0) ++result.delayed;
+    if (path.joint[b] == Joint::stop || (delay > 0 && delay >= stop_delay)) ++result.exact_stops;
+    if (!(path.tolerance[b] < unlimited)) continue;
+    const double error = result.plan.errors[b] <= position_floor ? 0.0 : result.plan.errors[b];
+    result.worst_error = std::max(result.worst_error, error);
+    const double use = utilisation_of(LimitKind::corner_error, error, path.tolerance[b]);
+    if (use > result.worst_utilisation || result.worst_line == 0) {
+      result.worst_utilisation = use;
+      result.worst_line = path.line[b];
+    }
+  }
+}
+
+}  // namespace
+
+ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task) {
+  const auto start = std::chrono::steady_clock::now();
+  ProgramResult result;
+  result.program = name;
+  result.filter = filter;
+  result.sample_period = task.sample_period;
+  result.path = std::move(path);
+  const Machine machine = program_machine(task.machine, result.path);
+  result.plan = plan_program(result.path, filter, task.sample_period, machine);
+  result.cycle_time = static_cast<double>(result.plan.simulation.samples) * task.sample_period;
+
+  const auto time_by_rule = [&](DelayRule rule) {
+    const std::vector<int> delays = pairwise_delays(result.path, filter, task.sample_period, machine, rule).delays;
+    const CommandTiming timing(result.path, task.sample_period, delays);
+    return static_cast<double>(timing.command_samples() + filter.order() + 1) * task.sample_period;
+  };
+  result.cycle_time_no_delay = time_by_rule(DelayRule::none);
+  result.cycle_time_exact_stop = time_by_rule(DelayRule::exact_stop);
+  const int stop_delay = std::max(0, filter.last_nonzero_tap() - filter.first_nonzero_tap());
+  count_joints(result, stop_delay);
+  judge_limits(result, machine);
+  result.solver.method = "given";
+  result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+std::string delays_to_csv(const ProgramResult& result) {
+  fmt::memory_buffer text;
+  const auto put = std::back_inserter(text);
+  fmt::format_to(put, "line,delay_samples,corner_error_m,error_max_m\n");
+  const Toolpath& path = result.path;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] == Joint::straight && result.plan.delays[b] == 0) continue;
+    const double error = result.plan.errors[b] <= position_floor ? 0.0 : result.plan.errors[b];
+    fmt::format_to(put, "{},{},{:.9g},", path.line[b], result.plan.delays[b], error);
+    if (path.tolerance[b] < unlimited) fmt::format_to(put, "{:.9g}", path.tolerance[b]);
+    fmt::format_to(put, "\n");
+  }
+  return fmt::to_string(text);
+}
+
+std::string program_summary(const ProgramResult& result) {
+  fmt::memory_buffer text;
+  const auto put = std::back_inserter(text);
+  const ProgramPlan& plan = result.plan;
+  fmt::format_to(put, "{}: {} blocks, {} corners, {} delayed, {} exact stops\n", result.program, result.path.blocks(), result.corners,
+                 result.delayed, result.exact_stops);
+  fmt::format_to(put, "filter of {} taps, T = {:.6g} ms, {} samples\n\n", result.filter.order() + 1, result.sample_period * 1e3,
+                 plan.simulation.samples);
+  const auto row = [&](std::string_view what, double time) {
+    fmt::format_to(put, "  {:<28}{:>14.4f} s{:>10.2f} %\n", what, time, 100.0 * time / result.cycle_time);
+  };
+  row("cycle time", result.cycle_time);
+  row("  of it delays", result.delay_total);
+  row("exact stop at every corner", result.cycle_time_exact_stop);
+  row("no delay at any corner", result.cycle_time_no_delay);
+  fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n", result.worst_error * 1e6,
+                 100.0 * result.worst_utilisation, result.worst_line);
+  if (plan.raised > 0) {
+    fmt::format_to(put, "  {} delays raised because moves overlap, in {} rounds\n", plan.raised, plan.rounds);
+  }
+  if (!plan.simulation.limits.empty()) fmt::format_to(put, "\n  {:<14}{:<6}{:>12}{:>10}  {}\n", "limit", "axis", "bound", "use", "where");
+  for (const LimitUse& use : plan.simulation.limits) {
+    fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>8.1f} %  {}\n", to_string(use.kind), use.axis, use.bound, 100.0 * use.utilisation,
+                   use.kind == LimitKind::vibration ? fmt::format("{:.6g} Hz", use.frequency) : use.corner);
+  }
+  fmt::format_to(put, "\n  {}{}{}\n", result.verification.feasible ? "verified: every sample simulated, all bounds hold" : "NOT verified",
+                 result.message.empty() ? "" : ": ", result.message);
+  return fmt::to_string(text);
+}
+
+void write_samples(const ProgramResult& result, std::ostream& out) {
+  const Toolpath& path = result.path;
+  const std::size_t n = path.dimensions();
+  fmt::memory_buffer text;
+  const auto put = std::back_inserter(text);
+  fmt::format_to(put, "time_s");
+  for (std::size_t a = 0; a < n; ++a) {
+    const std::string unit = path.axes[a] >= 3 && path.axes[a] < 6 ? "deg" : "mm";
+    fmt::format_to(put, ",{0}_{1},{0}_{1}_s", path.axis_name(a), unit);
+  }
+  fmt::format_to(put, "\n0");
+  for (std::size_t a = 0; a < n; ++a) fmt::format_to(put, ",{:.9g},0", path.point(0)[a] * 1e3);
+  text.push_back('\n');
+  const CommandTiming timing(path, result.sample_period, result.plan.delays);
+  std::vector<double> errors(path.blocks());
+  SimulationOptions options;
+  options.samples = [&](std::int64_t first, std::int64_t count, const double* const* position, const double* const* velocity) {
+    count = std::min(count, result.plan.simulation.samples + 1 - first);
+    for (std::int64_t k = 0; k < count; ++k) {
+      fmt::format_to(put, "{:.9g}", static_cast<double>(first + k) * result.sample_period);
+      for (std::size_t a = 0; a < n; ++a) {
+        fmt::format_to(put, ",{:.9f},{:.6f}", position[a][k] * 1e3, velocity[a][k] / result.sample_period * 1e3);
+      }
+      text.push_back('\n');
+      if (text.size() < 60000) continue;
+      out.write(text.data(), static_cast<std::streamsize>(text.size()));
+      text.clear();
+    }
+  };
+  simulate_program(timing, result.filter, 0, path.blocks() - 1, errors, options);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+}
+
+}  // namespace accdec

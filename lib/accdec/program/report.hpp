@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <accdec/design/result.hpp>
+#include <accdec/design/task.hpp>
+#include <accdec/program/plan.hpp>
+#include <accdec/program/toolpath.hpp>
+
+namespace accdec {
+
+/// What `accdec program` answers; `accdec.program/1` in JSON.
+struct ProgramResult {
+  std::string program;  ///< the file
+  Status status = Status::failed;
+  Filter filter{{1.0}};
+  double sample_period = 0.0;  ///< s
+  Toolpath path;
+  ProgramPlan plan;
+  std::size_t corners = 0;      ///< joints that turn or stop
+  std::size_t delayed = 0;      ///< of these with a delay
+  std::size_t exact_stops = 0;  ///< of these with the delay of an exact stop
+  double worst_error = 0.0;        ///< m, over joints that have a tolerance
+  double worst_utilisation = 0.0;  ///< error/tolerance, and its line
+  std::uint32_t worst_line = 0;
+  double cycle_time = 0.0;             ///< s, samples of the simulation times T
+  double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
+  double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
+  double delay_total = 0.0;            ///< s, delays of this plan
+  VerificationReport verification;
+  SolverReport solver;
+  std::string message;
+};
+
+/// Plans and verifies a program with a given filter. `feasible` only if every joint holds its tolerance and every axis limit and
+/// vibration bound is held over the whole program, else `failed` with the worst in the message.
+ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task);
+
+/// Ends with a line feed.
+std::string program_to_json(const ProgramResult& result);
+/// line,delay_samples,corner_error_m,error_max_m; one row a joint that turns, stops or has a delay. The last is empty without bound.
+std::string delays_to_csv(const ProgramResult& result);
+/// The table for people.
+std::string program_summary(const ProgramResult& result);
+
+/// time_s and position of every axis in its own unit and velocity (x_mm, x_mm_s, .. or a_deg, a_deg_s, ..), from the first sample to
+/// the first at rest, written as it is made.
+void write_samples(const ProgramResult& result, std::ostream& out);
+
+/// The program as straight moves with what realises the delays on a controller that filters its commands: feeds such that every run
+/// takes whole samples, and after a delayed joint a dwell of the delay (G4 P, seconds). Rapid moves become feed moves at the speed
+/// planned for them, dwells of the program are kept.
+void emit_program(const ProgramResult& result, std::ostream& out);
+
+}  // namespace accdec

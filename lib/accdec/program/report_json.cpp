@@ -1,0 +1,69 @@
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include <accdec/program/report.hpp>
+
+namespace accdec {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// null for what JSON cannot say.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json limits_json(const ProgramResult& result) {
+  Json list = Json::array();
+  const Simulation& simulation = result.plan.simulation;
+  for (std::size_t i = 0; i < simulation.limits.size(); ++i) {
+    const LimitUse& use = simulation.limits[i];
+    Json item{{"kind", to_string(use.kind)},
+              {"axis", use.axis},
+              {"line", simulation.limit_lines[i]},
+              {"value", number(use.value)},
+              {"bound", number(use.bound)},
+              {"utilisation", number(use.utilisation)},
+              {"sample", use.sample}};
+    if (use.kind == LimitKind::vibration) item["frequency_Hz"] = number(use.frequency);
+    list.push_back(std::move(item));
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string program_to_json(const ProgramResult& result) {
+  Json json;
+  json["schema"] = "accdec.program/1";
+  json["program"] = result.program;
+  json["status"] = to_string(result.status);
+  json["sample_period_s"] = result.sample_period;
+  json["filter"] = {{"order", result.filter.order()},
+                    {"taps", std::vector<double>(result.filter.taps().begin(), result.filter.taps().end())}};
+  json["blocks"] = result.path.blocks();
+  json["corners"] = {{"count", result.corners},
+                     {"delayed", result.delayed},
+                     {"exact_stops", result.exact_stops},
+                     {"raised_by_overlap", result.plan.raised},
+                     {"worst_error_m", number(result.worst_error)},
+                     {"worst_utilisation", number(result.worst_utilisation)},
+                     {"worst_line", result.worst_line}};
+  json["samples"] = result.plan.simulation.samples;
+  json["cycle_time_s"] = result.cycle_time;
+  json["cycle_time_exact_stop_s"] = result.cycle_time_exact_stop;
+  json["cycle_time_no_delay_s"] = result.cycle_time_no_delay;
+  json["delay_total_s"] = result.delay_total;
+  json["limits"] = limits_json(result);
+  json["verification"] = {{"performed", result.verification.performed},
+                          {"feasible", result.verification.feasible},
+                          {"max_violation", number(result.verification.max_violation)},
+                          {"tolerance", result.verification.tolerance},
+                          {"worst", result.verification.worst}};
+  json["solver"] = {{"method", result.solver.method},   {"name", result.solver.name},
+                    {"version", result.solver.version}, {"claimed", result.solver.claimed},
+                    {"evaluations", result.solver.evaluations}, {"wall_time_s", result.solver.wall_time}};
+  json["message"] = result.message;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace accdec
