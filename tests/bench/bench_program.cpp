@@ -69,7 +69,7 @@ void read(benchmark::State& state) {
 
 void delays(benchmark::State& state) {
   LineSource source("bench.ngc", text_of(kind_of(state), state.range(1)));
-  const Toolpath path = read_toolpath(source, machine(), {});
+  Toolpath path = read_toolpath(source, machine(), {});
   const Filter filter = blackman_sinc(40, 0.049);
   for (auto _ : state) benchmark::DoNotOptimize(pairwise_delays(path, filter, period));
   state.SetItemsProcessed(static_cast<std::int64_t>(path.blocks() - 1) * state.iterations());
@@ -78,7 +78,7 @@ void delays(benchmark::State& state) {
 
 void verify(benchmark::State& state) {
   LineSource source("bench.ngc", text_of(kind_of(state), state.range(1)));
-  const Toolpath path = read_toolpath(source, machine(), {});
+  Toolpath path = read_toolpath(source, machine(), {});
   const Machine m = program_machine(machine(), path);
   const Filter filter = blackman_sinc(40, 0.049);
   const std::vector<int> d = plan_program(path, filter, period, m).delays;
@@ -95,7 +95,7 @@ void program(benchmark::State& state) {
   std::int64_t blocks = 0;
   for (auto _ : state) {
     LineSource source("bench.ngc", text);
-    const Toolpath path = read_toolpath(source, machine(), {});
+    Toolpath path = read_toolpath(source, machine(), {});
     const ProgramPlan plan = plan_program(path, filter, period, program_machine(machine(), path));
     if (!plan.errors_hold) state.SkipWithError("a joint breaks its tolerance");
     blocks += static_cast<std::int64_t>(path.blocks());

@@ -18,7 +18,7 @@ constexpr double period = 1e-3;
 
 TEST(Plan, EveryJointHoldsItsToleranceOnThePathByDefinition) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    const Toolpath path = path_of(random_program(seed, 400));
+    Toolpath path = path_of(random_program(seed, 400));
     const Filter filter = seed % 2 == 0 ? boxcar(30) : blackman_sinc(40, 0.049);
     const ProgramPlan plan = plan_program(path, filter, period, {});
     EXPECT_TRUE(plan.errors_hold);
@@ -31,7 +31,7 @@ TEST(Plan, EveryJointHoldsItsToleranceOnThePathByDefinition) {
 }
 
 TEST(Plan, ADelayRaisedByOverlapCannotBeOneShorter) {
-  const Toolpath path = path_of(random_program(5, 200));
+  Toolpath path = path_of(random_program(5, 200));
   const Filter filter = boxcar(30);
   const ProgramPlan plan = plan_program(path, filter, period, {});
   const std::vector<int> pairwise = pairwise_delays(path, filter, period).delays;
@@ -58,7 +58,7 @@ TEST(Plan, LoneCornersGetTheirSmallestDelay) {
   for (int i = 1; i <= 17; ++i) {
     text += "G64 P0.0" + std::to_string(i) + " X" + std::to_string(20 - 3 * i) + " Y" + std::to_string(25 + i) + "\nX30\n";
   }
-  const Toolpath path = path_of("G64 P0.02\n" + text);
+  Toolpath path = path_of("G64 P0.02\n" + text);
   const Filter filter = blackman_sinc(40, 0.049);
   const ProgramPlan plan = plan_program(path, filter, period, {});
   EXPECT_TRUE(plan.errors_hold);
@@ -95,7 +95,7 @@ TEST(Plan, DelaysGrowUntilTheAxisLimitsHoldWhereLegsOverlap) {
   Machine machine;
   machine.axes.push_back({"x", 0.2, 2.5});
   const Filter filter = boxcar(39);
-  const Toolpath path = path_of("G64 P10\nG1 F6000 X50\nX0\n", machine);
+  Toolpath path = path_of("G64 P10\nG1 F6000 X50\nX0\n", machine);
   EXPECT_EQ(pairwise_delays(path, filter, period).delays[0], 0);
   EXPECT_EQ(pairwise_delays(path, filter, period, machine).delays[0], 40);
   machine.axes[0].acceleration_max = 5.0;
@@ -114,7 +114,7 @@ TEST(Plan, ShortMovesTogetherHoldTheLimitsThatEachAloneHolds) {
       edge = std::max(edge, std::abs(filter.tap(i) - filter.tap(i - 1)));
     }
     for (const char* name : {"x", "y", "z"}) machine.axes.push_back({name, 0.2, 0.1 * top / period, 0.1 * edge / period / period});
-    const Toolpath path = path_of(random_program(seed, 300), machine);
+    Toolpath path = path_of(random_program(seed, 300), machine);
     const ProgramPlan plan = plan_program(path, filter, period, program_machine(machine, path));
     EXPECT_TRUE(plan.errors_hold);
     raised += plan.raised;
@@ -137,7 +137,7 @@ TEST(Plan, ShortMovesTogetherHoldTheLimitsThatEachAloneHolds) {
 
 TEST(Plan, StraightAndToleratedJointsCostNothing) {
   const Filter filter = boxcar(40);
-  const Toolpath straight = path_of("G61 G1 F6000 X10\nX20 F3000\nX30\n");
+  Toolpath straight = path_of("G61 G1 F6000 X10\nX20 F3000\nX30\n");
   const ProgramPlan plan = plan_program(straight, filter, period, {});
   EXPECT_TRUE(plan.errors_hold);
   EXPECT_EQ(plan.simulation.samples, 100 + 200 + 200 + 41);

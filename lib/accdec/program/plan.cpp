@@ -34,14 +34,15 @@ ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sam
   return simulate_plan(path, filter, sample_period, machine, std::move(delays), false);
 }
 
-ProgramPlan plan_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
+ProgramPlan plan_program(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
   PairwiseDelays pairwise = pairwise_delays(path, filter, sample_period, machine);
   const bool mend_limits = pairwise.limits_possible && !machine.axes.empty();
   ProgramPlan plan = simulate_plan(path, filter, sample_period, machine, pairwise.delays, mend_limits);
   if (plan.errors_hold && plan.simulation.broken.empty()) return plan;
 
   Repair repair(path, filter, sample_period, mend_limits ? &machine : nullptr, plan.delays, plan.errors);
-  std::vector<std::size_t> failing = repair.failing(plan.simulation.broken);
+  const std::vector<double> programmed = path.duration;
+  RepairWork failing = repair.failing(plan.simulation.broken);
   int rounds = 0;
   while (!failing.empty()) {
     ++rounds;
@@ -52,7 +53,10 @@ ProgramPlan plan_program(const Toolpath& path, const Filter& filter, double samp
   }
   plan = check_program(path, filter, sample_period, machine, std::move(plan.delays));
   plan.rounds = rounds;
-  for (std::size_t b = 0; b < path.blocks(); ++b) plan.raised += plan.delays[b] > pairwise.delays[b] ? 1 : 0;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    plan.raised += plan.delays[b] > pairwise.delays[b] ? 1 : 0;
+    plan.slowed += path.duration[b] > programmed[b] ? 1 : 0;
+  }
   return plan;
 }
 

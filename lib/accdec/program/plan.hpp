@@ -41,6 +41,7 @@ struct ProgramPlan {
   std::vector<double> errors;  ///< m, on the simulated path, one a block
   Simulation simulation;       ///< of the whole program with these delays, every sample
   std::size_t raised = 0;      ///< joints whose delay the overlap with further moves raised above the pairwise one
+  std::size_t slowed = 0;      ///< blocks whose feed had to be lowered
   int rounds = 0;              ///< of repair
   bool errors_hold = false;    ///< every joint within its tolerance
 };
@@ -48,9 +49,11 @@ struct ProgramPlan {
 /// Delays with which every joint holds its tolerance on the simulated path. Starts from the pairwise delays; where joints closer than
 /// the filter is long break their bound nevertheless, or moves together break an axis limit that each alone holds, delays are raised
 /// there, round by round, until all hold; then each one raised is lowered again as far as its surroundings allow. With delays longer
-/// than the filter every joint is alone, so this ends. Limits that no delay helps are reported as broken.
+/// than the filter every joint is alone; a block that even then breaks a limit, because its own start and stop overlap, is slowed, so
+/// this ends. Limits that a long block breaks by itself are reported as broken: no delay helps.
+/// @param path     durations of blocks that have to be slowed grow
 /// @param machine  as many axes as the path, or without axes
-ProgramPlan plan_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
+ProgramPlan plan_program(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 
 /// Simulates given delays and says whether they hold.
 ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,

@@ -7,14 +7,20 @@
 namespace accdec {
 namespace {
 
-void unique_ascending(std::vector<std::size_t>& joints) {
-  std::sort(joints.begin(), joints.end());
-  joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
+constexpr double slower = 1.15;  // factor on the duration of a block that breaks a limit by itself
+
+void unique_ascending(std::vector<std::size_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+void unique_ascending(RepairWork& work) {
+  unique_ascending(work.raise);
+  unique_ascending(work.slow);
 }
 
 }  // namespace
 
-Repair::Repair(const Toolpath& path, const Filter& filter, double sample_period, const Machine* machine, std::vector<int>& delays,
+Repair::Repair(Toolpath& path, const Filter& filter, double sample_period, const Machine* machine, std::vector<int>& delays,
                std::vector<double>& errors)
     : path_(path),
       filter_(filter),
@@ -25,26 +31,30 @@ Repair::Repair(const Toolpath& path, const Filter& filter, double sample_period,
       scratch_(path.blocks(), 0.0),
       apart_(filter.order() + 2) {}
 
-void Repair::blame(std::uint32_t block, std::vector<std::size_t>& joints) const {
+void Repair::blame(std::uint32_t block, RepairWork& work) const {
   // Looking back no farther than changes of the command still act.
   double back = 0.0;
-  for (std::size_t b = block; b > 0 && back <= apart_; --b) {
+  std::size_t b = block;
+  for (; b > 0 && back <= apart_; --b) {
     if (delays_[b - 1] < apart_) {
-      joints.push_back(b - 1);
+      work.raise.push_back(b - 1);
       return;
     }
     back += delays_[b - 1] + path_.duration[b - 1] / timing_.sample_period();
   }
+  for (std::size_t slow = b; slow <= block; ++slow) {
+    if (path_.duration[slow] < apart_ * timing_.sample_period()) work.slow.push_back(slow);
+  }
 }
 
-std::vector<std::size_t> Repair::failing(std::span<const std::uint32_t> broken) const {
-  std::vector<std::size_t> joints;
+RepairWork Repair::failing(std::span<const std::uint32_t> broken) const {
+  RepairWork work;
   for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
-    if (!holds(errors_[b], path_.tolerance[b])) joints.push_back(b);
+    if (!holds(errors_[b], path_.tolerance[b])) work.raise.push_back(b);
   }
-  for (const std::uint32_t block : broken) blame(block, joints);
-  unique_ascending(joints);
-  return joints;
+  for (const std::uint32_t block : broken) blame(block, work);
+  unique_ascending(work);
+  return work;
 }
 
 Repair::Range Repair::around(std::size_t joint) const {
@@ -78,9 +88,9 @@ void Repair::simulate(const Range& range) {
   broken_ = simulate_program(timing_, filter_, range.first, range.last, scratch_, options).broken;
 }
 
-void Repair::judge(std::size_t first, std::size_t last, std::vector<std::size_t>& failing) const {
+void Repair::judge(std::size_t first, std::size_t last, RepairWork& failing) const {
   for (std::size_t b = first; b <= last; ++b) {
-    if (!holds(scratch_[b], path_.tolerance[b])) failing.push_back(b);
+    if (!holds(scratch_[b], path_.tolerance[b])) failing.raise.push_back(b);
   }
   // Blocks whose motion the ends of the range cannot have touched.
   for (const std::uint32_t block : broken_) {
@@ -93,9 +103,15 @@ void Repair::accept(std::size_t first, std::size_t last) {
             errors_.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-std::vector<std::size_t> Repair::round(const std::vector<std::size_t>& joints, int step) {
-  for (const std::size_t b : joints) delays_[b] = std::min(apart_, delays_[b] + step);
-  std::vector<std::size_t> failing;
+RepairWork Repair::round(const RepairWork& work, int step) {
+  std::vector<std::size_t> joints = work.raise;
+  for (const std::size_t b : work.raise) delays_[b] = std::min(apart_, delays_[b] + step);
+  for (const std::size_t b : work.slow) {
+    path_.duration[b] *= slower;
+    joints.push_back(std::min(b, path_.blocks() - 2));
+  }
+  unique_ascending(joints);
+  RepairWork failing;
   for (std::size_t i = 0; i < joints.size();) {
     Range range = around(joints[i]);
     std::vector<std::pair<std::size_t, std::size_t>> spans{{range.eval_first, range.eval_last}};
@@ -123,13 +139,13 @@ std::vector<std::size_t> Repair::round(const std::vector<std::size_t>& joints, i
 void Repair::lower(std::size_t joint, int least) {
   int good = delays_[joint], bad = least - 1;
   // Growing steps down while it holds, then bisection; raised delays are mostly right or a little too long.
-  std::vector<std::size_t> failing;
+  RepairWork failing;
   for (int step = 1; good - bad > 1;) {
     const int next = std::max(bad + 1, good - step);
     delays_[joint] = next;
     const Range range = around(joint);
     simulate(range);
-    failing.clear();
+    failing = {};
     judge(range.eval_first, range.eval_last, failing);
     if (failing.empty()) {
       good = next;

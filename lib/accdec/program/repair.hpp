@@ -9,19 +9,28 @@
 
 namespace accdec {
 
-/// Changes delays and re-simulates only what is around them.
+/// What a round of repair has to change, ascending.
+struct RepairWork {
+  std::vector<std::size_t> raise;  ///< joints whose delay is too short
+  std::vector<std::size_t> slow;   ///< blocks that break a limit however long the delays around them are
+  bool empty() const { return raise.empty() && slow.empty(); }
+};
+
+/// Changes delays and feeds and re-simulates only what is around them.
 class Repair {
  public:
   /// @param machine  nullptr: limits are left alone
+  /// @param path            durations of its blocks may grow
   /// @param delays, errors  of the whole program, kept by reference and kept up to date
-  Repair(const Toolpath& path, const Filter& filter, double sample_period, const Machine* machine, std::vector<int>& delays,
+  Repair(Toolpath& path, const Filter& filter, double sample_period, const Machine* machine, std::vector<int>& delays,
          std::vector<double>& errors);
 
-  /// Joints to raise: those whose error breaks its bound, and for every block blamed for a broken limit the joint before it, or, if
-  /// that is longer than the filter already, the nearest one before that still can be lengthened.
-  std::vector<std::size_t> failing(std::span<const std::uint32_t> broken) const;
-  /// One round: raises the delays of `joints` (ascending), re-simulates around them, and returns what fails there now.
-  std::vector<std::size_t> round(const std::vector<std::size_t>& joints, int step);
+  /// Raises joints whose error breaks its bound, and for every block blamed for a broken limit the joint before it, or, if that is
+  /// longer than the filter already, the nearest one before that still can be lengthened. Where there is none a block shorter than
+  /// the filter breaks the limit by itself, its start and its stop together: it is slowed.
+  RepairWork failing(std::span<const std::uint32_t> broken) const;
+  /// One round: changes, re-simulates around the changes, and returns what fails there now. @param step  samples to raise by
+  RepairWork round(const RepairWork& work, int step);
   /// Lowers the delay of a joint, not below `least`, as far as everything around it holds.
   void lower(std::size_t joint, int least);
 
@@ -32,11 +41,11 @@ class Repair {
   };
   Range around(std::size_t joint) const;
   void simulate(const Range& range);
-  void judge(std::size_t first, std::size_t last, std::vector<std::size_t>& failing) const;
-  void blame(std::uint32_t block, std::vector<std::size_t>& joints) const;
+  void judge(std::size_t first, std::size_t last, RepairWork& failing) const;
+  void blame(std::uint32_t block, RepairWork& work) const;
   void accept(std::size_t first, std::size_t last);
 
-  const Toolpath& path_;
+  Toolpath& path_;
   const Filter& filter_;
   const Machine* machine_;
   CommandTiming timing_;

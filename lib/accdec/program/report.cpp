@@ -125,6 +125,7 @@ std::string program_summary(const ProgramResult& result) {
   if (plan.raised > 0) {
     fmt::format_to(put, "  {} delays raised because moves overlap, in {} rounds\n", plan.raised, plan.rounds);
   }
+  if (plan.slowed > 0) fmt::format_to(put, "  {} short blocks slowed, for their start and stop together break a limit\n", plan.slowed);
   if (!plan.simulation.limits.empty()) fmt::format_to(put, "\n  {:<14}{:<6}{:>12}{:>10}  {}\n", "limit", "axis", "bound", "use", "where");
   for (const LimitUse& use : plan.simulation.limits) {
     fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>8.1f} %  {}\n", to_string(use.kind), use.axis, use.bound, 100.0 * use.utilisation,

@@ -19,7 +19,7 @@ struct ProgramResult {
   Status status = Status::failed;
   Filter filter{{1.0}};
   double sample_period = 0.0;  ///< s
-  Toolpath path;
+  Toolpath path;                ///< with lowered feeds, where the plan lowered any
   ProgramPlan plan;
   std::size_t corners = 0;      ///< joints that turn or stop
   std::size_t delayed = 0;      ///< of these with a delay

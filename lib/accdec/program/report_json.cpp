@@ -45,6 +45,7 @@ std::string program_to_json(const ProgramResult& result) {
                      {"delayed", result.delayed},
                      {"exact_stops", result.exact_stops},
                      {"raised_by_overlap", result.plan.raised},
+                     {"slowed_blocks", result.plan.slowed},
                      {"worst_error_m", number(result.worst_error)},
                      {"worst_utilisation", number(result.worst_utilisation)},
                      {"worst_line", result.worst_line}};
