@@ -1,1 +1,59 @@
-int main() { return 0; }
+#include <accdec/io/errors.hpp>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+
+#include "command.hpp"
+
+namespace accdec::cli {
+namespace {
+
+/// Every subcommand, in the order of --help.
+void add_commands(CLI::App& app, Context& context) {
+  add_evaluate(app, context);
+}
+
+int run(int argc, char** argv) {
+  Context context;
+  CLI::App app("Designs the Acc/Dec filter of CNC motion commands and the command delay of every corner.", "accdec");
+  app.set_version_flag("--version", std::string("accdec " ACCDEC_VERSION));
+  app.add_flag("-q,--quiet", context.quiet, "No tables, progress or notes; results go to files and the exit code only");
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer("Exit code 0: done and verified; 1: no acceptable answer; 2: bad usage or input, nothing written.");
+  add_commands(app, context);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {  // --help and --version
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return exit_bad_input;
+  }
+  return context.exit_code;
+}
+
+}  // namespace
+}  // namespace accdec::cli
+
+int main(int argc, char** argv) {
+  using namespace accdec;
+  const auto complain = [](const char* what, int code) {
+    std::fflush(stdout);
+    std::fprintf(stderr, "%s\n", what);
+    return code;
+  };
+  try {
+    return cli::run(argc, argv);
+  } catch (const InputError& error) {
+    return complain(error.what(), cli::exit_bad_input);
+  } catch (const OutputError& error) {
+    return complain(error.what(), cli::exit_bad_input);
+  } catch (const std::invalid_argument& error) {
+    return complain(error.what(), cli::exit_bad_input);
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory", cli::exit_no_answer);
+  } catch (const std::exception& error) {
+    return complain(error.what(), cli::exit_no_answer);
+  }
+}

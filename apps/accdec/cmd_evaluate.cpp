@@ -1,0 +1,34 @@
+#include <accdec/design/verifier.hpp>
+#include <accdec/io/atomic_file.hpp>
+#include <accdec/io/task_reader.hpp>
+#include <memory>
+
+#include "output.hpp"
+
+namespace accdec::cli {
+
+void add_evaluate(CLI::App& app, Context& context) {
+  struct Options {
+    std::string task, json;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("evaluate", "Errors, times and limit use of a fixed filter and fixed delays");
+  command->add_option("task", options->task, "Task file with a [filter] and delay_samples in every corner")
+      ->required()
+      ->type_name("TASK.toml");
+  add_json_option(*command, options->json);
+  command->callback([options, &context] {
+    const Task task = read_task(options->task);
+    if (!task.filter)
+      throw InputError(options->task, 1, 1, "evaluate needs a [filter] table; `accdec design` chooses a filter");
+    for (const TaskCorner& corner : task.corners) {
+      if (corner.delay) continue;
+      throw InputError(options->task, 1, 1,
+                       "corner " + corner.name + ": evaluate needs `delay_samples`; `accdec design` chooses it");
+    }
+    if (!options->json.empty()) require_writable(options->json);
+    context.exit_code = deliver(evaluate_task(task), options->json, context);
+  });
+}
+
+}  // namespace accdec::cli

@@ -1,0 +1,79 @@
+#include <accdec/io/json_position.hpp>
+#include <algorithm>
+#include <string>
+
+namespace accdec {
+namespace {
+
+/// Walks over valid JSON; every function leaves `at` behind what it read.
+struct Walker {
+  std::string_view text;
+  std::size_t at = 0;
+
+  char peek() {
+    while (at < text.size() && std::string_view(" \t\r\n,:").find(text[at]) != std::string_view::npos) ++at;
+    return at < text.size() ? text[at] : '\0';
+  }
+  std::string_view string() {
+    const std::size_t begin = ++at;
+    while (at < text.size() && text[at] != '"') at += text[at] == '\\' ? 2 : 1;
+    const std::size_t end = std::min(at, text.size());
+    ++at;
+    return text.substr(begin, end - begin);
+  }
+  void skip_value() {
+    int depth = 0;
+    do {
+      const char c = peek();
+      if (c == '\0') return;
+      if (c == '"') {
+        string();
+        continue;
+      }
+      if (c == '{' || c == '[') ++depth;
+      if (c == '}' || c == ']') --depth;
+      if (std::string_view("{}[]").find(c) != std::string_view::npos)
+        ++at;
+      else
+        while (at < text.size() && std::string_view(" \t\r\n,:{}[]\"").find(text[at]) == std::string_view::npos) ++at;
+    } while (depth > 0);
+  }
+  /// Moves from the start of a value to the start of its member or element; false if there is none.
+  bool enter(std::string_view step) {
+    const char kind = peek();
+    if (kind != '{' && kind != '[') return false;
+    ++at;
+    for (std::size_t index = 0; peek() != '}' && peek() != ']' && peek() != '\0'; ++index) {
+      const bool found = kind == '{' ? string() == step : std::to_string(index) == step;
+      peek();
+      if (found) return true;
+      skip_value();
+    }
+    return false;
+  }
+};
+
+}  // namespace
+
+std::pair<long, long> line_and_column(std::string_view text, std::size_t offset) {
+  const std::string_view before = text.substr(0, std::min(offset, text.size()));
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const std::size_t newline = before.rfind('\n');
+  return {line, static_cast<long>(newline == std::string_view::npos ? before.size() + 1 : before.size() - newline)};
+}
+
+std::size_t locate(std::string_view json, std::string_view pointer) {
+  Walker walker{json};
+  walker.peek();
+  std::size_t found = walker.at;
+  while (!pointer.empty()) {
+    pointer.remove_prefix(1);
+    const std::size_t slash = std::min(pointer.find('/'), pointer.size());
+    if (!walker.enter(pointer.substr(0, slash))) break;
+    found = walker.at;
+    pointer.remove_prefix(slash);
+  }
+  return found;
+}
+
+}  // namespace accdec

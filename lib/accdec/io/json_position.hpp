@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string_view>
+#include <utility>
+
+namespace accdec {
+
+/// Line and column (from 1) of a byte offset in a text.
+std::pair<long, long> line_and_column(std::string_view text, std::size_t offset);
+
+/// Offset of the value that a JSON pointer leads to in a text known to be valid JSON: the deepest one that exists on
+/// the way. JSON libraries do not keep positions, so the text is walked again when a message needs one.
+std::size_t locate(std::string_view json, std::string_view pointer);
+
+}  // namespace accdec

@@ -1,0 +1,144 @@
+#include <fmt/format.h>
+
+#include <accdec/io/report.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+
+namespace accdec {
+namespace {
+
+/// Columns a UTF-8 text takes, near enough: its code points.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+struct DisplayUnit {
+  const char* name;
+  double factor;
+};
+DisplayUnit display_unit(LimitKind kind) {
+  switch (kind) {
+    case LimitKind::velocity:
+    case LimitKind::speed_min: return {"mm/s", 1e3};
+    case LimitKind::acceleration: return {"mm/s^2", 1e3};
+    case LimitKind::jerk: return {"mm/s^3", 1e3};
+    case LimitKind::force: return {"N", 1.0};
+    case LimitKind::power:
+    case LimitKind::regeneration: return {"W", 1.0};
+    case LimitKind::vibration: return {"%", 1e2};
+    case LimitKind::corner_error: return {"um", 1e6};
+  }
+  return {"", 1.0};
+}
+
+std::string corner_table(const DesignResult& result) {
+  TextTable table(
+      {"corner", "delay", "error um", "allowed um", "polyline um", "contour um", "least speed mm/s", "time ms"});
+  for (std::size_t j = 0; j < result.corners.size(); ++j) {
+    const CornerResult& c = result.corners[j];
+    std::string allowed = "-";
+    if (j < result.task.corners.size() && result.task.corners[j].error_max)
+      allowed = fmt::format("{:g}", 1e6 * *result.task.corners[j].error_max);
+    table.add({c.name, fmt::format("{}", c.delay), fmt::format("{:.2f}", 1e6 * c.corner_error), allowed,
+               fmt::format("{:.2f}", 1e6 * c.polyline_error), fmt::format("{:.2f}", 1e6 * c.contour_deviation),
+               fmt::format("{:.2f}", 1e3 * c.speed_min), fmt::format("{:g}", 1e3 * c.corner_time)});
+  }
+  return table.empty() ? "" : "\n" + table.str();
+}
+
+std::string limit_table(const DesignResult& result) {
+  // One line for each kind and axis: the corner in which it is used most.
+  std::vector<const LimitUse*> worst;
+  for (const LimitUse& use : result.limits) {
+    const bool by_mode = use.kind == LimitKind::vibration;
+    const auto same = std::find_if(worst.begin(), worst.end(), [&](const LimitUse* w) {
+      return !by_mode && w->kind == use.kind && w->axis == use.axis;
+    });
+    if (same == worst.end())
+      worst.push_back(&use);
+    else if (use.utilisation > (*same)->utilisation)
+      *same = &use;
+  }
+  TextTable table({"limit", "axis", "used %", "value", "bound", "unit", "where"});
+  table.left(1);
+  table.left(5);
+  table.left(6);
+  for (const LimitUse* use : worst) {
+    const auto [unit, factor] = display_unit(use->kind);
+    std::string kind(to_string(use->kind));
+    std::replace(kind.begin(), kind.end(), '_', ' ');
+    std::string where = use->kind == LimitKind::vibration
+                            ? fmt::format("at {:.4g} Hz", use->frequency)
+                            : fmt::format("{} {}, k = {}", use->corner, to_string(use->event), use->sample);
+    if (use->utilisation > 1.0 + result.verification.tolerance) where += "  BROKEN";
+    table.add({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),
+               fmt::format("{:.6g}", factor * use->value), fmt::format("{:.6g}", factor * use->bound), unit, where});
+  }
+  return table.empty() ? "" : "\n" + table.str();
+}
+
+}  // namespace
+
+void TextTable::add(std::vector<std::string> row) {
+  if (row.size() != header_.size())
+    throw std::invalid_argument(fmt::format("{} cells for {} columns", row.size(), header_.size()));
+  rows_.push_back(std::move(row));
+}
+
+std::string TextTable::str() const {
+  std::vector<std::size_t> widths;
+  for (std::size_t c = 0; c < header_.size(); ++c) {
+    widths.push_back(width_of(header_[c]));
+    for (const auto& row : rows_) widths[c] = std::max(widths[c], width_of(row[c]));
+  }
+  std::string text;
+  const auto append = [&](const std::vector<std::string>& row) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const std::string padding(widths[c] - width_of(row[c]), ' ');
+      const bool left = std::find(left_.begin(), left_.end(), c) != left_.end();
+      if (c > 0) line += "  ";
+      line += left ? row[c] : padding;
+      line += left ? padding : row[c];
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  };
+  append(header_);
+  for (const auto& row : rows_) append(row);
+  return text;
+}
+
+std::string result_text(const DesignResult& result) {
+  std::string text;
+  if (!result.task.title.empty()) text += result.task.title + "\n";
+  text +=
+      fmt::format("status      {}{}{}\n", to_string(result.status), result.message.empty() ? "" : ": ", result.message);
+  if (result.filter) {
+    text += fmt::format("filter      order {} ({} taps), sample period {:g} ms, mean delay {:.6g} ms\n",
+                        result.filter->order(), result.filter->order() + 1, 1e3 * result.task.sample_period,
+                        1e3 * result.task.sample_period * result.filter->mean_delay());
+    text += fmt::format("cycle time  {:.6g} ms", 1e3 * result.cycle_time);
+    if (result.lower_bound) text += fmt::format(", proved not below {:.6g} ms", 1e3 * *result.lower_bound);
+    if (result.gap) text += fmt::format(" (gap {:.3g} %)", 100.0 * *result.gap);
+    text += "\n";
+  }
+  if (!result.solver.name.empty()) {
+    text += fmt::format("solver      {} {} ({}), claims \"{}\", {} evaluations, {:.3g} ms\n", result.solver.name,
+                        result.solver.version, result.solver.method, result.solver.claimed, result.solver.evaluations,
+                        1e3 * result.solver.wall_time);
+  }
+  if (result.verification.performed) {
+    text += fmt::format("verified    by simulation: {}; worst limit {}\n",
+                        result.verification.feasible ? "all limits hold" : "NOT all limits hold",
+                        result.verification.worst.empty() ? "none given" : result.verification.worst);
+  }
+  return text + corner_table(result) + limit_table(result);
+}
+
+void print_result(const DesignResult& result) {
+  const std::string text = result_text(result);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+}  // namespace accdec

@@ -1,0 +1,79 @@
+#include <accdec/io/suggestion.hpp>
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+#include <vector>
+
+namespace accdec {
+namespace {
+
+/// Longest first, so that "_mm_s2" is not taken for "_s2".
+constexpr std::array<std::string_view, 29> unit_suffixes{
+    "_mm_min", "_mm_s2", "_mm_s3", "_um_s2", "_m_min", "_m_s2", "_m_s3", "_n_s_m", "_mm_s", "_um_s",
+    "_m_s",    "_rad",   "_deg",   "_khz",   "_ms",    "_us",   "_ns",   "_um",    "_mm",   "_nm",
+    "_kg",     "_hz",    "_kn",    "_kw",    "_s",     "_m",    "_n",    "_w",     "_g"};
+
+std::string normalised(std::string_view word) {
+  std::string text(word);
+  for (char& c : text)
+    c = c == '-' || c == ' ' || c == '.' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string_view without_unit(std::string_view word) {
+  for (const std::string_view suffix : unit_suffixes) {
+    if (word.size() > suffix.size() && word.ends_with(suffix)) return word.substr(0, word.size() - suffix.size());
+  }
+  return word;
+}
+
+}  // namespace
+
+int edit_distance(std::string_view a, std::string_view b) {
+  // Three rows of the dynamic programme: a swap looks two rows back.
+  std::vector<int> before, last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before = std::exchange(last, row);
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+  }
+  return row[b.size()];
+}
+
+std::string nearest(std::string_view word, std::span<const std::string_view> allowed) {
+  if (word.empty() || word.size() > 80) return "";
+  const std::string given = normalised(word);
+  std::string_view best;
+  int best_cost = 1 << 20;
+  const auto offer = [&](std::string_view key, int cost) {
+    if (cost < best_cost) best = key, best_cost = cost;
+  };
+  for (const std::string_view key : allowed) {
+    const std::string known = normalised(key);
+    const std::string_view stem = without_unit(known), given_stem = without_unit(given);
+    // Distances in half steps, so that a wrong unit costs less than a typing error and exact stems win.
+    const int whole = 2 * edit_distance(given, known), stems = 2 * edit_distance(given_stem, stem) + 1;
+    const int permitted = 2 * std::max<int>(1, static_cast<int>(std::min(stem.size(), given_stem.size())) / 3);
+    if (whole <= permitted) offer(key, whole);
+    if (stems <= permitted + 1) offer(key, stems);
+    if (given.size() >= 4 && known.starts_with(given + "_")) offer(key, 3);  // "delay" for "delay_samples"
+  }
+  return std::string(best);
+}
+
+std::string suggest(std::string_view word, std::span<const std::string_view> allowed) {
+  if (const std::string near = nearest(word, allowed); !near.empty()) return "did you mean `" + near + "`?";
+  std::string text = "known here:";
+  for (std::size_t i = 0; i < allowed.size(); ++i) {
+    text += i == 0 ? " " : ", ";
+    text += allowed[i];
+  }
+  return text;
+}
+
+}  // namespace accdec

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <accdec/design/task.hpp>
+#include <array>
+#include <numbers>
+#include <string_view>
+
+// Internal to the room: the keys of task files and their units, shared by reader and writer so that neither can know a
+// key alone.
+
+namespace accdec::task_keys {
+
+// Units of keys to SI. Division by a power of ten rounds once, so that 100 um is the double nearest 1e-4 m.
+inline double same(double x) {
+  return x;
+}
+inline double from_milli(double x) {
+  return x / 1e3;
+}  // ms, mm, mm/s, mm/s^2, mm/s^3
+inline double from_micro(double x) {
+  return x / 1e6;
+}  // um
+inline double from_mm_min(double x) {
+  return x / 6e4;
+}  // mm/min
+inline double from_degrees(double x) {
+  return x / 180.0 * std::numbers::pi;
+}
+
+/// A number of a task file: its key, its unit, what is allowed (in that unit).
+struct NumberKey {
+  std::string_view key;
+  double (*to_si)(double);
+  double low, high;
+  bool open_low;
+};
+
+struct AxisKey : NumberKey {
+  double Axis::*member;
+};
+inline constexpr std::array<AxisKey, 8> axis_keys{{
+    {{"velocity_max_mm_s", from_milli, 0.0, 1e6, true}, &Axis::velocity_max},
+    {{"acceleration_max_mm_s2", from_milli, 0.0, 1e8, true}, &Axis::acceleration_max},
+    {{"jerk_max_mm_s3", from_milli, 0.0, 1e12, true}, &Axis::jerk_max},
+    {{"mass_kg", same, 0.0, 1e6, false}, &Axis::mass},
+    {{"damping_N_s_m", same, 0.0, 1e8, false}, &Axis::damping},
+    {{"force_max_N", same, 0.0, 1e8, true}, &Axis::force_max},
+    {{"power_max_W", same, 0.0, 1e8, true}, &Axis::power_max},
+    {{"regeneration_max_W", same, 0.0, 1e8, true}, &Axis::regeneration_max},
+}};
+
+inline constexpr NumberKey sample_period{"sample_period_ms", from_milli, 1e-4, 1e3, false};
+inline constexpr NumberKey cutoff{"cutoff", same, 0.0, 1.0, true};
+inline constexpr NumberKey angle{"angle_deg", from_degrees, 0.0, 180.0, true};
+inline constexpr NumberKey heading{"heading_deg", from_degrees, -360.0, 360.0, false};
+inline constexpr NumberKey feed_in{"feed_in_mm_min", from_mm_min, 0.0, 1e7, true};
+inline constexpr NumberKey feed_out{"feed_out_mm_min", from_mm_min, 0.0, 1e7, true};
+inline constexpr NumberKey error_max{"error_max_um", from_micro, 0.0, 1e7, false};
+inline constexpr NumberKey speed_min{"speed_min_mm_s", from_milli, 0.0, 1e6, false};
+inline constexpr NumberKey weight{"weight", same, 0.0, 1e9, true};
+inline constexpr NumberKey frequency{"frequency_Hz", same, 0.0, 1e6, true};
+inline constexpr NumberKey residual_max{"residual_max", same, 0.0, 1.0, false};
+
+inline constexpr int order_limit = 1'000'000;
+inline constexpr int delay_limit = 1'000'000;
+inline constexpr std::size_t axes_limit = 9;
+/// Names of axes that have none, in order.
+inline constexpr std::array<std::string_view, axes_limit> axis_names{"x", "y", "z", "a", "b", "c", "u", "v", "w"};
+
+}  // namespace accdec::task_keys

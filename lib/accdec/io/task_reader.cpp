@@ -1,0 +1,380 @@
+#include <fmt/format.h>
+
+#include <accdec/io/task_keys.hpp>
+#include <accdec/io/task_reader.hpp>
+#include <accdec/io/task_tree.hpp>
+#include <accdec/io/text_file.hpp>
+#include <accdec/io/toml_table.hpp>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <vector>
+
+namespace accdec {
+namespace {
+
+using task_keys::NumberKey;
+using toml_input::Range;
+using toml_input::Table;
+
+Range range_of(const NumberKey& k) {
+  return {k.low, k.high, k.open_low};
+}
+
+double required(const Table& table, const NumberKey& k) {
+  return k.to_si(table.required_number(k.key, range_of(k)));
+}
+
+std::optional<double> optional(const Table& table, const NumberKey& k) {
+  const auto value = table.number(k.key, range_of(k));
+  return value ? std::optional(k.to_si(*value)) : std::nullopt;
+}
+
+std::vector<std::string_view> axis_table_keys() {
+  std::vector<std::string_view> keys{"name"};
+  for (const auto& field : task_keys::axis_keys) keys.push_back(field.key);
+  return keys;
+}
+
+/// Where a key that is unknown here would be right.
+std::string other_table(std::string_view key) {
+  const auto axis = axis_table_keys();
+  if (std::find(axis.begin() + 1, axis.end(), key) != axis.end()) return fmt::format("`{}` belongs in [[axis]]", key);
+  static const std::map<std::string_view, std::string_view> homes{{"sample_period_ms", "at the top, before any table"},
+                                                                  {"title", "at the top, before any table"},
+                                                                  {"kind", "in [filter]"},
+                                                                  {"order", "in [filter]"},
+                                                                  {"cutoff", "in [filter]"},
+                                                                  {"ramp", "in [filter]"},
+                                                                  {"taps", "in [filter]"},
+                                                                  {"order_min", "in [design]"},
+                                                                  {"order_max", "in [design]"},
+                                                                  {"symmetric", "in [design]"},
+                                                                  {"angle_deg", "in [[corner]]"},
+                                                                  {"heading_deg", "in [[corner]]"},
+                                                                  {"turn", "in [[corner]]"},
+                                                                  {"direction_in", "in [[corner]]"},
+                                                                  {"direction_out", "in [[corner]]"},
+                                                                  {"feed_in_mm_min", "in [[corner]]"},
+                                                                  {"feed_out_mm_min", "in [[corner]]"},
+                                                                  {"error_max_um", "in [[corner]] or [program]"},
+                                                                  {"speed_min_mm_s", "in [[corner]]"},
+                                                                  {"delay_samples", "in [[corner]]"},
+                                                                  {"weight", "in [[corner]]"},
+                                                                  {"frequency_Hz", "in [[mode]]"},
+                                                                  {"residual_max", "in [[mode]]"}};
+  const auto home = homes.find(key);
+  return home == homes.end() ? "" : fmt::format("`{}` belongs {}", key, home->second);
+}
+
+FilterSpec read_filter(const toml::table& source, const Table& top) {
+  const Table table(source, top.file(), "[filter]", top.pointer() + "/filter",
+                    {"kind", "order", "cutoff", "ramp", "taps"}, other_table);
+  constexpr std::string_view kinds[] = {"boxcar", "trapezoid", "s-curve", "hann", "blackman", "blackman-sinc", "taps"};
+  const auto kind = table.word("kind", kinds);
+  if (!kind)
+    table.fail("[filter] needs `kind`; allowed are boxcar, trapezoid, s-curve, hann, blackman, blackman-sinc, taps");
+  FilterSpec spec;
+  spec.kind = *shape_from_string(*kind);
+  const auto only_for = [&](std::string_view key, Shape shape) {
+    if (table.has(key) && spec.kind != shape) {
+      table.fail_at(key, fmt::format("`{}` has no meaning for kind \"{}\"; it goes with kind \"{}\"", key, *kind,
+                                     to_string(shape)));
+    }
+  };
+  only_for("cutoff", Shape::blackman_sinc);
+  only_for("ramp", Shape::trapezoid);
+  only_for("taps", Shape::taps);
+
+  std::string_view blame = "kind";  // the key that an impossible combination is reported at
+  if (spec.kind == Shape::taps) {
+    const auto taps = table.numbers("taps", {0.0, 1e300}, 1, static_cast<std::size_t>(task_keys::order_limit) + 1);
+    if (!taps) table.fail("[filter] of kind \"taps\" needs `taps`; allowed is an array of N + 1 non-negative numbers");
+    spec.taps = *taps;
+    spec.order = static_cast<int>(taps->size()) - 1;
+    blame = "taps";
+    if (const auto order = table.integer("order", 0, task_keys::order_limit); order && *order != spec.order) {
+      table.fail_at("order", fmt::format("`order` = {} does not match the {} taps given; leave it out or write {}",
+                                         *order, taps->size(), spec.order));
+    }
+  } else {
+    spec.order = table.required_integer("order", 0, task_keys::order_limit);
+    blame = "order";
+    if (spec.kind == Shape::blackman_sinc) {
+      spec.cutoff = required(table, task_keys::cutoff);
+      if (spec.order >= 2) blame = "cutoff";
+    }
+    if (spec.kind == Shape::trapezoid) {
+      spec.ramp = table.required_integer("ramp", 0, task_keys::order_limit);
+      blame = "ramp";
+    }
+  }
+  try {
+    make_filter(spec);
+  } catch (const std::invalid_argument& error) {
+    table.fail_at(blame, error.what());
+  }
+  return spec;
+}
+
+DesignBounds read_design(const toml::table& source, const Table& top) {
+  const Table table(source, top.file(), "[design]", top.pointer() + "/design", {"order_min", "order_max", "symmetric"},
+                    other_table);
+  DesignBounds bounds;
+  bounds.order_min = table.integer("order_min", 0, task_keys::order_limit).value_or(bounds.order_min);
+  bounds.order_max = table.integer("order_max", 0, task_keys::order_limit).value_or(bounds.order_max);
+  bounds.symmetric = table.boolean("symmetric").value_or(bounds.symmetric);
+  if (bounds.order_min > bounds.order_max) {
+    table.fail_at(
+        table.has("order_min") ? "order_min" : "order_max",
+        fmt::format("`order_min` = {} is above `order_max` = {}{}; allowed is order_min <= order_max", bounds.order_min,
+                    bounds.order_max, table.has("order_max") && table.has("order_min") ? "" : " (the default counts)"));
+  }
+  return bounds;
+}
+
+Axis read_axis(const Table& table) {
+  Axis axis;
+  axis.name = table.text("name").value_or("");
+  for (const auto& field : task_keys::axis_keys) {
+    if (const auto value = optional(table, field)) axis.*field.member = *value;
+  }
+  for (const std::string_view key : {"force_max_N", "power_max_W", "regeneration_max_W"}) {
+    if (table.has(key) && axis.mass == 0.0 && axis.damping == 0.0) {
+      table.fail_at(
+          key,
+          fmt::format(
+              "`{}` can never bind: force is mass * acceleration + damping * velocity; give mass_kg or damping_N_s_m",
+              key));
+    }
+  }
+  return axis;
+}
+
+/// Gives the first two names taken alike as an error.
+class Names {
+ public:
+  void add(const Table& table, const std::string& name) {
+    if (const auto [it, fresh] = seen_.emplace(name, table.place("name")); !fresh) {
+      table.fail_at("name", fmt::format("the name \"{}\" is taken already ({}); names must differ", name, it->second));
+    }
+  }
+
+ private:
+  std::map<std::string, std::string> seen_;
+};
+
+Mode read_mode(const Table& table) {
+  Mode mode;
+  const auto& key = task_keys::frequency;
+  const auto band = table.numbers(key.key, range_of(key), 1, 2, true);
+  if (!band) table.fail("[[mode]] needs `frequency_Hz`; allowed is one number or a band [low, high]");
+  mode.frequency_low = band->front();
+  mode.frequency_high = band->back();
+  if (mode.frequency_low > mode.frequency_high) {
+    table.fail_at(key.key, fmt::format("`frequency_Hz` = [{}, {}] runs downwards; allowed is [low, high]",
+                                       mode.frequency_low, mode.frequency_high));
+  }
+  mode.residual_max = required(table, task_keys::residual_max);
+  return mode;
+}
+
+/// A, B, ..., Z, AA, AB, ...
+std::string letters(std::size_t i) {
+  std::string name;
+  for (++i; i > 0; i = (i - 1) / 26) name.insert(name.begin(), static_cast<char>('A' + (i - 1) % 26));
+  return name;
+}
+
+TaskCorner read_corner(const Table& table, std::size_t index) {
+  TaskCorner corner;
+  corner.name = table.text("name").value_or(letters(index));
+  const Range component{-1e9, 1e9};
+  if (table.has("direction_in") || table.has("direction_out")) {
+    for (const std::string_view key : {"angle_deg", "heading_deg", "turn"}) {
+      if (table.has(key))
+        table.fail_at(key, fmt::format("`{}` and leg directions are both given; allowed is either angle_deg, "
+                                       "heading_deg, turn or direction_in, direction_out",
+                                       key));
+    }
+    const auto in = table.numbers("direction_in", component, 1, task_keys::axes_limit);
+    const auto out = table.numbers("direction_out", component, 1, task_keys::axes_limit);
+    if (!in || !out)
+      table.fail(fmt::format("[[corner]] needs `{}` as well; allowed are both directions, one number an axis",
+                             in ? "direction_out" : "direction_in"));
+    corner.direction_in = *in;
+    corner.direction_out = *out;
+    if (in->size() != out->size()) {
+      table.fail_at("direction_out",
+                    fmt::format("`direction_out` has {} numbers, `direction_in` {}; both need one an axis", out->size(),
+                                in->size()));
+    }
+    for (const std::string_view key : {"direction_in", "direction_out"}) {
+      const auto& direction = key == "direction_in" ? corner.direction_in : corner.direction_out;
+      if (std::all_of(direction.begin(), direction.end(), [](double x) { return x == 0.0; })) {
+        table.fail_at(key, fmt::format("`{}` is zero in every axis; a leg needs a direction", key));
+      }
+    }
+  } else {
+    if (!table.has("angle_deg"))
+      table.fail(
+          "[[corner]] needs `angle_deg`, allowed is 0 < angle_deg <= 180; or `direction_in` and `direction_out`");
+    corner.angle = required(table, task_keys::angle);
+    corner.heading = optional(table, task_keys::heading).value_or(0.0);
+    constexpr std::string_view turns[] = {"left", "right"};
+    corner.turn = table.word("turn", turns).value_or("left") == "left" ? Turn::left : Turn::right;
+  }
+  corner.feed_in = required(table, task_keys::feed_in);
+  corner.feed_out = optional(table, task_keys::feed_out).value_or(corner.feed_in);
+  corner.error_max = optional(table, task_keys::error_max);
+  corner.speed_min = optional(table, task_keys::speed_min).value_or(0.0);
+  corner.delay = table.integer("delay_samples", 0, task_keys::delay_limit);
+  corner.weight = optional(table, task_keys::weight).value_or(1.0);
+  return corner;
+}
+
+/// How many axes there are, when not one table an axis says so: as many as the leg directions have.
+std::size_t count_axes(const std::vector<TaskCorner>& corners, const std::vector<Table>& tables,
+                       const TaskOptions& options) {
+  std::size_t count = 0, from = 0;
+  for (std::size_t j = 0; j < corners.size(); ++j) {
+    const std::size_t n = corners[j].direction_in.size();
+    if (n == 0) continue;
+    if (count != 0 && n != count) {
+      tables[j].fail_at("direction_in",
+                        fmt::format("`direction_in` has {} numbers, that of corner {} has {}; all need one an axis", n,
+                                    corners[from].name, count));
+    }
+    if (count == 0) count = n, from = j;
+  }
+  return count != 0 ? count : static_cast<std::size_t>(options.axes);
+}
+
+std::vector<Axis> read_axes(const std::vector<Table>& tables, const std::vector<TaskCorner>& corners,
+                            const std::vector<Table>& corner_tables, const TaskOptions& options) {
+  std::vector<Axis> axes;
+  if (tables.size() > task_keys::axes_limit)
+    tables.back().fail(fmt::format("{} [[axis]] tables; at most {} are allowed", tables.size(), task_keys::axes_limit));
+  if (tables.size() < 2) {
+    const Axis model = tables.empty() ? Axis{} : read_axis(tables.front());
+    const std::size_t count = count_axes(corners, corner_tables, options);
+    for (std::size_t i = 0; i < count; ++i) {
+      axes.push_back(model);
+      // The table stands for all axes, so its name names none, unless there is only one.
+      if (count > 1 || model.name.empty()) axes.back().name = task_keys::axis_names[i];
+    }
+    return axes;
+  }
+  Names names;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    axes.push_back(read_axis(tables[i]));
+    if (axes.back().name.empty()) axes.back().name = task_keys::axis_names[i];
+    names.add(tables[i], axes.back().name);
+  }
+  for (std::size_t j = 0; j < corners.size(); ++j) {
+    const std::size_t n = corners[j].direction_in.size();
+    if (n != 0 && n != axes.size()) {
+      corner_tables[j].fail_at(
+          "direction_in",
+          fmt::format("`direction_in` has {} numbers for {} axes; one an axis is needed", n, axes.size()));
+    }
+  }
+  return axes;
+}
+
+void place_corner(TaskCorner& corner, const Table& table, const Machine& machine) {
+  const auto vector = [](const std::vector<double>& v) {
+    return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+  };
+  const int axes = static_cast<int>(machine.axes.size());
+  if (corner.direction_in.empty() && axes < 2)
+    table.fail_at("angle_deg", "`angle_deg` needs at least 2 axes; with one axis give direction_in and direction_out");
+  try {
+    corner.geometry =
+        corner.direction_in.empty()
+            ? planar_corner(corner.angle, corner.heading, corner.turn, corner.feed_in, corner.feed_out, axes)
+            : make_corner(vector(corner.direction_in), vector(corner.direction_out), corner.feed_in, corner.feed_out);
+  } catch (const std::invalid_argument& error) {
+    table.fail(error.what());
+  }
+  for (Eigen::Index a = 0; a < corner.geometry.axes(); ++a) {
+    const Axis& axis = machine.axes[static_cast<std::size_t>(a)];
+    const auto check = [&](const NumberKey& key, double feed, double part) {
+      // The last factor leaves room for the rounding of sqrt(1/2) and its like.
+      if (feed * std::abs(part) <= axis.velocity_max * (1.0 + 1e-12)) return;
+      table.fail_at(table.has(key.key) ? key.key : task_keys::feed_in.key,
+                    fmt::format("corner {}: {} asks axis {} for {:.6g} mm/s; allowed is velocity_max_mm_s = {:.6g} (a "
+                                "feed up to {:.6g} mm/min in this direction)",
+                                corner.name, key.key, axis.name, 1e3 * feed * std::abs(part), 1e3 * axis.velocity_max,
+                                6e4 * axis.velocity_max / std::abs(part)));
+    };
+    check(task_keys::feed_in, corner.feed_in, corner.geometry.direction_in[a]);
+    check(task_keys::feed_out, corner.feed_out, corner.geometry.direction_out[a]);
+  }
+}
+
+std::vector<Table> read_tables(const Table& top, std::string_view key, const std::vector<std::string_view>& keys) {
+  std::vector<Table> result;
+  for (const toml::table* table : top.tables(key)) {
+    const std::size_t i = result.size();
+    result.emplace_back(*table, top.file(), fmt::format("[[{}]] {}", key, i + 1),
+                        fmt::format("{}/{}/{}", top.pointer(), key, i), keys, other_table);
+  }
+  return result;
+}
+
+}  // namespace
+
+Task task_from_tree(const toml::table& tree, const std::string& file, const std::string& pointer,
+                    const TaskOptions& options) {
+  const Table top(tree, file, "the task (top level)", pointer,
+                  {"title", "sample_period_ms", "filter", "design", "axis", "corner", "mode", "program"}, other_table);
+  Task task;
+  task.title = top.text("title", true, true).value_or("");
+  task.sample_period = required(top, task_keys::sample_period);
+  if (const auto* filter = top.table("filter")) task.filter = read_filter(*filter, top);
+  if (const auto* design = top.table("design")) task.design = read_design(*design, top);
+  if (const auto* program = top.table("program")) {
+    const Table table(*program, file, "[program]", pointer + "/program", {"error_max_um"}, other_table);
+    task.program_error_max = optional(table, task_keys::error_max);
+  }
+  const auto axes = read_tables(top, "axis", axis_table_keys());
+  const auto corners =
+      read_tables(top, "corner",
+                  {"name", "angle_deg", "heading_deg", "turn", "direction_in", "direction_out", "feed_in_mm_min",
+                   "feed_out_mm_min", "error_max_um", "speed_min_mm_s", "delay_samples", "weight"});
+  const auto modes = read_tables(top, "mode", {"frequency_Hz", "residual_max"});
+  if (corners.empty() && options.require_corners) {
+    top.fail("the task has no corner; at least one [[corner]] with angle_deg and feed_in_mm_min is needed");
+  }
+  Names names;
+  for (std::size_t j = 0; j < corners.size(); ++j) {
+    task.corners.push_back(read_corner(corners[j], j));
+    names.add(corners[j], task.corners.back().name);
+  }
+  task.machine.axes = read_axes(axes, task.corners, corners, options);
+  for (const Table& mode : modes) task.machine.modes.push_back(read_mode(mode));
+  for (std::size_t j = 0; j < corners.size(); ++j) place_corner(task.corners[j], corners[j], task.machine);
+  return task;
+}
+
+Task parse_task(std::string_view text, const std::string& name, const TaskOptions& options) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+    throw InputError(name, 1, 1, "the file is empty; a task needs at least sample_period_ms and one [[corner]]");
+  }
+  toml::table tree;
+  try {
+    tree = toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    throw InputError(name, error.source().begin.line, error.source().begin.column,
+                     fmt::format("not valid TOML: {}", error.description()));
+  }
+  return task_from_tree(tree, name, "", options);
+}
+
+Task read_task(const std::string& path, const TaskOptions& options) {
+  return parse_task(read_text_file(path), path, options);
+}
+
+}  // namespace accdec

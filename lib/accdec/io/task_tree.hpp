@@ -1,0 +1,17 @@
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <accdec/io/task_reader.hpp>
+#include <string>
+
+// Internal to the room: the reader behind parse_task, for trees that come from elsewhere (the `task` of a result file).
+
+namespace accdec {
+
+/// @param file     stands in messages
+/// @param pointer  where the tree stands in its file, "" for the top
+Task task_from_tree(const toml::table& tree, const std::string& file, const std::string& pointer,
+                    const TaskOptions& options);
+
+}  // namespace accdec

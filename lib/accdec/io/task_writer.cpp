@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+
+#include <accdec/io/task_keys.hpp>
+#include <accdec/io/task_writer.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace accdec {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using task_keys::NumberKey;
+
+/// The number in a key's unit that reads back as exactly `si`, with as few digits as that takes.
+double in_unit(const NumberKey& key, double si) {
+  const double about = si / key.to_si(1.0);
+  for (int digits = 1; digits <= 17; ++digits) {
+    const double x = std::strtod(fmt::format("{:.{}g}", about, digits).c_str(), nullptr);
+    if (key.to_si(x) == si) return x;
+  }
+  // The division may have been off by an ulp or two; one of the neighbours is the value that was read.
+  double up = about, down = about;
+  for (int step = 0; step < 8; ++step) {
+    up = std::nextafter(up, std::numeric_limits<double>::infinity());
+    down = std::nextafter(down, -std::numeric_limits<double>::infinity());
+    if (key.to_si(up) == si) return up;
+    if (key.to_si(down) == si) return down;
+  }
+  return about;  // no number converts to it, so it was not read from a file; next best
+}
+
+void put(Json& table, const NumberKey& key, double si) {
+  table[std::string(key.key)] = in_unit(key, si);
+}
+
+Json filter_json(const FilterSpec& spec) {
+  Json filter;
+  filter["kind"] = to_string(spec.kind);
+  filter["order"] = spec.order;
+  if (spec.kind == Shape::blackman_sinc) filter["cutoff"] = spec.cutoff;
+  if (spec.kind == Shape::trapezoid) filter["ramp"] = spec.ramp;
+  if (spec.kind == Shape::taps) filter["taps"] = spec.taps;
+  return filter;
+}
+
+Json axis_json(const Axis& axis) {
+  Json table;
+  table["name"] = axis.name;
+  for (const auto& key : task_keys::axis_keys) {
+    const double value = axis.*key.member;
+    const bool written = key.open_low ? value < unlimited : value > 0.0;
+    if (written) put(table, key, value);
+  }
+  return table;
+}
+
+Json corner_json(const TaskCorner& corner) {
+  Json table;
+  table["name"] = corner.name;
+  if (corner.direction_in.empty()) {
+    put(table, task_keys::angle, corner.angle);
+    put(table, task_keys::heading, corner.heading);
+    table["turn"] = corner.turn == Turn::left ? "left" : "right";
+  } else {
+    table["direction_in"] = corner.direction_in;
+    table["direction_out"] = corner.direction_out;
+  }
+  put(table, task_keys::feed_in, corner.feed_in);
+  put(table, task_keys::feed_out, corner.feed_out);
+  if (corner.error_max) put(table, task_keys::error_max, *corner.error_max);
+  if (corner.speed_min > 0.0) put(table, task_keys::speed_min, corner.speed_min);
+  if (corner.delay) table["delay_samples"] = *corner.delay;
+  table["weight"] = corner.weight;
+  return table;
+}
+
+void write_table(std::string& out, const std::string& header, const Json& table) {
+  out += "\n" + header + "\n";
+  // JSON scalars, strings and arrays of numbers are TOML as they stand.
+  for (const auto& [key, value] : table.items()) out += fmt::format("{} = {}\n", key, value.dump());
+}
+
+}  // namespace
+
+nlohmann::ordered_json task_to_json(const Task& task) {
+  Json json;
+  json["title"] = task.title;
+  put(json, task_keys::sample_period, task.sample_period);
+  if (task.filter) json["filter"] = filter_json(*task.filter);
+  json["design"]["order_min"] = task.design.order_min;
+  json["design"]["order_max"] = task.design.order_max;
+  json["design"]["symmetric"] = task.design.symmetric;
+  for (const Axis& axis : task.machine.axes) json["axis"].push_back(axis_json(axis));
+  for (const TaskCorner& corner : task.corners) json["corner"].push_back(corner_json(corner));
+  for (const Mode& mode : task.machine.modes) {
+    Json table;
+    if (mode.frequency_low == mode.frequency_high)
+      table["frequency_Hz"] = mode.frequency_low;
+    else
+      table["frequency_Hz"] = {mode.frequency_low, mode.frequency_high};
+    table["residual_max"] = mode.residual_max;
+    json["mode"].push_back(std::move(table));
+  }
+  if (task.program_error_max) put(json["program"], task_keys::error_max, *task.program_error_max);
+  return json;
+}
+
+std::string task_to_toml(const Task& task) {
+  const Json json = task_to_json(task);
+  std::string out;
+  for (const auto& [key, value] : json.items()) {
+    if (!value.is_structured()) out += fmt::format("{} = {}\n", key, value.dump());
+  }
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_object()) write_table(out, "[" + key + "]", value);
+    if (!value.is_array()) continue;
+    for (const Json& table : value) write_table(out, "[[" + key + "]]", table);
+  }
+  return out;
+}
+
+}  // namespace accdec
