@@ -18,14 +18,7 @@ void add_evaluate(CLI::App& app, Context& context) {
       ->type_name("TASK.toml");
   add_json_option(*command, options->json);
   command->callback([options, &context] {
-    const Task task = read_task(options->task);
-    if (!task.filter)
-      throw InputError(options->task, 1, 1, "evaluate needs a [filter] table; `accdec design` chooses a filter");
-    for (const TaskCorner& corner : task.corners) {
-      if (corner.delay) continue;
-      throw InputError(options->task, 1, 1,
-                       "corner " + corner.name + ": evaluate needs `delay_samples`; `accdec design` chooses it");
-    }
+    const Task task = read_task(options->task, {.require_choices = true});
     if (!options->json.empty()) require_writable(options->json);
     context.exit_code = deliver(evaluate_task(task), options->json, context);
   });

@@ -44,7 +44,7 @@ std::string corner_table(const DesignResult& result) {
                fmt::format("{:.2f}", 1e6 * c.polyline_error), fmt::format("{:.2f}", 1e6 * c.contour_deviation),
                fmt::format("{:.2f}", 1e3 * c.speed_min), fmt::format("{:g}", 1e3 * c.corner_time)});
   }
-  return table.empty() ? "" : "\n" + table.str();
+  return table.empty() ? "" : fmt::format("\n{}", table.str());
 }
 
 std::string limit_table(const DesignResult& result) {
@@ -75,7 +75,7 @@ std::string limit_table(const DesignResult& result) {
     table.add({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),
                fmt::format("{:.6g}", factor * use->value), fmt::format("{:.6g}", factor * use->bound), unit, where});
   }
-  return table.empty() ? "" : "\n" + table.str();
+  return table.empty() ? "" : fmt::format("\n{}", table.str());
 }
 
 }  // namespace
@@ -128,10 +128,10 @@ std::string result_text(const DesignResult& result) {
                         result.solver.version, result.solver.method, result.solver.claimed, result.solver.evaluations,
                         1e3 * result.solver.wall_time);
   }
-  if (result.verification.performed) {
-    text += fmt::format("verified    by simulation: {}; worst limit {}\n",
-                        result.verification.feasible ? "all limits hold" : "NOT all limits hold",
-                        result.verification.worst.empty() ? "none given" : result.verification.worst);
+  if (const VerificationReport& v = result.verification; v.performed) {
+    text += fmt::format("verified    by simulation: {}\n", v.worst.empty() ? "the task has no limits"
+                                                           : v.feasible    ? "all limits hold; worst " + v.worst
+                                                                           : "NOT all limits hold; worst " + v.worst);
   }
   return text + corner_table(result) + limit_table(result);
 }

@@ -9,7 +9,8 @@ namespace accdec {
 
 /// What the place a task is read for asks of it.
 struct TaskOptions {
-  bool require_corners = true;  ///< false for tasks of whole programs
+  bool require_corners = true;   ///< false for tasks of whole programs
+  bool require_choices = false;  ///< the filter and every corner's delay must be given: nothing is left to design
   /// Axes that a single [[axis]] table, or none, stands for when no corner says how many there are: 1 .. 9, named x, y,
   /// z, a, b, c, u, v, w in order.
   int axes = 2;
