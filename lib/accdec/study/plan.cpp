@@ -1,0 +1,97 @@
+#include <accdec/study/plan.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace accdec::study {
+namespace {
+
+/// Uniform in [0, 1) from the 53 high bits: unlike the library's distributions the same with every standard library.
+double uniform(std::mt19937_64& rng) { return static_cast<double>(rng() >> 11) * 0x1p-53; }
+
+double between(const Variation& v, double t) {
+  const double from = v.values.front(), to = v.values.back();
+  return v.logarithmic ? std::exp(std::log(from) + t * (std::log(to) - std::log(from))) : from + t * (to - from);
+}
+
+}  // namespace
+
+Plan::Plan(std::vector<std::string> cases, std::vector<Variation> variations, Sampling sampling, std::size_t samples,
+           std::uint64_t seed)
+    : cases_(std::move(cases)), variations_(std::move(variations)) {
+  if (cases_.empty()) throw std::invalid_argument("a study needs at least one case");
+  std::set<std::string> names;
+  for (const Variation& v : variations_) {
+    if (v.keys.empty() || v.values.empty()) throw std::invalid_argument(fmt::format("variation `{}` has no values", v.name));
+    if (!names.insert(v.name).second) throw std::invalid_argument(fmt::format("two variations are named `{}`", v.name));
+  }
+  if (sampling == Sampling::latin_hypercube) {
+    if (samples == 0) throw std::invalid_argument("a Latin hypercube needs at least one sample");
+    points_per_case_ = samples;
+    std::mt19937_64 rng(seed);
+    for (const Variation& v : variations_) {
+      std::vector<std::size_t> strata(samples);
+      std::iota(strata.begin(), strata.end(), std::size_t{0});
+      for (std::size_t i = samples; i > 1; --i) {
+        std::swap(strata[i - 1], strata[static_cast<std::size_t>(uniform(rng) * static_cast<double>(i))]);
+      }
+      std::vector<double>& column = hypercube_.emplace_back();
+      for (const std::size_t stratum : strata) {
+        const double t = (static_cast<double>(stratum) + uniform(rng)) / static_cast<double>(samples);
+        const auto pick = static_cast<std::size_t>(t * static_cast<double>(v.values.size()));
+        column.push_back(v.range ? between(v, t) : v.values[std::min(pick, v.values.size() - 1)]);
+      }
+    }
+    return;
+  }
+  double size = static_cast<double>(cases_.size());
+  for (const Variation& v : variations_) {
+    size *= static_cast<double>(v.values.size());
+    if (size > 0x1p53) throw std::invalid_argument("the grid has more points than can be counted");
+    points_per_case_ *= v.values.size();
+  }
+}
+
+Point Plan::point(std::size_t index) const {
+  if (index >= size()) throw std::out_of_range(fmt::format("point {} of a study of {}", index, size()));
+  Point point{index, index / points_per_case_, std::vector<double>(variations_.size())};
+  std::size_t rest = index % points_per_case_;
+  for (std::size_t v = variations_.size(); v-- > 0;) {
+    if (!hypercube_.empty()) {
+      point.values[v] = hypercube_[v][rest];
+    } else {
+      const auto& values = variations_[v].values;
+      point.values[v] = values[rest % values.size()];
+      rest /= values.size();
+    }
+  }
+  return point;
+}
+
+std::vector<double> spread(double from, double to, std::size_t count, bool logarithmic) {
+  if (count == 0) throw std::invalid_argument("a range needs a count of at least 1");
+  if (!std::isfinite(from) || !std::isfinite(to)) throw std::invalid_argument("a range needs finite ends");
+  if (logarithmic && !(from > 0.0 && to > 0.0)) throw std::invalid_argument("a logarithmic range needs ends above 0");
+  std::vector<double> values(count, from);
+  for (std::size_t i = 1; i < count; ++i) {
+    const double t = static_cast<double>(i) / static_cast<double>(count - 1);
+    values[i] = logarithmic ? from * std::pow(to / from, t) : from + t * (to - from);
+  }
+  if (count > 1) values.back() = to;
+  return values;
+}
+
+std::vector<std::size_t> shard(std::size_t size, std::size_t number, std::size_t count) {
+  if (number < 1 || number > count) throw std::invalid_argument(fmt::format("shard {}/{} does not exist; allowed is 1/{} to {}/{}", number, count, count, count, count));
+  std::vector<std::size_t> indices;
+  for (std::size_t i = number - 1; i < size; i += count) indices.push_back(i);
+  return indices;
+}
+
+}  // namespace accdec::study

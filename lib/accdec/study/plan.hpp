@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace accdec::study {
+
+/// One axis of variation: a named quantity and the values it takes. The values are those of the task file, in its units.
+struct Variation {
+  std::string name;               ///< of its column; the first key unless the study says otherwise
+  std::vector<std::string> keys;  ///< dotted task keys that all take the same value, at least one
+  std::vector<double> values;     ///< not empty; for a range the grid's points
+  bool range = false;             ///< values came from a range: Latin hypercube draws between `values.front()` and `.back()`
+  bool logarithmic = false;       ///< the range is even in the logarithm
+};
+
+enum class Sampling { grid, latin_hypercube };
+
+struct Point {
+  std::size_t index = 0;       ///< 0 .. size - 1
+  std::size_t case_index = 0;  ///< into Plan::cases
+  std::vector<double> values;  ///< one a variation
+};
+
+/// The points of a study: every case with every combination of values (the first variation slowest), or with a seeded Latin hypercube
+/// sample, the same for each case. What point i is depends on nothing but the plan, so any subset can be computed anywhere.
+class Plan {
+ public:
+  /// @param samples  points a case of the hypercube; not used by the grid
+  /// @throws std::invalid_argument naming a variation without values, no case, two alike names, no samples, a size beyond 2^53.
+  Plan(std::vector<std::string> cases, std::vector<Variation> variations, Sampling sampling = Sampling::grid,
+       std::size_t samples = 0, std::uint64_t seed = 0);
+
+  std::size_t size() const { return cases_.size() * points_per_case_; }
+  /// @throws std::out_of_range
+  Point point(std::size_t index) const;
+
+  const std::vector<std::string>& cases() const { return cases_; }
+  const std::vector<Variation>& variations() const { return variations_; }
+
+ private:
+  std::vector<std::string> cases_;
+  std::vector<Variation> variations_;
+  std::size_t points_per_case_ = 1;
+  std::vector<std::vector<double>> hypercube_;  ///< [variation][sample]
+};
+
+/// `count` values from `from` to `to`, both ends exact; even in the logarithm if asked, then both must be > 0.
+/// @throws std::invalid_argument if count is 0, an end is not finite, or a logarithmic end is not positive.
+std::vector<double> spread(double from, double to, std::size_t count, bool logarithmic);
+
+/// The indices of shard `number` (1 .. count) of `size` points: every count-th, so that slow regions are shared out.
+/// @throws std::invalid_argument unless 1 <= number <= count.
+std::vector<std::size_t> shard(std::size_t size, std::size_t number, std::size_t count);
+
+}  // namespace accdec::study

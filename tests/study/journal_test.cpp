@@ -1,0 +1,77 @@
+#include <accdec/study/journal.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+
+namespace accdec::study {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+std::string fresh_path(const std::string& name) {
+  const std::string path = ::testing::TempDir() + "accdec_journal_" + name;
+  std::filesystem::remove(path);
+  return path;
+}
+std::string content(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+void set_content(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+
+TEST(Journal, KeepsWhatWasAppended) {
+  const std::string path = fresh_path("keep");
+  {
+    Journal journal(path, "s1");
+    EXPECT_TRUE(journal.entries().empty());
+    journal.append(5, {0.25, R"({"a":1})"});
+    journal.append(2, {1e-7, R"({"a":"x y"})"});
+  }
+  Journal again(path, "s1");
+  ASSERT_EQ(again.entries().size(), 2u);
+  EXPECT_EQ(again.entries().at(5).row, R"({"a":1})");
+  EXPECT_EQ(again.entries().at(2).row, R"({"a":"x y"})");
+  EXPECT_EQ(again.entries().at(5).seconds, 0.25);
+}
+
+TEST(Journal, CutAtAnyByteItLosesOnlyTheTornLine) {
+  const std::string path = fresh_path("cut");
+  {
+    Journal journal(path, "study");
+    for (std::size_t i = 0; i < 4; ++i) journal.append(i, {0.5, R"({"value":123})"});
+  }
+  const std::string whole = content(path);
+  for (std::size_t bytes = 0; bytes <= whole.size(); ++bytes) {
+    set_content(path, whole.substr(0, bytes));
+    const auto lines = static_cast<std::size_t>(std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(bytes), '\n'));
+    Journal journal(path, "study");
+    ASSERT_EQ(journal.entries().size(), lines == 0 ? 0 : lines - 1) << bytes;
+    journal.append(9, {0.5, R"({"value":9})"});
+    EXPECT_EQ(read_journal(path, "study").at(9).row, R"({"value":9})");
+  }
+}
+
+TEST(Journal, RefusesOtherStudiesAndOtherFilesAndLeavesThemAlone) {
+  const std::string path = fresh_path("other");
+  { Journal journal(path, "s1"); }
+  const std::string before = content(path);
+  EXPECT_THAT([&] { Journal(path, "s2"); }, ThrowsMessage<JournalError>(HasSubstr("another study")));
+  EXPECT_EQ(content(path), before);
+  set_content(path, "my notes\n");
+  EXPECT_THAT([&] { Journal(path, "s1"); }, ThrowsMessage<JournalError>(HasSubstr("not a study's journal")));
+  EXPECT_EQ(content(path), "my notes\n");
+  EXPECT_THROW(read_journal(fresh_path("none"), "s1"), JournalError);
+}
+
+TEST(Journal, OneWriterAtATime) {
+  const std::string path = fresh_path("lock");
+  Journal first(path, "s");
+  EXPECT_THAT([&] { Journal(path, "s"); }, ThrowsMessage<JournalError>(HasSubstr("in use")));
+}
+
+}  // namespace
+}  // namespace accdec::study

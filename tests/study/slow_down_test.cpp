@@ -1,0 +1,78 @@
+#include <accdec/study/slow_down.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include <accdec/motion/shapes.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+
+namespace accdec::study {
+namespace {
+
+/// Filters the command "full feed, slow zone of h samples, corner, slow zone of h samples, full feed" by plain convolution; the smallest
+/// distance of its samples from the corner, and the time it takes longer than without the zones.
+double simulated_error(const Filter& filter, const Corner& corner, double period, double factor, int h) {
+  const int lead = 3 * filter.order() + h + 5;
+  std::vector<Eigen::VectorXd> command;
+  Eigen::VectorXd travelled = Eigen::VectorXd::Zero(corner.axes()), leg1 = travelled;
+  for (int i = 0; i < 2 * lead; ++i) {
+    const bool slow = i >= lead - h && i < lead + h;
+    const double scale = slow ? factor : 1.0;
+    command.push_back(scale * (i < lead ? corner.feed_in * corner.direction_in : corner.feed_out * corner.direction_out));
+    if (i < lead) leg1 += command.back() * period;
+  }
+  // The filter has passed exactly the command's distance at its end; start where the corner point is the origin.
+  Eigen::VectorXd position = -leg1;
+  double least = position.norm();
+  for (int k = 0; k < 2 * lead; ++k) {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(corner.axes());
+    for (int i = 0; i <= std::min(k, filter.order()); ++i) v += filter.tap(i) * command[static_cast<std::size_t>(k - i)];
+    position += v * period;
+    least = std::min(least, position.norm());
+  }
+  return least;
+}
+
+TEST(SlowDown, KeepsTheToleranceInTheSimulatedStream) {
+  const double period = 1e-3;
+  for (const double angle : {60.0, 90.0, 130.0}) {
+    for (const Filter& filter : {boxcar(40), hann(40), trapezoid(31, 8)}) {
+      const Corner corner = planar_corner(angle * M_PI / 180.0, 0.3, Turn::left, 0.1, 0.1);
+      const double full = corner_error(Blend(filter, corner, 0, period));
+      const SlowDown s = slow_down(filter, corner, period, 0.4 * full);
+      EXPECT_NEAR(s.factor, 0.4, 1e-12);
+      // Zones of half the filter on either side are enough: the error is the tolerance, no more.
+      const int half = (filter.order() + 2) / 2;
+      EXPECT_NEAR(simulated_error(filter, corner, period, s.factor, half), 0.4 * full, 1e-9);
+      EXPECT_NEAR(s.lost_time, 0.6 * (filter.order() + 1) * period, 1e-12);
+    }
+  }
+}
+
+TEST(SlowDown, CostsNothingInsideTheToleranceAndAnExactStopAtZero) {
+  const Filter filter = boxcar(20);
+  const Corner corner = planar_corner(1.5, 0.0, Turn::left, 0.1, 0.1);
+  EXPECT_EQ(slow_down(filter, corner, 1e-3, 1.0).factor, 1.0);
+  EXPECT_EQ(slow_down(filter, corner, 1e-3, 1.0).lost_time, 0.0);
+  const SlowDown stop = slow_down(filter, corner, 1e-3, 0.0);
+  EXPECT_EQ(stop.factor, 0.0);
+  EXPECT_NEAR(stop.lost_time, 21e-3, 1e-15);
+}
+
+TEST(SlowDown, LosesMoreThanADelayWithLinearAccDec) {
+  // Continuous linear Acc/Dec: error = e0 (1 - d/tau)^2, so a delay costs tau (1 - sqrt(r)) and slowing down tau (1 - r), r = E/e0.
+  const Filter filter = boxcar(400);
+  const Corner corner = planar_corner(M_PI / 2, 0.0, Turn::left, 0.1, 0.1);
+  const double period = 1e-4, full = corner_error(Blend(filter, corner, 0, period));
+  for (const double r : {0.1, 0.3, 0.6, 0.9}) {
+    const int delay = DelayFinder(filter)(corner.cos_interior(), 0.1 * period, 0.1 * period, r * full);
+    EXPECT_NEAR(delay / 401.0, 1.0 - std::sqrt(r), 3.0 / 401.0);
+    EXPECT_GE(slow_down(filter, corner, period, r * full).lost_time, delay * period);
+  }
+}
+
+}  // namespace
+}  // namespace accdec::study
