@@ -11,6 +11,8 @@ namespace {
 /// Every subcommand, in the order of --help.
 void add_commands(CLI::App& app, Context& context) {
   add_evaluate(app, context);
+  add_program(app, context);
+  add_generate(app, context);
 }
 
 int run(int argc, char** argv) {

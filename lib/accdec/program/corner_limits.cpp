@@ -25,6 +25,20 @@ CornerLimits::CornerLimits(const Filter& filter, const Machine& machine, double 
   }
 }
 
+double CornerLimits::start_factor(const double* velocity) const {
+  double factor = 1.0;
+  for (const std::size_t a : limited_) {
+    const Axis& axis = machine_.axes[a];
+    const double v = std::abs(velocity[a]), acceleration = v * tap_max_ / period_;
+    if (v == 0.0) continue;
+    const double jerk = v * tap_step_max_ / (period_ * period_), force = axis.mass * acceleration + axis.damping * v;
+    const double power = std::min(axis.power_max, axis.regeneration_max);
+    factor = std::min({factor, axis.velocity_max / v, axis.acceleration_max / acceleration, axis.jerk_max / jerk});
+    if (force > 0.0) factor = std::min({factor, axis.force_max / force, std::sqrt(power / (force * v))});
+  }
+  return factor;
+}
+
 bool CornerLimits::any_delay_holds(const double* in, const double* out, int from) const {
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];

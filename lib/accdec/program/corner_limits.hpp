@@ -14,6 +14,8 @@ class CornerLimits {
  public:
   CornerLimits(const Filter& filter, const Machine& machine, double sample_period);
 
+  /// Largest factor <= 1 on a velocity, m/s an axis, with which a start from rest or a stop to rest surely holds the limits.
+  double start_factor(const double* velocity) const;
   /// Smallest d >= from with all limits held; `from` itself if even legs so far apart that they do not overlap (d = N + 2) break one.
   /// @param in, out  velocities of the legs, m/s, one value an axis  @param possible  set to false in that case, else left alone
   int smallest(const double* in, const double* out, int from, bool& possible) const;

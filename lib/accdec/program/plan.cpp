@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <accdec/design/verifier.hpp>
+#include <accdec/program/corner_limits.hpp>
 #include <accdec/program/repair.hpp>
 
 namespace accdec {
@@ -28,6 +29,19 @@ ProgramPlan simulate_plan(const Toolpath& path, const Filter& filter, double sam
 }  // namespace
 
 bool holds(double error, double bound) { return error <= bound * (1.0 + verification_tolerance) + position_floor; }
+
+void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
+  if (machine.axes.empty()) return;
+  const CornerLimits limits(filter, machine, sample_period);
+  const std::size_t n = path.dimensions();
+  std::vector<double> velocity(n);
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    if (path.rapid[b] == 0) continue;
+    const double* p = path.point(b);
+    for (std::size_t i = 0; i < n; ++i) velocity[i] = (p[n + i] - p[i]) / path.duration[b];
+    path.duration[b] /= limits.start_factor(velocity.data());
+  }
+}
 
 ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                           std::vector<int> delays) {

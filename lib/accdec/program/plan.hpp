@@ -55,6 +55,9 @@ struct ProgramPlan {
 /// @param machine  as many axes as the path, or without axes
 ProgramPlan plan_program(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 
+/// Slows rapid moves to speeds that the filter starts from rest and stops within the axis limits; programmed feeds are left alone.
+void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
+
 /// Simulates given delays and says whether they hold.
 ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                           std::vector<int> delays);

@@ -59,6 +59,7 @@ RepairWork Repair::failing(std::span<const std::uint32_t> broken) const {
 
 Repair::Range Repair::around(std::size_t joint) const {
   // A joint's window reaches from N samples before it to rest + N + 1 after it, rest <= N + 2; blocks take at least their duration.
+  if (path_.blocks() == 1) return {0, 0, 0, 0};
   const double n = apart_, period = timing_.sample_period();
   Range range{joint, joint + 1, joint, joint};
   double back = 0.0;
@@ -108,7 +109,7 @@ RepairWork Repair::round(const RepairWork& work, int step) {
   for (const std::size_t b : work.raise) delays_[b] = std::min(apart_, delays_[b] + step);
   for (const std::size_t b : work.slow) {
     path_.duration[b] *= slower;
-    joints.push_back(std::min(b, path_.blocks() - 2));
+    joints.push_back(std::min(b, std::max<std::size_t>(path_.blocks(), 2) - 2));
   }
   unique_ascending(joints);
   RepairWork failing;

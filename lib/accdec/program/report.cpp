@@ -72,6 +72,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   result.sample_period = task.sample_period;
   result.path = std::move(path);
   const Machine machine = program_machine(task.machine, result.path);
+  limit_rapids(result.path, filter, task.sample_period, machine);
   result.plan = plan_program(result.path, filter, task.sample_period, machine);
   result.cycle_time = static_cast<double>(result.plan.simulation.samples) * task.sample_period;
 

@@ -46,7 +46,11 @@ class Simulator {
     }
   }
 
+  /// From here on times of joints count.
+  void begin() { begin_ = motion_.sample(); }
+
   void joint(std::size_t b, double time, std::int64_t rest) {
+    time += static_cast<double>(begin_);
     const auto reached = static_cast<std::int64_t>(time);
     // A rest longer than the filter adds only samples that stand still in the joint.
     const std::int64_t window = (time > static_cast<double>(reached) ? 1 : 0) + std::min<std::int64_t>(rest, order_ + 1) + order_ + 1;
@@ -109,6 +113,7 @@ class Simulator {
   MotionBuffer motion_;
   LimitWatch watch_;
   std::deque<Pending> pending_;
+  std::int64_t begin_ = 0;
   std::int64_t watched_until_ = 0;  // no sample before this is passed over
   std::size_t block_;
 };
@@ -184,6 +189,7 @@ Simulation simulate_program(const CommandTiming& timing, const Filter& filter, s
     const std::vector<double> zero(timing.path().dimensions(), 0.0);
     simulator.command(zero.data(), timing.dwell_samples(timing.path().dwell_first), timing.path().point(0));
   }
+  simulator.begin();
   emit_commands(timing, first, last, simulator);
   return simulator.finish();
 }

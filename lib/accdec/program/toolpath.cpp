@@ -173,6 +173,7 @@ void Builder::move(const Move& move) {
   path_.duration.push_back(duration);
   path_.tolerance.push_back(unlimited);
   path_.joint.push_back(Joint::stop);
+  path_.rapid.push_back(move.rapid ? 1 : 0);
   path_.inside_arc.push_back(move.inside_arc ? 1 : 0);
   path_.line.push_back(static_cast<std::uint32_t>(move.line));
   position_ = move.to;

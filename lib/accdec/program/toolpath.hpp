@@ -33,6 +33,7 @@ struct Toolpath {
   std::vector<double> tolerance;        ///< m, of every joint; unlimited where it has none
   std::vector<Joint> joint;             ///< one a block; the last is `stop`
   std::vector<std::uint32_t> line;      ///< of every block
+  std::vector<std::uint8_t> rapid;      ///< whether a block is a rapid move: its duration is what the velocity limits allow
   std::vector<std::uint8_t> inside_arc; ///< whether the joint lies between two chords of one arc
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;             ///< before the first block, s

@@ -1,0 +1,38 @@
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <accdec/program/generate.hpp>
+#include <accdec/program/stream_file.hpp>
+
+#include "command.hpp"
+
+namespace accdec::cli {
+
+void add_generate(CLI::App& app, Context&) {
+  struct Options {
+    std::string kind, out = "-";
+    GenerateOptions generate;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("generate", "Write a test program of any length");
+  command->add_option("kind", options->kind, "pocket | zigzag | trochoid | engraving | raster | star")
+      ->required()
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"pocket", "zigzag", "trochoid", "engraving", "raster", "star"}));
+  command->add_option("--blocks", options->generate.blocks, "About how many blocks")
+      ->check(CLI::Range(10L, 1000000000L))
+      ->capture_default_str();
+  command->add_option("--feed", options->generate.feed, "mm/min")->check(CLI::Range(1e-3, 1e8))->capture_default_str();
+  command->add_option("--tolerance", options->generate.tolerance, "mm, of G64 P")->check(CLI::Range(1e-6, 1e3))->capture_default_str();
+  command->add_option("--out", options->out, "File to write, - for standard output")->type_name("FILE")->capture_default_str();
+  command->callback([options] {
+    StreamFile file;
+    file.open(options->out);
+    generate_program(*generated_program_from_string(options->kind), options->generate, file.stream());
+    file.close();
+    file.commit();
+  });
+}
+
+}  // namespace accdec::cli

@@ -1,0 +1,83 @@
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <accdec/io/atomic_file.hpp>
+#include <accdec/io/task_reader.hpp>
+#include <accdec/program/report.hpp>
+#include <accdec/program/stream_file.hpp>
+
+#include "command.hpp"
+
+namespace accdec::cli {
+namespace {
+
+struct Options {
+  std::string program, task, json, delays, samples, emit;
+  double arc_tolerance_um = 2.0;
+  bool rapid_stops = false;
+};
+
+void run(const Options& options, Context& context) {
+  const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
+  if (!task.filter) throw InputError(options.task, 0, 0, "a program needs a [filter] in its task");
+  for (const std::string& path : {options.json, options.delays, options.samples, options.emit}) {
+    if (!path.empty()) require_writable(path);
+  }
+  LineSource source{std::filesystem::path(options.program)};
+  ToolpathOptions reading;
+  reading.read.arc_tolerance = options.arc_tolerance_um * 1e-6;
+  reading.error_max = task.program_error_max;
+  reading.rapid_stops = options.rapid_stops;
+  Toolpath path = read_toolpath(source, task.machine, reading);
+
+  const ProgramResult result = run_program(options.program, std::move(path), make_filter(*task.filter), task);
+  // The large ones first, beside their targets; everything gets its name only when all is written.
+  StreamFile samples, emitted;
+  if (!options.samples.empty()) {
+    samples.open(options.samples);
+    write_samples(result, samples.stream());
+    samples.close();
+  }
+  if (!options.emit.empty()) {
+    emitted.open(options.emit);
+    emit_program(result, emitted.stream());
+    emitted.close();
+  }
+  OutputFiles files;
+  if (!options.json.empty()) files.add(options.json, program_to_json(result));
+  if (!options.delays.empty()) files.add(options.delays, delays_to_csv(result));
+  files.commit();
+  samples.commit();
+  emitted.commit();
+
+  const bool stdout_taken = options.json == "-" || options.delays == "-" || options.samples == "-" || options.emit == "-";
+  if (!context.quiet && !stdout_taken) std::fputs(program_summary(result).c_str(), stdout);
+  context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
+}
+
+}  // namespace
+
+void add_program(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("program", "A whole toolpath: the smallest delay of every corner, verified by simulating every sample");
+  command->add_option("file", options->program, "RS-274, canonical calls (rs274 -g) or CSV of points and feeds")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--task", options->task, "Task with the sample period, the filter and the axes; no corners")
+      ->required()
+      ->type_name("TASK.toml");
+  command->add_option("--json", options->json, "Write the result to FILE, - for standard output")->type_name("FILE");
+  command->add_option("--delays", options->delays, "Write the delay and error of every corner as CSV")->type_name("FILE");
+  command->add_option("--samples", options->samples, "Write the sampled motion as CSV")->type_name("FILE");
+  command->add_option("--emit", options->emit, "Write the program back with the feeds and dwells that realise the plan")
+      ->type_name("FILE");
+  command->add_option("--arc-tolerance-um", options->arc_tolerance_um, "Largest distance of a chord from its arc")
+      ->type_name("UM")
+      ->check(CLI::Range(1e-3, 1e4))
+      ->capture_default_str();
+  command->add_flag("--rapid-stops", options->rapid_stops, "Stop wherever rapid and feed moves meet");
+  command->callback([options, &context] { run(*options, context); });
+}
+
+}  // namespace accdec::cli
