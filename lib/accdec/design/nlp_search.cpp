@@ -47,7 +47,8 @@ class Search {
         integer_design(order);
       }
       // A relaxation that held but could not be rounded at its best order may be at a larger one.
-      for (int order = best + 5; !incumbent_ && order <= task_.design.order_max && !stopped(); order += 1 + order / 16) integer_design(order);
+      const int last = std::min(task_.design.order_max, 2 * best + 20);
+      for (int order = best + 5; !incumbent_ && order <= last && !stopped(); order += 1 + order / 16) integer_design(order);
     }
     return finish();
   }
@@ -148,6 +149,7 @@ class Search {
     const auto known = relaxed_.find(order);
     if (known != relaxed_.end()) return known->second;
     std::optional<Relaxed> best;
+    bool consistent = true;
     Filter start = guess(order);
     std::vector<double> delays = guess_delays(start);
     for (int pass = 0; pass < 6 && !stopped(); ++pass) {
@@ -162,11 +164,16 @@ class Search {
       for (std::size_t j = 0; j < task_.corners.size(); ++j) found.cost += task_.corners[j].weight * found.delays[j];
       start = *found.filter;
       delays = found.delays;
-      const bool moved = coupled_ && rounded_up(delays, order) != blend;
+      const std::vector<int> next = rounded_up(delays, order);
+      const bool moved = coupled_ && next != blend;
+      // A step of one between passes is rounding; more means that the limits on the blend hold at one delay and the error at another.
+      consistent = true;
+      for (std::size_t j = 0; j < next.size(); ++j) consistent = consistent && (!moved || std::abs(next[j] - blend[j]) <= 1);
       best = std::move(found);
       const bool refined = refine_bands(start);
       if (!refined && !moved) break;
     }
+    if (!consistent) best.reset();
     tell(best ? fmt::format("N = {}: relaxed cycle time {:.3f} ms", order, best->cost * task_.sample_period * 1e3)
               : fmt::format("N = {}: no relaxed design", order));
     return relaxed_[order] = std::move(best);
