@@ -11,6 +11,9 @@ namespace {
 /// Every subcommand, in the order of --help.
 void add_commands(CLI::App& app, Context& context) {
   add_evaluate(app, context);
+  add_design(app, context);
+  add_verify(app, context);
+  add_export(app, context);
   add_program(app, context);
   add_generate(app, context);
 }

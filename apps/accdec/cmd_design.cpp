@@ -1,0 +1,83 @@
+#include <fmt/format.h>
+
+#include <accdec/design/design.hpp>
+#include <accdec/io/atomic_file.hpp>
+#include <accdec/io/task_reader.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "output.hpp"
+
+namespace accdec::cli {
+namespace {
+
+std::atomic<bool> interrupted{false};
+
+extern "C" void ask_to_stop(int) {
+  interrupted.store(true);
+  std::signal(SIGINT, SIG_DFL);
+}
+
+struct Arguments {
+  std::string task, json, method = "exact", solver;
+  double time_limit = 600.0;
+  std::uint64_t seed = 1;
+  std::vector<std::string> native;
+  bool no_certificate = false;
+};
+
+void run(const Arguments& arguments, Context& context) {
+  const Task task = read_task(arguments.task);
+  if (!arguments.json.empty()) require_writable(arguments.json);
+
+  DesignOptions options;
+  // Naming a solver is asking for it.
+  options.method = arguments.method == "nlp" || !arguments.solver.empty() ? Method::nlp : Method::exact;
+  if (!arguments.solver.empty()) options.solver = arguments.solver;
+  options.time_limit = arguments.time_limit;
+  options.solver_options.seed = arguments.seed;
+  options.certificate = !arguments.no_certificate;
+  for (const std::string& pair : arguments.native) {
+    const auto equals = pair.find('=');
+    if (equals == std::string::npos)
+      throw std::invalid_argument(fmt::format("--option takes NAME=VALUE, got \"{}\"", pair));
+    options.solver_options.native[pair.substr(0, equals)] = pair.substr(equals + 1);
+  }
+  if (!context.quiet) options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+
+  // The first Ctrl-C asks for the best verified design so far, the second ends the program.
+  options.cancel = &interrupted;
+  std::signal(SIGINT, ask_to_stop);
+  const DesignResult result = design_task(task, options);
+  std::signal(SIGINT, SIG_DFL);
+
+  context.exit_code = deliver(result, arguments.json, context);
+}
+
+}  // namespace
+
+void add_design(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("design", "Choose the filter, its order and the delays that a task leaves open");
+  command->add_option("task", arguments->task, "Task file")->required()->type_name("TASK.toml");
+  add_json_option(*command, arguments->json);
+  command->add_option("--method", arguments->method, "exact: proved shortest (default); nlp: by a nonlinear solver")
+      ->check(CLI::IsMember({"exact", "nlp"}));
+  command->add_option("--solver", arguments->solver,
+                      "nonlinear solver to use (see `accdec solvers`); implies --method nlp");
+  command->add_option("--time-limit", arguments->time_limit, "seconds for the whole design; then the best so far")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seed", arguments->seed, "seed of solvers that draw random numbers");
+  command->add_option("--option", arguments->native, "the solver's own option, NAME=VALUE; may be repeated");
+  command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
+  command->callback([arguments, &context] { run(*arguments, context); });
+}
+
+}  // namespace accdec::cli

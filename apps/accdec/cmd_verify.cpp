@@ -1,0 +1,33 @@
+#include <fmt/format.h>
+
+#include <accdec/design/recheck.hpp>
+#include <accdec/io/result_json.hpp>
+#include <memory>
+#include <string>
+
+#include "command.hpp"
+
+namespace accdec::cli {
+
+void add_verify(CLI::App& app, Context& context) {
+  auto path = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("verify", "Independent recheck of a result and of its certificate");
+  command->add_option("result", *path, "Result file of evaluate or design")->required()->type_name("RESULT.json");
+  command->callback([path, &context] {
+    const DesignResult result = read_result(*path);
+    const Recheck check = recheck(result);
+    if (check.accepted) {
+      if (context.quiet) return;
+      fmt::print("accepted: all limits hold in simulation; worst {}\n",
+                 check.verification.worst.empty() ? "none" : check.verification.worst);
+      if (!check.proof.empty()) fmt::print("proof accepted: {}\n", check.proof);
+      return;
+    }
+    context.exit_code = exit_no_answer;
+    if (context.quiet) return;
+    fmt::print("rejected\n");
+    for (const std::string& reason : check.reasons) fmt::print("  {}\n", reason);
+  });
+}
+
+}  // namespace accdec::cli

@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <accdec/design/enumeration.hpp>
+#include <accdec/design/recheck.hpp>
+#include <accdec/design/verifier.hpp>
+#include <algorithm>
+#include <cmath>
+
+namespace accdec {
+namespace {
+
+constexpr double tolerance = 1e-9;
+
+class Comparison {
+ public:
+  explicit Comparison(std::vector<std::string>& reasons) : reasons_(reasons) {}
+  void number(const std::string& what, double recorded, double found, double floor) {
+    if (recorded == found) return;  // infinities too
+    if (!(std::abs(recorded - found) <= tolerance * std::abs(found) + floor)) {
+      reasons_.push_back(fmt::format("{} is recorded as {:.12g}, found {:.12g}", what, recorded, found));
+    }
+  }
+
+ private:
+  std::vector<std::string>& reasons_;
+};
+
+bool same_limit(const LimitUse& a, const LimitUse& b) {
+  return a.kind == b.kind && a.axis == b.axis && a.corner == b.corner && a.bound == b.bound;
+}
+
+void compare_choice(const DesignResult& result, std::vector<std::string>& reasons) {
+  const Task& task = result.task;
+  const Filter& filter = *result.filter;
+  if (task.filter) {
+    const Filter given = make_filter(*task.filter);
+    bool same = given.order() == filter.order();
+    for (int i = 0; same && i <= given.order(); ++i) same = std::abs(given.tap(i) - filter.tap(i)) <= 1e-12;
+    if (!same) reasons.push_back("the taps are not those of the task's filter");
+  } else {
+    if (filter.order() < task.design.order_min || filter.order() > task.design.order_max) {
+      reasons.push_back(fmt::format("order {} is outside the task's {} to {}", filter.order(), task.design.order_min,
+                                    task.design.order_max));
+    }
+    for (int i = 0; task.design.symmetric && i <= filter.order(); ++i) {
+      if (std::abs(filter.tap(i) - filter.tap(filter.order() - i)) <= 1e-9) continue;
+      reasons.push_back(fmt::format("the task asks for symmetric taps, b_{} and b_{} differ", i, filter.order() - i));
+      break;
+    }
+  }
+  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+    if (task.corners[j].delay && *task.corners[j].delay != result.corners[j].delay) {
+      reasons.push_back(fmt::format("corner {}: the task gives delay {}, the result has {}", task.corners[j].name,
+                                    *task.corners[j].delay, result.corners[j].delay));
+    }
+  }
+}
+
+void compare_numbers(const DesignResult& recorded, const DesignResult& found, std::vector<std::string>& reasons) {
+  Comparison compare(reasons);
+  compare.number("cycle_time_s", recorded.cycle_time, found.cycle_time, 0.0);
+  for (std::size_t j = 0; j < found.corners.size(); ++j) {
+    const CornerResult &a = recorded.corners[j], &b = found.corners[j];
+    const auto named = [&](const char* what) { return fmt::format("corner {}: {}", b.name, what); };
+    compare.number(named("corner_error_m"), a.corner_error, b.corner_error, position_floor);
+    compare.number(named("polyline_error_m"), a.polyline_error, b.polyline_error, position_floor);
+    compare.number(named("contour_deviation_m"), a.contour_deviation, b.contour_deviation, position_floor);
+    compare.number(named("speed_min_m_s"), a.speed_min, b.speed_min, 1e-12);
+    compare.number(named("corner_time_s"), a.corner_time, b.corner_time, 0.0);
+  }
+  if (recorded.limits.size() != found.limits.size()) {
+    reasons.push_back(
+        fmt::format("{} limits are recorded, the task has {}", recorded.limits.size(), found.limits.size()));
+  }
+  // Both lists are in the order of the task: modes with equal bounds can be told apart by nothing else.
+  for (std::size_t i = 0; i < found.limits.size() && i < recorded.limits.size(); ++i) {
+    const LimitUse &a = recorded.limits[i], &b = found.limits[i];
+    if (!same_limit(a, b)) {
+      reasons.push_back(fmt::format("limits[{}] should be the {} limit{}{} of the task", i, to_string(b.kind),
+                                    b.axis.empty() ? "" : " of axis ", b.axis));
+      continue;
+    }
+    const double floor = b.kind == LimitKind::corner_error ? position_floor : 1e-12;
+    compare.number("value of " + describe(b), a.value, b.value, floor);
+    compare.number("utilisation of " + describe(b), a.utilisation, b.utilisation,
+                   b.bound > 0.0 ? floor / b.bound : 0.0);
+  }
+}
+
+void check_proof(const DesignResult& result, Recheck& report) {
+  const auto reject = [&](std::string reason) { report.reasons.push_back(std::move(reason)); };
+  if (result.gap && !result.lower_bound) reject("a gap is recorded without a lower bound");
+  if (result.lower_bound) {
+    const double gap = (result.cycle_time - *result.lower_bound) / result.cycle_time;
+    if (gap < -tolerance) reject("the lower bound exceeds the cycle time");
+    if (result.gap && std::abs(*result.gap - gap) > tolerance)
+      reject(fmt::format("gap is recorded as {:.12g}, found {:.12g}", *result.gap, gap));
+    if (result.status == Status::optimal && gap > tolerance)
+      reject("claims optimal with a lower bound below the cycle time");
+  }
+  if (result.certificate.empty()) {
+    if (result.status == Status::optimal)
+      reject("claims optimal without a certificate");
+    else if (result.lower_bound)
+      reject("records a lower bound without a certificate");
+    return;
+  }
+  if (!result.task.filter) {
+    reject("the certificate is of a kind unknown here");
+    return;
+  }
+  std::vector<int> delays;
+  for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
+  if (const std::string reason = check_smallest_delays(result.task, *result.filter, delays); !reason.empty())
+    reject(reason);
+  report.proof = "every smaller delay breaks a limit";
+}
+
+}  // namespace
+
+Recheck recheck(const DesignResult& result) {
+  Recheck report;
+  const bool has_design = result.status == Status::optimal || result.status == Status::feasible;
+  if (!has_design) {
+    report.reasons.push_back(fmt::format("the result is {}: there is no design to verify", to_string(result.status)));
+    return report;
+  }
+  if (!result.filter || result.corners.size() != result.task.corners.size()) {
+    report.reasons.push_back("the result has no filter, or not as many corners as its task");
+    return report;
+  }
+  std::vector<int> delays;
+  for (const CornerResult& corner : result.corners) {
+    if (corner.delay < 0) {
+      report.reasons.push_back(fmt::format("corner {}: delay {} is negative", corner.name, corner.delay));
+      return report;
+    }
+    delays.push_back(corner.delay);
+  }
+  const DesignResult found = assess(result.task, *result.filter, delays, true);
+  report.verification = found.verification;
+  if (!found.verification.feasible) report.reasons.push_back("a limit is broken: " + found.verification.worst);
+  compare_choice(result, report.reasons);
+  compare_numbers(result, found, report.reasons);
+  check_proof(result, report);
+  report.accepted = report.reasons.empty();
+  return report;
+}
+
+}  // namespace accdec

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <accdec/design/result.hpp>
+#include <string>
+#include <vector>
+
+namespace accdec {
+
+/// What an independent recheck of a stored result found.
+struct Recheck {
+  bool accepted = false;
+  std::vector<std::string> reasons;  ///< why not; empty when accepted
+  VerificationReport verification;   ///< of the simulation run now
+  std::string proof;                 ///< what was checked of the lower bound, in words; empty without one
+};
+
+/// Rechecks a result from its task, taps and delays alone: every limit by simulation, every recorded number against
+/// what is found now (relative 1e-9), order and symmetry against the task's bounds, given filter and delays against
+/// those used, and the proof behind `optimal` or a lower bound.
+Recheck recheck(const DesignResult& result);
+
+}  // namespace accdec

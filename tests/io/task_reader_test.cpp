@@ -1,0 +1,205 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/io/task_reader.hpp>
+#include <accdec/io/task_writer.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "malformed_tasks.hpp"
+#include "temporary_folder.hpp"
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class Malformed : public ::testing::TestWithParam<malformed::Case> {};
+
+TEST_P(Malformed, SaysWhereAndWhat) {
+  const auto& [name, text, position, words] = GetParam();
+  try {
+    parse_task(text, "task.toml");
+    FAIL() << "was read";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), StartsWith("task.toml:" + position + ": "));
+    for (const std::string& word : words) EXPECT_THAT(error.what(), HasSubstr(word));
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Tasks, Malformed, ::testing::ValuesIn(malformed::cases()),
+                         [](const auto& param_info) { return std::string(param_info.param.name); });
+
+TEST(TaskReader, TheMalformedTasksAreFaultyInOnePlaceOnly) {
+  EXPECT_NO_THROW(parse_task(malformed::Parts{}.str(), "t"));
+}
+
+TEST(TaskReader, ConvertsToSi) {
+  const Task task = parse_task(malformed::Parts{}.str(), "t");
+  EXPECT_EQ(task.sample_period, 1e-3);
+  ASSERT_TRUE(task.filter);
+  EXPECT_EQ(task.filter->kind, Shape::trapezoid);
+  EXPECT_EQ(task.filter->order, 20);
+  EXPECT_EQ(task.filter->ramp, 5);
+  ASSERT_EQ(task.machine.axes.size(), 2U);
+  for (const Axis& axis : task.machine.axes) {
+    EXPECT_EQ(axis.velocity_max, 0.5);
+    EXPECT_EQ(axis.acceleration_max, 6.0);
+    EXPECT_EQ(axis.jerk_max, unlimited);
+    EXPECT_EQ(axis.mass, 50.0);
+    EXPECT_EQ(axis.damping, 10.0);
+    EXPECT_EQ(axis.force_max, 600.0);
+  }
+  EXPECT_EQ(task.machine.axes[0].name, "x");
+  EXPECT_EQ(task.machine.axes[1].name, "y");
+  ASSERT_EQ(task.corners.size(), 1U);
+  const TaskCorner& corner = task.corners.front();
+  EXPECT_DOUBLE_EQ(corner.angle, 95.0 * std::numbers::pi / 180.0);
+  EXPECT_EQ(corner.feed_in, 0.1);
+  EXPECT_EQ(corner.feed_out, 0.1);
+  EXPECT_EQ(corner.error_max, 1e-4);
+  EXPECT_EQ(corner.delay, 3);
+  EXPECT_EQ(corner.weight, 1.0);
+  EXPECT_EQ(corner.speed_min, 0.0);
+  EXPECT_EQ(corner.turn, Turn::left);
+  EXPECT_NEAR(corner.geometry.cos_interior(), std::cos(corner.angle), 1e-15);
+}
+
+TEST(TaskReader, DefaultsWithoutTables) {
+  const Task task = parse_task(
+      "sample_period_ms = 2\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 600\n[[corner]]\nangle_deg = "
+      "80\nfeed_in_mm_min = 600\n",
+      "t");
+  EXPECT_EQ(task.title, "");
+  EXPECT_FALSE(task.filter);
+  EXPECT_EQ(task.design.order_min, 1);
+  EXPECT_EQ(task.design.order_max, 400);
+  EXPECT_FALSE(task.design.symmetric);
+  ASSERT_EQ(task.machine.axes.size(), 2U);
+  EXPECT_EQ(task.machine.axes[1].acceleration_max, unlimited);
+  EXPECT_EQ(task.corners[0].name, "A");
+  EXPECT_EQ(task.corners[1].name, "B");
+  EXPECT_FALSE(task.corners[0].error_max);
+  EXPECT_FALSE(task.corners[0].delay);
+}
+
+TEST(TaskReader, OneAxisTableStandsForAsManyAxesAsTheDirectionsHave) {
+  const auto text = [](const char* directions) {
+    return std::string("sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 5\n[[corner]]\nfeed_in_mm_min = 6\n") +
+           directions;
+  };
+  const Task three = parse_task(text("direction_in = [1, 2, 2]\ndirection_out = [0, 0, -1]\n"), "t");
+  ASSERT_EQ(three.machine.axes.size(), 3U);
+  EXPECT_EQ(three.machine.axes[2].name, "z");
+  EXPECT_EQ(three.machine.axes[2].acceleration_max, 5e-3);
+  EXPECT_DOUBLE_EQ(three.corners[0].geometry.direction_in[1], 2.0 / 3.0);
+  const Task one = parse_task(text("direction_in = [1]\ndirection_out = [-1]\n"), "t");
+  EXPECT_EQ(one.machine.axes.size(), 1U);
+}
+
+TEST(TaskReader, ProgramsNeedNoCorner) {
+  const Task task = parse_task("sample_period_ms = 1\n[[axis]]\nmass_kg = 3\n[program]\nerror_max_um = 20\n", "t",
+                               {.require_corners = false, .axes = 3});
+  EXPECT_TRUE(task.corners.empty());
+  EXPECT_EQ(task.machine.axes.size(), 3U);
+  EXPECT_EQ(task.program_error_max, 2e-5);
+}
+
+TEST(TaskReader, ChoicesCanBeRequired) {
+  const TaskOptions options{.require_choices = true};
+  EXPECT_NO_THROW(parse_task(malformed::Parts{}.str(), "t", options));
+  EXPECT_THROW(parse_task(malformed::with_filter(""), "t", options), InputError);
+  EXPECT_THROW(parse_task(malformed::with_corner("[[corner]]\nangle_deg = 9\nfeed_in_mm_min = 3\n"), "t", options),
+               InputError);
+}
+
+TEST(TaskReader, ByteOrderMarkAndWindowsLineEndsDoNotMatter) {
+  TemporaryFolder folder;
+  std::string text = malformed::Parts{}.str(), windows = "\xEF\xBB\xBF";
+  for (const char c : text) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  const Task a = read_task(folder.write("a.toml", text)), b = read_task(folder.write("b.toml", windows));
+  EXPECT_EQ(task_to_toml(a), task_to_toml(b));
+}
+
+TEST(TaskReader, FilesThatCannotBeRead) {
+  TemporaryFolder folder;
+  const auto message = [](const std::string& path) -> std::string {
+    try {
+      read_task(path);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "was read";
+  };
+  EXPECT_THAT(message(folder.path("none.toml")), HasSubstr("none.toml: no such file"));
+  EXPECT_THAT(message(folder.path("")), HasSubstr("is a directory"));
+  EXPECT_THAT(message(""), HasSubstr("name is empty"));
+  EXPECT_THAT(message(folder.write("zero.toml", std::string("a\0b", 3))),
+              HasSubstr("not a text file (zero byte at offset 1)"));
+  EXPECT_THAT(message(folder.write("wide.toml", std::string("\xFF\xFE"
+                                                            "a",
+                                                            3))),
+              HasSubstr("UTF-16"));
+  const std::string large = folder.write("large.toml", "#");
+  std::filesystem::resize_file(large, (std::uintmax_t{64} << 20) + 1);  // sparse
+  EXPECT_THAT(message(large), HasSubstr("larger than the 64 MB"));
+}
+
+/// What a task says, compared through its canonical text, and the numbers bit by bit.
+void expect_same(const Task& a, const Task& b) {
+  EXPECT_EQ(task_to_toml(a), task_to_toml(b));
+  EXPECT_EQ(a.sample_period, b.sample_period);
+  ASSERT_EQ(a.corners.size(), b.corners.size());
+  for (std::size_t j = 0; j < a.corners.size(); ++j) {
+    EXPECT_EQ(a.corners[j].geometry.direction_in, b.corners[j].geometry.direction_in);
+    EXPECT_EQ(a.corners[j].geometry.direction_out, b.corners[j].geometry.direction_out);
+    EXPECT_EQ(a.corners[j].angle, b.corners[j].angle);
+    EXPECT_EQ(a.corners[j].heading, b.corners[j].heading);
+    EXPECT_EQ(a.corners[j].feed_in, b.corners[j].feed_in);
+    EXPECT_EQ(a.corners[j].feed_out, b.corners[j].feed_out);
+    EXPECT_EQ(a.corners[j].error_max, b.corners[j].error_max);
+    EXPECT_EQ(a.corners[j].speed_min, b.corners[j].speed_min);
+  }
+  ASSERT_EQ(a.machine.axes.size(), b.machine.axes.size());
+  for (std::size_t i = 0; i < a.machine.axes.size(); ++i) {
+    EXPECT_EQ(a.machine.axes[i].velocity_max, b.machine.axes[i].velocity_max);
+    EXPECT_EQ(a.machine.axes[i].acceleration_max, b.machine.axes[i].acceleration_max);
+    EXPECT_EQ(a.machine.axes[i].jerk_max, b.machine.axes[i].jerk_max);
+    EXPECT_EQ(a.machine.axes[i].force_max, b.machine.axes[i].force_max);
+  }
+}
+
+TEST(TaskReader, EveryShippedTaskIsReadAndSurvivesTheRoundTrip) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(ACCDEC_SOURCE_DIR "/problems")) {
+    if (entry.path().extension() != ".toml") continue;
+    const std::string folder = entry.path().parent_path().filename();
+    if (folder == "suites" || folder == "studies") continue;  // not tasks but lists of them
+    SCOPED_TRACE(entry.path());
+    const Task task = read_task(entry.path(), {.require_corners = folder != "program"});
+    expect_same(task, parse_task(task_to_toml(task), "again", {.require_corners = false}));
+    ++count;
+  }
+  EXPECT_GE(count, 15);
+}
+
+TEST(TaskReader, AwkwardNumbersSurviveTheRoundTripToTheLastBit) {
+  unsigned state = 1;
+  for (int i = 0; i < 300; ++i) {
+    const auto next = [&] { return 1e-3 + (state = state * 1664525U + 1013904223U) / 4294967296.0; };
+    std::string text = "sample_period_ms = " + std::to_string(next()) +
+                       "\n[[axis]]\njerk_max_mm_s3 = " + std::to_string(1e6 * next()) + "\n[[corner]]\n";
+    char line[200];
+    std::snprintf(line, sizeof line,
+                  "angle_deg = %.17g\nheading_deg = %.17g\nfeed_in_mm_min = %.17g\nerror_max_um = "
+                  "%.17g\nspeed_min_mm_s = %.17g\n",
+                  179.0 * next(), -300.0 * next(), 60000.0 * next(), 500.0 * next(), next());
+    const Task task = parse_task(text + line, "t");
+    expect_same(task, parse_task(task_to_toml(task), "again"));
+  }
+}
+
+}  // namespace
+}  // namespace accdec
