@@ -23,10 +23,10 @@ struct Parts {
   std::string top = "sample_period_ms = 1.0\n";
   std::string filter = "[filter]\nkind = \"trapezoid\"\norder = 20\nramp = 5\n";
   std::string axis =
-      "[[axis]]\nname = \"x\"\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\nmass_kg = 50\ndamping_N_s_m = "
+      "[[axis]]\nname = \"x\"\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 9000\nmass_kg = 50\ndamping_N_s_m = "
       "10\nforce_max_N = 600\n";
   std::string corner =
-      "[[corner]]\nname = \"A\"\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 100\ndelay_samples = 3\n";
+      "[[corner]]\nname = \"A\"\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 400\ndelay_samples = 3\n";
   std::string end = "";
   std::string str() const { return top + filter + axis + corner + end; }
 };

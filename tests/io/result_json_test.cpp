@@ -29,7 +29,7 @@ TEST(ResultJson, HoldsTheContract) {
   EXPECT_EQ(json["sample_period_s"], 1e-3);
   EXPECT_EQ(json["filter"]["order"], 20);
   EXPECT_EQ(json["filter"]["taps"].size(), 21U);
-  EXPECT_EQ(json["task"]["corner"][0]["error_max_um"], 100.0);
+  EXPECT_EQ(json["task"]["corner"][0]["error_max_um"], 400.0);
   EXPECT_EQ(json["task"]["mode"][0]["frequency_Hz"], (std::vector<double>{38, 46}));
   EXPECT_EQ(json["corners"][0]["name"], "A");
   EXPECT_EQ(json["corners"][0]["delay_samples"], 3);

@@ -46,7 +46,7 @@ TEST(TaskReader, ConvertsToSi) {
   ASSERT_EQ(task.machine.axes.size(), 2U);
   for (const Axis& axis : task.machine.axes) {
     EXPECT_EQ(axis.velocity_max, 0.5);
-    EXPECT_EQ(axis.acceleration_max, 6.0);
+    EXPECT_EQ(axis.acceleration_max, 9.0);
     EXPECT_EQ(axis.jerk_max, unlimited);
     EXPECT_EQ(axis.mass, 50.0);
     EXPECT_EQ(axis.damping, 10.0);
@@ -59,7 +59,7 @@ TEST(TaskReader, ConvertsToSi) {
   EXPECT_DOUBLE_EQ(corner.angle, 95.0 * std::numbers::pi / 180.0);
   EXPECT_EQ(corner.feed_in, 0.1);
   EXPECT_EQ(corner.feed_out, 0.1);
-  EXPECT_EQ(corner.error_max, 1e-4);
+  EXPECT_EQ(corner.error_max, 4e-4);
   EXPECT_EQ(corner.delay, 3);
   EXPECT_EQ(corner.weight, 1.0);
   EXPECT_EQ(corner.speed_min, 0.0);
