@@ -147,6 +147,19 @@ TEST(DesignTask, ContradictionsAreInfeasibleAndNamed) {
   EXPECT_FALSE(result.filter.has_value());
 }
 
+TEST(DesignTask, NamesToleranceAndSmallestSpeedThatContradict) {
+  Axis axis;
+  axis.acceleration_max = 10.0;
+  axis.jerk_max = 1500.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 20e-6);
+  task.corners[0].speed_min = 0.06;
+  task.design.order_max = 40;
+  const DesignResult result = design_nlp(task);
+  EXPECT_EQ(result.status, Status::failed);
+  EXPECT_FALSE(result.filter.has_value());
+  EXPECT_THAT(result.message, ::testing::HasSubstr("jerk, corner error A, smallest speed A"));
+}
+
 TEST(DesignTask, UnknownSolverListsTheKnown) {
   DesignOptions options;
   options.method = Method::nlp;

@@ -5,7 +5,9 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <accdec/design/conflict.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/design/formulation.hpp>
 #include <accdec/design/order_bound.hpp>
@@ -32,6 +34,25 @@ class Search {
                    corner.geometry.direction_in[i] * corner.geometry.direction_out[i] != 0.0;
       }
     }
+  }
+
+  /// Whether some order up to a few times the shortest start has a relaxed design, or a plain shape holds all limits: without limits on
+  /// starting, the best filter passes the command through, which the relaxation's interpolation cannot express.
+  bool has_relaxed_design() {
+    for (const int order : {task_.design.order_min, task_.design.order_min + 1}) {
+      if (order > task_.design.order_max) break;
+      std::vector<double> pass_through(static_cast<std::size_t>(order) + 1, 0.0);
+      pass_through[0] = 1.0;
+      for (const Filter& filter : {Filter(pass_through), boxcar(order)}) {
+        if (assess(task_, filter, rounded_up(guess_delays(filter), order), false).status == Status::feasible) return true;
+      }
+    }
+    const int first = std::max(task_.design.order_min, order_lower_bound(task_, task_.design.order_max));
+    const int last = std::min(task_.design.order_max, 3 * first + 30);
+    for (int order = first; order <= last && !stopped(); order = std::max(order + 1, order + order / 3)) {
+      if (relaxed(order)) return true;
+    }
+    return false;
   }
 
   DesignResult run() {
@@ -343,12 +364,23 @@ class Search {
     } else {
       result.task = task_;
       result.status = Status::failed;
-      result.message = stopped() ? "stopped before a verified design was found"
-                                 : fmt::format("{} found no design up to order {}{}{}", solver_.name(), task_.design.order_max,
-                                               last_message_.empty() ? "" : ": ", last_message_);
+      result.message = stopped() ? "stopped before a verified design was found" : no_design();
     }
     result.solver = {"nlp", solver_.name(), solver_.library_version(), claimed_, static_cast<long>(evaluations_), wall_time_};
     return result;
+  }
+
+  /// Why there is no design, as far as a local solver can tell: the limits without any one of which it finds one.
+  std::string no_design() const {
+    std::string message = fmt::format("{} found no design up to order {}", solver_.name(), task_.design.order_max);
+    DesignOptions quiet = options_;
+    quiet.progress = nullptr;
+    quiet.time_limit = std::max(0.1, options_.time_limit - elapsed());
+    const auto has_design = [&](const Task& task) { return Search(task, quiet).has_relaxed_design(); };
+    const std::vector<std::string> conflict = limits_in_conflict(task_, has_design);
+    if (!conflict.empty()) message += fmt::format("; limits in conflict (by local search, not proved): {}", fmt::join(conflict, ", "));
+    if (!last_message_.empty()) message += "; last: " + last_message_;
+    return message;
   }
 
   const Task& task_;

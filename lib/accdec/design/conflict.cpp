@@ -1,0 +1,60 @@
+#include <accdec/design/conflict.hpp>
+
+#include <fmt/format.h>
+
+namespace accdec {
+namespace {
+
+struct Limit {
+  std::string name;
+  std::function<void(Task&)> leave_out;
+};
+
+std::vector<Limit> limits_of(const Task& task) {
+  std::vector<Limit> limits;
+  const auto axis_limit = [&](const char* name, double Axis::*bound) {
+    bool present = false;
+    for (const Axis& axis : task.machine.axes) present = present || axis.*bound < unlimited;
+    if (!present) return;
+    limits.push_back({name, [bound](Task& t) {
+                        for (Axis& axis : t.machine.axes) axis.*bound = unlimited;
+                      }});
+  };
+  axis_limit("acceleration", &Axis::acceleration_max);
+  axis_limit("jerk", &Axis::jerk_max);
+  axis_limit("force", &Axis::force_max);
+  axis_limit("power", &Axis::power_max);
+  axis_limit("regeneration", &Axis::regeneration_max);
+  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+    const TaskCorner& corner = task.corners[j];
+    if (corner.error_max) limits.push_back({"corner error " + corner.name, [j](Task& t) { t.corners[j].error_max.reset(); }});
+    if (corner.speed_min > 0.0) limits.push_back({"smallest speed " + corner.name, [j](Task& t) { t.corners[j].speed_min = 0.0; }});
+    if (corner.delay) limits.push_back({"given delay " + corner.name, [j](Task& t) { t.corners[j].delay.reset(); }});
+  }
+  for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
+    const Mode& mode = task.machine.modes[i];
+    limits.push_back({fmt::format("vibration {:g} to {:g} Hz", mode.frequency_low, mode.frequency_high),
+                      [i](Task& t) { t.machine.modes[i].residual_max = 1.0; }});
+  }
+  if (task.design.symmetric) limits.push_back({"symmetry", [](Task& t) { t.design.symmetric = false; }});
+  return limits;
+}
+
+}  // namespace
+
+std::vector<std::string> limits_in_conflict(const Task& task, const std::function<bool(const Task&)>& has_design) {
+  Task reduced = task;
+  std::vector<std::string> needed;
+  for (const Limit& limit : limits_of(task)) {
+    Task trial = reduced;
+    limit.leave_out(trial);
+    if (has_design(trial)) {
+      needed.push_back(limit.name);
+    } else {
+      reduced = std::move(trial);
+    }
+  }
+  return needed;
+}
+
+}  // namespace accdec
