@@ -58,27 +58,28 @@ RepairWork Repair::failing(std::span<const std::uint32_t> broken) const {
 }
 
 Repair::Range Repair::around(std::size_t joint) const {
-  // A joint's window reaches from N samples before it to rest + N + 1 after it, rest <= N + 2; blocks take at least their duration.
+  // A delay that comes, goes or a block that slows moves the samples of the whole run on either side of the joint. Beyond these,
+  // a joint's window reaches from N samples before it to rest + N + 1 after it, rest <= N + 2; blocks take at least their duration.
   if (path_.blocks() == 1) return {0, 0, 0, 0};
   const double n = apart_, period = timing_.sample_period();
-  Range range{joint, joint + 1, joint, joint};
-  double back = 0.0;
-  while (range.first > 0 && back < 4.0 * n) {
-    back += path_.duration[range.first] / period + delays_[range.first - 1];
+  Range range{timing_.run_begin(joint), timing_.run_end(joint + 1), 0, 0};
+  range.eval_first = range.first;
+  range.eval_last = std::min(range.last, path_.blocks() - 2);
+  double back = 0.0;  // from the end of the rest in a joint to the first run
+  while (range.first > 0 && back < 5.0 * n) {
     --range.first;
-    if (back < 3.0 * n) range.eval_first = range.first;
+    if (back < 2.0 * n) range.eval_first = range.first;
+    back += delays_[range.first] + path_.duration[range.first] / period;
   }
-  if (range.first == 0) range.eval_first = 0;
   range.first = timing_.run_begin(range.first);
   double ahead = 0.0;
   const std::size_t end = path_.blocks() - 1;
   while (range.last < end && ahead < 5.0 * n) {
-    ahead += path_.duration[range.last] / period;
-    if (ahead < 2.0 * n) range.eval_last = range.last;
     ++range.last;
+    ahead += path_.duration[range.last] / period;
+    if (ahead < 2.0 * n) range.eval_last = std::min(range.last, end - 1);
   }
   range.last = timing_.run_end(range.last);
-  if (range.last == end) range.eval_last = std::max(range.eval_last, end - 1);
   return range;
 }
 
