@@ -1,0 +1,37 @@
+#include <accdec/io/atomic_file.hpp>
+#include <accdec/io/errors.hpp>
+#include <accdec/io/paper_report.hpp>
+#include <accdec/study/paper_tables.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+
+namespace accdec::cli {
+
+void add_paper(CLI::App& app, Context& context) {
+  const auto folder = std::make_shared<std::string>("results/paper");
+  CLI::App* command = app.add_subcommand("paper", "Every table and figure of the paper, against the printed values");
+  command->add_option("--out", *folder, "Folder for CSV, SVG, report.md and manifest.json")->type_name("DIR")->capture_default_str();
+  command->callback([folder, &context] {
+    const std::vector<paper::Table> tables{paper::table1(), paper::table2()};
+    const auto files = paper::files(tables, "accdec paper --out " + *folder, ACCDEC_VERSION);
+    std::error_code failure;
+    std::filesystem::create_directories(*folder, failure);
+    if (failure) throw OutputError(*folder + ": cannot be created: " + failure.message());
+    OutputFiles output;
+    for (const auto& [name, content] : files) output.add((std::filesystem::path(*folder) / name).string(), content);
+    output.commit();
+    int wrong = 0;
+    for (const paper::Table& table : tables) wrong += table.disagreements();
+    if (!context.quiet) std::fputs(paper::tables_text(tables).c_str(), stdout);
+    if (!context.quiet) std::printf("figures, numbers and report: %s\n", folder->c_str());
+    if (wrong > 0) std::fprintf(stderr, "%d entries of the paper's tables do not agree\n", wrong);
+    context.exit_code = wrong > 0 ? exit_no_answer : exit_ok;
+  });
+}
+
+}  // namespace accdec::cli

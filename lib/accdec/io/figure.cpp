@@ -1,0 +1,94 @@
+#include <accdec/io/figure.hpp>
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/io/process.hpp>
+
+namespace accdec {
+namespace {
+
+std::string run(const std::vector<std::string>& arguments, const std::string& input, const std::string& package) {
+  ProcessOutput result = run_process(arguments, input, package);
+  if (result.exit_code != 0 || result.output.empty()) {
+    throw std::runtime_error(fmt::format("{} failed ({}): {}", arguments[0], result.exit_code, result.errors));
+  }
+  return std::move(result.output);
+}
+
+std::string xml_escaped(const std::string& text) {
+  std::string out;
+  for (const char c : clean_title(text)) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+/// Bytes of the UTF-8 character at text[i], 0 if it is none (overlong forms and surrogates included).
+std::size_t utf8_length(const std::string& text, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+  const unsigned first = byte(i);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF5 ? 0 : first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC2 ? 2 : 0;
+  for (std::size_t k = 1; k < length; ++k) {
+    if ((byte(i + k) & 0xC0) != 0x80) return 0;
+  }
+  const unsigned second = byte(i + 1);
+  const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
+  const bool outside = (first == 0xED && second >= 0xA0) || (first == 0xF4 && second >= 0x90);
+  return overlong || outside ? 0 : length;
+}
+
+}  // namespace
+
+std::string clean_title(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = utf8_length(text, i);
+    if (length == 0) {
+      out += '?';
+      ++i;
+      continue;
+    }
+    const auto c = static_cast<unsigned char>(text[i]);
+    if (length == 1 && (c < 0x20 || c == 0x7F)) out += ' ';
+    else out.append(text, i, length);
+    i += length;
+  }
+  return out;
+}
+
+std::string render_svg(const Figure& figure) {
+  // -d: no start-up files; numbers, fonts and terminal come from the script alone.
+  return run({"gnuplot", "-d", "-"}, gnuplot_script(figure), "gnuplot-nox");
+}
+
+std::string convert_svg(const std::string& svg, const std::string& format, const std::string& title) {
+  if (format == "svg") return svg;
+  if (format == "png") return run({"rsvg-convert", "--format=png", "--zoom=2"}, svg, "librsvg2-bin");
+  if (format == "pdf") return run({"rsvg-convert", "--format=pdf"}, svg, "librsvg2-bin");
+  if (format != "html") throw std::invalid_argument(fmt::format("unknown figure format \"{}\"; allowed: svg, png, pdf, html", format));
+  const std::size_t start = svg.find("<svg");
+  if (start == std::string::npos) throw std::invalid_argument("not an SVG drawing");
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{}</title>\n"
+      "<style>body {{ margin: 1em; font-family: sans-serif; }} svg {{ max-width: 100%; height: auto; }}</style>\n"
+      "</head>\n<body>\n{}</body>\n</html>\n",
+      xml_escaped(title), svg.substr(start));
+}
+
+std::string figure_format(const std::string& path) {
+  for (const char* format : {"svg", "png", "pdf", "html"}) {
+    if (path.ends_with(std::string(".") + format)) return format;
+  }
+  throw std::invalid_argument(fmt::format("{}: unknown extension; a figure is written as .svg, .png, .pdf or .html", path));
+}
+
+}  // namespace accdec

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace accdec {
+
+/// How a series is drawn. Styles count up from 0 and differ in dash or symbol as well as in colour, so that they can be told apart in
+/// grey.
+enum class Mark { line, points, line_points, steps, impulses };
+
+struct Series {
+  std::string label;  ///< for the legend; empty: not in it
+  std::vector<double> x, y;
+  Mark mark = Mark::line;
+  int style = 0;
+};
+/// A horizontal limit, drawn dashed across the panel.
+struct LimitLine {
+  double y = 0.0;
+  std::string label;
+};
+/// A vertical band, shaded.
+struct Band {
+  double from = 0.0, to = 0.0;
+  std::string label;
+};
+struct Circle {
+  double x = 0.0, y = 0.0, radius = 0.0;
+  std::string label;
+};
+/// A value at each (x[i], y[j]), values[j * x.size() + i]; x and y evenly spaced, at least 2 each.
+struct HeatMap {
+  std::vector<double> x, y, values;
+  std::string label;
+};
+struct Scale {
+  std::string label;  ///< with the unit: "time / ms"
+  bool log = false;
+  std::optional<double> min, max;
+};
+struct Panel {
+  std::string title;
+  Scale x, y;
+  std::vector<Series> series;
+  std::vector<LimitLine> limits;
+  std::vector<Band> bands;
+  std::vector<Circle> circles;
+  std::optional<HeatMap> heat_map;
+  bool equal_aspect = false;  ///< one unit of x as long as one of y; needs ranges or series to take them from
+};
+
+/// A page of panels, filled row by row. Legends stand to the right of each panel, outside its data.
+struct Figure {
+  std::string title;
+  std::vector<Panel> panels;
+  int columns = 1;
+  int panel_width = 620;   ///< px, legend included
+  int panel_height = 300;  ///< px
+};
+
+/// The figure as a gnuplot script for its SVG terminal. Titles are data: whatever they hold, gnuplot draws it and executes nothing.
+/// @throws std::invalid_argument if a series' x and y differ in length, a heat map has wrong sizes, or there is no panel.
+std::string gnuplot_script(const Figure& figure);
+
+/// The figure as SVG, the same bytes for the same figure. @throws std::runtime_error if gnuplot is missing or fails.
+std::string render_svg(const Figure& figure);
+
+/// SVG to "png" or "pdf" by rsvg-convert, or to "html" (the drawing inline, nothing linked). "svg" returns it unchanged.
+/// @throws std::invalid_argument on another format, std::runtime_error if rsvg-convert is missing or fails.
+std::string convert_svg(const std::string& svg, const std::string& format, const std::string& title = "");
+
+/// Format of a file by its extension: "svg", "png", "pdf" or "html". @throws std::invalid_argument naming these.
+std::string figure_format(const std::string& path);
+
+/// A title as one line of valid UTF-8: control characters become spaces, what is not UTF-8 becomes '?'.
+std::string clean_title(const std::string& text);
+
+}  // namespace accdec

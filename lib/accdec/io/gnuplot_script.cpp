@@ -1,0 +1,272 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/io/figure.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr std::array<const char*, 6> colours{"#000000", "#0b5fa5", "#c8501e", "#2e7d32", "#7b3f98", "#8a6d00"};
+constexpr std::array<const char*, 6> dashes{"solid", "(9,4)", "(9,3,2,3)", "(2,3)", "(16,4)", "(12,3,2,3,2,3)"};
+constexpr std::array<int, 6> points{7, 6, 5, 4, 9, 8};
+constexpr double left = 70, right = 18, top = 30, bottom = 56, letter = 6.8, legend_line = 34;  // px
+
+/// A single-quoted gnuplot string: nothing in it is special but the quote itself, not even backticks or backslashes.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : clean_title(text)) {
+    if (c == '\'') out += '\'';
+    out += c;
+  }
+  return out + "'";
+}
+
+double letters(const std::string& text) {
+  return static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::size_t style_index(int style) { return static_cast<std::size_t>(std::max(style, 0)) % colours.size(); }
+
+/// Ten significant digits: more than can be seen, fewer than rounding disturbs from one machine to the next.
+std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.10g}", x == 0.0 ? 0.0 : x) : "NaN"; }
+
+struct Range {
+  double low = INFINITY, high = -INFINITY;
+  void add(double x) {
+    if (!std::isfinite(x)) return;
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
+};
+
+std::vector<std::string> legend(const Panel& panel) {
+  std::vector<std::string> labels;
+  const auto add = [&](const auto& items) {
+    for (const auto& item : items) {
+      if (!item.label.empty()) labels.push_back(item.label);
+    }
+  };
+  add(panel.series);
+  add(panel.limits);
+  add(panel.circles);
+  add(panel.bands);
+  return labels;
+}
+
+double legend_width(const Panel& panel) {
+  double widest = 0.0;
+  for (const std::string& label : legend(panel)) widest = std::max(widest, letters(label));
+  if (panel.heat_map) return 84;
+  return widest > 0 ? widest * letter + legend_line + 18 : 0.0;
+}
+
+/// Ranges of the data with a little air, or as given.
+std::pair<Range, Range> ranges(const Panel& panel) {
+  Range x, y;
+  for (const Series& s : panel.series) {
+    for (const double v : s.x) x.add(v);
+    for (const double v : s.y) y.add(v);
+  }
+  for (const Circle& c : panel.circles) {
+    x.add(c.x - c.radius), x.add(c.x + c.radius);
+    y.add(c.y - c.radius), y.add(c.y + c.radius);
+  }
+  for (const LimitLine& limit : panel.limits) y.add(limit.y);
+  if (panel.heat_map) {
+    const HeatMap& map = *panel.heat_map;
+    const double dx = 0.5 * (map.x[1] - map.x[0]), dy = 0.5 * (map.y[1] - map.y[0]);
+    x.add(map.x.front() - dx), x.add(map.x.back() + dx), y.add(map.y.front() - dy), y.add(map.y.back() + dy);
+  }
+  const auto finish = [&](Range& range, const Scale& scale, double air) {
+    if (scale.log) {  // decades: positive data only
+      if (!(range.low > 0.0)) range.low = range.high > 0.0 ? range.high * 1e-6 : 1e-6;
+      if (!(range.high > range.low)) range.high = range.low * 10.0;
+    } else {
+      if (!(range.high >= range.low)) range = {0.0, 1.0};
+      // Flat data: as wide as its value, so that rounding is not blown up to a picture.
+      const double size = std::max(std::abs(range.low), std::abs(range.high));
+      double width = range.high - range.low;
+      if (width <= 1e-9 * size || width == 0.0) width = size > 0.0 ? size : 1.0, range.low -= 0.5 * width, range.high += 0.5 * width;
+      range.low -= air * width;
+      range.high += air * width;
+    }
+    if (scale.min) range.low = *scale.min;
+    if (scale.max) range.high = *scale.max;
+  };
+  finish(x, panel.x, 0.0);
+  finish(y, panel.y, panel.heat_map ? 0.0 : 0.06);
+  return {x, y};
+}
+
+/// Widens one range so that a unit is equally long on both.
+void equalise(Range& x, Range& y, double width, double height) {
+  const double unit = std::max((x.high - x.low) / width, (y.high - y.low) / height);
+  const auto widen = [unit](Range& range, double pixels) {
+    const double centre = 0.5 * (range.low + range.high);
+    range = {centre - 0.5 * unit * pixels, centre + 0.5 * unit * pixels};
+  };
+  widen(x, width);
+  widen(y, height);
+}
+
+void check(const Panel& panel) {
+  for (const Series& s : panel.series) {
+    if (s.x.size() != s.y.size()) throw std::invalid_argument(fmt::format("series \"{}\": {} x and {} y", s.label, s.x.size(), s.y.size()));
+  }
+  if (panel.heat_map) {
+    const HeatMap& map = *panel.heat_map;
+    if (map.x.size() < 2 || map.y.size() < 2 || map.values.size() != map.x.size() * map.y.size()) {
+      throw std::invalid_argument("a heat map needs at least 2 x 2 values, one for each x and y");
+    }
+  }
+}
+
+std::string with(const Series& s) {
+  const std::size_t i = style_index(s.style);
+  const std::string line = fmt::format("lc rgb '{}' lw 1.7 dt {}", colours[i], dashes[i]);
+  const std::string point = fmt::format("pt {} ps 0.6", points[i]);
+  switch (s.mark) {
+    case Mark::line: return "lines " + line;
+    case Mark::points: return fmt::format("points lc rgb '{}' {}", colours[i], point);
+    case Mark::line_points: return fmt::format("linespoints {} {}", line, point);
+    case Mark::steps: return "steps " + line;
+    case Mark::impulses: return fmt::format("impulses lc rgb '{}' lw 1.5", colours[i]);
+  }
+  return "lines";
+}
+
+class Writer {
+ public:
+  std::string text;
+
+  void panel(const Panel& panel, double x0, double y0, double width, double height, double page_width, double page_height) {
+    check(panel);
+    const double plot_width = std::max(width - left - right - legend_width(panel), 80.0);
+    const double plot_height = std::max(height - top - bottom, 60.0);
+    auto [x, y] = ranges(panel);
+    if (panel.equal_aspect) equalise(x, y, plot_width, plot_height);
+    const double frame_left = x0 + left, frame_top = y0 + top;
+    line("set lmargin at screen {:.6f}", frame_left / page_width);
+    line("set rmargin at screen {:.6f}", (frame_left + plot_width) / page_width);
+    line("set tmargin at screen {:.6f}", 1.0 - frame_top / page_height);
+    line("set bmargin at screen {:.6f}", 1.0 - (frame_top + plot_height) / page_height);
+    line("set title {} offset 0,-0.5", quoted(panel.title));
+    line("set xlabel {} offset 0,0.7", quoted(panel.x.label));
+    line("set ylabel {} offset 0.6,0", quoted(panel.y.label));
+    scale('x', panel.x, x);
+    scale('y', panel.y, y);
+    line("set key at screen {:.6f},{:.6f} left top Left reverse samplen 2.6 spacing 1.15", (frame_left + plot_width + 8) / page_width,
+         1.0 - frame_top / page_height);
+    line("unset object\nunset colorbox");
+    plot(panel, x, y);
+  }
+
+ private:
+  template <typename... Args>
+  void line(fmt::format_string<Args...> format, Args&&... args) {
+    text += fmt::format(format, std::forward<Args>(args)...) + "\n";
+  }
+
+  void scale(char axis, const Scale& scale, const Range& range) {
+    line("{} logscale {}", scale.log ? "set" : "unset", axis);
+    line("set format {} '{}'", axis, scale.log ? "10^%T" : "%g");
+    line("set {}range [{}:{}] noextend", axis, number(range.low), number(range.high));
+  }
+
+  void plot(const Panel& panel, const Range& x, const Range& y) {
+    int object = 0;
+    for (const Band& band : panel.bands) {
+      line("set object {} rectangle from {},graph 0 to {},graph 1 behind fc rgb '#d4d4d4' fs solid noborder", ++object,
+           number(std::clamp(band.from, x.low, x.high)), number(std::clamp(band.to, x.low, x.high)));
+    }
+    std::vector<std::string> items;
+    const auto data = [&](const std::vector<double>& xs, const std::vector<double>& ys) {
+      const std::string name = fmt::format("$d{}", ++block_);
+      text += name + " << END_OF_DATA\n";
+      for (std::size_t i = 0; i < xs.size(); ++i) text += number(xs[i]) + " " + number(ys[i]) + "\n";
+      text += "END_OF_DATA\n";
+      return name;
+    };
+    const auto title = [](const std::string& label) { return label.empty() ? std::string("notitle") : "title " + quoted(label); };
+    if (panel.heat_map) items.push_back(heat(*panel.heat_map));
+    for (const Series& s : panel.series) {
+      if (s.x.empty()) continue;
+      items.push_back(fmt::format("{} using 1:2 with {} {}", data(s.x, s.y), with(s), title(s.label)));
+    }
+    for (const LimitLine& limit : panel.limits) {
+      items.push_back(fmt::format("{} using 1:2 with lines lc rgb '#b00020' lw 1.3 dt (7,5) {}",
+                                  data({x.low, x.high}, {limit.y, limit.y}), title(limit.label)));
+    }
+    for (const Circle& circle : panel.circles) items.push_back(round(circle, data, title));
+    for (const Band& band : panel.bands) {
+      if (!band.label.empty()) items.push_back(fmt::format("NaN with lines lc rgb '#d4d4d4' lw 9 {}", title(band.label)));
+    }
+    if (items.empty()) items.push_back(fmt::format("{} using 1:2 with dots notitle", data({x.low}, {y.low})));
+    text += "plot " + fmt::format("{}", fmt::join(items, ", \\\n  ")) + "\n";
+  }
+
+  template <typename Data, typename Title>
+  std::string round(const Circle& circle, Data data, Title title) {
+    std::vector<double> xs, ys;
+    constexpr int corners = 120;
+    for (int i = 0; i <= corners; ++i) {
+      const double turn = 2.0 * M_PI * i / corners;
+      xs.push_back(circle.x + circle.radius * std::cos(turn));
+      ys.push_back(circle.y + circle.radius * std::sin(turn));
+    }
+    return fmt::format("{} using 1:2 with lines lc rgb '#606060' lw 1.3 dt (4,3) {}", data(xs, ys), title(circle.label));
+  }
+
+  /// Rectangles rather than an image, which gnuplot would put into a file of its own.
+  std::string heat(const HeatMap& map) {
+    const std::string name = fmt::format("$d{}", ++block_);
+    text += name + " << END_OF_DATA\n";
+    const double dx = 0.5 * (map.x[1] - map.x[0]), dy = 0.5 * (map.y[1] - map.y[0]);
+    for (std::size_t j = 0; j < map.y.size(); ++j) {
+      for (std::size_t i = 0; i < map.x.size(); ++i) {
+        text += number(map.x[i]) + " " + number(map.y[j]) + " " + number(map.values[j * map.x.size() + i]) + "\n";
+      }
+    }
+    text += "END_OF_DATA\n";
+    // Light to dark through one hue: lightness alone carries the value.
+    line("set palette defined (0 '#fdf6e3', 0.35 '#f2b26b', 0.65 '#b5523a', 1 '#2b0f3a')");
+    line("set colorbox");
+    line("set cblabel {} offset 0.4,0", quoted(map.label));
+    return fmt::format("{} using 1:2:({}):({}):3 with boxxyerror fc palette fs solid noborder notitle", name, number(dx), number(dy));
+  }
+
+  int block_ = 0;
+};
+
+}  // namespace
+
+std::string gnuplot_script(const Figure& figure) {
+  if (figure.panels.empty() || figure.columns < 1) throw std::invalid_argument("a figure needs at least one panel and one column");
+  const int count = static_cast<int>(figure.panels.size()), rows = (count + figure.columns - 1) / figure.columns;
+  const double heading = figure.title.empty() ? 0.0 : 34.0;
+  const double width = figure.columns * figure.panel_width, height = rows * figure.panel_height + heading;
+  Writer writer;
+  writer.text = fmt::format(
+      "set encoding utf8\n"
+      "set terminal svg size {:.0f},{:.0f} noenhanced font 'DejaVu Sans,12' background '#ffffff' butt\n"
+      "set output\n"
+      "set border lw 0.8\nset tics nomirror out scale 0.6\nset xtics offset 0,0.3\nset grid lc rgb '#dddddd' lw 0.6 dt solid\n"
+      "set multiplot\n",
+      width, height);
+  if (heading > 0.0) {
+    writer.text += fmt::format("set label 1 {} at screen 0.5,{:.6f} center font 'DejaVu Sans,15'\n", quoted(figure.title), 1.0 - 20.0 / height);
+  }
+  for (int i = 0; i < count; ++i) {
+    writer.panel(figure.panels[static_cast<std::size_t>(i)], (i % figure.columns) * figure.panel_width,
+                 heading + (i / figure.columns) * figure.panel_height, figure.panel_width, figure.panel_height, width, height);
+    if (i == 0) writer.text += "unset label 1\n";
+  }
+  writer.text += "unset multiplot\n";
+  return writer.text;
+}
+
+}  // namespace accdec

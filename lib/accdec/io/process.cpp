@@ -1,0 +1,132 @@
+#include <accdec/io/process.hpp>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+extern char** environ;
+
+namespace accdec {
+namespace {
+
+/// A pipe whose ends close themselves and do not leak into other children.
+struct Pipe {
+  std::array<int, 2> ends{-1, -1};
+  Pipe() {
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
+  }
+  ~Pipe() {
+    close(0);
+    close(1);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  void close(std::size_t end) {
+    if (ends[end] >= 0) ::close(ends[end]);
+    ends[end] = -1;
+  }
+};
+
+/// Blocks SIGPIPE in this thread while it lives: a child that stops reading early must not end us.
+class PipeSignalBlock {
+ public:
+  PipeSignalBlock() {
+    sigset_t pipe_only;
+    sigemptyset(&pipe_only);
+    sigaddset(&pipe_only, SIGPIPE);
+    pthread_sigmask(SIG_BLOCK, &pipe_only, &before_);
+  }
+  ~PipeSignalBlock() {
+    if (!sigismember(&before_, SIGPIPE)) {
+      sigset_t pipe_only;
+      sigemptyset(&pipe_only);
+      sigaddset(&pipe_only, SIGPIPE);
+      const timespec now{};
+      while (sigtimedwait(&pipe_only, nullptr, &now) > 0) {
+      }
+    }
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  const sigset_t& before() const { return before_; }
+
+ private:
+  sigset_t before_{};
+};
+
+/// Feeds and drains until both outputs are at their end.
+void converse(Pipe& in, Pipe& out, Pipe& err, std::string_view input, ProcessOutput& result) {
+  ::fcntl(in.ends[1], F_SETFL, O_NONBLOCK);
+  std::array<char, 65536> buffer{};
+  const auto drain = [&](Pipe& pipe, std::string& text) {
+    const ssize_t got = ::read(pipe.ends[0], buffer.data(), buffer.size());
+    if (got > 0) text.append(buffer.data(), static_cast<std::size_t>(got));
+    else if (got == 0 || errno != EINTR) pipe.close(0);
+  };
+  while (out.ends[0] >= 0 || err.ends[0] >= 0 || in.ends[1] >= 0) {
+    if (in.ends[1] >= 0 && input.empty()) {
+      in.close(1);
+      continue;
+    }
+    std::array<pollfd, 3> wait{pollfd{in.ends[1], POLLOUT, 0}, pollfd{out.ends[0], POLLIN, 0}, pollfd{err.ends[0], POLLIN, 0}};
+    if (::poll(wait.data(), wait.size(), -1) < 0) {
+      if (errno == EINTR) continue;
+      throw std::runtime_error(fmt::format("poll: {}", std::strerror(errno)));
+    }
+    if (wait[0].revents != 0) {
+      const ssize_t sent = ::write(in.ends[1], input.data(), input.size());
+      if (sent > 0) input.remove_prefix(static_cast<std::size_t>(sent));
+      else if (errno != EINTR && errno != EAGAIN) input = {};  // it reads no more
+    }
+    if (wait[1].revents != 0) drain(out, result.output);
+    if (wait[2].revents != 0) drain(err, result.errors);
+  }
+}
+
+}  // namespace
+
+ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input, const std::string& package) {
+  Pipe in, out, err;
+  const PipeSignalBlock block;
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, in.ends[0], 0);
+  posix_spawn_file_actions_adddup2(&actions, out.ends[1], 1);
+  posix_spawn_file_actions_adddup2(&actions, err.ends[1], 2);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  posix_spawnattr_setsigmask(&attributes, &block.before());
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  posix_spawnattr_destroy(&attributes);
+  if (error == ENOENT) {
+    throw std::runtime_error(fmt::format("{} is not installed (Debian package {})", arguments[0], package));
+  }
+  if (error != 0) throw std::runtime_error(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(error)));
+  in.close(0);
+  out.close(1);
+  err.close(1);
+  ProcessOutput result;
+  converse(in, out, err, input, result);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return result;
+}
+
+}  // namespace accdec
