@@ -15,6 +15,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_verify(app, context);
   add_export(app, context);
   add_paper(app, context);
+  add_study(app, context);
   add_program(app, context);
   add_generate(app, context);
 }

@@ -1,0 +1,89 @@
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <accdec/io/study_folder.hpp>
+
+#include "command.hpp"
+
+namespace accdec::cli {
+namespace {
+
+std::string clock_text(double seconds) {
+  const long s = static_cast<long>(seconds + 0.5);
+  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60) : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+/// One line on a terminal, rewritten at most ten times a second.
+class ProgressBar {
+ public:
+  void operator()(const StudyProgress& p) {
+    if (p.done < p.total && p.seconds - shown_ < 0.1) return;
+    shown_ = p.seconds;
+    const double share = static_cast<double>(p.done) / static_cast<double>(p.total), rate = static_cast<double>(p.done) / std::max(p.seconds, 1e-9);
+    const auto filled = static_cast<std::size_t>(30.0 * share);
+    std::fputs(fmt::format("\r[{}{}] {}/{}  {:.3g} points/s  {} left  ", std::string(filled, '#'), std::string(30 - filled, '.'), p.done, p.total, rate,
+                           clock_text(static_cast<double>(p.total - p.done) / rate))
+                   .c_str(),
+               stderr);
+    if (p.done == p.total) std::fputs("\n", stderr);
+    std::fflush(stderr);
+  }
+
+ private:
+  double shown_ = -1.0;
+};
+
+struct Options {
+  std::string study, shard;
+  StudyRunOptions run;
+};
+
+void read_shard(Options& options) {
+  if (options.shard.empty()) return;
+  unsigned long number = 0, count = 0;
+  char rest = 0;
+  if (options.shard.front() < '0' || options.shard.front() > '9' || std::sscanf(options.shard.c_str(), "%lu/%lu%c", &number, &count, &rest) != 2 || number < 1 || number > count) {
+    throw std::invalid_argument(fmt::format("--shard {}: allowed is I/N with 1 <= I <= N, for example 2/8", options.shard));
+  }
+  options.run.shard = number;
+  options.run.shards = count;
+}
+
+void run(Options& options, Context& context) {
+  read_shard(options);
+  const Study study = read_study(options.study);
+  options.run.command = fmt::format("accdec study {} --out {}", options.study, options.run.out);
+  options.run.version = ACCDEC_VERSION;
+  if (!context.quiet && ::isatty(2)) options.run.progress = ProgressBar();
+  const StudySummary s = run_study(study, options.run);
+  context.exit_code = s.bad < s.points ? exit_ok : exit_no_answer;
+  if (context.quiet) return;
+  fmt::print("{}\n{} points: {} computed in {:.1f} s ({:.1f} s inside the methods, all workers together), {} found{}\n", study.title, s.points, s.computed, s.wall_time,
+             s.method_time, s.found, s.bad > 0 ? fmt::format(", {} without an answer (column `reason`)", s.bad) : "");
+  if (s.finished) {
+    fmt::print("Results: {0}/report.html, rows.csv, rows.jsonl, manifest.json, {1} figures\n", options.run.out, study.figures.size());
+  } else {
+    fmt::print("Shard {}/{} is done; put all together with `accdec study {} --out DIR --merge {}`\n", options.run.shard, options.run.shards, options.study, options.run.out);
+  }
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("study", "Parameter study: many tasks from one, with tables, figures and a report");
+  command->add_option("study", options->study, "Study file: base task, what varies, what to compute, figures")->required()->type_name("STUDY.toml");
+  command->add_option("--out", options->run.out, "Folder for the results; goes on where an interrupted run of the same study stopped")->required()->type_name("DIR");
+  command->add_option("--workers", options->run.workers, "Points computed at a time (default: all cores)")->check(CLI::Range(1, 1024))->type_name("N");
+  const auto shard = command->add_option("--shard", options->shard, "Compute part I of N only, without a report")->type_name("I/N");
+  command->add_option("--merge", options->run.merge, "Put the shards in these folders together instead of computing")->type_name("DIR...")->excludes(shard);
+  command->add_flag("--large", options->run.large, fmt::format("Allow more than {} points", large_study));
+  command->add_flag("--fresh", options->run.fresh, "Compute all points anew, whatever the folder has");
+  command->callback([options, &context] { run(*options, context); });
+}
+
+}  // namespace accdec::cli

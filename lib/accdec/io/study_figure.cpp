@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <accdec/io/study_report.hpp>
+
+namespace accdec {
+namespace {
+
+using Kind = StudyFigure::Kind;
+
+std::vector<std::size_t> rows_of(const StudyFigure& figure, const StudyTable& table) {
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const bool counts = std::all_of(figure.where.begin(), figure.where.end(), [&](const auto& w) { return table.texts(w.first)[i] == w.second; });
+    if (counts) rows.push_back(i);
+  }
+  return rows;
+}
+
+/// Points of a curve by rising x; rows without both numbers are left out.
+Series sorted_series(std::vector<std::pair<double, double>> points, std::string label, int style) {
+  std::erase_if(points, [](const auto& p) { return !std::isfinite(p.first) || !std::isfinite(p.second); });
+  std::sort(points.begin(), points.end());
+  Series s;
+  s.label = std::move(label);
+  s.style = style;
+  s.mark = points.size() <= 40 ? Mark::line_points : Mark::line;
+  for (const auto& [x, y] : points) {
+    s.x.push_back(x);
+    s.y.push_back(y);
+  }
+  return s;
+}
+
+std::string label_of(const StudyFigure& figure, std::size_t curve, const std::string& otherwise) {
+  return curve < figure.labels.size() ? figure.labels[curve] : otherwise;
+}
+
+void add_curves(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+  for (std::size_t c = 0; c < figure.y.size(); ++c) {
+    std::vector<std::pair<double, double>> points;
+    for (const std::size_t i : rows) points.emplace_back(table.numbers(figure.x)[i], table.numbers(figure.y[c])[i]);
+    panel.series.push_back(sorted_series(std::move(points), label_of(figure, c, figure.y.size() > 1 ? figure.y[c] : ""), static_cast<int>(c)));
+  }
+}
+
+void add_family(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+  std::vector<std::string> members;
+  for (const std::size_t i : rows) {
+    const std::string& m = table.texts(figure.family)[i];
+    if (std::find(members.begin(), members.end(), m) == members.end()) members.push_back(m);
+  }
+  for (std::size_t c = 0; c < members.size(); ++c) {
+    std::vector<std::pair<double, double>> points;
+    for (const std::size_t i : rows) {
+      if (table.texts(figure.family)[i] == members[c]) points.emplace_back(table.numbers(figure.x)[i], table.numbers(figure.y.front())[i]);
+    }
+    panel.series.push_back(sorted_series(std::move(points), label_of(figure, c, members[c]), static_cast<int>(c)));
+  }
+}
+
+void add_fronts(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+  for (std::size_t c = 0; c < figure.y.size(); ++c) {
+    std::vector<std::pair<double, double>> points;
+    for (const std::size_t i : rows) {
+      points.emplace_back(table.numbers(figure.y[c] + ".error_um")[i], table.numbers(figure.y[c] + ".cycle_time_ms")[i]);
+    }
+    Series all = sorted_series(std::move(points), label_of(figure, c, figure.y[c]), static_cast<int>(c));
+    Series front = all;
+    front.x.clear();
+    front.y.clear();
+    for (std::size_t i = 0; i < all.x.size(); ++i) {
+      if (!front.y.empty() && all.y[i] >= front.y.back()) continue;
+      front.x.push_back(all.x[i]);
+      front.y.push_back(all.y[i]);
+    }
+    front.mark = Mark::line_points;
+    panel.series.push_back(std::move(front));
+  }
+}
+
+/// Words over a plane: a symbol a class, at the true positions, so that uneven and logarithmic axes are no matter.
+void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+  std::set<std::string> classes;
+  for (const std::size_t i : rows) {
+    if (!table.texts(figure.z)[i].empty()) classes.insert(table.texts(figure.z)[i]);
+  }
+  for (const std::string& name : classes) {
+    Series s;
+    s.label = name;
+    s.mark = Mark::points;
+    s.style = static_cast<int>(panel.series.size());
+    for (const std::size_t i : rows) {
+      if (table.texts(figure.z)[i] != name) continue;
+      s.x.push_back(table.numbers(figure.x)[i]);
+      s.y.push_back(table.numbers(figure.y.front())[i]);
+    }
+    panel.series.push_back(std::move(s));
+  }
+}
+
+void add_heat(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+  const auto place = [](double v, bool log) { return log ? std::log10(v) : v; };
+  std::set<double> xs, ys;
+  for (const std::size_t i : rows) {
+    xs.insert(place(table.numbers(figure.x)[i], figure.log_x));
+    ys.insert(place(table.numbers(figure.y.front())[i], figure.log_y));
+  }
+  HeatMap map;
+  map.x.assign(xs.begin(), xs.end());
+  map.y.assign(ys.begin(), ys.end());
+  map.label = figure.z_label;
+  map.values.assign(map.x.size() * map.y.size(), std::nan(""));
+  for (const std::size_t i : rows) {
+    const auto column = std::distance(xs.begin(), xs.find(place(table.numbers(figure.x)[i], figure.log_x)));
+    const auto line = std::distance(ys.begin(), ys.find(place(table.numbers(figure.y.front())[i], figure.log_y)));
+    map.values[static_cast<std::size_t>(line) * map.x.size() + static_cast<std::size_t>(column)] = table.numbers(figure.z)[i];
+  }
+  if (map.x.size() < 2 || map.y.size() < 2) return;
+  // The map itself is drawn over the logarithm, so the axes must not take it again.
+  for (Scale* scale : {&panel.x, &panel.y}) {
+    if (scale->log) scale->label = "log10 of " + scale->label;
+    scale->log = false;
+  }
+  panel.heat_map = std::move(map);
+}
+
+}  // namespace
+
+Figure make_study_figure(const StudyFigure& figure, const StudyTable& table) {
+  const std::vector<std::size_t> rows = rows_of(figure, table);
+  Panel panel;
+  panel.x = {figure.x_label, figure.log_x, {}, {}};
+  panel.y = {figure.y_label, figure.log_y, {}, {}};
+  switch (figure.kind) {
+    case Kind::curve: add_curves(panel, figure, table, rows); break;
+    case Kind::family: add_family(panel, figure, table, rows); break;
+    case Kind::pareto: add_fronts(panel, figure, table, rows); break;
+    case Kind::heat: {
+      const auto& z = table.numbers(figure.z);
+      const bool words = std::none_of(rows.begin(), rows.end(), [&](std::size_t i) { return std::isfinite(z[i]); });
+      words ? add_classes(panel, figure, table, rows) : add_heat(panel, figure, table, rows);
+      break;
+    }
+  }
+  Figure page;
+  page.title = figure.title;
+  page.panel_width = 760;
+  page.panel_height = 430;
+  page.panels.push_back(std::move(panel));
+  return page;
+}
+
+}  // namespace accdec

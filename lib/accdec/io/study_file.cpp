@@ -1,0 +1,98 @@
+#include <accdec/io/study_file.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/io/study_tasks.hpp>
+#include <accdec/io/task_tree.hpp>
+#include <accdec/study/compute.hpp>
+
+namespace accdec {
+namespace {
+
+study::Row ratio(const study::Row& row, const StudyRatio& r) {
+  const auto of = row.find(r.of), to = row.find(r.to);
+  if (of == row.end() || to == row.end() || !of->is_number() || !to->is_number() || to->get<double>() == 0.0) return nullptr;
+  const double value = of->get<double>() / to->get<double>();
+  return r.excess ? value - 1.0 : value;
+}
+
+bool has_shapes(const Study& study) {
+  return std::count_if(study.computations.begin(), study.computations.end(), [](const std::string& name) {
+           const auto shape = shape_from_string(name);
+           return shape && *shape != Shape::taps;
+         }) > 1;
+}
+
+/// What every row begins with: index, case, values.
+study::Row beginning(const Study& study, const study::Point& point) {
+  study::Row row;
+  row["index"] = point.index;
+  if (study.plan().cases().size() > 1) row["case"] = study.plan().cases()[point.case_index];
+  for (std::size_t v = 0; v < point.values.size(); ++v) row[study.plan().variations()[v].name] = point.values[v];
+  return row;
+}
+
+std::string finished(const Study& study, study::Row row) {
+  for (const std::string& column : study.columns()) {
+    if (!row.contains(column)) row[column] = nullptr;
+  }
+  return row.dump(-1, ' ', false, study::Row::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::vector<std::string> Study::columns() const {
+  std::vector<std::string> names{"index"};
+  if (plan_->cases().size() > 1) names.push_back("case");
+  for (const auto& v : plan_->variations()) names.push_back(v.name);
+  names.insert(names.end(), {"point", "reason"});
+  for (const std::string& computation : computations) {
+    const auto more = study::columns_of(computation);
+    names.insert(names.end(), more.begin(), more.end());
+  }
+  if (has_shapes(*this)) names.push_back("best_shape");
+  for (const StudyRatio& r : ratios) names.push_back(r.name);
+  return names;
+}
+
+Task Study::task(std::size_t index) const {
+  const study::Point point = plan_->point(index);
+  const auto& source = tasks_->cases[point.case_index];
+  toml::table tree = source.tree;
+  for (std::size_t v = 0; v < point.values.size(); ++v) {
+    for (const TaskKey& key : tasks_->keys[v]) key.set(tree, point.values[v]);
+  }
+  return task_from_tree(tree, source.path, "", {});
+}
+
+std::string Study::row(std::size_t index) const {
+  study::Row row = beginning(*this, plan_->point(index));
+  try {
+    const Task point_task = task(index);
+    row["point"] = "ok";
+    row["reason"] = nullptr;
+    for (const std::string& computation : computations) study::compute_into(row, point_task, computation, design);
+    if (has_shapes(*this)) row["best_shape"] = study::best_shape_of(row);
+    for (const StudyRatio& r : ratios) row[r.name] = ratio(row, r);
+  } catch (const InputError& error) {
+    // Line numbers would be those of the base task, which is not at fault.
+    row["point"] = "bad";
+    row["reason"] = error.message();
+  } catch (const std::exception& error) {
+    row["point"] = "bad";
+    row["reason"] = error.what();
+  }
+  return finished(*this, std::move(row));
+}
+
+std::string Study::lost_row(std::size_t index, const std::string& reason) const {
+  study::Row row = beginning(*this, plan_->point(index));
+  row["point"] = "lost";
+  row["reason"] = reason;
+  return finished(*this, std::move(row));
+}
+
+}  // namespace accdec

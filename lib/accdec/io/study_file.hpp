@@ -1,0 +1,72 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <accdec/design/design.hpp>
+#include <accdec/io/errors.hpp>
+#include <accdec/study/plan.hpp>
+#include <accdec/study/runner.hpp>
+
+namespace accdec {
+
+/// A column made of two others: of/to, or of/to - 1.
+struct StudyRatio {
+  std::string name, of, to;
+  bool excess = false;
+};
+
+/// A figure of a study's report, drawn from its table.
+struct StudyFigure {
+  enum class Kind {
+    curve,  ///< y columns over x
+    family, ///< one y column over x, a curve for every value of another column
+    heat,   ///< z over a grid of x and y; words in z become classes
+    pareto  ///< cycle time (y) against corner error (x): only rows that no other row of the same curve beats in both
+  };
+  std::string name, title;
+  Kind kind = Kind::curve;
+  std::string x, x_label, y_label, z_label, family, z;
+  std::vector<std::string> y, labels;  ///< labels: one a curve; else the columns' names
+  std::vector<std::pair<std::string, std::string>> where;  ///< column = value (as in the CSV): rows that count
+  bool log_x = false, log_y = false;
+};
+
+/// A study file, read. Everything a point's row depends on is fixed here.
+class Study {
+ public:
+  std::string title, notes, path;
+  std::vector<std::string> computations;  ///< "shapes" already spelt out
+  std::vector<StudyRatio> ratios;
+  std::vector<StudyFigure> figures;
+  DesignOptions design;  ///< method and time limit of every optimum
+  study::Isolation isolation = study::Isolation::threads;
+
+  const study::Plan& plan() const { return *plan_; }
+  /// Names of all columns of a row, in order.
+  std::vector<std::string> columns() const;
+  /// The task of a point. @throws InputError when its values make no task
+  Task task(std::size_t index) const;
+  /// A point's line of rows.jsonl. Never throws for a bad point: the row says what is wrong with it.
+  std::string row(std::size_t index) const;
+  /// The row of a point that could not be computed.
+  std::string lost_row(std::size_t index, const std::string& reason) const;
+  /// 16 hexadecimal digits over everything rows depend on; figures, labels and notes do not count.
+  const std::string& hash() const { return hash_; }
+
+ private:
+  friend class StudyReader;
+  struct Tasks;  ///< the cases' trees and the keys
+  std::shared_ptr<const study::Plan> plan_;
+  std::shared_ptr<const Tasks> tasks_;
+  std::string hash_;
+};
+
+/// Reads STUDY.toml (see README). Paths of tasks in it are relative to it.
+/// @throws InputError with position: unknown keys with a suggestion, empty axes, columns and computations that do not exist
+Study read_study(const std::string& path);
+
+}  // namespace accdec

@@ -1,0 +1,183 @@
+#include <accdec/io/study_folder.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/io/atomic_file.hpp>
+#include <accdec/io/manifest.hpp>
+#include <accdec/io/study_report.hpp>
+#include <accdec/study/journal.hpp>
+
+namespace accdec {
+namespace {
+
+namespace fs = std::filesystem;
+using Entries = std::map<std::size_t, study::Entry>;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::string_view schema = "accdec.study/1";
+
+std::string identity(const Study& study) { return fmt::format("{} {}", study.hash(), study.plan().size()); }
+
+/// Hash that a folder's manifest names; empty without one.
+std::string manifest_hash(const fs::path& folder) {
+  const fs::path path = folder / "manifest.json";
+  if (!fs::exists(path)) return "";
+  std::ifstream in(path, std::ios::binary);
+  const auto json = nlohmann::json::parse(in, nullptr, false);
+  const bool ours = json.is_object() && json.value("schema", "") == schema && json.contains("study_hash") && json["study_hash"].is_string();
+  return ours ? json["study_hash"].get<std::string>() : "?";
+}
+
+/// Refuses a folder that is not this study's, before anything in it is touched.
+void check_folder(const fs::path& folder, const Study& study) {
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: not a folder", folder.string()));
+  const std::string hash = manifest_hash(folder);
+  if (!hash.empty() && hash != study.hash()) {
+    throw OutputError(fmt::format("{}: holds the results of another study, or of an earlier form of this one; nothing was changed. Choose another --out or remove it",
+                                  folder.string()));
+  }
+  bool journal = false, other = false;
+  for (const auto& item : fs::directory_iterator(folder)) {
+    journal = journal || item.path().extension() == ".journal";
+    other = other || item.path().extension() != ".journal";
+  }
+  if (hash.empty() && other && !journal) {
+    throw OutputError(fmt::format("{}: is not empty and holds no study; nothing was changed. Choose another --out", folder.string()));
+  }
+}
+
+/// Rows of finished results.
+Entries finished_rows(const fs::path& folder, const Study& study) {
+  Entries entries;
+  if (manifest_hash(folder) != study.hash()) return entries;
+  std::ifstream in(folder / "rows.jsonl", std::ios::binary);
+  std::string line;
+  for (std::size_t i = 0; std::getline(in, line); ++i) entries[i] = {0.0, line};
+  if (entries.size() != study.plan().size()) entries.clear();
+  return entries;
+}
+
+void write_results(const Study& study, const Entries& entries, const StudyRunOptions& options, const StudySummary& summary) {
+  std::vector<std::string> lines;
+  for (const auto& [index, entry] : entries) lines.push_back(entry.row);
+  const fs::path folder = options.out;
+  OutputFiles files;
+  for (auto& [name, content] : study_documents(study, lines)) files.add((folder / name).string(), std::move(content));
+  nlohmann::ordered_json manifest;
+  manifest["schema"] = schema;
+  manifest["study"] = study.path;
+  manifest["title"] = study.title;
+  manifest["study_hash"] = study.hash();
+  manifest["points"] = study.plan().size();
+  manifest["points_without_answer"] = summary.bad;
+  manifest["command"] = options.command;
+  manifest["last_run"] = {{"points_computed", summary.computed},
+                          {"points_found", summary.found},
+                          {"workers", study::workers_of({options.workers, study.isolation, 0.0})},
+                          {"wall_time_s", summary.wall_time},
+                          {"method_time_s", summary.method_time}};
+  add_environment(manifest, options.version);
+  files.add((folder / "manifest.json").string(), manifest.dump(2) + "\n");
+  files.commit();
+}
+
+std::size_t count_bad(const Entries& entries) {
+  std::size_t bad = 0;
+  for (const auto& [index, entry] : entries) bad += entry.row.find(R"("point":"ok")") == std::string::npos ? 1 : 0;
+  return bad;
+}
+
+Entries collect_shards(const Study& study, const std::vector<std::string>& folders) {
+  Entries all;
+  for (const std::string& folder : folders) {
+    if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: no folder to merge", folder));
+    for (const auto& item : fs::directory_iterator(folder)) {
+      if (item.path().extension() == ".journal") all.merge(study::read_journal(item.path().string(), identity(study)));
+    }
+  }
+  if (all.size() != study.plan().size()) {
+    std::size_t first = 0;
+    while (all.contains(first)) ++first;
+    throw std::invalid_argument(fmt::format("{} of {} points are missing from the shards, the first is {}; nothing was written", study.plan().size() - all.size(),
+                                            study.plan().size(), first));
+  }
+  return all;
+}
+
+StudySummary merge(const Study& study, const StudyRunOptions& options) {
+  const Entries all = collect_shards(study, options.merge);
+  StudySummary summary{.points = all.size(), .found = all.size(), .bad = count_bad(all), .finished = true};
+  fs::create_directories(options.out);
+  write_results(study, all, options, summary);
+  return summary;
+}
+
+}  // namespace
+
+StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
+  const auto began = Clock::now();
+  const std::size_t size = study.plan().size();
+  if (size > large_study && !options.large) {
+    throw std::invalid_argument(fmt::format("the study has {} points; more than {} need --large", size, large_study));
+  }
+  const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
+  check_folder(options.out, study);
+  if (!options.merge.empty()) return merge(study, options);
+
+  const bool whole = options.shards == 1;
+  const fs::path folder = options.out;
+  const std::string journal_path = (folder / (whole ? "study.journal" : fmt::format("shard-{}-of-{}.journal", options.shard, options.shards))).string();
+  fs::create_directories(folder);
+  if (options.fresh) {
+    study::Journal(journal_path, identity(study));  // refuses, as ever, what is not ours or in use
+    fs::remove(journal_path);
+  }
+  auto journal = std::make_unique<study::Journal>(journal_path, identity(study));
+  Entries entries = journal->entries();
+  if (whole && !options.fresh) entries.merge(finished_rows(folder, study));
+
+  std::vector<std::size_t> missing;
+  for (const std::size_t i : share) {
+    if (!entries.contains(i)) missing.push_back(i);
+  }
+  StudySummary summary{.points = share.size(), .found = share.size() - missing.size(), .computed = missing.size()};
+  study::RunOptions run{options.workers, study.isolation, 0.0};
+  // Twice what the design may take by its own limit, and time for everything beside it.
+  run.kill_after = 2.0 * study.design.time_limit + 30.0;
+  StudyProgress progress{0, missing.size(), 0.0};
+  study::run_points(
+      missing, [&](std::size_t i) { return study.row(i); }, [&](std::size_t i, const std::string& why) { return study.lost_row(i, why); },
+      [&](std::size_t i, const study::Entry& entry) {
+        journal->append(i, entry);
+        summary.method_time += entry.seconds;
+        entries[i] = entry;
+        ++progress.done;
+        progress.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+        if (options.progress) options.progress(progress);
+      },
+      run);
+  summary.wall_time = std::chrono::duration<double>(Clock::now() - began).count();
+  summary.bad = count_bad(entries);
+  if (!whole) return summary;
+  write_results(study, entries, options, summary);
+  // The rows are safe now; a kill just before this line costs nothing but the reading of a journal that says the same.
+  fs::remove(journal_path);
+  summary.finished = true;
+  return summary;
+} catch (const study::JournalError& error) {
+  throw OutputError(error.what());
+} catch (const fs::filesystem_error& error) {
+  throw OutputError(error.what());
+}
+
+}  // namespace accdec

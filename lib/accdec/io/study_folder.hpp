@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <accdec/io/study_file.hpp>
+
+namespace accdec {
+
+/// Points beyond which a study must be asked for by a flag.
+inline constexpr std::size_t large_study = 100'000;
+
+struct StudyProgress {
+  std::size_t done = 0, total = 0;  ///< of the points this run has to compute
+  double seconds = 0.0;             ///< since it began
+};
+
+struct StudyRunOptions {
+  std::string out;                          ///< the results' folder
+  std::size_t shard = 1, shards = 1;        ///< compute only this part
+  std::vector<std::string> merge;           ///< folders of shards to put together instead of computing
+  int workers = 0;                          ///< 0: all cores
+  bool large = false;                       ///< allow more than `large_study` points
+  bool fresh = false;                       ///< compute all anew, whatever the folder has of this study
+  std::string command, version;             ///< for the manifest
+  std::function<void(const StudyProgress&)> progress;  ///< after every point
+};
+
+struct StudySummary {
+  std::size_t points = 0;    ///< of this run's share
+  std::size_t found = 0;     ///< already there
+  std::size_t computed = 0;  ///< now
+  std::size_t bad = 0;       ///< rows without an answer to any computation
+  bool finished = false;     ///< the folder has the report; false for a shard
+  double wall_time = 0.0, method_time = 0.0;  ///< s, of this run; method_time summed over the workers
+};
+
+/// Runs a study in a folder: takes what the folder's journal (or finished results) already has, computes the rest, journals every point
+/// as it is done, and at last writes rows, figures, report and manifest (whole or not at all) and removes the journal. A process killed at
+/// any moment goes on where it was. A shard leaves its journal only, shard-I-of-N.journal.
+/// @throws OutputError for a folder with anything but this study's results in it (nothing is changed then), or one that cannot be
+/// written; std::invalid_argument for a shard that does not exist, a study too large without the flag, a merge with points missing.
+StudySummary run_study(const Study& study, const StudyRunOptions& options);
+
+}  // namespace accdec

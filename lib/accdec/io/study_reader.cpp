@@ -1,0 +1,299 @@
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/io/study_file.hpp>
+#include <accdec/io/study_tasks.hpp>
+#include <accdec/io/suggestion.hpp>
+#include <accdec/io/text_file.hpp>
+#include <accdec/io/toml_table.hpp>
+#include <accdec/study/compute.hpp>
+
+namespace accdec {
+
+using toml_input::Table;
+
+/// Reads one study file; a class for the state its parts share.
+class StudyReader {
+ public:
+  explicit StudyReader(const std::string& path) : path_(path), tree_(parse(path)) {}
+
+  Study read() {
+    const Table top(tree_, path_, "the study (top level)", "",
+                    {"title", "notes", "task", "compute", "method", "solver", "time_limit_s", "isolation", "sampling", "samples", "seed",
+                     "case", "vary", "ratio", "figure"});
+    Study study;
+    study.path = path_;
+    study.title = top.text("title").value_or(path_);
+    study.notes = top.text("notes", true, true).value_or("");
+    read_methods(top, study);
+    auto tasks = std::make_shared<Study::Tasks>();
+    read_cases(top, *tasks);
+    read_variations(top, *tasks);
+    make_plan(top, study);
+    study.tasks_ = tasks;
+    read_ratios(top, study);
+    study.hash_ = hash(study, *tasks);
+    read_figures(top, study);
+    check_points(study);
+    return study;
+  }
+
+ private:
+  static toml::table parse(const std::string& path) {
+    const std::string text = read_text_file(path);
+    try {
+      return toml::parse(text, path);
+    } catch (const toml::parse_error& error) {
+      throw InputError(path, error.source().begin.line, error.source().begin.column, fmt::format("not valid TOML: {}", error.description()));
+    }
+  }
+
+  std::vector<std::string> strings(const Table& table, const toml::table& raw, std::string_view key) const {
+    std::vector<std::string> words;
+    if (!raw.contains(key)) return words;
+    if (const auto word = raw[key].value<std::string>()) return {*word};
+    const toml::array* list = raw[key].as_array();
+    if (!list || list->empty()) table.fail_at(key, fmt::format("`{}` must be a string or a list of strings, not empty", key));
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      const auto word = list->get(i)->value<std::string>();
+      if (!word) table.fail_at(key, i, fmt::format("`{}` must be a list of strings", key));
+      words.push_back(*word);
+    }
+    return words;
+  }
+
+  void read_methods(const Table& top, Study& study) {
+    std::vector<std::string_view> known = study::computations();
+    known.insert(known.begin() + 1, "shapes");
+    if (!top.has("compute")) top.fail("the study needs `compute`: a list of what to compute for each point, of " + fmt::format("{}", fmt::join(known, ", ")));
+    for (const std::string& name : strings(top, tree_, "compute")) {
+      if (std::find(known.begin(), known.end(), name) == known.end()) top.fail_at("compute", fmt::format("unknown computation `{}`; {}", name, suggest(name, known)));
+      std::vector<std::string> wanted{name};
+      if (name == "shapes") wanted = {"boxcar", "trapezoid", "s-curve", "hann", "blackman", "blackman-sinc"};
+      for (std::string& w : wanted) {
+        if (std::find(study.computations.begin(), study.computations.end(), w) == study.computations.end()) study.computations.push_back(std::move(w));
+      }
+    }
+    constexpr std::string_view methods[] = {"exact", "nlp"}, isolations[] = {"threads", "processes"};
+    const bool nlp = top.word("method", methods).value_or("exact") == "nlp";
+    study.design.method = nlp ? Method::nlp : Method::exact;
+    study.design.solver = top.text("solver").value_or(study.design.solver);
+    study.design.time_limit = top.number("time_limit_s", {0.0, 1e6, true}).value_or(60.0);
+    study.design.certificate = false;
+    // A design may call Ipopt, whose linear solver keeps static state; everything else here is safe in threads.
+    const bool designs = std::find(study.computations.begin(), study.computations.end(), "optimum") != study.computations.end();
+    const std::string isolation = top.word("isolation", isolations).value_or(designs ? "processes" : "threads");
+    study.isolation = isolation == "threads" ? study::Isolation::threads : study::Isolation::processes;
+  }
+
+  Study::Tasks::Source load(const Table& table, const std::string& given) {
+    Study::Tasks::Source source;
+    source.path = (std::filesystem::path(path_).parent_path() / given).lexically_normal().string();
+    if (!std::filesystem::exists(source.path)) table.fail_at("task", fmt::format("{} does not exist; paths are relative to the study file", source.path));
+    source.tree = parse(source.path);
+    return source;
+  }
+
+  void read_cases(const Table& top, Study::Tasks& tasks) {
+    const auto base = top.text("task");
+    for (const toml::table* raw : top.tables("case")) {
+      const Table table(*raw, path_, fmt::format("[[case]] {}", names_.size() + 1), fmt::format("/case/{}", names_.size()), {"name", "task", "set"});
+      const auto name = table.text("name");
+      if (!name) table.fail("[[case]] needs a `name`");
+      if (std::find(names_.begin(), names_.end(), *name) != names_.end()) table.fail_at("name", fmt::format("the name \"{}\" is taken already", *name));
+      const auto own = table.text("task");
+      if (!own && !base) table.fail("[[case]] needs a `task`, for the study has none");
+      tasks.cases.push_back(own ? load(table, *own) : load(top, *base));
+      if (const toml::table* set = table.table("set")) {
+        for (const auto& [key, value] : *set) {
+          try {
+            TaskKey(std::string(key.str())).set(tasks.cases.back().tree, value);
+          } catch (const std::invalid_argument& error) {
+            fail_node(value, error.what());
+          }
+        }
+      }
+      names_.push_back(*name);
+    }
+    if (!names_.empty()) return;
+    if (!base) top.fail("the study needs a base `task`, or [[case]] tables with one each");
+    tasks.cases.push_back(load(top, *base));
+    names_.emplace_back("");
+  }
+
+  void read_variations(const Table& top, Study::Tasks& tasks) {
+    for (const toml::table* raw : top.tables("vary")) {
+      const std::size_t i = variations_.size();
+      const Table table(*raw, path_, fmt::format("[[vary]] {}", i + 1), fmt::format("/vary/{}", i), {"name", "key", "values", "range"});
+      study::Variation v;
+      v.keys = strings(table, *raw, "key");
+      if (v.keys.empty()) table.fail("[[vary]] needs a `key`, or a list of keys that vary together");
+      v.name = table.text("name").value_or(v.keys.front());
+      if (table.has("values") == table.has("range")) table.fail("[[vary]] needs either `values` or `range`");
+      constexpr double most = 1e300;
+      if (table.has("values")) {
+        v.values = *table.numbers("values", {-most, most}, 0, 10'000'000);
+        if (v.values.empty()) table.fail_at("values", fmt::format("`values` of {} is empty; a study needs at least one value", v.name));
+      } else {
+        const toml::table* inner = table.table("range");
+        const Table range(*inner, path_, "range", fmt::format("/vary/{}/range", i), {"from", "to", "count", "log"});
+        v.range = true;
+        v.logarithmic = range.boolean("log").value_or(false);
+        try {
+          v.values = study::spread(range.required_number("from", {-most, most}), range.required_number("to", {-most, most}),
+                                   static_cast<std::size_t>(range.integer("count", 1, 10'000'000).value_or(2)), v.logarithmic);
+        } catch (const std::invalid_argument& error) {
+          table.fail_at("range", error.what());
+        }
+      }
+      tasks.keys.emplace_back();
+      for (const std::string& key : v.keys) {
+        try {
+          tasks.keys.back().emplace_back(key);
+          for (Study::Tasks::Source& source : tasks.cases) tasks.keys.back().back().set(source.tree, v.values.front());
+        } catch (const std::invalid_argument& error) {
+          table.fail_at("key", error.what());
+        }
+      }
+      variations_.push_back(std::move(v));
+    }
+  }
+
+  void make_plan(const Table& top, Study& study) {
+    constexpr std::string_view samplings[] = {"grid", "latin-hypercube"};
+    const bool grid = top.word("sampling", samplings).value_or("grid") == "grid";
+    for (const std::string_view key : {"samples", "seed"}) {
+      if (grid && top.has(key)) top.fail_at(key, fmt::format("`{}` goes with sampling = \"latin-hypercube\"", key));
+    }
+    const int samples = grid ? 0 : top.required_integer("samples", 1, 100'000'000);
+    const int seed = top.integer("seed", 0, 2'000'000'000).value_or(1);
+    if (!grid && variations_.empty()) top.fail("a Latin hypercube needs at least one [[vary]]");
+    try {
+      study.plan_ = std::make_shared<study::Plan>(names_, variations_, grid ? study::Sampling::grid : study::Sampling::latin_hypercube,
+                                                  static_cast<std::size_t>(samples), static_cast<std::uint64_t>(seed));
+    } catch (const std::invalid_argument& error) {
+      top.fail(error.what());
+    }
+    sampling_ = fmt::format("{} {} {}", grid, samples, seed);
+  }
+
+  void read_ratios(const Table& top, Study& study) {
+    for (const toml::table* raw : top.tables("ratio")) {
+      const std::size_t i = study.ratios.size();
+      const Table table(*raw, path_, fmt::format("[[ratio]] {}", i + 1), fmt::format("/ratio/{}", i), {"name", "of", "to", "excess"});
+      StudyRatio r{table.text("name").value_or(""), table.text("of").value_or(""), table.text("to").value_or(""), table.boolean("excess").value_or(false)};
+      if (r.name.empty()) table.fail("[[ratio]] needs a `name`");
+      check_column(table, "of", r.of, study);
+      check_column(table, "to", r.to, study);
+      study.ratios.push_back(std::move(r));
+    }
+  }
+
+  void check_column(const Table& table, std::string_view key, const std::string& name, const Study& study) const {
+    const auto columns = study.columns();
+    if (std::find(columns.begin(), columns.end(), name) != columns.end()) return;
+    const std::vector<std::string_view> known(columns.begin(), columns.end());
+    const std::string message = name.empty() ? fmt::format("`{}` is missing: a column's name", key) : fmt::format("there is no column `{}`; {}", name, suggest(name, known));
+    table.has(key) ? table.fail_at(key, message) : table.fail(message);
+  }
+
+  void read_figures(const Table& top, Study& study) {
+    for (const toml::table* raw : top.tables("figure")) {
+      const std::size_t i = study.figures.size();
+      const Table table(*raw, path_, fmt::format("[[figure]] {}", i + 1), fmt::format("/figure/{}", i),
+                        {"name", "title", "kind", "x", "y", "z", "family", "labels", "x_label", "y_label", "z_label", "log_x", "log_y", "where"});
+      using Kind = StudyFigure::Kind;
+      StudyFigure f;
+      f.name = table.text("name").value_or(fmt::format("figure-{}", i + 1));
+      if (f.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos) table.fail_at("name", "a figure's `name` becomes a file's: small letters, digits, - and _ are allowed");
+      for (const StudyFigure& other : study.figures) {
+        if (other.name == f.name) table.fail_at("name", fmt::format("two figures are named `{}`", f.name));
+      }
+      f.title = table.text("title", true).value_or("");
+      constexpr std::string_view kinds[] = {"curve", "family", "heat", "pareto"};
+      const std::string kind = table.word("kind", kinds).value_or("curve");
+      f.kind = kind == "family" ? Kind::family : kind == "heat" ? Kind::heat : kind == "pareto" ? Kind::pareto : Kind::curve;
+      f.x = table.text("x").value_or("");
+      f.y = strings(table, *raw, "y");
+      f.z = table.text("z").value_or("");
+      f.family = table.text("family").value_or("");
+      f.labels = strings(table, *raw, "labels");
+      f.x_label = table.text("x_label").value_or(f.x);
+      f.y_label = table.text("y_label").value_or(f.y.empty() ? "" : f.y.front());
+      f.z_label = table.text("z_label").value_or(f.z);
+      f.log_x = table.boolean("log_x").value_or(false);
+      f.log_y = table.boolean("log_y").value_or(false);
+      if (f.kind == Kind::pareto) {
+        // y names computations: time against error of each.
+        for (const std::string& name : f.y) check_column(table, "y", name + ".cycle_time_ms", study);
+        f.x_label = table.text("x_label").value_or("Corner error / um");
+        f.y_label = table.text("y_label").value_or("Cycle time / ms");
+      } else {
+        check_column(table, "x", f.x, study);
+        for (const std::string& name : f.y) check_column(table, "y", name, study);
+      }
+      if (f.y.empty()) table.fail("[[figure]] needs `y`");
+      if (f.kind == Kind::heat) check_column(table, "z", f.z, study);
+      if (f.kind == Kind::family) check_column(table, "family", f.family, study);
+      if (f.kind == Kind::family && f.y.size() > 1) table.fail_at("y", "a family has one `y`");
+      if (const toml::table* where = table.table("where")) {
+        for (const auto& [column, value] : *where) {
+          check_column(table, "where", std::string(column.str()), study);
+          std::string text;
+          if (const auto word = value.value_exact<std::string>()) text = *word;
+          else if (const auto number = value.value<double>()) text = study::Row(*number).dump();
+          else fail_node(value, "a condition is a number or a string");
+          f.where.emplace_back(column.str(), text);
+        }
+      }
+      study.figures.push_back(std::move(f));
+    }
+  }
+
+  /// A mistake in the base task makes every point bad; that is better said now.
+  static void check_points(const Study& study) {
+    const std::size_t per_case = study.plan().size() / study.plan().cases().size();
+    for (std::size_t c = 0; c < study.plan().cases().size(); ++c) {
+      bool any = false;
+      for (const std::size_t i : {per_case - 1, per_case / 2, std::size_t{0}}) {
+        try {
+          study.task(c * per_case + i);
+          any = true;
+          break;
+        } catch (const InputError&) {
+          if (i == 0 && !any) throw;
+        }
+      }
+    }
+  }
+
+  std::string hash(const Study& study, const Study::Tasks& tasks) const {
+    std::ostringstream text;
+    text << sampling_ << '\n' << fmt::format("{}\n{} {} {}\n", fmt::join(study.computations, " "), static_cast<int>(study.design.method), study.design.solver, study.design.time_limit);
+    for (std::size_t c = 0; c < names_.size(); ++c) text << names_[c] << '\n' << tasks.cases[c].tree << '\n';
+    for (const auto& v : variations_) text << fmt::format("{} {} {} {} {}\n", v.name, fmt::join(v.keys, " "), fmt::join(v.values, " "), v.range, v.logarithmic);
+    for (const auto& r : study.ratios) text << fmt::format("{} {} {} {}\n", r.name, r.of, r.to, r.excess);
+    std::uint64_t h = 14695981039346656037ULL;  // FNV-1a
+    for (const char c : text.str()) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+    return fmt::format("{:016x}", h);
+  }
+
+  [[noreturn]] void fail_node(const toml::node& node, const std::string& message) const {
+    throw InputError(path_, node.source().begin.line, node.source().begin.column, message);
+  }
+
+  std::string path_;
+  toml::table tree_;
+  std::vector<std::string> names_;
+  std::vector<study::Variation> variations_;
+  std::string sampling_;
+};
+
+Study read_study(const std::string& path) { return StudyReader(path).read(); }
+
+}  // namespace accdec

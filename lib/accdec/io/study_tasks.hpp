@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include <accdec/io/study_file.hpp>
+#include <accdec/io/task_edit.hpp>
+
+// Internal to the room: what a Study keeps of its base tasks.
+
+namespace accdec {
+
+struct Study::Tasks {
+  struct Source {
+    std::string path;
+    toml::table tree;  ///< the case's own settings already in it
+  };
+  std::vector<Source> cases;               ///< one a case of the plan
+  std::vector<std::vector<TaskKey>> keys;  ///< one list a variation
+};
+
+}  // namespace accdec

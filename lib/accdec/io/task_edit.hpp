@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <toml++/toml.h>
+
+// Internal to the room: setting values of a task tree by dotted key, for studies.
+
+namespace accdec {
+
+/// A place in a task: "sample_period_ms", "filter.order", "corner.A.error_max_um", "axis.*.jerk_max_mm_s3", "mode.0.frequency_Hz".
+/// In [[axis]], [[corner]] and [[mode]] the middle part is a name, a number counted from 0, or * for all.
+class TaskKey {
+ public:
+  /// @throws std::invalid_argument if the key is none of a task file, with a suggestion
+  explicit TaskKey(const std::string& dotted);
+
+  /// Sets it; a missing [filter], [design], [program], a first [[axis]] and the [[mode]] behind the last are made. Numbers of keys
+  /// that take whole numbers are written as such.
+  /// @throws std::invalid_argument if the tree has no such axis, corner or mode
+  void set(toml::table& task, const toml::node& value) const;
+  void set(toml::table& task, double value) const;
+
+  const std::string& key() const { return parts_.back(); }
+
+ private:
+  std::string dotted_;
+  std::vector<std::string> parts_;
+};
+
+}  // namespace accdec

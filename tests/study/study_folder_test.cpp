@@ -1,0 +1,237 @@
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+// The command as a user runs it, killed, resumed and sharded.
+
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string content(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+void write(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+
+struct Outcome {
+  int exit_code;
+  std::string output;  ///< standard output and error
+};
+
+class StudyCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    home_ = fs::path(::testing::TempDir()) / fmt::format("accdec_study_{}_{}", ::getpid(), ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(home_);
+    fs::create_directories(home_);
+    write(home_ / "task.toml", R"(sample_period_ms = 1.0
+[filter]
+kind = "hann"
+order = 40
+[[axis]]
+acceleration_max_mm_s2 = 8000
+jerk_max_mm_s3 = 800000
+[[corner]]
+name = "A"
+angle_deg = 90
+feed_in_mm_min = 6000
+error_max_um = 50
+)");
+  }
+  void TearDown() override { fs::remove_all(home_); }
+
+  /// Writes study.toml: 4 x `count` points of everything cheap.
+  void study(int count, const std::string& more = "") {
+    write(home_ / "study.toml", fmt::format(R"(task = "task.toml"
+compute = ["delays", "boxcar", "trapezoid"]
+{}
+[[vary]]
+name = "angle"
+key = "corner.A.angle_deg"
+values = [30, 60, 90, 270]
+[[vary]]
+key = "corner.*.error_max_um"
+range = {{ from = 1, to = 300, count = {}, log = true }}
+[[figure]]
+name = "times"
+x = "corner.*.error_max_um"
+y = ["delays.cycle_time_ms", "boxcar.cycle_time_ms"]
+where = {{ angle = 60 }}
+)", more, count));
+  }
+
+  pid_t start(const std::string& arguments) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      const int log = ::open((home_ / "log").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+      ::dup2(log, 1);
+      ::dup2(log, 2);
+      const std::string command = fmt::format("cd '{}' && exec '{}' {}", home_.string(), ACCDEC_BINARY, arguments);
+      ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
+      ::_exit(127);
+    }
+    return child;
+  }
+  Outcome run(const std::string& arguments) {
+    int status = 0;
+    ::waitpid(start(arguments), &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(home_ / "log")};
+  }
+  void expect_same_results(const std::string& a, const std::string& b) {
+    for (const char* name : {"rows.csv", "rows.jsonl", "report.html", "times.svg", "times.png"}) {
+      ASSERT_TRUE(fs::exists(home_ / a / name)) << a << "/" << name;
+      EXPECT_EQ(content(home_ / a / name), content(home_ / b / name)) << name;
+    }
+  }
+
+  fs::path home_;
+};
+
+TEST_F(StudyCommand, RunsAndRecordsBadPointsWithoutStopping) {
+  study(3);
+  const Outcome r = run("study study.toml --out out");
+  ASSERT_EQ(r.exit_code, 0) << r.output;
+  const std::string csv = content(home_ / "out/rows.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13);
+  EXPECT_THAT(csv, HasSubstr("270"));
+  EXPECT_THAT(csv, HasSubstr("allowed is 0 < angle_deg <= 180"));
+  EXPECT_THAT(r.output, HasSubstr("3 without an answer"));
+  EXPECT_THAT(r.output, Not(HasSubstr("points/s"))) << "no progress bar but on a terminal";
+  const std::string html = content(home_ / "out/report.html");
+  EXPECT_THAT(html, HasSubstr("<svg"));
+  EXPECT_THAT(html, Not(HasSubstr("href=\"http")));
+  EXPECT_THAT(html, Not(HasSubstr("src=")));
+  EXPECT_FALSE(fs::exists(home_ / "out/study.journal"));
+  EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("accdec study study.toml --out out"));
+}
+
+TEST_F(StudyCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
+  study(60);
+  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
+  int kills = 0;
+  for (int attempt = 0; attempt < 12 && kills < 3; ++attempt) {
+    const pid_t child = start("study study.toml --out killed --workers 1");
+    const auto entries = [&] {
+      const std::string journal = content(home_ / "killed/study.journal");
+      return std::count(journal.begin(), journal.end(), '\n');
+    };
+    const auto before = entries();
+    int status = 0;
+    while (entries() < before + 20 && ::waitpid(child, &status, WNOHANG) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (status == 0 && ::waitpid(child, &status, WNOHANG) == 0) {
+      ::kill(child, SIGKILL);
+      ::waitpid(child, &status, 0);
+    }
+    if (WIFSIGNALED(status)) ++kills;
+    if (WIFEXITED(status)) break;
+  }
+  EXPECT_GE(kills, 1);
+  EXPECT_FALSE(fs::exists(home_ / "killed/report.html"));
+  const Outcome last = run("study study.toml --out killed");
+  ASSERT_EQ(last.exit_code, 0) << last.output;
+  EXPECT_THAT(last.output, Not(HasSubstr("240 computed"))) << "what was done before the kill is not done again";
+  expect_same_results("whole", "killed");
+  EXPECT_THAT(run("study study.toml --out killed").output, HasSubstr("240 points: 0 computed"));
+}
+
+TEST_F(StudyCommand, ShardsMergeToTheSameAndSoDoThreadsAndProcesses) {
+  study(5);
+  ASSERT_EQ(run("study study.toml --out whole --workers 1").exit_code, 0);
+  for (const char* shard : {"1/3", "2/3"}) ASSERT_EQ(run(fmt::format("study study.toml --out parts --shard {}", shard)).exit_code, 0);
+  const Outcome early = run("study study.toml --out merged --merge parts");
+  EXPECT_EQ(early.exit_code, 2);
+  EXPECT_THAT(early.output, HasSubstr("6 of 20 points are missing"));
+  EXPECT_FALSE(fs::exists(home_ / "merged"));
+  ASSERT_EQ(run("study study.toml --out elsewhere --shard 3/3").exit_code, 0);
+  ASSERT_EQ(run("study study.toml --out merged --merge parts elsewhere").exit_code, 0);
+  expect_same_results("whole", "merged");
+  ASSERT_EQ(run("study study.toml --out many --workers 7").exit_code, 0);
+  expect_same_results("whole", "many");
+  study(5, "isolation = \"processes\"");
+  ASSERT_EQ(run("study study.toml --out children --workers 3").exit_code, 0);
+  expect_same_results("whole", "children");
+}
+
+TEST_F(StudyCommand, ResultsOfAnotherStudyAreLeftAlone) {
+  study(2);
+  ASSERT_EQ(run("study study.toml --out out").exit_code, 0);
+  const std::string before = content(home_ / "out/rows.csv"), manifest = content(home_ / "out/manifest.json");
+  study(3);
+  const Outcome other = run("study study.toml --out out");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.output, HasSubstr("another study"));
+  EXPECT_EQ(content(home_ / "out/rows.csv"), before);
+  EXPECT_EQ(content(home_ / "out/manifest.json"), manifest);
+  fs::create_directories(home_ / "mine");
+  write(home_ / "mine/thesis.txt", "years of work");
+  const Outcome mine = run("study study.toml --out mine");
+  EXPECT_EQ(mine.exit_code, 2);
+  EXPECT_THAT(mine.output, HasSubstr("holds no study"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(home_ / "mine"), fs::directory_iterator()), 1);
+  // The base task is part of the study: changing a limit in it must not mix old rows with new.
+  ASSERT_EQ(run("study study.toml --out two").exit_code, 0);
+  std::string task = content(home_ / "task.toml");
+  write(home_ / "task.toml", task.replace(task.find("8000"), 4, "9000"));
+  EXPECT_EQ(run("study study.toml --out two").exit_code, 2);
+}
+
+TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
+  const std::string head = "task = \"task.toml\"\ncompute = [\"delays\"]\n";
+  const auto vary = [](const std::string& key, const std::string& values) { return fmt::format("[[vary]]\nkey = \"{}\"\nvalues = {}\n", key, values); };
+  const std::pair<std::string, std::string> cases[] = {
+      {"compute = [\"delays\"]\n", "needs a base `task`"},
+      {"task = \"task.toml\"\n", "needs `compute`"},
+      {"task = \"none.toml\"\ncompute = [\"delays\"]\n", "study.toml:1:8: none.toml does not exist"},
+      {"task = \"task.toml\"\ncompute = [\"optimun\"]\n", "did you mean `optimum`"},
+      {head + vary("corner.A.error_max_mm", "[1]"), "did you mean `error_max_um`"},
+      {head + vary("corner.B.error_max_um", "[1]"), "no corner `B`; it has A"},
+      {head + vary("error_max_um", "[1]"), "did you mean `corner.*.error_max_um`"},
+      {head + vary("axes.x.mass_kg", "[1]"), "a task has no `axes`"},
+      {head + vary("corner", "[1]"), "is a table of a task"},
+      {head + vary("corner.error_max_um", "[1]"), "corner.NAME.KEY"},
+      {head + vary("corner.A.error_max_um", "[]"), "is empty"},
+      {head + vary("corner.A.error_max_um", "[1, \"x\"]"), "values"},
+      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\n", "either `values` or `range`"},
+      {head + "[[vary]]\nvalues = [1]\n", "needs a `key`"},
+      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 3, log = true }\n", "above 0"},
+      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 0 }\n", "count"},
+      {head + "samples = 3\n", "goes with sampling"},
+      {head + "sampling = \"latin-hypercube\"\nsamples = 3\n", "at least one [[vary]]"},
+      {head + "[[figure]]\nx = \"index\"\ny = \"delays.cycle_time\"\n", "no column `delays.cycle_time`"},
+      {head + "[[figure]]\nname = \"../x\"\nx = \"index\"\ny = \"index\"\n", "small letters"},
+      {head + "[[figur]]\nx = 1\n", "did you mean `figure`"},
+      {head + "[[case]]\nname = \"a\"\n[[case]]\nname = \"a\"\n", "taken already"},
+      {head + "[[case]]\nname = \"a\"\nset = { \"filter.ordr\" = 3 }\n", "did you mean `order`"},
+      {head + vary("corner.A.angle_deg", "[200, 300]"), "0 < angle_deg <= 180"},
+      {head + "[[vary]]\nname = \"a\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n[[vary]]\nname = \"a\"\nkey = \"corner.A.heading_deg\"\nvalues = [1]\n", "two variations"},
+  };
+  for (const auto& [text, message] : cases) {
+    write(home_ / "study.toml", text);
+    const Outcome r = run("study study.toml --out out");
+    EXPECT_EQ(r.exit_code, 2) << text << r.output;
+    EXPECT_THAT(r.output, HasSubstr(message)) << text;
+    EXPECT_FALSE(fs::exists(home_ / "out")) << text;
+  }
+  write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 100001 }\n");
+  EXPECT_THAT(run("study study.toml --out out").output, HasSubstr("need --large"));
+  EXPECT_FALSE(fs::exists(home_ / "out"));
+  study(2);
+  for (const char* shard : {"0/3", "4/3", "1", "x/2", "-1/2", "1/2/3"}) {
+    EXPECT_EQ(run(fmt::format("study study.toml --out out --shard={}", shard)).exit_code, 2) << shard;
+  }
+  EXPECT_FALSE(fs::exists(home_ / "out"));
+}
+
+}  // namespace
