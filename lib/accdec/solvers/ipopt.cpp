@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <IpIpoptApplication.hpp>
+#include <IpoptConfig.h>
 #include <IpTNLP.hpp>
 #include <fmt/format.h>
 
@@ -173,7 +174,7 @@ class IpoptSolver final : public Solver {
  public:
   explicit IpoptSolver(bool exact_hessian) : exact_(exact_hessian) {}
   std::string name() const override { return exact_ ? "ipopt" : "ipopt-lbfgs"; }
-  std::string library_version() const override { return "Ipopt 3.11.9"; }
+  std::string library_version() const override { return "Ipopt " IPOPT_VERSION; }
   Capabilities capabilities() const override {
     Capabilities can;
     can.uses_hessian = exact_;

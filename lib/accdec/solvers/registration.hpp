@@ -11,5 +11,8 @@ using SolverList = std::vector<std::unique_ptr<Solver>>;
 
 // One function a library, each in its own file; registry.cpp calls them in this order.
 void add_ipopt(SolverList& list);
+void add_nlopt(SolverList& list);
+void add_ceres(SolverList& list);
+void add_clp(SolverList& list);
 
 }  // namespace accdec::solvers

@@ -28,4 +28,22 @@ inline void conclude(const nlp::Evaluator& evaluator, Result& result) {
   }
 }
 
+/// Where the library ended on its own at a point that breaks a row or bound although it had seen one that holds all: returns the latter.
+inline void prefer_feasible(const nlp::Evaluator& evaluator, double tolerance, Result& result) {
+  if (evaluator.best_feasible().empty() || result.x == evaluator.best_feasible()) return;
+  const nlp::Problem& problem = evaluator.problem();
+  std::vector<double> c(static_cast<std::size_t>(problem.num_rows()));
+  problem.rows(result.x, c);
+  const auto outside = [&](nlp::Bound b, double v) { return !(v >= b.lower - tolerance && v <= b.upper + tolerance); };
+  bool broken = false;
+  for (int r = 0; r < problem.num_rows(); ++r) broken = broken || outside(problem.row_bound(r), c[static_cast<std::size_t>(r)]);
+  for (int i = 0; i < problem.num_variables(); ++i) {
+    broken = broken || outside(problem.variable_bound(i), result.x[static_cast<std::size_t>(i)]);
+  }
+  if (!broken) return;
+  result.x = evaluator.best_feasible();
+  result.row_multipliers.clear();
+  result.message += "; ended at a point that breaks a row: the best feasible one seen is returned instead";
+}
+
 }  // namespace accdec::solvers

@@ -108,6 +108,9 @@ class Solver {
 
 /// All registered algorithms in a fixed order.
 const std::vector<std::unique_ptr<Solver>>& registry();
+/// Adds an algorithm from outside the library. Not to be called while another thread solves or looks up.
+/// @throws std::invalid_argument if the name is taken.
+void register_solver(std::unique_ptr<Solver> solver);
 /// @throws std::invalid_argument listing the known names.
 const Solver& find_solver(std::string_view name);
 /// Empty when the algorithm accepts the problem; otherwise which property it lacks.

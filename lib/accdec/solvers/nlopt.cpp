@@ -1,0 +1,178 @@
+// NLopt 2.7: local and global methods with and without derivatives.
+
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <accdec/solvers/native_options.hpp>
+#include <accdec/solvers/nlopt_problem.hpp>
+#include <accdec/solvers/registration.hpp>
+#include <accdec/solvers/run.hpp>
+
+namespace accdec::solvers {
+namespace {
+
+struct Close {
+  void operator()(nlopt_opt opt) const { nlopt_destroy(opt); }
+};
+using Handle = std::unique_ptr<std::remove_pointer_t<nlopt_opt>, Close>;
+
+struct Algorithm {
+  const char* name;
+  nlopt_algorithm method;
+  nlopt_algorithm inner;  // NLOPT_NUM_ALGORITHMS: none
+  Capabilities can;
+  NloptProblem::Rows rows = NloptProblem::Rows::constraints;
+};
+
+constexpr nlopt_algorithm no_inner = NLOPT_NUM_ALGORITHMS;
+
+Capabilities with_gradient(bool equality_rows) {
+  Capabilities can;
+  can.equality_rows = equality_rows;
+  return can;
+}
+
+Capabilities without_gradient() {
+  Capabilities can;
+  can.uses_gradient = can.uses_jacobian = false;
+  return can;
+}
+
+/// Searches in a box. Equality rows are out of reach: chance does not hit them within a tolerance of 1e-8.
+Capabilities global_search(bool rows, bool seeded) {
+  Capabilities can = without_gradient();
+  can.global = can.needs_finite_bounds = true;
+  can.equality_rows = false;
+  can.inequality_rows = rows;
+  can.seeded = seeded;
+  return can;
+}
+
+std::vector<Algorithm> algorithms() {
+  using Rows = NloptProblem::Rows;
+  Capabilities multistart = global_search(false, false);  // low-discrepancy starts, not random ones
+  multistart.uses_gradient = true;
+  return {
+      {"nlopt-slsqp", NLOPT_LD_SLSQP, no_inner, with_gradient(true)},
+      {"nlopt-mma", NLOPT_LD_MMA, no_inner, with_gradient(false)},
+      {"nlopt-ccsaq", NLOPT_LD_CCSAQ, no_inner, with_gradient(false)},
+      {"nlopt-cobyla", NLOPT_LN_COBYLA, no_inner, without_gradient()},
+      {"nlopt-auglag-lbfgs", NLOPT_AUGLAG, NLOPT_LD_LBFGS, with_gradient(true)},
+      {"nlopt-auglag-bobyqa", NLOPT_AUGLAG, NLOPT_LN_BOBYQA, without_gradient()},
+      {"nlopt-isres", NLOPT_GN_ISRES, no_inner, global_search(true, true)},
+      {"nlopt-esch", NLOPT_GN_ESCH, no_inner, global_search(true, true), Rows::ranking},
+      {"nlopt-crs2", NLOPT_GN_CRS2_LM, no_inner, global_search(true, true), Rows::ranking},
+      {"nlopt-mlsl", NLOPT_G_MLSL_LDS, NLOPT_LD_LBFGS, multistart},
+  };
+}
+
+Claim claim_of(nlopt_result code) {
+  switch (code) {
+    case NLOPT_SUCCESS:
+    case NLOPT_FTOL_REACHED:
+    case NLOPT_XTOL_REACHED: return Claim::solved;
+    case NLOPT_STOPVAL_REACHED: return Claim::unbounded;  // the value set below stands for minus infinity
+    case NLOPT_MAXEVAL_REACHED: return Claim::evaluation_limit;
+    case NLOPT_MAXTIME_REACHED: return Claim::time_limit;
+    case NLOPT_ROUNDOFF_LIMITED: return Claim::acceptable;
+    case NLOPT_INVALID_ARGS: return Claim::refused;
+    default: return Claim::failed;
+  }
+}
+
+void configure(nlopt_opt opt, const NativeOptions& native, double tolerance) {
+  // Relative steps in x decide; steps in f reach rounding long before a first-order method has arrived.
+  nlopt_set_xtol_rel(opt, native.get("xtol_rel", tolerance));
+  nlopt_set_ftol_rel(opt, native.get("ftol_rel", std::max(1e-15, 1e-6 * tolerance)));
+  if (native.has("xtol_abs")) nlopt_set_xtol_abs1(opt, native.get("xtol_abs", 0.0));
+  nlopt_set_ftol_abs(opt, native.get("ftol_abs", 0.0));
+  if (native.has("initial_step")) nlopt_set_initial_step1(opt, native.get("initial_step", 0.0));
+  if (native.has("vector_storage")) nlopt_set_vector_storage(opt, static_cast<unsigned>(native.get("vector_storage", 0.0)));
+  if (native.has("population")) nlopt_set_population(opt, static_cast<unsigned>(native.get("population", 0.0)));
+  // MMA and CCSAQ: at its default of 100 000 the dual of a linear problem, which has no curvature, takes seconds a step.
+  nlopt_set_param(opt, "dual_maxeval", native.get("dual_maxeval", 2000.0));
+  for (const char* name : {"inner_maxeval", "rho_init", "dual_ftol_rel"}) {
+    if (native.has(name)) nlopt_set_param(opt, name, native.get(name, 0.0));
+  }
+}
+
+class NloptSolver final : public Solver {
+ public:
+  explicit NloptSolver(Algorithm algorithm) : algorithm_(algorithm) {}
+  std::string name() const override { return algorithm_.name; }
+  std::string library_version() const override {
+    int major = 0, minor = 0, patch = 0;
+    nlopt_version(&major, &minor, &patch);
+    return fmt::format("NLopt {}.{}.{}", major, minor, patch);
+  }
+  Capabilities capabilities() const override { return algorithm_.can; }
+
+ protected:
+  Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
+    const NativeOptions native("NLopt", options.native,
+                               {"dual_ftol_rel", "dual_maxeval", "ftol_abs", "ftol_rel", "initial_step", "inner_maxeval", "maxeval", "population",
+                                "rho_init", "vector_storage", "xtol_abs", "xtol_rel"});
+    nlp::Evaluator evaluator(problem, limits_of(options));
+    FreeVariables free(problem, start);
+    Result result;
+    result.x.assign(start.begin(), start.end());
+    if (free.size() == 0) {
+      judge_the_only_point(evaluator, result);
+      return result;
+    }
+    const auto n = static_cast<unsigned>(free.size());
+    const Handle opt(nlopt_create(algorithm_.method, n));
+    // Small steps do not mean arrival for methods whose steps shrink by themselves.
+    const bool shrinking = algorithm_.can.global || algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ;
+    configure(opt.get(), native, shrinking ? 1e-2 * options.tolerance : options.tolerance);
+    nlopt_set_stopval(opt.get(), -1e20);
+    if (algorithm_.inner != no_inner) {
+      const Handle inner(nlopt_create(algorithm_.inner, n));
+      configure(inner.get(), native, options.tolerance);
+      nlopt_set_local_optimizer(opt.get(), inner.get());
+    }
+    // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their answer.
+    // Multistart compares each new point with all before it: a tenth of that.
+    const double budget = !algorithm_.can.global ? 0.0 : algorithm_.inner == no_inner ? 10'000.0 * (n + 1.0) : 1000.0 * (n + 1.0);
+    nlopt_set_maxeval(opt.get(), static_cast<int>(std::min(2e9, native.get("maxeval", budget))));
+    nlopt_set_maxtime(opt.get(), options.time_limit);
+    // The generator is the thread's own and starts from the clock.
+    nlopt_srand(static_cast<unsigned long>(options.seed));
+
+    // A tenth of the tolerance, for the verifier's sake: it computes the rows anew.
+    NloptProblem callbacks(evaluator, free, opt.get(), algorithm_.rows, 0.1 * options.feasibility_tolerance);
+    nlopt_result code = callbacks.attach();
+    std::vector<double> x = free.restrict(start);
+    if (code >= 0) code = nlopt_optimize(opt.get(), x.data(), &result.claimed_objective);
+    result.x = free.expand(x.data());
+    result.claim = claim_of(code);
+    result.message = fmt::format("NLopt: {}", nlopt_result_to_string(code));
+    if (const char* words = nlopt_get_errmsg(opt.get())) result.message += fmt::format(" ({})", words);
+    conclude(evaluator, result);
+    if (evaluator.stop() == nlp::Stop::none) prefer_feasible(evaluator, options.feasibility_tolerance, result);
+    return result;
+  }
+
+ private:
+  static void judge_the_only_point(nlp::Evaluator& evaluator, Result& result) {
+    try {
+      result.claimed_objective = evaluator.objective(result.x);
+      result.claim = Claim::solved;
+      result.message = "every variable is fixed";
+    } catch (const nlp::StopRun&) {
+    }
+    conclude(evaluator, result);
+  }
+
+  Algorithm algorithm_;
+};
+
+}  // namespace
+
+void add_nlopt(SolverList& list) {
+  for (const Algorithm& algorithm : algorithms()) list.push_back(std::make_unique<NloptSolver>(algorithm));
+}
+
+}  // namespace accdec::solvers

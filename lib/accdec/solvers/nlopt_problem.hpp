@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include <nlopt.h>
+
+#include <accdec/nlp/evaluator.hpp>
+#include <accdec/solvers/free_variables.hpp>
+
+namespace accdec::solvers {
+
+/// A problem as NLopt's C callbacks see it. StopRun never crosses NLopt: the callback asks NLopt to stop and returns a harmless number
+/// (COBYLA loops for ever on NaN, and an exception would be lost in C).
+class NloptProblem {
+ public:
+  /// How rows reach the algorithm.
+  enum class Rows {
+    constraints,  ///< as NLopt constraints c <= 0 and c = 0
+    ranking       ///< inside the objective, for algorithms that only compare its values: any point that holds all rows is better than
+                  ///< any that breaks one, the former ordered by the objective, the latter by the violation
+  };
+
+  NloptProblem(nlp::Evaluator& evaluator, FreeVariables& free, nlopt_opt opt, Rows rows, double row_tolerance);
+
+  /// Hands objective, bounds and rows to the nlopt_opt.
+  nlopt_result attach();
+
+ private:
+  struct Side {
+    int row;
+    double sign, bound;  // sign * (c - bound) <= 0 or = 0
+  };
+  static double objective(unsigned n, const double* x, double* grad, void* self);
+  static void inequalities(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self);
+  static void equalities(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self);
+
+  double evaluate(const double* x, double* grad);
+  void evaluate_rows(const std::vector<Side>& sides, double* result, const double* x, double* grad);
+  double ranked(double f, const std::vector<double>& x);
+
+  nlp::Evaluator& evaluator_;
+  FreeVariables& free_;
+  nlopt_opt opt_;
+  Rows rows_;
+  double tolerance_;
+  std::vector<Side> inequalities_, equalities_;
+  std::vector<double> gradient_, values_, values_point_, jacobian_, jacobian_point_;
+};
+
+}  // namespace accdec::solvers
