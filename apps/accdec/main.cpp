@@ -14,6 +14,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_design(app, context);
   add_verify(app, context);
   add_export(app, context);
+  add_plot(app, context);
   add_paper(app, context);
   add_study(app, context);
   add_program(app, context);

@@ -7,7 +7,7 @@
 namespace accdec {
 
 /// How a series is drawn. Styles count up from 0 and differ in dash or symbol as well as in colour, so that they can be told apart in
-/// grey.
+/// grey. `steps` holds each value over the interval that ends at its x.
 enum class Mark { line, points, line_points, steps, impulses };
 
 struct Series {

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -15,14 +17,16 @@ constexpr std::array<const char*, 6> dashes{"solid", "(9,4)", "(9,3,2,3)", "(2,3
 constexpr std::array<int, 6> points{7, 6, 5, 4, 9, 8};
 constexpr double left = 70, right = 18, top = 30, bottom = 56, letter = 6.8, legend_line = 34;  // px
 
-/// A single-quoted gnuplot string: nothing in it is special but the quote itself, not even backticks or backslashes.
+/// A double-quoted gnuplot string with everything it might act on (quotes, backslashes, backticks, ...) as octal codes. Single quotes
+/// would not do: gnuplot 5.4 ends ''''...' early.
 std::string quoted(const std::string& text) {
-  std::string out = "'";
+  std::string out = "\"";
   for (const char c : clean_title(text)) {
-    if (c == '\'') out += '\'';
-    out += c;
+    const auto byte = static_cast<unsigned char>(c);
+    const bool harmless = byte >= 0x80 || std::isalnum(byte) != 0 || (c != '\0' && std::string_view(" .,:;=()/-+").find(c) != std::string_view::npos);
+    out += harmless ? std::string(1, c) : fmt::format("\\{:03o}", byte);
   }
-  return out + "'";
+  return out + "\"";
 }
 
 double letters(const std::string& text) {
@@ -133,7 +137,7 @@ std::string with(const Series& s) {
     case Mark::line: return "lines " + line;
     case Mark::points: return fmt::format("points lc rgb '{}' {}", colours[i], point);
     case Mark::line_points: return fmt::format("linespoints {} {}", line, point);
-    case Mark::steps: return "steps " + line;
+    case Mark::steps: return "fsteps " + line;
     case Mark::impulses: return fmt::format("impulses lc rgb '{}' lw 1.5", colours[i]);
   }
   return "lines";
@@ -173,7 +177,7 @@ class Writer {
 
   void scale(char axis, const Scale& scale, const Range& range) {
     line("{} logscale {}", scale.log ? "set" : "unset", axis);
-    line("set format {} '{}'", axis, scale.log ? "10^%T" : "%g");
+    line("set format {} '%g'", axis);
     line("set {}range [{}:{}] noextend", axis, number(range.low), number(range.high));
   }
 

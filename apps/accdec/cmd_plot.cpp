@@ -1,0 +1,31 @@
+#include <accdec/io/atomic_file.hpp>
+#include <accdec/io/figure.hpp>
+#include <accdec/io/plot_result.hpp>
+#include <accdec/io/result_json.hpp>
+#include <memory>
+#include <string>
+
+#include "command.hpp"
+
+namespace accdec::cli {
+
+void add_plot(CLI::App& app, Context& context) {
+  struct Options {
+    std::string result, out, corner;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("plot", "Draws the motion, path, taps and frequency response of a result");
+  command->add_option("result", options->result, "Result file")->required()->type_name("RESULT.json");
+  command->add_option("--out", options->out, "Drawing to write, .svg, .png, .pdf or .html")->required()->type_name("FILE");
+  command->add_option("--corner", options->corner, "Corner to draw; the first unless given")->type_name("NAME");
+  command->callback([options, &context] {
+    const std::string format = figure_format(options->out);
+    const DesignResult result = read_result(options->result);
+    require_writable(options->out);
+    const Figure figure = plot_result(result, options->corner);
+    write_file(options->out, convert_svg(render_svg(figure), format, figure.title));
+    context.exit_code = exit_ok;
+  });
+}
+
+}  // namespace accdec::cli

@@ -1,0 +1,211 @@
+#include <accdec/io/plot_result.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/design/simulation.hpp>
+#include <accdec/machine/utilisation.hpp>
+
+namespace accdec {
+namespace {
+
+/// One quantity of one axis over time; limits far beyond the curve are said in the title instead of flattening it.
+Panel motion_panel(const std::string& quantity, const std::string& unit, const std::string& axis, const std::vector<double>& time,
+                   const std::vector<double>& values, double low, double high, Mark mark) {
+  Panel panel;
+  panel.title = fmt::format("{} {}", quantity, axis);
+  panel.x.label = "time from the corner command / ms";
+  panel.x.min = time.front(), panel.x.max = time.back();
+  panel.y.label = fmt::format("{} / {}", quantity, unit);
+  panel.series.push_back({"", time, values, mark, 0});
+  double peak = 0.0;
+  for (const double v : values) peak = std::max(peak, std::abs(v));
+  constexpr double off_scale = 3.0;
+  std::string beyond;
+  bool labelled = false;
+  for (const double limit : {high, low}) {
+    if (!std::isfinite(limit)) continue;
+    if (std::abs(limit) <= off_scale * peak) {
+      panel.limits.push_back({limit, labelled ? "" : "limit"});
+      labelled = true;
+    } else {
+      beyond += fmt::format("{}{:.6g}", beyond.empty() ? "" : " and ", limit);
+    }
+  }
+  if (!beyond.empty()) panel.title += fmt::format(" (limit {} {} off scale)", beyond, unit);
+  return panel;
+}
+
+std::vector<double> column(const Eigen::MatrixXd& matrix, Eigen::Index axis, double scale) {
+  std::vector<double> values;
+  for (Eigen::Index n = 0; n < matrix.rows(); ++n) values.push_back(matrix(n, axis) * scale);
+  return values;
+}
+
+void add_axis(std::vector<Panel>& panels, const SampledMotion& motion, Eigen::Index index, const Axis& axis,
+              const std::vector<double>& time) {
+  const std::vector<double> v = column(motion.velocity, index, 1.0), a = column(motion.acceleration, index, 1.0);
+  panels.push_back(motion_panel("velocity", "(mm/s)", axis.name, time, column(motion.velocity, index, 1e3), -axis.velocity_max * 1e3,
+                                axis.velocity_max * 1e3, Mark::line));
+  panels.push_back(motion_panel("acceleration", "(m/s²)", axis.name, time, a, -axis.acceleration_max, axis.acceleration_max, Mark::steps));
+  if (axis.mass == 0.0 && axis.damping == 0.0) return;  // no plant given: neither force nor power
+  std::vector<double> force, power;
+  for (std::size_t n = 0; n < v.size(); ++n) {
+    force.push_back(axis.mass * a[n] + axis.damping * v[n]);
+    power.push_back(force.back() * v[n]);
+  }
+  panels.push_back(motion_panel("force", "N", axis.name, time, force, -axis.force_max, axis.force_max, Mark::steps));
+  panels.push_back(motion_panel("power", "W", axis.name, time, power, -axis.regeneration_max, axis.power_max, Mark::steps));
+}
+
+/// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, a along the motion, b halving the angle.
+struct Plane {
+  Eigen::VectorXd across, up;
+  std::string across_name, up_name;
+};
+
+Plane plane_of(const Corner& corner, const Machine& machine) {
+  if (corner.axes() == 2) {
+    return {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1), machine.axes[0].name, machine.axes[1].name};
+  }
+  const auto unit = [](Eigen::VectorXd v) {
+    const double length = v.norm();
+    return length > 1e-9 ? Eigen::VectorXd(v / length) : Eigen::VectorXd(Eigen::VectorXd::Zero(v.size()));
+  };
+  return {unit(corner.direction_in + corner.direction_out), unit(corner.direction_out - corner.direction_in), "a", "b"};
+}
+
+Panel path_panel(const TaskCorner& task, const CornerResult& measures, const SampledMotion& motion, const Machine& machine) {
+  const Corner& corner = task.geometry;
+  const Plane plane = plane_of(corner, machine);
+  // The window: a few errors around the corner, but no more than the blend itself.
+  const double blend = std::max(motion.position.row(motion.corner).norm(), 1e-6);
+  const double error = std::max(measures.corner_error, task.error_max.value_or(0.0));
+  const double reach = error > 0.0 ? std::min(3.0 * error, blend) : 0.3 * blend;
+  const double scale = reach < 2e-3 ? 1e6 : 1e3;
+  const char* const unit = reach < 2e-3 ? "µm" : "mm";
+  Series path{"path", {}, {}, Mark::line_points, 0}, programmed{"programmed", {}, {}, Mark::line, 5};
+  for (Eigen::Index n = 0; n < motion.position.rows(); ++n) {
+    const Eigen::VectorXd s = motion.position.row(n).transpose() * scale;
+    if (s.norm() > 8.0 * reach * scale && std::abs(n - motion.corner) > 0 && s.norm() > 3.0 * blend * scale) continue;
+    path.x.push_back(s.dot(plane.across));
+    path.y.push_back(s.dot(plane.up));
+  }
+  const double leg = 8.0 * reach * scale;
+  for (const Eigen::VectorXd& end : {Eigen::VectorXd(-leg * corner.direction_in), Eigen::VectorXd(0.0 * corner.direction_in),
+                                     Eigen::VectorXd(leg * corner.direction_out)}) {
+    programmed.x.push_back(end.dot(plane.across));
+    programmed.y.push_back(end.dot(plane.up));
+  }
+  Panel panel;
+  panel.title = fmt::format("path around corner {}", task.name);
+  panel.x.label = fmt::format("{} / {}", plane.across_name, unit);
+  panel.y.label = fmt::format("{} / {}", plane.up_name, unit);
+  panel.series = {path, programmed};
+  panel.equal_aspect = true;
+  panel.x.min = panel.y.min = -reach * scale;
+  panel.x.max = panel.y.max = reach * scale;
+  if (measures.corner_error > 0.0) {
+    panel.circles.push_back({0.0, 0.0, measures.corner_error * scale, fmt::format("error {:.4g} {}", measures.corner_error * scale, unit)});
+  }
+  if (task.error_max && *task.error_max > 0.0) {
+    Series tolerance{fmt::format("bound {:.4g} {}", *task.error_max * scale, unit), {}, {}, Mark::line, 2};
+    for (int i = 0; i <= 120; ++i) {
+      const double turn = 2.0 * std::numbers::pi * i / 120;
+      tolerance.x.push_back(*task.error_max * scale * std::cos(turn));
+      tolerance.y.push_back(*task.error_max * scale * std::sin(turn));
+    }
+    panel.series.push_back(tolerance);
+  }
+  return panel;
+}
+
+Panel taps_panel(const Filter& filter) {
+  Panel panel;
+  panel.title = fmt::format("filter taps, order {}", filter.order());
+  panel.x.label = "tap";
+  panel.y.label = "weight";
+  Series taps{"", {}, {}, filter.order() <= 200 ? Mark::impulses : Mark::line, 1};
+  for (int i = 0; i <= filter.order(); ++i) {
+    taps.x.push_back(i);
+    taps.y.push_back(filter.tap(i));
+  }
+  panel.x.min = -1.0, panel.x.max = filter.order() + 1.0, panel.y.min = 0.0;
+  panel.series.push_back(taps);
+  return panel;
+}
+
+Panel response_panel(const Filter& filter, double sample_period, const std::vector<Mode>& modes) {
+  Panel panel;
+  panel.title = "residual vibration";
+  panel.x.label = "frequency / Hz";
+  panel.y.label = "amplitude, filtered over commanded";
+  panel.y.log = true;
+  panel.y.min = 1e-4, panel.y.max = 1.5;
+  double top = 8.0 / ((filter.order() + 1) * sample_period);
+  for (const Mode& mode : modes) top = std::max(top, 1.5 * mode.frequency_high);
+  top = std::min(top, 0.5 / sample_period);
+  for (const Mode& mode : modes) {
+    const bool first = panel.bands.empty();
+    panel.bands.push_back({mode.frequency_low, mode.frequency_high, first ? "mode" : ""});
+    const double level = std::max(mode.residual_max, 1e-4);
+    const double half = std::max(0.0, 0.004 * top - 0.5 * (mode.frequency_high - mode.frequency_low));  // a line has to be seen
+    panel.bands.back().from -= half, panel.bands.back().to += half;
+    panel.series.push_back({first ? "bound" : "", {mode.frequency_low - half, mode.frequency_high + half}, {level, level}, Mark::line, 2});
+  }
+  Series response{"", {}, {}, Mark::line, 0};
+  constexpr int points = 800;
+  for (int i = 0; i <= points; ++i) {
+    const double f = top * i / points;
+    response.x.push_back(f);
+    response.y.push_back(std::max(residual_vibration(filter, f, sample_period), 1e-6));
+  }
+  panel.x.min = 0.0, panel.x.max = top;
+  panel.series.push_back(response);
+  return panel;
+}
+
+std::size_t find_corner(const DesignResult& result, const std::string& name) {
+  const auto& corners = result.task.corners;
+  std::string known;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (name.empty() || corners[i].name == name) return i;
+    known += (known.empty() ? "" : ", ") + corners[i].name;
+  }
+  throw std::invalid_argument(fmt::format("the result has no corner \"{}\"; it has: {}", name, known.empty() ? "none" : known));
+}
+
+}  // namespace
+
+Figure plot_result(const DesignResult& result, const std::string& corner) {
+  const std::size_t index = find_corner(result, corner);
+  if (!result.filter || index >= result.corners.size()) {
+    throw std::runtime_error(fmt::format("the result holds no filter to draw ({}): {}", to_string(result.status), result.message));
+  }
+  const Filter& filter = *result.filter;
+  const TaskCorner& task = result.task.corners[index];
+  const CornerResult& measures = result.corners[index];
+  const double period = result.task.sample_period;
+  const SampledMotion motion = simulate_corner(filter, task.geometry, measures.delay, period);
+  std::vector<double> time;
+  for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) time.push_back(static_cast<double>(n - motion.corner) * period * 1e3);
+
+  Figure figure;
+  figure.title = fmt::format("{}: corner {}, delay {} samples", result.task.title.empty() ? "accdec" : result.task.title, task.name, measures.delay);
+  figure.columns = 2;
+  for (std::size_t axis = 0; axis < result.task.machine.axes.size(); ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    const bool moves = std::abs(task.geometry.direction_in[a]) > 1e-12 || std::abs(task.geometry.direction_out[a]) > 1e-12;
+    if (moves) add_axis(figure.panels, motion, a, result.task.machine.axes[axis], time);
+  }
+  figure.panels.push_back(path_panel(task, measures, motion, result.task.machine));
+  figure.panels.push_back(response_panel(filter, period, result.task.machine.modes));
+  figure.panels.push_back(taps_panel(filter));
+  return figure;
+}
+
+}  // namespace accdec
