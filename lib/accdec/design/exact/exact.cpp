@@ -1,0 +1,131 @@
+#include <fmt/format.h>
+
+#include <accdec/design/exact/conflict.hpp>
+#include <accdec/design/exact/exact.hpp>
+#include <accdec/design/exact/search.hpp>
+#include <accdec/design/limit_rows.hpp>
+#include <accdec/design/order_bound.hpp>
+#include <accdec/design/verifier.hpp>
+#include <accdec/motion/shapes.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace accdec {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+bool convex(const Task& task) {
+  for (const Axis& axis : task.machine.axes) {
+    if (axis.power_max < unlimited || axis.regeneration_max < unlimited) return false;
+  }
+  return std::none_of(task.corners.begin(), task.corners.end(), [](const TaskCorner& c) { return c.speed_min > 0.0; });
+}
+
+/// Designs that hold limits outside the convex class, where the search itself has none to offer.
+void offer_shapes(const Task& task, exact::Search& search, int least, const std::function<bool()>& stop) {
+  if (const auto taps = saturating_start(task, task.design.order_max); !taps.empty()) search.offer(Filter(taps));
+  for (int n = std::max(least, 2); n <= task.design.order_max && !stop(); ++n) {
+    const double shortest = cycle_time(task, n, std::vector<int>(task.corners.size(), 0)) / task.sample_period;
+    if (search.best && shortest >= search.best->value) break;
+    search.offer(boxcar(n));
+    for (int ramp = 1; ramp <= n / 2; ramp += std::max(1, n / 16)) search.offer(trapezoid(n, ramp));
+    search.offer(hann(n));
+  }
+}
+
+}  // namespace
+
+DesignResult design_exact(const Task& task, const ExactOptions& options) {
+  const auto began = std::chrono::steady_clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+  const auto stop = [&] {
+    return elapsed() > options.time_limit || (options.cancel != nullptr && options.cancel->load());
+  };
+  DesignResult result;
+  result.task = task;
+  result.solver.method = "exact";
+  result.solver.name = "clp";
+  result.solver.version = "1.17.6";
+  const double period = task.sample_period;
+  if (const auto impossible = contradictions(task); !impossible.empty()) {
+    result.status = Status::infeasible;
+    result.message = impossible.front();
+    if (options.certificate) result.certificate = R"({"schema":"accdec.certificate/1","kind":"constant feed"})";
+    result.solver.wall_time = elapsed();
+    return result;
+  }
+
+  exact::Search search(task, stop);
+  const int least = search.smallest_order();
+  double weights = 0.0, fixed = 0.0;
+  for (const TaskCorner& c : task.corners) weights += c.weight, fixed += c.weight * c.delay.value_or(0);
+  double low = weights * (std::max(task.design.order_min, 0) + 1) + fixed;  // proved by nothing but the task's bounds
+  double high = search.best ? search.best->value : infinity;  // the shortest known to hold the convex limits
+  double trial = std::max(low, weights * (least + 1) + fixed);
+  const double longest = weights * (2.0 * task.design.order_max + 2.0) + fixed;
+  bool proved = false, infeasible = false;
+  const auto tell = [&] {
+    if (!options.progress) return;
+    const double incumbent = search.best ? search.best->value * period : infinity;
+    options.progress({low * period, incumbent, search.best ? (incumbent - low * period) / incumbent : 1.0});
+  };
+  const double step = std::max(1.5 * weights, 0.0);
+  while (!stop()) {
+    double target = high;
+    if (high == infinity) {
+      trial = std::max(trial + step, 1.3 * trial);
+      target = trial >= longest ? infinity : trial;
+    } else if (high - low > step) {
+      target = trial > low && trial < high && low < 0.9 * trial ? trial : 0.5 * (low + high);
+      if (weights == std::floor(weights)) target = std::floor(target) + 0.0;
+      if (target <= low || target >= high) target = high;
+    }
+    const auto answer = search.below(target);
+    if (answer == exact::Search::Answer::unknown) break;
+    if (search.best) high = std::min(high, search.best->value);
+    if (search.relaxed) high = std::min(high, search.relaxed->value);
+    if (answer == exact::Search::Answer::proved) {
+      low = std::max(low, target);
+      if (target == infinity) infeasible = true;
+      if (low >= high || infeasible) proved = true;
+    }
+    tell();
+    if (proved) break;
+  }
+  if (!infeasible && (!search.best || !convex(task))) offer_shapes(task, search, least, stop);
+
+  if (infeasible) {
+    result.status = Status::infeasible;
+    result.message = exact::conflict_message(task, stop);
+  } else {
+    if (search.best) {
+      const exact::Candidate& best = *search.best;
+      const double claimed = best.value;
+      result = assess(task, best.filter, best.delays, false);
+      result.solver.method = "exact";
+      result.solver.name = "clp";
+      result.solver.version = "1.17.6";
+      result.lower_bound = std::min(low, claimed) * period;
+      result.gap = std::max(0.0, (result.cycle_time - *result.lower_bound) / result.cycle_time);
+      if (result.status == Status::feasible && low >= claimed * (1.0 - 1e-9)) result.status = Status::optimal;
+    } else {
+      result.status = Status::failed;
+      result.lower_bound = low * period;
+      result.message = stop() ? "stopped before a design was found"
+                              : "no design was found that holds the limits outside the convex class";
+    }
+    if (result.status == Status::feasible) {
+      result.message = stop() ? "stopped before the proof was complete"
+                              : "the bound is that of the task without power, regeneration and smallest speed";
+    }
+  }
+  if (options.certificate && search.proof.target > 0.0) result.certificate = exact::to_json(search.proof);
+  result.solver.evaluations = search.programmes();
+  result.solver.wall_time = elapsed();
+  return result;
+}
+
+}  // namespace accdec

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <accdec/design/result.hpp>
+#include <accdec/design/task.hpp>
+#include <atomic>
+#include <functional>
+
+namespace accdec {
+
+/// Where the search stands, in s of cycle time.
+struct ExactProgress {
+  double bound = 0.0;      ///< nothing is shorter
+  double incumbent = 0.0;  ///< best verified design; infinite before the first
+  double gap = 1.0;        ///< (incumbent - bound)/incumbent
+};
+
+struct ExactOptions {
+  double time_limit = 600.0;  ///< s
+  std::function<void(const ExactProgress&)> progress;
+  const std::atomic<bool>* cancel = nullptr;
+  bool certificate = true;  ///< keep the proof in the result
+};
+
+/// Shortest weighted cycle time over filter, order and delays by branch and bound on the delays d_j and the samples k_j
+/// at which the corner errors are bounded. In a box of delays and samples the leg distances are at least those at the
+/// last k for leg 1 and at the first k and last d for leg 2, and the order at most what the target leaves; so one
+/// linear programme with tangent cuts for the cones refutes a whole box, and its dual multipliers, kept in the
+/// certificate, are the proof.
+///
+/// Power, regeneration and smallest speed are not convex: the bound then comes from the problem without them, and the
+/// answer is `optimal` only if a verified design meets that bound.
+/// @param task  without a filter; delays given or not
+DesignResult design_exact(const Task& task, const ExactOptions& options = {});
+
+}  // namespace accdec

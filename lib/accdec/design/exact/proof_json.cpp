@@ -1,0 +1,48 @@
+#include <accdec/design/exact/search.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace accdec::exact {
+namespace {
+
+nlohmann::json row_json(const RowId& id, double y) {
+  switch (id.kind) {
+    case RowKind::jerk: return {"jerk", id.sample, id.sign, y};
+    case RowKind::force_start: return {"force start", id.axis, id.sample, y};
+    case RowKind::force_stop: return {"force stop", id.axis, id.sample, y};
+    case RowKind::blend_acceleration: return {"blend acceleration", id.corner, id.axis, id.sample, id.sign, y};
+    case RowKind::blend_jerk: return {"blend jerk", id.corner, id.axis, id.sample, id.sign, y};
+    case RowKind::blend_force: return {"blend force", id.corner, id.axis, id.sample, id.sign, y};
+    case RowKind::cone: return {"error", id.corner, id.angle, y};
+    case RowKind::vibration: return {"vibration", id.mode, id.frequency, id.angle, y};
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::string to_json(const Proof& proof) {
+  nlohmann::json out{{"schema", "accdec.certificate/1"}, {"kind", "branch and bound"}};
+  out["bound_samples"] = std::isfinite(proof.target) ? nlohmann::json(proof.target) : nlohmann::json(nullptr);
+  out["multipliers"] = nlohmann::json::array();
+  for (const Multipliers& y : proof.multipliers) {
+    nlohmann::json rows = nlohmann::json::array();
+    for (const auto& [id, value] : y) rows.push_back(row_json(id, value));
+    out["multipliers"].push_back(std::move(rows));
+  }
+  nlohmann::json tree = nlohmann::json::array();
+  for (const Proof::Node& node : proof.tree) {
+    if (node.kind == Proof::Node::split)
+      tree.push_back({node.corner, node.on_delay ? "d" : "k", node.at});
+    else if (node.kind == Proof::Node::too_long)
+      tree.push_back(nullptr);
+    else if (node.shorter == -1)
+      tree.push_back(node.multipliers);
+    else
+      tree.push_back({node.multipliers, node.shorter});
+  }
+  out["tree"] = std::move(tree);
+  return out.dump();
+}
+
+}  // namespace accdec::exact

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <accdec/design/exact/rows.hpp>
+#include <memory>
+#include <optional>
+
+namespace accdec::exact {
+
+/// What the linear programme says of a box.
+struct Outcome {
+  enum Kind { refuted, feasible, unresolved } kind = unresolved;
+  Multipliers multipliers;       ///< refuted
+  std::optional<Filter> filter;  ///< feasible: holds all convex limits of the relaxed box
+};
+
+/// The convex limits of a box as a linear programme (Clp, dual simplex), cut until it is refuted or its solution holds
+/// them. One object serves a whole search: tangent cuts and the basis are kept from box to box.
+class Relaxation {
+ public:
+  /// @param largest_order  of all boxes to come
+  Relaxation(const LimitModel& model, int largest_order);
+  ~Relaxation();
+  /// @param symmetric  only symmetric filters of the box's order (no shorter ones)
+  Outcome solve(const Box& box, bool symmetric);
+  long programmes() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace accdec::exact

@@ -1,0 +1,242 @@
+#include <accdec/design/design.hpp>
+#include <accdec/design/exact/search.hpp>
+#include <accdec/design/order_bound.hpp>
+#include <accdec/design/verifier.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace accdec::exact {
+namespace {
+
+double value_of(const Task& task, int order, const std::vector<int>& delays) {
+  return cycle_time(task, order, delays) / task.sample_period;
+}
+
+bool single(const LimitModel& model, const Box& box) {
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const CornerBox& b = box.corners[j];
+    if (b.d1 < b.d2 || (model.cone(j) && b.k1 < b.k2)) return false;
+  }
+  return true;
+}
+
+/// Without the zero taps at its ends, but of the smallest order allowed. Symmetric taps stay so.
+Filter trimmed(const Filter& filter, const DesignBounds& bounds) {
+  std::vector<double> taps(filter.taps().begin(), filter.taps().end());
+  const auto longer = [&](std::size_t by) {
+    return static_cast<int>(taps.size()) - 1 - static_cast<int>(by) >= std::max(bounds.order_min, 0);
+  };
+  if (bounds.symmetric) {
+    while (longer(2) && taps.front() == 0.0 && taps.back() == 0.0) taps.pop_back(), taps.erase(taps.begin());
+  } else {
+    while (longer(1) && taps.back() == 0.0) taps.pop_back();
+    while (longer(1) && taps.front() == 0.0) taps.erase(taps.begin());
+  }
+  return Filter(std::move(taps));
+}
+
+}  // namespace
+
+Box Search::root() const {
+  Box box;
+  box.order = task_.design.order_max;
+  for (const TaskCorner& corner : task_.corners) {
+    CornerBox b;
+    // From d = N + 1 on the legs are apart and nothing changes.
+    b.d1 = corner.delay.value_or(0);
+    b.d2 = corner.delay.value_or(task_.design.order_max + 1);
+    b.k2 = b.d2 + task_.design.order_max + 1;
+    box.corners.push_back(b);
+  }
+  return box;
+}
+
+void Search::size_for(int order) {
+  if (relaxation_ && order <= sized_ && 2 * order >= sized_) return;
+  programmes_ = programmes();
+  relaxation_ = std::make_unique<Relaxation>(model_, order);
+  sized_ = order;
+}
+
+void Search::consider(Filter filter, const std::vector<int>& delays) {
+  const double value = value_of(task_, filter.order(), delays);
+  if (best && value >= best->value * (1.0 - 1e-12)) return;
+  if (verify_by_simulation(task_, filter, delays).feasible) best = Candidate{std::move(filter), delays, value, true};
+}
+
+void Search::offer(Filter filter) {
+  if (task_.design.symmetric) {
+    std::vector<double> taps(filter.taps().begin(), filter.taps().end());
+    for (std::size_t i = 0; i < taps.size() / 2; ++i)
+      taps[i] = taps[taps.size() - 1 - i] = 0.5 * (taps[i] + taps[taps.size() - 1 - i]);
+    filter = Filter(std::move(taps));
+  }
+  filter = trimmed(filter, task_.design);
+  if (filter.order() < task_.design.order_min || filter.order() > task_.design.order_max) return;
+  const DelayFinder smallest(filter);
+  std::vector<int> delays;
+  for (std::size_t j = 0; j < task_.corners.size(); ++j) {
+    const TaskCorner& c = task_.corners[j];
+    const double bound = c.error_max ? *c.error_max * (1.0 + 0.5 * verification_tolerance) : 0.0;
+    delays.push_back(c.delay       ? *c.delay
+                     : c.error_max ? smallest(c.geometry.cos_interior(), c.geometry.feed_in * task_.sample_period,
+                                              c.geometry.feed_out * task_.sample_period, bound)
+                                   : 0);
+  }
+  if (best && value_of(task_, filter.order(), delays) >= best->value) return;
+  Task given = task_;
+  given.filter = FilterSpec{};
+  given.filter->kind = Shape::taps;
+  given.filter->order = filter.order();
+  given.filter->taps.assign(filter.taps().begin(), filter.taps().end());
+  const DesignResult result = design_delays(given);
+  if (!result.filter) return;
+  delays.clear();
+  for (const CornerResult& c : result.corners) delays.push_back(c.delay);
+  const double value = value_of(task_, filter.order(), delays);
+  if (!best || value < best->value) best = Candidate{filter, delays, value, true};
+}
+
+int Search::smallest_order() {
+  const int most = task_.design.order_max;
+  // Without tolerances: every delay free and every sample.
+  const auto holds = [&](int order) {
+    size_for(order);
+    Box box = root();
+    box.order = order;
+    for (std::size_t j = 0; j < box.corners.size(); ++j) {
+      CornerBox& b = box.corners[j];
+      if (!task_.corners[j].delay) b.d1 = 0, b.d2 = std::max(order, most) + 1;
+      b.k1 = 0, b.k2 = b.d2 + order + 1;
+    }
+    const Outcome outcome = relaxation_->solve(box, false);
+    if (outcome.filter) offer(*outcome.filter);
+    return outcome.kind != Outcome::refuted;
+  };
+  int low = std::max({0, order_lower_bound(task_, most), task_.design.order_min}) - 1,
+      high = std::max(low + 1, 0);  // low is refuted
+  while (high <= most && !stop_()) {
+    if (holds(high)) break;
+    low = high;
+    if (high == most) return most + 1;
+    high = std::min(most, high + std::max(2, high / 3));
+  }
+  if (high > most) return most + 1;
+  while (high - low > 1 && !stop_()) {
+    const int mid = (low + high) / 2;
+    (holds(mid) ? high : low) = mid;
+  }
+  return high;
+}
+
+Search::Answer Search::below(double target) {
+  target_ = target;
+  current_ = Proof{};
+  current_.target = target;
+  recent_.clear();
+  Box box = root();
+  if (tighten(task_, target, box)) size_for(box.order);
+  switch (refute(root())) {
+    case State::closed: proof = std::move(current_); return Answer::proved;
+    case State::found: return Answer::found;
+    default: return Answer::unknown;
+  }
+}
+
+Search::State Search::refute(Box box) {
+  using Node = Proof::Node;
+  if (stop_()) return State::stopped;
+  const Box untightened = box;
+  if (!tighten(task_, target_, box)) {
+    current_.tree.push_back(Node{});
+    return State::closed;
+  }
+  for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
+  for (const CornerBox& b : box.corners) {
+    if (b.k1 > b.k2) {
+      current_.tree.push_back(Node{});
+      return State::closed;
+    }
+  }
+  const auto close = [&](int y, int shorter) {
+    Node leaf;
+    leaf.kind = Node::refuted;
+    leaf.multipliers = y;
+    leaf.shorter = shorter;
+    current_.tree.push_back(leaf);
+    const auto old = std::find(recent_.begin(), recent_.end(), y);
+    if (old != recent_.end()) recent_.erase(old);
+    recent_.insert(recent_.begin(), y);
+    if (recent_.size() > 8) recent_.pop_back();
+    return State::closed;
+  };
+  for (const int y : recent_) {
+    if (refutation(model_, current_.multipliers[static_cast<std::size_t>(y)], box) > 0.0) return close(y, -1);
+  }
+  const auto keep = [&](Multipliers y) {
+    current_.multipliers.push_back(std::move(y));
+    return static_cast<int>(current_.multipliers.size()) - 1;
+  };
+  Outcome outcome = relaxation_->solve(box, false);
+  if (outcome.kind == Outcome::refuted) return close(keep(std::move(outcome.multipliers)), -1);
+  if (single(model_, box)) {
+    std::vector<int> delays;
+    for (const CornerBox& b : box.corners) delays.push_back(b.d1);
+    const auto found = [&](const Filter& filter) {
+      const Filter shorter = trimmed(filter, task_.design);
+      const double value = value_of(task_, shorter.order(), delays);
+      consider(shorter, delays);
+      if (!relaxed || value < relaxed->value) relaxed = Candidate{shorter, delays, value, false};
+      return State::found;
+    };
+    if (!task_.design.symmetric) {
+      if (outcome.kind != Outcome::feasible) return State::stopped;
+      return found(*outcome.filter);
+    }
+    int leaf[2] = {-1, -1};
+    for (int less = 0; less < 2; ++less) {
+      Box exact_order = box;
+      exact_order.order -= less;
+      if (exact_order.order < std::max(task_.design.order_min, 0)) continue;
+      outcome = relaxation_->solve(exact_order, true);
+      if (outcome.kind == Outcome::feasible) return found(*outcome.filter);
+      if (outcome.kind != Outcome::refuted) return State::stopped;
+      leaf[less] = keep(std::move(outcome.multipliers));
+    }
+    Node node;
+    node.kind = Node::refuted;
+    node.multipliers = leaf[0];
+    node.shorter = leaf[1] >= 0 ? leaf[1] : -2;
+    current_.tree.push_back(node);
+    return State::closed;
+  }
+  if (outcome.filter) {
+    offer(*outcome.filter);
+    if (best && best->value < target_ * (1.0 - 1e-9)) return State::found;
+  }
+  Node node;
+  node.kind = Node::split;
+  int widest = -1;
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const CornerBox& b = box.corners[j];
+    if (2 * (b.d2 - b.d1) > widest && b.d1 < b.d2)
+      widest = 2 * (b.d2 - b.d1), node.corner = static_cast<int>(j), node.on_delay = true;
+    if (model_.cone(j) && b.k2 - b.k1 > widest && b.k1 < b.k2)
+      widest = b.k2 - b.k1, node.corner = static_cast<int>(j), node.on_delay = false;
+  }
+  const auto j = static_cast<std::size_t>(node.corner);
+  const CornerBox& b = box.corners[j];
+  node.at = node.on_delay ? b.d1 + (b.d2 - b.d1) / 2 : b.k1 + (b.k2 - b.k1) / 2;
+  current_.tree.push_back(node);
+  Box first = untightened, second = untightened;
+  if (node.on_delay)
+    first.corners[j].d2 = node.at, second.corners[j].d1 = node.at + 1;
+  else
+    first.corners[j].k2 = node.at, second.corners[j].k1 = node.at + 1;
+  const State state = refute(first);
+  return state == State::closed ? refute(second) : state;
+}
+
+}  // namespace accdec::exact

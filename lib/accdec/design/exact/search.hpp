@@ -1,0 +1,74 @@
+#pragma once
+
+#include <accdec/design/exact/relaxation.hpp>
+#include <accdec/design/result.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace accdec::exact {
+
+/// Proof that nothing is shorter than `target`: a binary tree over boxes, in preorder.
+struct Proof {
+  struct Node {
+    enum Kind { split, refuted, too_long } kind = too_long;
+    int corner = 0;         ///< split
+    bool on_delay = false;  ///< split on the delay, else on the sample
+    int at = 0;             ///< split: first part <= at, second > at
+    int multipliers = -1;   ///< refuted: index
+    int shorter = -1;       ///< symmetric filters: of the next smaller order; -1 where `multipliers` holds for all
+  };
+  double target = 0.0;  ///< in samples, sum_j w_j (N + 1 + d_j); infinite: nothing at all
+  std::vector<Node> tree;
+  std::vector<Multipliers> multipliers;
+};
+/// "accdec.certificate/1" as JSON.
+std::string to_json(const Proof& proof);
+
+struct Candidate {
+  Filter filter;
+  std::vector<int> delays;
+  double value;   ///< sum_j w_j (N + 1 + d_j)
+  bool verified;  ///< else it holds the convex limits only
+};
+
+/// Looks for something shorter than a target, or proves that there is nothing.
+class Search {
+ public:
+  Search(const Task& task, std::function<bool()> stop) : task_(task), model_(task), stop_(std::move(stop)) {}
+
+  enum class Answer { proved, found, unknown };
+  /// found: `best` or `relaxed` is shorter than target. unknown: stopped, or rounding decides.
+  Answer below(double target);
+  /// The smallest order that holds the limits not tied to a tolerance, or order_max + 1; leaves a first design in
+  /// `best` if it can.
+  int smallest_order();
+  /// Offers a filter with the delays it needs.
+  void offer(Filter filter);
+
+  std::optional<Candidate> best;     ///< verified
+  std::optional<Candidate> relaxed;  ///< shortest that holds the convex limits
+  Proof proof;                       ///< of the last target proved
+  long programmes() const { return programmes_ + (relaxation_ ? relaxation_->programmes() : 0); }
+
+ private:
+  enum class State { closed, found, stopped };
+  State refute(Box box);
+  Box root() const;
+  void size_for(int order);
+  void consider(Filter filter, const std::vector<int>& delays);
+
+  const Task& task_;
+  LimitModel model_;
+  std::function<bool()> stop_;
+  std::unique_ptr<Relaxation> relaxation_;
+  int sized_ = -1;
+  long programmes_ = 0;
+  double target_ = 0.0;
+  Proof current_;
+  std::vector<int> recent_;
+};
+
+}  // namespace accdec::exact

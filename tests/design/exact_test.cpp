@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include <accdec/design/design.hpp>
+#include <accdec/design/exact/certificate.hpp>
+#include <accdec/design/exact/exact.hpp>
+#include <accdec/design/exact/relaxation.hpp>
+#include <accdec/design/exact/search.hpp>
+#include <accdec/design/verifier.hpp>
+#include <cmath>
+#include <random>
+
+#include "design/tasks.hpp"
+
+namespace accdec {
+namespace {
+
+using testing::plane_corner;
+using testing::plane_task;
+
+void expect_proved(const Task& task, const DesignResult& result) {
+  const CheckReport report = check_certificate(task, result);
+  EXPECT_TRUE(report.accepted) << report.reason;
+  if (result.status == Status::infeasible) return;
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
+  ASSERT_TRUE(result.filter);
+  std::vector<int> delays;
+  for (const CornerResult& c : result.corners) delays.push_back(c.delay);
+  EXPECT_TRUE(verify_by_simulation(task, *result.filter, delays).feasible);
+}
+
+// One moving axis, straight on, no tolerance: the shortest filter under an acceleration limit is the boxcar of
+// ceil(v/(a T)) taps.
+TEST(Exact, AccelerationAloneGivesTheBoxcar) {
+  for (const double a : {3.0, 7.0, 9.99, 10.01}) {
+    Axis axis;
+    axis.acceleration_max = a;
+    Task task = plane_task(axis, plane_corner("A", 180, 0, 0.1, 0.1), std::nullopt);
+    task.design.order_max = 60;
+    const DesignResult result = design_exact(task);
+    expect_proved(task, result);
+    EXPECT_EQ(result.filter->order() + 1, static_cast<int>(std::ceil(0.1 / (a * 1e-3)))) << a;
+    EXPECT_EQ(result.corners[0].delay, 0);
+  }
+}
+
+// With a jerk limit too, taps are at most min(u, J(i+1), J(N+1-i)): the trapezoid is the largest, and enough when its
+// sum reaches 1.
+TEST(Exact, AccelerationAndJerkGiveTheTrapezoid) {
+  for (const double j : {300.0, 800.0, 5000.0}) {
+    Axis axis;
+    axis.acceleration_max = 6.0;
+    axis.jerk_max = j;
+    Task task = plane_task(axis, plane_corner("A", 180, 0, 0.1, 0.1), std::nullopt);
+    task.design.order_max = 80;
+    const DesignResult result = design_exact(task);
+    expect_proved(task, result);
+    const double u = 6.0 * 1e-3 / 0.1, jerk = j * 1e-6 / 0.1;
+    int order = 0;
+    for (double sum = 0.0; sum < 1.0; ++order) {
+      sum = 0.0;
+      for (int i = 0; i <= order; ++i) sum += std::min({u, jerk * (i + 1), jerk * (order + 1 - i)});
+      if (sum >= 1.0) break;
+    }
+    EXPECT_EQ(result.filter->order(), order) << j;
+  }
+}
+
+// Undamped mode at 1/(2 n T), no residual, no other limit: two taps n apart (Singer and Seering's ZV shaper) and
+// nothing shorter.
+TEST(Exact, ZeroResidualGivesTheZeroVibrationShaper) {
+  Task task = plane_task(Axis{}, plane_corner("A", 180, 0, 0.1, 0.1), std::nullopt);
+  task.design.order_max = 30;
+  task.machine.modes.push_back({50.0, 50.0, 0.0});
+  const DesignResult result = design_exact(task);
+  expect_proved(task, result);
+  ASSERT_EQ(result.filter->order(), 10);
+  EXPECT_NEAR(result.filter->tap(0), 0.5, 1e-9);
+  EXPECT_NEAR(result.filter->tap(10), 0.5, 1e-9);
+}
+
+// Tolerance zero: leg 2 must not start to move before leg 1 has stopped, so the delay is the order of the shortest
+// filter.
+TEST(Exact, ToleranceZeroGivesTheExactStop) {
+  Axis axis;
+  axis.acceleration_max = 6.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 0.0);
+  task.design.order_max = 60;
+  const DesignResult result = design_exact(task);
+  expect_proved(task, result);
+  EXPECT_EQ(result.filter->order() + result.corners[0].delay, 2 * 16);
+  EXPECT_EQ(result.corners[0].corner_error, 0.0);
+}
+
+/// Every order, delay and sample by a linear programme of its own, without boxes, targets, monotony or proofs.
+double brute_force(const Task& task) {
+  const exact::LimitModel model(task);
+  double best = std::numeric_limits<double>::infinity();
+  for (int n = task.design.order_min; n <= task.design.order_max; ++n) {
+    for (int d = task.corners[0].delay.value_or(0); d <= task.corners[0].delay.value_or(n + 1); ++d) {
+      if (n + d + 1 >= best) break;
+      for (int k = 0; k <= n + d + 1; ++k) {
+        exact::Relaxation relaxation(model, n);
+        if (relaxation.solve({n, {{d, d, k, k}}}, task.design.symmetric).kind == exact::Outcome::feasible) {
+          best = n + d + 1;
+          break;
+        }
+      }
+    }
+  }
+  return best;
+}
+
+Task random_convex(std::mt19937& rng) {
+  Task task = testing::random_task(rng, 1);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  task.sample_period = 4e-3;
+  for (Axis& axis : task.machine.axes) {
+    axis.power_max = axis.regeneration_max = unlimited;
+    if (axis.force_max < unlimited) axis.force_max += 1.2 * axis.damping * 0.35;
+  }
+  task.corners[0].speed_min = 0.0;
+  task.corners[0].error_max = 0.35 * 4e-3 * u(rng);
+  task.design.order_max = 11;
+  if (u(rng) < 0.2) task.corners[0].delay = static_cast<int>(5 * u(rng));
+  if (u(rng) < 0.2) task.corners[0].error_max.reset();
+  if (u(rng) < 0.2) task.design.symmetric = true;
+  if (u(rng) < 0.2) task.machine.modes.push_back({20.0, 30.0, 0.3 * u(rng) + 0.05});
+  return task;
+}
+
+TEST(Exact, AgreesWithBruteForce) {
+  std::mt19937 rng(7);
+  int found = 0, none = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Task task = random_convex(rng);
+    const DesignResult result = design_exact(task);
+    SCOPED_TRACE(i);
+    const double expected = brute_force(task);
+    if (std::isinf(expected)) {
+      EXPECT_EQ(result.status, Status::infeasible);
+      ++none;
+    } else {
+      EXPECT_NEAR(result.cycle_time / (task.sample_period * task.corners[0].weight), expected, 1e-9) << result.message;
+      ++found;
+    }
+    expect_proved(task, result);
+    if (HasFailure()) break;
+  }
+  EXPECT_GT(found, 100);
+  EXPECT_GT(none, 5);
+}
+
+TEST(Exact, InfeasibleNamesTheConflict) {
+  Axis axis;
+  axis.acceleration_max = 6.0;
+  axis.jerk_max = 5000.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 50e-6);
+  task.design.order_max = 30;
+  task.corners[0].delay = 2;
+  const DesignResult result = design_exact(task);
+  ASSERT_EQ(result.status, Status::infeasible);
+  EXPECT_FALSE(result.filter);
+  EXPECT_NE(result.message.find("corner error A"), std::string::npos) << result.message;
+  EXPECT_NE(result.message.find("delay of corner A"), std::string::npos) << result.message;
+  EXPECT_EQ(result.message.find("jerk"), std::string::npos) << result.message;
+  expect_proved(task, result);
+}
+
+}  // namespace
+}  // namespace accdec
