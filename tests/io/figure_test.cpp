@@ -48,7 +48,7 @@ TEST(Figure, TitlesAreDrawnAndNeverExecuted) {
   for (const std::string& title :
        {std::string("it's 'quoted'"), std::string("\"double\""), std::string("back\\slash \\n"), "`" + touch + "`", "'; system('" + touch + "'); '",
         "line\nsystem('" + touch + "')\n", "cr\r\nEND_OF_DATA\nsystem('" + touch + "')", "$(" + touch + ")", "@" + touch, std::string("a_b^c {d} %g"),
-        std::string("<b>&amp;"), std::string("µ θ ≤"), std::string("bad \xff\xc0\x80 utf-8"), std::string("zero \0 byte", 11), std::string(300, 'x')}) {
+        std::string("<b>&amp;"), std::string("<![CDATA[ ]]> <!-- ]]]>>"), std::string("\xef\xbf\xbe\xef\xbf\xbf"), std::string("µ θ ≤"), std::string("bad \xff\xc0\x80 utf-8"), std::string("zero \0 byte", 11), std::string(300, 'x')}) {
     const std::string svg = render_svg(line_figure(title));
     expect_well_formed(svg);
     EXPECT_FALSE(std::filesystem::exists(touched)) << title;

@@ -43,7 +43,9 @@ std::size_t utf8_length(const std::string& text, std::size_t i) {
   const unsigned second = byte(i + 1);
   const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
   const bool outside = (first == 0xED && second >= 0xA0) || (first == 0xF4 && second >= 0x90);
-  return overlong || outside ? 0 : length;
+  // U+FFFE and U+FFFF are characters in no XML document.
+  const bool forbidden = first == 0xEF && second == 0xBF && byte(i + 2) >= 0xBE;
+  return overlong || outside || forbidden ? 0 : length;
 }
 
 }  // namespace
@@ -67,7 +69,10 @@ std::string clean_title(const std::string& text) {
 
 std::string render_svg(const Figure& figure) {
   // -d: no start-up files; numbers, fonts and terminal come from the script alone.
-  return run({"gnuplot", "-d", "-"}, gnuplot_script(figure), "gnuplot-nox");
+  std::string svg = run({"gnuplot", "-d", "-"}, gnuplot_script(figure), "gnuplot-nox");
+  // gnuplot escapes "<" and "&" but not the ">" that XML forbids after "]]".
+  for (std::size_t at = 0; (at = svg.find("]]>", at)) != std::string::npos;) svg.replace(at, 3, "]]&gt;");
+  return svg;
 }
 
 std::string convert_svg(const std::string& svg, const std::string& format, const std::string& title) {
