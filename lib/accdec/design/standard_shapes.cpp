@@ -145,6 +145,12 @@ std::optional<std::vector<int>> delays_below(const Filter& filter, const Task& t
   }
   // The error bounds alone already say which filters are too slow, long before their limits have to be looked at.
   if (cost >= best || !ramps_hold(filter, task)) return std::nullopt;
+  // Most filters that ring too much do so at an end or the middle of a band; only the others need the whole band searched.
+  for (const Mode& mode : task.machine.modes) {
+    for (const double f : {mode.frequency_low, 0.5 * (mode.frequency_low + mode.frequency_high), mode.frequency_high}) {
+      if (residual_vibration(filter, f, task.sample_period) > mode.residual_max * slack) return std::nullopt;
+    }
+  }
   for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, task.machine)) {
     if (use.utilisation > slack) return std::nullopt;
   }

@@ -12,9 +12,9 @@
 namespace accdec {
 namespace {
 
-constexpr std::array<const char*, 6> colours{"#000000", "#0b5fa5", "#c8501e", "#2e7d32", "#7b3f98", "#8a6d00"};
-constexpr std::array<const char*, 6> dashes{"solid", "(9,4)", "(9,3,2,3)", "(2,3)", "(16,4)", "(12,3,2,3,2,3)"};
-constexpr std::array<int, 6> points{7, 6, 5, 4, 9, 8};
+constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#2e7d32", "#7b3f98", "#8a6d00", "#b01060", "#00808a"};
+constexpr std::array<const char*, 8> dashes{"solid", "(9,4)", "(9,3,2,3)", "(2,3)", "(16,4)", "(12,3,2,3,2,3)", "(4,2)", "(1,4)"};
+constexpr std::array<int, 8> points{7, 6, 5, 4, 9, 8, 11, 12};
 constexpr double left = 70, right = 18, top = 30, bottom = 56, letter = 6.8, legend_line = 34;  // px
 
 /// A double-quoted gnuplot string with everything it might act on (quotes, backslashes, backticks, ...) as octal codes. Single quotes
@@ -64,7 +64,7 @@ std::vector<std::string> legend(const Panel& panel) {
 double legend_width(const Panel& panel) {
   double widest = 0.0;
   for (const std::string& label : legend(panel)) widest = std::max(widest, letters(label));
-  if (panel.heat_map) return 84;
+  if (panel.heat_map) return 104;
   return widest > 0 ? widest * letter + legend_line + 18 : 0.0;
 }
 
