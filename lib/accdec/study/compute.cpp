@@ -15,7 +15,11 @@
 namespace accdec::study {
 namespace {
 
-Row number(double x) { return std::isfinite(x) ? Row(x) : Row(nullptr); }
+/// Twelve digits: what lies beyond is the rounding of unit conversions, and 59.00000000000001 ms reads badly.
+Row number(double x) {
+  if (!std::isfinite(x)) return nullptr;
+  return std::stod(fmt::format("{:.12g}", x));
+}
 
 /// A filter whose name a study file gives must be in the task.
 const FilterSpec& filter_of(const Task& task) {
