@@ -19,6 +19,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_study(app, context);
   add_program(app, context);
   add_generate(app, context);
+  add_solvers(app, context);
 }
 
 int run(int argc, char** argv) {
