@@ -1,0 +1,305 @@
+// What the libraries do on their own, called directly, and what comes out of the interface instead.
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <limits>
+#include <thread>
+
+#include <IpIpoptApplication.hpp>
+#include <IpTNLP.hpp>
+#include <ceres/ceres.h>
+#include <gtest/gtest.h>
+#include <nlopt.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <accdec/solvers/solver.hpp>
+#include <conformance/cases.hpp>
+
+namespace accdec::testing {
+namespace {
+
+using nlp::infinity;
+using solvers::Claim;
+using solvers::find_solver;
+using solvers::Result;
+using solvers::Verdict;
+
+const Case& case_named(const std::string& name) {
+  for (const Case& c : cases()) {
+    if (c.problem.name() == name) return c;
+  }
+  throw std::out_of_range(name);
+}
+
+// minimise -x - y subject to x + 2 y <= 3, 2 x + y = 4, x >= 0, y >= 2: the last three leave x <= 1 and x + 2 y >= 5.
+double minus_sum(unsigned, const double* x, double* g, void*) {
+  if (g != nullptr) g[0] = g[1] = -1.0;
+  return -x[0] - x[1];
+}
+double first_row(unsigned, const double* x, double* g, void*) {
+  if (g != nullptr) g[0] = 1.0, g[1] = 2.0;
+  return x[0] + 2.0 * x[1] - 3.0;
+}
+double second_row(unsigned, const double* x, double* g, void*) {
+  if (g != nullptr) g[0] = 2.0, g[1] = 1.0;
+  return 2.0 * x[0] + x[1] - 4.0;
+}
+FormulaProblem infeasible() {
+  return {"infeasible", {{0.0, infinity}, {2.0, infinity}}, [](const Variables& x) { return -1.0 * (x[0] + x[1]); },
+          {{{-infinity, 3.0}, [](const Variables& x) { return x[0] + 2.0 * x[1]; }},
+           {{4.0, 4.0}, [](const Variables& x) { return 2.0 * x[0] + x[1]; }}}};
+}
+
+TEST(NloptMisbehaviour, ReportsSuccessAtInfeasiblePoints) {
+  for (const auto& [method, name] : {std::pair{NLOPT_LD_SLSQP, "nlopt-slsqp"}, std::pair{NLOPT_LN_COBYLA, "nlopt-cobyla"}}) {
+    nlopt_opt opt = nlopt_create(method, 2);
+    const double lower[] = {0.0, 2.0};
+    nlopt_set_lower_bounds(opt, lower);
+    nlopt_set_min_objective(opt, minus_sum, nullptr);
+    nlopt_add_inequality_constraint(opt, first_row, nullptr, 1e-8);
+    nlopt_add_equality_constraint(opt, second_row, nullptr, 1e-8);
+    nlopt_set_xtol_rel(opt, 1e-8);
+    nlopt_set_maxeval(opt, 5000);
+    double x[] = {1.0, 2.0}, f = 0.0;
+    EXPECT_GT(nlopt_optimize(opt, x, &f), 0) << name;
+    EXPECT_GT(std::max(x[0] + 2.0 * x[1] - 3.0, std::abs(2.0 * x[0] + x[1] - 4.0)), 0.4) << name;
+    nlopt_destroy(opt);
+    EXPECT_EQ(find_solver(name).solve(infeasible(), std::vector<double>{1.0, 2.0}).verification.verdict, Verdict::infeasible);
+  }
+}
+
+double hs022_objective(unsigned, const double* x, double* g, void*) {
+  if (g != nullptr) g[0] = 2.0 * (x[0] - 2.0), g[1] = 2.0 * (x[1] - 1.0);
+  return std::pow(x[0] - 2.0, 2) + std::pow(x[1] - 1.0, 2);
+}
+double hs022_first(unsigned, const double* x, double* g, void*) {
+  if (g != nullptr) g[0] = g[1] = 1.0;
+  return x[0] + x[1] - 2.0;
+}
+double hs022_second(unsigned, const double* x, double* g, void*) {
+  if (g != nullptr) g[0] = 2.0 * x[0], g[1] = -1.0;
+  return x[0] * x[0] - x[1];
+}
+
+TEST(NloptMisbehaviour, MmaReportsSuccessWhereNothingIsStationary) {
+  nlopt_opt opt = nlopt_create(NLOPT_LD_MMA, 2);
+  nlopt_set_min_objective(opt, hs022_objective, nullptr);
+  nlopt_add_inequality_constraint(opt, hs022_first, nullptr, 1e-8);
+  nlopt_add_inequality_constraint(opt, hs022_second, nullptr, 1e-8);
+  nlopt_set_xtol_rel(opt, 1e-8);
+  double x[] = {2.0, 2.0}, f = 0.0;
+  EXPECT_EQ(nlopt_optimize(opt, x, &f), NLOPT_XTOL_REACHED);
+  EXPECT_GT(f, 2.0);  // the minimum is 1
+  // Nor does it take equality rows at all.
+  EXPECT_EQ(nlopt_add_equality_constraint(opt, hs022_first, nullptr, 1e-8), NLOPT_INVALID_ARGS);
+  nlopt_destroy(opt);
+  const Case& c = case_named("HS022");
+  const Result result = find_solver("nlopt-mma").solve(c.problem, c.start);
+  EXPECT_EQ(result.claim, Claim::solved);
+  EXPECT_EQ(result.verification.verdict, Verdict::feasible);
+  EXPECT_EQ(find_solver("nlopt-mma").solve(infeasible(), std::vector<double>{1.0, 2.0}).claim, Claim::refused);
+}
+
+TEST(NloptMisbehaviour, AFailureCodeAtTheOptimumIsAVerifiedSuccess) {
+  // The augmented Lagrangian ends HS015 with NLOPT_FAILURE, SLSQP a rank-deficient start with ROUNDOFF_LIMITED.
+  const Case& c = case_named("HS015");
+  const Result result = find_solver("nlopt-auglag-lbfgs").solve(c.problem, c.start);
+  EXPECT_EQ(result.claim, Claim::failed);
+  EXPECT_EQ(result.verification.verdict, Verdict::optimal);
+  EXPECT_NEAR(result.verification.objective, c.optimum, 1e-5 * c.optimum);
+}
+
+TEST(NloptMisbehaviour, CobylaNeverReturnsFromNotANumber) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    nlopt_opt opt = nlopt_create(NLOPT_LN_COBYLA, 2);
+    nlopt_set_min_objective(
+        opt, [](unsigned, const double*, double*, void*) { return std::numeric_limits<double>::quiet_NaN(); }, nullptr);
+    nlopt_set_maxeval(opt, 100);
+    nlopt_set_maxtime(opt, 0.1);
+    double x[] = {1.0, 1.0}, f = 0.0;
+    nlopt_optimize(opt, x, &f);
+    _exit(0);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "it returned";
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+
+  const FormulaProblem nan("nan", {{}, {}}, [](const Variables& x) { return std::numeric_limits<double>::quiet_NaN() * x[0]; }, {});
+  EXPECT_EQ(find_solver("nlopt-cobyla").solve(nan, std::vector<double>{1.0, 1.0}).claim, Claim::invalid_number);
+}
+
+TEST(NloptMisbehaviour, RandomSearchesDifferFromRunToRun) {
+  const auto run = [] {
+    nlopt_opt opt = nlopt_create(NLOPT_GN_CRS2_LM, 2);
+    nlopt_set_lower_bounds1(opt, -3.0);
+    nlopt_set_upper_bounds1(opt, 3.0);
+    nlopt_set_min_objective(opt, hs022_objective, nullptr);
+    nlopt_set_maxeval(opt, 200);
+    std::pair<double, double> end;
+    double x[] = {2.0, 2.0}, f = 0.0;
+    nlopt_optimize(opt, x, &f);
+    nlopt_destroy(opt);
+    return std::pair{x[0], x[1]};
+  };
+  EXPECT_NE(run(), run());
+  const Case& c = case_named("HS022 in a box");
+  const auto& crs = find_solver("nlopt-crs2");
+  solvers::Options other;
+  other.seed = 2;
+  EXPECT_EQ(crs.solve(c.problem, c.start).x, crs.solve(c.problem, c.start).x);
+  EXPECT_NE(crs.solve(c.problem, c.start).x, crs.solve(c.problem, c.start, other).x);
+}
+
+/// minimise (x - 3)^2 over lower <= x <= upper, straight to Ipopt.
+class Raw : public Ipopt::TNLP {
+ public:
+  Raw(double lower, double upper) : lower_(lower), upper_(upper) {}
+  bool throws = false, finished = false;
+  double x = -1.0, objective = -1.0, largest = -1.0;
+  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian, IndexStyleEnum& style) override {
+    n = hessian = 1, m = jacobian = 0, style = C_STYLE;
+    return true;
+  }
+  bool get_bounds_info(Ipopt::Index, double* xl, double* xu, Ipopt::Index, double*, double*) override {
+    xl[0] = lower_, xu[0] = upper_;
+    return true;
+  }
+  bool get_starting_point(Ipopt::Index, bool, double* s, bool, double*, double*, Ipopt::Index, bool, double*) override {
+    s[0] = 1.0;
+    return true;
+  }
+  bool eval_f(Ipopt::Index, const double* p, bool, double& value) override {
+    if (throws) throw std::domain_error("mine");
+    largest = std::max(largest, p[0]);
+    value = (p[0] - 3.0) * (p[0] - 3.0);
+    return true;
+  }
+  bool eval_grad_f(Ipopt::Index, const double* p, bool, double* g) override {
+    g[0] = 2.0 * (p[0] - 3.0);
+    return true;
+  }
+  bool eval_g(Ipopt::Index, const double*, bool, Ipopt::Index, double*) override { return true; }
+  bool eval_jac_g(Ipopt::Index, const double*, bool, Ipopt::Index, Ipopt::Index, Ipopt::Index*, Ipopt::Index*, double*) override {
+    return true;
+  }
+  bool eval_h(Ipopt::Index, const double*, bool, double factor, Ipopt::Index, const double*, bool, Ipopt::Index, Ipopt::Index* rows,
+              Ipopt::Index* columns, double* values) override {
+    if (values == nullptr) {
+      rows[0] = columns[0] = 0;
+    } else {
+      values[0] = 2.0 * factor;
+    }
+    return true;
+  }
+  void finalize_solution(Ipopt::SolverReturn, Ipopt::Index, const double* p, const double*, const double*, Ipopt::Index, const double*,
+                         const double*, double value, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
+    finished = true, x = p[0], objective = value;
+  }
+
+ private:
+  double lower_, upper_;
+};
+
+FormulaProblem parabola(double lower, double upper) {
+  return {"parabola", {{lower, upper}}, [](const Variables& x) { return sqr(x[0] - 3.0); }, {}};
+}
+
+Ipopt::SmartPtr<Ipopt::IpoptApplication> application() {
+  Ipopt::SmartPtr<Ipopt::IpoptApplication> app = new Ipopt::IpoptApplication(false);
+  app->Options()->SetIntegerValue("print_level", 0);
+  app->Options()->SetStringValue("sb", "yes");
+  app->Initialize("");
+  return app;
+}
+
+TEST(IpoptMisbehaviour, LeavesBoundsAndTheInterfaceDoesNot) {
+  const Ipopt::SmartPtr<Raw> raw = new Raw(0.0, 2.0);
+  application()->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(raw)));
+  EXPECT_GT(raw->largest, 2.0 + 1e-9);  // it evaluates outside the bounds, where a function may not exist
+  class Recording : public FormulaProblem {
+   public:
+    Recording() : FormulaProblem(parabola(0.0, 2.0)) {}
+    double objective(std::span<const double> x) const override {
+      largest = std::max(largest, x[0]);
+      return FormulaProblem::objective(x);
+    }
+    mutable double largest = -1.0;
+  };
+  const Recording problem;
+  const Result result = find_solver("ipopt").solve(problem, std::vector<double>{1.0});
+  EXPECT_LE(problem.largest, 2.0);
+  EXPECT_LE(result.x[0], 2.0);
+  EXPECT_EQ(result.verification.bound_violation, 0.0);
+}
+
+TEST(IpoptMisbehaviour, CrossedBoundsEndWithoutASolution) {
+  const Ipopt::SmartPtr<Raw> raw = new Raw(2.0, 1.0);
+  const auto status = application()->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(raw)));
+  EXPECT_NE(status, Ipopt::Solve_Succeeded);
+  EXPECT_FALSE(raw->finished);
+  EXPECT_EQ(find_solver("ipopt").solve(parabola(2.0, 1.0), std::vector<double>{1.0}).claim, Claim::refused);
+}
+
+TEST(IpoptMisbehaviour, LosesExceptions) {
+  const Ipopt::SmartPtr<Raw> raw = new Raw(0.0, 5.0);
+  raw->throws = true;
+  Ipopt::ApplicationReturnStatus status = Ipopt::Solve_Succeeded;
+  EXPECT_NO_THROW(status = application()->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(raw))));
+  EXPECT_EQ(status, Ipopt::NonIpopt_Exception_Thrown);
+  class Throwing : public FormulaProblem {
+   public:
+    Throwing() : FormulaProblem(parabola(0.0, 5.0)) {}
+    double objective(std::span<const double>) const override { throw std::domain_error("mine"); }
+  };
+  EXPECT_THROW(find_solver("ipopt").solve(Throwing(), std::vector<double>{1.0}), std::domain_error);
+}
+
+TEST(IpoptMisbehaviour, ReportsAnObjectiveThatIsNotItsPoints) {
+  const Ipopt::SmartPtr<Raw> raw = new Raw(0.0, 5.0);
+  const auto app = application();
+  EXPECT_FALSE(app->Options()->SetNumericValue("max_wall_time", 1.0)) << "3.11 has CPU time limits only";
+  app->Options()->SetNumericValue("max_cpu_time", 1e-12);
+  EXPECT_EQ(app->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(raw))), Ipopt::Maximum_CpuTime_Exceeded);
+  EXPECT_GT(std::abs(raw->objective - (raw->x - 3.0) * (raw->x - 3.0)), 1.0);
+  solvers::Options options;
+  options.native["max_cpu_time"] = "1e-12";
+  const FormulaProblem problem = parabola(0.0, 5.0);
+  const Result result = find_solver("ipopt").solve(problem, std::vector<double>{1.0}, options);
+  EXPECT_EQ(result.claim, Claim::time_limit);
+  EXPECT_DOUBLE_EQ(result.verification.objective, problem.objective(result.x));
+}
+
+class Rosenbrock final : public ceres::SizedCostFunction<2, 2> {
+ public:
+  bool Evaluate(double const* const* p, double* r, double** j) const override {
+    const double *x = p[0], ten = 10.0 * std::sqrt(2.0);
+    r[0] = ten * (x[1] - x[0] * x[0]), r[1] = std::sqrt(2.0) * (1.0 - x[0]);
+    if (j != nullptr && j[0] != nullptr) j[0][0] = -2.0 * ten * x[0], j[0][1] = ten, j[0][2] = -std::sqrt(2.0), j[0][3] = 0.0;
+    return true;
+  }
+};
+
+TEST(CeresMisbehaviour, ConvergesBesideTheMinimumAlongABound) {
+  ceres::Problem problem;
+  double x[] = {-2.0, 1.5};
+  problem.AddResidualBlock(new Rosenbrock, nullptr, x);
+  problem.SetParameterLowerBound(x, 1, 1.5);
+  ceres::Solver::Options options;
+  options.logging_type = ceres::SILENT;
+  options.max_num_iterations = 500;
+  options.function_tolerance = 1e-16;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  EXPECT_EQ(summary.termination_type, ceres::CONVERGENCE);
+  EXPECT_GT(summary.final_cost, 0.0504262 + 1e-5);
+  const Case& c = case_named("HS002");
+  EXPECT_NE(find_solver("ceres-al").solve(c.problem, c.start).verification.verdict, Verdict::optimal);
+}
+
+}  // namespace
+}  // namespace accdec::testing
