@@ -150,6 +150,49 @@ TEST(Exact, AgreesWithBruteForce) {
   EXPECT_GT(none, 5);
 }
 
+// Two corners of different weight that share the filter: all orders, pairs of delays and pairs of samples.
+TEST(Exact, TwoCornersAgreeWithBruteForce) {
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  int found = 0;
+  for (int i = 0; i < 12; ++i) {
+    SCOPED_TRACE(i);
+    Task task = testing::random_task(rng, 2);
+    task.sample_period = 8e-3;
+    task.design.order_max = 4;
+    for (Axis& axis : task.machine.axes) {
+      axis.power_max = axis.regeneration_max = axis.force_max = axis.jerk_max = unlimited;
+      axis.acceleration_max = 12.0 + 10.0 * u(rng);
+    }
+    for (TaskCorner& c : task.corners) c.speed_min = 0.0, c.error_max = 0.6 * 8e-3 * c.feed_in * u(rng);
+    const exact::LimitModel model(task);
+    double best = std::numeric_limits<double>::infinity();
+    for (int n = 1; n <= 4; ++n) {
+      exact::Relaxation relaxation(model, n);
+      for (int d1 = 0; d1 <= n + 1; ++d1) {
+        for (int d2 = 0; d2 <= n + 1; ++d2) {
+          const double value = cycle_time(task, n, {d1, d2});
+          for (int k1 = 0; k1 <= n + d1 + 1; ++k1) {
+            for (int k2 = 0; k2 <= n + d2 + 1 && value < best; ++k2) {
+              if (relaxation.solve({n, {{d1, d1, k1, k1}, {d2, d2, k2, k2}}}, false).filter) best = value;
+            }
+          }
+        }
+      }
+    }
+    const DesignResult result = design_exact(task);
+    expect_proved(task, result);
+    if (std::isinf(best)) {
+      EXPECT_EQ(result.status, Status::infeasible);
+    } else {
+      ++found;
+      EXPECT_NEAR(result.cycle_time, best, 1e-9 * best);
+    }
+    if (HasFailure()) break;
+  }
+  EXPECT_GT(found, 3);
+}
+
 TEST(Exact, InfeasibleNamesTheConflict) {
   Axis axis;
   axis.acceleration_max = 6.0;

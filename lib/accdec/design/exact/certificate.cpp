@@ -256,8 +256,15 @@ class Checker {
       // bound.
       if (wp.hi < 0.0 || wq.hi < 0.0) throw Rejected("a tangent cut does not apply to a whole box");
       p.lo = std::max(p.lo, 0.0), q.lo = std::max(q.lo, 0.0);
-      if (wp.lo < 0.0) p = Interval(0.0);
-      if (wq.lo < 0.0) q = Interval(0.0);
+      // Where rounding leaves the sign open, the most that a negative weight could take away: p <= N, q <= k - d.
+      if (wp.lo < 0.0) {
+        p = Interval(0.0);
+        sum.rhs = sum.rhs + Interval(-wp.lo) * static_cast<double>(sum.taps.size());
+      }
+      if (wq.lo < 0.0) {
+        q = Interval(0.0);
+        sum.rhs = sum.rhs + Interval(-wq.lo) * static_cast<double>(std::max(0, r.k2 - r.d1));
+      }
     }
     const int n = static_cast<int>(sum.taps.size()) - 1, m = r.k1 - r.d2;
     for (int i = std::max(0, r.k2 + 1); i <= n; ++i) sum.tap(i, p * static_cast<double>(i - r.k2));
@@ -288,6 +295,7 @@ class Checker {
     const int j = row.at(1).get<int>(), a = row.at(2).get<int>(), k = row.at(3).get<int>();
     const TaskCorner& c = corner(j);
     const Axis& x = axis(a);
+    if (k < 1 || k > 100'000'000) throw Rejected("a multiplier names a sample that is not there");
     const Range& r = box[static_cast<std::size_t>(j)];
     if (r.d1 != r.d2) throw Rejected("a limit of the blend is used for several delays at once");
     const Interval in = speed(c, static_cast<std::size_t>(a), true), out = speed(c, static_cast<std::size_t>(a), false);
