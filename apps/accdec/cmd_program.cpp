@@ -4,6 +4,7 @@
 
 #include <accdec/io/atomic_file.hpp>
 #include <accdec/io/task_reader.hpp>
+#include <accdec/program/design_program.hpp>
 #include <accdec/program/report.hpp>
 #include <accdec/program/stream_file.hpp>
 
@@ -14,13 +15,12 @@ namespace {
 
 struct Options {
   std::string program, task, json, delays, samples, emit;
-  double arc_tolerance_um = 2.0;
+  double arc_tolerance_um = 2.0, time_limit = 60.0;
   bool rapid_stops = false;
 };
 
 void run(const Options& options, Context& context) {
   const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
-  if (!task.filter) throw InputError(options.task, 0, 0, "a program needs a [filter] in its task");
   for (const std::string& path : {options.json, options.delays, options.samples, options.emit}) {
     if (!path.empty()) require_writable(path);
   }
@@ -31,7 +31,23 @@ void run(const Options& options, Context& context) {
   reading.rapid_stops = options.rapid_stops;
   Toolpath path = read_toolpath(source, task.machine, reading);
 
-  const ProgramResult result = run_program(options.program, std::move(path), make_filter(*task.filter), task);
+  ProgramFilter choice;
+  if (task.filter) {
+    choice.filter = make_filter(*task.filter);
+    choice.solver.method = "given";
+  } else {
+    choice = design_program_filter(path, task, options.time_limit, [&](const std::string& line) {
+      if (!context.quiet) std::fprintf(stderr, "%s\n", line.c_str());
+    });
+    if (!choice.filter) {
+      std::fprintf(stderr, "%s\n", choice.message.c_str());
+      context.exit_code = exit_no_answer;
+      return;
+    }
+  }
+  ProgramResult result = run_program(options.program, std::move(path), *choice.filter, task);
+  choice.solver.wall_time += result.solver.wall_time;
+  result.solver = choice.solver;
   // The large ones first, beside their targets; everything gets its name only when all is written.
   StreamFile samples, emitted;
   if (!options.samples.empty()) {
@@ -64,7 +80,7 @@ void add_program(CLI::App& app, Context& context) {
   command->add_option("file", options->program, "RS-274, canonical calls (rs274 -g) or CSV of points and feeds")
       ->required()
       ->type_name("FILE");
-  command->add_option("--task", options->task, "Task with the sample period, the filter and the axes; no corners")
+  command->add_option("--task", options->task, "Task with the sample period, the axes and the filter; without filter one is designed")
       ->required()
       ->type_name("TASK.toml");
   command->add_option("--json", options->json, "Write the result to FILE, - for standard output")->type_name("FILE");
@@ -75,6 +91,9 @@ void add_program(CLI::App& app, Context& context) {
   command->add_option("--arc-tolerance-um", options->arc_tolerance_um, "Largest distance of a chord from its arc")
       ->type_name("UM")
       ->check(CLI::Range(1e-3, 1e4))
+      ->capture_default_str();
+  command->add_option("--time-limit", options->time_limit, "s, for the design of a filter where the task has none")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_flag("--rapid-stops", options->rapid_stops, "Stop wherever rapid and feed moves meet");
   command->callback([options, &context] { run(*options, context); });

@@ -91,6 +91,22 @@ TEST_F(ProgramCommand, FailsWhenALimitBreaksWhateverTheDelays) {
   EXPECT_THAT(done.out, HasSubstr("NOT verified: a limit is broken: jerk"));
 }
 
+TEST_F(ProgramCommand, DesignsAFilterWhereTheTaskHasNone) {
+  write("open.toml",
+        "sample_period_ms = 1.0\n[design]\norder_max = 40\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n"
+        "jerk_max_mm_s3 = 500000\n");
+  ASSERT_EQ(run("generate zigzag --blocks 100 --feed 6000 --out part.ngc").code, 0);
+  const Output designed = run("program part.ngc --task open.toml --json r.json --time-limit 5");
+  EXPECT_EQ(designed.code, 0) << designed.out << designed.err;
+  const Output given = run("program part.ngc --task task.toml --json g.json");
+  EXPECT_EQ(given.code, 0);
+  const auto time = [&](const std::string& name) {
+    const std::string text = read(name), key = "\"cycle_time_s\": ";
+    return std::stod(text.substr(text.find(key) + key.size()));
+  };
+  EXPECT_LT(time("r.json"), time("g.json"));
+}
+
 TEST_F(ProgramCommand, SameInputSameBytes) {
   ASSERT_EQ(run("generate pocket --blocks 300 --out part.ngc").code, 0);
   run("program part.ngc --task task.toml --delays a.csv --samples sa.csv --emit ea.ngc");

@@ -1,0 +1,246 @@
+#include <accdec/program/design_program.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <accdec/design/design.hpp>
+#include <accdec/design/standard_shapes.hpp>
+#include <accdec/design/verifier.hpp>
+#include <accdec/motion/shapes.hpp>
+#include <accdec/program/plan.hpp>
+
+namespace accdec {
+namespace {
+
+Eigen::VectorXd leg(const Toolpath& path, std::size_t b) {
+  const auto n = static_cast<Eigen::Index>(path.dimensions());
+  return Eigen::Map<const Eigen::VectorXd>(path.point(b + 1), n) - Eigen::Map<const Eigen::VectorXd>(path.point(b), n);
+}
+
+TaskCorner task_corner(const std::string& name, const Eigen::VectorXd& in, const Eigen::VectorXd& out, double feed_in, double feed_out) {
+  TaskCorner corner;
+  corner.name = name;
+  corner.geometry = make_corner(in, out, feed_in, feed_out);
+  const Eigen::VectorXd &u1 = corner.geometry.direction_in, &u2 = corner.geometry.direction_out;
+  corner.direction_in.assign(u1.data(), u1.data() + u1.size());
+  corner.direction_out.assign(u2.data(), u2.data() + u2.size());
+  corner.angle = std::acos(corner.geometry.cos_interior());
+  corner.feed_in = feed_in;
+  corner.feed_out = feed_out;
+  return corner;
+}
+
+struct Class {
+  std::size_t member = 0, count = 0;
+};
+
+/// Unlimited when the filter cannot hold the limits.
+double program_time(const Toolpath& path, const Filter& filter, const Task& task, const Machine& machine) {
+  for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, machine)) {
+    if (use.utilisation > 1.0) return unlimited;
+  }
+  Toolpath copy = path;
+  limit_rapids(copy, filter, task.sample_period, machine);
+  const PairwiseDelays delays = pairwise_delays(copy, filter, task.sample_period, machine);
+  if (!delays.limits_possible) return unlimited;
+  const CommandTiming timing(copy, task.sample_period, delays.delays);
+  return static_cast<double>(timing.command_samples() + filter.order() + 1) * task.sample_period;
+}
+
+/// With everything that overlaps: the time of the simulated plan. Unlimited when that does not hold.
+double planned_time(const Toolpath& path, const Filter& filter, const Task& task, const Machine& machine) {
+  Toolpath copy = path;
+  limit_rapids(copy, filter, task.sample_period, machine);
+  const ProgramPlan plan = plan_program(copy, filter, task.sample_period, machine);
+  for (const LimitUse& use : plan.simulation.limits) {
+    if (use.utilisation > 1.0 + verification_tolerance) return unlimited;
+  }
+  return plan.errors_hold ? static_cast<double>(plan.simulation.samples) * task.sample_period : unlimited;
+}
+
+/// The taps spread over `factor` times as many samples, B interpolated: a gentler filter of the same shape.
+Filter stretched(const Filter& filter, double factor) {
+  const int count = static_cast<int>(std::ceil((filter.order() + 1) * factor));
+  const auto cumulative = [&](double x) {
+    const int k = static_cast<int>(std::floor(x));
+    return filter.cumulative(k) + (x - k) * filter.tap(k);
+  };
+  std::vector<double> taps;
+  for (int i = 0; i < count; ++i) taps.push_back(std::max(0.0, cumulative((i + 1) / factor) - cumulative(i / factor)));
+  return Filter(taps);
+}
+
+/// Trapezoids judged by the whole program, which knows what a few corners do not: rapid moves, for instance, go faster with longer
+/// filters. A coarse grid of orders and ramps, then steps around the best that halve. At most `evaluations` programs are timed.
+class TrapezoidSearch {
+ public:
+  TrapezoidSearch(const Toolpath& path, const Task& task, const Machine& machine, long evaluations)
+      : path_(path), task_(task), machine_(machine), left_(evaluations) {}
+
+  void run() {
+    const int low = task_.design.order_min, high = task_.design.order_max;
+    for (double order = std::max(1, low); order <= high; order = std::max(order + 1.0, order * 1.3)) {
+      for (const double part : {0.0, 0.25, 0.5}) offer(static_cast<int>(order), static_cast<int>(part * order));
+    }
+    for (int step = std::max(1, order_ / 8); filter_ && left_ > 0;) {
+      const double before = time_;
+      const int order = order_, ramp = ramp_;
+      for (const int d : {-step, step}) {
+        offer(order + d, ramp);
+        offer(order, ramp + d);
+        offer(order + d, ramp + d);
+      }
+      if (time_ < before) continue;
+      if (step == 1) break;
+      step /= 2;
+    }
+  }
+  const std::optional<Filter>& filter() const { return filter_; }
+  long evaluations() const { return used_; }
+
+ private:
+  void offer(int order, int ramp) {
+    if (left_ <= 0 || order < task_.design.order_min || order > task_.design.order_max || ramp < 0 || ramp > order / 2) return;
+    --left_;
+    ++used_;
+    const Filter filter = trapezoid(order, ramp);
+    const double time = program_time(path_, filter, task_, machine_);
+    if (!(time < time_)) return;
+    time_ = time;
+    order_ = order;
+    ramp_ = ramp;
+    filter_ = filter;
+  }
+
+  const Toolpath& path_;
+  const Task& task_;
+  const Machine& machine_;
+  long left_, used_ = 0;
+  std::optional<Filter> filter_;
+  double time_ = unlimited;
+  int order_ = 0, ramp_ = 0;
+};
+
+}  // namespace
+
+Task representative_task(const Toolpath& path, const Task& task, std::size_t corners_max) {
+  Task result = task;
+  result.filter.reset();
+  result.corners.clear();
+  result.machine = program_machine(task.machine, path);
+  const std::size_t n = path.dimensions();
+
+  // Classes of 10 degrees and of factors of 1.5 in feeds and tolerance.
+  std::map<std::array<int, 4>, Class> classes;
+  std::vector<double> fastest(n, 0.0);
+  std::vector<std::size_t> driver(n, 0);
+  const auto logarithm = [](double x) { return x > 0.0 ? static_cast<int>(std::floor(std::log(x) / std::log(1.5))) : -1000; };
+  Eigen::VectorXd in, out = leg(path, 0);
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    in = out;
+    for (std::size_t a = 0; a < n && path.rapid[b] == 0; ++a) {
+      const double speed = std::abs(in[static_cast<Eigen::Index>(a)]) / path.duration[b];
+      if (speed > fastest[a]) fastest[a] = speed, driver[a] = b;
+    }
+    if (b + 1 == path.blocks()) break;
+    out = leg(path, b + 1);
+    if (path.joint[b] != Joint::corner || path.rapid[b] != 0 || path.rapid[b + 1] != 0) continue;
+    const double cosine = -in.dot(out) / (in.norm() * out.norm());
+    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
+    Class& c = classes[{static_cast<int>(angle / 10.0), logarithm(in.norm() / path.duration[b]),
+                        logarithm(out.norm() / path.duration[b + 1]), logarithm(path.tolerance[b])}];
+    if (c.count++ == 0) c.member = b;
+  }
+  std::vector<Class> frequent;
+  for (const auto& [key, c] : classes) frequent.push_back(c);
+  std::stable_sort(frequent.begin(), frequent.end(), [](const Class& a, const Class& b) { return a.count > b.count; });
+  if (frequent.size() > corners_max) frequent.resize(corners_max);
+  for (const Class& c : frequent) {
+    const std::size_t b = c.member;
+    const Eigen::VectorXd u = leg(path, b), w = leg(path, b + 1);
+    TaskCorner corner = task_corner(fmt::format("line {}", path.line[b]), u, w, u.norm() / path.duration[b], w.norm() / path.duration[b + 1]);
+    corner.error_max = path.tolerance[b];
+    corner.weight = static_cast<double>(c.count);
+    result.corners.push_back(std::move(corner));
+  }
+  std::sort(driver.begin(), driver.end());
+  driver.erase(std::unique(driver.begin(), driver.end()), driver.end());
+  for (const std::size_t b : driver) {
+    const Eigen::VectorXd u = leg(path, b);
+    const double feed = u.norm() / path.duration[b];
+    TaskCorner corner = task_corner(fmt::format("pass in line {}", path.line[b]), u, u, feed, feed);
+    corner.delay = 0;
+    corner.weight = 1e-3;
+    result.corners.push_back(std::move(corner));
+  }
+  return result;
+}
+
+ProgramFilter design_program_filter(const Toolpath& path, const Task& task, double time_limit,
+                                    const std::function<void(const std::string&)>& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const Task representative = representative_task(path, task);
+  const Machine machine = program_machine(task.machine, path);
+  ProgramFilter best;
+  double best_time = unlimited;
+  std::string reason;
+  const auto offer = [&](const DesignResult& design, const std::string& name) {
+    best.solver.evaluations += design.solver.evaluations;
+    if (!design.filter) {
+      if (reason.empty()) reason = design.message;
+      return;
+    }
+    const double time = program_time(path, *design.filter, task, machine);
+    if (progress) progress(fmt::format("{}: {} taps, {:.4f} s", name, design.filter->order() + 1, time));
+    if (!(time < best_time)) return;
+    best_time = time;
+    best.filter = design.filter;
+    best.solver.name = name;
+    best.solver.version = design.solver.version;
+    best.solver.claimed = design.solver.claimed;
+  };
+  // About as much work as reading a program of 50 million blocks.
+  TrapezoidSearch search(path, task, machine, std::clamp(50'000'000L / static_cast<long>(path.blocks()), 40L, 2000L));
+  search.run();
+  DesignResult found;
+  found.filter = search.filter();
+  found.message = "no trapezoid holds them";
+  found.solver.evaluations = search.evaluations();
+  offer(found, "trapezoid for the program");
+  for (const Shape shape : {Shape::boxcar, Shape::trapezoid}) {
+    offer(best_standard_shape(representative, shape).result, std::string(to_string(shape)));
+  }
+  DesignOptions options;
+  options.time_limit = time_limit;
+  options.certificate = false;
+  const DesignResult design = design_task(representative, options);
+  offer(design, design.solver.name.empty() ? design.solver.method : design.solver.name);
+  if (best.filter) {
+    // Where moves overlap, what each alone holds may not hold together, and repair costs time that a gentler filter saves.
+    const Filter chosen = *best.filter;
+    double shortest = planned_time(path, chosen, task, machine);
+    for (double factor = 1.2; shortest > 1.005 * best_time && factor < 4.0; factor *= 1.2) {
+      const Filter gentler = stretched(chosen, factor);
+      if (gentler.order() > task.design.order_max || program_time(path, gentler, task, machine) >= shortest) break;
+      const double time = planned_time(path, gentler, task, machine);
+      if (progress) progress(fmt::format("stretched to {} taps: {:.4f} s simulated", gentler.order() + 1, time));
+      if (time < shortest) {
+        shortest = time;
+        best.filter = gentler;
+      }
+    }
+  }
+  best.solver.method = "representative corners";
+  best.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!best.filter) best.message = "no filter within the task's bounds holds the limits: " + reason;
+  return best;
+}
+
+}  // namespace accdec
