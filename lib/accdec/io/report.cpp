@@ -123,10 +123,10 @@ std::string result_text(const DesignResult& result) {
     if (result.gap) text += fmt::format(" (gap {:.3g} %)", 100.0 * *result.gap);
     text += "\n";
   }
-  if (!result.solver.name.empty()) {
-    text += fmt::format("solver      {} {} ({}), claims \"{}\", {} evaluations, {:.3g} ms\n", result.solver.name,
-                        result.solver.version, result.solver.method, result.solver.claimed, result.solver.evaluations,
-                        1e3 * result.solver.wall_time);
+  if (const SolverReport& s = result.solver; !s.name.empty()) {
+    text += fmt::format("solver      {}{}{} ({}){}, {} evaluations, {:.3g} ms\n", s.name, s.version.empty() ? "" : " ",
+                        s.version, s.method, s.claimed.empty() ? "" : fmt::format(", claims \"{}\"", s.claimed),
+                        s.evaluations, 1e3 * s.wall_time);
   }
   if (const VerificationReport& v = result.verification; v.performed) {
     text += fmt::format("verified    by simulation: {}\n", v.worst.empty() ? "the task has no limits"

@@ -324,6 +324,17 @@ std::vector<Table> read_tables(const Table& top, std::string_view key, const std
   return result;
 }
 
+/// For commands that design nothing. Comes last: what is wrong in itself is told before what is missing for one
+/// command.
+void require_choices(const Task& task, const Table& top, const std::vector<Table>& corners) {
+  if (!task.filter) top.fail("the task has no [filter], which is needed here; `accdec design` chooses one");
+  for (std::size_t j = 0; j < corners.size(); ++j) {
+    if (task.corners[j].delay) continue;
+    corners[j].fail(fmt::format("corner {} has no `delay_samples`, which is needed here; `accdec design` chooses it",
+                                task.corners[j].name));
+  }
+}
+
 }  // namespace
 
 Task task_from_tree(const toml::table& tree, const std::string& file, const std::string& pointer,
@@ -333,10 +344,7 @@ Task task_from_tree(const toml::table& tree, const std::string& file, const std:
   Task task;
   task.title = top.text("title", true, true).value_or("");
   task.sample_period = required(top, task_keys::sample_period);
-  if (const auto* filter = top.table("filter"))
-    task.filter = read_filter(*filter, top);
-  else if (options.require_choices)
-    top.fail("the task has no [filter], which is needed here; `accdec design` chooses one");
+  if (const auto* filter = top.table("filter")) task.filter = read_filter(*filter, top);
   if (const auto* design = top.table("design")) task.design = read_design(*design, top);
   if (const auto* program = top.table("program")) {
     const Table table(*program, file, "[program]", pointer + "/program", {"error_max_um"}, other_table);
@@ -355,14 +363,11 @@ Task task_from_tree(const toml::table& tree, const std::string& file, const std:
   for (std::size_t j = 0; j < corners.size(); ++j) {
     task.corners.push_back(read_corner(corners[j], j));
     names.add(corners[j], task.corners.back().name);
-    if (options.require_choices && !task.corners.back().delay) {
-      corners[j].fail(fmt::format("corner {} has no `delay_samples`, which is needed here; `accdec design` chooses it",
-                                  task.corners.back().name));
-    }
   }
   task.machine.axes = read_axes(axes, task.corners, corners, options);
   for (const Table& mode : modes) task.machine.modes.push_back(read_mode(mode));
   for (std::size_t j = 0; j < corners.size(); ++j) place_corner(task.corners[j], corners[j], task.machine);
+  if (options.require_choices) require_choices(task, top, corners);
   return task;
 }
 

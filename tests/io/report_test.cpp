@@ -1,0 +1,42 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/design/verifier.hpp>
+#include <accdec/io/report.hpp>
+#include <accdec/io/task_reader.hpp>
+
+#include "malformed_tasks.hpp"
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(TextTable, AlignsColumnsWithoutTrailingSpaces) {
+  TextTable table({"name", "value", "note"});
+  table.left(2);
+  table.add({"a", "1.5", "x"});
+  table.add({"longer", "12.25", ""});
+  table.add({"\xC3\xA9t\xC3\xA9", "3", "umlauts count once"});
+  EXPECT_EQ(table.str(),
+            "name    value  note\n"
+            "a         1.5  x\n"
+            "longer  12.25\n"
+            "\xC3\xA9t\xC3\xA9         3  umlauts count once\n");
+  EXPECT_THROW(table.add({"too", "few"}), std::invalid_argument);
+}
+
+TEST(ResultText, StatesUnitsAndTheWorstOfEveryLimit) {
+  const DesignResult result = evaluate_task(parse_task(malformed::Parts{}.str(), "t"));
+  const std::string text = result_text(result);
+  EXPECT_THAT(text, HasSubstr("status      feasible\n"));
+  EXPECT_THAT(text, HasSubstr("order 20 (21 taps), sample period 1 ms, mean delay 10 ms"));
+  EXPECT_THAT(text, HasSubstr("cycle time  24 ms"));
+  EXPECT_THAT(text, HasSubstr("all limits hold"));
+  for (const char* unit : {"um", "mm/s", "ms", "mm/s^2", "N", "%"}) EXPECT_THAT(text, HasSubstr(unit));
+  // Velocity x: 100 mm/s of 500, under the width of "313.344".
+  EXPECT_THAT(text, HasSubstr("20.00      100    500  mm/s"));
+}
+
+}  // namespace
+}  // namespace accdec
