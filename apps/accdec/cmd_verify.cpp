@@ -18,8 +18,12 @@ void add_verify(CLI::App& app, Context& context) {
     const Recheck check = recheck(result);
     if (check.accepted) {
       if (context.quiet) return;
-      fmt::print("accepted: all limits hold in simulation; worst {}\n",
-                 check.verification.worst.empty() ? "none" : check.verification.worst);
+      if (!check.verification.performed) {
+        fmt::print("accepted: there is no design\n");
+      } else {
+        fmt::print("accepted: all limits hold in simulation; worst {}\n",
+                   check.verification.worst.empty() ? "none" : check.verification.worst);
+      }
       if (!check.proof.empty()) fmt::print("proof accepted: {}\n", check.proof);
       return;
     }

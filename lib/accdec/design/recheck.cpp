@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/enumeration.hpp>
+#include <accdec/design/exact/certificate.hpp>
 #include <accdec/design/recheck.hpp>
 #include <accdec/design/verifier.hpp>
 #include <algorithm>
@@ -106,7 +107,9 @@ void check_proof(const DesignResult& result, Recheck& report) {
     return;
   }
   if (!result.task.filter) {
-    reject("the certificate is of a kind unknown here");
+    const CheckReport check = check_certificate(result.task, result);
+    if (!check.accepted) reject("the certificate does not hold: " + check.reason);
+    report.proof = check.reason;
     return;
   }
   std::vector<int> delays;
@@ -120,6 +123,13 @@ void check_proof(const DesignResult& result, Recheck& report) {
 
 Recheck recheck(const DesignResult& result) {
   Recheck report;
+  if (result.status == Status::infeasible && !result.certificate.empty() && !result.task.filter) {
+    const CheckReport check = check_certificate(result.task, result);
+    report.accepted = check.accepted;
+    report.proof = check.reason;
+    if (!check.accepted) report.reasons.push_back("the certificate does not hold: " + check.reason);
+    return report;
+  }
   const bool has_design = result.status == Status::optimal || result.status == Status::feasible;
   if (!has_design) {
     report.reasons.push_back(fmt::format("the result is {}: there is no design to verify", to_string(result.status)));
