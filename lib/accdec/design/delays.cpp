@@ -56,8 +56,9 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
         corner.error_max ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
                                     corner.geometry.feed_out * period, *corner.error_max)
                          : 0);
-    // From N + 1 on the legs do not overlap and nothing changes any more.
-    const int last = corner.delay.value_or(std::max(delay, filter.order() + 1));
+    // At N + 1 the legs no longer overlap, but the last step of one acceleration still meets the first of the other: from N + 2 on
+    // nothing changes any more.
+    const int last = corner.delay.value_or(std::max(delay, filter.order() + 2));
     std::string broken;
     while (++tried, !holds(task, corner, filter, delay, &broken) && delay < last) ++delay;
     if (!holds(task, corner, filter, delay, &broken)) {

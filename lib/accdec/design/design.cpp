@@ -58,6 +58,11 @@ DesignResult combine(DesignResult design, const DesignResult& bound) {
 DesignResult exact_then_local(const Task& task, const DesignOptions& options) {
   const auto began = std::chrono::steady_clock::now();
   DesignResult exact = design_exact(task, exact_options(options));
+  if (options.certificate && exact.certificate.empty()) {
+    // Stopped before anything was proved: a bound nobody can check is none.
+    exact.lower_bound.reset();
+    exact.gap.reset();
+  }
   if (exact.status == Status::optimal || exact.status == Status::infeasible) return exact;
   DesignOptions local = options;
   local.time_limit -= std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

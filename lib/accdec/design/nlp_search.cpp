@@ -187,9 +187,11 @@ class Search {
       delays = found.delays;
       const std::vector<int> next = rounded_up(delays, order);
       const bool moved = coupled_ && next != blend;
-      // A step of one between passes is rounding; more means that the limits on the blend hold at one delay and the error at another.
+      // A step of one between passes is rounding; more means that the smallest speed holds at one delay and the error at another.
       consistent = true;
-      for (std::size_t j = 0; j < next.size(); ++j) consistent = consistent && (!moved || std::abs(next[j] - blend[j]) <= 1);
+      for (std::size_t j = 0; j < next.size(); ++j) {
+        consistent = consistent && (task_.corners[j].speed_min <= 0.0 || std::abs(next[j] - blend[j]) <= 1);
+      }
       best = std::move(found);
       const bool refined = refine_bands(start);
       if (!refined && !moved) break;
