@@ -158,6 +158,9 @@ TEST(DesignTask, NamesToleranceAndSmallestSpeedThatContradict) {
   EXPECT_EQ(result.status, Status::failed);
   EXPECT_FALSE(result.filter.has_value());
   EXPECT_THAT(result.message, ::testing::HasSubstr("jerk, corner error A, smallest speed A"));
+  const DesignResult by_default = design_task(task);
+  EXPECT_EQ(by_default.status, Status::failed);
+  EXPECT_THAT(by_default.message, ::testing::HasSubstr("jerk, corner error A, smallest speed A"));
 }
 
 TEST(DesignTask, UnknownSolverListsTheKnown) {

@@ -69,6 +69,11 @@ DesignResult exact_then_local(const Task& task, const DesignOptions& options) {
   const bool cancelled = options.cancel != nullptr && options.cancel->load();
   if (cancelled || local.time_limit <= 0.0) return exact;
   const DesignResult nlp = design_nlp(task, local);
+  if (!has_design(nlp) && !has_design(exact)) {
+    // Nothing proved and nothing found: the local search at least knows which limits are in each other's way.
+    exact.message += "; " + nlp.message;
+    return exact;
+  }
   if (!has_design(nlp) || (has_design(exact) && exact.cycle_time <= nlp.cycle_time)) return exact;
   return combine(nlp, exact);
 }
