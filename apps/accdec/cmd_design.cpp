@@ -4,6 +4,7 @@
 #include <accdec/io/atomic_file.hpp>
 #include <accdec/io/task_reader.hpp>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -73,8 +74,16 @@ void add_design(CLI::App& app, Context& context) {
   command->add_option("--solver", arguments->solver,
                       "nonlinear solver to use (see `accdec solvers`); implies --method nlp");
   command->add_option("--time-limit", arguments->time_limit, "seconds for the whole design; then the best so far")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--seed", arguments->seed, "seed of solvers that draw random numbers");
+      ->check([](const std::string& text) {
+        double seconds = 0.0;
+        const bool number = CLI::detail::lexical_cast(text, seconds) && std::isfinite(seconds) && seconds > 0.0;
+        return number ? std::string() : "must be a number of seconds > 0, got " + text;
+      });
+  command->add_option("--seed", arguments->seed, "seed of solvers that draw random numbers")
+      ->check([](const std::string& text) {
+        const bool whole = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+        return whole ? std::string() : "must be a whole number >= 0, got " + text;
+      });
   command->add_option("--option", arguments->native, "the solver's own option, NAME=VALUE; may be repeated");
   command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
   command->callback([arguments, &context] { run(*arguments, context); });

@@ -133,6 +133,21 @@ TEST_F(Certificate, OfAnotherTask) {
   EXPECT_FALSE(check_certificate(other, result).accepted);
 }
 
+TEST_F(Certificate, UnknownLabelsAndSchemas) {
+  json bad = good;
+  bad["schema"] = "accdec.certificate/2";
+  expect_rejected(check(bad), "schema is unknown");
+  int splits = 0;
+  for (std::size_t i = 0; i < good["tree"].size(); ++i) {
+    if (!good["tree"][i].is_array() || good["tree"][i].size() != 3) continue;
+    bad = good;
+    bad["tree"][i][1] = good["tree"][i][1].get<std::string>() + "x";
+    expect_rejected(check(bad), "splits neither a delay nor a sample");
+    ++splits;
+  }
+  EXPECT_GT(splits, 0);
+}
+
 TEST_F(Certificate, NotJson) {
   DesignResult changed = result;
   changed.certificate = std::string("{\"kind\"");

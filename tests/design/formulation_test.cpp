@@ -207,6 +207,15 @@ TEST(Formulations, GrowLinearlyWithTheOrder) {
   EXPECT_NEAR(entries(2000) / entries(1000), 2.0, 0.02);
 }
 
+TEST(Contradictions, BandsAcrossTheSampleRate) {
+  Task task = testing::plane_task({}, testing::plane_corner("A", 90, 0, 0.1, 0.1), 1e-4);
+  task.machine.modes = {{38.0, 999.0, 0.1}};
+  EXPECT_TRUE(contradictions(task).empty());
+  task.machine.modes = {{38.0, 1000.0, 0.1}};
+  ASSERT_EQ(contradictions(task).size(), 1U);
+  EXPECT_THAT(contradictions(task)[0], ::testing::HasSubstr("contains 1000 Hz, a multiple of the sample rate"));
+}
+
 TEST(Contradictions, NameTheLimit) {
   Axis axis;
   axis.damping = 1000.0;

@@ -278,6 +278,15 @@ std::vector<std::string> contradictions(const Task& task) {
                                   corner.speed_min, feed));
     }
   }
+  for (const Mode& mode : task.machine.modes) {
+    // Sampled, a whole number of cycles per period cannot be told from 0 Hz, where every filter passes everything.
+    const double alias = std::ceil(mode.frequency_low * task.sample_period - 1e-12);
+    if (mode.residual_max < 1.0 && alias >= 1.0 && alias <= mode.frequency_high * task.sample_period + 1e-12) {
+      found.push_back(fmt::format("vibration: the band {:g} to {:g} Hz contains {:g} Hz, a multiple of the sample rate, where no filter "
+                                  "reduces anything",
+                                  mode.frequency_low, mode.frequency_high, alias / task.sample_period));
+    }
+  }
   return found;
 }
 

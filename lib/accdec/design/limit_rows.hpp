@@ -44,7 +44,7 @@ CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int orde
 void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task, const FormulationOptions& options);
 
 /// Limits that no filter can hold, whatever its order: feed above an axis velocity, friction above force or power at feed, a smallest
-/// speed above the feed. One sentence each; empty when there is none.
+/// speed above the feed, a vibration band across a multiple of the sample rate. One sentence each; empty when there is none.
 std::vector<std::string> contradictions(const Task& task);
 
 /// A grid for each mode's band at which to impose its bound first: the ends and points a half of the response's shortest ripple apart.

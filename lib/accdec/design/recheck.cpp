@@ -60,6 +60,8 @@ void compare_choice(const DesignResult& result, std::vector<std::string>& reason
 void compare_numbers(const DesignResult& recorded, const DesignResult& found, std::vector<std::string>& reasons) {
   Comparison compare(reasons);
   compare.number("cycle_time_s", recorded.cycle_time, found.cycle_time, 0.0);
+  if (recorded.verification.feasible != found.verification.feasible) reasons.push_back("verification.feasible is recorded wrongly");
+  compare.number("verification.max_violation", recorded.verification.max_violation, found.verification.max_violation, 1e-12);
   for (std::size_t j = 0; j < found.corners.size(); ++j) {
     const CornerResult &a = recorded.corners[j], &b = found.corners[j];
     const auto named = [&](const char* what) { return fmt::format("corner {}: {}", b.name, what); };
@@ -83,6 +85,9 @@ void compare_numbers(const DesignResult& recorded, const DesignResult& found, st
     }
     const double floor = b.kind == LimitKind::corner_error ? position_floor : 1e-12;
     compare.number("value of " + describe(b), a.value, b.value, floor);
+    if (a.sample != b.sample || a.event != b.event) {
+      reasons.push_back(fmt::format("limits[{}] is recorded at k = {} of the {}, found: {}", i, a.sample, to_string(a.event), describe(b)));
+    }
     compare.number("utilisation of " + describe(b), a.utilisation, b.utilisation,
                    b.bound > 0.0 ? floor / b.bound : 0.0);
   }

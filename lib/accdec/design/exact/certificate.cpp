@@ -121,6 +121,7 @@ class Checker {
     std::vector<Range> first = box, second = box;
     Range &a = first[static_cast<std::size_t>(j)], &b = second[static_cast<std::size_t>(j)];
     const bool delay = entry[1] == "d";
+    if (!delay && entry[1] != "k") throw Rejected("the tree splits neither a delay nor a sample");
     if (at < (delay ? a.d1 : a.k1) || at >= (delay ? a.d2 : a.k2)) throw Rejected("the tree splits outside the box");
     (delay ? a.d2 : a.k2) = at;
     (delay ? b.d1 : b.k1) = at + 1;
@@ -347,6 +348,9 @@ CheckReport check_certificate(const Task& task, const DesignResult& result) {
   try {
     if (result.certificate.empty()) return {false, "there is no certificate"};
     const json certificate = json::parse(result.certificate);
+    if (certificate.at("schema") != "accdec.certificate/1") {
+      return {false, "the certificate's schema is unknown; known is accdec.certificate/1"};
+    }
     const std::string kind = certificate.at("kind").get<std::string>();
     if (kind == "constant feed") {
       if (result.status != Status::infeasible)
