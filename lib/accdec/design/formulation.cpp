@@ -7,11 +7,24 @@
 
 namespace accdec {
 
+namespace {
+
+/// Largest value over variables in [0, 1].
+double largest(const Affine& a) {
+  double sum = a.constant;
+  for (const auto& [index, coefficient] : a.terms) sum += std::max(coefficient, 0.0);
+  return sum;
+}
+
+}  // namespace
+
 MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options, std::span<const int> samples)
     : order_(options.order) {
   set_name("least corner error");
   const CumulativeVariables b = add_cumulative_variables(*this, options.order);
   sigma_ = add_variable("sigma", {0.0, nlp::infinity});
+  // What sigma is at most when both legs' distances are largest and along one line: a finite box, which population methods need.
+  double sigma_max = 1.0;
   bool any_bound = false;
   for (const TaskCorner& corner : task.corners) any_bound = any_bound || corner.error_max.has_value();
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
@@ -23,6 +36,7 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
     const double in = corner.geometry.feed_in * task.sample_period / unit, out = corner.geometry.feed_out * task.sample_period / unit;
     const int k = samples[j], m = k - options.blend_delays[j];
     Affine p = in * b.remaining_moment(k), q = out * b.elapsed_moment(m);
+    sigma_max = std::max(sigma_max, std::pow(largest(p) + largest(q), 2));
     if (!options.reduced) {
       const int ip = add_variable("P " + corner.name, {0.0, nlp::infinity}), iq = add_variable("Q " + corner.name, {0.0, nlp::infinity});
       add_to_row(add_row("distance in, corner " + corner.name, {0.0, 0.0}), p + Affine{0.0, {{ip, -1.0}}});
@@ -37,6 +51,7 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
     add_to_row(row, {0.0, {{sigma_, -1.0}}});
   }
   add_limit_rows(*this, b, task, options);
+  set_variable_bound(sigma_, {0.0, sigma_max});
   set_objective({0.0, {{sigma_, 1.0}}});
   if (options.reduced) omit_hessian();
   finish();

@@ -31,6 +31,7 @@ Affine operator+(Affine a, const Affine& b);
 class QuadraticProblem : public nlp::Problem {
  public:
   int add_variable(std::string name, nlp::Bound bound);
+  void set_variable_bound(int i, nlp::Bound bound) { variables_[static_cast<std::size_t>(i)].bound = bound; }
   int add_row(std::string name, nlp::Bound bound);
   void add_to_row(int row, const Affine& a);
   /// row += coefficient * left * right

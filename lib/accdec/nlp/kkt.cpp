@@ -35,8 +35,8 @@ double projected(double r, double x, Bound b, double tolerance) {
 
 void measure(const Problem& problem, const Point& p, const Vector& y, double tolerance, KktReport& report) {
   const Vector residual = p.gradient + p.jacobian.transpose() * y;
-  double scale = std::max(1.0, p.gradient.size() > 0 ? p.gradient.cwiseAbs().maxCoeff() : 0.0);
-  if (y.size() > 0) scale = std::max(scale, y.cwiseAbs().maxCoeff());
+  // Not by the multipliers: where two rows all but pinch the feasible set, huge ones of opposite sides would make any point stationary.
+  const double scale = std::max(1.0, p.gradient.size() > 0 ? p.gradient.cwiseAbs().maxCoeff() : 0.0);
   double stationarity = 0.0, complementarity = 0.0;
   for (Eigen::Index i = 0; i < residual.size(); ++i) {
     const int v = static_cast<int>(i);

@@ -16,7 +16,7 @@ struct KktReport {
   double row_violation = 0.0;    ///< absolute
   double bound_violation = 0.0;  ///< absolute
   std::string worst;             ///< name of the most violated row or variable; empty when none is
-  double stationarity = 0.0;     ///< infinity norm of the Lagrangian gradient projected on the bounds, over max(1, |grad f|, |y|)
+  double stationarity = 0.0;     ///< infinity norm of the Lagrangian gradient projected on the bounds, over max(1, |grad f|)
   double complementarity = 0.0;  ///< largest |y_i| times the distance to the side it belongs to, scaled alike
   std::vector<double> multipliers;  ///< the ones these numbers were computed with
 };

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <mutex>
+#include <sstream>
 #include <stdexcept>
 
 #include <IpIpoptApplication.hpp>
 #include <IpoptConfig.h>
 #include <IpTNLP.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <accdec/solvers/registration.hpp>
 #include <accdec/solvers/run.hpp>
@@ -116,10 +118,23 @@ class Adapter : public Ipopt::TNLP {
   bool finished_ = false;
 };
 
+/// Ipopt has some 300 options: the ones that share a word with `name`, or all when none does.
+std::vector<std::string> names_like(Ipopt::IpoptApplication& app, const std::string& name) {
+  std::vector<std::string> all, like;
+  for (const auto& [known, option] : app.RegOptions()->RegisteredOptionsList()) {
+    all.push_back(known);
+    std::istringstream words(name);
+    bool shares = false;
+    for (std::string word; std::getline(words, word, '_');) shares = shares || (word.size() > 2 && known.find(word) != std::string::npos);
+    if (shares) like.push_back(known);
+  }
+  return like.empty() ? all : like;
+}
+
 void set_native(Ipopt::IpoptApplication& app, const std::string& name, const std::string& value) {
   const Ipopt::SmartPtr<const Ipopt::RegisteredOption> option = app.RegOptions()->GetOption(name);
   if (!Ipopt::IsValid(option)) {
-    throw std::invalid_argument(fmt::format("Ipopt has no option \"{}\"; its documentation lists all", name));
+    throw std::invalid_argument(fmt::format("Ipopt has no option \"{}\"; known are {}", name, fmt::join(names_like(app, name), ", ")));
   }
   bool ok = false;
   try {
