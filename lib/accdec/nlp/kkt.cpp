@@ -1,12 +1,9 @@
-#include <accdec/nlp/kkt.hpp>
-
-#include <algorithm>
-#include <cmath>
-
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
-
+#include <accdec/nlp/kkt.hpp>
 #include <accdec/nlp/nonnegative.hpp>
+#include <algorithm>
+#include <cmath>
 
 namespace accdec::nlp {
 namespace {
@@ -23,46 +20,54 @@ struct Point {
   Sparse jacobian;
 };
 
-bool near(double a, double b, double tolerance) { return std::isfinite(b) && std::abs(a - b) <= tolerance * std::max(1.0, std::abs(b)); }
+bool near(double a, double b, double tolerance) {
+  return std::isfinite(b) && std::abs(a - b) <= tolerance * std::max(1.0, std::abs(b));
+}
 
-/// What of the Lagrangian gradient no bound multiplier can take up.
-double projected(double r, double x, Bound b, double tolerance) {
+/// What of the Lagrangian gradient no bound multiplier can take up. Off its bound by s a variable has a multiplier r
+/// with the complementarity |r| s, which interior-point methods leave at about their barrier parameter.
+double projected(double r, double x, Bound b, double tolerance, double scale) {
   if (b.lower == b.upper) return 0.0;
   if (near(x, b.lower, tolerance) || x < b.lower) return std::max(0.0, -r);
   if (near(x, b.upper, tolerance) || x > b.upper) return std::max(0.0, r);
-  return std::abs(r);
+  const double distance = r > 0.0 ? x - b.lower : b.upper - x;
+  return std::abs(r) * distance <= 0.01 * tolerance * scale ? 0.0 : std::abs(r);
 }
 
 void measure(const Problem& problem, const Point& p, const Vector& y, double tolerance, KktReport& report) {
   const Vector residual = p.gradient + p.jacobian.transpose() * y;
-  // Not by the multipliers: where two rows all but pinch the feasible set, huge ones of opposite sides would make any point stationary.
+  // Not by the multipliers: where two rows all but pinch the feasible set, huge ones of opposite sides would make any
+  // point stationary.
   const double scale = std::max(1.0, p.gradient.size() > 0 ? p.gradient.cwiseAbs().maxCoeff() : 0.0);
   double stationarity = 0.0, complementarity = 0.0;
   for (Eigen::Index i = 0; i < residual.size(); ++i) {
     const int v = static_cast<int>(i);
-    stationarity = std::max(stationarity, projected(residual[i], p.x[static_cast<std::size_t>(i)], problem.variable_bound(v), tolerance));
+    stationarity = std::max(stationarity, projected(residual[i], p.x[static_cast<std::size_t>(i)],
+                                                    problem.variable_bound(v), tolerance, scale));
   }
   for (Eigen::Index i = 0; i < y.size(); ++i) {
     const Bound b = problem.row_bound(static_cast<int>(i));
     if (b.lower == b.upper || y[i] == 0.0) continue;
     const double side = y[i] > 0.0 ? b.upper : b.lower;
     // A multiplier on a side that does not exist fits no complementarity at all.
-    complementarity = std::max(complementarity, std::isfinite(side) ? std::abs(y[i] * (p.rows[i] - side)) : std::abs(y[i]));
+    complementarity =
+        std::max(complementarity, std::isfinite(side) ? std::abs(y[i] * (p.rows[i] - side)) : std::abs(y[i]));
   }
   report.stationarity = stationarity / scale;
   report.complementarity = complementarity / scale;
   report.multipliers.assign(y.data(), y.data() + y.size());
 }
 
-/// min |g + J_A^T y| over active rows A and variables off their bounds, with the signs of active sides: least squares, then rows whose
-/// sign came out wrong are let go and the rest solved again.
+/// min |g + J_A^T y| over active rows A and variables off their bounds, with the signs of active sides: least squares,
+/// then rows whose sign came out wrong are let go and the rest solved again.
 Vector estimate(const Problem& problem, const Point& p, double tolerance) {
   const Eigen::Index n = p.gradient.size(), m = p.rows.size();
   std::vector<char> active(static_cast<std::size_t>(m), 0), open(static_cast<std::size_t>(n), 1);
   for (int i = 0; i < problem.num_variables(); ++i) {
     const Bound b = problem.variable_bound(i);
     const double x = p.x[static_cast<std::size_t>(i)];
-    if (b.lower == b.upper || near(x, b.lower, tolerance) || near(x, b.upper, tolerance)) open[static_cast<std::size_t>(i)] = 0;
+    if (b.lower == b.upper || near(x, b.lower, tolerance) || near(x, b.upper, tolerance))
+      open[static_cast<std::size_t>(i)] = 0;
   }
   for (Eigen::Index r = 0; r < m; ++r) {
     const Bound b = problem.row_bound(static_cast<int>(r));
@@ -83,7 +88,8 @@ Vector estimate(const Problem& problem, const Point& p, double tolerance) {
     for (int k = 0; k < p.jacobian.outerSize(); ++k) {
       for (Sparse::InnerIterator it(p.jacobian, k); it; ++it) {
         const auto r = static_cast<std::size_t>(it.row());
-        if (active[r] && open[static_cast<std::size_t>(it.col())]) entries.emplace_back(it.col(), column[r], it.value());
+        if (active[r] && open[static_cast<std::size_t>(it.col())])
+          entries.emplace_back(it.col(), column[r], it.value());
       }
     }
     Sparse a(n, static_cast<Eigen::Index>(kept.size()));
@@ -114,8 +120,9 @@ Vector estimate(const Problem& problem, const Point& p, double tolerance) {
   return y;
 }
 
-/// The same with the multipliers of active bounds as unknowns of their own, exactly: a degenerate vertex has many multipliers of rows, and
-/// the least ones need not be those that leave the bounds their signs. Dense, for small problems.
+/// The same with the multipliers of active bounds as unknowns of their own, exactly: a degenerate vertex has many
+/// multipliers of rows, and the least ones need not be those that leave the bounds their signs. Dense, for small
+/// problems.
 Vector estimate_exactly(const Problem& problem, const Point& p, double tolerance) {
   const Eigen::Index n = p.gradient.size(), m = p.rows.size();
   std::vector<Vector> columns;
@@ -157,10 +164,13 @@ Vector estimate_exactly(const Problem& problem, const Point& p, double tolerance
 
 }  // namespace
 
-KktReport check_kkt(const Problem& problem, std::span<const double> x, std::span<const double> multipliers, double tolerance) {
+KktReport check_kkt(const Problem& problem, std::span<const double> x, std::span<const double> multipliers,
+                    double tolerance) {
   KktReport report;
   const int n = problem.num_variables(), m = problem.num_rows();
-  const auto all_finite = [](std::span<const double> v) { return std::all_of(v.begin(), v.end(), [](double a) { return std::isfinite(a); }); };
+  const auto all_finite = [](std::span<const double> v) {
+    return std::all_of(v.begin(), v.end(), [](double a) { return std::isfinite(a); });
+  };
   if (static_cast<int>(x.size()) != n || !all_finite(x)) return report;
 
   Point p{x, Vector::Zero(n), Vector::Zero(m), Sparse(m, n)};

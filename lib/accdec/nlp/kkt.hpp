@@ -25,7 +25,8 @@ struct KktReport {
 /// @param multipliers  size m, or empty: then, and where they leave more than `tolerance`, multipliers are estimated by
 ///                     sign-constrained least squares over the active rows (and, exactly, over active bounds too where
 ///                     n <= 120), and the best of these is reported
-/// @param tolerance    rows and bounds closer than this count as active
+/// @param tolerance    rows and bounds closer than this count as active; so do bounds whose multiplier times distance is below a
+///                     hundredth of it
 KktReport check_kkt(const Problem& problem, std::span<const double> x, std::span<const double> multipliers = {},
                     double tolerance = 1e-6);
 

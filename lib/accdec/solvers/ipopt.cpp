@@ -208,6 +208,11 @@ class IpoptSolver final : public Solver {
     app->Options()->SetNumericValue("constr_viol_tol", options.feasibility_tolerance);
     app->Options()->SetNumericValue("bound_relax_factor", 0.0);
     app->Options()->SetIntegerValue("max_iter", 3000);
+    // The formulations' rows are scaled to a bound of 1 and dense in orders of magnitude only through second differences: dividing those
+    // by 1e6 and more, as the default does, leaves them below the arithmetic's precision. Measured at N = 4000: 3 s instead of 12 s.
+    app->Options()->SetNumericValue("nlp_scaling_max_gradient", 1e8);
+    // Measured at N = 1000: 40 iterations to the optimum, 184 to an acceptable point with the monotone barrier.
+    app->Options()->SetStringValue("mu_strategy", "adaptive");
     // Approximate minimum degree orders the few dense rows of position sums last; the automatic choice fills the factors in.
     app->Options()->SetIntegerValue("mumps_pivot_order", 0);
     if (!exact_ || !problem.has_hessian()) app->Options()->SetStringValue("hessian_approximation", "limited-memory");
