@@ -146,6 +146,7 @@ void directly(benchmark::State& state) {
     app->Options()->SetIntegerValue("max_iter", 3000);
     app->Options()->SetNumericValue("nlp_scaling_max_gradient", 1e8);
     app->Options()->SetStringValue("mu_strategy", "adaptive");
+    app->Options()->SetStringValue("expect_infeasible_problem", "yes");
     app->Options()->SetIntegerValue("mumps_pivot_order", 0);
     app->Initialize("");
     const auto status = app->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(direct)));

@@ -1,0 +1,172 @@
+#include <accdec/design/fixed_order.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/motion/shapes.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+
+namespace accdec {
+namespace {
+
+bool held(const solvers::Result& result) {
+  return result.verification.verdict == solvers::Verdict::optimal || result.verification.verdict == solvers::Verdict::feasible;
+}
+
+/// A filter to start from: the trapezoid of this order, with a third of it for each ramp.
+Filter guess(int order) { return order < 2 ? boxcar(order) : trapezoid(order, order / 3); }
+
+}  // namespace
+
+FixedOrderDesigner::FixedOrderDesigner(const Task& task, const DesignOptions& options)
+    : task_(task), options_(options), solver_(solvers::find_solver(options.solver)) {
+  reduced_ = !solver_.capabilities().equality_rows;
+  for (const TaskCorner& corner : task.corners) {
+    weight_ += corner.weight;
+    const auto& in = corner.geometry.direction_in;
+    const auto& out = corner.geometry.direction_out;
+    coupled_ = coupled_ || corner.speed_min > 0.0 || (in.array() * out.array() != 0.0).any();
+  }
+}
+
+solvers::Result FixedOrderDesigner::solve(const nlp::Problem& problem, const std::vector<double>& start) {
+  solvers::Options options = options_.solver_options;
+  options.cancel = options_.cancel;
+  options.time_limit = std::min(options.time_limit, std::max(0.01, options_.time_limit - elapsed()));
+  solvers::Result result = solver_.solve(problem, start, options);
+  evaluations_ += result.counts.objective;
+  wall_time_ += result.wall_time;
+  claimed_ = std::string(to_string(result.claim));
+  last_message_ = result.message;
+  if (result.claim == solvers::Claim::refused) throw std::invalid_argument(solver_.name() + ": " + result.message);
+  return result;
+}
+
+std::vector<double> FixedOrderDesigner::guess_delays(const Filter& filter) const {
+  const DelayFinder smallest(filter);
+  std::vector<double> delays;
+  for (const TaskCorner& corner : task_.corners) {
+    const double period = task_.sample_period;
+    delays.push_back(corner.delay.value_or(
+        corner.error_max ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
+                                    corner.geometry.feed_out * period, *corner.error_max)
+                         : 0));
+  }
+  return delays;
+}
+
+std::vector<int> FixedOrderDesigner::rounded_up(const std::vector<double>& delays, int order) const {
+  std::vector<int> integers;
+  for (const double d : delays) integers.push_back(std::clamp(static_cast<int>(std::ceil(d - 1e-3)), 0, order + 1));
+  for (std::size_t j = 0; j < delays.size(); ++j) {
+    if (task_.corners[j].delay) integers[j] = *task_.corners[j].delay;
+  }
+  return integers;
+}
+
+FormulationOptions FixedOrderDesigner::formulation(int order, std::vector<int> blend_delays) {
+  FormulationOptions f;
+  f.order = order;
+  f.blend_delays = std::move(blend_delays);
+  f.mode_frequencies = initial_frequencies(task_, order);
+  for (std::size_t i = 0; i < extra_frequencies_.size(); ++i) {
+    f.mode_frequencies[i].insert(f.mode_frequencies[i].end(), extra_frequencies_[i].begin(), extra_frequencies_[i].end());
+  }
+  f.reduced = reduced_;
+  return f;
+}
+
+/// Adds the frequencies at which a filter breaks its bands. False when it breaks none.
+bool FixedOrderDesigner::refine_bands(const Filter& filter) {
+  bool added = false;
+  extra_frequencies_.resize(task_.machine.modes.size());
+  const std::vector<LimitUse> uses = vibration_utilisation(filter, task_.sample_period, task_.machine);
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    const Mode& mode = task_.machine.modes[i];
+    if (uses[i].utilisation <= 1.0 || mode.frequency_low == mode.frequency_high) continue;
+    const std::vector<double>& known = extra_frequencies_[i];
+    const double apart = 1e-3 * (mode.frequency_high - mode.frequency_low);
+    const bool old = std::any_of(known.begin(), known.end(), [&](double f) { return std::abs(f - uses[i].frequency) < apart; });
+    if (old) continue;
+    extra_frequencies_[i].push_back(uses[i].frequency);
+    added = true;
+  }
+  return added;
+}
+
+const std::optional<FixedOrderDesigner::Relaxed>& FixedOrderDesigner::relaxed(int order) {
+  const auto known = relaxed_.find(order);
+  if (known != relaxed_.end()) return known->second;
+  std::optional<Relaxed> best = relax(order);
+  tell(best ? fmt::format("N = {}: relaxed cycle time {:.3f} ms", order, best->cost * task_.sample_period * 1e3)
+            : fmt::format("N = {}: no relaxed design", order));
+  return relaxed_[order] = std::move(best);
+}
+
+std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) {
+  std::optional<Relaxed> best;
+  bool consistent = true, parted = false;
+  Filter start = guess(order);
+  std::vector<double> delays = guess_delays(start);
+  for (int pass = 0; pass < 6 && !stopped(); ++pass) {
+    // Once the legs part, a blend is a stop and a start: the loosest its limits get.
+    const std::vector<int> blend = parted ? rounded_up(std::vector<double>(delays.size(), order + 1.0), order) : rounded_up(delays, order);
+    const DelayProblem problem(task_, formulation(order, blend));
+    const solvers::Result result = solve(problem, problem.start_from(start, delays));
+    if (!held(result)) {
+      if (!coupled_ || parted) return std::nullopt;
+      parted = true;
+      continue;
+    }
+    Relaxed found{weight_ * (order + 1.0), problem.delays(result.x), problem.instants(result.x), filter_from(result.x, order), parted};
+    for (std::size_t j = 0; j < task_.corners.size(); ++j) {
+      found.cost += task_.corners[j].weight * (parted ? blend[j] : found.delays[j]);
+    }
+    start = *found.filter;
+    delays = found.delays;
+    const std::vector<int> next = rounded_up(delays, order);
+    const bool moved = coupled_ && !parted && next != blend;
+    // A step of one between passes is rounding; more means that the smallest speed holds at one delay and the error at another.
+    consistent = true;
+    for (std::size_t j = 0; j < next.size(); ++j) {
+      consistent = consistent && (task_.corners[j].speed_min <= 0.0 || std::abs(next[j] - blend[j]) <= 1);
+    }
+    best = std::move(found);
+    const bool refined = refine_bands(start);
+    if (!refined && !moved) break;
+  }
+  if (!consistent) best.reset();
+  return best;
+}
+
+std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::vector<int>& delays, const Filter& start,
+                                                          std::vector<int> samples) {
+  Filter from = start;
+  std::optional<Filter> found;
+  for (int pass = 0; pass < 6 && !stopped(); ++pass) {
+    const MarginProblem problem(task_, formulation(order, delays), samples);
+    const solvers::Result result = solve(problem, problem.start_from(from));
+    if (!held(result)) return std::nullopt;
+    from = filter_from(result.x, order);
+    found = from;
+    bool again = refine_bands(from);
+    for (std::size_t j = 0; j < task_.corners.size(); ++j) {
+      const int nearest = measure(Blend(from, task_.corners[j].geometry, delays[j], task_.sample_period)).corner_error_sample;
+      if (task_.corners[j].error_max && nearest != samples[j]) {
+        samples[j] = nearest;
+        again = true;
+      }
+    }
+    if (!again) break;
+  }
+  return found;
+}
+
+SolverReport FixedOrderDesigner::report() const {
+  return {"nlp", solver_.name(), solver_.library_version(), claimed_, static_cast<long>(evaluations_), wall_time_};
+}
+
+}  // namespace accdec

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <accdec/design/design.hpp>
+#include <accdec/design/formulation.hpp>
+#include <accdec/solvers/solver.hpp>
+
+namespace accdec {
+
+/// The two smooth problems at one order after another, solved by one solver: rows on vibration bands and on the blend's limits, which
+/// depend on the answer, are refined from solve to solve. Keeps the clock, the counts and the frequencies found.
+class FixedOrderDesigner {
+ public:
+  /// Problem (b): delays, instants and filter at one order.
+  struct Relaxed {
+    double cost = 0.0;                      ///< weighted sum of N + 1 + d_j, samples
+    std::vector<double> delays, instants;   ///< per corner; instant -1 without an error bound
+    std::optional<Filter> filter;
+    /// Limits on the blend held only at parted legs: `cost` then counts delays of N + 1, `delays` are what the errors alone need.
+    bool parted = false;
+  };
+
+  /// Keeps references: both arguments must outlive the object.
+  FixedOrderDesigner(const Task& task, const DesignOptions& options);
+
+  /// Problem (b); nothing when it has no feasible point, or the solver finds none. Solved once per order.
+  const std::optional<Relaxed>& relaxed(int order);
+  /// Problem (a) at integer delays, the error of corner j first bounded at sample samples[j]: a filter, or nothing.
+  std::optional<Filter> largest_margin(int order, const std::vector<int>& delays, const Filter& start, std::vector<int> samples);
+
+  std::vector<double> guess_delays(const Filter& filter) const;
+  /// Continuous delays rounded up to integers in 0 .. N + 1; given delays are kept.
+  std::vector<int> rounded_up(const std::vector<double>& delays, int order) const;
+
+  bool stopped() const { return elapsed() > options_.time_limit || (options_.cancel != nullptr && options_.cancel->load()); }
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+  void tell(const std::string& line) const {
+    if (options_.progress) options_.progress(line);
+  }
+  double weight() const { return weight_; }  ///< sum of the corners' weights
+  const std::string& last_message() const { return last_message_; }
+  SolverReport report() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  solvers::Result solve(const nlp::Problem& problem, const std::vector<double>& start);
+  FormulationOptions formulation(int order, std::vector<int> blend_delays);
+  bool refine_bands(const Filter& filter);
+  std::optional<Relaxed> relax(int order);
+
+  const Task& task_;
+  const DesignOptions& options_;
+  const solvers::Solver& solver_;
+  Clock::time_point began_ = Clock::now();
+  bool reduced_ = false, coupled_ = false;
+  double weight_ = 0.0;
+  std::map<int, std::optional<Relaxed>> relaxed_;
+  std::vector<std::vector<double>> extra_frequencies_;  // per mode
+  std::int64_t evaluations_ = 0;
+  double wall_time_ = 0.0;
+  std::string claimed_, last_message_;
+};
+
+}  // namespace accdec
