@@ -3,6 +3,8 @@
 #include <string>
 
 #include <accdec/io/atomic_file.hpp>
+#include <accdec/io/figure.hpp>
+#include <accdec/io/plot_program.hpp>
 #include <accdec/io/task_reader.hpp>
 #include <accdec/program/design_program.hpp>
 #include <accdec/program/report.hpp>
@@ -14,14 +16,15 @@ namespace accdec::cli {
 namespace {
 
 struct Options {
-  std::string program, task, json, delays, samples, emit;
+  std::string program, task, json, delays, samples, emit, figure;
   double arc_tolerance_um = 2.0, time_limit = 60.0;
   bool rapid_stops = false;
 };
 
 void run(const Options& options, Context& context) {
+  const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
-  for (const std::string& path : {options.json, options.delays, options.samples, options.emit}) {
+  for (const std::string& path : {options.json, options.delays, options.samples, options.emit, options.figure}) {
     if (!path.empty()) require_writable(path);
   }
   LineSource source{std::filesystem::path(options.program)};
@@ -63,6 +66,10 @@ void run(const Options& options, Context& context) {
   OutputFiles files;
   if (!options.json.empty()) files.add(options.json, program_to_json(result));
   if (!options.delays.empty()) files.add(options.delays, delays_to_csv(result));
+  if (!options.figure.empty()) {
+    const Figure figure = plot_program(result);
+    files.add(options.figure, convert_svg(render_svg(figure), figure_type, figure.title));
+  }
   files.commit();
   samples.commit();
   emitted.commit();
@@ -87,6 +94,8 @@ void add_program(CLI::App& app, Context& context) {
   command->add_option("--delays", options->delays, "Write the delay and error of every corner as CSV")->type_name("FILE");
   command->add_option("--samples", options->samples, "Write the sampled motion as CSV")->type_name("FILE");
   command->add_option("--emit", options->emit, "Write the program back with the feeds and dwells that realise the plan")
+      ->type_name("FILE");
+  command->add_option("--figure", options->figure, "Draw the path by its errors and a histogram of the delays, .svg, .png, .pdf or .html")
       ->type_name("FILE");
   command->add_option("--arc-tolerance-um", options->arc_tolerance_um, "Largest distance of a chord from its arc")
       ->type_name("UM")

@@ -49,7 +49,7 @@ class ProgramCommand : public testing::Test {
 TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
   for (const char* kind : {"pocket", "zigzag", "trochoid", "engraving", "raster", "star"}) {
     ASSERT_EQ(run(std::string("generate ") + kind + " --blocks 300 --out part.ngc").code, 0);
-    const Output done = run("program part.ngc --task task.toml --json r.json --delays d.csv --samples s.csv --emit e.ngc");
+    const Output done = run("program part.ngc --task task.toml --json r.json --delays d.csv --samples s.csv --emit e.ngc --figure f.svg");
     EXPECT_EQ(done.code, 0) << kind << done.out << done.err;
     EXPECT_EQ(done.err, "");
     EXPECT_THAT(read("r.json"), HasSubstr("\"schema\": \"accdec.program/1\""));
@@ -65,6 +65,7 @@ TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
     }
     EXPECT_THAT(read("s.csv"), testing::StartsWith("time_s,x_mm,x_mm_s,"));
     EXPECT_THAT(read("e.ngc"), HasSubstr("G21 G17 G90 G94"));
+    EXPECT_THAT(read("f.svg"), HasSubstr("corner error / tolerance, %"));
   }
 }
 
@@ -82,6 +83,9 @@ TEST_F(ProgramCommand, RefusesBadInputWithItsPlaceAndWritesNothing) {
   EXPECT_THAT(done.err, testing::StartsWith("fast.ngc:1:11: the feed moves axis X at 1000 mm/s"));
   EXPECT_EQ(run("program missing.ngc --task task.toml").code, 2);
   EXPECT_EQ(run("program bad.ngc").code, 2);
+  done = run("program bad.ngc --task task.toml --figure f.bmp");
+  EXPECT_EQ(done.code, 2);
+  EXPECT_THAT(done.err, HasSubstr("f.bmp: unknown extension"));
 }
 
 TEST_F(ProgramCommand, FailsWhenALimitBreaksWhateverTheDelays) {

@@ -7,8 +7,8 @@
 namespace accdec {
 
 /// How a series is drawn. Styles count up from 0 and differ in dash or symbol as well as in colour, so that they can be told apart in
-/// grey. `steps` holds each value over the interval that ends at its x.
-enum class Mark { line, points, line_points, steps, impulses };
+/// grey. `steps` holds each value over the interval that ends at its x; `bars` stand on the axis, as wide as the x are apart.
+enum class Mark { line, points, line_points, steps, impulses, bars };
 
 struct Series {
   std::string label;  ///< for the legend; empty: not in it
@@ -35,6 +35,17 @@ struct HeatMap {
   std::vector<double> x, y, values;
   std::string label;
 };
+/// Lines in the colours of a value, later pieces over earlier ones; the colour bar stands for the legend.
+struct ColouredLines {
+  struct Piece {
+    std::vector<double> x, y;
+    double value = 0.0;
+  };
+  std::vector<Piece> pieces;
+  double low = 0.0, high = 1.0;  ///< values at the ends of the colour bar
+  double line_width = 1.8;       ///< px
+  std::string label;
+};
 struct Scale {
   std::string label;  ///< with the unit: "time / ms"
   bool log = false;
@@ -48,6 +59,7 @@ struct Panel {
   std::vector<Band> bands;
   std::vector<Circle> circles;
   std::optional<HeatMap> heat_map;
+  std::optional<ColouredLines> coloured;  ///< not beside a heat map
   bool equal_aspect = false;  ///< one unit of x as long as one of y; needs ranges or series to take them from
 };
 
@@ -61,7 +73,8 @@ struct Figure {
 };
 
 /// The figure as a gnuplot script for its SVG terminal. Titles are data: whatever they hold, gnuplot draws it and executes nothing.
-/// @throws std::invalid_argument if a series' x and y differ in length, a heat map has wrong sizes, or there is no panel.
+/// @throws std::invalid_argument if a series' or piece's x and y differ in length, a heat map has wrong sizes or stands beside coloured
+///         lines, or there is no panel.
 std::string gnuplot_script(const Figure& figure);
 
 /// The figure as SVG, the same bytes for the same figure. @throws std::runtime_error if gnuplot is missing or fails.

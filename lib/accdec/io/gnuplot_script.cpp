@@ -64,7 +64,7 @@ std::vector<std::string> legend(const Panel& panel) {
 double legend_width(const Panel& panel) {
   double widest = 0.0;
   for (const std::string& label : legend(panel)) widest = std::max(widest, letters(label));
-  if (panel.heat_map) return 104;
+  if (panel.heat_map || panel.coloured) return 104;
   return widest > 0 ? widest * letter + legend_line + 18 : 0.0;
 }
 
@@ -80,6 +80,12 @@ std::pair<Range, Range> ranges(const Panel& panel) {
     y.add(c.y - c.radius), y.add(c.y + c.radius);
   }
   for (const LimitLine& limit : panel.limits) y.add(limit.y);
+  if (panel.coloured) {
+    for (const ColouredLines::Piece& piece : panel.coloured->pieces) {
+      for (const double v : piece.x) x.add(v);
+      for (const double v : piece.y) y.add(v);
+    }
+  }
   if (panel.heat_map) {
     const HeatMap& map = *panel.heat_map;
     const double dx = 0.5 * (map.x[1] - map.x[0]), dy = 0.5 * (map.y[1] - map.y[0]);
@@ -121,6 +127,12 @@ void check(const Panel& panel) {
   for (const Series& s : panel.series) {
     if (s.x.size() != s.y.size()) throw std::invalid_argument(fmt::format("series \"{}\": {} x and {} y", s.label, s.x.size(), s.y.size()));
   }
+  if (panel.coloured) {
+    if (panel.heat_map) throw std::invalid_argument("a panel has one colour bar: a heat map or coloured lines");
+    for (const ColouredLines::Piece& piece : panel.coloured->pieces) {
+      if (piece.x.size() != piece.y.size()) throw std::invalid_argument(fmt::format("coloured lines: {} x and {} y", piece.x.size(), piece.y.size()));
+    }
+  }
   if (panel.heat_map) {
     const HeatMap& map = *panel.heat_map;
     if (map.x.size() < 2 || map.y.size() < 2 || map.values.size() != map.x.size() * map.y.size()) {
@@ -138,9 +150,17 @@ std::string with(const Series& s) {
     case Mark::points: return fmt::format("points lc rgb '{}' {}", colours[i], point);
     case Mark::line_points: return fmt::format("linespoints {} {}", line, point);
     case Mark::steps: return "fsteps " + line;
+    case Mark::bars: return fmt::format("boxes fc rgb '{}' fs solid border lc rgb '#ffffff'", colours[i]);
     case Mark::impulses: return fmt::format("impulses lc rgb '{}' lw 1.5", colours[i]);
   }
   return "lines";
+}
+
+/// Smallest distance of neighbours, 1 if there are none.
+double narrowest(const std::vector<double>& x) {
+  double width = INFINITY;
+  for (std::size_t i = 1; i < x.size(); ++i) width = std::min(width, std::abs(x[i] - x[i - 1]));
+  return std::isfinite(width) && width > 0.0 ? width : 1.0;
 }
 
 class Writer {
@@ -197,9 +217,11 @@ class Writer {
     };
     const auto title = [](const std::string& label) { return label.empty() ? std::string("notitle") : "title " + quoted(label); };
     if (panel.heat_map) items.push_back(heat(*panel.heat_map));
+    if (panel.coloured) items.push_back(coloured(*panel.coloured));
     for (const Series& s : panel.series) {
       if (s.x.empty()) continue;
-      items.push_back(fmt::format("{} using 1:2 with {} {}", data(s.x, s.y), with(s), title(s.label)));
+      const std::string columns = s.mark == Mark::bars ? fmt::format("1:2:({})", number(narrowest(s.x))) : "1:2";
+      items.push_back(fmt::format("{} using {} with {} {}", data(s.x, s.y), columns, with(s), title(s.label)));
     }
     for (const LimitLine& limit : panel.limits) {
       items.push_back(fmt::format("{} using 1:2 with lines lc rgb '#b00020' lw 1.3 dt (7,5) {}",
@@ -238,9 +260,25 @@ class Writer {
     text += "END_OF_DATA\n";
     // Light to dark through one hue: lightness alone carries the value.
     line("set palette defined (0 '#fdf6e3', 0.35 '#f2b26b', 0.65 '#b5523a', 1 '#2b0f3a')");
-    line("set colorbox");
+    line("set colorbox\nset cbrange [*:*]");
     line("set cblabel {} offset 0.4,0", quoted(map.label));
     return fmt::format("{} using 1:2:({}):({}):3 with boxxyerror fc palette fs solid noborder notitle", name, number(dx), number(dy));
+  }
+
+  /// Pieces are set apart by empty lines.
+  std::string coloured(const ColouredLines& lines) {
+    const std::string name = fmt::format("$d{}", ++block_);
+    text += name + " << END_OF_DATA\n";
+    for (const ColouredLines::Piece& piece : lines.pieces) {
+      for (std::size_t i = 0; i < piece.x.size(); ++i) text += fmt::format("{:.7g} {:.7g} {:.4g}\n", piece.x[i], piece.y[i], piece.value);
+      text += "\n";
+    }
+    text += "END_OF_DATA\n";
+    // Light to dark as on heat maps, but nothing so light that a line would be lost on the page.
+    line("set palette defined (0 '#c9d3d8', 0.35 '#f2b26b', 0.65 '#b5523a', 1 '#2b0f3a')");
+    line("set colorbox\nset cbrange [{}:{}]", number(lines.low), number(lines.high));
+    line("set cblabel {} offset 0.4,0", quoted(lines.label));
+    return fmt::format("{} using 1:2:3 with lines lw {} lc palette notitle", name, number(lines.line_width));
   }
 
   int block_ = 0;
