@@ -16,6 +16,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_export(app, context);
   add_plot(app, context);
   add_paper(app, context);
+  add_optima(app, context);
   add_study(app, context);
   add_program(app, context);
   add_generate(app, context);

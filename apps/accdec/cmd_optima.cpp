@@ -1,0 +1,89 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/io/atomic_file.hpp>
+#include <accdec/io/errors.hpp>
+#include <accdec/io/manifest.hpp>
+#include <accdec/io/optima_report.hpp>
+#include <accdec/io/task_reader.hpp>
+
+#include "command.hpp"
+
+namespace accdec::cli {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> tasks;
+  std::string out, growth;
+  int halvings = 5;
+  double time_limit = 120.0;
+};
+
+void run(const Arguments& arguments, Context& context) {
+  // Everything is read before anything is computed: a bad tenth file must not cost the time of the first nine.
+  std::vector<Task> tasks;
+  for (const std::string& path : arguments.tasks) tasks.push_back(read_task(path));
+  Task finer;
+  if (!arguments.growth.empty()) {
+    finer = read_task(arguments.growth);
+    if (finer.corners.size() != 1) throw std::invalid_argument(arguments.growth + ": --growth takes a task with one corner");
+  }
+  std::error_code failure;
+  std::filesystem::create_directories(arguments.out, failure);
+  if (failure) throw OutputError(arguments.out + ": cannot be created: " + failure.message());
+
+  DesignOptions options;
+  options.time_limit = arguments.time_limit;
+  std::vector<study::Optimum> optima, growth;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    if (!context.quiet) fmt::print(stderr, "{}\n", arguments.tasks[i]);
+    optima.push_back(study::find_optimum(std::filesystem::path(arguments.tasks[i]).stem().string(), tasks[i], options));
+  }
+  for (int i = 0; !arguments.growth.empty() && i <= arguments.halvings; ++i) {
+    if (!context.quiet) fmt::print(stderr, "{} at {:g} ms\n", arguments.growth, 1e3 * finer.sample_period);
+    growth.push_back(study::find_optimum(fmt::format("{:g} ms", 1e3 * finer.sample_period), finer, options, false));
+    finer.sample_period /= 2.0;
+    finer.design.order_max *= 2;
+  }
+
+  std::string command = fmt::format("accdec optima {} --out {} --time-limit {:g}", fmt::join(arguments.tasks, " "), arguments.out, arguments.time_limit);
+  if (!arguments.growth.empty()) command += fmt::format(" --growth {} --halvings {}", arguments.growth, arguments.halvings);
+  nlohmann::ordered_json manifest;
+  manifest["command"] = command;
+  add_environment(manifest, ACCDEC_VERSION);
+  OutputFiles output;
+  for (auto& [name, content] : optima_documents(optima, growth)) {
+    output.add((std::filesystem::path(arguments.out) / name).string(), std::move(content));
+  }
+  output.add((std::filesystem::path(arguments.out) / "manifest.json").string(), manifest.dump(2) + "\n");
+  output.commit();
+
+  if (!context.quiet) std::fputs(optima_text(optima).c_str(), stdout);
+  optima.insert(optima.end(), growth.begin(), growth.end());
+  for (const study::Optimum& o : optima) {
+    if (o.accepted && o.design.status != Status::failed) continue;
+    fmt::print(stderr, "{}: {}\n", o.name, o.accepted ? o.design.message : "rejected by the recheck: " + o.objection);
+    context.exit_code = exit_no_answer;
+  }
+}
+
+}  // namespace
+
+void add_optima(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("optima", "Proved optima of many tasks beside the standard shapes under the same limits");
+  command->add_option("tasks", arguments->tasks, "Task files; a [filter] in them is left aside")->required()->type_name("TASK.toml...");
+  command->add_option("--out", arguments->out, "Folder for optima.csv, .md, .svg, .png and manifest.json")->required()->type_name("DIR");
+  command->add_option("--time-limit", arguments->time_limit, "seconds for each design")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("--growth", arguments->growth, "Also solve this single-corner task at ever shorter sample periods")->type_name("TASK.toml");
+  command->add_option("--halvings", arguments->halvings, "How often --growth halves the sample period")->check(CLI::Range(0, 10))->capture_default_str();
+  command->callback([arguments, &context] { run(*arguments, context); });
+}
+
+}  // namespace accdec::cli

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <accdec/study/optima.hpp>
+
+namespace accdec {
+
+/// What `accdec optima` writes but its manifest: optima.csv and optima.md (a row a task), optima.svg and .png (every standard shape's
+/// cycle time over the optimum's), and, unless `growth` is empty, growth.csv, growth.svg and .png (time, linear programmes and proof size
+/// against N + d).
+/// @param growth  one task at ever shorter sample periods
+/// @return file name and content
+std::vector<std::pair<std::string, std::string>> optima_documents(const std::vector<study::Optimum>& optima,
+                                                                  const std::vector<study::Optimum>& growth);
+
+/// The table of optima.md in plain text.
+std::string optima_text(const std::vector<study::Optimum>& optima);
+
+}  // namespace accdec
