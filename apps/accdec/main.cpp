@@ -18,6 +18,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_paper(app, context);
   add_optima(app, context);
   add_study(app, context);
+  add_compare(app, context);
   add_program(app, context);
   add_generate(app, context);
   add_solvers(app, context);

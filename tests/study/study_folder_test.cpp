@@ -1,15 +1,14 @@
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <thread>
 
-#include <fcntl.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include "command_fixture.hpp"
 
 // The command as a user runs it, killed, resumed and sharded.
 
@@ -19,23 +18,14 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-void write(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+using accdec::testing::content;
+using accdec::testing::Outcome;
+using accdec::testing::write;
 
-struct Outcome {
-  int exit_code;
-  std::string output;  ///< standard output and error
-};
-
-class StudyCommand : public ::testing::Test {
+class StudyCommand : public accdec::testing::CommandInFolder {
  protected:
   void SetUp() override {
-    home_ = fs::path(::testing::TempDir()) / fmt::format("accdec_study_{}_{}", ::getpid(), ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(home_);
-    fs::create_directories(home_);
+    CommandInFolder::SetUp();
     write(home_ / "task.toml", R"(sample_period_ms = 1.0
 [filter]
 kind = "hann"
@@ -50,7 +40,6 @@ feed_in_mm_min = 6000
 error_max_um = 50
 )");
   }
-  void TearDown() override { fs::remove_all(home_); }
 
   /// Writes study.toml: 4 x `count` points of everything cheap.
   void study(int count, const std::string& more = "") {
@@ -72,31 +61,12 @@ where = {{ angle = 60 }}
 )", more, count));
   }
 
-  pid_t start(const std::string& arguments) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-      const int log = ::open((home_ / "log").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-      ::dup2(log, 1);
-      ::dup2(log, 2);
-      const std::string command = fmt::format("cd '{}' && exec '{}' {}", home_.string(), ACCDEC_BINARY, arguments);
-      ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
-      ::_exit(127);
-    }
-    return child;
-  }
-  Outcome run(const std::string& arguments) {
-    int status = 0;
-    ::waitpid(start(arguments), &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(home_ / "log")};
-  }
   void expect_same_results(const std::string& a, const std::string& b) {
     for (const char* name : {"rows.csv", "rows.jsonl", "report.html", "times.svg", "times.png"}) {
       ASSERT_TRUE(fs::exists(home_ / a / name)) << a << "/" << name;
       EXPECT_EQ(content(home_ / a / name), content(home_ / b / name)) << name;
     }
   }
-
-  fs::path home_;
 };
 
 TEST_F(StudyCommand, RunsAndRecordsBadPointsWithoutStopping) {

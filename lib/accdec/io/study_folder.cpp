@@ -13,6 +13,7 @@
 
 #include <accdec/io/atomic_file.hpp>
 #include <accdec/io/manifest.hpp>
+#include <accdec/io/results_folder.hpp>
 #include <accdec/io/study_report.hpp>
 #include <accdec/study/journal.hpp>
 
@@ -23,43 +24,14 @@ namespace fs = std::filesystem;
 using Entries = std::map<std::size_t, study::Entry>;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::string_view schema = "accdec.study/1";
+const ResultsKind kind{"accdec.study/1", "study_hash", "study"};
 
 std::string identity(const Study& study) { return fmt::format("{} {}", study.hash(), study.plan().size()); }
-
-/// Hash that a folder's manifest names; empty without one.
-std::string manifest_hash(const fs::path& folder) {
-  const fs::path path = folder / "manifest.json";
-  if (!fs::exists(path)) return "";
-  std::ifstream in(path, std::ios::binary);
-  const auto json = nlohmann::json::parse(in, nullptr, false);
-  const bool ours = json.is_object() && json.value("schema", "") == schema && json.contains("study_hash") && json["study_hash"].is_string();
-  return ours ? json["study_hash"].get<std::string>() : "?";
-}
-
-/// Refuses a folder that is not this study's, before anything in it is touched.
-void check_folder(const fs::path& folder, const Study& study) {
-  if (!fs::exists(folder)) return;
-  if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: not a folder", folder.string()));
-  const std::string hash = manifest_hash(folder);
-  if (!hash.empty() && hash != study.hash()) {
-    throw OutputError(fmt::format("{}: holds the results of another study, or of an earlier form of this one; nothing was changed. Choose another --out or remove it",
-                                  folder.string()));
-  }
-  bool journal = false, other = false;
-  for (const auto& item : fs::directory_iterator(folder)) {
-    journal = journal || item.path().extension() == ".journal";
-    other = other || item.path().extension() != ".journal";
-  }
-  if (hash.empty() && other && !journal) {
-    throw OutputError(fmt::format("{}: is not empty and holds no study; nothing was changed. Choose another --out", folder.string()));
-  }
-}
 
 /// Rows of finished results.
 Entries finished_rows(const fs::path& folder, const Study& study) {
   Entries entries;
-  if (manifest_hash(folder) != study.hash()) return entries;
+  if (results_hash(folder.string(), kind) != study.hash()) return entries;
   std::ifstream in(folder / "rows.jsonl", std::ios::binary);
   std::string line;
   for (std::size_t i = 0; std::getline(in, line); ++i) entries[i] = {0.0, line};
@@ -74,7 +46,7 @@ void write_results(const Study& study, const Entries& entries, const StudyRunOpt
   OutputFiles files;
   for (auto& [name, content] : study_documents(study, lines)) files.add((folder / name).string(), std::move(content));
   nlohmann::ordered_json manifest;
-  manifest["schema"] = schema;
+  manifest["schema"] = kind.schema;
   manifest["study"] = study.path;
   manifest["title"] = study.title;
   manifest["study_hash"] = study.hash();
@@ -131,7 +103,7 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
     throw std::invalid_argument(fmt::format("the study has {} points; more than {} need --large", size, large_study));
   }
   const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
-  check_folder(options.out, study);
+  check_results_folder(options.out, kind, study.hash());
   if (!options.merge.empty()) return merge(study, options);
 
   const bool whole = options.shards == 1;

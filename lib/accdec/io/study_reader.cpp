@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 
@@ -9,8 +8,7 @@
 #include <accdec/io/study_file.hpp>
 #include <accdec/io/study_tasks.hpp>
 #include <accdec/io/suggestion.hpp>
-#include <accdec/io/text_file.hpp>
-#include <accdec/io/toml_table.hpp>
+#include <accdec/io/toml_file.hpp>
 #include <accdec/study/compute.hpp>
 
 namespace accdec {
@@ -20,7 +18,7 @@ using toml_input::Table;
 /// Reads one study file; a class for the state its parts share.
 class StudyReader {
  public:
-  explicit StudyReader(const std::string& path) : path_(path), tree_(parse(path)) {}
+  explicit StudyReader(const std::string& path) : path_(path), tree_(toml_input::parse_file(path)) {}
 
   Study read() {
     const Table top(tree_, path_, "the study (top level)", "",
@@ -44,34 +42,11 @@ class StudyReader {
   }
 
  private:
-  static toml::table parse(const std::string& path) {
-    const std::string text = read_text_file(path);
-    try {
-      return toml::parse(text, path);
-    } catch (const toml::parse_error& error) {
-      throw InputError(path, error.source().begin.line, error.source().begin.column, fmt::format("not valid TOML: {}", error.description()));
-    }
-  }
-
-  std::vector<std::string> strings(const Table& table, const toml::table& raw, std::string_view key) const {
-    std::vector<std::string> words;
-    if (!raw.contains(key)) return words;
-    if (const auto word = raw[key].value<std::string>()) return {*word};
-    const toml::array* list = raw[key].as_array();
-    if (!list || list->empty()) table.fail_at(key, fmt::format("`{}` must be a string or a list of strings, not empty", key));
-    for (std::size_t i = 0; i < list->size(); ++i) {
-      const auto word = list->get(i)->value<std::string>();
-      if (!word) table.fail_at(key, i, fmt::format("`{}` must be a list of strings", key));
-      words.push_back(*word);
-    }
-    return words;
-  }
-
   void read_methods(const Table& top, Study& study) {
     std::vector<std::string_view> known = study::computations();
     known.insert(known.begin() + 1, "shapes");
     if (!top.has("compute")) top.fail("the study needs `compute`: a list of what to compute for each point, of " + fmt::format("{}", fmt::join(known, ", ")));
-    for (const std::string& name : strings(top, tree_, "compute")) {
+    for (const std::string& name : toml_input::strings(top, tree_, "compute")) {
       if (std::find(known.begin(), known.end(), name) == known.end()) top.fail_at("compute", fmt::format("unknown computation `{}`; {}", name, suggest(name, known)));
       std::vector<std::string> wanted{name};
       if (name == "shapes") wanted = {"boxcar", "trapezoid", "s-curve", "hann", "blackman", "blackman-sinc"};
@@ -91,11 +66,9 @@ class StudyReader {
     study.isolation = isolation == "threads" ? study::Isolation::threads : study::Isolation::processes;
   }
 
-  Study::Tasks::Source load(const Table& table, const std::string& given) {
+  static Study::Tasks::Source load(const Table& table, const std::string& given) {
     Study::Tasks::Source source;
-    source.path = (std::filesystem::path(path_).parent_path() / given).lexically_normal().string();
-    if (!std::filesystem::exists(source.path)) table.fail_at("task", fmt::format("{} does not exist; paths are relative to the study file", source.path));
-    source.tree = parse(source.path);
+    source.tree = toml_input::parse_task_beside(table, "task", given, source.path);
     return source;
   }
 
@@ -109,15 +82,7 @@ class StudyReader {
       const auto own = table.text("task");
       if (!own && !base) table.fail("[[case]] needs a `task`, for the study has none");
       tasks.cases.push_back(own ? load(table, *own) : load(top, *base));
-      if (const toml::table* set = table.table("set")) {
-        for (const auto& [key, value] : *set) {
-          try {
-            TaskKey(std::string(key.str())).set(tasks.cases.back().tree, value);
-          } catch (const std::invalid_argument& error) {
-            fail_node(value, error.what());
-          }
-        }
-      }
+      if (const toml::table* set = table.table("set")) toml_input::apply_settings(*set, path_, tasks.cases.back().tree);
       names_.push_back(*name);
     }
     if (!names_.empty()) return;
@@ -131,7 +96,7 @@ class StudyReader {
       const std::size_t i = variations_.size();
       const Table table(*raw, path_, fmt::format("[[vary]] {}", i + 1), fmt::format("/vary/{}", i), {"name", "key", "values", "range"});
       study::Variation v;
-      v.keys = strings(table, *raw, "key");
+      v.keys = toml_input::strings(table, *raw, "key");
       if (v.keys.empty()) table.fail("[[vary]] needs a `key`, or a list of keys that vary together");
       v.name = table.text("name").value_or(v.keys.front());
       if (table.has("values") == table.has("range")) table.fail("[[vary]] needs either `values` or `range`");
@@ -219,10 +184,10 @@ class StudyReader {
       const std::string kind = table.word("kind", kinds).value_or("curve");
       f.kind = kind == "family" ? Kind::family : kind == "heat" ? Kind::heat : kind == "pareto" ? Kind::pareto : Kind::curve;
       f.x = table.text("x").value_or("");
-      f.y = strings(table, *raw, "y");
+      f.y = toml_input::strings(table, *raw, "y");
       f.z = table.text("z").value_or("");
       f.family = table.text("family").value_or("");
-      f.labels = strings(table, *raw, "labels");
+      f.labels = toml_input::strings(table, *raw, "labels");
       f.x_label = table.text("x_label").value_or(f.x);
       f.y_label = table.text("y_label").value_or(f.y.empty() ? "" : f.y.front());
       f.z_label = table.text("z_label").value_or(f.z);
@@ -278,9 +243,7 @@ class StudyReader {
     for (std::size_t c = 0; c < names_.size(); ++c) text << names_[c] << '\n' << tasks.cases[c].tree << '\n';
     for (const auto& v : variations_) text << fmt::format("{} {} {} {} {}\n", v.name, fmt::join(v.keys, " "), fmt::join(v.values, " "), v.range, v.logarithmic);
     for (const auto& r : study.ratios) text << fmt::format("{} {} {} {}\n", r.name, r.of, r.to, r.excess);
-    std::uint64_t h = 14695981039346656037ULL;  // FNV-1a
-    for (const char c : text.str()) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-    return fmt::format("{:016x}", h);
+    return toml_input::hash_of(text.str());
   }
 
   [[noreturn]] void fail_node(const toml::node& node, const std::string& message) const {

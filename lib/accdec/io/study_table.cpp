@@ -3,23 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <accdec/io/html.hpp>
 #include <accdec/io/study_report.hpp>
 #include <accdec/study/compute.hpp>
 
 namespace accdec {
 namespace {
-
-/// RFC 4180.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string out(1, '"');
-  for (const char c : text) {
-    if (c == '"') out += c;
-    out += c;
-  }
-  out += '"';
-  return out;
-}
 
 std::string plain(const study::Row& value) {
   if (value.is_null()) return "";

@@ -102,6 +102,7 @@ void Evaluator::consider() {
   }
   best_ = objective_point_;
   best_objective_ = objective_value_;
+  history_.push_back({std::max(counts_.objective, counts_.rows), std::chrono::duration<double>(Clock::now() - began_).count(), best_objective_});
 }
 
 }  // namespace accdec::nlp

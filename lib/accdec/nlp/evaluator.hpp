@@ -19,6 +19,13 @@ struct Counts {
   double evaluation_time = 0.0;  ///< s
 };
 
+/// A new best point that holds all bounds and rows, as it was met.
+struct Improvement {
+  std::int64_t evaluations = 0;  ///< of the objective or of the rows, whichever were more, up to and with this point
+  double time = 0.0;             ///< s since the run began
+  double objective = 0.0;
+};
+
 /// Why an evaluator stopped a run.
 enum class Stop { none, invalid_number, evaluation_limit, time_limit, cancelled, exception };
 
@@ -63,6 +70,8 @@ class Evaluator {
   /// Best point seen whose bounds and rows hold; empty when none did.
   const std::vector<double>& best_feasible() const { return best_; }
   double best_objective() const { return best_objective_; }
+  /// Every improvement of it in order.
+  const std::vector<Improvement>& history() const { return history_; }
 
  private:
   template <class Call>
@@ -80,6 +89,7 @@ class Evaluator {
   // Objective and rows come in separate calls: they belong together when their points are identical.
   std::vector<double> objective_point_, rows_point_, row_values_, best_;
   double objective_value_ = 0.0, best_objective_ = infinity;
+  std::vector<Improvement> history_;
 };
 
 }  // namespace accdec::nlp

@@ -14,6 +14,7 @@ inline nlp::Evaluator::Limits limits_of(const Options& options) {
 /// takes over the counts, and after a stop replaces the point by the best feasible one seen, if there is one.
 inline void conclude(const nlp::Evaluator& evaluator, Result& result) {
   result.counts = evaluator.counts();
+  result.history = evaluator.history();
   switch (evaluator.stop()) {
     case nlp::Stop::none: return;
     case nlp::Stop::exception: std::rethrow_exception(evaluator.exception());

@@ -85,6 +85,7 @@ struct Result {
   std::vector<double> row_multipliers;  ///< as the library gave them, may be empty; sign: L = f + sum multipliers * c
   double claimed_objective = 0.0;
   Counts counts;
+  std::vector<nlp::Improvement> history;  ///< every new best point that held all bounds and rows within the feasibility tolerance
   double wall_time = 0.0;  ///< s, the solve alone
   std::string message;     ///< the library's words, warnings, reasons for refusal
 };

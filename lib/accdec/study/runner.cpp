@@ -54,7 +54,7 @@ void run_points(const std::vector<std::size_t>& indices, const std::function<std
   if (options.isolation == Isolation::threads) {
     run_threads(indices, compute, done, workers);
   } else {
-    run_processes(indices, compute, lost, done, workers, options.kill_after);
+    run_processes(indices, compute, lost, done, workers, options.kill_after, options.fresh_children);
   }
 }
 

@@ -19,6 +19,7 @@ struct RunOptions {
   int workers = 0;  ///< 0: as many as there are cores
   Isolation isolation = Isolation::threads;
   double kill_after = 0.0;  ///< s a point may take in a child before it is killed and recorded as failed; 0: no limit
+  bool fresh_children = false;  ///< a child for every point, so that none can leave anything behind for the next
 };
 
 /// Computes points, in no particular order, and hands each to `done` as soon as it is there; `done` is never called twice at once.

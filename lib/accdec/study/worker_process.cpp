@@ -152,7 +152,8 @@ class Worker {
 
 void run_processes(const std::vector<std::size_t>& indices, const std::function<std::string(std::size_t)>& compute,
                    const std::function<std::string(std::size_t, const std::string&)>& lost,
-                   const std::function<void(std::size_t, const Entry&)>& done, int workers, double kill_after) {
+                   const std::function<void(std::size_t, const Entry&)>& done, int workers, double kill_after,
+                   bool fresh_children) {
   std::size_t next = 0;
   std::vector<std::unique_ptr<Worker>> pool;
   const auto hire = [&] {
@@ -187,6 +188,10 @@ void run_processes(const std::vector<std::size_t>& indices, const std::function<
         dismiss(w);
       }
       done(index, entry);
+      if (alive && fresh_children) {
+        dismiss(w);
+        alive = false;  // to its work, that is: the next point gets a new child below
+      }
       if (alive && next < indices.size()) {
         pool[w]->give(indices[next++]);
       } else if (alive) {

@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/io/comparison_report.hpp>
+
+namespace accdec {
+namespace {
+
+using study::Attempt;
+using study::ComparisonData;
+using study::Distribution;
+
+/// Solvers of one panel: more than eight lines could not be told apart.
+struct Group {
+  std::string title;
+  std::vector<std::size_t> solvers;
+};
+
+std::vector<Group> groups(const ComparisonData& data, bool design) {
+  Group derivatives{"With derivatives", {}}, values{"Values only", {}};
+  for (std::size_t s = 0; s < data.solvers.size(); ++s) {
+    if (!data.takes_part(design, s)) continue;
+    (data.header.at("solvers").at(s).value("uses", "") == "values" ? values : derivatives).solvers.push_back(s);
+  }
+  std::vector<Group> all;
+  for (Group& g : {std::ref(derivatives), std::ref(values)}) {
+    if (!g.solvers.empty()) all.push_back(std::move(g));
+  }
+  return all;
+}
+
+/// The steps of a distribution from `low` to `high`, as a line.
+Series steps(const Distribution& d, double low, double high, std::string label, int style) {
+  Series s;
+  s.label = std::move(label);
+  s.style = style;
+  double y = study::at(d, low);
+  s.x.push_back(low);
+  s.y.push_back(y);
+  for (std::size_t i = 0; i < d.x.size(); ++i) {
+    if (d.x[i] <= low || d.x[i] > high) continue;
+    s.x.insert(s.x.end(), {d.x[i], d.x[i]});
+    s.y.insert(s.y.end(), {y, d.y[i]});
+    y = d.y[i];
+  }
+  s.x.push_back(high);
+  s.y.push_back(y);
+  return s;
+}
+
+/// Decades around all finite values.
+std::pair<double, double> decades(const std::vector<std::vector<double>>& values) {
+  double low = INFINITY, high = 0.0;
+  for (const auto& list : values) {
+    for (const double v : list) {
+      if (std::isfinite(v) && v > 0.0) low = std::min(low, v), high = std::max(high, v);
+    }
+  }
+  if (high == 0.0) return {1.0, 10.0};
+  low = std::pow(10.0, std::floor(std::log10(low)));
+  high = std::pow(10.0, std::ceil(std::log10(high)));
+  return {low, high > low ? high : 10.0 * low};
+}
+
+Panel panel_of(std::string title, std::string x, std::string y, std::pair<double, double> range) {
+  Panel panel;
+  panel.title = std::move(title);
+  panel.x = {std::move(x), true, range.first, range.second};
+  panel.y = {std::move(y), false, 0.0, 1.02};
+  return panel;
+}
+
+/// One panel a group, one line a solver: the share of `values[solver]` up to x.
+void add_panels(Figure& figure, const ComparisonData& data, bool design, const std::vector<std::vector<double>>& values, const std::string& title,
+                const std::string& x, const std::string& y, double least_low) {
+  auto range = decades(values);
+  range.first = std::max(range.first, least_low);
+  if (range.second <= range.first) range.second = 10.0 * range.first;
+  for (const Group& group : groups(data, design)) {
+    Panel panel = panel_of(title.empty() ? group.title : fmt::format("{}: {}", title, group.title), x, y, range);
+    int style = 0;
+    for (const std::size_t s : group.solvers) {
+      panel.series.push_back(steps(study::distribution(values[s]), range.first, range.second, data.solvers[s], style++));
+    }
+    figure.panels.push_back(std::move(panel));
+  }
+}
+
+Figure page(std::string title, int columns, int width = 640, int height = 380) {
+  Figure figure;
+  figure.title = std::move(title);
+  figure.columns = columns;
+  figure.panel_width = width;
+  figure.panel_height = height;
+  return figure;
+}
+
+std::vector<std::vector<double>> time_costs(const ComparisonData& data, bool design) {
+  return data.costs(design, [](const Attempt& a) { return a.cost(); });
+}
+
+Figure performance(const ComparisonData& data, bool design, const std::string& of) {
+  Figure figure = page(fmt::format("Performance profiles by time, {}", of), 2);
+  add_panels(figure, data, design, study::performance_ratios(time_costs(data, design)), "", "time / least time of all solvers", "share of problems solved", 1.0);
+  return figure;
+}
+
+Figure pairwise(const ComparisonData& data, bool design, const std::string& of) {
+  const auto costs = time_costs(data, design);
+  std::size_t best = 0, most = 0;
+  for (std::size_t s = 0; s < costs.size(); ++s) {
+    const auto solved = static_cast<std::size_t>(std::count_if(costs[s].begin(), costs[s].end(), [](double c) { return std::isfinite(c); }));
+    if (solved > most) most = solved, best = s;
+  }
+  Figure figure = page(fmt::format("Performance profiles of pairs, {}: {} against each other solver", of, data.solvers[best]), 2, 640, 300);
+  for (std::size_t s = 0; s < costs.size(); ++s) {
+    if (s == best || !data.takes_part(design, s)) continue;
+    const auto ratios = study::performance_ratios({costs[best], costs[s]});
+    auto range = decades(ratios);
+    range.first = 1.0;
+    Panel panel = panel_of(fmt::format("{} and {}", data.solvers[best], data.solvers[s]), "time / lesser time of the two", "share solved", range);
+    panel.series.push_back(steps(study::distribution(ratios[0]), range.first, range.second, data.solvers[best], 0));
+    panel.series.push_back(steps(study::distribution(ratios[1]), range.first, range.second, data.solvers[s], 2));
+    figure.panels.push_back(std::move(panel));
+  }
+  return figure;
+}
+
+Figure data_profiles(const ComparisonData& data, bool design, const std::string& of) {
+  Figure figure = page(fmt::format("Data profiles, {}", of), 2);
+  const std::vector<int> variables = data.variables(design);
+  for (std::size_t t = 0; t < data.targets.size(); ++t) {
+    auto values = data.costs(design, [t](const Attempt& a) { return a.target_evaluations[t]; });
+    for (auto& list : values) list = study::simplex_gradients(list, variables);
+    add_panels(figure, data, design, values, fmt::format("within {:g} of the reference", data.targets[t]), "evaluations / (variables + 1)", "share of problems", 1e-4);
+  }
+  return figure;
+}
+
+Figure runtimes(const ComparisonData& data, bool design, const std::string& of) {
+  Figure figure = page(fmt::format("Time to the targets, {}", of), 2);
+  std::vector<std::vector<double>> all(data.solvers.size());
+  for (std::size_t t = 0; t < data.targets.size(); ++t) {
+    const auto values = data.costs(design, [t](const Attempt& a) { return std::max(a.target_time[t], 1e-5); });
+    for (std::size_t s = 0; s < all.size(); ++s) all[s].insert(all[s].end(), values[s].begin(), values[s].end());
+  }
+  add_panels(figure, data, design, all, "", "time / s", "share of problems x targets met", 1e-5);
+  return figure;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, Figure>> comparison_figures(const ComparisonData& data) {
+  std::vector<std::pair<std::string, Figure>> figures;
+  for (const bool design : {false, true}) {
+    if (data.profiled(design).empty() || groups(data, design).empty()) continue;
+    const std::string prefix = design ? "design-" : "", of = design ? "designs at fixed order" : "nonlinear problems";
+    figures.emplace_back(prefix + "performance", performance(data, design, of));
+    if (Figure pairs = pairwise(data, design, of); !pairs.panels.empty()) figures.emplace_back(prefix + "pairs", std::move(pairs));
+    if (!design) figures.emplace_back("data", data_profiles(data, design, of));
+    figures.emplace_back(prefix + "runtime", runtimes(data, design, of));
+  }
+  return figures;
+}
+
+}  // namespace accdec

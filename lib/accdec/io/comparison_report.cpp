@@ -1,0 +1,89 @@
+#include <accdec/io/comparison_report.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/io/html.hpp>
+
+namespace accdec {
+namespace {
+
+using study::ComparisonData;
+
+std::string paragraph(const std::string& text) { return fmt::format("<p>{}</p>\n", html_escaped(text)); }
+
+std::string settings_text(const ComparisonData& data) {
+  const study::Row& h = data.header;
+  return fmt::format(
+      "{} problems (each at each of its sizes counts as one) from {} starts, {} algorithms, {} repeats in turning order. The same for all: a process of its own for each run, "
+      "{:g} s until the evaluator ends it and {:g} s until the process is killed, {} evaluations, tolerance {:g} asked of the library. Judged by recomputation: "
+      "every row and bound, scaled to 1, within {:g}; the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only boxes, "
+      "get the problem with positions substituted (form `reduced`, no second derivatives); all answers are judged in that form. Start 0 is a trapezoid; the others multiply "
+      "its taps by random factors, the same for every solver. Runs that were refused, killed, crashed or used up their time are not timed again; they count as infinitely "
+      "slow. Problems proved infeasible are not in the profiles: there, the right answer is to say so.",
+      data.cases.size(), data.starts, data.solvers.size(), data.repeats, h.value("time_limit_s", 0.0), h.value("kill_after_s", 0.0), h.value("evaluation_limit", 0L),
+      h.value("tolerance", 0.0), h.value("feasibility", 0.0), h.value("accuracy", 0.0));
+}
+
+std::string session_text(const ComparisonData& data) {
+  if (data.session.is_null()) return "";
+  const study::Row& s = data.session;
+  const double all = s.value("wall_time_s", 0.0) * s.value("workers", 1);
+  return fmt::format(
+      "The last session computed {} entries in {:.1f} s with {} workers: {:.1f} s inside the solvers ({:.0f} % of that in the problems' functions), {:.1f} s judging answers, {:.1f} s "
+      "proving references; {:.2f} % of the workers' time went into processes, starts, building of problems, waiting and records.",
+      s.value("entries", 0), s.value("wall_time_s", 0.0), s.value("workers", 1), s.value("solving_s", 0.0), 100.0 * s.value("evaluating_s", 0.0) / std::max(1e-9, s.value("solving_s", 0.0)),
+      s.value("judging_s", 0.0), s.value("references_s", 0.0), all > 0.0 ? 100.0 * s.value("bookkeeping_share", 0.0) : 0.0);
+}
+
+/// Some columns of a table, and only rows whose first cell is `first` (if any).
+std::string part(const ComparisonTable& table, const std::vector<std::size_t>& columns, const std::string& first = "") {
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+  for (const std::size_t c : columns) head.push_back(table.head[c]);
+  for (const auto& row : table.rows) {
+    if (!first.empty() && row.front() != first) continue;
+    rows.emplace_back();
+    for (const std::size_t c : columns) rows.back().push_back(row[c]);
+  }
+  return html_table(head, rows);
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> comparison_documents(const std::vector<std::string>& lines) {
+  const ComparisonData data = study::read_comparison(lines);
+  std::vector<std::pair<std::string, std::string>> documents;
+  const ComparisonTable problems = problems_table(data), summary = summary_table(data), confusion = confusion_table(data);
+  for (const ComparisonTable& table : {problems, summary, confusion, runs_table(data), pairs_table(data)}) {
+    documents.emplace_back(table.name + ".csv", csv_table(table.head, table.rows));
+  }
+  std::string html = html_head(data.header.value("title", "Comparison"));
+  if (const std::string notes = data.header.value("notes", ""); !notes.empty()) html += paragraph(notes);
+  html += paragraph(settings_text(data));
+  if (const std::string session = session_text(data); !session.empty()) html += paragraph(session);
+  if (data.contradictions.empty()) {
+    html += paragraph("No answer contradicts a proof, and every problem is as the suite says.");
+  } else {
+    html += "<h2>Contradictions</h2>\n<ul>\n";
+    for (const std::string& c : data.contradictions) html += fmt::format("<li>{}</li>\n", html_escaped(c));
+    html += "</ul>\n";
+  }
+  html += "<h2>What each solver came to</h2>\n" + part(summary, {0, 3, 5, 6, 8, 9, 10, 11, 12, 7, 13, 14, 15});
+  html += "<h2>Time and evaluations of the runs that reached the reference</h2>\n" + part(summary, {0, 8, 16, 17, 18, 19, 20, 21, 22});
+  html += "<h2>Claimed against verified, all solvers</h2>\n" + part(confusion, {1, 2, 3, 4, 5, 6, 7}, "all");
+  for (const auto& [name, figure] : comparison_figures(data)) {
+    const std::string svg = render_svg(figure);
+    html += html_figure(name, svg);
+    documents.emplace_back(name + ".png", convert_svg(svg, "png"));
+    documents.emplace_back(name + ".svg", svg);
+  }
+  html += "<h2>Problems and reference values</h2>\n" + part(problems, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
+  html += paragraph("Raw data: raw.jsonl; every run: runs.csv; confusion by solver: confusion.csv; every pair: pairs.csv; how it was made: manifest.json.");
+  documents.emplace_back("report.html", html + "</body></html>\n");
+  return documents;
+}
+
+}  // namespace accdec

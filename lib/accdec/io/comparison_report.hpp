@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <accdec/io/figure.hpp>
+#include <accdec/study/comparison_data.hpp>
+
+namespace accdec {
+
+struct ComparisonTable {
+  std::string name;  ///< of its CSV file
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// Every problem at every size with its reference value and what proves it.
+ComparisonTable problems_table(const study::ComparisonData& data);
+/// One row a solver: how often it reached the reference, what else came of its runs, median and quartiles of time and evaluations.
+ComparisonTable summary_table(const study::ComparisonData& data);
+/// Claimed against verified, for each solver and for all together.
+ComparisonTable confusion_table(const study::ComparisonData& data);
+/// One row for each problem, start and solver.
+ComparisonTable runs_table(const study::ComparisonData& data);
+/// Every pair of solvers compared with each other alone: profile values at ratios 1, 2 and 10.
+ComparisonTable pairs_table(const study::ComparisonData& data);
+
+/// Name and figure: joint performance profiles, pairwise profiles against the solver that solves most, data profiles, and runtime
+/// distributions to the targets; for the nonlinear problems and, where there are any, for the designs.
+std::vector<std::pair<std::string, Figure>> comparison_figures(const study::ComparisonData& data);
+
+/// Everything that is made from raw data: tables as CSV, figures as SVG and PNG, report.html. A function of the lines alone.
+/// @return file name and content
+std::vector<std::pair<std::string, std::string>> comparison_documents(const std::vector<std::string>& lines);
+
+}  // namespace accdec

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include <accdec/io/comparison_report.hpp>
+
+namespace accdec {
+namespace {
+
+using study::Attempt;
+using study::ComparedCase;
+using study::ComparisonData;
+using study::Judgement;
+
+std::string shown(double x, int digits = 4) { return std::isfinite(x) ? fmt::format("{:.{}g}", x, digits) : ""; }
+
+constexpr std::size_t judgement_count = std::size(study::judgements);
+std::size_t position(Judgement j) { return static_cast<std::size_t>(j); }
+
+bool claims_success(const Attempt& a) { return a.claim == "solved" || a.claim == "acceptable"; }
+
+/// Every attempt of one solver.
+template <class Visit>
+void each_attempt(const ComparisonData& data, std::size_t solver, Visit visit) {
+  for (std::size_t c = 0; c < data.cases.size(); ++c) {
+    for (int start = 0; start < data.starts; ++start) visit(data.cases[c], start, data.attempt(c, start, solver));
+  }
+}
+
+std::string text(const study::Row& row, const char* key) { return row.value(key, std::string()); }
+
+}  // namespace
+
+ComparisonTable problems_table(const ComparisonData& data) {
+  ComparisonTable t{"problems", {"problem", "family", "formulation", "size", "order", "variables", "rows", "reference", "proof", "proved bound", "how"}, {}};
+  for (const ComparedCase& c : data.cases) {
+    t.rows.push_back({c.problem, c.family, c.question, fmt::format("{}", c.size), fmt::format("{}", c.order), fmt::format("{}", c.variables), fmt::format("{}", c.rows),
+                      shown(c.reference, 8), c.proof, shown(c.lower, 8), c.method});
+  }
+  return t;
+}
+
+ComparisonTable summary_table(const ComparisonData& data) {
+  ComparisonTable t{"summary",
+                    {"solver", "library", "search", "uses", "form", "runs", "refused", "killed or crashed", "reference reached", "stationary, worse", "feasible only",
+                     "breaks a limit", "no point", "infeasible recognised", "infeasible in all", "claimed solved, refuted", "time lower quartile / s", "time median / s",
+                     "time upper quartile / s", "evaluations lower quartile", "evaluations median", "evaluations upper quartile", "share of time in the evaluator"},
+                    {}};
+  for (std::size_t s = 0; s < data.solvers.size(); ++s) {
+    const study::Row& about = data.header.at("solvers").at(s);
+    std::array<std::size_t, judgement_count> count{};
+    std::size_t runs = 0, refused = 0, lost = 0, recognised = 0, refuted = 0;
+    std::vector<double> times, evaluations;
+    double inside = 0.0, wall = 0.0;
+    each_attempt(data, s, [&](const ComparedCase& c, int, const Attempt& a) {
+      ++runs;
+      if (!a.accepted) {
+        ++refused;
+        if (c.infeasible) ++count[position(Judgement::impossible)];
+        return;
+      }
+      if (a.claim == "killed" || a.claim == "crashed") ++lost;
+      ++count[position(a.judgement)];
+      if (c.infeasible && a.success) ++recognised;
+      if (claims_success(a) && (a.judgement == Judgement::violates || a.judgement == Judgement::none || c.infeasible)) ++refuted;
+      if (a.success && !c.infeasible) {
+        times.push_back(a.time.median);
+        evaluations.push_back(a.evaluations);
+      }
+      if (!a.times.empty()) {
+        inside += a.evaluation_time;
+        wall += a.times.front();
+      }
+    });
+    const study::Quartiles time = study::quartiles(times), evals = study::quartiles(evaluations);
+    const auto whole = [](std::size_t n) { return fmt::format("{}", n); };
+    t.rows.push_back({data.solvers[s], text(about, "library"), text(about, "search"), text(about, "uses"), text(about, "form"), whole(runs), whole(refused), whole(lost),
+                      whole(count[position(Judgement::reached)]), whole(count[position(Judgement::stationary)]), whole(count[position(Judgement::feasible)]),
+                      whole(count[position(Judgement::violates)]), whole(count[position(Judgement::none)]), whole(recognised),
+                      whole(count[position(Judgement::impossible)]), whole(refuted), shown(time.lower), shown(time.median), shown(time.upper), shown(evals.lower),
+                      shown(evals.median), shown(evals.upper), wall > 0.0 ? shown(inside / wall, 3) : ""});
+  }
+  return t;
+}
+
+ComparisonTable confusion_table(const ComparisonData& data) {
+  ComparisonTable t{"confusion", {"solver", "claimed"}, {}};
+  for (const Judgement j : study::judgements) t.head.emplace_back(to_string(j));
+  using Counts = std::map<std::string, std::array<std::size_t, judgement_count>>;
+  const auto add = [&](const std::string& solver, const Counts& counts) {
+    for (const auto& [claim, row] : counts) {
+      t.rows.push_back({solver, claim});
+      for (const std::size_t n : row) t.rows.back().push_back(fmt::format("{}", n));
+    }
+  };
+  Counts all;
+  std::vector<Counts> single(data.solvers.size());
+  for (std::size_t s = 0; s < data.solvers.size(); ++s) {
+    each_attempt(data, s, [&](const ComparedCase&, int, const Attempt& a) {
+      ++single[s][a.claim][position(a.judgement)];
+      ++all[a.claim][position(a.judgement)];
+    });
+  }
+  add("all", all);
+  for (std::size_t s = 0; s < data.solvers.size(); ++s) add(data.solvers[s], single[s]);
+  return t;
+}
+
+ComparisonTable runs_table(const ComparisonData& data) {
+  ComparisonTable t{"runs",
+                    {"problem", "formulation", "size", "start", "solver", "claimed", "verified", "success", "objective", "gap", "violation", "repeats", "time lower quartile / s",
+                     "time median / s", "time upper quartile / s", "evaluations", "gradients", "jacobians", "hessians", "evaluator time / s", "message"},
+                    {}};
+  for (std::size_t c = 0; c < data.cases.size(); ++c) {
+    const ComparedCase& problem = data.cases[c];
+    for (int start = 0; start < data.starts; ++start) {
+      for (std::size_t s = 0; s < data.solvers.size(); ++s) {
+        const Attempt& a = data.attempt(c, start, s);
+        t.rows.push_back({problem.problem, problem.question, fmt::format("{}", problem.size), fmt::format("{}", start), data.solvers[s], a.claim,
+                          std::string(to_string(a.judgement)), a.success ? "yes" : "no", shown(a.objective, 9), shown(a.gap, 3), shown(a.violation, 3),
+                          fmt::format("{}", a.times.size()), shown(a.time.lower), shown(a.time.median), shown(a.time.upper), shown(a.evaluations, 12),
+                          shown(a.gradients, 12), shown(a.jacobians, 12), shown(a.hessians, 12), shown(a.evaluation_time), a.message});
+      }
+    }
+  }
+  return t;
+}
+
+ComparisonTable pairs_table(const ComparisonData& data) {
+  ComparisonTable t{"pairs", {"level", "solver", "against", "solved by it", "fastest or equal (ratio 1)", "within ratio 2", "within ratio 10"}, {}};
+  for (const bool design : {false, true}) {
+    const auto costs = data.costs(design, [](const Attempt& a) { return a.cost(); });
+    if (costs.empty() || costs.front().empty()) continue;
+    for (std::size_t a = 0; a < data.solvers.size(); ++a) {
+      for (std::size_t b = 0; b < data.solvers.size(); ++b) {
+        if (a == b || !data.takes_part(design, a) || !data.takes_part(design, b)) continue;
+        const auto d = study::distribution(study::performance_ratios({costs[a], costs[b]}).front());
+        t.rows.push_back({design ? "design" : "nonlinear problem", data.solvers[a], data.solvers[b], shown(d.y.empty() ? 0.0 : d.y.back(), 3), shown(study::at(d, 1.0), 3),
+                          shown(study::at(d, 2.0), 3), shown(study::at(d, 10.0), 3)});
+      }
+    }
+  }
+  return t;
+}
+
+}  // namespace accdec

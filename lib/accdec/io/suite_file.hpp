@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <accdec/io/errors.hpp>
+#include <accdec/study/comparison_run.hpp>
+
+namespace accdec {
+
+/// A suite of comparison problems, read.
+struct Suite {
+  std::string path;
+  study::ComparisonSettings settings;
+  std::vector<study::CaseSpec> cases;  ///< every problem at every size
+  std::string hash;                    ///< over everything results depend on
+};
+
+/// Reads SUITE.toml (see README). Paths of tasks in it are relative to it.
+/// @throws InputError with position: unknown keys with a suggestion, unknown solvers with the known ones, tasks that do not exist or do
+/// not fit the question asked of them
+Suite read_suite(const std::string& path);
+
+}  // namespace accdec

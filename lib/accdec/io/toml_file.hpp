@@ -1,0 +1,30 @@
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <accdec/io/toml_table.hpp>
+
+// Internal to the room: what the readers of studies and suites share. Not for inclusion from other rooms (it needs toml++).
+
+namespace accdec::toml_input {
+
+/// @throws InputError with position
+toml::table parse_file(const std::string& path);
+
+/// A string or a list of strings; none if the key is missing. @throws InputError for anything else or an empty list
+std::vector<std::string> strings(const Table& table, const toml::table& raw, std::string_view key);
+
+/// A task named relative to the file that names it, parsed. @throws InputError at the key if it does not exist
+toml::table parse_task_beside(const Table& table, std::string_view key, const std::string& given, std::string& path);
+
+/// Sets every dotted task key of a [set] table. @throws InputError at the value
+void apply_settings(const toml::table& settings, const std::string& file, toml::table& task);
+
+/// 16 hexadecimal digits over a text (FNV-1a): tells files apart, protects against nothing.
+std::string hash_of(std::string_view text);
+
+}  // namespace accdec::toml_input

@@ -1,0 +1,130 @@
+#include <accdec/study/comparison_case.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/motion/blend.hpp>
+#include <accdec/motion/shapes.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+
+namespace accdec::study {
+namespace {
+
+Filter default_filter(int order) { return order < 2 ? boxcar(order) : trapezoid(order, order / 3); }
+
+std::vector<double> default_delays(const Task& task, const Filter& filter) {
+  const DelayFinder smallest(filter);
+  std::vector<double> delays;
+  for (const TaskCorner& corner : task.corners) {
+    const double period = task.sample_period;
+    const bool chosen = !corner.delay && corner.error_max;
+    delays.push_back(chosen ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period, corner.geometry.feed_out * period, *corner.error_max)
+                            : corner.delay.value_or(0));
+  }
+  return delays;
+}
+
+/// Uniform in [low, high), the same with every standard library.
+double uniform(std::mt19937_64& rng, double low, double high) { return low + (high - low) * (static_cast<double>(rng() >> 11) * 0x1p-53); }
+
+}  // namespace
+
+std::string_view to_string(Question question) {
+  switch (question) {
+    case Question::margin: return "margin";
+    case Question::delay: return "delay";
+    case Question::design: return "design";
+  }
+  return "?";
+}
+
+std::optional<Question> question_from_string(std::string_view name) {
+  for (const Question q : {Question::margin, Question::delay, Question::design}) {
+    if (to_string(q) == name) return q;
+  }
+  return std::nullopt;
+}
+
+CaseSpec refined(CaseSpec spec, int factor) {
+  if (factor < 1) throw std::invalid_argument("a size must be at least 1");
+  spec.size = factor;
+  spec.order = factor * (spec.order + 1) - 1;
+  spec.task.sample_period /= factor;
+  for (int& d : spec.delays) d *= factor;
+  for (TaskCorner& corner : spec.task.corners) {
+    if (corner.delay) *corner.delay *= factor;
+  }
+  return spec;
+}
+
+ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
+  const Task& task = spec_.task;
+  if (spec_.question == Question::design) return;
+  const Filter filter = default_filter(spec_.order);
+  FormulationOptions options;
+  options.order = spec_.order;
+  options.margin = 0.0;
+  options.mode_frequencies = initial_frequencies(task, spec_.order);
+  if (spec_.question == Question::margin) {
+    spec_.delays.resize(task.corners.size(), 0);
+    options.blend_delays = spec_.delays;
+    for (std::size_t j = 0; j < task.corners.size(); ++j) {
+      samples_.push_back(measure(Blend(filter, task.corners[j].geometry, spec_.delays[j], task.sample_period)).corner_error_sample);
+    }
+  } else {
+    for (const double d : default_delays(task, filter)) options.blend_delays.push_back(static_cast<int>(d));
+  }
+  blend_delays_ = options.blend_delays;
+  for (const bool reduced : {false, true}) {
+    options.reduced = reduced;
+    auto& slot = reduced ? reduced_ : sparse_;
+    if (spec_.question == Question::margin) {
+      slot = std::make_unique<MarginProblem>(task, options, samples_);
+    } else {
+      slot = std::make_unique<DelayProblem>(task, options);
+    }
+  }
+  std::map<std::string, std::size_t> names;
+  for (int i = 0; i < sparse_->num_variables(); ++i) names[sparse_->variable_name(i)] = static_cast<std::size_t>(i);
+  for (int i = 0; i < reduced_->num_variables(); ++i) common_.push_back(names.at(reduced_->variable_name(i)));
+}
+
+std::vector<double> ComparisonCase::start(bool reduced, int index, std::uint64_t seed) const {
+  Filter filter = default_filter(spec_.order);
+  std::vector<double> delays = default_delays(spec_.task, filter);
+  if (index > 0) {
+    std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), static_cast<std::uint32_t>(index),
+                           static_cast<std::uint32_t>(spec_.order)};
+    std::mt19937_64 rng(sequence);
+    std::vector<double> taps;
+    for (int i = 0; i <= spec_.order; ++i) taps.push_back(filter.tap(i) * std::exp(uniform(rng, -1.0, 1.0)));
+    filter = Filter(std::move(taps));
+    for (std::size_t j = 0; j < delays.size(); ++j) {
+      const double factor = uniform(rng, 0.5, 1.5);
+      if (!spec_.task.corners[j].delay) delays[j] = std::min(delays[j] * factor, spec_.order + 1.0);
+    }
+  }
+  const nlp::Problem* p = problem(reduced);
+  if (const auto* margin = dynamic_cast<const MarginProblem*>(p)) return margin->start_from(filter);
+  return dynamic_cast<const DelayProblem&>(*p).start_from(filter, delays);
+}
+
+std::vector<double> ComparisonCase::to_reduced(bool reduced, const std::vector<double>& x) const {
+  if (reduced) return x;
+  std::vector<double> result;
+  for (const std::size_t i : common_) result.push_back(x[i]);
+  return result;
+}
+
+int ComparisonCase::variables() const {
+  return reduced_ ? reduced_->num_variables() : spec_.order + static_cast<int>(spec_.task.corners.size());
+}
+
+int ComparisonCase::rows() const { return reduced_ ? reduced_->num_rows() : 0; }
+
+}  // namespace accdec::study

@@ -1,0 +1,253 @@
+#include <accdec/study/comparison_data.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace accdec::study {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+double number(const Row& row, const char* key, double missing = nan) {
+  const auto found = row.find(key);
+  return found != row.end() && found->is_number() ? found->get<double>() : missing;
+}
+
+std::string text(const Row& row, const char* key) {
+  const auto found = row.find(key);
+  return found != row.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+ComparedCase case_of(const Row& row) {
+  ComparedCase c;
+  c.problem = row.at("problem");
+  c.family = row.at("family");
+  c.question = row.at("question");
+  c.size = row.at("size");
+  c.order = row.at("order");
+  c.variables = row.at("variables");
+  c.rows = row.at("rows");
+  c.method = row.at("method");
+  c.expect_infeasible = row.at("expected") == "infeasible";
+  c.proof = row.at("proof");
+  c.infeasible = c.proof == "infeasible proved";
+  c.lower = c.infeasible ? nan : number(row, "lower", -infinity);
+  c.reference = c.proof == "proved" ? number(row, "upper") : nan;
+  return c;
+}
+
+bool found_feasible(const Row& run) { return run.at("verdict") == "optimal" || run.at("verdict") == "feasible"; }
+
+class Reader {
+ public:
+  explicit Reader(const std::vector<std::string>& lines) {
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      try {
+        take(Row::parse(lines[i]));
+      } catch (const nlohmann::json::exception& error) {
+        throw std::invalid_argument(fmt::format("line {}: not a record of a comparison ({})", i + 1, error.what()));
+      } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument(fmt::format("line {}: {}", i + 1, error.what()));
+      }
+    }
+    if (data_.header.is_null()) throw std::invalid_argument("no header: not the raw data of a comparison");
+    if (data_.cases.empty()) throw std::invalid_argument("no problems in the raw data");
+  }
+
+  ComparisonData read() {
+    settle_references();
+    data_.attempts.resize(data_.cases.size() * static_cast<std::size_t>(data_.starts) * data_.solvers.size());
+    std::vector<std::vector<const Row*>> repeats(data_.attempts.size());
+    for (const Row& run : runs_) repeats[index_of(run)].push_back(&run);
+    for (std::size_t i = 0; i < repeats.size(); ++i) {
+      std::sort(repeats[i].begin(), repeats[i].end(), [](const Row* a, const Row* b) { return a->at("repeat").get<int>() < b->at("repeat").get<int>(); });
+      fill(data_.attempts[i], repeats[i], data_.cases[i / data_.solvers.size() / static_cast<std::size_t>(data_.starts)]);
+    }
+    return std::move(data_);
+  }
+
+ private:
+  void take(Row row) {
+    const std::string record = row.at("record");
+    if (record == "comparison") {
+      if (row.at("schema") != "accdec.comparison/1") throw std::invalid_argument("unknown schema");
+      for (const Row& solver : row.at("solvers")) {
+        solver_index_[solver.at("name")] = data_.solvers.size();
+        data_.solvers.push_back(solver.at("name"));
+      }
+      data_.targets = row.at("targets").get<std::vector<double>>();
+      data_.starts = row.at("starts");
+      data_.repeats = row.at("repeats");
+      accuracy_ = row.at("accuracy");
+      data_.header = std::move(row);
+    } else if (record == "problem") {
+      const std::size_t index = row.at("case");
+      if (index >= data_.cases.size()) data_.cases.resize(index + 1);
+      data_.cases[index] = case_of(row);
+    } else if (record == "run") {
+      runs_.push_back(std::move(row));
+    } else if (record == "session") {
+      data_.session = std::move(row);
+    } else {
+      throw std::invalid_argument(fmt::format("unknown record \"{}\"", record));
+    }
+  }
+
+  std::size_t index_of(const Row& run) const {
+    const std::size_t c = run.at("case"), start = run.at("start");
+    const auto solver = solver_index_.find(run.at("solver").get<std::string>());
+    if (c >= data_.cases.size() || static_cast<int>(start) >= data_.starts || solver == solver_index_.end()) {
+      throw std::invalid_argument("a run of no problem, start or solver of this comparison");
+    }
+    return (c * static_cast<std::size_t>(data_.starts) + start) * data_.solvers.size() + solver->second;
+  }
+
+  double allowed(double reference) const { return accuracy_ * std::max(1.0, std::abs(reference)); }
+
+  /// Where nothing proves the optimum, the best verified answer of any solver is the reference. And no answer may contradict a proof.
+  void settle_references() {
+    std::vector<double> best(data_.cases.size(), infinity);
+    std::vector<std::string> by(data_.cases.size());
+    for (const Row& run : runs_) {
+      const std::size_t c = index_of(run) / data_.solvers.size() / static_cast<std::size_t>(data_.starts);
+      if (!found_feasible(run) || !(number(run, "objective", infinity) < best[c])) continue;
+      best[c] = number(run, "objective");
+      by[c] = run.at("solver");
+    }
+    const auto contradict = [&](const ComparedCase& c, const std::string& what) {
+      data_.contradictions.push_back(fmt::format("{} (size {}): {}", c.problem, c.size, what));
+    };
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      ComparedCase& c = data_.cases[i];
+      if (c.infeasible && best[i] < infinity) contradict(c, fmt::format("proved infeasible, but {} has a feasible point", by[i]));
+      if (c.infeasible != c.expect_infeasible && (c.infeasible || best[i] < infinity)) {
+        contradict(c, fmt::format("the suite says {}", c.expect_infeasible ? "infeasible, but a feasible point is known" : "feasible, but it is proved infeasible"));
+      }
+      if (c.infeasible) continue;
+      if (best[i] < c.lower - allowed(c.lower)) contradict(c, fmt::format("{} is below the proved bound {:g}: {:g}", by[i], c.lower, best[i]));
+      if (!std::isnan(c.reference)) continue;
+      if (best[i] == infinity) {
+        c.proof = "unknown";
+        continue;
+      }
+      c.reference = best[i];
+      const bool closed = best[i] - c.lower <= allowed(best[i]);
+      c.proof = closed ? "proved" : "best known";
+      c.method = closed ? fmt::format("{} reaches the proved bound ({})", by[i], c.method) : fmt::format("{}; bound {:g} ({})", by[i], c.lower, c.method);
+    }
+  }
+
+  void fill(Attempt& a, const std::vector<const Row*>& repeats, const ComparedCase& c) const {
+    a.objective = a.gap = a.violation = nan;
+    a.target_time.assign(data_.targets.size(), infinity);
+    a.target_evaluations.assign(data_.targets.size(), infinity);
+    if (c.infeasible) a.judgement = Judgement::impossible;
+    for (const Row* row : repeats) {
+      if (const double t = number(*row, "wall_time_s"); std::isfinite(t)) a.times.push_back(t);
+    }
+    a.time = quartiles(a.times);
+    if (repeats.empty()) return;
+    const Row& row = *repeats.front();
+    a.claim = row.at("claim");
+    a.message = text(row, "message");
+    a.accepted = a.claim != "refused";
+    a.objective = number(row, "objective");
+    a.violation = number(row, "violation");
+    a.evaluation_time = number(row, "evaluation_time_s", 0.0);
+    a.verification_time = number(row, "verification_time_s", 0.0);
+    if (const auto n = row.find("evaluations"); n != row.end()) {
+      a.evaluations = std::max(number(*n, "objective", 0.0), number(*n, "rows", 0.0));
+      a.gradients = number(*n, "gradient", 0.0);
+      a.jacobians = number(*n, "jacobian", 0.0);
+      a.hessians = number(*n, "hessian", 0.0);
+    }
+    if (c.infeasible) {
+      a.success = a.claim == "infeasible" || a.claim == "no design";
+      return;
+    }
+    const std::string verdict = row.at("verdict");
+    const bool feasible = found_feasible(row);
+    if (feasible) a.gap = (a.objective - c.reference) / std::max(1.0, std::abs(c.reference));
+    a.success = feasible && a.gap <= accuracy_;
+    a.judgement = a.success              ? Judgement::reached
+                  : verdict == "optimal" ? Judgement::stationary
+                  : feasible             ? Judgement::feasible
+                  : verdict == "none"    ? Judgement::none
+                                         : Judgement::violates;
+    if (!std::isnan(c.reference)) find_targets(a, row, c.reference);
+  }
+
+  void find_targets(Attempt& a, const Row& row, double reference) const {
+    const auto history = row.find("history");
+    for (std::size_t t = 0; t < data_.targets.size(); ++t) {
+      const double goal = reference + data_.targets[t] * std::max(1.0, std::abs(reference));
+      if (history != row.end()) {
+        for (const Row& step : *history) {
+          if (!(step.at(2).get<double>() <= goal)) continue;
+          a.target_evaluations[t] = std::max(1.0, step.at(0).get<double>());
+          a.target_time[t] = step.at(1);
+          break;
+        }
+      }
+      // The answer itself may be a point that was never evaluated as a whole.
+      if (std::isinf(a.target_time[t]) && a.gap <= data_.targets[t] && !a.times.empty()) {
+        a.target_time[t] = a.times.front();
+        a.target_evaluations[t] = std::max(1.0, a.evaluations);
+      }
+    }
+  }
+
+  ComparisonData data_;
+  std::vector<Row> runs_;
+  std::map<std::string, std::size_t> solver_index_;
+  double accuracy_ = 1e-4;
+};
+
+}  // namespace
+
+std::string_view to_string(Judgement judgement) {
+  switch (judgement) {
+    case Judgement::reached: return "reference reached";
+    case Judgement::stationary: return "stationary, worse";
+    case Judgement::feasible: return "feasible only";
+    case Judgement::violates: return "breaks a limit";
+    case Judgement::none: return "no point";
+    case Judgement::impossible: return "problem infeasible";
+  }
+  return "?";
+}
+
+double Attempt::cost() const { return success && !times.empty() ? std::max(time.median, 1e-9) : infinity; }
+
+std::vector<std::size_t> ComparisonData::profiled(bool design) const {
+  std::vector<std::size_t> indices;
+  for (std::size_t c = 0; c < cases.size(); ++c) {
+    if (!cases[c].infeasible && (cases[c].question == "design") == design) indices.push_back(c);
+  }
+  return indices;
+}
+
+std::vector<int> ComparisonData::variables(bool design) const {
+  std::vector<int> n;
+  for (const std::size_t c : profiled(design)) n.insert(n.end(), static_cast<std::size_t>(starts), cases[c].variables);
+  return n;
+}
+
+bool ComparisonData::takes_part(bool design, std::size_t solver) const {
+  for (const std::size_t c : profiled(design)) {
+    for (int start = 0; start < starts; ++start) {
+      if (attempt(c, start, solver).accepted) return true;
+    }
+  }
+  return false;
+}
+
+ComparisonData read_comparison(const std::vector<std::string>& lines) { return Reader(lines).read(); }
+
+}  // namespace accdec::study

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <accdec/study/compute.hpp>
+#include <accdec/study/profile.hpp>
+
+namespace accdec::study {
+
+/// A problem at one size with the reference its runs are judged by.
+struct ComparedCase {
+  std::string problem, family, question, method;
+  int size = 1, order = 0, variables = 0, rows = 0;
+  bool expect_infeasible = false;
+  bool infeasible = false;  ///< proved
+  double lower = 0.0;       ///< proved; NaN if infeasible
+  double reference = 0.0;   ///< NaN if infeasible, or if no solver found a feasible point and nothing is proved
+  std::string proof;        ///< "proved", "best known", "infeasible proved", "unknown"
+};
+
+/// What a run came to, by recomputation.
+enum class Judgement {
+  reached,     ///< feasible, and as good as the reference within the accuracy
+  stationary,  ///< feasible and first-order optimal, but worse than the reference
+  feasible,    ///< feasible only
+  violates,    ///< breaks a row or bound
+  none,        ///< no point to judge
+  impossible   ///< nothing to find: the problem is proved infeasible
+};
+inline constexpr Judgement judgements[] = {Judgement::reached,  Judgement::stationary, Judgement::feasible,
+                                           Judgement::violates, Judgement::none,       Judgement::impossible};
+std::string_view to_string(Judgement judgement);
+
+/// A solver on a case from a start, all repeats together.
+struct Attempt {
+  std::string claim = "missing", message;
+  Judgement judgement = Judgement::none;
+  bool success = false;  ///< reached; on an infeasible case: said so
+  bool accepted = true;  ///< false: refused
+  double objective = 0.0, gap = 0.0, violation = 0.0;  ///< gap relative to max(1, reference); NaN where there is none
+  std::vector<double> times;                           ///< s, one a repeat
+  Quartiles time;
+  double evaluations = 0.0, gradients = 0.0, jacobians = 0.0, hessians = 0.0;
+  double evaluation_time = 0.0, verification_time = 0.0;  ///< s, of the first repeat
+  std::vector<double> target_time, target_evaluations;    ///< until within each target, infinite if never
+  /// The cost by time: median over repeats, infinite unless a success.
+  double cost() const;
+};
+
+/// Raw data, understood: everything the tables and figures are made from.
+struct ComparisonData {
+  Row header;
+  std::vector<std::string> solvers;
+  std::vector<double> targets;
+  int starts = 1, repeats = 1;
+  std::vector<ComparedCase> cases;
+  std::vector<Attempt> attempts;             ///< (case * starts + start) * solvers + solver
+  std::vector<std::string> contradictions;   ///< what must not be: a proof beaten, a feasible point of an infeasible problem, ...
+  Row session;                               ///< the record of how time was spent; null without one
+
+  const Attempt& attempt(std::size_t c, int start, std::size_t solver) const {
+    return attempts[(c * static_cast<std::size_t>(starts) + static_cast<std::size_t>(start)) * solvers.size() + solver];
+  }
+  /// Cases that profiles are drawn over: of the integer design or of the nonlinear problems, not proved infeasible.
+  std::vector<std::size_t> profiled(bool design) const;
+  /// [solver][case x start] over `profiled`; what(attempt) is the cost.
+  template <class What>
+  std::vector<std::vector<double>> costs(bool design, What what) const {
+    std::vector<std::vector<double>> table(solvers.size());
+    for (const std::size_t c : profiled(design)) {
+      for (int start = 0; start < starts; ++start) {
+        for (std::size_t s = 0; s < solvers.size(); ++s) table[s].push_back(what(attempt(c, start, s)));
+      }
+    }
+    return table;
+  }
+  /// Variables of each entry of `costs`.
+  std::vector<int> variables(bool design) const;
+  /// Whether the solver took any of the problems that `costs` has.
+  bool takes_part(bool design, std::size_t solver) const;
+};
+
+/// @param lines  of raw.jsonl, in any order after the header
+/// @throws std::invalid_argument naming the line that is not a record of a comparison, or what is missing.
+ComparisonData read_comparison(const std::vector<std::string>& lines);
+
+}  // namespace accdec::study

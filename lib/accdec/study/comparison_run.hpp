@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <accdec/study/comparison_case.hpp>
+#include <accdec/study/compute.hpp>
+
+namespace accdec::study {
+
+/// What is the same for every solver.
+struct ComparisonSettings {
+  std::string title, notes;
+  std::vector<std::string> solvers;  ///< registry names
+  int starts = 1, repeats = 5;
+  std::uint64_t seed = 1;
+  double time_limit = 5.0;                   ///< s a run, told to the library and enforced at every evaluation
+  double kill_after = 10.0;                  ///< s until a run's process is killed
+  std::int64_t evaluation_limit = 1'000'000;
+  double tolerance = 1e-8;                   ///< asked of the libraries
+  double feasibility = 1e-6;                 ///< absolute, on rows scaled to 1: what is judged by
+  double accuracy = 1e-4;                    ///< of the objective, relative to max(1, reference): what counts as reaching it
+  std::vector<double> targets{1e-1, 1e-2, 1e-4};  ///< alike, for data profiles and runtime distributions
+  double reference_time_limit = 30.0;        ///< s
+};
+
+/// One entry of the schedule.
+struct ScheduledRun {
+  bool reference = false;  ///< the case's reference value instead of a solver's run
+  std::size_t case_index = 0, solver = 0;
+  int start = 0, repeat = 0;
+};
+
+/// Cases x starts x solvers x repeats. References come first. Repeats are the outermost loop and the order of the solvers turns from case
+/// to case and repeat to repeat, so that slow drifts of the machine fall on all alike.
+class Comparison {
+ public:
+  /// @throws std::invalid_argument for an unknown solver, no cases, no targets or counts below 1.
+  Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases);
+
+  const ComparisonSettings& settings() const { return settings_; }
+  const std::vector<std::unique_ptr<ComparisonCase>>& cases() const { return cases_; }
+  std::size_t size() const { return cases_.size() + per_repeat() * static_cast<std::size_t>(settings_.repeats); }
+  std::size_t per_repeat() const { return cases_.size() * static_cast<std::size_t>(settings_.starts) * settings_.solvers.size(); }
+  /// @throws std::out_of_range
+  ScheduledRun at(std::size_t index) const;
+  /// The same run's index in another repeat.
+  std::size_t index_of(const ScheduledRun& run, int repeat) const;
+
+  /// First line of the raw data: settings, solvers with their versions and abilities.
+  Row header() const;
+  /// Carries out an entry: the line of the raw data. Exceptions do not pass but are recorded.
+  Row run(std::size_t index) const;
+  /// The line of an entry whose process was killed by the timer or crashed.
+  Row lost(std::size_t index, const std::string& reason) const;
+
+ private:
+  Row beginning(const ScheduledRun& entry) const;
+  Row reference_row(const ScheduledRun& entry) const;
+  Row run_row(const ScheduledRun& entry) const;
+  void solve_into(Row& row, const ScheduledRun& entry) const;
+  void design_into(Row& row, const ScheduledRun& entry) const;
+
+  ComparisonSettings settings_;
+  std::vector<std::unique_ptr<ComparisonCase>> cases_;
+};
+
+/// Whether a run is worth timing again: not if it was refused, killed, crashed or used up its time, for its time is then the limit.
+bool worth_repeating(const Row& first);
+
+}  // namespace accdec::study

@@ -1,0 +1,160 @@
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include <accdec/solvers/solver.hpp>
+#include <accdec/study/comparison_run.hpp>
+
+#include "design/tasks.hpp"
+
+namespace accdec::study {
+namespace {
+
+/// One corner along the axes at 0.1 m/s, acceleration such that a filter of `taps` taps must be a boxcar.
+CaseSpec boxcar_case(int taps, int delay, double angle = 90.0, double heading = 0.0) {
+  Axis axis;
+  axis.acceleration_max = 0.1 / (taps * 1e-3);
+  CaseSpec spec;
+  spec.name = "boxcar";
+  spec.task = accdec::testing::plane_task(axis, accdec::testing::plane_corner("A", angle, heading, 0.1, 0.1), 100e-6);
+  spec.order = taps - 1;
+  spec.delays = {delay};
+  return spec;
+}
+
+// With the one filter that is left, the least error is that of the boxcar: 2 v T cos(theta/2) E[max(i - N/2 - d/2, 0)], the sum
+// taken out by hand: of i - 20 - d/2 over i = 20 + d/2 .. 40 it is m (m + 1)/2 with m = 20 - d/2.
+TEST(Reference, OfTheLeastErrorWhereOnlyABoxcarHolds) {
+  for (const int delay : {0, 10, 20}) {
+    const double m = 20 - delay / 2;
+    const double error = 2.0 * 0.1 * 1e-3 * std::cos(accdec::testing::degrees(45)) * m * (m + 1) / 2 / 41;
+    const double sigma = error * error / (100e-6 * 100e-6);
+    const Reference r = reference_of(ComparisonCase(boxcar_case(41, delay)), 30.0);
+    EXPECT_EQ(r.proof, Reference::Proof::optimal) << r.method;
+    EXPECT_NEAR(r.upper, sigma, 1e-5 * std::max(1.0, sigma)) << delay;
+    EXPECT_LE(r.lower, r.upper);
+    EXPECT_NEAR(r.lower, sigma, 1e-5 * std::max(1.0, sigma)) << delay;
+  }
+}
+
+TEST(Reference, ProvesThatOneTapLessIsTooFew) {
+  CaseSpec spec = boxcar_case(41, 0);
+  spec.order = 39;
+  EXPECT_EQ(reference_of(ComparisonCase(spec), 30.0).proof, Reference::Proof::infeasible);
+  spec.question = Question::delay;
+  EXPECT_EQ(reference_of(ComparisonCase(spec), 30.0).proof, Reference::Proof::infeasible);
+  spec.question = Question::design;
+  EXPECT_EQ(reference_of(ComparisonCase(spec), 30.0).proof, Reference::Proof::infeasible);
+}
+
+// A second opinion on a case with room to choose: the interior-point solver comes to the same least error as the bisection.
+TEST(Reference, AgreesWithASolverThatSharesNothingWithIt) {
+  CaseSpec spec = boxcar_case(30, 12, 60.0, 25.0);
+  spec.order = 64;  // room for both legs' accelerations in one axis
+  spec.task.machine.axes[0].jerk_max = spec.task.machine.axes[1].jerk_max = 400.0;
+  const ComparisonCase subject(spec);
+  const Reference r = reference_of(subject, 30.0);
+  ASSERT_EQ(r.proof, Reference::Proof::optimal) << r.method;
+  for (const bool reduced : {false, true}) {
+    const auto result = solvers::find_solver("ipopt").solve(*subject.problem(reduced), subject.start(reduced, 0, 1));
+    EXPECT_NEAR(result.verification.objective, r.upper, 1e-5 * std::max(1.0, r.upper));
+  }
+}
+
+TEST(Reference, WithPowerIsABoundOnly) {
+  CaseSpec spec = boxcar_case(41, 0);
+  for (Axis& axis : spec.task.machine.axes) axis.mass = 10.0, axis.power_max = 1e3;
+  const Reference r = reference_of(ComparisonCase(spec), 30.0);
+  EXPECT_EQ(r.proof, Reference::Proof::bound);
+  EXPECT_GT(r.lower, 0.0);
+}
+
+TEST(ComparisonCase, RefinementKeepsTheMotion) {
+  CaseSpec spec = boxcar_case(41, 10);
+  spec.task.corners[0].delay = 3;
+  const CaseSpec fine = refined(spec, 4);
+  EXPECT_EQ(fine.order + 1, 4 * 41);
+  EXPECT_DOUBLE_EQ(fine.task.sample_period, 0.25e-3);
+  EXPECT_EQ(fine.delays[0], 40);
+  EXPECT_EQ(fine.task.corners[0].delay, 12);
+  EXPECT_THROW(refined(spec, 0), std::invalid_argument);
+}
+
+TEST(ComparisonCase, StartsAreTheSameForBothFormsAndRepeat) {
+  CaseSpec spec = boxcar_case(41, 10);
+  for (const Question q : {Question::margin, Question::delay}) {
+    spec.question = q;
+    const ComparisonCase subject(spec);
+    for (const int index : {0, 1, 2}) {
+      const auto sparse = subject.start(false, index, 7), reduced = subject.start(true, index, 7);
+      EXPECT_EQ(subject.to_reduced(false, sparse), reduced) << index;
+      EXPECT_EQ(sparse, subject.start(false, index, 7));
+    }
+    EXPECT_NE(subject.start(true, 1, 7), subject.start(true, 2, 7));
+    EXPECT_NE(subject.start(true, 1, 7), subject.start(true, 1, 8));
+  }
+}
+
+ComparisonSettings settings(std::vector<std::string> names) {
+  ComparisonSettings s;
+  s.solvers = std::move(names);
+  s.starts = 2;
+  s.repeats = 5;
+  return s;
+}
+
+TEST(Schedule, HoldsEveryRunOnceAndTurnsTheOrder) {
+  CaseSpec second = boxcar_case(31, 0);
+  second.name = "second";
+  const Comparison c(settings({"ipopt", "nlopt-slsqp", "nlopt-mma"}), {boxcar_case(41, 0), second});
+  ASSERT_EQ(c.size(), 2u + 2 * 2 * 3 * 5);
+  std::set<std::tuple<std::size_t, int, std::size_t, int>> seen;
+  std::set<std::size_t> first_solvers;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const ScheduledRun run = c.at(i);
+    EXPECT_EQ(run.reference, i < 2);
+    if (run.reference) continue;
+    EXPECT_EQ(c.index_of(run, run.repeat), i);
+    EXPECT_TRUE(seen.emplace(run.case_index, run.start, run.solver, run.repeat).second);
+    EXPECT_EQ(run.repeat, static_cast<int>((i - 2) / 12)) << "repeats are the outermost loop";
+    if (run.case_index == 0 && run.start == 0 && (i - 2) % 3 == 0) first_solvers.insert(run.solver);
+  }
+  EXPECT_EQ(first_solvers.size(), 3u) << "each solver is the first at some repeat";
+  EXPECT_THROW(c.at(c.size()), std::out_of_range);
+}
+
+TEST(Schedule, RefusesWhatIsNoComparison) {
+  EXPECT_THROW(Comparison(settings({"ipopt"}), {}), std::invalid_argument);
+  EXPECT_THROW(Comparison(settings({}), {boxcar_case(41, 0)}), std::invalid_argument);
+  EXPECT_THROW(Comparison(settings({"simplex-9000"}), {boxcar_case(41, 0)}), std::invalid_argument);
+}
+
+TEST(ComparisonRun, RecordsRefusalsAndLostProcesses) {
+  CaseSpec spec = boxcar_case(41, 0);
+  const Comparison c(settings({"clp"}), {spec});
+  const Row refused = c.run(1);
+  EXPECT_EQ(refused["claim"], "refused");
+  EXPECT_EQ(refused["verdict"], "none");
+  EXPECT_THAT(refused["message"].get<std::string>(), ::testing::HasSubstr("not linear"));
+  EXPECT_EQ(c.lost(1, "given up after 2 s")["claim"], "killed");
+  EXPECT_EQ(c.lost(1, "the process computing it was ended by signal 11")["claim"], "crashed");
+  EXPECT_FALSE(worth_repeating(refused));
+  EXPECT_FALSE(worth_repeating(c.lost(1, "given up after 2 s")));
+}
+
+TEST(ComparisonRun, HasWhatTheTablesNeed) {
+  const Comparison c(settings({"ipopt"}), {boxcar_case(41, 0)});
+  const Row row = c.run(1);
+  EXPECT_EQ(row["claim"], "solved");
+  EXPECT_EQ(row["verdict"], "optimal");
+  EXPECT_LE(row["violation"].get<double>(), 1e-6);
+  EXPECT_GT(row["evaluations"]["objective"].get<int>(), 0);
+  EXPECT_GT(row["evaluations"]["jacobian"].get<int>(), 0);
+  EXPECT_LE(row["evaluation_time_s"].get<double>(), row["wall_time_s"].get<double>());
+  EXPECT_TRUE(worth_repeating(row));
+}
+
+}  // namespace
+}  // namespace accdec::study

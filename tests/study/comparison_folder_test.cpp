@@ -1,0 +1,177 @@
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <thread>
+
+#include <sys/wait.h>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "command_fixture.hpp"
+
+// The comparison as a user runs it, killed, resumed and drawn anew.
+
+namespace {
+
+namespace fs = std::filesystem;
+using accdec::testing::content;
+using accdec::testing::Outcome;
+using accdec::testing::write;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* tables[] = {"problems.csv", "summary.csv", "confusion.csv", "runs.csv", "pairs.csv"};
+
+class CompareCommand : public accdec::testing::CommandInFolder {
+ protected:
+  void SetUp() override {
+    CommandInFolder::SetUp();
+    write(home_ / "task.toml", R"(sample_period_ms = 1.0
+[[axis]]
+acceleration_max_mm_s2 = 6000
+jerk_max_mm_s3 = 500000
+[[corner]]
+name = "A"
+angle_deg = 95
+feed_in_mm_min = 6000
+error_max_um = 50
+)");
+    suite();
+  }
+  void suite(const std::string& solvers = R"(["ipopt", "nlopt-slsqp", "nlopt-cobyla", "clp"])", const std::string& more = "", int repeats = 5) {
+    write(home_ / "suite.toml", fmt::format(R"(title = "Mini"
+solvers = {}
+starts = 2
+repeats = {}
+time_limit_s = 0.3
+{}
+[[problem]]
+name = "small"
+task = "task.toml"
+formulation = ["margin", "delay"]
+order = 30
+delay_samples = 12
+[[problem]]
+name = "short"
+task = "task.toml"
+formulation = ["margin", "design"]
+order = 10
+expected = "infeasible"
+)", solvers, repeats, more));
+  }
+};
+
+TEST_F(CompareCommand, TablesFiguresAndReportFromOneCommand) {
+  const Outcome r = run("compare suite.toml --out out");
+  ASSERT_EQ(r.exit_code, 0) << r.output;
+  EXPECT_THAT(r.output, HasSubstr("4 problems"));
+  for (const char* name : tables) EXPECT_FALSE(content(home_ / "out" / name).empty()) << name;
+  for (const char* name : {"performance", "pairs", "data", "runtime"}) {
+    EXPECT_THAT(content(home_ / "out" / fmt::format("{}.svg", name)), HasSubstr("<svg"));
+    EXPECT_THAT(content(home_ / "out" / fmt::format("{}.png", name)), HasSubstr("PNG"));
+  }
+  EXPECT_FALSE(fs::exists(home_ / "out/comparison.journal"));
+  const std::string problems = content(home_ / "out/problems.csv"), confusion = content(home_ / "out/confusion.csv"), raw = content(home_ / "out/raw.jsonl");
+  EXPECT_THAT(problems, HasSubstr("small,other,margin,1,30,31"));
+  EXPECT_THAT(problems, HasSubstr("infeasible proved"));
+  EXPECT_THAT(confusion, HasSubstr("ipopt,solved,4,0,0,0,0,0")) << "two problems from two starts, all reached";
+  EXPECT_THAT(confusion, HasSubstr("clp,refused,0,0,0,0,4,4"));
+  EXPECT_THAT(raw, HasSubstr(R"("record":"session")"));
+  EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("accdec compare suite.toml --out out"));
+  EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("3.11.9"));
+  const std::string html = content(home_ / "out/report.html");
+  EXPECT_THAT(html, HasSubstr("No answer contradicts a proof"));
+  EXPECT_THAT(html, Not(HasSubstr("href=\"http")));
+  EXPECT_THAT(html, Not(HasSubstr("src=")));
+}
+
+TEST_F(CompareCommand, RedrawGivesTheSameBytesWithoutSolving) {
+  suite(R"(["ipopt", "nlopt-slsqp"])");
+  ASSERT_EQ(run("compare suite.toml --out out").exit_code, 0);
+  std::map<std::string, std::string> before;
+  for (const auto& item : fs::directory_iterator(home_ / "out")) before[item.path().filename()] = content(item.path());
+  for (const auto& [name, text] : before) {
+    if (name != "raw.jsonl" && name != "manifest.json") fs::remove(home_ / "out" / name);
+  }
+  fs::remove(home_ / "suite.toml");
+  fs::remove(home_ / "task.toml");
+  const Outcome r = run("compare --redraw out");
+  ASSERT_EQ(r.exit_code, 0) << r.output;
+  for (const auto& [name, text] : before) EXPECT_EQ(content(home_ / "out" / name), text) << name;
+}
+
+TEST_F(CompareCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
+  const auto lines = [&] {
+    const std::string journal = content(home_ / "out/comparison.journal");
+    return std::count(journal.begin(), journal.end(), '\n');
+  };
+  int kills = 0;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    const pid_t child = start("compare suite.toml --out out --workers 1");
+    const auto before = lines();
+    int status = 0;
+    while (lines() < before + 8 && ::waitpid(child, &status, WNOHANG) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (status == 0) {
+      ::kill(child, SIGKILL);
+      ::waitpid(child, &status, 0);
+    }
+    if (WIFSIGNALED(status)) ++kills;
+  }
+  ASSERT_GE(kills, 1);
+  EXPECT_FALSE(fs::exists(home_ / "out/report.html"));
+  const Outcome unfinished = run("compare --redraw out");
+  EXPECT_EQ(unfinished.exit_code, 2);
+  EXPECT_THAT(unfinished.output, HasSubstr("not finished"));
+  const auto done = lines() - 1;
+  const Outcome last = run("compare suite.toml --out out");
+  ASSERT_EQ(last.exit_code, 0) << last.output;
+  EXPECT_THAT(last.output, HasSubstr(fmt::format("{} found", done))) << "what was done before the kill is not done again";
+  const std::string raw = content(home_ / "out/raw.jsonl");
+  EXPECT_THAT(run("compare suite.toml --out out").output, HasSubstr(": 0 entries computed"));
+  EXPECT_EQ(content(home_ / "out/raw.jsonl"), raw);
+}
+
+TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
+  const auto refuse = [&](const std::string& arguments, const std::string& words) {
+    const Outcome r = run(arguments);
+    EXPECT_EQ(r.exit_code, 2) << r.output;
+    EXPECT_THAT(r.output, HasSubstr(words));
+    EXPECT_FALSE(fs::exists(home_ / "none"));
+  };
+  suite(R"(["ipotp"])");
+  refuse("compare suite.toml --out none", R"(suite.toml:2:11: unknown solver "ipotp"; did you mean "ipopt"? known are ipopt, ipopt-lbfgs)");
+  suite(R"("all")", "time_limit = 3");
+  refuse("compare suite.toml --out none", "suite.toml:6:1: unknown key `time_limit`");
+  suite(R"("all")", "targets = [0]");
+  refuse("compare suite.toml --out none", "suite.toml:6:12");
+  suite("\"ipopt\"");
+  write(home_ / "suite.toml", content(home_ / "suite.toml") + "[[problem]]\nname = \"x\"\ntask = \"gone.toml\"\norder = 5\nformulation = \"margin\"\n");
+  refuse("compare suite.toml --out none", "gone.toml does not exist");
+  suite("\"ipopt\"");
+  write(home_ / "suite.toml", content(home_ / "suite.toml") + "[[problem]]\nname = \"x\"\ntask = \"task.toml\"\norder = 5\nformulation = \"least\"\n");
+  refuse("compare suite.toml --out none", "unknown formulation \"least\"; allowed are margin, delay, design");
+  refuse("compare suite.toml", "--out DIR");
+  refuse("compare --redraw none", "no raw data");
+  fs::create_directories(home_ / "mine");
+  write(home_ / "mine/raw.jsonl", "years of work\n");
+  refuse("compare --redraw mine", "raw.jsonl: line 1: not a record of a comparison");
+  suite();
+  refuse("compare suite.toml --out mine", "holds no suite; nothing was changed");
+  EXPECT_EQ(content(home_ / "mine/raw.jsonl"), "years of work\n");
+}
+
+TEST_F(CompareCommand, ResultsOfAnotherSuiteAreLeftAlone) {
+  suite("\"ipopt\"", "", 1);
+  ASSERT_EQ(run("compare suite.toml --out out").exit_code, 0);
+  const std::string raw = content(home_ / "out/raw.jsonl");
+  suite("\"ipopt\"", "accuracy = 1e-3", 1);
+  const Outcome other = run("compare suite.toml --out out");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.output, HasSubstr("another suite"));
+  EXPECT_EQ(content(home_ / "out/raw.jsonl"), raw);
+}
+
+}  // namespace
