@@ -46,7 +46,7 @@ error_max_um = 50
 solvers = {}
 starts = 2
 repeats = {}
-time_limit_s = 0.3
+time_limit_s = 0.15
 {}
 [[problem]]
 name = "small"
