@@ -137,5 +137,24 @@ TEST(Vibration, FirstSideLobeOfALongBoxcar) {
   EXPECT_NEAR(use.frequency / zero, 4.493409 / pi, 1e-4);
 }
 
+// Also maxima that share an eighth of the response's shortest period with a minimum.
+TEST(Vibration, FindsMaximaBesideAMinimum) {
+  Random random(9);
+  for (int i = 0; i < 400; ++i) {
+    const int order = integer(random, 2, 24);
+    const Filter filter = random_filter(random, order);
+    Machine machine;
+    const double low = uniform(random, 5.0, 60.0), width = uniform(random, 1.0, 60.0);
+    machine.modes = {{low, low + width, 0.05}};
+    const LimitUse use = vibration_utilisation(filter, period, machine).front();
+    constexpr int points = 5000;
+    double largest = 0.0;
+    for (int k = 0; k <= points; ++k) largest = std::max(largest, plain_response(filter, low + width * k / points));
+    // A grid of 5000 points over at most 1.5 periods of degree 24 misses less than (2 pi 24 T h)^2/8 of the square.
+    EXPECT_GE(use.value, largest * (1.0 - 1e-12)) << order << " taps, " << low << " + " << width;
+    EXPECT_LE(use.value, largest + 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace accdec

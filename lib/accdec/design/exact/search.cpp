@@ -1,8 +1,7 @@
-#include <accdec/design/design.hpp>
+#include <accdec/design/delays_below.hpp>
 #include <accdec/design/exact/search.hpp>
 #include <accdec/design/order_bound.hpp>
 #include <accdec/design/verifier.hpp>
-#include <accdec/motion/smallest_delay.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -75,28 +74,8 @@ void Search::offer(Filter filter) {
   }
   filter = trimmed(filter, task_.design);
   if (filter.order() < task_.design.order_min || filter.order() > task_.design.order_max) return;
-  const DelayFinder smallest(filter);
-  std::vector<int> delays;
-  for (std::size_t j = 0; j < task_.corners.size(); ++j) {
-    const TaskCorner& c = task_.corners[j];
-    const double bound = c.error_max ? *c.error_max * (1.0 + 0.5 * verification_tolerance) : 0.0;
-    delays.push_back(c.delay       ? *c.delay
-                     : c.error_max ? smallest(c.geometry.cos_interior(), c.geometry.feed_in * task_.sample_period,
-                                              c.geometry.feed_out * task_.sample_period, bound)
-                                   : 0);
-  }
-  if (best && value_of(task_, filter.order(), delays) >= best->value) return;
-  Task given = task_;
-  given.filter = FilterSpec{};
-  given.filter->kind = Shape::taps;
-  given.filter->order = filter.order();
-  given.filter->taps.assign(filter.taps().begin(), filter.taps().end());
-  const DesignResult result = design_delays(given);
-  if (!result.filter) return;
-  delays.clear();
-  for (const CornerResult& c : result.corners) delays.push_back(c.delay);
-  const double value = value_of(task_, filter.order(), delays);
-  if (!best || value < best->value) best = Candidate{filter, delays, value, true};
+  const auto delays = delays_below(filter, task_, best ? best->value : std::numeric_limits<double>::infinity());
+  if (delays) consider(std::move(filter), *delays);
 }
 
 int Search::smallest_order() {

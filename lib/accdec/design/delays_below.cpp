@@ -1,0 +1,138 @@
+#include <accdec/design/delays_below.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/design/verifier.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+
+namespace accdec {
+namespace {
+
+/// Slack for the choice alone: the simulated verification at the end has the last word with its own tolerance.
+constexpr double slack = 1.0 + 0.9 * verification_tolerance;
+
+/// Whether one axis holds its limits on a start to (or, mirrored in time, a stop from) `speed`, m/s: what no delay can change.
+bool ramp_holds(const Filter& filter, const Axis& axis, double speed, bool stop, double period) {
+  double previous = 0.0;
+  for (int k = 0; k <= filter.order() + 2; ++k) {
+    const double v = speed * (stop ? filter.remaining(k) : filter.cumulative(k));
+    const double acceleration = (stop ? -speed : speed) * filter.tap(k - 1) / period;
+    const double force = axis.mass * acceleration + axis.damping * v, power = force * v;
+    if (std::abs(acceleration) > axis.acceleration_max * slack) return false;
+    if (std::abs(acceleration - previous) / period > axis.jerk_max * slack) return false;
+    if (std::abs(force) > axis.force_max * slack || power > axis.power_max * slack) return false;
+    if (-power > axis.regeneration_max * slack) return false;
+    previous = acceleration;
+  }
+  return true;
+}
+
+bool ramps_hold(const Filter& filter, const Task& task) {
+  for (const TaskCorner& corner : task.corners) {
+    for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+      const auto i = static_cast<Eigen::Index>(a);
+      const Corner& g = corner.geometry;
+      if (!ramp_holds(filter, task.machine.axes[a], g.feed_in * g.direction_in[i], false, task.sample_period)) return false;
+      if (!ramp_holds(filter, task.machine.axes[a], g.feed_out * g.direction_out[i], true, task.sample_period)) return false;
+    }
+  }
+  return true;
+}
+
+/// The limits of one corner's blend, delay after delay. What failed at one delay most likely fails at the next at about the same sample,
+/// so that sample is looked at first and most delays that will not do cost O(axes) instead of O(axes N).
+class BlendCheck {
+ public:
+  BlendCheck(const Filter& filter, const TaskCorner& corner, const Task& task) : filter_(filter), corner_(corner), task_(task) {
+    const Corner& g = corner.geometry;
+    for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+      const auto i = static_cast<Eigen::Index>(a);
+      legs_.push_back({g.feed_in * g.direction_in[i], g.feed_out * g.direction_out[i]});
+    }
+  }
+
+  bool holds(int delay) {
+    const int last = filter_.order() + delay + 2;
+    for (int k : {hint_, hint_ + 1}) {
+      if (k <= last && !sample_holds(k, delay)) return false;
+    }
+    for (int k = 0; k <= last; ++k) {
+      if (!sample_holds(k, delay)) {
+        hint_ = k;
+        return false;
+      }
+    }
+    if (!corner_.error_max) return true;
+    const double error = corner_error(Blend(filter_, corner_.geometry, delay, task_.sample_period));
+    return error <= position_floor || error <= *corner_.error_max * slack;
+  }
+
+ private:
+  struct Legs {
+    double in, out;  ///< axis components of the two feeds, m/s
+  };
+  double tap_difference(const Legs& leg, int k, int delay) const {
+    return leg.out * filter_.tap(k - 1 - delay) - leg.in * filter_.tap(k - 1);
+  }
+  bool sample_holds(int k, int delay) const {
+    const double period = task_.sample_period, remaining = filter_.remaining(k), gone = filter_.cumulative(k - delay);
+    double speed_squared = 0.0;
+    for (std::size_t a = 0; a < legs_.size(); ++a) {
+      const Axis& axis = task_.machine.axes[a];
+      const double v = legs_[a].in * remaining + legs_[a].out * gone;
+      const double acceleration = tap_difference(legs_[a], k, delay) / period;
+      const double before = k > 0 ? tap_difference(legs_[a], k - 1, delay) / period : 0.0;
+      const double force = axis.mass * acceleration + axis.damping * v, power = force * v;
+      speed_squared += v * v;
+      if (std::abs(v) > axis.velocity_max * slack || std::abs(acceleration) > axis.acceleration_max * slack) return false;
+      if (std::abs(acceleration - before) / period > axis.jerk_max * slack || std::abs(force) > axis.force_max * slack) return false;
+      if (power > axis.power_max * slack || -power > axis.regeneration_max * slack) return false;
+    }
+    return corner_.speed_min <= std::sqrt(speed_squared) * slack;
+  }
+
+  const Filter& filter_;
+  const TaskCorner& corner_;
+  const Task& task_;
+  std::vector<Legs> legs_;
+  int hint_ = 0;
+};
+
+}  // namespace
+
+std::optional<std::vector<int>> delays_below(const Filter& filter, const Task& task, double samples) {
+  const DelayFinder smallest(filter);
+  std::vector<int> delays;
+  double cost = 0.0;
+  for (const TaskCorner& corner : task.corners) {
+    const double step_in = corner.geometry.feed_in * task.sample_period, step_out = corner.geometry.feed_out * task.sample_period;
+    const int least = corner.error_max ? smallest(corner.geometry.cos_interior(), step_in, step_out, *corner.error_max * slack) : 0;
+    delays.push_back(corner.delay.value_or(least));
+    cost += corner.weight * (filter.order() + 1.0 + delays.back());
+  }
+  // The error bounds alone already say which filters are too slow, long before their limits have to be looked at.
+  if (cost >= samples || !ramps_hold(filter, task)) return std::nullopt;
+  // Most filters that ring too much do so at an end or the middle of a band; only the others need the whole band searched.
+  for (const Mode& mode : task.machine.modes) {
+    for (const double f : {mode.frequency_low, 0.5 * (mode.frequency_low + mode.frequency_high), mode.frequency_high}) {
+      if (residual_vibration(filter, f, task.sample_period) > mode.residual_max * slack) return std::nullopt;
+    }
+  }
+  for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, task.machine)) {
+    if (use.utilisation > slack) return std::nullopt;
+  }
+  for (std::size_t j = 0; j < delays.size(); ++j) {
+    const TaskCorner& corner = task.corners[j];
+    // At N + 1 the legs no longer overlap, but the last step of one acceleration still meets the first of the other.
+    const int last = corner.delay.value_or(std::max(delays[j], filter.order() + 2));
+    BlendCheck check(filter, corner, task);
+    while (!check.holds(delays[j])) {
+      cost += corner.weight;
+      if (++delays[j] > last || cost >= samples) return std::nullopt;
+    }
+  }
+  return delays;
+}
+
+}  // namespace accdec
