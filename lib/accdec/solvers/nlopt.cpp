@@ -138,14 +138,22 @@ class NloptSolver final : public Solver {
     const double budget = !algorithm_.can.global ? 0.0 : algorithm_.inner == no_inner ? 10'000.0 * (n + 1.0) : 1000.0 * (n + 1.0);
     nlopt_set_maxeval(opt.get(), static_cast<int>(std::min(2e9, native.get("maxeval", budget))));
     nlopt_set_maxtime(opt.get(), options.time_limit);
-    // The generator is the thread's own and starts from the clock.
-    nlopt_srand(static_cast<unsigned long>(options.seed));
-
     // A tenth of the tolerance, for the verifier's sake: it computes the rows anew.
     NloptProblem callbacks(evaluator, free, opt.get(), algorithm_.rows, 0.1 * options.feasibility_tolerance);
     nlopt_result code = callbacks.attach();
     std::vector<double> x = free.restrict(start);
-    if (code >= 0) code = nlopt_optimize(opt.get(), x.data(), &result.claimed_objective);
+    const auto optimize = [&] {
+      // The generator is the thread's own and starts from the clock.
+      nlopt_srand(static_cast<unsigned long>(options.seed));
+      code = nlopt_optimize(opt.get(), x.data(), &result.claimed_objective);
+    };
+    if (code >= 0 && algorithm_.method == NLOPT_LN_COBYLA) {
+      WatchedCall watched;
+      callbacks.report_to(&watched);
+      if (!watched.run(optimize, options.time_limit, options.cancel)) return abandoned(evaluator, options, std::move(result));
+    } else if (code >= 0) {
+      optimize();
+    }
     result.x = free.expand(x.data());
     result.claim = claim_of(code);
     result.message = fmt::format("NLopt: {}", nlopt_result_to_string(code));
@@ -164,6 +172,16 @@ class NloptSolver final : public Solver {
     } catch (const nlp::StopRun&) {
     }
     conclude(evaluator, result);
+  }
+
+  /// What to say of a run that had to be ended from outside: the best feasible point seen, else the start.
+  static Result abandoned(const nlp::Evaluator& evaluator, const Options& options, Result result) {
+    const bool cancelled = options.cancel != nullptr && options.cancel->load();
+    result.claim = cancelled ? Claim::cancelled : Claim::time_limit;
+    result.message = "NLopt: looped without evaluating and had to be ended";
+    result.counts = evaluator.counts();
+    if (!evaluator.best_feasible().empty()) result.x = evaluator.best_feasible();
+    return result;
   }
 
   Algorithm algorithm_;

@@ -44,6 +44,7 @@ nlopt_result NloptProblem::attach() {
 
 double NloptProblem::objective(unsigned n, const double* x, double* grad, void* self) {
   auto& run = *static_cast<NloptProblem*>(self);
+  const WatchedCall::Callback callback(run.call_);
   try {
     return run.evaluate(x, grad);
   } catch (const StopRun&) {
@@ -55,6 +56,7 @@ double NloptProblem::objective(unsigned n, const double* x, double* grad, void* 
 
 void NloptProblem::inequalities(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self) {
   auto& run = *static_cast<NloptProblem*>(self);
+  const WatchedCall::Callback callback(run.call_);
   try {
     run.evaluate_rows(run.inequalities_, result, x, grad);
   } catch (const StopRun&) {
@@ -66,6 +68,7 @@ void NloptProblem::inequalities(unsigned m, double* result, unsigned n, const do
 
 void NloptProblem::equalities(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self) {
   auto& run = *static_cast<NloptProblem*>(self);
+  const WatchedCall::Callback callback(run.call_);
   try {
     run.evaluate_rows(run.equalities_, result, x, grad);
   } catch (const StopRun&) {

@@ -7,6 +7,7 @@
 
 #include <accdec/nlp/evaluator.hpp>
 #include <accdec/solvers/free_variables.hpp>
+#include <accdec/solvers/watched_call.hpp>
 
 namespace accdec::solvers {
 
@@ -22,6 +23,9 @@ class NloptProblem {
   };
 
   NloptProblem(nlp::Evaluator& evaluator, FreeVariables& free, nlopt_opt opt, Rows rows, double row_tolerance);
+
+  /// For algorithms run as a watched call: every callback reports to it.
+  void report_to(WatchedCall* call) { call_ = call; }
 
   /// Hands objective, bounds and rows to the nlopt_opt.
   nlopt_result attach();
@@ -42,6 +46,7 @@ class NloptProblem {
   nlp::Evaluator& evaluator_;
   FreeVariables& free_;
   nlopt_opt opt_;
+  WatchedCall* call_ = nullptr;
   Rows rows_;
   double tolerance_;
   std::vector<Side> inequalities_, equalities_;

@@ -1,0 +1,50 @@
+#include <accdec/solvers/watched_call.hpp>
+
+#include <system_error>
+#include <thread>
+
+namespace accdec::solvers {
+
+void* WatchedCall::enter(void* self) {
+  auto& watched = *static_cast<WatchedCall*>(self);
+  // A loop without a callback has no cancellation point either. Cancelled is only who has been silent for a while, so no allocation is
+  // cut in two.
+  pthread_setcanceltype(PTHREAD_CANCEL_ASYNCHRONOUS, nullptr);
+  (*watched.call_)();
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);
+  watched.done_.store(true, std::memory_order_release);
+  return nullptr;
+}
+
+bool WatchedCall::run(const std::function<void()>& call, double time_limit, const std::atomic<bool>* cancel) {
+  using Clock = std::chrono::steady_clock;
+  call_ = &call;
+  pthread_t thread{};
+  if (const int error = pthread_create(&thread, nullptr, enter, this); error != 0) {
+    throw std::system_error(error, std::generic_category(), "thread for a solver");
+  }
+  const Clock::time_point began = Clock::now();
+  Clock::time_point heard = began;
+  std::int64_t callbacks = 0;
+  auto pause = std::chrono::microseconds(20);
+  while (!done_.load(std::memory_order_acquire)) {
+    std::this_thread::sleep_for(pause);
+    // Short solves are not kept waiting, long ones are not disturbed.
+    if (pause < std::chrono::milliseconds(5)) pause *= 2;
+    const Clock::time_point now = Clock::now();
+    if (const std::int64_t count = callbacks_.load(std::memory_order_relaxed); count != callbacks) {
+      callbacks = count;
+      heard = now;
+    }
+    const bool over = std::chrono::duration<double>(now - began).count() > time_limit || (cancel != nullptr && cancel->load());
+    if (over && now - heard > patience) {
+      pthread_cancel(thread);
+      break;
+    }
+  }
+  void* ending = nullptr;
+  pthread_join(thread, &ending);
+  return ending != PTHREAD_CANCELED;
+}
+
+}  // namespace accdec::solvers

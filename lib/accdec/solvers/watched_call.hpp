@@ -1,0 +1,51 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+
+#include <pthread.h>
+
+namespace accdec::solvers {
+
+/// Runs a library call that may loop for ever between two callbacks, where neither its own limits nor the evaluator's can reach it
+/// (COBYLA does, on rounding). The call gets a thread of its own, which is cancelled when the time limit has passed, or cancellation
+/// was asked for, and no callback has come for `patience`. What the library had allocated by then is lost.
+class WatchedCall {
+ public:
+  static constexpr std::chrono::milliseconds patience{500};
+
+  /// While one lives on the call's thread, the thread is not cancelled: to stand in every callback, around code that is ours.
+  class Callback {
+   public:
+    explicit Callback(WatchedCall* call) : call_(call) {
+      if (call_ == nullptr) return;
+      pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &before_);
+      call_->callbacks_.fetch_add(1, std::memory_order_relaxed);
+    }
+    ~Callback() {
+      if (call_ != nullptr) pthread_setcancelstate(before_, nullptr);
+    }
+    Callback(const Callback&) = delete;
+    Callback& operator=(const Callback&) = delete;
+
+   private:
+    WatchedCall* call_;
+    int before_ = PTHREAD_CANCEL_ENABLE;
+  };
+
+  /// @param call        plain C underneath: its frames are unwound wherever they stand. Must not throw.
+  /// @param time_limit  s
+  /// @return whether the call ended by itself
+  /// @throws std::system_error if no thread can be had
+  bool run(const std::function<void()>& call, double time_limit, const std::atomic<bool>* cancel);
+
+ private:
+  static void* enter(void* self);
+  const std::function<void()>* call_ = nullptr;
+  std::atomic<std::int64_t> callbacks_{0};
+  std::atomic<bool> done_{false};
+};
+
+}  // namespace accdec::solvers
