@@ -179,7 +179,7 @@ TEST(TaskReader, EveryShippedTaskIsReadAndSurvivesTheRoundTrip) {
     if (entry.path().extension() != ".toml") continue;
     const std::string folder = entry.path().parent_path().filename();
     if (folder == "suites" || folder == "studies") continue;  // not tasks but lists of them
-    if (folder == "study" && read_text_file(entry.path(), 1 << 20).find("[[corner]]") == std::string::npos) continue;
+    if ((folder == "study" || folder == "suite") && read_text_file(entry.path(), 1 << 20).find("[[corner]]") == std::string::npos) continue;
     SCOPED_TRACE(entry.path());
     // Programs bring their own corners.
     const bool program = *std::filesystem::relative(entry.path(), problems).begin() == "program";

@@ -2,6 +2,7 @@
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -9,6 +10,9 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <accdec/io/suite_file.hpp>
+#include <accdec/solvers/solver.hpp>
 
 #include "command_fixture.hpp"
 
@@ -172,6 +176,26 @@ TEST_F(CompareCommand, ResultsOfAnotherSuiteAreLeftAlone) {
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_THAT(other.output, HasSubstr("another suite"));
   EXPECT_EQ(content(home_ / "out/raw.jsonl"), raw);
+}
+
+// What the shipped comparison claims to be.
+TEST(ShippedSuite, HasThirtyProblemsOfEveryKindAndThreeSizes) {
+  const accdec::Suite suite = accdec::read_suite(ACCDEC_SOURCE_DIR "/problems/suite/full.toml");
+  std::map<std::string, std::set<int>> sizes;
+  std::set<std::string> families;
+  int largest = 0;
+  for (const auto& c : suite.cases) {
+    sizes[c.name].insert(c.size);
+    families.insert(c.family);
+    largest = std::max(largest, c.order);
+  }
+  EXPECT_GE(sizes.size(), 30u);
+  EXPECT_GE(std::count_if(sizes.begin(), sizes.end(), [](const auto& s) { return s.second.size() >= 3; }), 8);
+  EXPECT_THAT(families, ::testing::IsSupersetOf({"convex", "power and speed", "many corners", "infeasible", "badly scaled", "large", "design"}));
+  EXPECT_GE(largest, 1000);
+  EXPECT_GE(suite.settings.repeats, 5);
+  EXPECT_EQ(suite.settings.solvers.size(), accdec::solvers::registry().size());
+  EXPECT_NO_THROW(accdec::read_suite(ACCDEC_SOURCE_DIR "/problems/suite/quick.toml"));
 }
 
 }  // namespace

@@ -118,9 +118,9 @@ class SuiteReader {
 
   void read_delays(const Table& table, study::CaseSpec& spec) const {
     const std::size_t corners = spec.task.corners.size();
-    for (const TaskCorner& corner : spec.task.corners) spec.delays.push_back(corner.delay.value_or(0));
     const auto given = table.numbers("delay_samples", {0.0, most_samples}, 1, 10'000, true);
     if (!given) return;
+    spec.delays.resize(corners);
     if (given->size() != 1 && given->size() != corners) table.fail_at("delay_samples", fmt::format("`delay_samples` needs one number, or one for each of the {} corners", corners));
     for (std::size_t j = 0; j < corners; ++j) spec.delays[j] = static_cast<int>(given->size() == 1 ? given->front() : (*given)[j]);
   }

@@ -76,6 +76,8 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
     for (std::size_t j = 0; j < task.corners.size(); ++j) {
       samples_.push_back(measure(Blend(filter, task.corners[j].geometry, spec_.delays[j], task.sample_period)).corner_error_sample);
     }
+  } else if (!spec_.delays.empty()) {
+    options.blend_delays = spec_.delays;
   } else {
     for (const double d : default_delays(task, filter)) options.blend_delays.push_back(static_cast<int>(d));
   }

@@ -29,7 +29,7 @@ struct CaseSpec {
   Question question = Question::margin;
   int order = 0;            ///< N
   int size = 1;             ///< how many times finer than written the task is sampled (already done: see `refined`)
-  std::vector<int> delays;  ///< margin: d_j
+  std::vector<int> delays;  ///< margin: d_j; delay: at which limits on the blends are imposed; empty: 0, and what the start needs
   bool infeasible = false;  ///< the suite says that nothing holds all limits
 };
 
