@@ -18,7 +18,7 @@ namespace {
 struct Options {
   std::string program, task, json, delays, samples, emit, figure;
   double arc_tolerance_um = 2.0, time_limit = 60.0;
-  bool rapid_stops = false;
+  bool rapid_stops = false, per_leg = false;
 };
 
 void run(const Options& options, Context& context) {
@@ -48,7 +48,7 @@ void run(const Options& options, Context& context) {
       return;
     }
   }
-  ProgramResult result = run_program(options.program, std::move(path), *choice.filter, task);
+  ProgramResult result = run_program(options.program, std::move(path), *choice.filter, task, options.per_leg);
   choice.solver.wall_time += result.solver.wall_time;
   result.solver = choice.solver;
   // The large ones first, beside their targets; everything gets its name only when all is written.
@@ -104,6 +104,9 @@ void add_program(CLI::App& app, Context& context) {
   command->add_option("--time-limit", options->time_limit, "s, for the design of a filter where the task has none")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--per-leg", options->per_leg,
+                    "Let the filter of each leg follow what the axis limits allow in its direction: the given or designed filter's shape, for "
+                    "every leg in the length that makes the program shortest; where one filter for all is as fast, that is kept");
   command->add_flag("--rapid-stops", options->rapid_stops, "Stop wherever rapid and feed moves meet");
   command->callback([options, &context] { run(*options, context); });
 }

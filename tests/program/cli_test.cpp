@@ -111,6 +111,22 @@ TEST_F(ProgramCommand, DesignsAFilterWhereTheTaskHasNone) {
   EXPECT_LT(time("r.json"), time("g.json"));
 }
 
+TEST_F(ProgramCommand, PerLegIsNoLongerAndSaysItsFilters) {
+  ASSERT_EQ(run("generate zigzag --blocks 60 --out part.ngc").code, 0);
+  ASSERT_EQ(run("program part.ngc --task task.toml --json one.json").code, 0);
+  const Output done = run("program part.ngc --task task.toml --per-leg --json legs.json --emit e.ngc");
+  EXPECT_EQ(done.code, 0) << done.out << done.err;
+  const auto number = [&](const std::string& name, std::string key) {
+    const std::string text = read(name);
+    key = "\"" + key + "\": ";
+    return std::stod(text.substr(text.find(key) + key.size()));
+  };
+  EXPECT_LT(number("legs.json", "cycle_time_s"), number("one.json", "cycle_time_s"));
+  EXPECT_EQ(number("legs.json", "cycle_time_one_filter_s"), number("one.json", "cycle_time_s"));
+  EXPECT_THAT(read("legs.json"), HasSubstr("\"leg_filters\": ["));
+  EXPECT_THAT(read("e.ngc"), HasSubstr("(filter of "));
+}
+
 TEST_F(ProgramCommand, SameInputSameBytes) {
   ASSERT_EQ(run("generate pocket --blocks 300 --out part.ngc").code, 0);
   run("program part.ngc --task task.toml --delays a.csv --samples sa.csv --emit ea.ngc");

@@ -206,7 +206,8 @@ Panel delay_panel(const ProgramResult& result) {
 Figure plot_program(const ProgramResult& result) {
   Figure figure;
   const std::string name = result.program.substr(result.program.find_last_of('/') + 1);
-  figure.title = fmt::format("{}: {:.6g} s, {} taps", name, result.cycle_time, result.filter.order() + 1);
+  figure.title = fmt::format("{}: {:.6g} s, {} taps{}", name, result.cycle_time, result.filter.order() + 1,
+                             result.legs.single() ? "" : ", length by leg");
   figure.panel_width = page_width;
   figure.panel_height = page_height;
   figure.panels = {path_panel(result), delay_panel(result)};

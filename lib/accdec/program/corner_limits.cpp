@@ -10,11 +10,14 @@ namespace {
 constexpr double slack = 1.0 + 0.5 * verification_tolerance;  // leaves room for the rounding of the simulation
 }
 
-CornerLimits::CornerLimits(const Filter& filter, const Machine& machine, double sample_period)
-    : filter_(filter), machine_(machine), period_(sample_period) {
-  for (int i = 0; i <= filter.order() + 1; ++i) {
-    tap_max_ = std::max(tap_max_, filter.tap(i));
-    tap_step_max_ = std::max(tap_step_max_, std::abs(filter.tap(i) - filter.tap(i - 1)));
+CornerLimits::CornerLimits(const LegFilters& filters, const Machine& machine, double sample_period)
+    : filters_(filters), machine_(machine), period_(sample_period) {
+  for (const Filter& filter : filters.filters()) {
+    Peaks& peaks = peaks_.emplace_back();
+    for (int i = 0; i <= filter.order() + 1; ++i) {
+      peaks.tap = std::max(peaks.tap, filter.tap(i));
+      peaks.step = std::max(peaks.step, std::abs(filter.tap(i) - filter.tap(i - 1)));
+    }
   }
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
@@ -25,13 +28,14 @@ CornerLimits::CornerLimits(const Filter& filter, const Machine& machine, double 
   }
 }
 
-double CornerLimits::start_factor(const double* velocity) const {
+double CornerLimits::start_factor(std::size_t f, const double* velocity) const {
+  const Peaks& peaks = peaks_[f];
   double factor = 1.0;
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
-    const double v = std::abs(velocity[a]), acceleration = v * tap_max_ / period_;
+    const double v = std::abs(velocity[a]), acceleration = v * peaks.tap / period_;
     if (v == 0.0) continue;
-    const double jerk = v * tap_step_max_ / (period_ * period_), force = axis.mass * acceleration + axis.damping * v;
+    const double jerk = v * peaks.step / (period_ * period_), force = axis.mass * acceleration + axis.damping * v;
     const double power = std::min(axis.power_max, axis.regeneration_max);
     factor = std::min({factor, axis.velocity_max / v, axis.acceleration_max / acceleration, axis.jerk_max / jerk});
     if (force > 0.0) factor = std::min({factor, axis.force_max / force, std::sqrt(power / (force * v))});
@@ -39,16 +43,19 @@ double CornerLimits::start_factor(const double* velocity) const {
   return factor;
 }
 
-bool CornerLimits::any_delay_holds(const double* in, const double* out, int from) const {
+bool CornerLimits::any_delay_holds(std::size_t f_in, std::size_t f_out, const double* in, const double* out, int from) const {
+  const Peaks &p1 = peaks_[f_in], &p2 = peaks_[f_out];
+  const bool same = f_in == f_out, merge = same && from == 0;  // without delay the steps of one filter merge
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
-    const double v1 = std::abs(in[a]), v2 = std::abs(out[a]), v = std::max(v1, v2);
-    // The steps of both legs add where they point apart; without delay they merge to one.
-    const double change = from == 0 ? std::abs(out[a] - in[a]) : 0.0;
-    const double apart = in[a] * out[a] < 0.0 ? v1 + v2 : v;
-    const double step = from == 0 ? change : apart;
-    const double acceleration = step * tap_max_ / period_;
-    const double jerk = (from == 0 ? change : v1 + v2) * tap_step_max_ / (period_ * period_);
+    const double v1 = std::abs(in[a]), v2 = std::abs(out[a]), change = std::abs(out[a] - in[a]);
+    const bool reverses = in[a] * out[a] < 0.0;
+    // A shorter filter may bring leg 2 to speed before leg 1 has lost its own.
+    const double v = same || reverses ? std::max(v1, v2) : v1 + v2;
+    // The steps of both legs add where they point apart.
+    const double apart = reverses ? v1 * p1.tap + v2 * p2.tap : std::max(v1 * p1.tap, v2 * p2.tap);
+    const double acceleration = (merge ? change * p1.tap : apart) / period_;
+    const double jerk = (merge ? change * p1.step : v1 * p1.step + v2 * p2.step) / (period_ * period_);
     const double force = axis.mass * acceleration + axis.damping * v;
     if (v > axis.velocity_max || acceleration > axis.acceleration_max || jerk > axis.jerk_max || force > axis.force_max ||
         force * v > axis.power_max || force * v > axis.regeneration_max) {
@@ -58,15 +65,15 @@ bool CornerLimits::any_delay_holds(const double* in, const double* out, int from
   return true;
 }
 
-bool CornerLimits::holds(const double* in, const double* out, int delay) const {
+bool CornerLimits::holds(const Filter& filter_in, const Filter& filter_out, const double* in, const double* out, int delay) const {
+  const int last = std::max(filter_in.order(), filter_out.order() + delay) + 2;
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
     const double v1 = in[a], v2 = out[a];
     double before = 0.0;
-    const int last = filter_.order() + 2 + delay;
     for (int k = 0; k <= last; ++k) {
-      const double v = v1 * filter_.remaining(k) + v2 * filter_.cumulative(k - delay);
-      const double acceleration = (v2 * filter_.tap(k - 1 - delay) - v1 * filter_.tap(k - 1)) / period_;
+      const double v = v1 * filter_in.remaining(k) + v2 * filter_out.cumulative(k - delay);
+      const double acceleration = (v2 * filter_out.tap(k - 1 - delay) - v1 * filter_in.tap(k - 1)) / period_;
       const double force = axis.mass * acceleration + axis.damping * v, power = force * v;
       if (std::abs(v) > axis.velocity_max * slack || std::abs(acceleration) > axis.acceleration_max * slack ||
           std::abs(acceleration - before) > axis.jerk_max * period_ * slack || std::abs(force) > axis.force_max * slack ||
@@ -79,15 +86,17 @@ bool CornerLimits::holds(const double* in, const double* out, int delay) const {
   return true;
 }
 
-int CornerLimits::smallest(const double* in, const double* out, int from, bool& possible) const {
-  if (any_delay_holds(in, out, from) || holds(in, out, from)) return from;
-  const int apart = filter_.order() + 2;
-  if (from >= apart || !holds(in, out, apart)) {
+int CornerLimits::smallest(std::size_t f_in, std::size_t f_out, const double* in, const double* out, int from, bool& possible) const {
+  if (any_delay_holds(f_in, f_out, in, out, from)) return from;
+  const Filter &filter_in = filters_.filters()[f_in], &filter_out = filters_.filters()[f_out];
+  if (holds(filter_in, filter_out, in, out, from)) return from;
+  const int apart = filter_in.order() + 2;
+  if (from >= apart || !holds(filter_in, filter_out, in, out, apart)) {
     possible = false;
     return from;
   }
   int delay = from + 1;
-  while (delay < apart && !holds(in, out, delay)) ++delay;
+  while (delay < apart && !holds(filter_in, filter_out, in, out, delay)) ++delay;
   return delay;
 }
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include <accdec/machine/machine.hpp>
-#include <accdec/motion/filter.hpp>
+#include <accdec/program/leg_filters.hpp>
 
 namespace accdec {
 
@@ -12,22 +12,29 @@ namespace accdec {
 /// what holds for every delay, the others sample by sample with an early way out.
 class CornerLimits {
  public:
-  CornerLimits(const Filter& filter, const Machine& machine, double sample_period);
+  /// References are kept.
+  CornerLimits(const LegFilters& filters, const Machine& machine, double sample_period);
 
-  /// Largest factor <= 1 on a velocity, m/s an axis, with which a start from rest or a stop to rest surely holds the limits.
-  double start_factor(const double* velocity) const;
-  /// Smallest d >= from with all limits held; `from` itself if even legs so far apart that they do not overlap (d = N + 2) break one.
+  bool any() const { return !limited_.empty(); }
+  /// Largest factor <= 1 on a velocity, m/s an axis, with which filter f surely starts it from rest and stops it within the limits.
+  double start_factor(std::size_t f, const double* velocity) const;
+  /// Smallest d >= from with all limits held; `from` itself if even legs so far apart that they do not overlap break one.
+  /// @param f_in, f_out  filters of the legs, by index
   /// @param in, out  velocities of the legs, m/s, one value an axis  @param possible  set to false in that case, else left alone
-  int smallest(const double* in, const double* out, int from, bool& possible) const;
+  int smallest(std::size_t f_in, std::size_t f_out, const double* in, const double* out, int from, bool& possible) const;
+  /// Whether the limits hold with this delay, sample by sample; a leg at rest has velocities of 0.
+  bool holds(const Filter& filter_in, const Filter& filter_out, const double* in, const double* out, int delay) const;
 
  private:
-  bool any_delay_holds(const double* in, const double* out, int from) const;
-  bool holds(const double* in, const double* out, int delay) const;
+  struct Peaks {
+    double tap = 0.0, step = 0.0;  // largest tap and difference of neighbours
+  };
+  bool any_delay_holds(std::size_t f_in, std::size_t f_out, const double* in, const double* out, int from) const;
 
-  const Filter& filter_;
+  const LegFilters& filters_;
   const Machine& machine_;
   double period_;
-  double tap_max_ = 0.0, tap_step_max_ = 0.0;
+  std::vector<Peaks> peaks_;          // of every filter
   std::vector<std::size_t> limited_;  // axes with any limit
 };
 

@@ -65,18 +65,6 @@ double planned_time(const Toolpath& path, const Filter& filter, const Task& task
   return plan.errors_hold ? static_cast<double>(plan.simulation.samples) * task.sample_period : unlimited;
 }
 
-/// The taps spread over `factor` times as many samples, B interpolated: a gentler filter of the same shape.
-Filter stretched(const Filter& filter, double factor) {
-  const int count = static_cast<int>(std::ceil((filter.order() + 1) * factor));
-  const auto cumulative = [&](double x) {
-    const int k = static_cast<int>(std::floor(x));
-    return filter.cumulative(k) + (x - k) * filter.tap(k);
-  };
-  std::vector<double> taps;
-  for (int i = 0; i < count; ++i) taps.push_back(std::max(0.0, cumulative((i + 1) / factor) - cumulative(i / factor)));
-  return Filter(taps);
-}
-
 /// Trapezoids judged by the whole program, which knows what a few corners do not: rapid moves, for instance, go faster with longer
 /// filters. A coarse grid of orders and ramps, then steps around the best that halve. At most `evaluations` programs are timed.
 class TrapezoidSearch {
@@ -227,7 +215,7 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
     const Filter chosen = *best.filter;
     double shortest = planned_time(path, chosen, task, machine);
     for (double factor = 1.2; shortest > 1.005 * best_time && factor < 4.0; factor *= 1.2) {
-      const Filter gentler = stretched(chosen, factor);
+      const Filter gentler = stretched(chosen, static_cast<int>(std::ceil((chosen.order() + 1) * factor)));
       if (gentler.order() > task.design.order_max || program_time(path, gentler, task, machine) >= shortest) break;
       const double time = planned_time(path, gentler, task, machine);
       if (progress) progress(fmt::format("stretched to {} taps: {:.4f} s simulated", gentler.order() + 1, time));

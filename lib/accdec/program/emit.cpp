@@ -17,7 +17,11 @@ void emit_program(const ProgramResult& result, std::ostream& out) {
   const auto words = [&](const double* point) {
     for (std::size_t a = 0; a < n; ++a) fmt::format_to(put, " {}{:.6f}", program_axes[path.axes[a]], point[a] * 1e3);
   };
-  fmt::format_to(put, "(delays as dwells for a filter of {} taps at T = {:.6g} ms)\n", result.filter.order() + 1, period * 1e3);
+  if (result.legs.single()) {
+    fmt::format_to(put, "(delays as dwells for a filter of {} taps at T = {:.6g} ms)\n", result.filter.order() + 1, period * 1e3);
+  } else {
+    fmt::format_to(put, "(delays as dwells for a filter a leg at T = {:.6g} ms)\n", period * 1e3);
+  }
   fmt::format_to(put, "G21 G17 G90 G94\n");
   bool away = false;
   for (std::size_t a = 0; a < n; ++a) away = away || path.point(0)[a] != 0.0;
@@ -34,6 +38,9 @@ void emit_program(const ProgramResult& result, std::ostream& out) {
     const std::size_t end = timing.run_end(run);
     const double length = timing.run_length(run, end);
     const double stretch = static_cast<double>(CommandTiming::run_samples(length)) / length;
+    if (!result.legs.single() && (run == 0 || result.legs.index(run) != result.legs.index(run - 1))) {
+      fmt::format_to(put, "(filter of {} taps)\n", result.legs.of(run).order() + 1);
+    }
     for (std::size_t b = run; b <= end; ++b) {
       ProgramPoint from{}, to{};
       for (std::size_t a = 0; a < n; ++a) {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include <accdec/motion/filter.hpp>
+#include <accdec/program/leg_filters.hpp>
 #include <accdec/program/simulate.hpp>
 
 namespace accdec {
@@ -14,8 +14,8 @@ namespace accdec {
 /// The filtered motion of a window of samples. All in m and samples: velocity in m a sample, acceleration in m a sample squared.
 class MotionBuffer {
  public:
-  /// At rest in `start`, which is sample 0.
-  MotionBuffer(const Filter& filter, std::size_t dimensions, const double* start);
+  /// At rest in `start`, which is sample 0. Keeps a reference to the filters.
+  MotionBuffer(const LegFilters& filters, std::size_t dimensions, const double* start);
 
   /// Number of the last sample made.
   std::int64_t sample() const { return base_ + pos_ - 1; }
@@ -26,8 +26,10 @@ class MotionBuffer {
   std::int64_t number(std::int64_t index) const { return base_ + index; }
   void seen() { seen_ = pos_; }
 
-  /// From the next sample on the command moves by u a sample.
-  void change(const double* u);
+  /// From the next sample on the command moves by u a sample, through filter f: what moved before stops through its own filter.
+  /// The motion is settled where it is not changed further after sample settled().
+  void change(const double* u, std::size_t f);
+  std::int64_t settled() const { return settled_; }
   /// Makes `count` <= room() samples; the command reaches `end` after `left` samples.
   void advance(std::int64_t count, std::int64_t left, const double* end);
   /// Passes over `count` samples of steady motion, after which `left` remain to `end`. What is in the buffer is lost.
@@ -57,9 +59,11 @@ class MotionBuffer {
     return {values.data() + seen_ - earlier, pos_ - seen_};
   }
 
-  Eigen::ArrayXd taps_, remaining_;  // b_i; sum of the taps after i
-  double mean_delay_;
-  std::int64_t order_, keep_, capacity_;
+  std::span<const Filter> filters_;
+  std::int64_t order_, keep_, capacity_;  // order of the longest filter
+  std::size_t filter_ = 0;                // of the command now
+  std::vector<std::uint16_t> filter_of_;  // of every sample of the command
+  std::int64_t settled_ = 0;
   std::int64_t base_ = 0, pos_ = 1, seen_ = 1;
   std::vector<AxisMotion> axes_;
   std::vector<double> command_end_;

@@ -1,9 +1,7 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include <accdec/motion/smallest_delay.hpp>
-#include <accdec/program/corner_limits.hpp>
+#include <accdec/program/joint_delays.hpp>
 #include <accdec/program/plan.hpp>
 
 namespace accdec {
@@ -74,91 +72,43 @@ int smallest_path_delay(const Filter& filter, double cos_interior, double step_i
   return high;
 }
 
-PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
                                DelayRule rule) {
-  const DelayFinder finder(filter);
-  const CornerLimits limits(filter, machine, sample_period);
-  const bool limited = !machine.axes.empty();
-  const std::size_t blocks = path.blocks(), n = path.dimensions();
+  JointDelays joints(path, filters, sample_period, machine);
+  const std::size_t blocks = path.blocks();
   PairwiseDelays result;
   std::vector<int>& delays = result.delays;
   delays.assign(blocks, 0);
-  // Half the mean absolute deviation of the taps: a smooth joint passed without delay errs by it times |v2 u2 - v1 u1| T at most.
-  double spread = 0.0;
-  for (int i = 0; i <= filter.order(); ++i) spread += filter.tap(i) * std::max(0.0, i - filter.mean_delay());
-
-  // Velocities of the legs of a joint, m/s.
-  std::array<double, program_axis_count> in{}, out{};
-  double speed_in = 0.0, speed_out = 0.0;
-  const auto load = [&](std::size_t b, double factor) {
-    const double* p = path.point(b);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      out[i] = (p[n + i] - p[i]) / path.duration[b] * factor;
-      sum += out[i] * out[i];
-    }
-    speed_out = std::sqrt(sum);
-  };
-  const auto cos_interior = [&] {
-    double dot = 0.0;
-    for (std::size_t i = 0; i < n; ++i) dot += in[i] * out[i];
-    return std::clamp(-dot / (speed_in * speed_out), -1.0, 1.0);
-  };
-  const auto within_limits = [&](int delay) {
-    return limited ? limits.smallest(in.data(), out.data(), delay, result.limits_possible) : delay;
-  };
-  const auto is_stop = [&](std::size_t b) {
-    return path.joint[b] == Joint::stop || (rule == DelayRule::exact_stop && path.inside_arc[b] == 0);
-  };
-  const auto smooth_delay = [&](std::size_t b) {
-    if (rule != DelayRule::smallest) return 0;
-    double change2 = 0.0;
-    for (std::size_t i = 0; i < n; ++i) change2 += (out[i] - in[i]) * (out[i] - in[i]);
-    const double bound = path.tolerance[b];
-    int delay = 0;
-    if (spread * spread * change2 * sample_period * sample_period > bound * bound) {
-      delay = smallest_path_delay(filter, cos_interior(), speed_in * sample_period, speed_out * sample_period, bound,
-                                  finder.exact_stop_delay());
-    }
-    return within_limits(delay);
-  };
-
   // All but corners first, for delays of smooth joints decide where runs end and so by how much feeds are lowered. Unlowered feeds
   // are the worse case.
-  load(0, 1.0);
   for (std::size_t b = 0; b + 1 < blocks; ++b) {
-    in = out;
-    speed_in = speed_out;
-    load(b + 1, 1.0);
-    if (is_stop(b)) {
-      delays[b] = within_limits(finder.exact_stop_delay());
-    } else if (path.joint[b] != Joint::corner) {
-      delays[b] = smooth_delay(b);
+    if (path.joint[b] == Joint::stop || (rule == DelayRule::exact_stop && path.inside_arc[b] == 0)) {
+      delays[b] = joints.stop(b, filters.index(b), filters.index(b + 1));
+    } else if (path.joint[b] != Joint::corner && rule == DelayRule::smallest) {
+      delays[b] = joints.smooth(b, filters.index(b));
     }
   }
-  if (rule != DelayRule::smallest) return result;
-
-  const CommandTiming timing(path, sample_period, delays);
-  std::size_t run_first = 0, run_last = 0;
-  double factor = 1.0;  // D/n of the run of a block
-  const auto lowered = [&](std::size_t b) {
-    if (b == 0 || b > run_last) {
-      run_first = b;
-      run_last = timing.run_end(b);
-      const double length = timing.run_length(run_first, run_last);
-      factor = length / static_cast<double>(CommandTiming::run_samples(length));
+  if (rule == DelayRule::smallest) {
+    const CommandTiming timing(path, sample_period, delays);
+    std::size_t run_last = 0;
+    double factor = 1.0;  // D/n of the run of a block
+    const auto lowered = [&](std::size_t b) {
+      if (b == 0 || b > run_last) {
+        run_last = timing.run_end(b);
+        const double length = timing.run_length(b, run_last);
+        factor = length / static_cast<double>(CommandTiming::run_samples(length));
+      }
+      return factor;
+    };
+    double factor_in = 1.0, factor_out = lowered(0);
+    for (std::size_t b = 0; b + 1 < blocks; ++b) {
+      factor_in = factor_out;
+      factor_out = lowered(b + 1);
+      if (path.joint[b] != Joint::corner) continue;
+      delays[b] = joints.corner(b, filters.index(b), filters.index(b + 1), factor_in, factor_out);
     }
-    return factor;
-  };
-  load(0, lowered(0));
-  for (std::size_t b = 0; b + 1 < blocks; ++b) {
-    in = out;
-    speed_in = speed_out;
-    load(b + 1, lowered(b + 1));
-    if (path.joint[b] != Joint::corner) continue;
-    const int delay = finder(cos_interior(), speed_in * sample_period, speed_out * sample_period, path.tolerance[b]);
-    delays[b] = within_limits(delay);
   }
+  result.limits_possible = joints.limits_possible();
   return result;
 }
 

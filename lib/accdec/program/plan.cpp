@@ -9,7 +9,7 @@
 namespace accdec {
 namespace {
 
-ProgramPlan simulate_plan(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+ProgramPlan simulate_plan(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
                           std::vector<int> delays, bool blame) {
   ProgramPlan plan;
   plan.delays = std::move(delays);
@@ -18,7 +18,7 @@ ProgramPlan simulate_plan(const Toolpath& path, const Filter& filter, double sam
   SimulationOptions options;
   if (!machine.axes.empty()) options.machine = &machine;
   options.blame = blame;
-  plan.simulation = simulate_program(timing, filter, 0, path.blocks() - 1, plan.errors, options);
+  plan.simulation = simulate_program(timing, filters, 0, path.blocks() - 1, plan.errors, options);
   plan.errors_hold = true;
   for (std::size_t b = 0; b + 1 < path.blocks() && plan.errors_hold; ++b) {
     plan.errors_hold = holds(plan.errors[b], path.tolerance[b]);
@@ -32,29 +32,46 @@ bool holds(double error, double bound) { return error <= bound * (1.0 + verifica
 
 void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
   if (machine.axes.empty()) return;
-  const CornerLimits limits(filter, machine, sample_period);
+  const LegFilters filters(filter);
+  const CornerLimits limits(filters, machine, sample_period);
   const std::size_t n = path.dimensions();
   std::vector<double> velocity(n);
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     if (path.rapid[b] == 0) continue;
     const double* p = path.point(b);
     for (std::size_t i = 0; i < n; ++i) velocity[i] = (p[n + i] - p[i]) / path.duration[b];
-    path.duration[b] /= limits.start_factor(velocity.data());
+    path.duration[b] /= limits.start_factor(0, velocity.data());
   }
 }
 
-ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                          std::vector<int> delays) {
-  return simulate_plan(path, filter, sample_period, machine, std::move(delays), false);
+void snap_durations(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
+  constexpr double most = 1e-6;
+  const LegFilters filters(filter);
+  const CornerLimits limits(filters, machine, sample_period);
+  const std::size_t n = path.dimensions();
+  std::vector<double> velocity(n);
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    if (!ends_leg(path, b) || (b > 0 && !ends_leg(path, b - 1))) continue;
+    const double samples = path.duration[b] / sample_period, whole = std::floor(samples);
+    if (whole < 1.0 || samples - whole <= 1e-9 || samples - whole > most * samples) continue;
+    const double* p = path.point(b);
+    for (std::size_t i = 0; i < n; ++i) velocity[i] = (p[n + i] - p[i]) / (whole * sample_period);
+    if (limits.start_factor(0, velocity.data()) >= 1.0) path.duration[b] = whole * sample_period;
+  }
 }
 
-ProgramPlan plan_program(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
-  PairwiseDelays pairwise = pairwise_delays(path, filter, sample_period, machine);
+ProgramPlan check_program(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
+                          std::vector<int> delays) {
+  return simulate_plan(path, filters, sample_period, machine, std::move(delays), false);
+}
+
+ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
+  PairwiseDelays pairwise = pairwise_delays(path, filters, sample_period, machine);
   const bool mend_limits = pairwise.limits_possible && !machine.axes.empty();
-  ProgramPlan plan = simulate_plan(path, filter, sample_period, machine, pairwise.delays, mend_limits);
+  ProgramPlan plan = simulate_plan(path, filters, sample_period, machine, pairwise.delays, mend_limits);
   if (plan.errors_hold && plan.simulation.broken.empty()) return plan;
 
-  Repair repair(path, filter, sample_period, mend_limits ? &machine : nullptr, plan.delays, plan.errors);
+  Repair repair(path, filters, sample_period, mend_limits ? &machine : nullptr, plan.delays, plan.errors);
   const std::vector<double> programmed = path.duration;
   RepairWork failing = repair.failing(plan.simulation.broken);
   int rounds = 0;
@@ -65,7 +82,7 @@ ProgramPlan plan_program(Toolpath& path, const Filter& filter, double sample_per
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     if (plan.delays[b] > pairwise.delays[b]) repair.lower(b, pairwise.delays[b]);
   }
-  plan = check_program(path, filter, sample_period, machine, std::move(plan.delays));
+  plan = check_program(path, filters, sample_period, machine, std::move(plan.delays));
   plan.rounds = rounds;
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     plan.raised += plan.delays[b] > pairwise.delays[b] ? 1 : 0;

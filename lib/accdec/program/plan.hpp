@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <accdec/motion/filter.hpp>
+#include <accdec/program/leg_filters.hpp>
 #include <accdec/program/simulate.hpp>
 #include <accdec/program/toolpath.hpp>
 
@@ -25,7 +25,7 @@ struct PairwiseDelays {
 /// of a smooth joint the smallest with which the path passes within it, of a stop the filter's exact stop; each then
 /// lengthened until the axis limits hold while the legs overlap. O(1) to O(log N) a joint, O(N^2) where limits bind.
 /// @param machine  as many axes as the path, or without axes
-PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine = {},
+PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine = {},
                                DelayRule rule = DelayRule::smallest);
 
 /// Smallest d >= 0 with which the path through the samples passes a lone joint within `error_max`: the polyline error never grows
@@ -47,19 +47,23 @@ struct ProgramPlan {
 };
 
 /// Delays with which every joint holds its tolerance on the simulated path. Starts from the pairwise delays; where joints closer than
-/// the filter is long break their bound nevertheless, or moves together break an axis limit that each alone holds, delays are raised
-/// there, round by round, until all hold; then each one raised is lowered again as far as its surroundings allow. With delays longer
-/// than the filter every joint is alone; a block that even then breaks a limit, because its own start and stop overlap, is slowed, so
-/// this ends. Limits that a long block breaks by itself are reported as broken: no delay helps.
+/// the filter is long break their bound nevertheless, or moves together break an axis limit that each alone holds, delays of corners are
+/// raised and feeds on curves lowered there, round by round, until all hold; then each delay raised is lowered again as far as its
+/// surroundings allow. With delays longer than the filter every joint is alone; a block that even then breaks a limit, because its
+/// own start and stop overlap, is slowed, so this ends. Limits that a long block breaks by itself are reported as broken: no delay helps.
 /// @param path     durations of blocks that have to be slowed grow
 /// @param machine  as many axes as the path, or without axes
-ProgramPlan plan_program(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
+ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine);
 
 /// Slows rapid moves to speeds that the filter starts from rest and stops within the axis limits; programmed feeds are left alone.
 void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 
+/// Lowers by at most 1e-6 the durations that exceed whole samples by no more: coordinates rounded by whoever wrote the program would
+/// else cost every leg of a single block a sample. Only where that keeps the axis limits.
+void snap_durations(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
+
 /// Simulates given delays and says whether they hold.
-ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+ProgramPlan check_program(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
                           std::vector<int> delays);
 
 }  // namespace accdec

@@ -1,13 +1,16 @@
 #include <accdec/program/repair.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include <accdec/program/plan.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr double slower = 1.15;  // factor on the duration of a block that breaks a limit by itself
+constexpr double slower = 1.15;        // factor on the duration of a block that breaks a limit by itself
+constexpr double slower_curve = 1.02;  // of blocks on a curve where a limit is broken
+constexpr int slow_rounds = 20;        // in which smooth joints are mended by their feeds
 
 void unique_ascending(std::vector<std::size_t>& numbers) {
   std::sort(numbers.begin(), numbers.end());
@@ -15,42 +18,76 @@ void unique_ascending(std::vector<std::size_t>& numbers) {
 }
 void unique_ascending(RepairWork& work) {
   unique_ascending(work.raise);
-  unique_ascending(work.slow);
+  // Of every block the largest factor.
+  std::sort(work.slow.begin(), work.slow.end(), [](const RepairWork::Slow& a, const RepairWork::Slow& b) {
+    return a.block != b.block ? a.block < b.block : a.factor > b.factor;
+  });
+  const auto same = [](const RepairWork::Slow& a, const RepairWork::Slow& b) { return a.block == b.block; };
+  work.slow.erase(std::unique(work.slow.begin(), work.slow.end(), same), work.slow.end());
 }
 
 }  // namespace
 
-Repair::Repair(Toolpath& path, const Filter& filter, double sample_period, const Machine* machine, std::vector<int>& delays,
+Repair::Repair(Toolpath& path, const LegFilters& filters, double sample_period, const Machine* machine, std::vector<int>& delays,
                std::vector<double>& errors)
     : path_(path),
-      filter_(filter),
+      filters_(filters),
       machine_(machine),
       timing_(path, sample_period, delays),
       delays_(delays),
       errors_(errors),
       scratch_(path.blocks(), 0.0),
-      apart_(filter.order() + 2) {}
+      apart_(filters.order_max() + 2) {}
+
+void Repair::slow_around(std::size_t joint, double factor, RepairWork& work) const {
+  // What is commanded up to half a filter away acts there, but slowing all of it helps one joint and costs its neighbours more than
+  // they need; those that need it are slowed on their own behalf.
+  const double reach = 0.06 * apart_ * timing_.sample_period();
+  double time = 0.0;
+  for (std::size_t b = joint + 1; b-- > 0 && time < reach;) {
+    if (b < joint && ends_leg(path_, b)) break;
+    work.slow.push_back({b, factor});
+    time += path_.duration[b];
+  }
+  time = 0.0;
+  for (std::size_t b = joint + 1; b < path_.blocks() && time < reach; ++b) {
+    work.slow.push_back({b, factor});
+    time += path_.duration[b];
+    if (ends_leg(path_, b)) break;
+  }
+}
+
+void Repair::mend(std::size_t joint, double error, RepairWork& work) const {
+  if (ends_leg(path_, joint) || rounds_ > slow_rounds || !(path_.tolerance[joint] > 0.0)) {
+    work.raise.push_back(joint);
+  } else {
+    slow_around(joint, std::clamp(std::pow(error / path_.tolerance[joint], 0.25), 1.002, 1.5), work);
+  }
+}
 
 void Repair::blame(std::uint32_t block, RepairWork& work) const {
   // Looking back no farther than changes of the command still act.
+  const bool on_curve = rounds_ <= slow_rounds && block > 0 && !ends_leg(path_, block - 1);
+  if (on_curve) slow_around(block - 1, slower_curve, work);
   double back = 0.0;
   std::size_t b = block;
   for (; b > 0 && back <= apart_; --b) {
-    if (delays_[b - 1] < apart_) {
+    if (delays_[b - 1] < apart_ && !(on_curve && !ends_leg(path_, b - 1))) {
       work.raise.push_back(b - 1);
       return;
     }
     back += delays_[b - 1] + path_.duration[b - 1] / timing_.sample_period();
   }
+  if (on_curve) return;
   for (std::size_t slow = b; slow <= block; ++slow) {
-    if (path_.duration[slow] < apart_ * timing_.sample_period()) work.slow.push_back(slow);
+    if (path_.duration[slow] < apart_ * timing_.sample_period()) work.slow.push_back({slow, slower});
   }
 }
 
 RepairWork Repair::failing(std::span<const std::uint32_t> broken) const {
   RepairWork work;
   for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
-    if (!holds(errors_[b], path_.tolerance[b])) work.raise.push_back(b);
+    if (!holds(errors_[b], path_.tolerance[b])) mend(b, errors_[b], work);
   }
   for (const std::uint32_t block : broken) blame(block, work);
   unique_ascending(work);
@@ -87,12 +124,12 @@ void Repair::simulate(const Range& range) {
   SimulationOptions options;
   options.machine = machine_;
   options.blame = machine_ != nullptr;
-  broken_ = simulate_program(timing_, filter_, range.first, range.last, scratch_, options).broken;
+  broken_ = simulate_program(timing_, filters_, range.first, range.last, scratch_, options).broken;
 }
 
 void Repair::judge(std::size_t first, std::size_t last, RepairWork& failing) const {
   for (std::size_t b = first; b <= last; ++b) {
-    if (!holds(scratch_[b], path_.tolerance[b])) failing.raise.push_back(b);
+    if (!holds(scratch_[b], path_.tolerance[b])) mend(b, scratch_[b], failing);
   }
   // Blocks whose motion the ends of the range cannot have touched.
   for (const std::uint32_t block : broken_) {
@@ -106,20 +143,24 @@ void Repair::accept(std::size_t first, std::size_t last) {
 }
 
 RepairWork Repair::round(const RepairWork& work, int step) {
+  ++rounds_;
   std::vector<std::size_t> joints = work.raise;
   for (const std::size_t b : work.raise) delays_[b] = std::min(apart_, delays_[b] + step);
-  for (const std::size_t b : work.slow) {
-    path_.duration[b] *= slower;
-    joints.push_back(std::min(b, std::max<std::size_t>(path_.blocks(), 2) - 2));
+  for (const auto& [block, factor] : work.slow) {
+    path_.duration[block] *= factor;
+    joints.push_back(std::min(block, std::max<std::size_t>(path_.blocks(), 2) - 2));
   }
   unique_ascending(joints);
   RepairWork failing;
   for (std::size_t i = 0; i < joints.size();) {
     Range range = around(joints[i]);
+    std::size_t seen = timing_.run_end(joints[i] + 1);  // joints before this have both runs inside the range
     std::vector<std::pair<std::size_t, std::size_t>> spans{{range.eval_first, range.eval_last}};
     for (++i; i < joints.size(); ++i) {
+      if (joints[i] < seen) continue;
       const Range next = around(joints[i]);
       if (next.first > range.last) break;
+      seen = timing_.run_end(joints[i] + 1);
       range.first = std::min(range.first, next.first);
       range.last = std::max(range.last, next.last);
       if (next.eval_first <= spans.back().second + 1) {

@@ -4,15 +4,19 @@
 #include <span>
 #include <vector>
 
-#include <accdec/motion/filter.hpp>
+#include <accdec/program/leg_filters.hpp>
 #include <accdec/program/simulate.hpp>
 
 namespace accdec {
 
 /// What a round of repair has to change, ascending.
 struct RepairWork {
+  struct Slow {
+    std::size_t block;
+    double factor;  ///< on its duration, > 1
+  };
   std::vector<std::size_t> raise;  ///< joints whose delay is too short
-  std::vector<std::size_t> slow;   ///< blocks that break a limit however long the delays around them are
+  std::vector<Slow> slow;          ///< blocks whose feed is too high
   bool empty() const { return raise.empty() && slow.empty(); }
 };
 
@@ -22,12 +26,14 @@ class Repair {
   /// @param machine  nullptr: limits are left alone
   /// @param path            durations of its blocks may grow
   /// @param delays, errors  of the whole program, kept by reference and kept up to date
-  Repair(Toolpath& path, const Filter& filter, double sample_period, const Machine* machine, std::vector<int>& delays,
+  Repair(Toolpath& path, const LegFilters& filters, double sample_period, const Machine* machine, std::vector<int>& delays,
          std::vector<double>& errors);
 
-  /// Raises joints whose error breaks its bound, and for every block blamed for a broken limit the joint before it, or, if that is
-  /// longer than the filter already, the nearest one before that still can be lengthened. Where there is none a block shorter than
-  /// the filter breaks the limit by itself, its start and its stop together: it is slowed.
+  /// A corner whose error breaks its bound is raised. Around a smooth joint that does, the feed is lowered: on curves the error goes with
+  /// the square of the feed, whereas a command that rests for a sample again and again wears the jerk limit out. For every block blamed
+  /// for a broken limit the corner before it is raised; if that is longer than the filter already, the nearest one before that still can
+  /// be; and inside curves the feed is lowered, too. Where there is neither, a block shorter than the filter breaks the limit by
+  /// itself, its start and its stop together: it is slowed. Joints that twenty rounds have not mended are raised, smooth ones, too.
   RepairWork failing(std::span<const std::uint32_t> broken) const;
   /// One round: changes, re-simulates around the changes, and returns what fails there now. @param step  samples to raise by
   RepairWork round(const RepairWork& work, int step);
@@ -42,17 +48,20 @@ class Repair {
   Range around(std::size_t joint) const;
   void simulate(const Range& range);
   void judge(std::size_t first, std::size_t last, RepairWork& failing) const;
+  void mend(std::size_t joint, double error, RepairWork& work) const;
   void blame(std::uint32_t block, RepairWork& work) const;
+  void slow_around(std::size_t joint, double factor, RepairWork& work) const;
   void accept(std::size_t first, std::size_t last);
 
   Toolpath& path_;
-  const Filter& filter_;
+  const LegFilters& filters_;
   const Machine* machine_;
   CommandTiming timing_;
   std::vector<int>& delays_;
   std::vector<double>& errors_;
   std::vector<double> scratch_;
   std::vector<std::uint32_t> broken_;
+  int rounds_ = 0;
   int apart_;  // delay from which the legs of a joint do not overlap
 };
 

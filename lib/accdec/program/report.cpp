@@ -14,7 +14,15 @@ namespace {
 
 void judge_limits(ProgramResult& result, const Machine& machine) {
   std::vector<LimitUse>& limits = result.plan.simulation.limits;
-  for (const LimitUse& use : vibration_utilisation(result.filter, result.sample_period, machine)) {
+  std::vector<LimitUse> worst_modes;
+  for (const Filter& filter : result.legs.filters()) {
+    const std::vector<LimitUse> modes = vibration_utilisation(filter, result.sample_period, machine);
+    if (worst_modes.empty()) worst_modes = modes;
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      if (modes[i].utilisation > worst_modes[i].utilisation) worst_modes[i] = modes[i];
+    }
+  }
+  for (const LimitUse& use : worst_modes) {
     limits.push_back(use);
     result.plan.simulation.limit_lines.push_back(0);
   }
@@ -42,7 +50,7 @@ void judge_limits(ProgramResult& result, const Machine& machine) {
   if (!report.feasible) result.message = "a limit is broken: " + report.worst;
 }
 
-void count_joints(ProgramResult& result, int stop_delay) {
+void count_joints(ProgramResult& result) {
   const Toolpath& path = result.path;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     const int delay = result.plan.delays[b];
@@ -50,7 +58,8 @@ void count_joints(ProgramResult& result, int stop_delay) {
     if (path.joint[b] == Joint::straight && delay == 0) continue;
     ++result.corners;
     if (delay > 0) ++result.delayed;
-    if (path.joint[b] == Joint::stop || (delay > 0 && delay >= stop_delay)) ++result.exact_stops;
+    const int stop_delay = std::max(1, result.legs.of(b).last_nonzero_tap() - result.legs.of(b + 1).first_nonzero_tap());
+    if (path.joint[b] == Joint::stop || delay >= stop_delay) ++result.exact_stops;
     if (!(path.tolerance[b] < unlimited)) continue;
     const double error = result.plan.errors[b] <= position_floor ? 0.0 : result.plan.errors[b];
     result.worst_error = std::max(result.worst_error, error);
@@ -64,27 +73,43 @@ void count_joints(ProgramResult& result, int stop_delay) {
 
 }  // namespace
 
-ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task) {
+ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task, bool per_leg) {
   const auto start = std::chrono::steady_clock::now();
   ProgramResult result;
   result.program = name;
   result.filter = filter;
+  result.legs = LegFilters(filter);
   result.sample_period = task.sample_period;
-  result.path = std::move(path);
-  const Machine machine = program_machine(task.machine, result.path);
-  limit_rapids(result.path, filter, task.sample_period, machine);
+  const Machine machine = program_machine(task.machine, path);
+  limit_rapids(path, filter, task.sample_period, machine);
+  snap_durations(path, filter, task.sample_period, machine);
+  result.path = path;
   result.plan = plan_program(result.path, filter, task.sample_period, machine);
-  result.cycle_time = static_cast<double>(result.plan.simulation.samples) * task.sample_period;
+  const auto cycle_time = [&](const ProgramPlan& plan) { return static_cast<double>(plan.simulation.samples) * task.sample_period; };
+  result.cycle_time_one_filter = cycle_time(result.plan);
+  if (per_leg) {
+    LegFilters legs = choose_leg_filters(path, filter, task.sample_period, machine, task.design.order_max);
+    ProgramPlan plan = plan_program(path, legs, task.sample_period, machine);
+    const auto holds = [](const ProgramPlan& p) {
+      return p.errors_hold && std::all_of(p.simulation.limits.begin(), p.simulation.limits.end(),
+                                          [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
+    };
+    const bool one_holds = holds(result.plan);
+    if (holds(plan) && (!one_holds || plan.simulation.samples < result.plan.simulation.samples)) {
+      result.legs = std::move(legs);
+      result.plan = std::move(plan);
+      result.path = std::move(path);
+    }
+  }
+  result.cycle_time = cycle_time(result.plan);
 
   const auto time_by_rule = [&](DelayRule rule) {
-    const std::vector<int> delays = pairwise_delays(result.path, filter, task.sample_period, machine, rule).delays;
-    const CommandTiming timing(result.path, task.sample_period, delays);
-    return static_cast<double>(timing.command_samples() + filter.order() + 1) * task.sample_period;
+    const std::vector<int> delays = pairwise_delays(result.path, result.legs, task.sample_period, machine, rule).delays;
+    return static_cast<double>(motion_samples(CommandTiming(result.path, task.sample_period, delays), result.legs)) * task.sample_period;
   };
   result.cycle_time_no_delay = time_by_rule(DelayRule::none);
   result.cycle_time_exact_stop = time_by_rule(DelayRule::exact_stop);
-  const int stop_delay = std::max(0, filter.last_nonzero_tap() - filter.first_nonzero_tap());
-  count_joints(result, stop_delay);
+  count_joints(result);
   judge_limits(result, machine);
   result.solver.method = "given";
   result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -112,13 +137,19 @@ std::string program_summary(const ProgramResult& result) {
   const ProgramPlan& plan = result.plan;
   fmt::format_to(put, "{}: {} blocks, {} corners, {} delayed, {} exact stops\n", result.program, result.path.blocks(), result.corners,
                  result.delayed, result.exact_stops);
-  fmt::format_to(put, "filter of {} taps, T = {:.6g} ms, {} samples\n\n", result.filter.order() + 1, result.sample_period * 1e3,
-                 plan.simulation.samples);
+  std::string taps = fmt::format("filter of {} taps", result.filter.order() + 1);
+  if (!result.legs.single()) {
+    const auto [least, most] = std::minmax_element(result.legs.filters().begin(), result.legs.filters().end(),
+                                                   [](const Filter& a, const Filter& b) { return a.order() < b.order(); });
+    taps = fmt::format("{} filters of {} to {} taps, one a leg", result.legs.filters().size(), least->order() + 1, most->order() + 1);
+  }
+  fmt::format_to(put, "{}, T = {:.6g} ms, {} samples\n\n", taps, result.sample_period * 1e3, plan.simulation.samples);
   const auto row = [&](std::string_view what, double time) {
     fmt::format_to(put, "  {:<28}{:>14.4f} s{:>10.2f} %\n", what, time, 100.0 * time / result.cycle_time);
   };
   row("cycle time", result.cycle_time);
   row("  of it delays", result.delay_total);
+  if (!result.legs.single()) row("one filter for all legs", result.cycle_time_one_filter);
   row("exact stop at every corner", result.cycle_time_exact_stop);
   row("no delay at any corner", result.cycle_time_no_delay);
   fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n", result.worst_error * 1e6,
@@ -126,7 +157,7 @@ std::string program_summary(const ProgramResult& result) {
   if (plan.raised > 0) {
     fmt::format_to(put, "  {} delays raised because moves overlap, in {} rounds\n", plan.raised, plan.rounds);
   }
-  if (plan.slowed > 0) fmt::format_to(put, "  {} short blocks slowed, for their start and stop together break a limit\n", plan.slowed);
+  if (plan.slowed > 0) fmt::format_to(put, "  {} blocks slowed, on curves or too short for their feed\n", plan.slowed);
   if (!plan.simulation.limits.empty()) fmt::format_to(put, "\n  {:<14}{:<6}{:>12}{:>10}  {}\n", "limit", "axis", "bound", "use", "where");
   for (const LimitUse& use : plan.simulation.limits) {
     fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>8.1f} %  {}\n", to_string(use.kind), use.axis, use.bound, 100.0 * use.utilisation,
@@ -166,7 +197,7 @@ void write_samples(const ProgramResult& result, std::ostream& out) {
       text.clear();
     }
   };
-  simulate_program(timing, result.filter, 0, path.blocks() - 1, errors, options);
+  simulate_program(timing, result.legs, 0, path.blocks() - 1, errors, options);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
 }
 

@@ -8,6 +8,7 @@
 
 #include <accdec/design/result.hpp>
 #include <accdec/design/task.hpp>
+#include <accdec/program/leg_filters.hpp>
 #include <accdec/program/plan.hpp>
 #include <accdec/program/toolpath.hpp>
 
@@ -17,7 +18,8 @@ namespace accdec {
 struct ProgramResult {
   std::string program;  ///< the file
   Status status = Status::failed;
-  Filter filter{{1.0}};
+  Filter filter{{1.0}};               ///< the given or designed one
+  LegFilters legs{Filter{{1.0}}};     ///< those the legs pass through: `filter` alone, or its shape in several lengths
   double sample_period = 0.0;  ///< s
   Toolpath path;                ///< with lowered feeds, where the plan lowered any
   ProgramPlan plan;
@@ -28,6 +30,7 @@ struct ProgramResult {
   double worst_utilisation = 0.0;  ///< error/tolerance, and its line
   std::uint32_t worst_line = 0;
   double cycle_time = 0.0;             ///< s, samples of the simulation times T
+  double cycle_time_one_filter = 0.0;  ///< s, planned with `filter` for every leg
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
   double delay_total = 0.0;            ///< s, delays of this plan
@@ -36,9 +39,9 @@ struct ProgramResult {
   std::string message;
 };
 
-/// Plans and verifies a program with a given filter. `feasible` only if every joint holds its tolerance and every axis limit and
+/// Plans and verifies a program with a given filter, or, where that is faster, with one of its shape for every leg. `feasible` only if every joint holds its tolerance and every axis limit and
 /// vibration bound is held over the whole program, else `failed` with the worst in the message.
-ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task);
+ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task, bool per_leg = false);
 
 /// Ends with a line feed.
 std::string program_to_json(const ProgramResult& result);

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -40,6 +42,21 @@ std::string program_to_json(const ProgramResult& result) {
   json["sample_period_s"] = result.sample_period;
   json["filter"] = {{"order", result.filter.order()},
                     {"taps", std::vector<double>(result.filter.taps().begin(), result.filter.taps().end())}};
+  if (!result.legs.single()) {
+    // By rising order, with the number of blocks that each serves.
+    const auto filters = result.legs.filters();
+    std::vector<std::size_t> blocks(filters.size(), 0), order(filters.size());
+    for (std::size_t b = 0; b < result.path.blocks(); ++b) ++blocks[result.legs.index(b)];
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return filters[a].order() < filters[b].order(); });
+    Json list = Json::array();
+    for (const std::size_t i : order) {
+      list.push_back({{"order", filters[i].order()},
+                      {"blocks", blocks[i]},
+                      {"taps", std::vector<double>(filters[i].taps().begin(), filters[i].taps().end())}});
+    }
+    json["leg_filters"] = std::move(list);
+  }
   json["blocks"] = result.path.blocks();
   json["corners"] = {{"count", result.corners},
                      {"delayed", result.delayed},
@@ -51,6 +68,7 @@ std::string program_to_json(const ProgramResult& result) {
                      {"worst_line", result.worst_line}};
   json["samples"] = result.plan.simulation.samples;
   json["cycle_time_s"] = result.cycle_time;
+  if (!result.legs.single()) json["cycle_time_one_filter_s"] = result.cycle_time_one_filter;
   json["cycle_time_exact_stop_s"] = result.cycle_time_exact_stop;
   json["cycle_time_no_delay_s"] = result.cycle_time_no_delay;
   json["delay_total_s"] = result.delay_total;

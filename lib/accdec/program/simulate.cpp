@@ -14,19 +14,19 @@ namespace {
 /// Feeds the commands to the motion buffer and reads joints and limits off it.
 class Simulator {
  public:
-  Simulator(const CommandTiming& timing, const Filter& filter, std::size_t first, std::span<double> errors,
+  Simulator(const CommandTiming& timing, const LegFilters& filters, std::size_t first, std::span<double> errors,
             const SimulationOptions& options)
       : path_(timing.path()),
-        order_(filter.order()),
-        mean_delay_(filter.mean_delay()),
+        filters_(filters),
+        order_(filters.order_max()),
         errors_(errors),
         options_(options),
-        motion_(filter, path_.dimensions(), path_.point(first)),
+        motion_(filters, path_.dimensions(), path_.point(first)),
         watch_(options.machine, path_.dimensions(), timing.sample_period(), options.blame),
         block_(first) {}
 
   void command(const double* u, std::int64_t count, const double* end) {
-    motion_.change(u);
+    motion_.change(u, filters_.index(block_));
     watched_until_ = std::max(watched_until_, motion_.sample() + order_ + 2);
     while (count > 0) {
       // Steady motion is passed over, except for the last two samples, where the window of the next joint begins.
@@ -53,8 +53,10 @@ class Simulator {
     time += static_cast<double>(begin_);
     const auto reached = static_cast<std::int64_t>(time);
     // A rest longer than the filter adds only samples that stand still in the joint.
-    const std::int64_t window = (time > static_cast<double>(reached) ? 1 : 0) + std::min<std::int64_t>(rest, order_ + 1) + order_ + 1;
-    const double guess = time + 0.5 * static_cast<double>(std::min<std::int64_t>(rest, order_ + 1)) + mean_delay_;
+    const Filter &in = filters_.of(b), &out = filters_.of(b + 1);
+    const std::int64_t seen = std::min<std::int64_t>(rest, in.order() + 1);
+    const std::int64_t window = (time > static_cast<double>(reached) ? 1 : 0) + std::max<std::int64_t>(in.order(), seen + out.order()) + 1;
+    const double guess = time + 0.5 * (static_cast<double>(seen) + in.mean_delay() + out.mean_delay());
     pending_.push_back({b, reached, reached + window, static_cast<std::int64_t>(guess)});
     watched_until_ = std::max(watched_until_, reached + window + 1);
     block_ = b + 1;
@@ -65,7 +67,7 @@ class Simulator {
     command(zero.data(), order_ + 2, end.data());  // the last step of the jerk, too
     flush();
     Simulation result;
-    result.samples = motion_.sample() - 1;
+    result.samples = motion_.settled();
     watch_.finish(result.limits, result.limit_lines, path_);
     result.broken = watch_.broken();
     return result;
@@ -106,8 +108,8 @@ class Simulator {
   double error_of(const Pending& joint) const;
 
   const Toolpath& path_;
-  std::int64_t order_;
-  double mean_delay_;
+  const LegFilters& filters_;
+  std::int64_t order_;  // of the longest filter
   std::span<double> errors_;
   const SimulationOptions& options_;
   MotionBuffer motion_;
@@ -182,9 +184,9 @@ double Simulator::error_of(const Pending& joint) const {
 
 }  // namespace
 
-Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+Simulation simulate_program(const CommandTiming& timing, const LegFilters& filters, std::size_t first, std::size_t last,
                             std::span<double> errors, const SimulationOptions& options) {
-  Simulator simulator(timing, filter, first, errors, options);
+  Simulator simulator(timing, filters, first, errors, options);
   if (first == 0 && timing.path().dwell_first > 0.0) {
     const std::vector<double> zero(timing.path().dimensions(), 0.0);
     simulator.command(zero.data(), timing.dwell_samples(timing.path().dwell_first), timing.path().point(0));
@@ -192,6 +194,21 @@ Simulation simulate_program(const CommandTiming& timing, const Filter& filter, s
   simulator.begin();
   emit_commands(timing, first, last, simulator);
   return simulator.finish();
+}
+
+std::int64_t motion_samples(const CommandTiming& timing, const LegFilters& filters) {
+  const Toolpath& path = timing.path();
+  std::int64_t at = timing.dwell_samples(path.dwell_first), end_of_motion = 0;
+  auto dwell = path.dwell.begin();
+  for (std::size_t run = 0; run < path.blocks();) {
+    const std::size_t end = timing.run_end(run);
+    at += CommandTiming::run_samples(timing.run_length(run, end));
+    end_of_motion = std::max(end_of_motion, at + filters.of(end).order() + 1);
+    at += timing.delay(end);
+    for (; dwell != path.dwell.end() && dwell->first <= end; ++dwell) at += timing.dwell_samples(dwell->second);
+    run = end + 1;
+  }
+  return end_of_motion;
 }
 
 }  // namespace accdec

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include <accdec/machine/utilisation.hpp>
-#include <accdec/motion/filter.hpp>
 #include <accdec/program/command_stream.hpp>
+#include <accdec/program/leg_filters.hpp>
 
 namespace accdec {
 
@@ -34,13 +34,19 @@ struct Simulation {
 ///
 /// A change of the command by D at a sample adds D b_0, D b_1 .. to the N + 1 following changes of velocity: the cost is that of the
 /// changes, O(N) each, whatever the number of moves that overlap, plus a few additions a sample; stretches of steady motion are
-/// passed over in one step. Velocity and position are anew computed from the command every few thousand samples, so that
+/// passed over in one step. Where legs have filters of their own, a leg ends by a change to rest through its filter and the next starts
+/// through its own, so that what is followed is the sum of all legs' filtered commands. Velocity and position are anew computed from the command every few thousand samples, so that
 /// rounding does not accumulate.
 ///
 /// @param first, last  blocks to simulate; the motion begins and ends at rest there
 /// @param errors       of every joint first .. last - 1, indexed by block: min |S| over the samples of its window [reached, left +
-///                     N + 1] for corners and stops, the distance of the path through those samples for smooth and straight joints, m
-Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+///                     N + 1] for corners and stops, the distance of the path through those samples for smooth and straight joints, m;
+///                     N is the order of the longer of the two legs' filters
+Simulation simulate_program(const CommandTiming& timing, const LegFilters& filters, std::size_t first, std::size_t last,
                             std::span<double> errors, const SimulationOptions& options = {});
+
+/// The time model: samples of the motion as simulate_program counts them, from the timing alone. The last leg to end is not always the
+/// last to come to rest.
+std::int64_t motion_samples(const CommandTiming& timing, const LegFilters& filters);
 
 }  // namespace accdec
