@@ -107,7 +107,11 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
   ComparisonSummary summary;
   summary.problems = comparison.cases().size();
   summary.found = entries.size();
-  study::RunOptions run{options.workers, study::Isolation::processes, suite.settings.kill_after, true};
+  study::RunOptions run;
+  run.workers = options.workers;
+  run.isolation = study::Isolation::processes;
+  run.kill_after_of = [&](std::size_t i) { return comparison.kill_after(i); };
+  run.fresh_children = true;
   Times times;
   StudyProgress progress{entries.size(), comparison.size(), 0.0};
   const auto compute = [&](const std::vector<std::size_t>& indices) {
@@ -136,9 +140,7 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
   };
   const auto always = [](std::size_t) { return true; };
   const std::size_t references = comparison.cases().size(), first = references + comparison.per_repeat();
-  run.kill_after = 2.0 * suite.settings.reference_time_limit + 5.0;
   compute(missing(0, references, always));
-  run.kill_after = suite.settings.kill_after;
   compute(missing(references, first, always));
   compute(missing(first, comparison.size(), [&](std::size_t i) {
     return study::worth_repeating(Row::parse(entries.at(comparison.index_of(comparison.at(i), 0)).row));

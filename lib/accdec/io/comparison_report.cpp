@@ -16,15 +16,21 @@ std::string paragraph(const std::string& text) { return fmt::format("<p>{}</p>\n
 
 std::string settings_text(const ComparisonData& data) {
   const study::Row& h = data.header;
+  std::string longer;
+  for (const study::ComparedCase& c : data.cases) {
+    if (c.time_limit > 0.0 && c.time_limit != h.value("time_limit_s", 0.0)) longer += fmt::format("{}{} ({}): {:g} s", longer.empty() ? " Other time limits, for all alike: " : ", ", c.problem, c.question, c.time_limit);
+  }
+  if (!longer.empty()) longer += ".";
   return fmt::format(
       "{} problems (each at each of its sizes counts as one) from {} starts, {} algorithms, {} repeats in turning order. The same for all: a process of its own for each run, "
       "{:g} s until the evaluator ends it and {:g} s until the process is killed, {} evaluations, tolerance {:g} asked of the library. Judged by recomputation: "
       "every row and bound, scaled to 1, within {:g}; the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only boxes, "
-      "get the problem with positions substituted (form `reduced`, no second derivatives); all answers are judged in that form. Start 0 is a trapezoid; the others multiply "
-      "its taps by random factors, the same for every solver. Runs that were refused, killed, crashed or used up their time are not timed again; they count as infinitely "
-      "slow. Problems proved infeasible are not in the profiles: there, the right answer is to say so.",
+      "and those the suite names get the problem with positions substituted (form `reduced`, no second derivatives); all answers are judged in that form. Start 0 is a "
+      "trapezoid; the others multiply its taps by random factors, the same for every solver. A time is of the solve alone, with what a first call in a process costs. Runs "
+      "that were refused, killed, crashed or used up their time are not timed again; they count as infinitely slow. Problems proved infeasible are not in the profiles: "
+      "there, the right answer is to say so.{}",
       data.cases.size(), data.starts, data.solvers.size(), data.repeats, h.value("time_limit_s", 0.0), h.value("kill_after_s", 0.0), h.value("evaluation_limit", 0L),
-      h.value("tolerance", 0.0), h.value("feasibility", 0.0), h.value("accuracy", 0.0));
+      h.value("tolerance", 0.0), h.value("feasibility", 0.0), h.value("accuracy", 0.0), longer);
 }
 
 std::string session_text(const ComparisonData& data) {

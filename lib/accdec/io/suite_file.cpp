@@ -25,7 +25,7 @@ class SuiteReader {
   Suite read() {
     const Table top(tree_, path_, "the suite (top level)", "",
                     {"title", "notes", "solvers", "starts", "seed", "repeats", "time_limit_s", "kill_after_s", "evaluation_limit", "tolerance", "feasibility",
-                     "accuracy", "targets", "reference_time_limit_s", "sizes", "problem"});
+                     "accuracy", "targets", "reference_time_limit_s", "sizes", "reduced", "problem"});
     Suite suite;
     suite.path = path_;
     read_settings(top, suite.settings);
@@ -52,25 +52,29 @@ class SuiteReader {
     s.targets = top.numbers("targets", {0.0, 1e6, true}, 1, 8).value_or(s.targets);
     s.reference_time_limit = top.number("reference_time_limit_s", {0.0, 1e6, true}).value_or(s.reference_time_limit);
     read_solvers(top, s);
-    text_ << fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}\n", fmt::join(s.solvers, " "), s.starts, s.repeats, s.seed, s.time_limit, s.kill_after, s.evaluation_limit,
+    text_ << fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {}\n", fmt::join(s.solvers, " "), fmt::join(s.reduced, " "), s.starts, s.repeats, s.seed, s.time_limit, s.kill_after, s.evaluation_limit,
                          s.tolerance, s.feasibility, s.accuracy, fmt::join(s.targets, " "), s.reference_time_limit);
   }
 
-  void read_solvers(const Table& top, study::ComparisonSettings& s) {
+  void read_solvers(const Table& top, study::ComparisonSettings& s) const {
     std::vector<std::string> names;
     for (const auto& solver : solvers::registry()) names.push_back(solver->name());
-    const std::vector<std::string_view> known(names.begin(), names.end());
-    std::vector<std::string> wanted = toml_input::strings(top, tree_, "solvers");
+    const auto wanted = toml_input::strings(top, tree_, "solvers");
     if (wanted.empty()) top.fail(fmt::format("the suite needs `solvers`: \"all\" or a list of {}", fmt::join(names, ", ")));
-    if (wanted == std::vector<std::string>{"all"}) wanted = names;
-    for (const std::string& name : wanted) {
-      if (std::find(names.begin(), names.end(), name) == names.end()) {
-        const std::string near = nearest(name, known);
-        top.fail_at("solvers", fmt::format("unknown solver \"{}\"; {}known are {}", name, near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), fmt::join(names, ", ")));
+    s.solvers = wanted == std::vector<std::string>{"all"} ? names : known_solvers(top, "solvers", wanted, names);
+    s.reduced = known_solvers(top, "reduced", toml_input::strings(top, tree_, "reduced"), names);
+  }
+
+  static std::vector<std::string> known_solvers(const Table& top, std::string_view key, const std::vector<std::string>& wanted, const std::vector<std::string>& names) {
+    const std::vector<std::string_view> known(names.begin(), names.end());
+    for (auto name = wanted.begin(); name != wanted.end(); ++name) {
+      if (std::find(names.begin(), names.end(), *name) == names.end()) {
+        const std::string near = nearest(*name, known);
+        top.fail_at(key, fmt::format("unknown solver \"{}\"; {}known are {}", *name, near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), fmt::join(names, ", ")));
       }
-      if (std::find(s.solvers.begin(), s.solvers.end(), name) != s.solvers.end()) top.fail_at("solvers", fmt::format("solver \"{}\" stands twice", name));
-      s.solvers.push_back(name);
+      if (std::find(wanted.begin(), name, *name) != name) top.fail_at(key, fmt::format("solver \"{}\" stands twice", *name));
     }
+    return wanted;
   }
 
   std::vector<int> sizes(const Table& table) const {
@@ -85,7 +89,7 @@ class SuiteReader {
   void read_problem(const Table& top, const toml::table& raw, Suite& suite) {
     const std::size_t i = count_++;
     const Table table(raw, path_, fmt::format("[[problem]] {}", i + 1), fmt::format("/problem/{}", i),
-                      {"name", "family", "task", "set", "formulation", "order", "sizes", "delay_samples", "expected"});
+                      {"name", "family", "task", "set", "formulation", "order", "sizes", "delay_samples", "time_limit_s", "expected"});
     study::CaseSpec spec;
     spec.name = table.text("name").value_or("");
     if (spec.name.empty()) table.fail("[[problem]] needs a `name`");
@@ -99,8 +103,9 @@ class SuiteReader {
     spec.order = table.required_integer("order", 1, most_samples);
     constexpr std::string_view outcomes[] = {"feasible", "infeasible"};
     spec.infeasible = table.word("expected", outcomes).value_or("feasible") == "infeasible";
+    spec.time_limit = table.number("time_limit_s", {0.0, 1e6, true}).value_or(0.0);
     read_delays(table, spec);
-    text_ << spec.name << '\n' << tree << '\n' << fmt::format("{} {} {}\n", spec.order, spec.infeasible, fmt::join(spec.delays, " "));
+    text_ << spec.name << '\n' << tree << '\n' << fmt::format("{} {} {} {}\n", spec.order, spec.infeasible, spec.time_limit, fmt::join(spec.delays, " "));
     std::vector<std::string> questions = toml_input::strings(table, raw, "formulation");
     if (questions.empty()) table.fail("[[problem]] needs a `formulation`: \"margin\", \"delay\", \"design\" or a list of these");
     for (const std::string& name : questions) {

@@ -30,6 +30,7 @@ struct CaseSpec {
   int order = 0;            ///< N
   int size = 1;             ///< how many times finer than written the task is sampled (already done: see `refined`)
   std::vector<int> delays;  ///< margin: d_j; delay: at which limits on the blends are imposed; empty: 0, and what the start needs
+  double time_limit = 0.0;  ///< s, instead of the comparison's; 0: that
   bool infeasible = false;  ///< the suite says that nothing holds all limits
 };
 

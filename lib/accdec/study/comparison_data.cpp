@@ -34,6 +34,7 @@ ComparedCase case_of(const Row& row) {
   c.variables = row.at("variables");
   c.rows = row.at("rows");
   c.method = row.at("method");
+  c.time_limit = number(row, "time_limit_s", 0.0);
   c.expect_infeasible = row.at("expected") == "infeasible";
   c.proof = row.at("proof");
   c.infeasible = c.proof == "infeasible proved";

@@ -14,6 +14,7 @@ namespace accdec::study {
 struct ComparedCase {
   std::string problem, family, question, method;
   int size = 1, order = 0, variables = 0, rows = 0;
+  double time_limit = 0.0;  ///< s; 0: the header's
   bool expect_infeasible = false;
   bool infeasible = false;  ///< proved
   double lower = 0.0;       ///< proved; NaN if infeasible

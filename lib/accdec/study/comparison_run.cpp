@@ -49,8 +49,6 @@ double violation_of(const nlp::Problem& problem, const std::vector<double>& x, d
   return worst;
 }
 
-bool wants_reduced(const solvers::Solver& solver) { return !solver.capabilities().equality_rows || solver.capabilities().needs_finite_bounds; }
-
 }  // namespace
 
 Comparison::Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases) : settings_(std::move(settings)) {
@@ -88,6 +86,23 @@ std::size_t Comparison::index_of(const ScheduledRun& run, int repeat) const {
   return cases_.size() + ((r * cases_.size() + run.case_index) * starts + static_cast<std::size_t>(run.start)) * solvers + position;
 }
 
+double Comparison::time_limit(const ScheduledRun& run) const {
+  if (run.reference) return settings_.reference_time_limit;
+  const double own = cases_[run.case_index]->spec().time_limit;
+  return own > 0.0 ? own : settings_.time_limit;
+}
+
+double Comparison::kill_after(std::size_t index) const {
+  const ScheduledRun run = at(index);
+  const double limit = time_limit(run);
+  return run.reference ? 2.0 * limit + 5.0 : limit + settings_.kill_after - settings_.time_limit;
+}
+
+bool Comparison::wants_reduced(const std::string& solver) const {
+  const solvers::Capabilities can = solvers::find_solver(solver).capabilities();
+  return !can.equality_rows || can.needs_finite_bounds || std::find(settings_.reduced.begin(), settings_.reduced.end(), solver) != settings_.reduced.end();
+}
+
 Row Comparison::header() const {
   Row row;
   row["record"] = "comparison";
@@ -114,7 +129,7 @@ Row Comparison::header() const {
     entry["library"] = solver.library_version();
     entry["uses"] = uses;
     entry["search"] = can.global ? "global" : "local";
-    entry["form"] = wants_reduced(solver) ? "reduced" : "sparse";
+    entry["form"] = wants_reduced(name) ? "reduced" : "sparse";
     row["solvers"].push_back(std::move(entry));
   }
   return row;
@@ -140,6 +155,7 @@ Row Comparison::beginning(const ScheduledRun& entry) const {
     row["order"] = spec.order;
     row["variables"] = subject.variables();
     row["rows"] = subject.rows();
+    row["time_limit_s"] = spec.time_limit > 0.0 ? spec.time_limit : settings_.time_limit;
     row["expected"] = spec.infeasible ? "infeasible" : "feasible";
   } else {
     row["start"] = entry.start;
@@ -182,11 +198,11 @@ Row Comparison::run_row(const ScheduledRun& entry) const {
 void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   const ComparisonCase& subject = *cases_[entry.case_index];
   const solvers::Solver& solver = solvers::find_solver(settings_.solvers[entry.solver]);
-  const bool reduced = wants_reduced(solver);
+  const bool reduced = wants_reduced(solver.name());
   solvers::Options options;
   options.tolerance = settings_.tolerance;
   options.feasibility_tolerance = settings_.feasibility;
-  options.time_limit = settings_.time_limit;
+  options.time_limit = time_limit(entry);
   options.evaluation_limit = settings_.evaluation_limit;
   options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
   const std::vector<double> start = subject.start(reduced, entry.start, settings_.seed);
@@ -226,7 +242,7 @@ void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
   DesignOptions options;
   options.method = Method::nlp;
   options.solver = settings_.solvers[entry.solver];
-  options.time_limit = options.solver_options.time_limit = settings_.time_limit;
+  options.time_limit = options.solver_options.time_limit = time_limit(entry);
   options.solver_options.evaluation_limit = settings_.evaluation_limit;
   options.solver_options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
   const auto began = Clock::now();
@@ -240,7 +256,7 @@ void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
   }
   const double wall = seconds_since(began);
   const bool found = result.status == Status::feasible || result.status == Status::optimal;
-  row["claim"] = found ? "solved" : wall > settings_.time_limit ? "time limit" : "no design";
+  row["claim"] = found ? "solved" : wall > time_limit(entry) ? "time limit" : "no design";
   row["message"] = result.message;
   row["verdict"] = found ? "feasible" : "none";
   if (found) row["objective"] = number(result.cycle_time / task.sample_period);

@@ -15,6 +15,7 @@ namespace accdec::study {
 struct ComparisonSettings {
   std::string title, notes;
   std::vector<std::string> solvers;  ///< registry names
+  std::vector<std::string> reduced;  ///< of these, the ones that get the reduced form although they take equality rows
   int starts = 1, repeats = 5;
   std::uint64_t seed = 1;
   double time_limit = 5.0;                   ///< s a run, told to the library and enforced at every evaluation
@@ -47,6 +48,9 @@ class Comparison {
   std::size_t per_repeat() const { return cases_.size() * static_cast<std::size_t>(settings_.starts) * settings_.solvers.size(); }
   /// @throws std::out_of_range
   ScheduledRun at(std::size_t index) const;
+  /// Limits of an entry, s: until its evaluator ends it, and until its process is killed (as much later as with the suite's own limit).
+  double time_limit(const ScheduledRun& run) const;
+  double kill_after(std::size_t index) const;
   /// The same run's index in another repeat.
   std::size_t index_of(const ScheduledRun& run, int repeat) const;
 
@@ -61,6 +65,7 @@ class Comparison {
   Row beginning(const ScheduledRun& entry) const;
   Row reference_row(const ScheduledRun& entry) const;
   Row run_row(const ScheduledRun& entry) const;
+  bool wants_reduced(const std::string& solver) const;
   void solve_into(Row& row, const ScheduledRun& entry) const;
   void design_into(Row& row, const ScheduledRun& entry) const;
 

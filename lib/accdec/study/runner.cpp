@@ -54,7 +54,8 @@ void run_points(const std::vector<std::size_t>& indices, const std::function<std
   if (options.isolation == Isolation::threads) {
     run_threads(indices, compute, done, workers);
   } else {
-    run_processes(indices, compute, lost, done, workers, options.kill_after, options.fresh_children);
+    const auto kill_after = options.kill_after_of ? options.kill_after_of : [t = options.kill_after](std::size_t) { return t; };
+    run_processes(indices, compute, lost, done, workers, kill_after, options.fresh_children);
   }
 }
 

@@ -19,6 +19,7 @@ struct RunOptions {
   int workers = 0;  ///< 0: as many as there are cores
   Isolation isolation = Isolation::threads;
   double kill_after = 0.0;  ///< s a point may take in a child before it is killed and recorded as failed; 0: no limit
+  std::function<double(std::size_t)> kill_after_of = {};  ///< the same by point, instead of `kill_after`, if not empty
   bool fresh_children = false;  ///< a child for every point, so that none can leave anything behind for the next
 };
 

@@ -1,5 +1,6 @@
 #include <accdec/study/worker_process.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -152,8 +153,8 @@ class Worker {
 
 void run_processes(const std::vector<std::size_t>& indices, const std::function<std::string(std::size_t)>& compute,
                    const std::function<std::string(std::size_t, const std::string&)>& lost,
-                   const std::function<void(std::size_t, const Entry&)>& done, int workers, double kill_after,
-                   bool fresh_children) {
+                   const std::function<void(std::size_t, const Entry&)>& done, int workers,
+                   const std::function<double(std::size_t)>& kill_after, bool fresh_children) {
   std::size_t next = 0;
   std::vector<std::unique_ptr<Worker>> pool;
   const auto hire = [&] {
@@ -165,7 +166,8 @@ void run_processes(const std::vector<std::size_t>& indices, const std::function<
   while (!pool.empty()) {
     std::vector<pollfd> waiting;
     for (const auto& w : pool) waiting.push_back({w->socket(), POLLIN, 0});
-    if (::poll(waiting.data(), waiting.size(), kill_after > 0.0 ? 200 : -1) < 0 && errno != EINTR) throw std::runtime_error(fmt::format("poll: {}", std::strerror(errno)));
+    const bool limited = std::any_of(pool.begin(), pool.end(), [&](const auto& w) { return kill_after(w->index()) > 0.0; });
+    if (::poll(waiting.data(), waiting.size(), limited ? 50 : -1) < 0 && errno != EINTR) throw std::runtime_error(fmt::format("poll: {}", std::strerror(errno)));
     for (std::size_t w = pool.size(); w-- > 0;) {
       const std::size_t index = pool[w]->index();
       Entry entry;
@@ -176,9 +178,9 @@ void run_processes(const std::vector<std::size_t>& indices, const std::function<
         alive = pool[w]->take(answer, entry.row, reason);
         entry.seconds = alive ? answer.seconds : pool[w]->busy_for();
         if (alive && answer.ok == 0) entry.row = lost(index, entry.row);
-      } else if (kill_after > 0.0 && pool[w]->busy_for() > kill_after) {
+      } else if (const double limit = kill_after(index); limit > 0.0 && pool[w]->busy_for() > limit) {
         alive = false;
-        reason = fmt::format("given up after {:g} s", kill_after);
+        reason = fmt::format("given up after {:g} s", limit);
         entry.seconds = pool[w]->busy_for();
       } else {
         continue;
