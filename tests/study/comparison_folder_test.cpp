@@ -50,7 +50,8 @@ error_max_um = 50
 solvers = {}
 starts = 2
 repeats = {}
-time_limit_s = 0.15
+time_limit_s = 60
+evaluation_limit = 200
 {}
 [[problem]]
 name = "small"
@@ -148,9 +149,9 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   suite(R"(["ipotp"])");
   refuse("compare suite.toml --out none", R"(suite.toml:2:11: unknown solver "ipotp"; did you mean "ipopt"? known are ipopt, ipopt-lbfgs)");
   suite(R"("all")", "time_limit = 3");
-  refuse("compare suite.toml --out none", "suite.toml:6:1: unknown key `time_limit`");
+  refuse("compare suite.toml --out none", "suite.toml:7:1: unknown key `time_limit`");
   suite(R"("all")", "targets = [0]");
-  refuse("compare suite.toml --out none", "suite.toml:6:12");
+  refuse("compare suite.toml --out none", "suite.toml:7:12");
   suite("\"ipopt\"");
   write(home_ / "suite.toml", content(home_ / "suite.toml") + "[[problem]]\nname = \"x\"\ntask = \"gone.toml\"\norder = 5\nformulation = \"margin\"\n");
   refuse("compare suite.toml --out none", "gone.toml does not exist");
