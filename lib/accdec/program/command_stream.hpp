@@ -84,10 +84,12 @@ void emit_commands(const CommandTiming& timing, std::size_t first, std::size_t l
     for (std::size_t b = run; b <= end; ++b) {
       const double tau = path.duration[b] * scale;
       double e = b == end ? static_cast<double>(run_start + samples) : t + tau;
-      if (std::abs(e - std::round(e)) < 1e-9) e = std::round(e);
+      const auto nearest = static_cast<double>(static_cast<std::int64_t>(e + 0.5));
+      if (std::abs(e - nearest) < 1e-9) e = nearest;
       e = std::min(e, static_cast<double>(run_start + samples));
       const double* p = path.point(b);
-      for (std::size_t i = 0; i < n; ++i) w[i] = (p[n + i] - p[i]) / tau;
+      const double per_sample = 1.0 / tau;
+      for (std::size_t i = 0; i < n; ++i) w[i] = (p[n + i] - p[i]) * per_sample;
       if (t > static_cast<double>(k) && e >= static_cast<double>(k + 1)) {  // the sample under way ends on this block
         for (std::size_t i = 0; i < n; ++i) {
           to[i] = p[n + i] - w[i] * (e - static_cast<double>(k + 1));
@@ -99,7 +101,7 @@ void emit_commands(const CommandTiming& timing, std::size_t first, std::size_t l
         t = static_cast<double>(k);
       }
       if (t <= static_cast<double>(k)) {
-        const auto whole = static_cast<std::int64_t>(std::floor(e)) - k;
+        const auto whole = static_cast<std::int64_t>(e) - k;
         if (whole > 0) {
           for (std::size_t i = 0; i < n; ++i) to[i] = p[n + i] - w[i] * (e - static_cast<double>(k + whole));
           sink.command(w.data(), whole, to.data());

@@ -8,6 +8,7 @@
 
 namespace accdec {
 namespace {
+constexpr std::size_t margin = 8;  // zeros around the taps, for steps filtered together
 constexpr std::int64_t chunk = 2048;  // samples between two shifts; three arrays a few axes long stay in the first-level cache
 }
 
@@ -20,9 +21,14 @@ MotionBuffer::MotionBuffer(const LegFilters& filters, std::size_t dimensions, co
       command_end_(start, start + dimensions) {
   const auto size = static_cast<std::size_t>(capacity_);
   filter_of_.assign(size, 0);
+  for (const Filter& filter : filters_) {
+    std::vector<double>& taps = taps_.emplace_back(margin, 0.0);
+    taps.insert(taps.end(), filter.taps().begin(), filter.taps().end());
+    taps.insert(taps.end(), margin, 0.0);
+  }
   for (std::size_t a = 0; a < dimensions; ++a) {
     axes_[a].command.assign(size, 0.0);
-    axes_[a].acceleration.assign(size + static_cast<std::size_t>(order_) + 1, 0.0);
+    axes_[a].acceleration.assign(size + static_cast<std::size_t>(order_) + 1 + margin, 0.0);
     axes_[a].velocity.assign(size, 0.0);
     axes_[a].position.assign(size, 0.0);
     axes_[a].position[0] = start[a];
@@ -31,9 +37,8 @@ MotionBuffer::MotionBuffer(const LegFilters& filters, std::size_t dimensions, co
 
 void MotionBuffer::change(const double* u, std::size_t f) {
   const auto step = [&](AxisMotion& axis, std::size_t filter, double by) {
-    const std::span<const double> taps = filters_[filter].taps();
-    add_scaled(axis.acceleration.data() + pos_, by, taps.data(), static_cast<std::int64_t>(taps.size()));
-    settled_ = std::max(settled_, sample() + static_cast<std::int64_t>(taps.size()));
+    axis.steps.push_back({pos_, filter, by});
+    settled_ = std::max<std::int64_t>(settled_, sample() + filters_[filter].order() + 1);
   };
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     AxisMotion& axis = axes_[a];
@@ -49,21 +54,65 @@ void MotionBuffer::change(const double* u, std::size_t f) {
 }
 
 void MotionBuffer::advance(std::int64_t count, std::int64_t left, const double* end) {
-  const auto first = static_cast<std::size_t>(pos_), last = static_cast<std::size_t>(pos_ + count);
-  std::fill(filter_of_.begin() + pos_, filter_of_.begin() + pos_ + count, static_cast<std::uint16_t>(filter_));
+  for (std::int64_t k = pos_; k < pos_ + count; ++k) filter_of_[static_cast<std::size_t>(k)] = static_cast<std::uint16_t>(filter_);
   for (std::size_t a = 0; a < axes_.size(); ++a) {
-    AxisMotion& axis = axes_[a];
-    std::fill(axis.command.begin() + pos_, axis.command.begin() + pos_ + count, axis.now);
-    double v = axis.velocity[first - 1], s = axis.position[first - 1];
-    for (std::size_t k = first; k < last; ++k) {
-      v += axis.acceleration[k];
-      s += v;
-      axis.velocity[k] = v;
-      axis.position[k] = s;
-    }
+    double* command = axes_[a].command.data() + pos_;
+    const double now = axes_[a].now;
+    for (std::int64_t k = 0; k < count; ++k) command[k] = now;
     if (count == left) command_end_[a] = end[a];
   }
   pos_ += count;
+}
+
+void MotionBuffer::apply(AxisMotion& axis) {
+  const std::vector<Step>& steps = axis.steps;
+  for (std::size_t i = 0; i < steps.size();) {
+    const Step& first = steps[i];
+    double by[4] = {first.by, 0.0, 0.0, 0.0};
+    std::size_t next = i + 1;
+    for (; next < steps.size() && steps[next].index < first.index + 4 && steps[next].filter == first.filter; ++next) {
+      by[steps[next].index - first.index] += steps[next].by;
+    }
+    const double* taps = taps_[first.filter].data() + margin;
+    const std::int64_t count = filters_[first.filter].order() + 1;
+    double* at = axis.acceleration.data() + first.index;
+    if (next == i + 1) {
+      add_scaled(at, by[0], taps, count);
+    } else {
+      add_scaled4(at, by, taps, count + 3);
+    }
+    i = next;
+  }
+  axis.steps.clear();
+}
+
+template <std::size_t count>
+void MotionBuffer::integrate(std::size_t axis) {
+  std::array<const double*, count> acceleration;
+  std::array<double*, count> velocity, position;
+  std::array<double, count> v, s;
+  for (std::size_t a = 0; a < count; ++a) {
+    AxisMotion& motion = axes_[axis + a];
+    acceleration[a] = motion.acceleration.data();
+    velocity[a] = motion.velocity.data();
+    position[a] = motion.position.data();
+    v[a] = velocity[a][seen_ - 1];
+    s[a] = position[a][seen_ - 1];
+  }
+  for (std::int64_t k = seen_; k < pos_; ++k) {
+    for (std::size_t a = 0; a < count; ++a) {
+      velocity[a][k] = v[a] += acceleration[a][k];
+      position[a][k] = s[a] += v[a];
+    }
+  }
+}
+
+void MotionBuffer::make() {
+  for (AxisMotion& axis : axes_) apply(axis);
+  std::size_t a = 0;
+  for (; a + 3 <= axes_.size(); a += 3) integrate<3>(a);
+  if (a + 2 == axes_.size()) integrate<2>(a);
+  if (a + 1 == axes_.size()) integrate<1>(a);
 }
 
 void MotionBuffer::pass_over(std::int64_t count, const double* u, const double* end, std::int64_t left) {

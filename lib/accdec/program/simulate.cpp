@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
 
 #include <accdec/program/limit_watch.hpp>
 #include <accdec/program/motion_buffer.hpp>
@@ -96,15 +95,24 @@ class Simulator {
   }
 
   void flush() {
-    while (!pending_.empty() && pending_.front().end < motion_.sample()) {
-      errors_[pending_.front().block] = error_of(pending_.front());
-      pending_.pop_front();
-    }
+    motion_.make();
+    std::size_t done = 0;
+    for (; done < pending_.size() && pending_[done].end < motion_.sample(); ++done) errors_[pending_[done].block] = error_of(pending_[done]);
+    pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
     watch_.look(motion_, block_);
     if (options_.samples) motion_.deliver(options_.samples);
     motion_.seen();
   }
 
+  double error_of(const Pending& joint) const {
+    switch (path_.dimensions()) {
+      case 2: return error_of<2>(joint);
+      case 3: return error_of<3>(joint);
+      default: return error_of<0>(joint);
+    }
+  }
+  /// @tparam axes  their number; 0: only known at run time
+  template <std::size_t axes>
   double error_of(const Pending& joint) const;
 
   const Toolpath& path_;
@@ -114,57 +122,52 @@ class Simulator {
   const SimulationOptions& options_;
   MotionBuffer motion_;
   LimitWatch watch_;
-  std::deque<Pending> pending_;
+  std::vector<Pending> pending_;
   std::int64_t begin_ = 0;
   std::int64_t watched_until_ = 0;  // no sample before this is passed over
   std::size_t block_;
 };
 
-/// Nearest point of the segment from a to b (relative to the joint) to the joint, squared.
-double segment_distance2(const double* a, const double* b, std::size_t n) {
-  double ab2 = 0.0, dot = 0.0, a2 = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double d = b[i] - a[i];
-    ab2 += d * d;
-    dot -= a[i] * d;
-    a2 += a[i] * a[i];
-  }
-  if (dot <= 0.0 || ab2 == 0.0) return a2;
-  const double t = std::min(1.0, dot / ab2);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double x = a[i] + t * (b[i] - a[i]);
-    sum += x * x;
-  }
-  return sum;
-}
-
+template <std::size_t axes>
 double Simulator::error_of(const Pending& joint) const {
   const double* corner = path_.point(joint.block + 1);
-  const std::size_t n = path_.dimensions();
+  const std::size_t n = axes > 0 ? axes : path_.dimensions();
+  std::array<const double*, program_axis_count> position{};
+  for (std::size_t i = 0; i < n; ++i) position[i] = motion_.positions(i);
   const auto distance2 = [&](std::int64_t k) {
     double sum = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
-      const double d = motion_.position(i, k) - corner[i];
+      const double d = position[i][k] - corner[i];
       sum += d * d;
     }
     return sum;
   };
-  // Downhill from where an even motion would be nearest; that the nearest sample is within the bound is all that must be known, so
-  // the whole window is searched only if the bound is not met.
+  // Of the corner from the segment from sample k to k + 1.
+  const auto segment2 = [&](std::int64_t k) {
+    double ab2 = 1e-300, dot = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double d = position[i][k + 1] - position[i][k];
+      ab2 += d * d;
+      dot += (corner[i] - position[i][k]) * d;
+    }
+    const double t = std::min(1.0, std::max(0.0, dot / ab2));
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double x = position[i][k] + t * (position[i][k + 1] - position[i][k]) - corner[i];
+      sum += x * x;
+    }
+    return sum;
+  };
+  const bool at_samples = ends_leg(path_, joint.block);
   const auto finish = [&](std::int64_t k, double best) {
-    if (path_.joint[joint.block] == Joint::corner || path_.joint[joint.block] == Joint::stop) return std::sqrt(best);
-    std::array<double, program_axis_count> a{}, b{};
-    for (const std::int64_t other : {k - 1, k + 1}) {
-      if (other < joint.begin || other > joint.end) continue;
-      for (std::size_t i = 0; i < n; ++i) {
-        a[i] = motion_.position(i, k) - corner[i];
-        b[i] = motion_.position(i, other) - corner[i];
-      }
-      best = std::min(best, segment_distance2(a.data(), b.data(), n));
+    if (!at_samples) {
+      if (k > joint.begin) best = std::min(best, segment2(k - 1));
+      if (k < joint.end) best = std::min(best, segment2(k));
     }
     return std::sqrt(best);
   };
+  // Downhill from where an even motion would be nearest; that the nearest sample is within the bound is all that must be known, so
+  // the whole window is searched only if the bound is not met.
   std::int64_t k = std::clamp(joint.guess, joint.begin, joint.end);
   double best = distance2(k);
   for (const int step : {1, -1}) {
