@@ -38,7 +38,7 @@ void run(Options& options, Context& context) {
   const StudySummary s = run_study(study, options.run);
   context.exit_code = s.bad < s.points ? exit_ok : exit_no_answer;
   if (context.quiet) return;
-  fmt::print("{}\n{} points: {} computed in {:.1f} s ({:.1f} s inside the methods, all workers together), {} found{}\n", study.title, s.points, s.computed, s.wall_time,
+  fmt::print("{}\n{} points: {} computed in {:.1f} s ({:.1f} s inside the methods, all workers together), {} from an earlier run{}\n", study.title, s.points, s.computed, s.wall_time,
              s.method_time, s.found, s.bad > 0 ? fmt::format(", {} without an answer (column `reason`)", s.bad) : "");
   if (s.finished) {
     fmt::print("Results: {0}/report.html, rows.csv, rows.jsonl, manifest.json, {1} figures\n", options.run.out, study.figures.size());

@@ -1,4 +1,5 @@
 #include <accdec/io/figure.hpp>
+#include <accdec/io/html.hpp>
 
 #include <stdexcept>
 
@@ -15,20 +16,6 @@ std::string run(const std::vector<std::string>& arguments, const std::string& in
     throw std::runtime_error(fmt::format("{} failed ({}): {}", arguments[0], result.exit_code, result.errors));
   }
   return std::move(result.output);
-}
-
-std::string xml_escaped(const std::string& text) {
-  std::string out;
-  for (const char c : clean_title(text)) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
-    }
-  }
-  return out;
 }
 
 /// Bytes of the UTF-8 character at text[i], 0 if it is none (overlong forms and surrogates included).
@@ -86,7 +73,7 @@ std::string convert_svg(const std::string& svg, const std::string& format, const
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{}</title>\n"
       "<style>body {{ margin: 1em; font-family: sans-serif; }} svg {{ max-width: 100%; height: auto; }}</style>\n"
       "</head>\n<body>\n{}</body>\n</html>\n",
-      xml_escaped(title), svg.substr(start));
+      html_escaped(clean_title(title)), svg.substr(start));
 }
 
 std::string figure_format(const std::string& path) {

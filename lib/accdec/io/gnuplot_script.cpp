@@ -163,17 +163,35 @@ double narrowest(const std::vector<double>& x) {
   return std::isfinite(width) && width > 0.0 ? width : 1.0;
 }
 
+/// Room that tick labels of the y axis need beyond the four characters the margin is made for.
+double tick_overhang(const Panel& panel) {
+  double low = INFINITY, high = 0.0;
+  const auto see = [&](double y) {
+    if (!std::isfinite(y) || y == 0.0) return;
+    low = std::min(low, std::abs(y));
+    high = std::max(high, std::abs(y));
+  };
+  for (const Series& s : panel.series) std::for_each(s.y.begin(), s.y.end(), see);
+  for (const LimitLine& limit : panel.limits) see(limit.y);
+  if (!(high > 0.0)) return 0.0;
+  double characters = std::floor(std::log10(high) + 1e-9) + 1.0;  // 14000 is five
+  if (panel.y.log) characters = std::max(characters, 2.0 - std::floor(std::log10(low) + 1e-9));  // 0.001 is five
+  constexpr double character = 8.0;
+  return character * std::clamp(characters - 4.0, 0.0, 4.0);
+}
+
 class Writer {
  public:
   std::string text;
 
   void panel(const Panel& panel, double x0, double y0, double width, double height, double page_width, double page_height) {
     check(panel);
-    const double plot_width = std::max(width - left - right - legend_width(panel), 80.0);
+    const double indent = left + tick_overhang(panel);
+    const double plot_width = std::max(width - indent - right - legend_width(panel), 80.0);
     const double plot_height = std::max(height - top - bottom, 60.0);
     auto [x, y] = ranges(panel);
     if (panel.equal_aspect) equalise(x, y, plot_width, plot_height);
-    const double frame_left = x0 + left, frame_top = y0 + top;
+    const double frame_left = x0 + indent, frame_top = y0 + top;
     line("set lmargin at screen {:.6f}", frame_left / page_width);
     line("set rmargin at screen {:.6f}", (frame_left + plot_width) / page_width);
     line("set tmargin at screen {:.6f}", 1.0 - frame_top / page_height);
