@@ -3,6 +3,7 @@
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
+#include <accdec/program/lower_bound.hpp>
 #include <accdec/program/plan.hpp>
 
 #include "reference.hpp"
@@ -141,6 +142,24 @@ TEST(Plan, StraightAndToleratedJointsCostNothing) {
   const ProgramPlan plan = plan_program(straight, filter, period, {});
   EXPECT_TRUE(plan.errors_hold);
   EXPECT_EQ(plan.simulation.samples, 100 + 200 + 200 + 41);
+}
+
+TEST(Plan, LowerBoundIsTheClosedFormWhereThereIsOne) {
+  Machine machine;
+  machine.axes.push_back({"x", 0.5, 1.0});
+  machine.axes.push_back({"y", 0.5, 1.0});
+  // 100 mm/s at 1 m/s^2: stops after each; along the diagonal sqrt(2) times as hard; then too short to reach the feed.
+  const Toolpath stops = path_of("G61.1 G1 F6000 X50\nX80 Y30\nX80 Y34\n", machine);
+  EXPECT_NEAR(program_lower_bound(stops, machine), (0.5 + 0.1) + (0.3 * std::sqrt(2.0) + 0.1 / std::sqrt(2.0)) + 2.0 * std::sqrt(0.004), 1e-12);
+  // Blended: legs less the tolerance, and ramps at both ends with no more than sqrt(2) m/s^2.
+  const Toolpath blended = path_of("G64 P0.5 G1 F6000 X50\nY50\n", machine);
+  EXPECT_NEAR(program_lower_bound(blended, machine), 2.0 * 0.495 + 0.1 / std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(program_lower_bound(path_of("G1 F6000 X50\nG4 P2\nX0\n"), {}), 3.0, 1e-12);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    Toolpath path = path_of(random_program(seed, 200));
+    const double bound = program_lower_bound(path, {});
+    EXPECT_LE(bound, static_cast<double>(plan_program(path, boxcar(10), period, {}).simulation.samples) * period);
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/verifier.hpp>
+#include <accdec/program/lower_bound.hpp>
 
 namespace accdec {
 namespace {
@@ -83,6 +84,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   const Machine machine = program_machine(task.machine, path);
   limit_rapids(path, filter, task.sample_period, machine);
   snap_durations(path, filter, task.sample_period, machine);
+  result.lower_bound = program_lower_bound(path, machine);
   result.path = path;
   result.plan = plan_program(result.path, filter, task.sample_period, machine);
   const auto cycle_time = [&](const ProgramPlan& plan) { return static_cast<double>(plan.simulation.samples) * task.sample_period; };
@@ -152,6 +154,7 @@ std::string program_summary(const ProgramResult& result) {
   if (!result.legs.single()) row("one filter for all legs", result.cycle_time_one_filter);
   row("exact stop at every corner", result.cycle_time_exact_stop);
   row("no delay at any corner", result.cycle_time_no_delay);
+  row("lower bound for any motion", result.lower_bound);
   fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n", result.worst_error * 1e6,
                  100.0 * result.worst_utilisation, result.worst_line);
   if (plan.raised > 0) {

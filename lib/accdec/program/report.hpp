@@ -33,6 +33,7 @@ struct ProgramResult {
   double cycle_time_one_filter = 0.0;  ///< s, planned with `filter` for every leg
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
+  double lower_bound = 0.0;            ///< s, see program_lower_bound; of the program as planned, rapid moves at their planned speed
   double delay_total = 0.0;            ///< s, delays of this plan
   VerificationReport verification;
   SolverReport solver;

@@ -71,6 +71,7 @@ std::string program_to_json(const ProgramResult& result) {
   if (!result.legs.single()) json["cycle_time_one_filter_s"] = result.cycle_time_one_filter;
   json["cycle_time_exact_stop_s"] = result.cycle_time_exact_stop;
   json["cycle_time_no_delay_s"] = result.cycle_time_no_delay;
+  json["lower_bound_s"] = result.lower_bound;
   json["delay_total_s"] = result.delay_total;
   json["limits"] = limits_json(result);
   json["verification"] = {{"performed", result.verification.performed},

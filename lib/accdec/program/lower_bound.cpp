@@ -1,0 +1,53 @@
+#include <accdec/program/lower_bound.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace accdec {
+namespace {
+
+/// Least time for `distance` at `speed` at most, from rest and to rest at `acceleration`.
+double rest_to_rest(double distance, double speed, double acceleration) {
+  if (distance <= 0.0) return 0.0;
+  if (!(acceleration < unlimited)) return distance / speed;
+  const double ramps = speed * speed / acceleration;  // distance of both
+  return distance >= ramps ? distance / speed + speed / acceleration : 2.0 * std::sqrt(distance / acceleration);
+}
+
+}  // namespace
+
+double program_lower_bound(const Toolpath& path, const Machine& machine) {
+  const std::size_t n = path.dimensions();
+  double any_direction2 = machine.axes.empty() ? unlimited : 0.0;
+  for (const Axis& axis : machine.axes) any_direction2 += axis.acceleration_max * axis.acceleration_max;
+  const double any_direction = std::sqrt(any_direction2);
+  const auto tolerance = [&](std::size_t joint) { return path.joint[joint] == Joint::stop ? 0.0 : path.tolerance[joint]; };
+
+  double time = path.dwell_first;
+  for (const auto& [block, dwell] : path.dwell) time += block + 1 < path.blocks() ? dwell : 0.0;
+  for (std::size_t first = 0; first < path.blocks();) {
+    std::size_t last = first;
+    while (path.joint[last] != Joint::stop) ++last;
+    double cruise = 0.0, way = 0.0, fastest = 0.0, direct = any_direction;
+    for (std::size_t b = first; b <= last; ++b) {
+      const double* p = path.point(b);
+      double length2 = 0.0;
+      for (std::size_t a = 0; a < n; ++a) length2 += (p[n + a] - p[a]) * (p[n + a] - p[a]);
+      const double length = std::sqrt(length2), speed = length / path.duration[b];
+      const double left = std::max(0.0, length - (b > first ? tolerance(b - 1) : 0.0) - (b < last ? tolerance(b) : 0.0));
+      cruise += left / speed;
+      way += left;
+      fastest = std::max(fastest, speed);
+      for (std::size_t a = 0; first == last && a < machine.axes.size(); ++a) {
+        const double part = std::abs(p[n + a] - p[a]) / length;
+        if (part > 0.0) direct = std::min(direct, machine.axes[a].acceleration_max / part);
+      }
+    }
+    // All blocks at their feeds without ramps, or all at the highest feed with them.
+    time += std::max(cruise, rest_to_rest(way, fastest, direct));
+    first = last + 1;
+  }
+  return time;
+}
+
+}  // namespace accdec

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <accdec/machine/machine.hpp>
+#include <accdec/program/toolpath.hpp>
+
+namespace accdec {
+
+/// A time that no motion of a program undercuts, whatever plans it, s; true for time-continuous motion, so also for any sample period.
+///
+/// Assumed of the motion: no faster than the programmed feed, within the velocity and acceleration limits of the axes, at rest at the
+/// beginning, the end and at stops, through every other joint within its tolerance. Then
+/// - the way between the tolerance balls of a block's ends is at least L - e1 - e2, and takes that over its feed;
+/// - from rest, the speed after t is at most A t, A the length of the vector of the axes' accelerations (or, for a single block between
+///   stops, which is straight, what the axes allow in its direction): each start and stop costs v/(2 A) more, v the feed there.
+/// Dwells count in full. Weak where corners cost much: it knows nothing of the acceleration that turning takes.
+/// @param machine  as many axes as the path, or without axes
+double program_lower_bound(const Toolpath& path, const Machine& machine);
+
+}  // namespace accdec
