@@ -144,6 +144,17 @@ TEST(Plan, StraightAndToleratedJointsCostNothing) {
   EXPECT_EQ(plan.simulation.samples, 100 + 200 + 200 + 41);
 }
 
+TEST(Plan, ALoneShortBlockIsSlowedUntilItsStartAndStopHoldTogether) {
+  // Six samples at 100 mm/s through 10 taps: the ends of the start and the beginning of the stop have jerk of one sign, and meet.
+  Machine machine;
+  const Filter filter = trapezoid(9, 3);
+  machine.axes.push_back({"x", 1.0, 100.0, 0.1 * std::abs(filter.tap(1) - filter.tap(0)) * 1.01 / (period * period)});
+  Toolpath path = path_of("G1 F6000 X0.6\n", machine);
+  const ProgramPlan plan = plan_program(path, filter, period, machine);
+  for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9);
+  EXPECT_EQ(plan.slowed, 1U);
+}
+
 TEST(Plan, LowerBoundIsTheClosedFormWhereThereIsOne) {
   Machine machine;
   machine.axes.push_back({"x", 0.5, 1.0});

@@ -154,13 +154,15 @@ RepairWork Repair::round(const RepairWork& work, int step) {
   RepairWork failing;
   for (std::size_t i = 0; i < joints.size();) {
     Range range = around(joints[i]);
-    std::size_t seen = timing_.run_end(joints[i] + 1);  // joints before this have both runs inside the range
+    // A lone block may have to be slowed: there is no joint after it.
+    const auto end_of_runs = [&](std::size_t joint) { return joint + 1 < path_.blocks() ? timing_.run_end(joint + 1) : joint; };
+    std::size_t seen = end_of_runs(joints[i]);  // joints before this have both runs inside the range
     std::vector<std::pair<std::size_t, std::size_t>> spans{{range.eval_first, range.eval_last}};
     for (++i; i < joints.size(); ++i) {
       if (joints[i] < seen) continue;
       const Range next = around(joints[i]);
       if (next.first > range.last) break;
-      seen = timing_.run_end(joints[i] + 1);
+      seen = end_of_runs(joints[i]);
       range.first = std::min(range.first, next.first);
       range.last = std::max(range.last, next.last);
       if (next.eval_first <= spans.back().second + 1) {
