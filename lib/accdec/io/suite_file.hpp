@@ -16,7 +16,7 @@ struct Suite {
   std::string hash;                    ///< over everything results depend on
 };
 
-/// Reads SUITE.toml (see README). Paths of tasks in it are relative to it.
+/// Reads SUITE.toml; problems/suite/full.toml explains every key. Paths of tasks in it are relative to it.
 /// @throws InputError with position: unknown keys with a suggestion, unknown solvers with the known ones, tasks that do not exist or do
 /// not fit the question asked of them
 Suite read_suite(const std::string& path);
