@@ -64,6 +64,30 @@ TEST(Runner, AHangingPointIsGivenUp) {
   EXPECT_EQ(rows.at(3), "row 3");
 }
 
+TEST(Runner, AnyPointMayHaveATimeOfItsOwn) {
+  RunOptions options{2, Isolation::processes, 0.2};
+  options.kill_after_of = [](std::size_t i) { return i == 1 ? 60.0 : 0.2; };
+  const auto rows = run(3, [](std::size_t i) -> std::string {
+    if (i < 2) ::usleep(1'000'000);
+    return "row " + std::to_string(i);
+  }, options);
+  EXPECT_THAT(rows.at(0), HasSubstr("given up after 0.2 s"));
+  EXPECT_EQ(rows.at(1), "row 1");
+  EXPECT_EQ(rows.at(2), "row 2");
+}
+
+TEST(Runner, FreshChildrenServeOnePointEach) {
+  RunOptions options{2, Isolation::processes, 0.0};
+  options.fresh_children = true;
+  const auto rows = run(9, [](std::size_t i) -> std::string {
+    static int served = 0;
+    if (i == 4) ::raise(SIGKILL);
+    return std::to_string(++served);
+  }, options);
+  EXPECT_THAT(rows.at(4), HasSubstr("signal 9"));
+  for (const std::size_t i : {0, 1, 2, 3, 5, 6, 7, 8}) EXPECT_EQ(rows.at(i), "1");
+}
+
 TEST(Runner, LongRowsPassThePipeWhole) {
   const auto rows = run(6, [](std::size_t i) { return std::string(2'000'000 + i, 'x'); }, {2, Isolation::processes, 0});
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(rows.at(i).size(), 2'000'000 + i);

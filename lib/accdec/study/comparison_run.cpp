@@ -232,7 +232,11 @@ void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   row["wall_time_s"] = seconds(result.wall_time);
   row["evaluation_time_s"] = seconds(n.evaluation_time);
   row["verification_time_s"] = seconds(total - result.wall_time);
-  if (entry.repeat == 0) row["history"] = thinned(result.history);
+  if (entry.repeat == 0) {
+    row["history"] = thinned(result.history);
+  } else {  // repeats are for timing: what the first says need not be said again
+    for (const char* key : {"message", "claimed_objective", "worst", "stationarity", "complementarity"}) row.erase(key);
+  }
 }
 
 void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
