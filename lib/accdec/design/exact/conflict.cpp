@@ -26,6 +26,8 @@ std::vector<Droppable> limits_of(const Task& task) {
     axis_limit(a, "acceleration", &Axis::acceleration_max);
     axis_limit(a, "jerk", &Axis::jerk_max);
     axis_limit(a, "force", &Axis::force_max);
+    axis_limit(a, "power", &Axis::power_max);
+    axis_limit(a, "regeneration", &Axis::regeneration_max);
   }
   for (std::size_t m = 0; m < task.machine.modes.size(); ++m) {
     const Mode& mode = task.machine.modes[m];
@@ -35,6 +37,9 @@ std::vector<Droppable> limits_of(const Task& task) {
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].error_max) {
       all.push_back({"corner error " + task.corners[j].name, [j](Task& t) { t.corners[j].error_max.reset(); }});
+    }
+    if (task.corners[j].speed_min > 0.0) {
+      all.push_back({"smallest speed " + task.corners[j].name, [j](Task& t) { t.corners[j].speed_min = 0.0; }});
     }
     if (task.corners[j].delay) {
       all.push_back({"delay of corner " + task.corners[j].name, [j](Task& t) { t.corners[j].delay.reset(); }});

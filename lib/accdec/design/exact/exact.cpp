@@ -60,6 +60,8 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
 
   exact::Search search(task, stop);
   const int least = search.smallest_order();
+  const bool is_convex = convex(task);
+  if (!is_convex) offer_shapes(task, search, least, stop);
   double weights = 0.0, fixed = 0.0;
   for (const TaskCorner& c : task.corners) weights += c.weight, fixed += c.weight * c.delay.value_or(0);
   double low = weights * (std::max(task.design.order_min, 0) + 1) + fixed;  // proved by nothing but the task's bounds
@@ -95,7 +97,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     tell();
     if (proved) break;
   }
-  if (!infeasible && (!search.best || !convex(task))) offer_shapes(task, search, least, stop);
+  if (!infeasible && is_convex && !search.best) offer_shapes(task, search, least, stop);
 
   if (infeasible) {
     result.status = Status::infeasible;
@@ -118,8 +120,8 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
                               : "no design was found that holds the limits outside the convex class";
     }
     if (result.status == Status::feasible) {
-      result.message = stop() ? "stopped before the proof was complete"
-                              : "the bound is that of the task without power, regeneration and smallest speed";
+      result.message =
+          stop() ? "stopped before the proof was complete" : "rounding decides whether anything is shorter";
     }
   }
   if (options.certificate && search.proof.target > 0.0) result.certificate = exact::to_json(search.proof);

@@ -27,8 +27,10 @@ struct ExactOptions {
 /// linear programme with tangent cuts for the cones refutes a whole box, and its dual multipliers, kept in the
 /// certificate, are the proof.
 ///
-/// Power, regeneration and smallest speed are not convex: the bound then comes from the problem without them, and the
-/// answer is `optimal` only if a verified design meets that bound.
+/// Power, regeneration and smallest speed are not convex: each is relaxed to its chord over the speeds or directions
+/// that the box leaves, and where the linear programme's filter breaks the limit itself, the box is split on a
+/// cumulative response B_k, which bounds the speed. What the limits on starts and stops can reach from there narrows
+/// all other responses. Designs come from the programmes' filters by a convex-concave procedure.
 /// @param task  without a filter; delays given or not
 DesignResult design_exact(const Task& task, const ExactOptions& options = {});
 

@@ -15,6 +15,13 @@ nlohmann::json row_json(const RowId& id, double y) {
     case RowKind::blend_force: return {"blend force", id.corner, id.axis, id.sample, id.sign, y};
     case RowKind::cone: return {"error", id.corner, id.angle, y};
     case RowKind::vibration: return {"vibration", id.mode, id.frequency, id.angle, y};
+    case RowKind::power_start: return {"power start", id.axis, id.sample, id.low, id.high, y};
+    case RowKind::regeneration_stop: return {"regeneration stop", id.axis, id.sample, id.low, id.high, y};
+    case RowKind::blend_power: return {"blend power", id.corner, id.axis, id.sample, id.sign, id.low, id.high, y};
+    case RowKind::blend_regeneration:
+      return {"blend regeneration", id.corner, id.axis, id.sample, id.sign, id.low, id.high, y};
+    case RowKind::speed: return {"speed", id.corner, id.sample, id.low, id.high, y};
+    case RowKind::tube: return {"response", id.sample, id.sign, y};
   }
   return nullptr;
 }
@@ -34,6 +41,12 @@ std::string to_json(const Proof& proof) {
   for (const Proof::Node& node : proof.tree) {
     if (node.kind == Proof::Node::split)
       tree.push_back({node.corner, node.on_delay ? "d" : "k", node.at});
+    else if (node.kind == Proof::Node::sum_split)
+      tree.push_back({node.at, "B", node.level});
+    else if (node.kind == Proof::Node::unreachable)
+      tree.push_back("unreachable");
+    else if (node.kind == Proof::Node::symmetric)
+      tree.push_back(nlohmann::json::array({"symmetric"}));
     else if (node.kind == Proof::Node::too_long)
       tree.push_back(nullptr);
     else if (node.shorter == -1)

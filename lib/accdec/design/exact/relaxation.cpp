@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <coin/ClpSimplex.hpp>
+#include <map>
 #include <numbers>
 
 namespace accdec::exact {
@@ -28,27 +29,62 @@ class Relaxation::Impl {
       lp_.setObjectiveCoefficient(i, 0.0);
     }
     lp_.setObjectiveCoefficient(excess(), 1.0);
-    double least = 0.0;
     for (std::size_t j = 0; j < model.corners(); ++j) {
-      if (model.cone(j)) least = std::max(least, model.error_bound(j));
+      if (model.cone(j)) least_ = std::max(least_, model.error_bound(j));
     }
-    lp_.setColumnBounds(excess(), -least, COIN_DBL_MAX);
     add_base_rows();
     base_rows_ = lp_.numberRows();
   }
 
   Outcome solve(const Box& box, bool symmetric) {
     prepare(box, symmetric);
+    Outcome outcome = cut(box, symmetric, true);
+    if (outcome.kind != Outcome::unresolved) return outcome;
+    // Rounding piles up from one warm start to the next: once more from a cold one, without the old cuts.
+    lp_.allSlackBasis(true);
+    vibration_.clear();
+    prepare(box, symmetric);
+    return cut(box, symmetric, true);
+  }
+
+  /// A limit outside the convex class holds where its tangent at a known point holds; from point to point the excess
+  /// over these limits and the cones falls (convex-concave procedure).
+  std::optional<Filter> repair(const Box& box, bool symmetric, Filter at) {
+    std::vector<RowId> close;
+    double before = COIN_DBL_MAX;
+    for (int round = 0; round < 30; ++round) {
+      const double worst = model_.gather_close(at, box, close);
+      if (round > 0 && before <= 1e-10 && worst <= 1.0 + 3.0 * slack) return at;
+      prepare(box, symmetric);
+      lp_.setColumnBounds(excess(), 0.0, COIN_DBL_MAX);
+      for (const RowId& id : close) {
+        if (const auto tangent = model_.tangent(id, at, box)) add_row(*tangent, model_.row(*tangent, box), false, true);
+      }
+      const Outcome outcome = cut(box, symmetric, false);
+      if (!outcome.filter) return std::nullopt;
+      if (lp_.objectiveValue() > std::max(1e-10, 0.95 * before)) return std::nullopt;
+      before = lp_.objectiveValue();
+      at = *outcome.filter;
+    }
+    return std::nullopt;
+  }
+
+  long programmes() const { return programmes_; }
+
+ private:
+  /// @param refuting  stop as soon as the box is refuted, else minimise the excess
+  Outcome cut(const Box& box, bool symmetric, bool refuting) {
     Outcome outcome;
     for (int round = 0; round < 200; ++round) {
       ++programmes_;
       lp_.dual();
       if (lp_.status() != 0 && lp_.status() != 1) lp_.primal();
       if (lp_.status() == 1) {
+        if (!refuting) return outcome;
         const std::unique_ptr<double[]> ray(lp_.infeasibilityRay());
         if (!ray) return outcome;
         for (const double sign : {1.0, -1.0}) {
-          outcome.multipliers = multipliers(ray.get(), sign);
+          outcome.multipliers = multipliers(ray.get(), sign, box);
           if (refutation(model_, outcome.multipliers, box, symmetric ? box.order : -1) > 0.0) {
             outcome.kind = Outcome::refuted;
             return outcome;
@@ -57,8 +93,8 @@ class Relaxation::Impl {
         return outcome;
       }
       if (lp_.status() != 0) return outcome;
-      if (lp_.objectiveValue() > 0.0) {
-        outcome.multipliers = multipliers(lp_.dualRowSolution(), 1.0);
+      if (refuting && lp_.objectiveValue() > 0.0) {
+        outcome.multipliers = multipliers(lp_.dualRowSolution(), 1.0, box);
         if (refutation(model_, outcome.multipliers, box, symmetric ? box.order : -1) > 0.0) {
           outcome.kind = Outcome::refuted;
           return outcome;
@@ -73,8 +109,9 @@ class Relaxation::Impl {
         }
       }
       const Filter filter(taps);
-      bool added = cut_cones(filter, box);
+      bool added = refuting ? cut_cones(filter, box) : cut_cones(filter, box, lp_.objectiveValue());
       for (const RowId& id : model_.broken_blend_rows(filter, box, 2.0 * slack)) added |= add_sparse(id, box);
+      for (const RowId& id : model_.broken_chords(filter, box, 2.0 * slack)) added |= add_sparse(id, box);
       added |= cut_vibration(filter, box);
       if (!added) {
         outcome.multipliers.clear();
@@ -86,15 +123,18 @@ class Relaxation::Impl {
     return outcome;
   }
 
-  long programmes() const { return programmes_; }
-
- private:
   int excess() const { return largest_ + 1; }
   int sum_column(int k) const { return largest_ + 1 + k; }  // B_k, k >= 1
 
   void add(const std::vector<int>& columns, const std::vector<double>& values, double low, double high,
            const RowId& id) {
-    lp_.addRow(static_cast<int>(columns.size()), columns.data(), values.data(), low, high);
+    // Clp drops entries this small by itself, and then miscounts them (an assertion in CoinPackedMatrix).
+    std::vector<int> kept;
+    std::vector<double> entries;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (std::abs(values[i]) > 1e-14) kept.push_back(columns[i]), entries.push_back(values[i]);
+    }
+    lp_.addRow(static_cast<int>(kept.size()), kept.data(), entries.data(), low, high);
     ids_.push_back(id);
   }
 
@@ -128,33 +168,23 @@ class Relaxation::Impl {
     for (const RowId& id : model_.base_force_rows(largest_)) add_row(id, model_.row(id, all), false);
   }
 
-  void add_row(const RowId& id, const SparseRow& row, bool both) {
+  void add_row(const RowId& id, const SparseRow& row, bool both, bool soft = false) {
     std::vector<int> columns;
     std::vector<double> values;
-    const auto entry = [&](int column, double value) {
-      for (std::size_t i = 0; i < columns.size(); ++i) {
-        if (columns[i] == column) {
-          values[i] += value;
-          return;
-        }
-      }
-      columns.push_back(column);
-      values.push_back(value);
-    };
+    if (soft) columns.push_back(excess()), values.push_back(-1.0);
     // Jerk in units of a tap, others of their bound: entries of the order of 1.
     const double scale = id.kind == RowKind::jerk ? model_.jerk_max() : 1.0;
-    for (const auto& [i, c] : row.taps) entry(i, c * scale);
-    for (const auto& [k, c] : row.sums) entry(sum_column(k), c * scale);
+    std::map<int, double> merged;
+    for (const auto& [i, c] : row.taps) merged[i] += c * scale;
+    for (const auto& [k, c] : row.sums) merged[sum_column(k)] += c * scale;
+    for (const auto& [column, value] : merged) columns.push_back(column), values.push_back(value);
     const double bound = (1.0 + slack) * scale;
     add(columns, values, both ? -bound : -COIN_DBL_MAX, bound - row.constant * scale, id);
   }
 
   bool add_sparse(const RowId& id, const Box& box) {
     for (std::size_t r = static_cast<std::size_t>(base_rows_); r < ids_.size(); ++r) {
-      const RowId& old = ids_[r];
-      if (old.kind == id.kind && old.corner == id.corner && old.axis == id.axis && old.sample == id.sample &&
-          old.sign == id.sign)
-        return false;
+      if (same_limit(ids_[r], id) && ids_[r].low == id.low && ids_[r].high == id.high) return false;
     }
     add_row(id, model_.row(id, box), false);
     return true;
@@ -178,7 +208,7 @@ class Relaxation::Impl {
 
   static bool loose(const CornerBox& b) { return b.k1 < b.k2 || b.d1 < b.d2; }
 
-  bool cut_cones(const Filter& filter, const Box& box) {
+  bool cut_cones(const Filter& filter, const Box& box, double allowed = 0.0) {
     bool added = false;
     for (std::size_t j = 0; j < box.corners.size(); ++j) {
       if (!model_.cone(j)) continue;
@@ -190,7 +220,8 @@ class Relaxation::Impl {
       // Within a box only cuts that grow with both distances hold.
       if (loose(b)) angle = std::clamp(angle, theta - 0.5 * std::numbers::pi, 0.5 * std::numbers::pi);
       const double value = p * std::cos(angle) + q * std::cos(theta - angle);
-      if (value <= model_.error_bound(j) * (1.0 + 2.0 * slack) + 1e-13) continue;
+      if (value <= model_.error_bound(j) * (1.0 + 2.0 * slack) + 1e-13 + std::max(allowed, 0.0) * (1.0 + slack))
+        continue;
       for (std::size_t r = static_cast<std::size_t>(base_rows_); r < ids_.size(); ++r) {
         if (ids_[r].kind == RowKind::cone && ids_[r].corner == static_cast<int>(j) &&
             std::abs(ids_[r].angle - angle) < 1e-11)
@@ -238,28 +269,55 @@ class Relaxation::Impl {
     return added;
   }
 
+  /// Vibration rows in units of their bound, so that the programme's tolerance is one relative to it.
+  double vibration_scale(const RowId& id) const {
+    const double bound = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
+    return bound > 0.01 ? 1.0 / bound : 1.0;
+  }
+
   void add_vibration(const RowId& id) {
+    const double scale = vibration_scale(id);
     std::vector<int> columns;
     std::vector<double> values;
-    for (int i = 0; i <= largest_; ++i) columns.push_back(i), values.push_back(model_.vibration_coefficient(id, i));
-    const double bound = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max * (1.0 + slack);
+    for (int i = 0; i <= largest_; ++i)
+      columns.push_back(i), values.push_back(scale * model_.vibration_coefficient(id, i));
+    const double residual = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
+    const double bound = scale * residual * (1.0 + slack);
     add(columns, values, -bound, bound, id);
   }
 
   /// Rows of the last box go; its cuts come again at their angles in the new box.
   void prepare(const Box& box, bool symmetric) {
     std::vector<std::pair<std::size_t, double>> angles;
+    std::vector<RowId> chords;
     std::vector<int> old;
     for (int r = base_rows_; r < lp_.numberRows(); ++r) {
       const RowId& id = ids_[static_cast<std::size_t>(r)];
       if (id.kind == RowKind::cone && id.corner >= 0 && lp_.getRowStatus(r) != ClpSimplex::basic) {
         angles.emplace_back(static_cast<std::size_t>(id.corner), id.angle);
       }
+      if (id.kind >= RowKind::power_start && lp_.getRowStatus(r) != ClpSimplex::basic &&
+          std::none_of(chords.begin(), chords.end(), [&](const RowId& c) { return same_limit(c, id); }))
+        chords.push_back(id);
       old.push_back(r);
     }
+    lp_.setColumnBounds(excess(), -least_, COIN_DBL_MAX);
     if (!old.empty()) lp_.deleteRows(static_cast<int>(old.size()), old.data());
     ids_.resize(static_cast<std::size_t>(base_rows_));
     for (int i = 0; i <= largest_; ++i) lp_.setColumnUpper(i, i <= box.order ? model_.tap_max() * (1.0 + slack) : 0.0);
+    if (!model_.convex()) {
+      for (int k = 1; k <= largest_ + 1; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        const bool bounded = i < box.tube.low.size();
+        lp_.setColumnBounds(sum_column(k), bounded ? box.tube.low[i] - slack : 0.0,
+                            bounded ? box.tube.high[i] + slack : 1.0 + slack);
+      }
+    }
+    for (RowId id : chords) {
+      if (id.sample > model_.last_sample(id, box)) continue;
+      if (!model_.single_delay(id, box)) continue;
+      if (const auto chord = model_.chord(id, box)) add_row(*chord, model_.row(*chord, box), false);
+    }
     for (const auto& [j, angle] : angles) {
       const bool grows = std::cos(angle) >= 0.0 && std::cos(model_.theta(j) - angle) >= 0.0;
       if (grows || !loose(box.corners[j])) add_cone(j, angle, box);
@@ -279,8 +337,23 @@ class Relaxation::Impl {
     for (int i = 0; 2 * i < box.order; ++i) add({i, box.order - i}, {1.0, -1.0}, 0.0, 0.0, none);
   }
 
-  Multipliers multipliers(const double* dual, double sign) const {
+  Multipliers multipliers(const double* dual, double sign, const Box& box) {
     Multipliers y;
+    if (!box.tube.low.empty()) {
+      // What the rows leave on a cumulative response, its own bounds have to carry.
+      std::vector<double> left(static_cast<std::size_t>(columns_), 0.0);
+      lp_.transposeTimes(-sign, dual, left.data());
+      for (int k = 1; k <= box.order; ++k) {
+        const double value = left[static_cast<std::size_t>(sum_column(k))];
+        RowId id;
+        id.kind = RowKind::tube;
+        id.sample = k;
+        id.sign = value > 0.0 ? -1 : 1;
+        const auto i = static_cast<std::size_t>(k);
+        const bool natural = value > 0.0 ? box.tube.low[i] == 0.0 : box.tube.high[i] == 1.0;
+        if (std::abs(value) > 1e-13 && !natural) y.emplace_back(id, std::abs(value));
+      }
+    }
     for (std::size_t r = 0; r < ids_.size(); ++r) {
       RowId id = ids_[r];
       double value = -sign * dual[r];  // > 0: the upper side
@@ -296,6 +369,7 @@ class Relaxation::Impl {
           continue;
       }
       if (id.kind == RowKind::jerk) value *= model_.jerk_max();
+      if (id.kind == RowKind::vibration) value *= vibration_scale(id);
       y.emplace_back(id, value);
     }
     return y;
@@ -303,6 +377,7 @@ class Relaxation::Impl {
 
   const LimitModel& model_;
   int largest_, columns_, base_rows_ = 0;
+  double least_ = 0.0;  // no more margin than this is asked of the cones
   ClpSimplex lp_;
   std::vector<RowId> ids_;
   std::vector<RowId> vibration_;
@@ -314,6 +389,9 @@ Relaxation::Relaxation(const LimitModel& model, int largest_order)
 Relaxation::~Relaxation() = default;
 Outcome Relaxation::solve(const Box& box, bool symmetric) {
   return impl_->solve(box, symmetric);
+}
+std::optional<Filter> Relaxation::repair(const Box& box, bool symmetric, const Filter& start) {
+  return impl_->repair(box, symmetric, start);
 }
 long Relaxation::programmes() const {
   return impl_->programmes();

@@ -10,10 +10,10 @@ namespace accdec::exact {
 struct Outcome {
   enum Kind { refuted, feasible, unresolved } kind = unresolved;
   Multipliers multipliers;       ///< refuted
-  std::optional<Filter> filter;  ///< feasible: holds all convex limits of the relaxed box
+  std::optional<Filter> filter;  ///< feasible: holds all convex limits of the relaxed box, and the chords of the others
 };
 
-/// The convex limits of a box as a linear programme (Clp, dual simplex), cut until it is refuted or its solution holds
+/// The limits of a box as a linear programme (Clp, dual simplex), cut until it is refuted or its solution holds
 /// them. One object serves a whole search: tangent cuts and the basis are kept from box to box.
 class Relaxation {
  public:
@@ -22,6 +22,9 @@ class Relaxation {
   ~Relaxation();
   /// @param symmetric  only symmetric filters of the box's order (no shorter ones)
   Outcome solve(const Box& box, bool symmetric);
+  /// A filter of a box of single delays and samples that holds all limits, from one that holds some; none if this way
+  /// leads nowhere.
+  std::optional<Filter> repair(const Box& box, bool symmetric, const Filter& start);
   long programmes() const;
 
  private:

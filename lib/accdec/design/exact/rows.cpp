@@ -10,17 +10,13 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-struct Legs {
-  double in, out;
-};
+}  // namespace
 
 Legs legs(const TaskCorner& corner, std::size_t axis) {
   const auto a = static_cast<Eigen::Index>(axis);
   return {corner.geometry.feed_in * corner.geometry.direction_in[a],
           corner.geometry.feed_out * corner.geometry.direction_out[a]};
 }
-
-}  // namespace
 
 LimitModel::LimitModel(const Task& task) : task_(task), jerk_max_(infinity) {
   const double t = task.sample_period;
@@ -43,6 +39,8 @@ LimitModel::LimitModel(const Task& task) : task_(task), jerk_max_(infinity) {
     if (axis.damping == 0.0 && axis.mass > 0.0)
       tap_max_ = std::min(tap_max_, axis.force_max * t / (axis.mass * fastest));
   }
+  find_families();
+  if (!convex()) has_sums_ = true;
 }
 
 double LimitModel::error_bound(std::size_t corner) const {
@@ -100,6 +98,7 @@ SparseRow LimitModel::row(const RowId& id, const Box& box) const {
     else if (k > 0)
       row.sums.emplace_back(k, c);
   };
+  if (id.kind >= RowKind::power_start) return chord_row(id, box);
   if (id.kind == RowKind::jerk) {
     tap(id.sample, id.sign / jerk_max_);
     tap(id.sample - 1, -id.sign / jerk_max_);
@@ -198,9 +197,14 @@ double refutation(const LimitModel& model, const Multipliers& y, const Box& box,
       rhs += value * model.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
     } else {
       const bool blend = id.corner >= 0;
-      if (blend &&
+      if (blend && id.kind != RowKind::speed &&
           box.corners[static_cast<std::size_t>(id.corner)].d1 != box.corners[static_cast<std::size_t>(id.corner)].d2)
         return -infinity;
+      // Of a longer filter or delay: at constant speed by now.
+      if (id.kind >= RowKind::power_start &&
+          id.sample > (id.kind == RowKind::tube ? n : model.last_sample(id, exact_box)))
+        continue;
+      if (id.kind >= RowKind::power_start && !model.covers(id, exact_box)) return -infinity;
       const SparseRow row = model.row(id, exact_box);
       if (row.taps.empty() && row.sums.empty() && row.constant <= 1.0) continue;
       for (const auto& [i, x] : row.taps) c[static_cast<std::size_t>(i)] += value * x;

@@ -2,32 +2,66 @@
 
 #include <accdec/design/task.hpp>
 #include <accdec/motion/filter.hpp>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 namespace accdec::exact {
 
-enum class RowKind { jerk, force_start, force_stop, blend_acceleration, blend_jerk, blend_force, cone, vibration };
+enum class RowKind {
+  jerk,
+  force_start,
+  force_stop,
+  blend_acceleration,
+  blend_jerk,
+  blend_force,
+  cone,
+  vibration,
+  // Chords of limits outside the convex class, over the range of speeds or directions the box leaves.
+  power_start,
+  regeneration_stop,
+  blend_power,
+  blend_regeneration,
+  speed,
+  tube  ///< a bound of the box itself on B_sample
+};
 
 /// One row "form(b) <= bound" by what it limits; together with a box it says all about its coefficients.
 struct RowId {
   RowKind kind{};
-  int sign = 1;  ///< -1: the lower side of a two-sided limit
+  int sign = 1;  ///< -1: the lower side of a two-sided limit; power: the direction of travel
   int axis = -1, corner = -1, mode = -1;
   int sample = 0;
-  double angle = 0.0;      ///< rad, direction of a tangent cut
-  double frequency = 0.0;  ///< Hz, vibration
+  double angle = 0.0;            ///< rad, direction of a tangent cut
+  double frequency = 0.0;        ///< Hz, vibration
+  double low = 0.0, high = 0.0;  ///< ends of a chord: m/s, or rad from leg 1's direction (speed)
 };
+/// Whether two rows are of the same limit at the same place, whatever their chords.
+inline bool same_limit(const RowId& a, const RowId& b) {
+  return a.kind == b.kind && a.corner == b.corner && a.axis == b.axis && a.sample == b.sample && a.sign == b.sign;
+}
 using Multipliers = std::vector<std::pair<RowId, double>>;  ///< all >= 0
 
 /// Delays d1 .. d2 and samples k1 .. k2 of one corner.
 struct CornerBox {
   int d1 = 0, d2 = 0, k1 = 0, k2 = 0;
 };
+/// B_k >= level or B_k <= level, from a split.
+struct SumBound {
+  int sample = 0;
+  bool upper = false;
+  double level = 0.0;
+};
+/// Bounds low <= B_k <= high, k = 0 .. order + 1.
+struct Tube {
+  std::vector<double> low, high;
+};
 struct Box {
   int order = 0;  ///< largest order in the box; shorter filters are this one with zero taps
   std::vector<CornerBox> corners;
+  std::vector<SumBound> path{};  ///< splits on cumulative responses
+  Tube tube{};                   ///< what they and the limits leave; empty where every limit is convex
 };
 
 /// Sum of taps, sums (coefficients of B_k) and constant, all <= 1.
@@ -36,7 +70,19 @@ struct SparseRow {
   double constant = 0.0;
 };
 
-/// The convex limits of a task as rows in the taps. Everything but the cones is divided by its bound.
+/// Speeds of an axis' two legs, m/s.
+struct Legs {
+  double in = 0.0, out = 0.0;
+};
+Legs legs(const TaskCorner& corner, std::size_t axis);
+
+/// The limits of a task as rows in the taps, those outside the convex class as chords over a box. Everything but the
+/// cones is divided by its bound.
+///
+/// Power F V <= P bounds the force by the hyperbola P/V, and what lies below it over V in [l, u] has as its hull what
+/// lies below its chord: F <= P (1/l + 1/u - V/(l u)). A chord from l = P/F_max on holds for all smaller speeds too, by
+/// the force limit. Regeneration is the same with the force turned; the smallest speed cuts a sector of directions by
+/// the chord of its circle. F and V are linear in the cumulative responses.
 class LimitModel {
  public:
   explicit LimitModel(const Task& task);
@@ -64,14 +110,49 @@ class LimitModel {
   /// Dense coefficient of tap i in a vibration row.
   double vibration_coefficient(const RowId& id, int i) const;
 
+  /// The limits outside the convex class: kind, axis, corner and sign of each; the sample is left open.
+  const std::vector<RowId>& families() const { return families_; }
+  bool convex() const { return families_.empty(); }
+  /// Use of such a limit at a sample, value/bound (bound/value for the smallest speed).
+  double use(const RowId& id, const Filter& filter, const Box& box) const;
+  /// Chords over the box's tube that the filter breaks by more than `slack`.
+  std::vector<RowId> broken_chords(const Filter& filter, const Box& box, double slack) const;
+  /// The chord over the box's tube; none if the limit holds throughout or nothing can be said.
+  std::optional<RowId> chord(RowId id, const Box& box) const;
+  /// The chord shrunk to the filter's own speed: whatever holds it holds the limit. None where the limit is far.
+  std::optional<RowId> tangent(RowId id, const Filter& filter, const Box& box) const;
+  /// Adds the limits outside the convex class that the filter comes close to or breaks; returns the worst use.
+  double gather_close(const Filter& filter, const Box& box, std::vector<RowId>& close) const;
+  /// Whether such a limit says something of the box: limits of the blend but the smallest speed need a single delay.
+  bool single_delay(const RowId& id, const Box& box) const;
+  /// Last sample of a family at which its limit can matter.
+  int last_sample(const RowId& id, const Box& box) const;
+  /// Shrinks the box's tube by what limits on starts and stops can reach. False: nothing is left of it.
+  bool shrink(Box& box) const;
+
  private:
   struct Speeds {
     double start = 0.0, stop = 0.0;
   };
+  struct Range {
+    double low, high;
+  };
+  Legs event_legs(const RowId& id) const;
+  int event_delay(const RowId& id, const Box& box) const;
+  double event_bound(const RowId& id) const;
+  Range speed_range(const RowId& id, const Box& box) const;
+  Range direction_range(const RowId& id, const Box& box) const;
+  double force_cap(const RowId& id) const;
+  bool covers(const RowId& chord, const Box& box) const;
+  SparseRow chord_row(const RowId& id, const Box& box) const;
+  void find_families();
+  friend double refutation(const LimitModel&, const Multipliers&, const Box&, int);
+
   const Task& task_;
   std::vector<Speeds> speeds_;
   double tap_max_ = 1.0, jerk_max_;
   bool has_sums_ = false;
+  std::vector<RowId> families_;
 };
 
 /// Lower bound of sum y (form(b) - bound) over all filters in the box, b <= tap_max, sum 1: positive refutes the box.

@@ -21,7 +21,8 @@ bool single(const LimitModel& model, const Box& box) {
   return true;
 }
 
-/// Without the zero taps at its ends, but of the smallest order allowed. Symmetric taps stay so.
+}  // namespace
+
 Filter trimmed(const Filter& filter, const DesignBounds& bounds) {
   std::vector<double> taps(filter.taps().begin(), filter.taps().end());
   const auto longer = [&](std::size_t by) {
@@ -35,8 +36,6 @@ Filter trimmed(const Filter& filter, const DesignBounds& bounds) {
   }
   return Filter(std::move(taps));
 }
-
-}  // namespace
 
 Box Search::root() const {
   Box box;
@@ -90,6 +89,7 @@ int Search::smallest_order() {
       if (!task_.corners[j].delay) b.d1 = 0, b.d2 = std::max(order, most) + 1;
       b.k1 = 0, b.k2 = b.d2 + order + 1;
     }
+    if (!model_.convex() && !model_.shrink(box)) return false;
     const Outcome outcome = relaxation_->solve(box, false);
     if (outcome.filter) offer(*outcome.filter);
     return outcome.kind != Outcome::refuted;
@@ -139,6 +139,12 @@ Search::State Search::refute(Box box) {
       return State::closed;
     }
   }
+  if (!model_.convex() && !model_.shrink(box)) {
+    Node leaf;
+    leaf.kind = Node::unreachable;
+    current_.tree.push_back(leaf);
+    return State::closed;
+  }
   const auto close = [&](int y, int shorter) {
     Node leaf;
     leaf.kind = Node::refuted;
@@ -160,6 +166,16 @@ Search::State Search::refute(Box box) {
   };
   Outcome outcome = relaxation_->solve(box, false);
   if (outcome.kind == Outcome::refuted) return close(keep(std::move(outcome.multipliers)), -1);
+  if (single(model_, box) && !model_.convex()) {
+    if (!task_.design.symmetric) return refute_sums(std::move(box), false, 0);
+    Node node;
+    node.kind = Node::symmetric;
+    current_.tree.push_back(node);
+    const State state = refute_sums(box, true, 0);
+    if (state != State::closed || box.order - 1 < std::max(task_.design.order_min, 0)) return state;
+    --box.order;
+    return refute_sums(std::move(box), true, 0);
+  }
   if (single(model_, box)) {
     std::vector<int> delays;
     for (const CornerBox& b : box.corners) delays.push_back(b.d1);

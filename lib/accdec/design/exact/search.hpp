@@ -13,10 +13,12 @@ namespace accdec::exact {
 /// Proof that nothing is shorter than `target`: a binary tree over boxes, in preorder.
 struct Proof {
   struct Node {
-    enum Kind { split, refuted, too_long } kind = too_long;
+    /// symmetric: the two parts are the box's order and the next smaller one, the latter only if the task allows it
+    enum Kind { split, refuted, too_long, sum_split, unreachable, symmetric } kind = too_long;
     int corner = 0;         ///< split
     bool on_delay = false;  ///< split on the delay, else on the sample
-    int at = 0;             ///< split: first part <= at, second > at
+    int at = 0;             ///< split: first part <= at, second > at; sum_split: k
+    double level = 0.0;     ///< sum_split: B_k <= level in the first part, >= in the second
     int multipliers = -1;   ///< refuted: index
     int shorter = -1;       ///< symmetric filters: of the next smaller order; -1 where `multipliers` holds for all
   };
@@ -33,6 +35,9 @@ struct Candidate {
   double value;   ///< sum_j w_j (N + 1 + d_j)
   bool verified;  ///< else it holds the convex limits only
 };
+
+/// Without the zero taps at its ends, but of the smallest order allowed. Symmetric taps stay so.
+Filter trimmed(const Filter& filter, const DesignBounds& bounds);
 
 /// Looks for something shorter than a target, or proves that there is nothing.
 class Search {
@@ -56,6 +61,10 @@ class Search {
  private:
   enum class State { closed, found, stopped };
   State refute(Box box);
+  State refute_sums(Box box, bool symmetric, int depth);
+  State split_sum(const Box& box, const SumBound& at, bool symmetric, int depth);
+  State close(Multipliers y);
+  std::optional<SumBound> widest_break(const Filter& filter, const Box& box) const;
   Box root() const;
   void size_for(int order);
   void consider(Filter filter, const std::vector<int>& delays);

@@ -1,0 +1,149 @@
+#include <accdec/design/exact/checked_rows.hpp>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace accdec {
+namespace {
+
+using nlohmann::json;
+
+double finite(const json& value) {
+  const double x = value.get<double>();
+  if (!std::isfinite(x)) throw Rejected("an end of a chord is not a number");
+  return x;
+}
+
+Interval pick_sign(int sign) {
+  return Interval(sign < 0 ? -1.0 : 1.0);
+}
+
+}  // namespace
+
+std::optional<CheckedTube> CheckedRows::tube(const CheckedBox& box) const {
+  return checked_tube(plants_, tap_max_, box.order, box.cuts);
+}
+
+bool CheckedRows::need_tube(CheckedBox& box) const {
+  if (!box.tube && !box.nothing_left) {
+    box.tube = tube(box);
+    box.nothing_left = !box.tube;
+  }
+  return !box.nothing_left;
+}
+
+int CheckedRows::single_delay(int j, const CheckedBox& box) const {
+  corner(j);
+  const CheckedRange& r = box.corners[static_cast<std::size_t>(j)];
+  if (r.d1 != r.d2) throw Rejected("a limit of the blend is used for several delays at once");
+  return r.d1;
+}
+
+bool CheckedRows::add_chord(const std::string& kind, const json& row, const Interval& weight, CheckedBox& box,
+                            CheckedSum& sum) const {
+  if (kind == "response") {
+    const int k = row.at(1).get<int>();
+    if (k < 1 || k > sum.order()) return true;  // no terms left
+    if (!need_tube(box)) return true;
+    const CheckedTube& tube = *box.tube;
+    const auto i = static_cast<std::size_t>(k);
+    const bool upper = row.at(2).get<int>() > 0;
+    sum.response(k, upper ? weight : -1.0 * weight);
+    sum.rhs = upper ? sum.rhs + weight * Interval(tube.high[i]) : sum.rhs - weight * Interval(tube.low[i]);
+  } else if (kind == "power start" || kind == "regeneration stop") {
+    const int a = row.at(1).get<int>(), k = row.at(2).get<int>();
+    if (k < 1 || k > sum.order() + 1) return true;
+    const bool stop = kind == "regeneration stop";
+    const Axis& x = axis(a);
+    const auto u = static_cast<std::size_t>(a);
+    const Speeds legs = stop ? Speeds{stop_[u], 0.0} : Speeds{0.0, start_[u]};
+    if (legs.in.hi == 0.0 && legs.out.hi == 0.0) throw Rejected("a multiplier names an axis that stands still");
+    if (need_tube(box)) add_power(x, stop, legs, 0, k, 1, finite(row.at(3)), finite(row.at(4)), weight, *box.tube, sum);
+  } else if (kind == "blend power" || kind == "blend regeneration") {
+    const int j = row.at(1).get<int>(), a = row.at(2).get<int>(), k = row.at(3).get<int>(), d = single_delay(j, box);
+    const Axis& x = axis(a);
+    if (k < 1 || k > sum.order() + d + 1) return true;
+    const auto u = static_cast<std::size_t>(a);
+    const Speeds legs{speed(corner(j), u, true), speed(corner(j), u, false)};
+    if (need_tube(box))
+      add_power(x, kind == "blend regeneration", legs, d, k, row.at(4).get<int>(), finite(row.at(5)), finite(row.at(6)),
+                weight, *box.tube, sum);
+  } else if (kind == "speed") {
+    const int j = row.at(1).get<int>(), k = row.at(2).get<int>();
+    const TaskCorner& c = corner(j);
+    const CheckedRange& r = box.corners[static_cast<std::size_t>(j)];
+    if (k < 1 || k > sum.order() + r.d1) return true;
+    if (need_tube(box)) add_speed(c, r, k, finite(row.at(3)), finite(row.at(4)), weight, *box.tube, sum);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+/// F <= P (1/l + 1/u - V/(l u)), times l/P, for V in [l, u]: the hyperbola lies below its chord; for V < l because the
+/// force is at most P/l there.
+void CheckedRows::add_power(const Axis& axis, bool regeneration, const Speeds& legs, int delay, int k, int sign,
+                            double low, double high, const Interval& weight, const CheckedTube& tube,
+                            CheckedSum& sum) const {
+  const double bound = regeneration ? axis.regeneration_max : axis.power_max;
+  require_limit(bound);
+  if (!(low > 0.0) || !(high > low)) throw Rejected("a chord's ends are not 0 < low < high");
+  const Interval in = pick_sign(sign) * legs.in, out = pick_sign(sign) * legs.out;
+  const Interval range = in * (Interval(1.0) - tube.at(k)) + out * tube.at(k - delay);
+  // What leg 2 has gained, leg 1 has lost before: the speed is between 0 and those of the legs.
+  const double fastest = std::max({in.hi, out.hi, 0.0});
+  if (std::min(range.hi, fastest) > high) throw Rejected("a chord ends below speeds that are left in its box");
+  const double top = std::max(legs.in.magnitude().hi, legs.out.magnitude().hi);
+  double cap = axis.force_max;
+  if (axis.acceleration_max < unlimited)
+    cap = std::min(cap, (Interval(axis.mass) * Interval(axis.acceleration_max) + Interval(axis.damping) * top).hi);
+  const bool capped = cap < unlimited && (Interval(low) * Interval(cap)).hi <= bound;
+  if (low > range.lo && !capped) throw Rejected("a chord begins above speeds that are left in its box");
+
+  const Interval inertia = Interval(axis.mass) / period(), length(low), turned(regeneration ? -1.0 : 1.0);
+  const auto add = [&](int at, const Interval& c) {
+    sum.rhs = sum.rhs - c * in;
+    sum.response(at, -1.0 * c * in);
+    sum.response(at - delay, c * out);
+  };
+  add(k, weight * (turned * (inertia + Interval(axis.damping)) * length / Interval(bound) + 1.0 / Interval(high)));
+  add(k - 1, -1.0 * weight * turned * inertia * length / Interval(bound));
+  sum.rhs = sum.rhs + weight * (Interval(1.0) + length / Interval(high));
+}
+
+/// |V'| >= v_min in the sector of directions [low, high] from leg 1's: n V' >= v_min cos((high - low)/2), n in the
+/// middle. Of several delays the least has the most of leg 2, which is all that counts if leg 2 points along n.
+void CheckedRows::add_speed(const TaskCorner& c, const CheckedRange& box, int k, double low, double high,
+                            const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const {
+  if (!(c.speed_min > 0.0)) throw Rejected("a multiplier names a limit that is not there");
+  if (!(high > low) || !(high - low < std::numbers::pi)) throw Rejected("a sector of directions is no sector");
+  const Interval in = Interval(c.feed_in) * (Interval(1.0) - tube.at(k)),
+                 out = Interval(c.feed_out) * Interval(tube.at(k - box.d2).lo, tube.at(k - box.d1).hi);
+  // Leg 2's direction in the plane of motion is (-cos theta, sin theta).
+  const Interval cosine(std::nextafter(c.geometry.cos_interior(), -2.0),
+                        std::nextafter(c.geometry.cos_interior(), 2.0));
+  const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
+  // Of in (1, 0) + out (-cos, sin): not to the right of `low`, not to the left of `high`.
+  const auto left_of = [&](double angle) {
+    const Interval ca = interval_cos(angle), sa = interval_sin(angle);
+    return -1.0 * sa * in + (sine * ca + cosine * sa) * out;
+  };
+  // Outside by as little as this counts as inside, and costs as little.
+  const double outside = 1e-12 * std::max(c.feed_in, c.feed_out);
+  if (left_of(low).lo < -outside || left_of(high).hi > outside)
+    throw Rejected("a sector does not hold all directions that are left in its box");
+  const double middle = 0.5 * (low + high);
+  const Interval half = Interval(std::max(high - middle, middle - low)) + Interval(0.0, 1e-15);
+  const Interval ca = interval_cos(middle), sa = interval_sin(middle);
+  const Interval along_in = ca * Interval(c.feed_in) / Interval(c.speed_min);
+  const Interval along_out = (sine * sa - cosine * ca) * Interval(c.feed_out) / Interval(c.speed_min);
+  if (box.d1 != box.d2 && along_out.lo < 0.0)
+    throw Rejected("a sector is used for several delays, but does not hold for all");
+  // cos(half) - n V'/v_min <= 0
+  sum.response(k, weight * along_in);
+  sum.response(k - box.d1, -1.0 * weight * along_out);
+  sum.rhs = sum.rhs + weight * (along_in - Interval(interval_cos(half).lo) + 2.0 * Interval(outside) / c.speed_min);
+}
+
+}  // namespace accdec

@@ -1,0 +1,195 @@
+#include <accdec/design/exact/checked_rows.hpp>
+#include <accdec/design/verifier.hpp>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace accdec {
+
+using nlohmann::json;
+
+void require_limit(double bound) {
+  if (!(bound < unlimited)) throw Rejected("a multiplier names a limit that is not there");
+}
+
+CheckedRows::CheckedRows(const Task& task) : task_(task) {
+  const Interval t(task.sample_period);
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    const Axis& axis = task.machine.axes[a];
+    double start = 0.0, stop = 0.0;
+    for (const TaskCorner& c : task.corners) {
+      // Lower ends: a slower leg asks for less.
+      const double in = speed(c, a, true).magnitude().lo, out = speed(c, a, false).magnitude().lo;
+      start = std::max({start, in, in == 0.0 ? out : 0.0});
+      stop = std::max({stop, out, out == 0.0 ? in : 0.0});
+    }
+    for (const bool ends : {false, true}) {
+      const Interval s(ends ? stop : start);
+      if (s.lo == 0.0) continue;
+      CheckedPlant p{Interval(axis.mass) / t, Interval(axis.damping), {}, {}, {}, ends};
+      const auto over = [](double bound, const Interval& by) {
+        return bound < unlimited ? Interval(bound) / by : Interval(bound);
+      };
+      p.force = over(axis.force_max, s);
+      p.power = over(axis.power_max, s * s);
+      p.regeneration = over(axis.regeneration_max, s * s);
+      plants_.push_back(p);
+    }
+    start_.push_back(start);
+    stop_.push_back(stop);
+    const double fastest = std::max(start, stop);
+    if (fastest == 0.0) continue;
+    if (axis.acceleration_max < unlimited)
+      tap_max_ = std::min(tap_max_, (Interval(axis.acceleration_max) * t / fastest).hi);
+    if (axis.jerk_max < unlimited) jerk_max_ = std::min(jerk_max_, (Interval(axis.jerk_max) * t * t / fastest).hi);
+    if (axis.force_max < unlimited && axis.damping == 0.0 && axis.mass > 0.0) {
+      tap_max_ = std::min(tap_max_, (Interval(axis.force_max) * t / (Interval(axis.mass) * fastest)).hi);
+    }
+  }
+}
+
+Interval CheckedRows::speed(const TaskCorner& c, std::size_t axis, bool in) const {
+  const auto a = static_cast<Eigen::Index>(axis);
+  return in ? Interval(c.geometry.feed_in) * c.geometry.direction_in[a]
+            : Interval(c.geometry.feed_out) * c.geometry.direction_out[a];
+}
+
+const TaskCorner& CheckedRows::corner(int j) const {
+  if (j < 0 || j >= static_cast<int>(task_.corners.size()))
+    throw Rejected("a multiplier names a corner that is not there");
+  return task_.corners[static_cast<std::size_t>(j)];
+}
+
+const Axis& CheckedRows::axis(int a) const {
+  if (a < 0 || a >= static_cast<int>(task_.machine.axes.size()))
+    throw Rejected("a multiplier names an axis that is not there");
+  return task_.machine.axes[static_cast<std::size_t>(a)];
+}
+
+void CheckedRows::add(const json& row, CheckedBox& box, CheckedSum& sum) const {
+  const std::string kind = row.at(0).get<std::string>();
+  const double y = row.at(row.size() - 1).get<double>();
+  if (!(y >= 0.0) || !std::isfinite(y)) throw Rejected("a multiplier is negative or not a number");
+  const Interval t(task_.sample_period), weight(y);
+  if (kind == "jerk") {
+    const int i = row.at(1).get<int>(), sign = row.at(2).get<int>() < 0 ? -1 : 1;
+    if (std::isinf(jerk_max_)) throw Rejected("a multiplier names a limit that is not there");
+    if (i < 0 || i > static_cast<int>(sum.taps.size())) return;
+    const Interval c = weight * static_cast<double>(sign) / Interval(jerk_max_);
+    sum.tap(i, c);
+    sum.tap(i - 1, -1.0 * c);
+    sum.rhs = sum.rhs + weight;
+  } else if (kind == "force start" || kind == "force stop") {
+    const int a = row.at(1).get<int>(), k = row.at(2).get<int>();
+    if (k < 1 || k > static_cast<int>(sum.taps.size())) return;
+    const Axis& x = axis(a);
+    require_limit(x.force_max);
+    const bool start = kind == "force start";
+    const Interval scale = weight * (start ? start_ : stop_)[static_cast<std::size_t>(a)] / Interval(x.force_max);
+    sum.tap(k - 1, scale * Interval(x.mass) / t);
+    sum.response(k, scale * Interval(x.damping));
+    sum.rhs = sum.rhs + weight;
+    if (!start) sum.rhs = sum.rhs + scale * Interval(x.damping);
+  } else if (kind == "error") {
+    add_error(row, weight, box, sum);
+  } else if (kind == "vibration") {
+    add_vibration(row, weight, sum);
+  } else if (!add_chord(kind, row, weight, box, sum)) {
+    add_blend(kind, row, weight, box, sum);
+  }
+}
+
+void CheckedRows::add_error(const json& row, const Interval& weight, const CheckedBox& box, CheckedSum& sum) const {
+  const int j = row.at(1).get<int>();
+  const TaskCorner& c = corner(j);
+  if (!c.error_max) throw Rejected("a multiplier names a limit that is not there");
+  const CheckedRange& r = box.corners[static_cast<std::size_t>(j)];
+  const Interval cosine(std::nextafter(c.geometry.cos_interior(), -2.0),
+                        std::nextafter(c.geometry.cos_interior(), 2.0));
+  const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
+  const Interval ca = interval_cos(row.at(2).get<double>()), sa = interval_sin(row.at(2).get<double>());
+  const double fastest = std::max(c.feed_in, c.feed_out);
+  const Interval wp = weight * ca * Interval(c.feed_in) / Interval(fastest);
+  const Interval wq = weight * (cosine * ca + sine * sa) * Interval(c.feed_out) / Interval(fastest);
+  Interval p = wp, q = wq;
+  if (r.k1 < r.k2 || r.d1 < r.d2) {
+    // Within a box p and q are only bounded below; a weight below zero by more than rounding would need an upper
+    // bound.
+    if (wp.hi < 0.0 || wq.hi < 0.0) throw Rejected("a tangent cut does not apply to a whole box");
+    p.lo = std::max(p.lo, 0.0), q.lo = std::max(q.lo, 0.0);
+    // Where rounding leaves the sign open, the most that a negative weight could take away: p <= N, q <= k - d.
+    if (wp.lo < 0.0) {
+      p = Interval(0.0);
+      sum.rhs = sum.rhs + Interval(-wp.lo) * static_cast<double>(sum.taps.size());
+    }
+    if (wq.lo < 0.0) {
+      q = Interval(0.0);
+      sum.rhs = sum.rhs + Interval(-wq.lo) * static_cast<double>(std::max(0, r.k2 - r.d1));
+    }
+  }
+  const int n = sum.order(), m = r.k1 - r.d2;
+  for (int i = std::max(0, r.k2 + 1); i <= n; ++i) sum.tap(i, p * static_cast<double>(i - r.k2));
+  for (int i = 0; i <= std::min(n, m - 1); ++i) sum.tap(i, q * static_cast<double>(m - i));
+  const Interval error(std::max(*c.error_max, 0.5 * position_floor));
+  sum.rhs = sum.rhs + weight * error / (period() * Interval(fastest));
+}
+
+void CheckedRows::add_vibration(const json& row, const Interval& weight, CheckedSum& sum) const {
+  const int m = row.at(1).get<int>();
+  if (m < 0 || m >= static_cast<int>(task_.machine.modes.size()))
+    throw Rejected("a multiplier names a mode that is not there");
+  const Mode& mode = task_.machine.modes[static_cast<std::size_t>(m)];
+  const double f = row.at(2).get<double>();
+  if (!(f >= mode.frequency_low && f <= mode.frequency_high))
+    throw Rejected("a multiplier's frequency is outside its band");
+  const Interval w = two_pi() * Interval(f) * period();
+  for (std::size_t i = 0; i < sum.taps.size(); ++i) {
+    sum.taps[i] = sum.taps[i] + weight * interval_cos(w * static_cast<double>(i) - Interval(row.at(3).get<double>()));
+  }
+  sum.rhs = sum.rhs + weight * Interval(mode.residual_max);
+}
+
+void CheckedRows::add_blend(const std::string& kind, const json& row, const Interval& weight, const CheckedBox& box,
+                            CheckedSum& sum) const {
+  const int j = row.at(1).get<int>(), a = row.at(2).get<int>(), k = row.at(3).get<int>();
+  const TaskCorner& c = corner(j);
+  const Axis& x = axis(a);
+  if (k < 1 || k > 100'000'000) throw Rejected("a multiplier names a sample that is not there");
+  const CheckedRange& r = box.corners[static_cast<std::size_t>(j)];
+  if (r.d1 != r.d2) throw Rejected("a limit of the blend is used for several delays at once");
+  const Interval in = speed(c, static_cast<std::size_t>(a), true), out = speed(c, static_cast<std::size_t>(a), false);
+  const int d = r.d1;
+  const Interval y = weight * (row.at(4).get<int>() < 0 ? -1.0 : 1.0);
+  // Past the end of a short filter a row has no terms left and may be dropped, which is taking its multiplier as 0.
+  const int n = sum.order();
+  const auto tap = [&](int i) { return i >= 0 && i <= n; };
+  const auto response = [&](int at) { return at >= 1 && at <= n; };
+  const bool touches = tap(k - 1) || tap(k - 1 - d) || (kind == "blend jerk" && (tap(k - 2) || tap(k - 2 - d))) ||
+                       (kind == "blend force" && (response(k) || response(k - d)));
+  if (!touches) return;
+  const auto acceleration = [&](int at, const Interval& f) {
+    sum.tap(at - 1, -1.0 * f * in / period());
+    sum.tap(at - 1 - d, f * out / period());
+  };
+  if (kind == "blend acceleration") {
+    require_limit(x.acceleration_max);
+    acceleration(k, y / Interval(x.acceleration_max));
+  } else if (kind == "blend jerk") {
+    require_limit(x.jerk_max);
+    const Interval f = y / (period() * Interval(x.jerk_max));
+    acceleration(k, f);
+    acceleration(k - 1, -1.0 * f);
+  } else if (kind == "blend force") {
+    require_limit(x.force_max);
+    const Interval f = y / Interval(x.force_max), drag = f * Interval(x.damping);
+    acceleration(k, f * Interval(x.mass));
+    sum.rhs = sum.rhs - drag * in;
+    sum.response(k, -1.0 * drag * in);
+    sum.response(k - d, drag * out);
+  } else {
+    throw Rejected("a multiplier is of no known kind");
+  }
+  sum.rhs = sum.rhs + weight;
+}
+
+}  // namespace accdec

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <accdec/design/exact/checked_tube.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace accdec {
+
+/// Why a certificate is rejected.
+struct Rejected : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Delays and samples of one corner.
+struct CheckedRange {
+  int d1, d2, k1, k2;
+};
+
+/// A part of all designs: filters up to `order`, delays and samples in the ranges, responses within the cuts.
+struct CheckedBox {
+  std::vector<CheckedRange> corners;
+  std::vector<CheckedCut> cuts;
+  int order = -1;
+  std::optional<CheckedTube> tube;  ///< only if a row asks for it
+  bool nothing_left = false;        ///< the tube turned out empty: no filter is in the box
+};
+
+/// sum_i c_i b_i + sum_k e_k B_k > rhs has to hold for every filter.
+struct CheckedSum {
+  std::vector<Interval> taps, cumulative;  // c_i, e_k
+  Interval rhs;
+  explicit CheckedSum(int order)
+      : taps(static_cast<std::size_t>(order) + 1), cumulative(static_cast<std::size_t>(order) + 2) {}
+  int order() const { return static_cast<int>(taps.size()) - 1; }
+  void tap(int i, const Interval& c) {
+    if (i >= 0 && i <= order()) taps[static_cast<std::size_t>(i)] = taps[static_cast<std::size_t>(i)] + c;
+  }
+  void response(int k, const Interval& c) {
+    if (k > order())
+      rhs = rhs - c;
+    else if (k > 0)
+      cumulative[static_cast<std::size_t>(k)] = cumulative[static_cast<std::size_t>(k)] + c;
+  }
+};
+
+/// Sets up the limits of a task again as rows, in interval arithmetic, from what a certificate names them by.
+class CheckedRows {
+ public:
+  explicit CheckedRows(const Task& task);
+  double tap_max() const { return tap_max_; }
+  /// Bounds on the responses in a box; none if no filter is left.
+  std::optional<CheckedTube> tube(const CheckedBox& box) const;
+  /// Adds a row times its multiplier.
+  /// @throws Rejected if there is no such limit or the row does not hold all over the box
+  void add(const nlohmann::json& row, CheckedBox& box, CheckedSum& sum) const;
+
+ private:
+  struct Speeds {
+    Interval in, out;
+  };
+  Interval period() const { return Interval(task_.sample_period); }
+  Interval speed(const TaskCorner& corner, std::size_t axis, bool in) const;
+  const TaskCorner& corner(int j) const;
+  const Axis& axis(int a) const;
+  void add_error(const nlohmann::json& row, const Interval& weight, const CheckedBox& box, CheckedSum& sum) const;
+  void add_vibration(const nlohmann::json& row, const Interval& weight, CheckedSum& sum) const;
+  void add_blend(const std::string& kind, const nlohmann::json& row, const Interval& weight, const CheckedBox& box,
+                 CheckedSum& sum) const;
+  /// Chords of limits outside the convex class. False: `kind` is none of them.
+  bool add_chord(const std::string& kind, const nlohmann::json& row, const Interval& weight, CheckedBox& box,
+                 CheckedSum& sum) const;
+  void add_power(const Axis& axis, bool regeneration, const Speeds& legs, int delay, int sample, int sign, double low,
+                 double high, const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
+  void add_speed(const TaskCorner& corner, const CheckedRange& box, int sample, double low, double high,
+                 const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
+  int single_delay(int corner, const CheckedBox& box) const;
+  /// False: nothing is left.
+  bool need_tube(CheckedBox& box) const;
+
+  const Task& task_;
+  double tap_max_ = 1.0, jerk_max_ = unlimited;
+  std::vector<double> start_, stop_;
+  std::vector<CheckedPlant> plants_;
+};
+
+/// @throws Rejected if a limit is not given
+void require_limit(double bound);
+
+}  // namespace accdec

@@ -1,0 +1,103 @@
+#include <accdec/design/exact/search.hpp>
+#include <algorithm>
+#include <cmath>
+
+namespace accdec::exact {
+namespace {
+
+/// A tube this narrow says that rounding decides.
+constexpr double narrowest = 1e-9;
+constexpr int deepest = 300;
+
+}  // namespace
+
+/// Where to split to see to the limit that is broken most: at the filter's own response, where both parts' chords meet
+/// the limit, but not too close to an end. None if no limit outside the convex class is broken.
+std::optional<SumBound> Search::widest_break(const Filter& filter, const Box& box) const {
+  double worst = 1.0 + 1e-9;
+  SumBound split;
+  bool broken = false;
+  for (RowId id : model_.families()) {
+    for (id.sample = 1; id.sample <= model_.last_sample(id, box); ++id.sample) {
+      const double use = model_.use(id, filter, box);
+      if (use <= worst) continue;
+      broken = true;
+      const int d = id.corner < 0 ? 0 : box.corners[static_cast<std::size_t>(id.corner)].d1;
+      double widest = narrowest;
+      for (const int k : {id.sample, id.sample - d, id.sample - 1, id.sample - 1 - d}) {
+        if (k < 1 || k > box.order) continue;
+        const double low = box.tube.low[static_cast<std::size_t>(k)], high = box.tube.high[static_cast<std::size_t>(k)];
+        // The speed before counts less: chords are exact in it.
+        const double width = (high - low) * (k == id.sample || k == id.sample - d ? 1.0 : 1e-3);
+        if (width <= widest) continue;
+        widest = width;
+        worst = use;
+        split.sample = k;
+        split.level = std::clamp(filter.cumulative(k), low + 0.2 * (high - low), high - 0.2 * (high - low));
+      }
+    }
+  }
+  if (!broken) return std::nullopt;
+  return split;  // sample 0: broken, but nothing left to split
+}
+
+Search::State Search::close(Multipliers y) {
+  Proof::Node leaf;
+  leaf.kind = Proof::Node::refuted;
+  leaf.multipliers = static_cast<int>(current_.multipliers.size());
+  current_.multipliers.push_back(std::move(y));
+  current_.tree.push_back(leaf);
+  return State::closed;
+}
+
+Search::State Search::split_sum(const Box& box, const SumBound& at, bool symmetric, int depth) {
+  if (at.sample == 0) return State::stopped;
+  Proof::Node node;
+  node.kind = Proof::Node::sum_split;
+  node.at = at.sample;
+  node.level = at.level;
+  current_.tree.push_back(node);
+  Box first = box, second = box;
+  first.path.push_back({at.sample, true, at.level});
+  second.path.push_back({at.sample, false, at.level});
+  const State state = refute_sums(std::move(first), symmetric, depth + 1);
+  return state == State::closed ? refute_sums(std::move(second), symmetric, depth + 1) : state;
+}
+
+/// A box of single delays and samples, of symmetric filters of exactly its order or of all up to it.
+Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
+  if (stop_() || depth > deepest) return State::stopped;
+  if (!model_.shrink(box)) {
+    Proof::Node node;
+    node.kind = Proof::Node::unreachable;
+    current_.tree.push_back(node);
+    return State::closed;
+  }
+  Outcome outcome = relaxation_->solve(box, symmetric);
+  if (outcome.kind == Outcome::refuted) return close(std::move(outcome.multipliers));
+  if (outcome.kind != Outcome::feasible) {
+    // The programme came to no conclusion; its parts may.
+    SumBound middle;
+    double widest = 1e-3;
+    for (int k = 1; k <= box.order; ++k) {
+      const double low = box.tube.low[static_cast<std::size_t>(k)], high = box.tube.high[static_cast<std::size_t>(k)];
+      if (high - low > widest) widest = high - low, middle = {k, true, 0.5 * (low + high)};
+    }
+    return split_sum(box, middle, symmetric, depth);
+  }
+  std::vector<int> delays;
+  for (const CornerBox& b : box.corners) delays.push_back(b.d1);
+  const auto found = [&](const Filter& filter) {
+    consider(trimmed(filter, task_.design), delays);
+    return best && best->value < target_ * (1.0 - 1e-9);
+  };
+  const auto split = widest_break(*outcome.filter, box);
+  if (!split) return found(*outcome.filter) ? State::found : State::stopped;
+  if (depth % 8 == 0) {
+    const auto repaired = relaxation_->repair(box, symmetric, *outcome.filter);
+    if (repaired && found(*repaired)) return State::found;
+  }
+  return split_sum(box, *split, symmetric, depth);
+}
+
+}  // namespace accdec::exact
