@@ -27,8 +27,8 @@ std::string settings_text(const ComparisonData& data) {
       "every row and bound, scaled to 1, within {:g}; the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only boxes, "
       "and those the suite names get the problem with positions substituted (form `reduced`, no second derivatives); all answers are judged in that form. Start 0 is a "
       "trapezoid; the others multiply its taps by random factors, the same for every solver. A time is of the solve alone, with what a first call in a process costs. Runs "
-      "that were refused, killed, crashed or used up their time are not timed again; they count as infinitely slow. Problems proved infeasible are not in the profiles: "
-      "there, the right answer is to say so.{}",
+      "that were refused, killed, crashed or used up their time are not timed again. Every run that does not reach the reference counts as infinitely slow. Problems proved "
+      "infeasible are not in the profiles: there, the right answer is to say so.{}",
       data.cases.size(), data.starts, data.solvers.size(), data.repeats, h.value("time_limit_s", 0.0), h.value("kill_after_s", 0.0), h.value("evaluation_limit", 0L),
       h.value("tolerance", 0.0), h.value("feasibility", 0.0), h.value("accuracy", 0.0), longer);
 }
