@@ -1,4 +1,5 @@
 #include <accdec/design/exact/relaxation.hpp>
+#include <accdec/design/exact/stop_handler.hpp>
 #include <accdec/machine/utilisation.hpp>
 #include <algorithm>
 #include <cmath>
@@ -16,10 +17,10 @@ constexpr std::size_t most_vibration_rows = 60;
 
 class Relaxation::Impl {
  public:
-  Impl(const LimitModel& model, int order)
+  Impl(const LimitModel& model, int order, const std::function<bool()>& stop)
       : model_(model), largest_(order), columns_(order + 2 + (model.has_sums() ? order + 1 : 0)) {
     lp_.setLogLevel(0);
-    lp_.messageHandler()->setLogLevel(0);
+    if (const StopHandler handler(stop); stop) lp_.passInEventHandler(&handler);
     lp_.setPrimalTolerance(1e-10);
     lp_.setDualTolerance(1e-9);
     lp_.scaling(0);
@@ -40,8 +41,8 @@ class Relaxation::Impl {
     prepare(box, symmetric);
     Outcome outcome = cut(box, symmetric, true);
     if (outcome.kind != Outcome::unresolved) return outcome;
-    // Rounding piles up from one warm start to the next: once more from a cold one, without the old cuts.
-    lp_.allSlackBasis(true);
+    lp_.allSlackBasis(
+        true);  // rounding piles up from one warm start to the next: once more from a cold one, without cuts
     vibration_.clear();
     prepare(box, symmetric);
     return cut(box, symmetric, true);
@@ -78,7 +79,7 @@ class Relaxation::Impl {
     for (int round = 0; round < 200; ++round) {
       ++programmes_;
       lp_.dual();
-      if (lp_.status() != 0 && lp_.status() != 1) lp_.primal();
+      if (lp_.status() != 0 && lp_.status() != 1 && lp_.status() != 5) lp_.primal();
       if (lp_.status() == 1) {
         if (!refuting) return outcome;
         const std::unique_ptr<double[]> ray(lp_.infeasibilityRay());
@@ -384,8 +385,8 @@ class Relaxation::Impl {
   long programmes_ = 0;
 };
 
-Relaxation::Relaxation(const LimitModel& model, int largest_order)
-    : impl_(std::make_unique<Impl>(model, largest_order)) {}
+Relaxation::Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop)
+    : impl_(std::make_unique<Impl>(model, largest_order, stop)) {}
 Relaxation::~Relaxation() = default;
 Outcome Relaxation::solve(const Box& box, bool symmetric) {
   return impl_->solve(box, symmetric);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <accdec/design/exact/rows.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -18,7 +19,8 @@ struct Outcome {
 class Relaxation {
  public:
   /// @param largest_order  of all boxes to come
-  Relaxation(const LimitModel& model, int largest_order);
+  /// @param stop  polled during a programme, which then ends unresolved; may be empty
+  Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop = {});
   ~Relaxation();
   /// @param symmetric  only symmetric filters of the box's order (no shorter ones)
   Outcome solve(const Box& box, bool symmetric);

@@ -54,7 +54,7 @@ Box Search::root() const {
 void Search::size_for(int order) {
   if (relaxation_ && order <= sized_ && 2 * order >= sized_) return;
   programmes_ = programmes();
-  relaxation_ = std::make_unique<Relaxation>(model_, order);
+  relaxation_ = std::make_unique<Relaxation>(model_, order, stop_);
   sized_ = order;
 }
 
