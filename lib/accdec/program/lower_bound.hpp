@@ -5,7 +5,8 @@
 
 namespace accdec {
 
-/// A time that no motion of a program undercuts, whatever plans it, s; true for time-continuous motion, so also for any sample period.
+/// A time that no time-continuous motion of a program undercuts, whatever plans it, s. Sampled motion, whose first sample already moves,
+/// may be shorter by one sample period for every section between stops.
 ///
 /// Assumed of the motion: no faster than the programmed feed, within the velocity and acceleration limits of the axes, at rest at the
 /// beginning, the end and at stops, through every other joint within its tolerance. Then
