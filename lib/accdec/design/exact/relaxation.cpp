@@ -21,8 +21,7 @@ class Relaxation::Impl {
       : model_(model), largest_(order), columns_(order + 2 + (model.has_sums() ? order + 1 : 0)) {
     lp_.setLogLevel(0);
     if (const StopHandler handler(stop); stop) lp_.passInEventHandler(&handler);
-    lp_.setPrimalTolerance(1e-10);
-    lp_.setDualTolerance(1e-9);
+    lp_.setPrimalTolerance(1e-10), lp_.setDualTolerance(1e-9);
     lp_.scaling(0);
     lp_.resize(0, columns_);
     for (int i = 0; i < columns_; ++i) {
