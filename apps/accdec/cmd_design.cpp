@@ -26,9 +26,10 @@ extern "C" void ask_to_stop(int) {
 }
 
 struct Arguments {
-  std::string task, json, method = "exact", solver;
+  std::string task, json, method, solver;
   double time_limit = 600.0;
   std::uint64_t seed = 1;
+  bool solver_given = false;
   std::vector<std::string> native;
   bool no_certificate = false;
 };
@@ -39,8 +40,18 @@ void run(const Arguments& arguments, Context& context) {
 
   DesignOptions options;
   // Naming a solver is asking for it.
-  options.method = arguments.method == "nlp" || !arguments.solver.empty() ? Method::nlp : Method::exact;
-  if (!arguments.solver.empty()) options.solver = arguments.solver;
+  if (arguments.solver_given && arguments.method == "exact") {
+    throw std::invalid_argument("--method exact and --solver exclude each other: a solver is used by --method nlp");
+  }
+  options.method = arguments.method == "nlp" || arguments.solver_given ? Method::nlp : Method::exact;
+  if (arguments.solver_given) options.solver = arguments.solver;
+  if (!arguments.native.empty() && (options.method == Method::exact || task.filter)) {
+    throw std::invalid_argument(task.filter ? "--option: the filter is given, so its delays are enumerated and no solver is used"
+                                            : "--option NAME=VALUE goes with --solver: the exact method takes none");
+  }
+  if (task.filter && arguments.solver_given && !context.quiet) {
+    fmt::print(stderr, "the filter is given: its delays are enumerated, {} is not used\n", options.solver);
+  }
   options.time_limit = arguments.time_limit;
   options.solver_options.seed = arguments.seed;
   options.certificate = !arguments.no_certificate;
@@ -69,7 +80,7 @@ void add_design(CLI::App& app, Context& context) {
       app.add_subcommand("design", "Choose the filter, its order and the delays that a task leaves open");
   command->add_option("task", arguments->task, "Task file")->required()->type_name("TASK.toml");
   add_json_option(*command, arguments->json);
-  command->add_option("--method", arguments->method, "exact: proved shortest (default); nlp: by a nonlinear solver")
+  command->add_option("--method", arguments->method, "exact: proved shortest (default); nlp: by a nonlinear solver (ipopt unless --solver names one)")
       ->check(CLI::IsMember({"exact", "nlp"}));
   command->add_option("--solver", arguments->solver,
                       "nonlinear solver to use (see `accdec solvers`); implies --method nlp");
@@ -82,11 +93,15 @@ void add_design(CLI::App& app, Context& context) {
   command->add_option("--seed", arguments->seed, "seed of solvers that draw random numbers")
       ->check([](const std::string& text) {
         const bool whole = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-        return whole ? std::string() : "must be a whole number >= 0, got " + text;
+        // 19 digits always fit 64 bits.
+        return whole && text.size() <= 19 ? std::string() : "must be a whole number from 0 to 10^19 - 1, got " + text;
       });
   command->add_option("--option", arguments->native, "the solver's own option, NAME=VALUE; may be repeated");
   command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
-  command->callback([arguments, &context] { run(*arguments, context); });
+  command->callback([arguments, command, &context] {
+    arguments->solver_given = command->count("--solver") > 0;
+    run(*arguments, context);
+  });
 }
 
 }  // namespace accdec::cli

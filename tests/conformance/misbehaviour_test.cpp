@@ -232,7 +232,7 @@ TEST(NloptMisbehaviour, CobylaLoopsWithoutEvaluating) {
   options.time_limit = 0.5;
   const Result result = find_solver("nlopt-cobyla").solve(problem, start, options);
   EXPECT_EQ(result.claim, Claim::time_limit);
-  EXPECT_NE(result.message.find("looped without evaluating"), std::string::npos) << result.message;
+  EXPECT_NE(result.message.find("had to be ended"), std::string::npos) << result.message;
   EXPECT_EQ(result.x.size(), start.size());
 }
 

@@ -78,17 +78,25 @@ DesignResult exact_then_local(const Task& task, const DesignOptions& options) {
   return combine(nlp, exact);
 }
 
-/// A local solver cannot prove that there is no design; the exact method may.
+/// A local solver cannot prove that there is no design; the exact method may, and a fifth of the time is kept for it.
 DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   const auto began = std::chrono::steady_clock::now();
-  DesignResult nlp = design_nlp(task, options);
+  DesignOptions most = options;
+  most.time_limit *= 0.8;
+  DesignResult nlp = design_nlp(task, most);
   const bool cancelled = options.cancel != nullptr && options.cancel->load();
   if (has_design(nlp) || cancelled) return nlp;
   ExactOptions exact = exact_options(options);
   exact.time_limit -= std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   if (exact.time_limit <= 0.0) return nlp;
   const DesignResult proof = design_exact(task, exact);
-  return proof.status == Status::infeasible ? proof : nlp;
+  if (proof.status == Status::infeasible) return proof;
+  if (has_design(proof)) {
+    // Whatever limits the local search blamed, they are not in conflict.
+    nlp.message = fmt::format("{} found no design{}; there is one: the exact method has {:g} ms", options.solver,
+                              nlp.solver.claimed.empty() ? "" : fmt::format(" (last claim: {})", nlp.solver.claimed), 1e3 * proof.cycle_time);
+  }
+  return nlp;
 }
 
 }  // namespace

@@ -12,8 +12,13 @@
 namespace accdec {
 namespace {
 
-bool held(const solvers::Result& result) {
-  return result.verification.verdict == solvers::Verdict::optimal || result.verification.verdict == solvers::Verdict::feasible;
+/// A point that holds all rows, by the verifier; the start handed back by a solver that did nothing is none of its own.
+bool held(const solvers::Result& result, const std::vector<double>& start) {
+  using solvers::Claim;
+  using solvers::Verdict;
+  if (result.verification.verdict == Verdict::optimal) return true;
+  const bool claimed = result.claim == Claim::solved || result.claim == Claim::acceptable;
+  return result.verification.verdict == Verdict::feasible && (claimed || result.x != start);
 }
 
 /// A filter to start from: the trapezoid of this order, with a third of it for each ramp.
@@ -111,12 +116,15 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
   bool consistent = true, parted = false;
   Filter start = guess(order);
   std::vector<double> delays = guess_delays(start);
-  for (int pass = 0; pass < 6 && !stopped(); ++pass) {
+  for (int pass = 0; pass < 8 && !stopped(); ++pass) {
     // Once the legs part, a blend is a stop and a start: the loosest its limits get.
     const std::vector<int> blend = parted ? rounded_up(std::vector<double>(delays.size(), order + 1.0), order) : rounded_up(delays, order);
     const DelayProblem problem(task_, formulation(order, blend));
-    const solvers::Result result = solve(problem, problem.start_from(start, delays));
-    if (!held(result)) {
+    const std::vector<double> from = problem.start_from(start, delays);
+    const solvers::Result result = solve(problem, from);
+    if (!held(result, from)) {
+      // Delays that the errors alone need, found with parted legs, were a try.
+      if (best && best->parted) return best;
       if (!coupled_ || parted) return std::nullopt;
       parted = true;
       continue;
@@ -128,15 +136,17 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
     start = *found.filter;
     delays = found.delays;
     const std::vector<int> next = rounded_up(delays, order);
-    const bool moved = coupled_ && !parted && next != blend;
+    const bool moved = coupled_ && next != blend;
     // A step of one between passes is rounding; more means that the smallest speed holds at one delay and the error at another.
     consistent = true;
     for (std::size_t j = 0; j < next.size(); ++j) {
       consistent = consistent && (task_.corners[j].speed_min <= 0.0 || std::abs(next[j] - blend[j]) <= 1);
     }
+    if (best && best->parted && parted) break;  // parted a second time: overlaps come and go
     best = std::move(found);
     const bool refined = refine_bands(start);
     if (!refined && !moved) break;
+    parted = false;
   }
   if (!consistent) best.reset();
   return best;
@@ -148,8 +158,9 @@ std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::v
   std::optional<Filter> found;
   for (int pass = 0; pass < 6 && !stopped(); ++pass) {
     const MarginProblem problem(task_, formulation(order, delays), samples);
-    const solvers::Result result = solve(problem, problem.start_from(from));
-    if (!held(result)) return std::nullopt;
+    const std::vector<double> point = problem.start_from(from);
+    const solvers::Result result = solve(problem, point);
+    if (!held(result, point)) return std::nullopt;
     from = filter_from(result.x, order);
     found = from;
     bool again = refine_bands(from);

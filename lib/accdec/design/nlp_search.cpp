@@ -155,14 +155,13 @@ class Search {
       samples.push_back(r->instants[j] < 0.0 ? (order + delays[j]) / 2 : static_cast<int>(std::lround(t - 0.5)));
     }
     const auto part = [&] { delays = at_.rounded_up(std::vector<double>(delays.size(), order + 1.0), order); };
-    if (r->parted) part();
     bool ok = attempt(order, delays, samples, *r->filter);
     // Repair: lengthen the delay of the corner with the largest error use, until all hold or the legs part.
     for (int tries = 0; !ok && tries < 12 && !at_.stopped(); ++tries) {
       if (!lengthen(delays, order)) break;
       ok = attempt(order, delays, samples, *r->filter);
     }
-    if (!ok && !r->parted && !at_.stopped()) {
+    if (!ok && !at_.stopped()) {
       part();
       ok = attempt(order, delays, samples, *r->filter);
     }
@@ -239,12 +238,18 @@ class Search {
   /// Why there is no design, as far as a local solver can tell: the limits without any one of which it finds one.
   std::string no_design() const {
     std::string message = fmt::format("{} found no design up to order {}", options_.solver, task_.design.order_max);
-    DesignOptions quiet = options_;
-    quiet.progress = nullptr;
-    quiet.time_limit = std::max(0.1, options_.time_limit - at_.elapsed());
-    const auto has_design = [&](const Task& task) { return Search(task, quiet).has_relaxed_design(); };
+    // Asking which limits are in each other's way takes many small searches: they share what is left of the time.
+    bool in_time = true;
+    const auto has_design = [&](const Task& task) {
+      DesignOptions quiet = options_;
+      quiet.progress = nullptr;
+      quiet.time_limit = options_.time_limit - at_.elapsed();
+      in_time = in_time && quiet.time_limit > 0.0;
+      return in_time && Search(task, quiet).has_relaxed_design();
+    };
     const std::vector<std::string> conflict = limits_in_conflict(task_, has_design);
-    if (!conflict.empty()) message += fmt::format("; limits in conflict (by local search, not proved): {}", fmt::join(conflict, ", "));
+    in_time = in_time && at_.elapsed() < options_.time_limit;
+    if (in_time && !conflict.empty()) message += fmt::format("; limits in conflict (by local search, not proved): {}", fmt::join(conflict, ", "));
     const std::string& last = last_message_.empty() ? at_.last_message() : last_message_;
     if (!last.empty()) message += "; last: " + last;
     return message;

@@ -147,7 +147,8 @@ class NloptSolver final : public Solver {
       nlopt_srand(static_cast<unsigned long>(options.seed));
       code = nlopt_optimize(opt.get(), x.data(), &result.claimed_objective);
     };
-    if (code >= 0 && algorithm_.method == NLOPT_LN_COBYLA) {
+    // COBYLA may loop for ever, SLSQP's dense subproblems take seconds at a thousand variables and more.
+    if (code >= 0 && (algorithm_.method == NLOPT_LN_COBYLA || algorithm_.method == NLOPT_LD_SLSQP)) {
       WatchedCall watched;
       callbacks.report_to(&watched);
       if (!watched.run(optimize, options.time_limit, options.cancel)) return abandoned(evaluator, options, std::move(result));
@@ -178,7 +179,7 @@ class NloptSolver final : public Solver {
   static Result abandoned(const nlp::Evaluator& evaluator, const Options& options, Result result) {
     const bool cancelled = options.cancel != nullptr && options.cancel->load();
     result.claim = cancelled ? Claim::cancelled : Claim::time_limit;
-    result.message = "NLopt: looped without evaluating and had to be ended";
+    result.message = "NLopt: computed on without evaluating and had to be ended";
     result.counts = evaluator.counts();
     if (!evaluator.best_feasible().empty()) result.x = evaluator.best_feasible();
     return result;
