@@ -91,12 +91,28 @@ TEST(Exact, ToleranceZeroGivesTheExactStop) {
   EXPECT_EQ(result.corners[0].corner_error, 0.0);
 }
 
+// Five taps J (1, 2, 3, 2, 1) of sum 1 are the only filter of order 4 under the jerk J v/T^2. One axis that leg 1 stops and leg 2 starts again in
+// the same direction sees the last step of the one and the first of the other at the same sample up to d = N + 1, together 1.5 J: the
+// legs must be N + 2 apart.
+TEST(Exact, JerkAcrossAnExactStopAsksForOneMoreSample) {
+  Axis axis;
+  axis.jerk_max = 0.1 / 9.0 / 1e-6 * (1.0 + 1e-8);
+  Task task = plane_task(axis, plane_corner("A", 120, 0, 0.1, 0.1), 0.0);
+  task.design.order_max = 4;
+  const DesignResult result = design_exact(task);
+  expect_proved(task, result);
+  ASSERT_TRUE(result.filter);
+  EXPECT_EQ(result.filter->order(), 4);
+  EXPECT_EQ(result.corners[0].delay, 6);
+  for (const int d : {4, 5}) EXPECT_FALSE(verify_by_simulation(task, *result.filter, {d}).feasible) << d;
+}
+
 /// Every order, delay and sample by a linear programme of its own, without boxes, targets, monotony or proofs.
 double brute_force(const Task& task) {
   const exact::LimitModel model(task);
   double best = std::numeric_limits<double>::infinity();
   for (int n = task.design.order_min; n <= task.design.order_max; ++n) {
-    for (int d = task.corners[0].delay.value_or(0); d <= task.corners[0].delay.value_or(n + 1); ++d) {
+    for (int d = task.corners[0].delay.value_or(0); d <= task.corners[0].delay.value_or(n + 2); ++d) {
       if (n + d + 1 >= best) break;
       for (int k = 0; k <= n + d + 1; ++k) {
         exact::Relaxation relaxation(model, n);

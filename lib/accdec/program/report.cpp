@@ -154,7 +154,7 @@ std::string program_summary(const ProgramResult& result) {
   if (!result.legs.single()) row("one filter for all legs", result.cycle_time_one_filter);
   row("exact stop at every corner", result.cycle_time_exact_stop);
   row("no delay at any corner", result.cycle_time_no_delay);
-  row("lower bound for any motion", result.lower_bound);
+  row("bound, continuous motion", result.lower_bound);
   fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n", result.worst_error * 1e6,
                  100.0 * result.worst_utilisation, result.worst_line);
   if (plan.raised > 0) {

@@ -28,9 +28,9 @@ class Checker {
   std::size_t run() {
     CheckedBox root;
     for (const TaskCorner& c : task_.corners) {
-      const int last = task_.design.order_max + 1;
-      const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(last);
-      root.corners.push_back({d1, d2, 0, d2 + last});
+      // Nothing changes from d = N + 2 on, nor from k = N + d + 1 on.
+      const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2);
+      root.corners.push_back({d1, d2, 0, d2 + task_.design.order_max + 1});
     }
     node(root, 0);
     if (next_ != tree_.size()) throw Rejected("the tree goes on after its end");

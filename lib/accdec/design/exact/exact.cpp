@@ -67,7 +67,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
   double low = weights * (std::max(task.design.order_min, 0) + 1) + fixed;  // proved by nothing but the task's bounds
   double high = search.best ? search.best->value : infinity;  // the shortest known to hold the convex limits
   double trial = std::max(low, weights * (least + 1) + fixed);
-  const double longest = weights * (2.0 * task.design.order_max + 2.0) + fixed;
+  const double longest = weights * (2.0 * task.design.order_max + 3.0) + fixed;
   bool proved = false, infeasible = false;
   const auto tell = [&] {
     if (!options.progress) return;

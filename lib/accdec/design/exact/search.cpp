@@ -42,9 +42,9 @@ Box Search::root() const {
   box.order = task_.design.order_max;
   for (const TaskCorner& corner : task_.corners) {
     CornerBox b;
-    // From d = N + 1 on the legs are apart and nothing changes.
+    // From d = N + 1 on the legs are apart; the last step of one acceleration and the first of the other part at N + 2.
     b.d1 = corner.delay.value_or(0);
-    b.d2 = corner.delay.value_or(task_.design.order_max + 1);
+    b.d2 = corner.delay.value_or(task_.design.order_max + 2);
     b.k2 = b.d2 + task_.design.order_max + 1;
     box.corners.push_back(b);
   }
@@ -86,7 +86,7 @@ int Search::smallest_order() {
     box.order = order;
     for (std::size_t j = 0; j < box.corners.size(); ++j) {
       CornerBox& b = box.corners[j];
-      if (!task_.corners[j].delay) b.d1 = 0, b.d2 = std::max(order, most) + 1;
+      if (!task_.corners[j].delay) b.d1 = 0, b.d2 = std::max(order, most) + 2;
       b.k1 = 0, b.k2 = b.d2 + order + 1;
     }
     if (!model_.convex() && !model_.shrink(box)) return false;
