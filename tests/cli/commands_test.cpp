@@ -53,6 +53,17 @@ TEST(Cli, EverySubcommandHasHelp) {
   }
 }
 
+// False claims that a checker once accepted: an order that depended on how samples were split, a range of delays one short, and a tolerance of
+// zero taken for half of what the simulation takes for zero.
+TEST(Cli, VerifyRejectsForgedProofs) {
+  const std::string forged = ACCDEC_SOURCE_DIR "/tests/cli/forged/";
+  for (const char* name : {"symmetric-cover.json", "delay-range.json", "zero-tolerance.json"}) {
+    const Outcome outcome = run({"verify", forged + name});
+    EXPECT_EQ(outcome.code, 1) << name;
+    EXPECT_THAT(outcome.out, HasSubstr("the certificate does not hold")) << name;
+  }
+}
+
 TEST(Cli, BadUsageIsExitCodeTwo) {
   for (const std::vector<std::string>& arguments :
        std::vector<std::vector<std::string>>{{},

@@ -61,6 +61,10 @@ void compare_numbers(const DesignResult& recorded, const DesignResult& found, st
   Comparison compare(reasons);
   compare.number("cycle_time_s", recorded.cycle_time, found.cycle_time, 0.0);
   if (recorded.verification.feasible != found.verification.feasible) reasons.push_back("verification.feasible is recorded wrongly");
+  compare.number("verification.tolerance", recorded.verification.tolerance, found.verification.tolerance, 0.0);
+  if (recorded.verification.worst != found.verification.worst) {
+    reasons.push_back(fmt::format("verification.worst is recorded as \"{}\", found: {}", recorded.verification.worst, found.verification.worst));
+  }
   compare.number("verification.max_violation", recorded.verification.max_violation, found.verification.max_violation, 1e-12);
   for (std::size_t j = 0; j < found.corners.size(); ++j) {
     const CornerResult &a = recorded.corners[j], &b = found.corners[j];
@@ -88,6 +92,7 @@ void compare_numbers(const DesignResult& recorded, const DesignResult& found, st
     if (a.sample != b.sample || a.event != b.event) {
       reasons.push_back(fmt::format("limits[{}] is recorded at k = {} of the {}, found: {}", i, a.sample, to_string(a.event), describe(b)));
     }
+    compare.number("frequency of " + describe(b), a.frequency, b.frequency, 1e-6 * std::max(1.0, b.frequency));
     compare.number("utilisation of " + describe(b), a.utilisation, b.utilisation,
                    b.bound > 0.0 ? floor / b.bound : 0.0);
   }

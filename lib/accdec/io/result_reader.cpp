@@ -1,3 +1,5 @@
+#include <optional>
+
 #include <fmt/format.h>
 
 #include <accdec/io/json_position.hpp>
@@ -261,6 +263,27 @@ std::string readable(const std::string& pointer) {
   return text.empty() ? "the result" : text;
 }
 
+/// Where brackets nest deeper than any result's; the JSON library recurses when it writes and frees, and would overflow the stack.
+std::optional<std::size_t> too_deep(std::string_view text) {
+  constexpr int deepest = 64;
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      if (c == '\\') ++i;
+      quoted = c != '"';
+    } else if (c == '"') {
+      quoted = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > deepest) return i;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 DesignResult parse_result(std::string_view text, const std::string& name) {
@@ -270,6 +293,10 @@ DesignResult parse_result(std::string_view text, const std::string& name) {
     const auto [line, column] = line_and_column(text, locate(text, pointer));
     return InputError(name, line, column, fmt::format("{}: {}", readable(pointer), message), pointer);
   };
+  if (const auto at = too_deep(text)) {
+    const auto [line, column] = line_and_column(text, *at);
+    throw InputError(name, line, column, "brackets nest more than 64 deep; no result does");
+  }
   Json json;
   try {
     json = Json::parse(text.begin(), text.end());

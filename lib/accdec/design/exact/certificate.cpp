@@ -87,16 +87,25 @@ class Checker {
     } else if (entry.is_array() && entry.size() == 3 && entry[1].is_string()) {
       split(entry, whole, depth);
     } else if (entry.is_array() && entry.size() == 2 && task_.design.symmetric) {
+      require_one_delay(box);
       for (const json& index : entry) {
         if (box.order >= least_order()) leaf(index.get<int>(), box, true);
         --box.order;
       }
     } else if (entry.is_array() && entry.size() == 1 && entry[0] == "symmetric" && task_.design.symmetric) {
+      require_one_delay(box);
       exact_order(box, depth + 1);
       if (--box.order >= least_order()) exact_order(box, depth + 1);
     } else {
       throw Rejected("an entry of the tree is none of the known kinds");
     }
+  }
+
+  /// A shorter symmetric filter becomes one of the box's order, or of one less, by as many zeros at either end, which moves its sample k. That
+  /// order must then not depend on how k was split: it comes from the delays, so they must be down to one each.
+  static void require_one_delay(const CheckedBox& box) {
+    const bool one = std::all_of(box.corners.begin(), box.corners.end(), [](const CheckedRange& r) { return r.d1 == r.d2; });
+    if (!one) throw Rejected(fmt::format("{} refutes symmetric filters of one order for several delays at once", describe(box)));
   }
 
   /// Symmetric filters of exactly the box's order.
@@ -239,8 +248,8 @@ CheckReport check_certificate(const Task& task, const DesignResult& result) {
     }
     const std::size_t leaves = Checker(task, certificate, target).run();
     return {true, std::isinf(target) ? fmt::format("{} parts refuted: nothing holds all limits", leaves)
-                                     : fmt::format("{} parts refuted: nothing is shorter than {:.9g} s", leaves,
-                                                   target * task.sample_period)};
+                                     : fmt::format("{} parts refuted: under the limits as written nothing is shorter than {:.9g} s",
+                                                   leaves, target * task.sample_period)};
   } catch (const Rejected& e) {
     return {false, e.what()};
   } catch (const json::exception& e) {

@@ -130,7 +130,7 @@ void CheckedRows::add_error(const json& row, const Interval& weight, const Check
   const int n = sum.order(), m = r.k1 - r.d2;
   for (int i = std::max(0, r.k2 + 1); i <= n; ++i) sum.tap(i, p * static_cast<double>(i - r.k2));
   for (int i = 0; i <= std::min(n, m - 1); ++i) sum.tap(i, q * static_cast<double>(m - i));
-  const Interval error(std::max(*c.error_max, 0.5 * position_floor));
+  const Interval error(std::max(*c.error_max, position_floor));
   sum.rhs = sum.rhs + weight * error / (period() * Interval(fastest));
 }
 

@@ -45,8 +45,8 @@ LimitModel::LimitModel(const Task& task) : task_(task), jerk_max_(infinity) {
 
 double LimitModel::error_bound(std::size_t corner) const {
   const TaskCorner& c = task_.corners[corner];
-  // Half of what simulation takes for zero, so that its own rounding does not matter.
-  return std::max(*c.error_max, 0.5 * position_floor) / (task_.sample_period * std::max(c.feed_in, c.feed_out));
+  // A little less than what simulation takes for zero, so that its own rounding does not matter.
+  return std::max(*c.error_max, 0.999 * position_floor) / (task_.sample_period * std::max(c.feed_in, c.feed_out));
 }
 
 double LimitModel::theta(std::size_t corner) const {
