@@ -263,7 +263,7 @@ std::string readable(const std::string& pointer) {
   return text.empty() ? "the result" : text;
 }
 
-/// Where brackets nest deeper than any result's; the JSON library recurses when it writes and frees, and would overflow the stack.
+/// Where brackets nest deeper than any result's; the JSON library recurses when it writes, and would overflow the stack.
 std::optional<std::size_t> too_deep(std::string_view text) {
   constexpr int deepest = 64;
   int depth = 0;
@@ -293,10 +293,6 @@ DesignResult parse_result(std::string_view text, const std::string& name) {
     const auto [line, column] = line_and_column(text, locate(text, pointer));
     return InputError(name, line, column, fmt::format("{}: {}", readable(pointer), message), pointer);
   };
-  if (const auto at = too_deep(text)) {
-    const auto [line, column] = line_and_column(text, *at);
-    throw InputError(name, line, column, "brackets nest more than 64 deep; no result does");
-  }
   Json json;
   try {
     json = Json::parse(text.begin(), text.end());
@@ -309,6 +305,10 @@ DesignResult parse_result(std::string_view text, const std::string& name) {
   } catch (const Json::out_of_range& error) {
     throw InputError(name, 1, 1,
                      fmt::format("a number is beyond double precision ({}); all must be finite", error.what()));
+  }
+  if (const auto at = too_deep(text)) {
+    const auto [line, column] = line_and_column(text, *at);
+    throw InputError(name, line, column, "brackets nest more than 64 deep; no result does");
   }
   try {
     return read_members(Value(json, ""), name);
