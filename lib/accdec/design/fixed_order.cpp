@@ -12,13 +12,16 @@
 namespace accdec {
 namespace {
 
-/// A point that holds all rows, by the verifier; the start handed back by a solver that did nothing is none of its own.
-bool held(const solvers::Result& result, const std::vector<double>& start) {
-  using solvers::Claim;
-  using solvers::Verdict;
-  if (result.verification.verdict == Verdict::optimal) return true;
-  const bool claimed = result.claim == Claim::solved || result.claim == Claim::acceptable;
-  return result.verification.verdict == Verdict::feasible && (claimed || result.x != start);
+/// A point that holds all rows, by the verifier.
+bool held(const solvers::Result& result) {
+  return result.verification.verdict == solvers::Verdict::optimal || result.verification.verdict == solvers::Verdict::feasible;
+}
+
+/// The same, and of the solver's own making: the start handed back by one that did nothing is no design of its.
+bool own(const solvers::Result& result, const std::vector<double>& start) {
+  if (result.verification.verdict == solvers::Verdict::optimal) return true;
+  const bool claimed = result.claim == solvers::Claim::solved || result.claim == solvers::Claim::acceptable;
+  return held(result) && (claimed || result.x != start);
 }
 
 /// A filter to start from: the trapezoid of this order, with a third of it for each ramp.
@@ -65,7 +68,7 @@ std::vector<double> FixedOrderDesigner::guess_delays(const Filter& filter) const
 
 std::vector<int> FixedOrderDesigner::rounded_up(const std::vector<double>& delays, int order) const {
   std::vector<int> integers;
-  for (const double d : delays) integers.push_back(std::clamp(static_cast<int>(std::ceil(d - 1e-3)), 0, order + 2));
+  for (const double d : delays) integers.push_back(std::clamp(static_cast<int>(std::ceil(d - 1e-3)), 0, order + 1));
   for (std::size_t j = 0; j < delays.size(); ++j) {
     if (task_.corners[j].delay) integers[j] = *task_.corners[j].delay;
   }
@@ -118,23 +121,23 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
   std::vector<double> delays = guess_delays(start);
   for (int pass = 0; pass < 8 && !stopped(); ++pass) {
     // Once the legs part, a blend is a stop and a start: the loosest its limits get.
-    const std::vector<int> blend = parted ? rounded_up(std::vector<double>(delays.size(), order + 2.0), order) : rounded_up(delays, order);
+    const std::vector<int> blend = parted ? rounded_up(std::vector<double>(delays.size(), order + 1.0), order) : rounded_up(delays, order);
     const DelayProblem problem(task_, formulation(order, blend));
-    const std::vector<double> from = problem.start_from(start, delays);
-    const solvers::Result result = solve(problem, from);
-    if (!held(result, from)) {
-      // Delays that the errors alone need, found with parted legs, were a try.
-      if (best && best->parted) return best;
+    const solvers::Result result = solve(problem, problem.start_from(start, delays));
+    // A relaxation only guides the search: there a start that holds is as good as any.
+    if (!held(result)) {
+      // Delays that the errors alone need, found with parted legs, were a try; and what held before guides the search even so.
+      if (best && (best->parted || parted)) break;
       if (!coupled_ || parted) return std::nullopt;
       parted = true;
       continue;
     }
-    Relaxed found{weight_ * (order + 1.0), problem.delays(result.x), problem.instants(result.x), filter_from(result.x, order), parted};
+    Relaxed next_relaxed{weight_ * (order + 1.0), problem.delays(result.x), problem.instants(result.x), filter_from(result.x, order), parted};
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
-      found.cost += task_.corners[j].weight * (parted ? blend[j] : found.delays[j]);
+      next_relaxed.cost += task_.corners[j].weight * (parted ? blend[j] : next_relaxed.delays[j]);
     }
-    start = *found.filter;
-    delays = found.delays;
+    start = *next_relaxed.filter;
+    delays = next_relaxed.delays;
     const std::vector<int> next = rounded_up(delays, order);
     const bool moved = coupled_ && next != blend;
     // A step of one between passes is rounding; more means that the smallest speed holds at one delay and the error at another.
@@ -143,7 +146,7 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
       consistent = consistent && (task_.corners[j].speed_min <= 0.0 || std::abs(next[j] - blend[j]) <= 1);
     }
     if (best && best->parted && parted) break;  // parted a second time: overlaps come and go
-    best = std::move(found);
+    best = std::move(next_relaxed);
     const bool refined = refine_bands(start);
     if (!refined && !moved) break;
     parted = false;
@@ -160,7 +163,7 @@ std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::v
     const MarginProblem problem(task_, formulation(order, delays), samples);
     const std::vector<double> point = problem.start_from(from);
     const solvers::Result result = solve(problem, point);
-    if (!held(result, point)) return std::nullopt;
+    if (!own(result, point)) return std::nullopt;
     from = filter_from(result.x, order);
     found = from;
     bool again = refine_bands(from);

@@ -22,7 +22,7 @@ class FixedOrderDesigner {
     double cost = 0.0;                      ///< weighted sum of N + 1 + d_j, samples
     std::vector<double> delays, instants;   ///< per corner; instant -1 without an error bound
     std::optional<Filter> filter;
-    /// Limits on the blend held only at parted legs: `cost` then counts delays of N + 2, `delays` are what the errors alone need.
+    /// Limits on the blend held only at parted legs: `cost` then counts delays of N + 1, `delays` are what the errors alone need.
     bool parted = false;
   };
 
@@ -35,7 +35,7 @@ class FixedOrderDesigner {
   std::optional<Filter> largest_margin(int order, const std::vector<int>& delays, const Filter& start, std::vector<int> samples);
 
   std::vector<double> guess_delays(const Filter& filter) const;
-  /// Continuous delays rounded up to integers in 0 .. N + 2; given delays are kept.
+  /// Continuous delays rounded up to integers in 0 .. N + 1; given delays are kept.
   std::vector<int> rounded_up(const std::vector<double>& delays, int order) const;
 
   bool stopped() const { return elapsed() > options_.time_limit || (options_.cancel != nullptr && options_.cancel->load()); }
