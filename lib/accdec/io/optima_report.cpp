@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/io/figure.hpp>
+#include <accdec/io/html.hpp>
 #include <accdec/io/report.hpp>
 
 namespace accdec {
@@ -64,18 +65,20 @@ std::string markdown(const std::vector<Optimum>& optima) {
 }
 
 std::string csv(const std::vector<Optimum>& optima) {
-  std::string text = "task,status,order,delays,cycle_time_ms,lower_bound_ms,linear_programmes,time_s,check_time_s,certificate_bytes,proof";
-  for (const Shape shape : standard_shapes) text += fmt::format(",{}_ms", to_string(shape));
-  text += ",saving\n";
+  Cells head{"task",     "status",            "order",  "delays",       "cycle_time_ms",     "lower_bound_ms",
+             "linear_programmes", "time_s", "check_time_s", "certificate_bytes", "proof"};
+  for (const Shape shape : standard_shapes) head.push_back(fmt::format("{}_ms", to_string(shape)));
+  head.push_back("saving");
+  std::vector<Cells> rows;
   for (const Optimum& o : optima) {
     Cells cells = cells_of(o);
     std::replace(cells.begin(), cells.end(), std::string("-"), std::string());
     cells[7] = fmt::format("{:.4g}", o.design.solver.wall_time);
     cells.insert(cells.begin() + 8, {fmt::format("{:.4g}", o.check_time), std::to_string(o.certificate_bytes)});
     cells.back() = o.saving() ? fmt::format("{:.6f}", *o.saving()) : "";
-    text += fmt::format("{}\n", fmt::join(cells, ","));
+    rows.push_back(std::move(cells));
   }
-  return text;
+  return csv_table(head, rows);
 }
 
 Figure shapes_figure(const std::vector<Optimum>& optima) {
