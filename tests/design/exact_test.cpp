@@ -209,6 +209,57 @@ TEST(Exact, TwoCornersAgreeWithBruteForce) {
   EXPECT_GT(found, 3);
 }
 
+// The programme holds a residual of half a percent to 1e-10, which is more of it than the verifier grants: its design
+// has to be asked for once more, with a margin.
+TEST(Exact, DesignsThatRoundingKeepsFromVerifyingAreAskedForWithAMargin) {
+  Axis axis;
+  axis.acceleration_max = 8.0;
+  axis.jerk_max = 1000.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 100e-6);
+  for (const double residual : {0.005, 0.002}) {
+    task.machine.modes = {{38.0, 46.0, residual}};
+    expect_proved(task, design_exact(task));
+  }
+}
+
+TEST(Exact, AMarginIsHeld) {
+  Axis axis;
+  axis.acceleration_max = 8.0;
+  axis.jerk_max = 1000.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 100e-6);
+  task.machine.modes = {{38.0, 46.0, 0.05}};
+  const DesignResult shortest = design_exact(task);
+  ASSERT_TRUE(shortest.filter);
+  const exact::LimitModel model(task);
+  exact::Box box;
+  box.order = shortest.filter->order() + 8;
+  const int d = shortest.corners[0].delay + 2, middle = (box.order + d + 1) / 2;
+  box.corners = {{d, d, middle, middle}};
+  const exact::Outcome outcome = exact::Relaxation(model, box.order, {}, 1e-3).solve(box, false);
+  ASSERT_EQ(outcome.kind, exact::Outcome::feasible);
+  EXPECT_EQ(verify_by_simulation(task, *outcome.filter, {d}).max_violation, 0.0);
+  Task tighter = task;
+  for (Axis& a : tighter.machine.axes) a.acceleration_max *= 1.0 - 1e-3, a.jerk_max *= 1.0 - 1e-3;
+  tighter.machine.modes[0].residual_max *= 1.0 - 1e-3;
+  *tighter.corners[0].error_max *= 1.0 - 1e-3;
+  EXPECT_TRUE(verify_by_simulation(tighter, *outcome.filter, {d}).feasible);
+}
+
+// Programmes among those of these tasks that Clp knows to be infeasible without giving a ray.
+TEST(Exact, RefutesWithoutARay) {
+  struct Case {
+    double angle, tolerance, jerk;
+  };
+  for (const Case& c : {Case{60.0, 107.72173450159416e-6, 878.7639344404102}, Case{60.0, 500e-6, 154.4452104946379},
+                        Case{120.0, 179.69068319023137e-6, 100.0}}) {
+    Axis axis;
+    axis.acceleration_max = 6.0;
+    axis.jerk_max = c.jerk;
+    const Task task = plane_task(axis, plane_corner("A", c.angle, 0, 0.1, 0.1), c.tolerance);
+    expect_proved(task, design_exact(task));
+  }
+}
+
 TEST(Exact, InfeasibleNamesTheConflict) {
   Axis axis;
   axis.acceleration_max = 6.0;

@@ -1,49 +1,21 @@
+#include <accdec/design/exact/programme.hpp>
 #include <accdec/design/exact/relaxation.hpp>
-#include <accdec/design/exact/stop_handler.hpp>
-#include <accdec/machine/utilisation.hpp>
 #include <algorithm>
-#include <cmath>
-#include <coin/ClpSimplex.hpp>
-#include <map>
-#include <numbers>
+#include <memory>
 
 namespace accdec::exact {
-namespace {
-/// Limits are met to within this in the programme, well inside the verifier's 1e-9, so that a limit used to its very
-/// last bit does not fall between a solution that verifies and a refutation.
-constexpr double slack = 3e-10;
-constexpr std::size_t most_vibration_rows = 60;
-}  // namespace
 
 class Relaxation::Impl {
  public:
-  Impl(const LimitModel& model, int order, const std::function<bool()>& stop)
-      : model_(model), largest_(order), columns_(order + 2 + (model.has_sums() ? order + 1 : 0)) {
-    lp_.setLogLevel(0);
-    if (const StopHandler handler(stop); stop) lp_.passInEventHandler(&handler);
-    lp_.setPrimalTolerance(1e-10), lp_.setDualTolerance(1e-9);
-    lp_.scaling(0);
-    lp_.resize(0, columns_);
-    for (int i = 0; i < columns_; ++i) {
-      lp_.setColumnBounds(i, 0.0, i <= order ? model.tap_max() * (1.0 + slack) : 1.0 + slack);
-      lp_.setObjectiveCoefficient(i, 0.0);
-    }
-    lp_.setObjectiveCoefficient(excess(), 1.0);
-    for (std::size_t j = 0; j < model.corners(); ++j) {
-      if (model.cone(j)) least_ = std::max(least_, model.error_bound(j));
-    }
-    add_base_rows();
-    base_rows_ = lp_.numberRows();
-  }
+  Impl(const LimitModel& model, int order, const std::function<bool()>& stop, double margin)
+      : model_(model), programme_(model, order, stop, margin) {}
 
   Outcome solve(const Box& box, bool symmetric) {
-    prepare(box, symmetric);
+    programme_.prepare(box, symmetric);
     Outcome outcome = cut(box, symmetric, true);
     if (outcome.kind != Outcome::unresolved) return outcome;
-    lp_.allSlackBasis(
-        true);  // rounding piles up from one warm start to the next: once more from a cold one, without cuts
-    vibration_.clear();
-    prepare(box, symmetric);
+    programme_.start_cold();
+    programme_.prepare(box, symmetric);
     return cut(box, symmetric, true);
   }
 
@@ -55,11 +27,8 @@ class Relaxation::Impl {
     for (int round = 0; round < 30; ++round) {
       const double worst = model_.gather_close(at, box, close);
       if (round > 0 && before <= 1e-10 && worst <= 1.0 + 3.0 * slack) return at;
-      prepare(box, symmetric);
-      lp_.setColumnBounds(excess(), 0.0, COIN_DBL_MAX);
-      for (const RowId& id : close) {
-        if (const auto tangent = model_.tangent(id, at, box)) add_row(*tangent, model_.row(*tangent, box), false, true);
-      }
+      programme_.prepare(box, symmetric);
+      programme_.soften(close, at, box);
       const Outcome outcome = cut(box, symmetric, false);
       if (!outcome.filter) return std::nullopt;
       if (lp_.objectiveValue() > std::max(1e-10, 0.95 * before)) return std::nullopt;
@@ -69,53 +38,36 @@ class Relaxation::Impl {
     return std::nullopt;
   }
 
-  long programmes() const { return programmes_; }
+  long programmes() const { return solved_; }
 
  private:
   /// @param refuting  stop as soon as the box is refuted, else minimise the excess
   Outcome cut(const Box& box, bool symmetric, bool refuting) {
     Outcome outcome;
+    const auto refuted = [&](const double* dual, double sign) {
+      outcome.multipliers = programme_.multipliers(dual, sign, box);
+      if (!(refutation(model_, outcome.multipliers, box, symmetric ? box.order : -1) > 0.0)) return false;
+      outcome.kind = Outcome::refuted;
+      return true;
+    };
     for (int round = 0; round < 200; ++round) {
-      ++programmes_;
+      ++solved_;
       lp_.dual();
       if (lp_.status() != 0 && lp_.status() != 1 && lp_.status() != 5) lp_.primal();
       if (lp_.status() == 1) {
         if (!refuting) return outcome;
         const std::unique_ptr<double[]> ray(lp_.infeasibilityRay());
-        if (!ray) return outcome;
-        for (const double sign : {1.0, -1.0}) {
-          outcome.multipliers = multipliers(ray.get(), sign, box);
-          if (refutation(model_, outcome.multipliers, box, symmetric ? box.order : -1) > 0.0) {
-            outcome.kind = Outcome::refuted;
-            return outcome;
-          }
-        }
+        if (ray && (refuted(ray.get(), 1.0) || refuted(ray.get(), -1.0))) return outcome;
+        // Clp knows that there is no solution but not always a ray that says why.
+        if (const auto dual = programme_.least_infeasibility(); !dual.empty()) refuted(dual.data(), 1.0);
         return outcome;
       }
       if (lp_.status() != 0) return outcome;
-      if (refuting && lp_.objectiveValue() > 0.0) {
-        outcome.multipliers = multipliers(lp_.dualRowSolution(), 1.0, box);
-        if (refutation(model_, outcome.multipliers, box, symmetric ? box.order : -1) > 0.0) {
-          outcome.kind = Outcome::refuted;
-          return outcome;
-        }
-      }
-      const double* x = lp_.primalColumnSolution();
-      std::vector<double> taps(static_cast<std::size_t>(box.order) + 1);
-      for (std::size_t i = 0; i < taps.size(); ++i) taps[i] = std::max(0.0, x[i]);
-      if (symmetric) {
-        for (std::size_t i = 0; i < taps.size() / 2; ++i) {
-          taps[i] = taps[taps.size() - 1 - i] = 0.5 * (taps[i] + taps[taps.size() - 1 - i]);
-        }
-      }
-      const Filter filter(taps);
-      bool added = refuting ? cut_cones(filter, box) : cut_cones(filter, box, lp_.objectiveValue());
-      for (const RowId& id : model_.broken_blend_rows(filter, box, 2.0 * slack)) added |= add_sparse(id, box);
-      for (const RowId& id : model_.broken_chords(filter, box, 2.0 * slack)) added |= add_sparse(id, box);
-      added |= cut_vibration(filter, box);
-      if (!added) {
+      if (refuting && lp_.objectiveValue() > 0.0 && refuted(lp_.dualRowSolution(), 1.0)) return outcome;
+      Filter filter = programme_.filter(box, symmetric);
+      if (!programme_.cut(filter, box, refuting ? 0.0 : lp_.objectiveValue())) {
         outcome.multipliers.clear();
-        outcome.filter = filter;
+        outcome.filter = std::move(filter);
         outcome.kind = Outcome::feasible;
         return outcome;
       }
@@ -123,269 +75,14 @@ class Relaxation::Impl {
     return outcome;
   }
 
-  int excess() const { return largest_ + 1; }
-  int sum_column(int k) const { return largest_ + 1 + k; }  // B_k, k >= 1
-
-  void add(const std::vector<int>& columns, const std::vector<double>& values, double low, double high,
-           const RowId& id) {
-    // Clp drops entries this small by itself, and then miscounts them (an assertion in CoinPackedMatrix).
-    std::vector<int> kept;
-    std::vector<double> entries;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (std::abs(values[i]) > 1e-14) kept.push_back(columns[i]), entries.push_back(values[i]);
-    }
-    lp_.addRow(static_cast<int>(kept.size()), kept.data(), entries.data(), low, high);
-    ids_.push_back(id);
-  }
-
-  void add_base_rows() {
-    RowId none;
-    none.kind = RowKind::cone;
-    none.corner = -1;  // marks equations: they have no part in the proof
-    std::vector<int> columns;
-    std::vector<double> values;
-    for (int i = 0; i <= largest_; ++i) columns.push_back(i), values.push_back(1.0);
-    add(columns, values, 1.0, 1.0, none);
-    if (model_.has_sums()) {
-      for (int k = 1; k <= largest_ + 1; ++k) {
-        if (k == 1)
-          add({sum_column(1), 0}, {1.0, -1.0}, 0.0, 0.0, none);
-        else
-          add({sum_column(k), sum_column(k - 1), k - 1}, {1.0, -1.0, -1.0}, 0.0, 0.0, none);
-      }
-    }
-    Box all;
-    all.order = largest_;
-    all.corners.resize(model_.corners());
-    if (model_.jerk_max() < 1.0) {
-      for (int i = 0; i <= largest_ + 1; ++i) {
-        RowId id;
-        id.kind = RowKind::jerk;
-        id.sample = i;
-        add_row(id, model_.row(id, all), true);
-      }
-    }
-    for (const RowId& id : model_.base_force_rows(largest_)) add_row(id, model_.row(id, all), false);
-  }
-
-  void add_row(const RowId& id, const SparseRow& row, bool both, bool soft = false) {
-    std::vector<int> columns;
-    std::vector<double> values;
-    if (soft) columns.push_back(excess()), values.push_back(-1.0);
-    // Jerk in units of a tap, others of their bound: entries of the order of 1.
-    const double scale = id.kind == RowKind::jerk ? model_.jerk_max() : 1.0;
-    std::map<int, double> merged;
-    for (const auto& [i, c] : row.taps) merged[i] += c * scale;
-    for (const auto& [k, c] : row.sums) merged[sum_column(k)] += c * scale;
-    for (const auto& [column, value] : merged) columns.push_back(column), values.push_back(value);
-    const double bound = (1.0 + slack) * scale;
-    add(columns, values, both ? -bound : -COIN_DBL_MAX, bound - row.constant * scale, id);
-  }
-
-  bool add_sparse(const RowId& id, const Box& box) {
-    for (std::size_t r = static_cast<std::size_t>(base_rows_); r < ids_.size(); ++r) {
-      if (same_limit(ids_[r], id) && ids_[r].low == id.low && ids_[r].high == id.high) return false;
-    }
-    add_row(id, model_.row(id, box), false);
-    return true;
-  }
-
-  void add_cone(std::size_t j, double angle, const Box& box) {
-    const CornerBox& b = box.corners[j];
-    const double wp = model_.weight_in(j, angle), wq = model_.weight_out(j, angle);
-    std::vector<int> columns{excess()};
-    std::vector<double> values{-1.0};
-    for (int i = 0; i <= largest_; ++i) {
-      const double c = wp * std::max(0, i - b.k2) + wq * std::max(0, b.k1 - b.d2 - i);
-      if (c != 0.0) columns.push_back(i), values.push_back(c);
-    }
-    RowId id;
-    id.kind = RowKind::cone;
-    id.corner = static_cast<int>(j);
-    id.angle = angle;
-    add(columns, values, -COIN_DBL_MAX, model_.error_bound(j) * (1.0 + slack), id);
-  }
-
-  static bool loose(const CornerBox& b) { return b.k1 < b.k2 || b.d1 < b.d2; }
-
-  bool cut_cones(const Filter& filter, const Box& box, double allowed = 0.0) {
-    bool added = false;
-    for (std::size_t j = 0; j < box.corners.size(); ++j) {
-      if (!model_.cone(j)) continue;
-      const CornerBox& b = box.corners[j];
-      const double p = model_.scale_in(j) * filter.remaining_moment(b.k2),
-                   q = model_.scale_out(j) * filter.elapsed_moment(b.k1 - b.d2);
-      const double theta = model_.theta(j);
-      double angle = std::atan2(q * std::sin(theta), p + q * std::cos(theta));
-      // Within a box only cuts that grow with both distances hold.
-      if (loose(b)) angle = std::clamp(angle, theta - 0.5 * std::numbers::pi, 0.5 * std::numbers::pi);
-      const double value = p * std::cos(angle) + q * std::cos(theta - angle);
-      if (value <= model_.error_bound(j) * (1.0 + 2.0 * slack) + 1e-13 + std::max(allowed, 0.0) * (1.0 + slack))
-        continue;
-      for (std::size_t r = static_cast<std::size_t>(base_rows_); r < ids_.size(); ++r) {
-        if (ids_[r].kind == RowKind::cone && ids_[r].corner == static_cast<int>(j) &&
-            std::abs(ids_[r].angle - angle) < 1e-11)
-          angle = 10.0;
-      }
-      if (angle > 9.0) continue;  // the programme's own tolerance
-      add_cone(j, angle, box);
-      added = true;
-    }
-    return added;
-  }
-
-  bool cut_vibration(const Filter& filter, const Box& box) {
-    bool added = false;
-    const double t = model_.task().sample_period;
-    const auto uses = vibration_utilisation(filter, t, model_.task().machine);
-    for (std::size_t m = 0; m < uses.size(); ++m) {
-      if (uses[m].value <= uses[m].bound * (1.0 + 2.0 * slack) + 1e-13) continue;
-      RowId id;
-      id.kind = RowKind::vibration;
-      id.mode = static_cast<int>(m);
-      id.frequency = uses[m].frequency;
-      double c = 0.0, s = 0.0;
-      for (int i = 0; i <= box.order; ++i) {
-        const double w = 2.0 * std::numbers::pi * id.frequency * t * i;
-        c += filter.tap(i) * std::cos(w);
-        s += filter.tap(i) * std::sin(w);
-      }
-      id.angle = std::atan2(s, c);
-      for (const RowId& old : vibration_) {
-        if (old.mode == id.mode && old.frequency == id.frequency && std::abs(old.angle - id.angle) < 1e-11)
-          id.mode = -1;
-      }
-      if (id.mode < 0) continue;
-      vibration_.push_back(id);
-      add_vibration(id);
-      // A zero response needs both components held.
-      if (uses[m].bound < 1e-6) {
-        id.angle += 0.5 * std::numbers::pi;
-        vibration_.push_back(id);
-        add_vibration(id);
-      }
-      added = true;
-    }
-    return added;
-  }
-
-  /// Vibration rows in units of their bound, so that the programme's tolerance is one relative to it.
-  double vibration_scale(const RowId& id) const {
-    const double bound = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
-    return bound > 0.01 ? 1.0 / bound : 1.0;
-  }
-
-  void add_vibration(const RowId& id) {
-    const double scale = vibration_scale(id);
-    std::vector<int> columns;
-    std::vector<double> values;
-    for (int i = 0; i <= largest_; ++i)
-      columns.push_back(i), values.push_back(scale * model_.vibration_coefficient(id, i));
-    const double residual = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
-    const double bound = scale * residual * (1.0 + slack);
-    add(columns, values, -bound, bound, id);
-  }
-
-  /// Rows of the last box go; its cuts come again at their angles in the new box.
-  void prepare(const Box& box, bool symmetric) {
-    std::vector<std::pair<std::size_t, double>> angles;
-    std::vector<RowId> chords;
-    std::vector<int> old;
-    for (int r = base_rows_; r < lp_.numberRows(); ++r) {
-      const RowId& id = ids_[static_cast<std::size_t>(r)];
-      if (id.kind == RowKind::cone && id.corner >= 0 && lp_.getRowStatus(r) != ClpSimplex::basic) {
-        angles.emplace_back(static_cast<std::size_t>(id.corner), id.angle);
-      }
-      if (id.kind >= RowKind::power_start && lp_.getRowStatus(r) != ClpSimplex::basic &&
-          std::none_of(chords.begin(), chords.end(), [&](const RowId& c) { return same_limit(c, id); }))
-        chords.push_back(id);
-      old.push_back(r);
-    }
-    lp_.setColumnBounds(excess(), -least_, COIN_DBL_MAX);
-    if (!old.empty()) lp_.deleteRows(static_cast<int>(old.size()), old.data());
-    ids_.resize(static_cast<std::size_t>(base_rows_));
-    for (int i = 0; i <= largest_; ++i) lp_.setColumnUpper(i, i <= box.order ? model_.tap_max() * (1.0 + slack) : 0.0);
-    if (!model_.convex()) {
-      for (int k = 1; k <= largest_ + 1; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        const bool bounded = i < box.tube.low.size();
-        lp_.setColumnBounds(sum_column(k), bounded ? box.tube.low[i] - slack : 0.0,
-                            bounded ? box.tube.high[i] + slack : 1.0 + slack);
-      }
-    }
-    for (RowId id : chords) {
-      if (id.sample > model_.last_sample(id, box)) continue;
-      if (!model_.single_delay(id, box)) continue;
-      if (const auto chord = model_.chord(id, box)) add_row(*chord, model_.row(*chord, box), false);
-    }
-    for (const auto& [j, angle] : angles) {
-      const bool grows = std::cos(angle) >= 0.0 && std::cos(model_.theta(j) - angle) >= 0.0;
-      if (grows || !loose(box.corners[j])) add_cone(j, angle, box);
-    }
-    for (std::size_t j = 0; j < box.corners.size(); ++j) {
-      const bool kept = std::any_of(angles.begin(), angles.end(), [&](const auto& a) { return a.first == j; });
-      if (model_.cone(j) && !kept) add_cone(j, 0.5 * model_.theta(j), box);
-    }
-    if (vibration_.size() > most_vibration_rows) {
-      vibration_.erase(vibration_.begin(),
-                       vibration_.begin() + static_cast<std::ptrdiff_t>(vibration_.size() - most_vibration_rows / 2));
-    }
-    for (const RowId& id : vibration_) add_vibration(id);
-    if (!symmetric) return;
-    RowId none;
-    none.kind = RowKind::cone;
-    for (int i = 0; 2 * i < box.order; ++i) add({i, box.order - i}, {1.0, -1.0}, 0.0, 0.0, none);
-  }
-
-  Multipliers multipliers(const double* dual, double sign, const Box& box) {
-    Multipliers y;
-    if (!box.tube.low.empty()) {
-      // What the rows leave on a cumulative response, its own bounds have to carry.
-      std::vector<double> left(static_cast<std::size_t>(columns_), 0.0);
-      lp_.transposeTimes(-sign, dual, left.data());
-      for (int k = 1; k <= box.order; ++k) {
-        const double value = left[static_cast<std::size_t>(sum_column(k))];
-        RowId id;
-        id.kind = RowKind::tube;
-        id.sample = k;
-        id.sign = value > 0.0 ? -1 : 1;
-        const auto i = static_cast<std::size_t>(k);
-        const bool natural = value > 0.0 ? box.tube.low[i] == 0.0 : box.tube.high[i] == 1.0;
-        if (std::abs(value) > 1e-13 && !natural) y.emplace_back(id, std::abs(value));
-      }
-    }
-    for (std::size_t r = 0; r < ids_.size(); ++r) {
-      RowId id = ids_[r];
-      double value = -sign * dual[r];  // > 0: the upper side
-      if (id.kind == RowKind::cone && id.corner < 0) continue;
-      if (std::abs(value) < 1e-13) continue;
-      if (value < 0.0) {
-        value = -value;
-        if (id.kind == RowKind::jerk)
-          id.sign = -1;
-        else if (id.kind == RowKind::vibration)
-          id.angle += std::numbers::pi;
-        else
-          continue;
-      }
-      if (id.kind == RowKind::jerk) value *= model_.jerk_max();
-      if (id.kind == RowKind::vibration) value *= vibration_scale(id);
-      y.emplace_back(id, value);
-    }
-    return y;
-  }
-
   const LimitModel& model_;
-  int largest_, columns_, base_rows_ = 0;
-  double least_ = 0.0;  // no more margin than this is asked of the cones
-  ClpSimplex lp_;
-  std::vector<RowId> ids_;
-  std::vector<RowId> vibration_;
-  long programmes_ = 0;
+  Programme programme_;
+  ClpSimplex& lp_ = programme_.lp();
+  long solved_ = 0;
 };
 
-Relaxation::Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop)
-    : impl_(std::make_unique<Impl>(model, largest_order, stop)) {}
+Relaxation::Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin)
+    : impl_(std::make_unique<Impl>(model, largest_order, stop, margin)) {}
 Relaxation::~Relaxation() = default;
 Outcome Relaxation::solve(const Box& box, bool symmetric) {
   return impl_->solve(box, symmetric);

@@ -20,7 +20,9 @@ class Relaxation {
  public:
   /// @param largest_order  of all boxes to come
   /// @param stop  polled during a programme, which then ends unresolved; may be empty
-  Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop = {});
+  /// @param margin  > 0: limits are asked for with this relative margin, so that a solution holds them in spite of its
+  ///                rounding; what is refuted is refuted without it
+  Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop = {}, double margin = 0.0);
   ~Relaxation();
   /// @param symmetric  only symmetric filters of the box's order (no shorter ones)
   Outcome solve(const Box& box, bool symmetric);

@@ -64,6 +64,24 @@ void Search::consider(Filter filter, const std::vector<int>& delays) {
   if (verify_by_simulation(task_, filter, delays).feasible) best = Candidate{std::move(filter), delays, value, true};
 }
 
+Filter Search::mended(const Filter& filter, const Box& box, bool symmetric, const std::vector<int>& delays) {
+  double margin = 0.0;
+  Filter tried = filter;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    const VerificationReport report = verify_by_simulation(task_, trimmed(tried, task_.design), delays);
+    if (report.feasible) return tried;
+    // More than this is no rounding.
+    if (report.max_violation > 1e-6) break;
+    margin = std::max(2.0 * margin, 2.0 * report.max_violation);
+    Relaxation tighter(model_, box.order, stop_, margin);
+    const Outcome outcome = tighter.solve(box, symmetric);
+    programmes_ += tighter.programmes();
+    if (!outcome.filter) break;
+    tried = *outcome.filter;
+  }
+  return filter;
+}
+
 void Search::offer(Filter filter) {
   if (task_.design.symmetric) {
     std::vector<double> taps(filter.taps().begin(), filter.taps().end());
@@ -179,8 +197,8 @@ Search::State Search::refute(Box box) {
   if (single(model_, box)) {
     std::vector<int> delays;
     for (const CornerBox& b : box.corners) delays.push_back(b.d1);
-    const auto found = [&](const Filter& filter) {
-      const Filter shorter = trimmed(filter, task_.design);
+    const auto found = [&](const Filter& filter, const Box& of) {
+      const Filter shorter = trimmed(mended(filter, of, task_.design.symmetric, delays), task_.design);
       const double value = value_of(task_, shorter.order(), delays);
       consider(shorter, delays);
       if (!relaxed || value < relaxed->value) relaxed = Candidate{shorter, delays, value, false};
@@ -188,7 +206,7 @@ Search::State Search::refute(Box box) {
     };
     if (!task_.design.symmetric) {
       if (outcome.kind != Outcome::feasible) return State::stopped;
-      return found(*outcome.filter);
+      return found(*outcome.filter, box);
     }
     int leaf[2] = {-1, -1};
     for (int less = 0; less < 2; ++less) {
@@ -196,7 +214,7 @@ Search::State Search::refute(Box box) {
       exact_order.order -= less;
       if (exact_order.order < std::max(task_.design.order_min, 0)) continue;
       outcome = relaxation_->solve(exact_order, true);
-      if (outcome.kind == Outcome::feasible) return found(*outcome.filter);
+      if (outcome.kind == Outcome::feasible) return found(*outcome.filter, exact_order);
       if (outcome.kind != Outcome::refuted) return State::stopped;
       leaf[less] = keep(std::move(outcome.multipliers));
     }

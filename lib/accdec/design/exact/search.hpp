@@ -67,6 +67,8 @@ class Search {
   std::optional<SumBound> widest_break(const Filter& filter, const Box& box) const;
   Box root() const;
   void size_for(int order);
+  /// The filter, or where only rounding keeps it from verifying another of the box, asked for with a margin.
+  Filter mended(const Filter& filter, const Box& box, bool symmetric, const std::vector<int>& delays);
   void consider(Filter filter, const std::vector<int>& delays);
 
   const Task& task_;
