@@ -6,6 +6,7 @@
 
 #include <accdec/solvers/solver.hpp>
 #include <accdec/study/comparison_run.hpp>
+#include <accdec/study/recorded_problem.hpp>
 
 #include "design/tasks.hpp"
 
@@ -140,8 +141,6 @@ TEST(ComparisonRun, RecordsRefusalsAndLostProcesses) {
   EXPECT_THAT(refused["message"].get<std::string>(), ::testing::HasSubstr("not linear"));
   EXPECT_EQ(c.lost(1, "given up after 2 s")["claim"], "killed");
   EXPECT_EQ(c.lost(1, "the process computing it was ended by signal 11")["claim"], "crashed");
-  EXPECT_FALSE(worth_repeating(refused));
-  EXPECT_FALSE(worth_repeating(c.lost(1, "given up after 2 s")));
 }
 
 TEST(ComparisonRun, HasWhatTheTablesNeed) {
@@ -153,7 +152,66 @@ TEST(ComparisonRun, HasWhatTheTablesNeed) {
   EXPECT_GT(row["evaluations"]["objective"].get<int>(), 0);
   EXPECT_GT(row["evaluations"]["jacobian"].get<int>(), 0);
   EXPECT_LE(row["evaluation_time_s"].get<double>(), row["wall_time_s"].get<double>());
-  EXPECT_TRUE(worth_repeating(row));
+}
+
+TEST(ComparisonRun, WhatIsFoundOnTheWayIsJudgedAsTheAnswerIs) {
+  // Ipopt has the sparse form, COBYLA the reduced one; in both, no improvement is below the optimum and the last is the answer.
+  const CaseSpec spec = boxcar_case(41, 10);
+  const double optimum = reference_of(ComparisonCase(spec), 30.0).upper;
+  ComparisonSettings both = settings({"ipopt", "nlopt-slsqp"});
+  both.reduced = {"nlopt-slsqp"};
+  const Comparison c(both, {spec});
+  for (std::size_t index = 1; index <= 2; ++index) {
+    const Row row = c.run(index);
+    ASSERT_FALSE(row["history"].empty()) << row.dump();
+    double before = nlp::infinity;
+    for (const Row& step : row["history"]) {
+      EXPECT_GE(step[2].get<double>(), optimum * (1.0 - 1e-5));
+      EXPECT_LT(step[2].get<double>(), before);
+      before = step[2];
+    }
+    EXPECT_NEAR(before, row["objective"].get<double>(), 1e-4 * optimum) << row.dump();
+  }
+}
+
+TEST(ComparisonRun, DesignsStartWhereToldAndAreCounted) {
+  CaseSpec spec = boxcar_case(41, 0);
+  spec.task.machine.axes[0].acceleration_max = spec.task.machine.axes[1].acceleration_max = 0.1 / 20e-3;
+  spec.question = Question::design;
+  ComparisonSettings two_starts = settings({"ipopt"});
+  two_starts.starts = 2;
+  const Comparison c(two_starts, {spec});
+  std::set<std::int64_t> counts;
+  for (std::size_t index = 1; index <= 2; ++index) {
+    const Row row = c.run(index);
+    ASSERT_EQ(row["claim"], "solved") << row.dump();
+    for (const char* key : {"gradient", "rows", "jacobian", "hessian"}) EXPECT_GT(row["evaluations"][key].get<int>(), 0) << key;
+    EXPECT_GT(row["evaluation_time_s"].get<double>(), 0.0);
+    ASSERT_FALSE(row["history"].empty());
+    EXPECT_EQ(row["history"].back()[2], row["objective"]);
+    counts.insert(row["evaluations"]["objective"].get<std::int64_t>());
+  }
+  EXPECT_EQ(counts.size(), 2U) << "another start takes another way";
+}
+
+TEST(RecordedProblem, JudgesAllThatWasAskedForHoweverLittleItMayKeep) {
+  const ComparisonCase subject(boxcar_case(41, 10));
+  const nlp::Problem& problem = *subject.problem(true);
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{1'000'000}}) {
+    // Judged by a measure of its own: the first variable, if that is at least 0.3.
+    RecordedProblem recorded(problem, [](const std::vector<double>& x) { return x[0] >= 0.3 ? x[0] : nlp::infinity; }, bytes);
+    std::vector<double> x = subject.start(true, 0, 1), rows(static_cast<std::size_t>(problem.num_rows()));
+    for (const double first : {0.9, 0.2, 0.5, 0.7, 0.3, 0.25}) {
+      x[0] = first;
+      EXPECT_EQ(recorded.objective(x), problem.objective(x));
+      recorded.rows(x, rows);
+    }
+    std::vector<double> objectives;
+    for (const nlp::Improvement& step : recorded.history()) objectives.push_back(step.objective);
+    EXPECT_THAT(objectives, ::testing::ElementsAre(0.9, 0.5, 0.3));
+    EXPECT_EQ(recorded.history()[2].evaluations, 5);
+    EXPECT_EQ(recorded.best()[0], 0.3);
+  }
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ TEST_F(CompareCommand, TablesFiguresAndReportFromOneCommand) {
   EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("accdec compare suite.toml --out out"));
   EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("3.11.9"));
   const std::string html = content(home_ / "out/report.html");
-  EXPECT_THAT(html, HasSubstr("No answer contradicts a proof"));
+  EXPECT_THAT(html, HasSubstr("No verified answer lies below a proved bound"));
   EXPECT_THAT(html, Not(HasSubstr("href=\"http")));
   EXPECT_THAT(html, Not(HasSubstr("src=")));
 }

@@ -31,7 +31,7 @@ Filter guess(int order) { return order < 2 ? boxcar(order) : trapezoid(order, or
 
 FixedOrderDesigner::FixedOrderDesigner(const Task& task, const DesignOptions& options)
     : task_(task), options_(options), solver_(solvers::find_solver(options.solver)) {
-  reduced_ = !solver_.capabilities().equality_rows;
+  reduced_ = options.reduced.value_or(false) || !solver_.capabilities().equality_rows;
   for (const TaskCorner& corner : task.corners) {
     weight_ += corner.weight;
     const auto& in = corner.geometry.direction_in;
@@ -45,7 +45,7 @@ solvers::Result FixedOrderDesigner::solve(const nlp::Problem& problem, const std
   options.cancel = options_.cancel;
   options.time_limit = std::min(options.time_limit, std::max(0.01, options_.time_limit - elapsed()));
   solvers::Result result = solver_.solve(problem, start, options);
-  evaluations_ += result.counts.objective;
+  counts_ += result.counts;
   wall_time_ += result.wall_time;
   claimed_ = std::string(to_string(result.claim));
   last_message_ = result.message;
@@ -117,7 +117,7 @@ const std::optional<FixedOrderDesigner::Relaxed>& FixedOrderDesigner::relaxed(in
 std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) {
   std::optional<Relaxed> best;
   bool consistent = true, parted = false;
-  Filter start = guess(order);
+  Filter start = options_.start && options_.start->order() == order ? *options_.start : guess(order);
   std::vector<double> delays = guess_delays(start);
   for (int pass = 0; pass < 8 && !stopped(); ++pass) {
     // Once the legs part, a blend is a stop and a start: the loosest its limits get.
@@ -180,7 +180,7 @@ std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::v
 }
 
 SolverReport FixedOrderDesigner::report() const {
-  return {"nlp", solver_.name(), solver_.library_version(), claimed_, static_cast<long>(evaluations_), wall_time_};
+  return {"nlp", solver_.name(), solver_.library_version(), claimed_, static_cast<long>(counts_.objective), wall_time_, counts_};
 }
 
 }  // namespace accdec

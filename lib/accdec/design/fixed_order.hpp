@@ -45,6 +45,7 @@ class FixedOrderDesigner {
   }
   double weight() const { return weight_; }  ///< sum of the corners' weights
   const std::string& last_message() const { return last_message_; }
+  const nlp::Counts& counts() const { return counts_; }  ///< of all solves so far
   SolverReport report() const;
 
  private:
@@ -62,7 +63,7 @@ class FixedOrderDesigner {
   double weight_ = 0.0;
   std::map<int, std::optional<Relaxed>> relaxed_;
   std::vector<std::vector<double>> extra_frequencies_;  // per mode
-  std::int64_t evaluations_ = 0;
+  nlp::Counts counts_;
   double wall_time_ = 0.0;
   std::string claimed_, last_message_;
 };

@@ -216,6 +216,7 @@ class Search {
     const double cost = result.cycle_time / task_.sample_period;
     if (!incumbent_ || cost < incumbent_->cost - 1e-9) {
       incumbent_ = Candidate{cost, delays, *filter};
+      if (options_.improved) options_.improved(result.cycle_time, at_.counts());
       at_.tell(fmt::format("N = {}: verified cycle time {:.3f} ms", order, result.cycle_time * 1e3));
     }
     return true;
@@ -243,6 +244,7 @@ class Search {
     const auto has_design = [&](const Task& task) {
       DesignOptions quiet = options_;
       quiet.progress = nullptr;
+      quiet.improved = nullptr;
       quiet.time_limit = options_.time_limit - at_.elapsed();
       in_time = in_time && quiet.time_limit > 0.0;
       return in_time && Search(task, quiet).has_relaxed_design();

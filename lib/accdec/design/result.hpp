@@ -7,6 +7,7 @@
 
 #include <accdec/design/task.hpp>
 #include <accdec/machine/utilisation.hpp>
+#include <accdec/nlp/evaluator.hpp>
 
 namespace accdec {
 
@@ -44,6 +45,7 @@ struct SolverReport {
   std::string claimed;
   long evaluations = 0;
   double wall_time = 0.0;  ///< s
+  nlp::Counts counts;      ///< of all single solves together; zero where the method has none
 };
 
 /// The answer to a task; `accdec.result/1` in JSON. A result that is neither optimal nor feasible carries no filter, except one

@@ -98,7 +98,7 @@ Figure page(std::string title, int columns, int width = 640, int height = 380) {
 }
 
 std::vector<std::vector<double>> time_costs(const ComparisonData& data, bool design) {
-  return data.costs(design, [](const Attempt& a) { return a.cost(); });
+  return data.costs(design, [](const Attempt& a) { return a.cost; });
 }
 
 Figure performance(const ComparisonData& data, bool design, const std::string& of) {

@@ -142,9 +142,20 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
   const std::size_t references = comparison.cases().size(), first = references + comparison.per_repeat();
   compute(missing(0, references, always));
   compute(missing(references, first, always));
-  compute(missing(first, comparison.size(), [&](std::size_t i) {
-    return study::worth_repeating(Row::parse(entries.at(comparison.index_of(comparison.at(i), 0)).row));
-  }));
+  Row header = comparison.header();
+  header["suite_hash"] = suite.hash;
+  const auto raw_lines = [&] {
+    std::vector<std::string> lines{header.dump()};
+    for (const auto& [index, entry] : entries) lines.push_back(entry.row);
+    return lines;
+  };
+  if (comparison.size() > first) {
+    const study::ComparisonData so_far = study::read_comparison(raw_lines());
+    compute(missing(first, comparison.size(), [&](std::size_t i) {
+      const study::ScheduledRun entry = comparison.at(i);
+      return so_far.worth_repeating(entry.case_index, entry.start, entry.solver);
+    }));
+  }
   summary.wall_time = seconds_since(began);
   summary.runs = entries.size() - references;
 
@@ -162,10 +173,7 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
     session["references_s"] = times.references;
     session["bookkeeping_share"] = summary.bookkeeping;
   }
-  Row header = comparison.header();
-  header["suite_hash"] = suite.hash;
-  std::vector<std::string> lines{header.dump()};
-  for (const auto& [index, entry] : entries) lines.push_back(entry.row);
+  std::vector<std::string> lines = raw_lines();
   if (!session.is_null()) lines.push_back(session.dump());
   summary.contradictions = study::read_comparison(lines).contradictions.size();
   write_results(suite, lines, session, options);

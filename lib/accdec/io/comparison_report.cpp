@@ -23,12 +23,15 @@ std::string settings_text(const ComparisonData& data) {
   if (!longer.empty()) longer += ".";
   return fmt::format(
       "{} problems (each at each of its sizes counts as one) from {} starts, {} algorithms, {} repeats in turning order. The same for all: a process of its own for each run, "
-      "{:g} s until the evaluator ends it and {:g} s until the process is killed, {} evaluations, tolerance {:g} asked of the library. Judged by recomputation: "
-      "every row and bound, scaled to 1, within {:g}; the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only boxes, "
-      "and those the suite names get the problem with positions substituted (form `reduced`, no second derivatives); all answers are judged in that form. Start 0 is a "
-      "trapezoid; the others multiply its taps by random factors, the same for every solver. A time is of the solve alone, with what a first call in a process costs. Runs "
-      "that were refused, killed, crashed or used up their time are not timed again. Every run that does not reach the reference counts as infinitely slow. Problems proved "
-      "infeasible are not in the profiles: there, the right answer is to say so.{}",
+      "{:g} s until the evaluator ends it and {:g} s until the process is killed, at most {} evaluations of the objective, relative tolerance {:g} asked of the library and "
+      "rows within a tenth of what they are judged by. Judged by recomputation, answers and what was found on the way alike: every row and bound, scaled to 1, within {:g}; "
+      "the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only boxes, and those the suite names get the problem with "
+      "positions substituted (form `reduced`, no second derivatives); everything is judged in that form. Start 0 is a trapezoid; the others multiply its taps by random "
+      "factors, the same for every solver. Whole designs (formulation `design`) are judged by simulating the motion instead, every limit within 1e-9 of itself, and rows are "
+      "asked within 1e-9 there; the limit on evaluations is that of each single solve in them. A time is of the solve alone, with what a first call in a process costs. Every "
+      "repeat is judged, and one that does not reach the reference counts as infinitely slow; the median over repeats stands for a run. Not repeated are runs that were "
+      "refused or crashed, and runs that used up their time and ended ten times farther from the reference than counts as reached. Problems proved infeasible are not in "
+      "the profiles: there, the right answer is to say so.{}",
       data.cases.size(), data.starts, data.solvers.size(), data.repeats, h.value("time_limit_s", 0.0), h.value("kill_after_s", 0.0), h.value("evaluation_limit", 0L),
       h.value("tolerance", 0.0), h.value("feasibility", 0.0), h.value("accuracy", 0.0), longer);
 }
@@ -71,7 +74,7 @@ std::vector<std::pair<std::string, std::string>> comparison_documents(const std:
   html += paragraph(settings_text(data));
   if (const std::string session = session_text(data); !session.empty()) html += paragraph(session);
   if (data.contradictions.empty()) {
-    html += paragraph("No answer contradicts a proof, and every problem is as the suite says.");
+    html += paragraph(fmt::format("No verified answer lies below a proved bound by more than {:g} of max(1, bound), none is of a problem proved infeasible, and every problem is feasible or not as the suite says.", data.accuracy));
   } else {
     html += "<h2>Contradictions</h2>\n<ul>\n";
     for (const std::string& c : data.contradictions) html += fmt::format("<li>{}</li>\n", html_escaped(c));

@@ -111,7 +111,7 @@ ComparisonTable confusion_table(const ComparisonData& data) {
 
 ComparisonTable runs_table(const ComparisonData& data) {
   ComparisonTable t{"runs",
-                    {"problem", "formulation", "size", "start", "solver", "claimed", "verified", "success", "objective", "gap", "violation", "repeats", "time lower quartile / s",
+                    {"problem", "formulation", "size", "start", "solver", "claimed", "verified", "success", "objective", "gap", "violation", "repeats", "of these successes", "time lower quartile / s",
                      "time median / s", "time upper quartile / s", "evaluations", "gradients", "jacobians", "hessians", "evaluator time / s", "message"},
                     {}};
   for (std::size_t c = 0; c < data.cases.size(); ++c) {
@@ -121,7 +121,7 @@ ComparisonTable runs_table(const ComparisonData& data) {
         const Attempt& a = data.attempt(c, start, s);
         t.rows.push_back({problem.problem, problem.question, fmt::format("{}", problem.size), fmt::format("{}", start), data.solvers[s], a.claim,
                           std::string(to_string(a.judgement)), a.success ? "yes" : "no", shown(a.objective, 9), shown(a.gap, 3), shown(a.violation, 3),
-                          fmt::format("{}", a.times.size()), shown(a.time.lower), shown(a.time.median), shown(a.time.upper), shown(a.evaluations, 12),
+                          fmt::format("{}", a.times.size()), fmt::format("{}", a.successes), shown(a.time.lower), shown(a.time.median), shown(a.time.upper), shown(a.evaluations, 12),
                           shown(a.gradients, 12), shown(a.jacobians, 12), shown(a.hessians, 12), shown(a.evaluation_time), a.message});
       }
     }
@@ -132,7 +132,7 @@ ComparisonTable runs_table(const ComparisonData& data) {
 ComparisonTable pairs_table(const ComparisonData& data) {
   ComparisonTable t{"pairs", {"level", "solver", "against", "solved by it", "fastest or equal (ratio 1)", "within ratio 2", "within ratio 10"}, {}};
   for (const bool design : {false, true}) {
-    const auto costs = data.costs(design, [](const Attempt& a) { return a.cost(); });
+    const auto costs = data.costs(design, [](const Attempt& a) { return a.cost; });
     if (costs.empty() || costs.front().empty()) continue;
     for (std::size_t a = 0; a < data.solvers.size(); ++a) {
       for (std::size_t b = 0; b < data.solvers.size(); ++b) {

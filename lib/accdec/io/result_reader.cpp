@@ -240,7 +240,7 @@ DesignResult read_members(const Value& top, const std::string& name) {
                    s["version"].text(),
                    s["claimed"].text(),
                    s["evaluations"].integer(0, std::numeric_limits<long>::max() / 4),
-                   s["wall_time_s"].number()};
+                   s["wall_time_s"].number(), {}};
   result.message = top["message"].text();
   if (top.has("certificate")) result.certificate = top["certificate"].json().dump();
   return result;

@@ -7,6 +7,17 @@ namespace accdec::nlp {
 
 using Clock = std::chrono::steady_clock;
 
+Counts& Counts::operator+=(const Counts& other) {
+  objective += other.objective;
+  gradient += other.gradient;
+  rows += other.rows;
+  jacobian += other.jacobian;
+  hessian += other.hessian;
+  residuals += other.residuals;
+  evaluation_time += other.evaluation_time;
+  return *this;
+}
+
 Evaluator::Evaluator(const Problem& problem, Limits limits) : problem_(problem), limits_(limits) {}
 
 void Evaluator::end(Stop why) {

@@ -17,6 +17,8 @@ namespace accdec::nlp {
 struct Counts {
   std::int64_t objective = 0, gradient = 0, rows = 0, jacobian = 0, hessian = 0, residuals = 0;
   double evaluation_time = 0.0;  ///< s
+
+  Counts& operator+=(const Counts& other);
 };
 
 /// A new best point that holds all bounds and rows, as it was met.

@@ -135,7 +135,8 @@ class NloptSolver final : public Solver {
     }
     // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their answer.
     // Multistart compares each new point with all before it: a tenth of that.
-    const double budget = !algorithm_.can.global ? 0.0 : algorithm_.inner == no_inner ? 10'000.0 * (n + 1.0) : 1000.0 * (n + 1.0);
+    const bool limited = algorithm_.can.global && options.own_budget;
+    const double budget = !limited ? 0.0 : algorithm_.inner == no_inner ? 10'000.0 * (n + 1.0) : 1000.0 * (n + 1.0);
     nlopt_set_maxeval(opt.get(), static_cast<int>(std::min(2e9, native.get("maxeval", budget))));
     nlopt_set_maxtime(opt.get(), options.time_limit);
     // A tenth of the tolerance, for the verifier's sake: it computes the rows anew.
@@ -147,8 +148,7 @@ class NloptSolver final : public Solver {
       nlopt_srand(static_cast<unsigned long>(options.seed));
       code = nlopt_optimize(opt.get(), x.data(), &result.claimed_objective);
     };
-    // COBYLA may loop for ever, SLSQP's dense subproblems take seconds at a thousand variables and more.
-    if (code >= 0 && (algorithm_.method == NLOPT_LN_COBYLA || algorithm_.method == NLOPT_LD_SLSQP)) {
+    if (code >= 0 && may_compute_on(algorithm_.method)) {
       WatchedCall watched;
       callbacks.report_to(&watched);
       if (!watched.run(optimize, options.time_limit, options.cancel)) return abandoned(evaluator, options, std::move(result));
@@ -165,6 +165,12 @@ class NloptSolver final : public Solver {
   }
 
  private:
+  /// COBYLA may loop for ever; at a thousand variables and more SLSQP's dense subproblems take seconds, and so does ISRES' sorting of its
+  /// population of twenty times as many.
+  static bool may_compute_on(nlopt_algorithm method) {
+    return method == NLOPT_LN_COBYLA || method == NLOPT_LD_SLSQP || method == NLOPT_GN_ISRES;
+  }
+
   static void judge_the_only_point(nlp::Evaluator& evaluator, Result& result) {
     try {
       result.claimed_objective = evaluator.objective(result.x);
@@ -181,6 +187,7 @@ class NloptSolver final : public Solver {
     result.claim = cancelled ? Claim::cancelled : Claim::time_limit;
     result.message = "NLopt: computed on without evaluating and had to be ended";
     result.counts = evaluator.counts();
+    result.history = evaluator.history();
     if (!evaluator.best_feasible().empty()) result.x = evaluator.best_feasible();
     return result;
   }

@@ -69,6 +69,7 @@ struct Options {
   double feasibility_tolerance = 1e-8; ///< absolute, on rows as posed; also the verifier's
   double time_limit = 60.0;            ///< s, wall clock
   std::int64_t evaluation_limit = 1'000'000;  ///< objective evaluations
+  bool own_budget = true;              ///< searches of the whole box may end sooner, at a budget of their own by the number of variables
   std::uint64_t seed = 1;
   std::function<void(const std::string&)> log;       ///< nothing is logged when empty
   const std::atomic<bool>* cancel = nullptr;         ///< polled at every evaluation

@@ -96,20 +96,32 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   for (int i = 0; i < reduced_->num_variables(); ++i) common_.push_back(names.at(reduced_->variable_name(i)));
 }
 
+std::mt19937_64 ComparisonCase::generator(int index, std::uint64_t seed) const {
+  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), static_cast<std::uint32_t>(index),
+                         static_cast<std::uint32_t>(spec_.order)};
+  return std::mt19937_64(sequence);
+}
+
+Filter ComparisonCase::start_filter(int index, std::mt19937_64& rng) const {
+  const Filter filter = default_filter(spec_.order);
+  if (index == 0) return filter;
+  std::vector<double> taps;
+  for (int i = 0; i <= spec_.order; ++i) taps.push_back(filter.tap(i) * std::exp(uniform(rng, -1.0, 1.0)));
+  return Filter(std::move(taps));
+}
+
+Filter ComparisonCase::start_filter(int index, std::uint64_t seed) const {
+  std::mt19937_64 rng = generator(index, seed);
+  return start_filter(index, rng);
+}
+
 std::vector<double> ComparisonCase::start(bool reduced, int index, std::uint64_t seed) const {
-  Filter filter = default_filter(spec_.order);
-  std::vector<double> delays = default_delays(spec_.task, filter);
-  if (index > 0) {
-    std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), static_cast<std::uint32_t>(index),
-                           static_cast<std::uint32_t>(spec_.order)};
-    std::mt19937_64 rng(sequence);
-    std::vector<double> taps;
-    for (int i = 0; i <= spec_.order; ++i) taps.push_back(filter.tap(i) * std::exp(uniform(rng, -1.0, 1.0)));
-    filter = Filter(std::move(taps));
-    for (std::size_t j = 0; j < delays.size(); ++j) {
-      const double factor = uniform(rng, 0.5, 1.5);
-      if (!spec_.task.corners[j].delay) delays[j] = std::min(delays[j] * factor, spec_.order + 1.0);
-    }
+  std::mt19937_64 rng = generator(index, seed);
+  const Filter filter = start_filter(index, rng);
+  std::vector<double> delays = default_delays(spec_.task, default_filter(spec_.order));
+  for (std::size_t j = 0; index > 0 && j < delays.size(); ++j) {
+    const double factor = uniform(rng, 0.5, 1.5);
+    if (!spec_.task.corners[j].delay) delays[j] = std::min(delays[j] * factor, spec_.order + 1.0);
   }
   const nlp::Problem* p = problem(reduced);
   if (const auto* margin = dynamic_cast<const MarginProblem*>(p)) return margin->start_from(filter);

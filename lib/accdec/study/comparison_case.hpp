@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <random>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,6 +50,8 @@ class ComparisonCase {
   /// Start `index` of a seed, the same for every solver: 0 is a trapezoid a third of which is ramp, with the delays it needs; the
   /// others have every tap multiplied by exp(u), u uniform in -1 .. 1, and every free delay by a factor in 0.5 .. 1.5.
   std::vector<double> start(bool reduced, int index, std::uint64_t seed) const;
+  /// Its filter, all that a whole design starts from.
+  Filter start_filter(int index, std::uint64_t seed) const;
   /// A point of either form in the variables of the reduced one.
   std::vector<double> to_reduced(bool reduced, const std::vector<double>& x) const;
   int variables() const;  ///< of the reduced form; order + corners for Question::design
@@ -57,6 +60,9 @@ class ComparisonCase {
   const std::vector<int>& blend_delays() const { return blend_delays_; }  ///< at which limits on the blends are imposed
 
  private:
+  std::mt19937_64 generator(int index, std::uint64_t seed) const;
+  Filter start_filter(int index, std::mt19937_64& rng) const;  ///< takes from the generator what it needs
+
   CaseSpec spec_;
   std::vector<int> samples_, blend_delays_;
   std::unique_ptr<nlp::Problem> sparse_, reduced_;

@@ -11,7 +11,6 @@
 namespace accdec::study {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double number(const Row& row, const char* key, double missing = nan) {
@@ -38,7 +37,7 @@ ComparedCase case_of(const Row& row) {
   c.expect_infeasible = row.at("expected") == "infeasible";
   c.proof = row.at("proof");
   c.infeasible = c.proof == "infeasible proved";
-  c.lower = c.infeasible ? nan : number(row, "lower", -infinity);
+  c.lower = c.infeasible ? nan : number(row, "lower", -infinite);
   c.reference = c.proof == "proved" ? number(row, "upper") : nan;
   return c;
 }
@@ -85,7 +84,7 @@ class Reader {
       data_.targets = row.at("targets").get<std::vector<double>>();
       data_.starts = row.at("starts");
       data_.repeats = row.at("repeats");
-      accuracy_ = row.at("accuracy");
+      data_.accuracy = row.at("accuracy");
       data_.header = std::move(row);
     } else if (record == "problem") {
       const std::size_t index = row.at("case");
@@ -109,15 +108,15 @@ class Reader {
     return (c * static_cast<std::size_t>(data_.starts) + start) * data_.solvers.size() + solver->second;
   }
 
-  double allowed(double reference) const { return accuracy_ * std::max(1.0, std::abs(reference)); }
+  double allowed(double reference) const { return data_.accuracy * std::max(1.0, std::abs(reference)); }
 
   /// Where nothing proves the optimum, the best verified answer of any solver is the reference. And no answer may contradict a proof.
   void settle_references() {
-    std::vector<double> best(data_.cases.size(), infinity);
+    std::vector<double> best(data_.cases.size(), infinite);
     std::vector<std::string> by(data_.cases.size());
     for (const Row& run : runs_) {
       const std::size_t c = index_of(run) / data_.solvers.size() / static_cast<std::size_t>(data_.starts);
-      if (!found_feasible(run) || !(number(run, "objective", infinity) < best[c])) continue;
+      if (!found_feasible(run) || !(number(run, "objective", infinite) < best[c])) continue;
       best[c] = number(run, "objective");
       by[c] = run.at("solver");
     }
@@ -126,14 +125,14 @@ class Reader {
     };
     for (std::size_t i = 0; i < best.size(); ++i) {
       ComparedCase& c = data_.cases[i];
-      if (c.infeasible && best[i] < infinity) contradict(c, fmt::format("proved infeasible, but {} has a feasible point", by[i]));
-      if (c.infeasible != c.expect_infeasible && (c.infeasible || best[i] < infinity)) {
+      if (c.infeasible && best[i] < infinite) contradict(c, fmt::format("proved infeasible, but {} has a feasible point", by[i]));
+      if (c.infeasible != c.expect_infeasible && (c.infeasible || best[i] < infinite)) {
         contradict(c, fmt::format("the suite says {}", c.expect_infeasible ? "infeasible, but a feasible point is known" : "feasible, but it is proved infeasible"));
       }
       if (c.infeasible) continue;
       if (best[i] < c.lower - allowed(c.lower)) contradict(c, fmt::format("{} is below the proved bound {:g}: {:g}", by[i], c.lower, best[i]));
       if (!std::isnan(c.reference)) continue;
-      if (best[i] == infinity) {
+      if (best[i] == infinite) {
         c.proof = "unknown";
         continue;
       }
@@ -144,19 +143,55 @@ class Reader {
     }
   }
 
+  struct Outcome {
+    Judgement judgement = Judgement::none;
+    bool success = false;
+    double gap = nan;
+  };
+
+  Outcome judged(const Row& row, const ComparedCase& c) const {
+    const std::string claim = row.at("claim"), verdict = row.at("verdict");
+    if (c.infeasible) return {Judgement::impossible, claim == "infeasible" || claim == "no design", nan};
+    Outcome o;
+    const bool feasible = found_feasible(row);
+    if (feasible) o.gap = (number(row, "objective") - c.reference) / std::max(1.0, std::abs(c.reference));
+    o.success = feasible && o.gap <= data_.accuracy;
+    o.judgement = o.success              ? Judgement::reached
+                  : verdict == "optimal" ? Judgement::stationary
+                  : feasible             ? Judgement::feasible
+                  : verdict == "none"    ? Judgement::none
+                                         : Judgement::violates;
+    return o;
+  }
+
   void fill(Attempt& a, const std::vector<const Row*>& repeats, const ComparedCase& c) const {
     a.objective = a.gap = a.violation = nan;
-    a.target_time.assign(data_.targets.size(), infinity);
-    a.target_evaluations.assign(data_.targets.size(), infinity);
+    a.target_time.assign(data_.targets.size(), infinite);
+    a.target_evaluations.assign(data_.targets.size(), infinite);
     if (c.infeasible) a.judgement = Judgement::impossible;
+    if (repeats.empty()) return;
+    std::vector<Outcome> outcomes;
+    std::vector<double> costs;
     for (const Row* row : repeats) {
-      if (const double t = number(*row, "wall_time_s"); std::isfinite(t)) a.times.push_back(t);
+      outcomes.push_back(judged(*row, c));
+      const double t = number(*row, "wall_time_s");
+      if (std::isfinite(t)) a.times.push_back(t);
+      costs.push_back(outcomes.back().success && std::isfinite(t) ? std::max(t, 1e-9) : infinite);
+      a.successes += outcomes.back().success ? 1 : 0;
     }
     a.time = quartiles(a.times);
-    if (repeats.empty()) return;
-    const Row& row = *repeats.front();
+    a.cost = quartiles(costs).median;
+    a.success = 2 * a.successes > repeats.size();
+    const auto first = std::find_if(outcomes.begin(), outcomes.end(), [&](const Outcome& o) { return o.success == a.success; });
+    take_single(a, *repeats[static_cast<std::size_t>(first - outcomes.begin())], *first);
+    a.message = text(*repeats.front(), "message");
+    if (!c.infeasible && !std::isnan(c.reference)) find_targets(a, repeats, outcomes, c.reference);
+  }
+
+  static void take_single(Attempt& a, const Row& row, const Outcome& outcome) {
+    a.judgement = outcome.judgement;
+    a.gap = outcome.gap;
     a.claim = row.at("claim");
-    a.message = text(row, "message");
     a.accepted = a.claim != "refused";
     a.objective = number(row, "objective");
     a.violation = number(row, "violation");
@@ -168,46 +203,38 @@ class Reader {
       a.jacobians = number(*n, "jacobian", 0.0);
       a.hessians = number(*n, "hessian", 0.0);
     }
-    if (c.infeasible) {
-      a.success = a.claim == "infeasible" || a.claim == "no design";
-      return;
-    }
-    const std::string verdict = row.at("verdict");
-    const bool feasible = found_feasible(row);
-    if (feasible) a.gap = (a.objective - c.reference) / std::max(1.0, std::abs(c.reference));
-    a.success = feasible && a.gap <= accuracy_;
-    a.judgement = a.success              ? Judgement::reached
-                  : verdict == "optimal" ? Judgement::stationary
-                  : feasible             ? Judgement::feasible
-                  : verdict == "none"    ? Judgement::none
-                                         : Judgement::violates;
-    if (!std::isnan(c.reference)) find_targets(a, row, c.reference);
   }
 
-  void find_targets(Attempt& a, const Row& row, double reference) const {
-    const auto history = row.find("history");
+  void find_targets(Attempt& a, const std::vector<const Row*>& repeats, const std::vector<Outcome>& outcomes, double reference) const {
     for (std::size_t t = 0; t < data_.targets.size(); ++t) {
       const double goal = reference + data_.targets[t] * std::max(1.0, std::abs(reference));
-      if (history != row.end()) {
-        for (const Row& step : *history) {
+      std::vector<double> times, evaluations;
+      for (std::size_t r = 0; r < repeats.size(); ++r) {
+        times.push_back(infinite);
+        evaluations.push_back(infinite);
+        const Row& row = *repeats[r];
+        const auto history = row.find("history");
+        for (const Row& step : history != row.end() ? *history : Row::array()) {
           if (!(step.at(2).get<double>() <= goal)) continue;
-          a.target_evaluations[t] = std::max(1.0, step.at(0).get<double>());
-          a.target_time[t] = step.at(1);
+          times.back() = step.at(1);
+          evaluations.back() = std::max(1.0, step.at(0).get<double>());
           break;
         }
+        // The answer itself may be a point that was never evaluated as a whole.
+        const double wall = number(row, "wall_time_s");
+        if (std::isinf(times.back()) && outcomes[r].gap <= data_.targets[t] && std::isfinite(wall)) {
+          times.back() = wall;
+          evaluations.back() = std::max(1.0, a.evaluations);
+        }
       }
-      // The answer itself may be a point that was never evaluated as a whole.
-      if (std::isinf(a.target_time[t]) && a.gap <= data_.targets[t] && !a.times.empty()) {
-        a.target_time[t] = a.times.front();
-        a.target_evaluations[t] = std::max(1.0, a.evaluations);
-      }
+      a.target_time[t] = quartiles(times).median;
+      a.target_evaluations[t] = quartiles(evaluations).median;
     }
   }
 
   ComparisonData data_;
   std::vector<Row> runs_;
   std::map<std::string, std::size_t> solver_index_;
-  double accuracy_ = 1e-4;
 };
 
 }  // namespace
@@ -224,7 +251,11 @@ std::string_view to_string(Judgement judgement) {
   return "?";
 }
 
-double Attempt::cost() const { return success && !times.empty() ? std::max(time.median, 1e-9) : infinity; }
+bool ComparisonData::worth_repeating(std::size_t c, int start, std::size_t solver) const {
+  const Attempt& a = attempt(c, start, solver);
+  if (a.claim == "refused" || a.claim == "crashed" || a.claim == "error" || a.claim == "missing") return false;
+  return (a.claim != "killed" && a.claim != "time limit") || a.gap <= 10.0 * accuracy;
+}
 
 std::vector<std::size_t> ComparisonData::profiled(bool design) const {
   std::vector<std::size_t> indices;

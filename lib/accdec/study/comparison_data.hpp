@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,7 +36,9 @@ inline constexpr Judgement judgements[] = {Judgement::reached,  Judgement::stati
                                            Judgement::violates, Judgement::none,       Judgement::impossible};
 std::string_view to_string(Judgement judgement);
 
-/// A solver on a case from a start, all repeats together.
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// A solver on a case from a start, all repeats together: what most of them came to, and the first of these for everything single.
 struct Attempt {
   std::string claim = "missing", message;
   Judgement judgement = Judgement::none;
@@ -43,12 +46,12 @@ struct Attempt {
   bool accepted = true;  ///< false: refused
   double objective = 0.0, gap = 0.0, violation = 0.0;  ///< gap relative to max(1, reference); NaN where there is none
   std::vector<double> times;                           ///< s, one a repeat
+  std::size_t successes = 0;                           ///< repeats
   Quartiles time;
   double evaluations = 0.0, gradients = 0.0, jacobians = 0.0, hessians = 0.0;
-  double evaluation_time = 0.0, verification_time = 0.0;  ///< s, of the first repeat
-  std::vector<double> target_time, target_evaluations;    ///< until within each target, infinite if never
-  /// The cost by time: median over repeats, infinite unless a success.
-  double cost() const;
+  double evaluation_time = 0.0, verification_time = 0.0;  ///< s
+  std::vector<double> target_time, target_evaluations;    ///< until within each target, medians over repeats, infinite if never
+  double cost = infinite;                                 ///< s: median over repeats, those without success infinite
 };
 
 /// Raw data, understood: everything the tables and figures are made from.
@@ -57,10 +60,15 @@ struct ComparisonData {
   std::vector<std::string> solvers;
   std::vector<double> targets;
   int starts = 1, repeats = 1;
+  double accuracy = 1e-4;
   std::vector<ComparedCase> cases;
   std::vector<Attempt> attempts;             ///< (case * starts + start) * solvers + solver
   std::vector<std::string> contradictions;   ///< what must not be: a proof beaten, a feasible point of an infeasible problem, ...
   Row session;                               ///< the record of how time was spent; null without one
+
+  /// Whether a run, known from its first repeat, is worth timing again: not if it was refused or failed to run; nor if it used up its time
+  /// and ended ten times farther from the reference than counts as reached, since that is no matter of a noisy clock.
+  bool worth_repeating(std::size_t c, int start, std::size_t solver) const;
 
   const Attempt& attempt(std::size_t c, int start, std::size_t solver) const {
     return attempts[(c * static_cast<std::size_t>(starts) + static_cast<std::size_t>(start)) * solvers.size() + solver];

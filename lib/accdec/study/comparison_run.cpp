@@ -24,31 +24,6 @@ Row rounded(double x, int digits) {
 Row number(double x) { return rounded(x, 12); }
 Row seconds(double x) { return rounded(x, 5); }
 
-/// Improvements that matter: the first, the last, and those that leave at most 0.7 of the distance to the last that the one before left.
-Row thinned(const std::vector<nlp::Improvement>& history) {
-  Row list = Row::array();
-  double left = nlp::infinity;
-  for (std::size_t i = 0; i < history.size(); ++i) {
-    const double now = history[i].objective - history.back().objective;
-    if (now > 0.7 * left && i + 1 < history.size()) continue;
-    left = now;
-    list.push_back(Row::array({history[i].evaluations, seconds(history[i].time), number(history[i].objective)}));
-  }
-  return list;
-}
-
-/// Largest violation of any bound or row; infinite where something is not finite.
-double violation_of(const nlp::Problem& problem, const std::vector<double>& x, double& objective) {
-  std::vector<double> c(static_cast<std::size_t>(problem.num_rows()));
-  objective = problem.objective(x);
-  problem.rows(x, c);
-  double worst = std::isfinite(objective) ? 0.0 : nlp::infinity;
-  const auto judge = [&](nlp::Bound b, double v) { worst = std::isfinite(v) ? std::max({worst, b.lower - v, v - b.upper}) : nlp::infinity; };
-  for (int r = 0; r < problem.num_rows(); ++r) judge(problem.row_bound(r), c[static_cast<std::size_t>(r)]);
-  for (int i = 0; i < problem.num_variables(); ++i) judge(problem.variable_bound(i), x[static_cast<std::size_t>(i)]);
-  return worst;
-}
-
 }  // namespace
 
 Comparison::Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases) : settings_(std::move(settings)) {
@@ -195,80 +170,6 @@ Row Comparison::run_row(const ScheduledRun& entry) const {
   return row;
 }
 
-void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
-  const ComparisonCase& subject = *cases_[entry.case_index];
-  const solvers::Solver& solver = solvers::find_solver(settings_.solvers[entry.solver]);
-  const bool reduced = wants_reduced(solver.name());
-  solvers::Options options;
-  options.tolerance = settings_.tolerance;
-  options.feasibility_tolerance = settings_.feasibility;
-  options.time_limit = time_limit(entry);
-  options.evaluation_limit = settings_.evaluation_limit;
-  options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
-  const std::vector<double> start = subject.start(reduced, entry.start, settings_.seed);
-  const auto began = Clock::now();
-  const solvers::Result result = solver.solve(*subject.problem(reduced), start, options);
-  const double total = seconds_since(began);
-
-  row["claim"] = to_string(result.claim);
-  row["message"] = result.message;
-  if (result.claim == solvers::Claim::refused) return;
-  // Rows of the reduced form are the limits themselves: whatever form a solver had, its answer is judged by these.
-  double objective = 0.0;
-  const double violation = violation_of(*subject.problem(true), subject.to_reduced(reduced, result.x), objective);
-  solvers::Verdict verdict = result.verification.verdict;
-  if (!std::isfinite(violation)) verdict = solvers::Verdict::none;
-  else if (violation > settings_.feasibility) verdict = solvers::Verdict::infeasible;
-  else if (verdict != solvers::Verdict::optimal) verdict = solvers::Verdict::feasible;
-  row["verdict"] = to_string(verdict);
-  row["objective"] = number(objective);
-  row["claimed_objective"] = number(result.claimed_objective);
-  row["violation"] = rounded(violation, 4);
-  row["worst"] = result.verification.worst;
-  row["stationarity"] = rounded(result.verification.stationarity, 4);
-  row["complementarity"] = rounded(result.verification.complementarity, 4);
-  const solvers::Counts& n = result.counts;
-  row["evaluations"] = {{"objective", n.objective}, {"gradient", n.gradient}, {"rows", n.rows}, {"jacobian", n.jacobian}, {"hessian", n.hessian}};
-  row["wall_time_s"] = seconds(result.wall_time);
-  row["evaluation_time_s"] = seconds(n.evaluation_time);
-  row["verification_time_s"] = seconds(total - result.wall_time);
-  if (entry.repeat == 0) {
-    row["history"] = thinned(result.history);
-  } else {  // repeats are for timing: what the first says need not be said again
-    for (const char* key : {"message", "claimed_objective", "worst", "stationarity", "complementarity"}) row.erase(key);
-  }
-}
-
-void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
-  const CaseSpec& spec = cases_[entry.case_index]->spec();
-  Task task = spec.task;
-  task.design.order_min = task.design.order_max = spec.order;
-  DesignOptions options;
-  options.method = Method::nlp;
-  options.solver = settings_.solvers[entry.solver];
-  options.time_limit = options.solver_options.time_limit = time_limit(entry);
-  options.solver_options.evaluation_limit = settings_.evaluation_limit;
-  options.solver_options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
-  const auto began = Clock::now();
-  DesignResult result;
-  try {
-    result = design_nlp(task, options);
-  } catch (const std::invalid_argument& refusal) {
-    row["claim"] = to_string(solvers::Claim::refused);
-    row["message"] = refusal.what();
-    return;
-  }
-  const double wall = seconds_since(began);
-  const bool found = result.status == Status::feasible || result.status == Status::optimal;
-  row["claim"] = found ? "solved" : wall > time_limit(entry) ? "time limit" : "no design";
-  row["message"] = result.message;
-  row["verdict"] = found ? "feasible" : "none";
-  if (found) row["objective"] = number(result.cycle_time / task.sample_period);
-  row["evaluations"] = {{"objective", result.solver.evaluations}};
-  row["wall_time_s"] = seconds(wall);
-  if (entry.repeat == 0 && found) row["history"] = Row::array({Row::array({result.solver.evaluations, seconds(wall), row["objective"]})});
-}
-
 Row Comparison::lost(std::size_t index, const std::string& reason) const {
   const ScheduledRun entry = at(index);
   Row row = beginning(entry);
@@ -283,11 +184,6 @@ Row Comparison::lost(std::size_t index, const std::string& reason) const {
   row["verdict"] = "none";
   row["message"] = reason;
   return row;
-}
-
-bool worth_repeating(const Row& first) {
-  const std::string claim = first.value("claim", "");
-  return claim != "refused" && claim != "killed" && claim != "crashed" && claim != "error" && claim != "time limit";
 }
 
 }  // namespace accdec::study

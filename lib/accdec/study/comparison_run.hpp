@@ -22,7 +22,7 @@ struct ComparisonSettings {
   double kill_after = 10.0;                  ///< s until a run's process is killed
   std::int64_t evaluation_limit = 1'000'000;
   double tolerance = 1e-8;                   ///< asked of the libraries
-  double feasibility = 1e-6;                 ///< absolute, on rows scaled to 1: what is judged by
+  double feasibility = 1e-7;                 ///< absolute, on rows scaled to 1: what is judged by
   double accuracy = 1e-4;                    ///< of the objective, relative to max(1, reference): what counts as reaching it
   std::vector<double> targets{1e-1, 1e-2, 1e-4};  ///< alike, for data profiles and runtime distributions
   double reference_time_limit = 30.0;        ///< s
@@ -72,8 +72,5 @@ class Comparison {
   ComparisonSettings settings_;
   std::vector<std::unique_ptr<ComparisonCase>> cases_;
 };
-
-/// Whether a run is worth timing again: not if it was refused, killed, crashed or used up its time, for its time is then the limit.
-bool worth_repeating(const Row& first);
 
 }  // namespace accdec::study

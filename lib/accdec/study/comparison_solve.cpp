@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/design/design.hpp>
+#include <accdec/solvers/solver.hpp>
+#include <accdec/study/comparison_run.hpp>
+#include <accdec/study/recorded_problem.hpp>
+
+namespace accdec::study {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
+
+Row rounded(double x, int digits) {
+  if (!std::isfinite(x)) return nullptr;
+  return std::stod(fmt::format("{:.{}g}", x, digits));
+}
+Row number(double x) { return rounded(x, 12); }
+Row seconds(double x) { return rounded(x, 5); }
+
+/// Improvements that matter: the first, the last, and those that leave at most 0.7 of the distance to the last that the one before left.
+Row thinned(const std::vector<nlp::Improvement>& history) {
+  Row list = Row::array();
+  double left = nlp::infinity;
+  for (std::size_t i = 0; i < history.size(); ++i) {
+    const double now = history[i].objective - history.back().objective;
+    if (now > 0.7 * left && i + 1 < history.size()) continue;
+    left = now;
+    list.push_back(Row::array({history[i].evaluations, seconds(history[i].time), number(history[i].objective)}));
+  }
+  return list;
+}
+
+/// Largest violation of any bound or row; infinite where something is not finite.
+double violation_of(const nlp::Problem& problem, const std::vector<double>& x, double& objective) {
+  std::vector<double> c(static_cast<std::size_t>(problem.num_rows()));
+  objective = problem.objective(x);
+  problem.rows(x, c);
+  double worst = std::isfinite(objective) ? 0.0 : nlp::infinity;
+  const auto judge = [&](nlp::Bound b, double v) { worst = std::isfinite(v) ? std::max({worst, b.lower - v, v - b.upper}) : nlp::infinity; };
+  for (int r = 0; r < problem.num_rows(); ++r) judge(problem.row_bound(r), c[static_cast<std::size_t>(r)]);
+  for (int i = 0; i < problem.num_variables(); ++i) judge(problem.variable_bound(i), x[static_cast<std::size_t>(i)]);
+  return worst;
+}
+
+Row counts_row(const nlp::Counts& n) {
+  return {{"objective", n.objective}, {"gradient", n.gradient}, {"rows", n.rows}, {"jacobian", n.jacobian}, {"hessian", n.hessian}};
+}
+
+}  // namespace
+
+void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
+  const ComparisonCase& subject = *cases_[entry.case_index];
+  const solvers::Solver& solver = solvers::find_solver(settings_.solvers[entry.solver]);
+  const bool reduced = wants_reduced(solver.name());
+  solvers::Options options;
+  options.tolerance = settings_.tolerance;
+  options.feasibility_tolerance = settings_.feasibility;
+  options.time_limit = time_limit(entry);
+  options.evaluation_limit = settings_.evaluation_limit;
+  options.own_budget = false;
+  options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
+  const std::vector<double> start = subject.start(reduced, entry.start, settings_.seed);
+  // Rows of the reduced form are the limits themselves: whatever form a solver had, its answer and what it found on the way are judged by
+  // these. For a solver of the reduced form its evaluator does that as it goes.
+  const auto judged = [&](const std::vector<double>& x, double& objective) {
+    return violation_of(*subject.problem(true), subject.to_reduced(reduced, x), objective);
+  };
+  RecordedProblem recorded(*subject.problem(reduced), [&](const std::vector<double>& x) {
+    double objective = 0.0;
+    return judged(x, objective) <= settings_.feasibility ? objective : nlp::infinity;
+  });
+  const nlp::Problem& problem = reduced ? *subject.problem(true) : static_cast<const nlp::Problem&>(recorded);
+  const auto began = Clock::now();
+  solvers::Result result = solver.solve(problem, start, options);
+  const auto& history = reduced ? result.history : recorded.history();
+
+  row["claim"] = to_string(result.claim);
+  row["message"] = result.message;
+  if (result.claim == solvers::Claim::refused) return;
+  double objective = 0.0;
+  double violation = judged(result.x, objective);
+  solvers::Verdict verdict = result.verification.verdict;
+  // As for every solver: one that ends where a row is broken answers with the best point it had.
+  if (!reduced && !(violation <= settings_.feasibility) && !recorded.best().empty()) {
+    violation = judged(recorded.best(), objective);
+    verdict = solvers::Verdict::feasible;
+  }
+  if (!std::isfinite(violation)) verdict = solvers::Verdict::none;
+  else if (violation > settings_.feasibility) verdict = solvers::Verdict::infeasible;
+  else if (verdict != solvers::Verdict::optimal) verdict = solvers::Verdict::feasible;
+  row["verdict"] = to_string(verdict);
+  row["objective"] = number(objective);
+  row["claimed_objective"] = number(result.claimed_objective);
+  row["violation"] = rounded(violation, 4);
+  row["worst"] = result.verification.worst;
+  row["stationarity"] = rounded(result.verification.stationarity, 4);
+  row["complementarity"] = rounded(result.verification.complementarity, 4);
+  row["evaluations"] = counts_row(result.counts);
+  row["wall_time_s"] = seconds(result.wall_time);
+  row["evaluation_time_s"] = seconds(result.counts.evaluation_time);
+  row["verification_time_s"] = seconds(seconds_since(began) - result.wall_time);
+  row["history"] = thinned(history);
+  if (entry.repeat > 0) {  // what the first says need not be said again
+    for (const char* key : {"message", "claimed_objective", "worst", "stationarity", "complementarity"}) row.erase(key);
+  }
+}
+
+void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
+  const ComparisonCase& subject = *cases_[entry.case_index];
+  const CaseSpec& spec = subject.spec();
+  Task task = spec.task;
+  task.design.order_min = task.design.order_max = spec.order;
+  DesignOptions options;
+  options.method = Method::nlp;
+  options.solver = settings_.solvers[entry.solver];
+  options.time_limit = options.solver_options.time_limit = time_limit(entry);
+  options.solver_options.tolerance = settings_.tolerance;
+  options.solver_options.evaluation_limit = settings_.evaluation_limit;
+  options.solver_options.own_budget = false;
+  options.solver_options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
+  options.start = subject.start_filter(entry.start, settings_.seed);
+  options.reduced = wants_reduced(options.solver);
+  const auto began = Clock::now();
+  std::vector<nlp::Improvement> history;
+  options.improved = [&](double cycle_time, const nlp::Counts& so_far) {
+    history.push_back({std::max(so_far.objective, so_far.rows), seconds_since(began), cycle_time / task.sample_period});
+  };
+  DesignResult result;
+  try {
+    result = design_nlp(task, options);
+  } catch (const std::invalid_argument& refusal) {
+    row["claim"] = to_string(solvers::Claim::refused);
+    row["message"] = refusal.what();
+    return;
+  }
+  const double wall = seconds_since(began);
+  const bool found = result.status == Status::feasible || result.status == Status::optimal;
+  const bool late = wall > time_limit(entry);
+  row["claim"] = late ? to_string(solvers::Claim::time_limit) : found ? to_string(solvers::Claim::solved) : "no design";
+  if (entry.repeat == 0) row["message"] = result.message;
+  row["verdict"] = found ? "feasible" : "none";
+  if (found) row["objective"] = number(result.cycle_time / task.sample_period);
+  row["evaluations"] = counts_row(result.solver.counts);
+  row["wall_time_s"] = seconds(wall);
+  row["evaluation_time_s"] = seconds(result.solver.counts.evaluation_time);
+  row["history"] = thinned(history);
+}
+
+}  // namespace accdec::study
