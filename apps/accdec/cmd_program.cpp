@@ -1,5 +1,7 @@
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <accdec/io/atomic_file.hpp>
@@ -18,20 +20,26 @@ namespace {
 struct Options {
   std::string program, task, json, delays, samples, emit, figure;
   double arc_tolerance_um = 2.0, time_limit = 60.0;
-  bool rapid_stops = false, per_leg = false;
+  bool rapid_stops = false, dwells_before_filter = false, per_leg = false;
 };
 
 void run(const Options& options, Context& context) {
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
   for (const std::string& path : {options.json, options.delays, options.samples, options.emit, options.figure}) {
-    if (!path.empty()) require_writable(path);
+    if (path.empty()) continue;
+    require_writable(path);
+    std::error_code none;
+    for (const std::string& input : {options.program, options.task}) {
+      if (std::filesystem::equivalent(path, input, none)) throw std::invalid_argument(path + " is an input: write to another file");
+    }
   }
   LineSource source{std::filesystem::path(options.program)};
   ToolpathOptions reading;
   reading.read.arc_tolerance = options.arc_tolerance_um * 1e-6;
   reading.error_max = task.program_error_max;
   reading.rapid_stops = options.rapid_stops;
+  reading.dwells_before_filter = options.dwells_before_filter;
   Toolpath path = read_toolpath(source, task.machine, reading);
 
   ProgramFilter choice;
@@ -93,7 +101,7 @@ void add_program(CLI::App& app, Context& context) {
   command->add_option("--json", options->json, "Write the result to FILE, - for standard output")->type_name("FILE");
   command->add_option("--delays", options->delays, "Write the delay and error of every corner as CSV")->type_name("FILE");
   command->add_option("--samples", options->samples, "Write the sampled motion as CSV")->type_name("FILE");
-  command->add_option("--emit", options->emit, "Write the program back with the feeds and dwells that realise the plan")
+  command->add_option("--emit", options->emit, "Write the program back with the feeds, dwells and path modes that realise the plan; its G4 must act before the filter")
       ->type_name("FILE");
   command->add_option("--figure", options->figure, "Draw the path by its errors and a histogram of the delays, .svg, .png, .pdf or .html")
       ->type_name("FILE");
@@ -107,6 +115,8 @@ void add_program(CLI::App& app, Context& context) {
   command->add_flag("--per-leg", options->per_leg,
                     "Let the filter of each leg follow what the axis limits allow in its direction: the given or designed filter's shape, for "
                     "every leg in the length that makes the program shortest; where one filter for all is as fast, that is kept");
+  command->add_flag("--dwells-before-filter", options->dwells_before_filter,
+                    "Read G4 as --emit writes it: a delay of the command, without an exact stop unless G61.1 or M0 asks for one");
   command->add_flag("--rapid-stops", options->rapid_stops, "Stop wherever rapid and feed moves meet");
   command->callback([options, &context] { run(*options, context); });
 }

@@ -43,6 +43,11 @@ class ProgramCommand : public testing::Test {
     const int status = std::system(line.c_str());
     return {WEXITSTATUS(status), read("out"), read("err")};
   }
+  /// A number of a JSON result, by the first key of this name.
+  double number_of(const std::string& name, const std::string& key) {
+    const std::string text = read(name), quoted = "\"" + key + "\": ";
+    return std::stod(text.substr(text.find(quoted) + quoted.size()));
+  }
   fs::path folder_;
 };
 
@@ -66,7 +71,43 @@ TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
     EXPECT_THAT(read("s.csv"), testing::StartsWith("time_s,x_mm,x_mm_s,"));
     EXPECT_THAT(read("e.ngc"), HasSubstr("G21 G17 G90 G94"));
     EXPECT_THAT(read("f.svg"), HasSubstr("corner error / tolerance, %"));
+    // What was written plans to the same motion, and so is written again alike.
+    ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --json again.json --emit again.ngc").code, 0) << kind;
+    EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s")) << kind;
+    EXPECT_EQ(number_of("again.json", "samples"), number_of("r.json", "samples")) << kind;
+    EXPECT_EQ(read("again.ngc"), read("e.ngc")) << kind;
   }
+}
+
+TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
+  write("part.ngc", "%\nN10 G21 G90 G64 P0.05 (start)\nT1 M6\nG54 G43 H1\nS12000 M3\nM8\nG0 X10 Y10\nG1 X60 F3000\nG4 P0.5\nY30 M1\nG61.1\n"
+                    "Y60\nG61\nG64 P0.02\nX10 S8000.5\nG20 G1 X1 F100\nM5 M9\nM30\n");
+  ASSERT_EQ(run("program part.ngc --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
+  const std::string text = read("e.ngc");
+  std::size_t at = 0;
+  for (const char* words : {"\nT1 M6\n", "\nG54 G43 H1\n", "\nS12000 M3\n", "\nM8\n", "\nG0 X10 Y10\n", "\nG61.1\n", "\nG1 X60 Y10 F3000\n", "\nG4 P0.5\n",
+                            "\nG1 X60 Y30\n", "\nM1\n", "\nG1 X60 Y60\n", "\nS8000.5\n", "\nG64 P0.02\n", "\nG1 X10 Y60\n", "\nG1 X25.4 Y60 F2540\n", "\nM5 M9\n", "\nM2\n"}) {
+    const std::size_t found = text.find(words, at);
+    ASSERT_NE(found, std::string::npos) << words << "in\n" << text;
+    at = found + 1;
+  }
+  EXPECT_EQ(text.find("e-"), std::string::npos) << "numbers of programs have no exponents";
+  ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --json again.json --emit again.ngc").code, 0) << read("err");
+  EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
+  EXPECT_EQ(read("again.ngc"), text);
+  // Read as any program, a dwell is an exact stop as well.
+  ASSERT_EQ(run("program e.ngc --task task.toml --json stops.json").code, 0) << read("err");
+  EXPECT_GT(number_of("stops.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
+}
+
+TEST_F(ProgramCommand, InputsAreNotOverwritten) {
+  write("part.ngc", "G1 X10 F600\n");
+  for (const char* output : {"--emit part.ngc", "--json ./part.ngc", "--delays task.toml"}) {
+    const Output refused = run(std::string("program part.ngc --task task.toml ") + output);
+    EXPECT_EQ(refused.code, 2) << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr("is an input"));
+  }
+  EXPECT_EQ(read("part.ngc"), "G1 X10 F600\n");
 }
 
 TEST_F(ProgramCommand, RefusesBadInputWithItsPlaceAndWritesNothing) {
@@ -104,11 +145,7 @@ TEST_F(ProgramCommand, DesignsAFilterWhereTheTaskHasNone) {
   EXPECT_EQ(designed.code, 0) << designed.out << designed.err;
   const Output given = run("program part.ngc --task task.toml --json g.json");
   EXPECT_EQ(given.code, 0);
-  const auto time = [&](const std::string& name) {
-    const std::string text = read(name), key = "\"cycle_time_s\": ";
-    return std::stod(text.substr(text.find(key) + key.size()));
-  };
-  EXPECT_LT(time("r.json"), time("g.json"));
+  EXPECT_LT(number_of("r.json", "cycle_time_s"), number_of("g.json", "cycle_time_s"));
 }
 
 TEST_F(ProgramCommand, PerLegIsNoLongerAndSaysItsFilters) {
@@ -116,13 +153,8 @@ TEST_F(ProgramCommand, PerLegIsNoLongerAndSaysItsFilters) {
   ASSERT_EQ(run("program part.ngc --task task.toml --json one.json").code, 0);
   const Output done = run("program part.ngc --task task.toml --per-leg --json legs.json --emit e.ngc");
   EXPECT_EQ(done.code, 0) << done.out << done.err;
-  const auto number = [&](const std::string& name, std::string key) {
-    const std::string text = read(name);
-    key = "\"" + key + "\": ";
-    return std::stod(text.substr(text.find(key) + key.size()));
-  };
-  EXPECT_LT(number("legs.json", "cycle_time_s"), number("one.json", "cycle_time_s"));
-  EXPECT_EQ(number("legs.json", "cycle_time_one_filter_s"), number("one.json", "cycle_time_s"));
+  EXPECT_LT(number_of("legs.json", "cycle_time_s"), number_of("one.json", "cycle_time_s"));
+  EXPECT_EQ(number_of("legs.json", "cycle_time_one_filter_s"), number_of("one.json", "cycle_time_s"));
   EXPECT_THAT(read("legs.json"), HasSubstr("\"leg_filters\": ["));
   EXPECT_THAT(read("e.ngc"), HasSubstr("(filter of "));
 }

@@ -3,71 +3,153 @@
 
 #include <fmt/format.h>
 
+#include <accdec/program/corner_limits.hpp>
+#include <accdec/program/number.hpp>
 #include <accdec/program/report.hpp>
 
 namespace accdec {
+namespace {
 
-void emit_program(const ProgramResult& result, std::ostream& out) {
-  const Toolpath& path = result.path;
-  const std::size_t n = path.dimensions();
-  const double period = result.sample_period;
-  const CommandTiming timing(path, period, result.plan.delays);
-  fmt::memory_buffer text;
-  const auto put = std::back_inserter(text);
-  const auto words = [&](const double* point) {
-    for (std::size_t a = 0; a < n; ++a) fmt::format_to(put, " {}{:.6f}", program_axes[path.axes[a]], point[a] * 1e3);
-  };
-  if (result.legs.single()) {
-    fmt::format_to(put, "(delays as dwells for a filter of {} taps at T = {:.6g} ms)\n", result.filter.order() + 1, period * 1e3);
-  } else {
-    fmt::format_to(put, "(delays as dwells for a filter a leg at T = {:.6g} ms)\n", period * 1e3);
-  }
-  fmt::format_to(put, "G21 G17 G90 G94\n");
-  bool away = false;
-  for (std::size_t a = 0; a < n; ++a) away = away || path.point(0)[a] != 0.0;
-  if (away) {
-    fmt::format_to(put, "(begins at");
-    words(path.point(0));
-    fmt::format_to(put, ")\n");
-  }
-  if (path.dwell_first > 0.0) fmt::format_to(put, "G4 P{:.6f}\n", static_cast<double>(timing.dwell_samples(path.dwell_first)) * period);
+/// Writes words line by line, handing them on in portions.
+class Emission {
+ public:
+  Emission(const ProgramResult& result, std::ostream& out)
+      : result_(result), path_(result.path), n_(path_.dimensions()), out_(out) {}
 
-  std::size_t next_dwell = 0;
-  double feed_written = 0.0;
-  for (std::size_t run = 0; run < path.blocks();) {
-    const std::size_t end = timing.run_end(run);
-    const double length = timing.run_length(run, end);
-    const double stretch = static_cast<double>(CommandTiming::run_samples(length)) / length;
-    if (!result.legs.single() && (run == 0 || result.legs.index(run) != result.legs.index(run - 1))) {
-      fmt::format_to(put, "(filter of {} taps)\n", result.legs.of(run).order() + 1);
-    }
-    for (std::size_t b = run; b <= end; ++b) {
-      ProgramPoint from{}, to{};
-      for (std::size_t a = 0; a < n; ++a) {
-        from[path.axes[a]] = path.point(b)[a];
-        to[path.axes[a]] = path.point(b + 1)[a];
+  void write() {
+    header();
+    const Machine machine = program_machine(result_.task_machine, path_);
+    const LegFilters common(result_.filter);
+    const CornerLimits limits(common, machine, result_.sample_period);
+    for (std::size_t b = 0; b < path_.blocks(); ++b) {
+      passed(b);
+      if (!result_.legs.single() && (b == 0 || result_.legs.index(b) != result_.legs.index(b - 1))) {
+        line("(filter of {} taps)", result_.legs.of(b).order() + 1);
       }
-      // feed_duration at unit feed is the length that feeds count.
-      const double feed = feed_duration(from, to, 1.0) / (path.duration[b] * stretch) * 60e3;
-      fmt::format_to(put, "G1");
-      words(path.point(b + 1));
-      if (std::abs(feed - feed_written) > 1e-9 * feed) fmt::format_to(put, " F{:.9g}", feed);
-      feed_written = feed;
-      text.push_back('\n');
-      if (text.size() > 60000) {
-        out.write(text.data(), static_cast<std::streamsize>(text.size()));
-        text.clear();
-      }
+      path_mode(b);
+      block(b, limits);
+      rest(b);
+      if (text_.size() > 60000) flush();
     }
-    std::int64_t rest = end + 1 < path.blocks() ? result.plan.delays[end] : 0;
-    for (; next_dwell < path.dwell.size() && path.dwell[next_dwell].first <= end; ++next_dwell) {
-      if (end + 1 < path.blocks()) rest += timing.dwell_samples(path.dwell[next_dwell].second);
-    }
-    if (rest > 0) fmt::format_to(put, "G4 P{:.9g}\n", static_cast<double>(rest) * period);
-    run = end + 1;
+    passed(path_.blocks());
+    line("M2");
+    flush();
   }
-  fmt::format_to(put, "M2\n");
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-}
+
+ private:
+  template <class... Arguments>
+  void line(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
+    text_.push_back('\n');
+  }
+  void flush() {
+    out_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
+    text_.clear();
+  }
+
+  void header() {
+    const double period = result_.sample_period * 1e3;
+    if (result_.legs.single()) {
+      line("(planned for a filter of {} taps at T = {} ms)", result_.filter.order() + 1, plain_number(period, 6));
+    } else {
+      line("(planned for a filter a leg at T = {} ms)", plain_number(period, 6));
+    }
+    line("(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to rest)");
+    line("G21 G17 G90 G94");
+    bool away = false;
+    for (std::size_t a = 0; a < n_; ++a) away = away || path_.point(0)[a] != 0.0;
+    if (away) {
+      line("(to where the program begins)");
+      mode_ = "G61.1";
+      line("{}", mode_);
+      line("G0{}", words(path_.point(0)));
+    }
+    if (path_.dwell_first > 0.0) line("G4 P{}", plain_number(path_.dwell_first, 9));
+  }
+
+  std::string words(const double* point) const {
+    std::string text;
+    for (std::size_t a = 0; a < n_; ++a) fmt::format_to(std::back_inserter(text), " {}{}", program_axes[path_.axes[a]], plain_number(point[a] * 1e3, 6));
+    return text;
+  }
+
+  void passed(std::size_t b) {
+    for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].first <= b; ++next_passed_) line("{}", path_.passed[next_passed_].second);
+  }
+
+  /// How the joint at the block's end is to be passed.
+  void path_mode(std::size_t b) {
+    if (b + 1 == path_.blocks()) return;
+    std::string mode = "G64";
+    if (path_.joint[b] == Joint::stop) mode = "G61.1";
+    else if (path_.tolerance[b] == 0.0) mode = "G61";
+    else if (path_.tolerance[b] < unlimited) mode = "G64 P" + plain_number(path_.tolerance[b] * 1e3, 9);
+    // A joint that goes straight on and has no tolerance of its own passes in any mode but a stopping one.
+    if (mode == "G64" && !mode_.empty() && mode_ != "G61.1") return;
+    if (mode == mode_) return;
+    mode_ = mode;
+    line("{}", mode_);
+  }
+
+  /// A rapid move stays one unless it had to be slowed below what the axes and the filter allow it.
+  bool rapid(std::size_t b, const CornerLimits& limits) const {
+    if (path_.rapid[b] == 0) return false;
+    const Machine& machine = result_.task_machine;
+    const double* p = path_.point(b);
+    double duration = 0.0;
+    for (std::size_t a = 0; a < n_; ++a) {
+      const Axis* axis = find_axis(machine, path_.axes[a]);
+      if (axis != nullptr) duration = std::max(duration, std::abs(p[n_ + a] - p[a]) / axis->velocity_max);
+    }
+    if (!(duration > 0.0)) return false;
+    std::vector<double> velocity(n_);
+    for (std::size_t a = 0; a < n_; ++a) velocity[a] = (p[n_ + a] - p[a]) / duration;
+    return path_.duration[b] <= duration / limits.start_factor(0, velocity.data()) * (1.0 + 1e-6);
+  }
+
+  void block(std::size_t b, const CornerLimits& limits) {
+    const std::string to = words(path_.point(b + 1));
+    if (rapid(b, limits)) {
+      line("G0{}", to);
+      return;
+    }
+    ProgramPoint from{}, end{};
+    for (std::size_t a = 0; a < n_; ++a) {
+      from[path_.axes[a]] = path_.point(b)[a];
+      end[path_.axes[a]] = path_.point(b + 1)[a];
+    }
+    // feed_duration at unit feed is the length that feeds count.
+    const std::string feed = plain_number(feed_duration(from, end, 1.0) / path_.duration[b] * 60e3, 6);
+    if (feed == feed_) {
+      line("G1{}", to);
+    } else {
+      line("G1{} F{}", to, feed);
+      feed_ = feed;
+    }
+  }
+
+  /// Delays of stops are the exact stop's own; of all other joints, a dwell. Dwells of the program come on top.
+  void rest(std::size_t b) {
+    const bool last = b + 1 == path_.blocks();
+    if (!last && path_.joint[b] != Joint::stop && result_.plan.delays[b] > 0) {
+      line("G4 P{}", plain_number(static_cast<double>(result_.plan.delays[b]) * result_.sample_period, 9));
+    }
+    for (; next_dwell_ < path_.dwell.size() && path_.dwell[next_dwell_].first <= b; ++next_dwell_) {
+      line("G4 P{}", plain_number(path_.dwell[next_dwell_].second, 9));
+    }
+  }
+
+  const ProgramResult& result_;
+  const Toolpath& path_;
+  std::size_t n_;
+  std::ostream& out_;
+  fmt::memory_buffer text_;
+  std::string mode_, feed_;
+  std::size_t next_passed_ = 0, next_dwell_ = 0;
+};
+
+}  // namespace
+
+void emit_program(const ProgramResult& result, std::ostream& out) { Emission(result, out).write(); }
 
 }  // namespace accdec

@@ -41,6 +41,8 @@ class MoveSink {
   virtual void move(const Move& move) = 0;
   /// The motion before this point must come to rest here, and stays for `dwell` s (G4) or until the operator goes on (0).
   virtual void stop(double dwell) = 0;
+  /// Words at this point that are not about motion (spindle, tool, coolant, offsets, M0), as they would be written.
+  virtual void pass(std::string_view /*words*/) {}
 };
 
 /// Duration of a straight move: the feed is that of X Y Z if any of them moves, else of U V W, else of A B C.

@@ -25,6 +25,7 @@ class MoveState {
   /// @param turns  >= 1  @param radius  nullptr: the centre is set in `arc`; else in m
   void arc(Arc arc, bool clockwise, int turns, const double* radius, Plane plane, std::size_t column);
   void stop(double dwell) { sink_.stop(dwell); }
+  void pass(std::string_view words) { sink_.pass(words); }
 
   /// Axes of a plane, in the order in which angles turn positively.
   static std::size_t first_axis(Plane plane) { return plane == Plane::xy ? 0 : plane == Plane::zx ? 2 : 1; }

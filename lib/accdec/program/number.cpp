@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include <fmt/format.h>
+
 namespace accdec {
 namespace {
 
@@ -37,6 +39,15 @@ bool read_number(const char*& p, const char* end, double& value) {
   value = negative ? -result : result;
   p = q;
   return true;
+}
+
+std::string plain_number(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  if (decimals > 0) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+  }
+  return text == "-0" ? "0" : text;
 }
 
 }  // namespace accdec

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <string>
+
 namespace accdec {
 
 /// Reads [+-]digits[.digits] at p, without exponent, and moves p behind it. Correctly rounded.
 /// @return false, with p unmoved, if there is no such number or it exceeds `number_max`.
 bool read_number(const char*& p, const char* end, double& value);
 inline constexpr double number_max = 1e12;
+
+/// A finite number as programs write it: without exponent, at most `decimals` of them, no zeros behind the last that counts.
+std::string plain_number(double value, int decimals);
 
 }  // namespace accdec

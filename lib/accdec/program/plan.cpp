@@ -1,6 +1,7 @@
 #include <accdec/program/plan.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include <accdec/design/verifier.hpp>
 #include <accdec/program/corner_limits.hpp>
@@ -50,13 +51,20 @@ void snap_durations(Toolpath& path, const Filter& filter, double sample_period, 
   const CornerLimits limits(filters, machine, sample_period);
   const std::size_t n = path.dimensions();
   std::vector<double> velocity(n);
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    if (!ends_leg(path, b) || (b > 0 && !ends_leg(path, b - 1))) continue;
-    const double samples = path.duration[b] / sample_period, whole = std::floor(samples);
+  for (std::size_t first = 0, b = 0; b < path.blocks(); first = ++b) {
+    while (!ends_leg(path, b) && b + 1 < path.blocks()) ++b;
+    double duration = 0.0;
+    for (std::size_t i = first; i <= b; ++i) duration += path.duration[i];
+    const double samples = duration / sample_period, whole = std::floor(samples);
     if (whole < 1.0 || samples - whole <= 1e-9 || samples - whole > most * samples) continue;
-    const double* p = path.point(b);
-    for (std::size_t i = 0; i < n; ++i) velocity[i] = (p[n + i] - p[i]) / (whole * sample_period);
-    if (limits.start_factor(0, velocity.data()) >= 1.0) path.duration[b] = whole * sample_period;
+    const double factor = whole / samples;
+    bool held = true;
+    for (std::size_t i = first; i <= b && held; ++i) {
+      const double* p = path.point(i);
+      for (std::size_t a = 0; a < n; ++a) velocity[a] = (p[n + a] - p[a]) / (path.duration[i] * factor);
+      held = limits.start_factor(0, velocity.data()) >= 1.0;
+    }
+    for (std::size_t i = first; i <= b && held; ++i) path.duration[i] *= factor;
   }
 }
 
@@ -67,6 +75,10 @@ ProgramPlan check_program(const Toolpath& path, const LegFilters& filters, doubl
 
 ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
   PairwiseDelays pairwise = pairwise_delays(path, filters, sample_period, machine);
+  for (const auto& [block, delay] : path.given) {
+    int& d = pairwise.delays[block];
+    d = std::max(d, static_cast<int>(std::lround(std::min(delay / sample_period, 1e9))));
+  }
   const bool mend_limits = pairwise.limits_possible && !machine.axes.empty();
   ProgramPlan plan = simulate_plan(path, filters, sample_period, machine, pairwise.delays, mend_limits);
   if (plan.errors_hold && plan.simulation.broken.empty()) return plan;

@@ -59,7 +59,7 @@ ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sampl
 void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 
 /// Lowers by at most 1e-6 the durations that exceed whole samples by no more: coordinates rounded by whoever wrote the program would
-/// else cost every leg of a single block a sample. Only where that keeps the axis limits.
+/// else cost every leg a sample. Only where that keeps the axis limits.
 void snap_durations(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 
 /// Simulates given delays and says whether they hold.

@@ -81,6 +81,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   result.filter = filter;
   result.legs = LegFilters(filter);
   result.sample_period = task.sample_period;
+  result.task_machine = task.machine;
   const Machine machine = program_machine(task.machine, path);
   limit_rapids(path, filter, task.sample_period, machine);
   snap_durations(path, filter, task.sample_period, machine);

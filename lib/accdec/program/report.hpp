@@ -21,6 +21,7 @@ struct ProgramResult {
   Filter filter{{1.0}};               ///< the given or designed one
   LegFilters legs{Filter{{1.0}}};     ///< those the legs pass through: `filter` alone, or its shape in several lengths
   double sample_period = 0.0;  ///< s
+  Machine task_machine;        ///< the task's
   Toolpath path;                ///< with lowered feeds, where the plan lowered any
   ProgramPlan plan;
   std::size_t corners = 0;      ///< joints that turn or stop
@@ -55,9 +56,11 @@ std::string program_summary(const ProgramResult& result);
 /// the first at rest, written as it is made.
 void write_samples(const ProgramResult& result, std::ostream& out);
 
-/// The program as straight moves with what realises the delays on a controller that filters its commands: feeds such that every run
-/// takes whole samples, and after a delayed joint a dwell of the delay (G4 P, seconds). Rapid moves become feed moves at the speed
-/// planned for them, dwells of the program are kept.
+/// The program with what realises the plan on a controller that filters its commands: after a delayed joint a dwell of the delay (G4 P,
+/// seconds), which must act before the filter and without an exact stop; feeds where the plan lowered them; the path mode of every joint
+/// (G61.1, G61, G64 P). Arcs are written as their chords, in mm and absolute. Words of the program that are not about motion, its stops and
+/// dwells are kept in place. Read again with ToolpathOptions::dwells_before_filter it plans to the same motion, but for the way to where
+/// it begins.
 void emit_program(const ProgramResult& result, std::ostream& out);
 
 }  // namespace accdec

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <accdec/program/move_state.hpp>
+#include <accdec/program/number.hpp>
 #include <accdec/program/words.hpp>
 
 namespace accdec {
@@ -64,6 +65,7 @@ class Interpreter {
   bool execute();
   bool modal_codes();
   void path_control(int tenths);
+  void pass_words();
   void move();
   void arc_move(const ProgramPoint& to, std::size_t column);
   ProgramPoint target() const;
@@ -105,10 +107,34 @@ bool Interpreter::execute() {
     if (words_['P'] < 0.0) source_.fail(words_.column('P'), "a dwell cannot be negative");
     state_.stop(words_['P']);
   }
+  pass_words();
   if (words_.any_axis()) move();
   refuse_unused();
-  if (stop) state_.stop(0.0);
+  if (stop) {
+    state_.stop(0.0);
+    for (const Words::Item& m : words_.m_codes()) {
+      if (m.tenths <= 10) state_.pass(name('M', m.tenths));
+    }
+  }
   return !end;
+}
+
+/// What is not about motion and comes before it.
+void Interpreter::pass_words() {
+  constexpr std::uint32_t numbers = letter_bit('S') | letter_bit('T') | letter_bit('H') | letter_bit('D');
+  if (words_.m_codes().empty() && words_.g_codes().empty() && (words_.present() & numbers) == 0U) return;
+  std::string text;
+  const auto put = [&](const std::string& word) { text.append(text.empty() ? "" : " ").append(word); };
+  for (const Words::Item& g : words_.g_codes()) {
+    if (classify(g.tenths).group == g_other && g.tenths != 940) put(name('G', g.tenths));
+  }
+  for (const char letter : {'H', 'D', 'T', 'S'}) {
+    if (words_.has(letter)) put(letter + plain_number(words_[letter], 6));
+  }
+  for (const Words::Item& m : words_.m_codes()) {
+    if (m.tenths >= 30 && m.tenths != 300) put(name('M', m.tenths));
+  }
+  if (!text.empty()) state_.pass(text);
 }
 
 /// Sets modes in the order of execution of the language; motion comes later. Returns whether there is a dwell.

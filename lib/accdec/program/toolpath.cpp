@@ -24,10 +24,11 @@ class Builder : public MoveSink {
   void begin(const ProgramPoint& at) override { position_ = at; }
   void move(const Move& move) override;
   void stop(double dwell) override {
-    stopped_ = true;
+    stopped_ = stopped_ || dwell == 0.0 || !options_.dwells_before_filter;
     if (dwell > 0.0 && path_.blocks() == 0) path_.dwell_first += dwell;
     if (dwell > 0.0 && path_.blocks() > 0) path_.dwell.emplace_back(path_.blocks() - 1, dwell);
   }
+  void pass(std::string_view words) override { path_.passed.emplace_back(path_.blocks(), words); }
   Toolpath finish();
 
  private:
@@ -137,6 +138,12 @@ void Builder::close_joint(const Move& next) {
     if (tolerance < 0.0) {
       fail(last_, "the corner at the end of this move has no tolerance: G64 P in the program or [program] error_max_um in the task");
     }
+  }
+  // Several dwells in a row are one delay.
+  for (double delay = 0.0; options_.dwells_before_filter && !stop && !path_.dwell.empty() && path_.dwell.back().first == b; path_.dwell.pop_back()) {
+    delay += path_.dwell.back().second;
+    if (path_.given.empty() || path_.given.back().first != b) path_.given.emplace_back(b, 0.0);
+    path_.given.back().second = delay;
   }
   path_.joint.back() = joint;
   path_.tolerance.back() = tolerance;

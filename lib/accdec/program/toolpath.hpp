@@ -37,6 +37,8 @@ struct Toolpath {
   std::vector<std::uint8_t> inside_arc; ///< whether the joint lies between two chords of one arc
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;             ///< before the first block, s
+  std::vector<std::pair<std::uint32_t, double>> given;  ///< delays that the program brings along: at the end of which block, s; ascending
+  std::vector<std::pair<std::uint32_t, std::string>> passed;  ///< words that are not about motion: before which block, as to be written
   std::int64_t empty_moves = 0;         ///< moves of no length that were left out
 
   std::size_t blocks() const { return duration.size(); }
@@ -49,6 +51,7 @@ struct ToolpathOptions {
   ReadOptions read;
   std::optional<double> error_max;  ///< m, tolerance where the program gives none
   bool rapid_stops = false;         ///< stop wherever rapid and feed moves meet
+  bool dwells_before_filter = false;  ///< G4 holds the command back and asks for no stop: a given delay, where the program does not stop anyway
 };
 
 /// The task's axis that moves a program axis: the one of its name in either case; a task with a single axis gives its limits to
