@@ -64,14 +64,6 @@ TEST(Reference, AgreesWithASolverThatSharesNothingWithIt) {
   }
 }
 
-TEST(Reference, WithPowerIsABoundOnly) {
-  CaseSpec spec = boxcar_case(41, 0);
-  for (Axis& axis : spec.task.machine.axes) axis.mass = 10.0, axis.power_max = 1e3;
-  const Reference r = reference_of(ComparisonCase(spec), 30.0);
-  EXPECT_EQ(r.proof, Reference::Proof::bound);
-  EXPECT_GT(r.lower, 0.0);
-}
-
 TEST(ComparisonCase, RefinementKeepsTheMotion) {
   CaseSpec spec = boxcar_case(41, 10);
   spec.task.corners[0].delay = 3;

@@ -82,10 +82,11 @@ struct Reference {
 };
 std::string_view to_string(Reference::Proof proof);
 
-/// By the exact method: linear programmes with tangent cuts and checked dual multipliers.
-///   margin  bisection on the tolerance between a refuted and a held one, to 1e-6 of the objective; with power, regeneration or a
-///           smallest speed only the bound of the task without them
-///   delay   whether any filter of this order holds the convex limits at all
+/// By the exact method: linear programmes with tangent cuts and checked dual multipliers, and branch and bound on responses where
+/// power, regeneration or a smallest speed is limited. Known points hold all rows to 1e-7.
+///   margin  brackets the tolerance between a refuted and a held one, to 1e-5 of the objective
+///   delay   refutes, interval of instants by interval, delays 5e-5 below a known one (DelaySearch); with several corners the bound is
+///           the sum of what each needs on its own, which a filter that is best for all of them reaches
 ///   design  design_exact at this order
 /// @param time_limit  s
 Reference reference_of(const ComparisonCase& subject, double time_limit);

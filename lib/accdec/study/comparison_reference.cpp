@@ -1,9 +1,3 @@
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <limits>
-#include <optional>
-
 #include <fmt/format.h>
 
 #include <accdec/design/exact/exact.hpp>
@@ -11,6 +5,15 @@
 #include <accdec/design/limit_rows.hpp>
 #include <accdec/design/order_bound.hpp>
 #include <accdec/study/comparison_case.hpp>
+#include <accdec/study/reference_delay.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <tuple>
 
 namespace accdec::study {
 namespace {
@@ -18,10 +21,17 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Relative to max(1, objective): where bisection stops.
 constexpr double accuracy = 1e-6;
+/// The bracket of a proved optimum, and of a proved delay.
+constexpr double closed = 1e-5;
+constexpr double delay_accuracy = 5e-5;
+/// What a known point may break rows by, a tenth of what solvers are granted: the programmes' own tolerance, in units
+/// of a row.
+constexpr double held = 1e-7;
 
 bool convex(const Task& task) {
   const auto& axes = task.machine.axes;
-  return std::all_of(axes.begin(), axes.end(), [](const Axis& a) { return a.power_max >= unlimited && a.regeneration_max >= unlimited; }) &&
+  return std::all_of(axes.begin(), axes.end(),
+                     [](const Axis& a) { return a.power_max >= unlimited && a.regeneration_max >= unlimited; }) &&
          std::all_of(task.corners.begin(), task.corners.end(), [](const TaskCorner& c) { return c.speed_min <= 0.0; });
 }
 
@@ -41,7 +51,8 @@ Task with_frequencies(const CaseSpec& spec) {
 }
 
 /// The convex limits at fixed order, delays and samples, with every tolerance times `scale`; infinite: without them.
-exact::Outcome solve(Task task, const CaseSpec& spec, const std::vector<int>& delays, const std::vector<int>& samples, double scale) {
+exact::Outcome solve(Task task, const CaseSpec& spec, const std::vector<int>& delays, const std::vector<int>& samples,
+                     double scale) {
   for (TaskCorner& corner : task.corners) {
     if (!corner.error_max) continue;
     if (std::isinf(scale) || *corner.error_max == 0.0) {
@@ -54,70 +65,195 @@ exact::Outcome solve(Task task, const CaseSpec& spec, const std::vector<int>& de
   exact::Relaxation relaxation(model, spec.order);
   exact::Box box;
   box.order = spec.order;
-  for (std::size_t j = 0; j < task.corners.size(); ++j) box.corners.push_back({delays[j], delays[j], samples[j], samples[j]});
+  for (std::size_t j = 0; j < task.corners.size(); ++j)
+    box.corners.push_back({delays[j], delays[j], samples[j], samples[j]});
+  if (!model.convex() && !model.shrink(box)) {
+    exact::Outcome nothing;
+    nothing.kind = exact::Outcome::refuted;
+    return nothing;
+  }
   return relaxation.solve(box, spec.task.design.symmetric);
 }
 
 /// sigma of MarginProblem for a filter.
-double margin_of(const Task& task, const Filter& filter, const std::vector<int>& delays, const std::vector<int>& samples) {
+double margin_of(const Task& task, const Filter& filter, const std::vector<int>& delays,
+                 const std::vector<int>& samples) {
   double worst = 0.0;
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     if (!corner.error_max || *corner.error_max == 0.0) continue;
-    const double p = corner.geometry.feed_in * task.sample_period / *corner.error_max * filter.remaining_moment(samples[j]);
-    const double q = corner.geometry.feed_out * task.sample_period / *corner.error_max * filter.elapsed_moment(samples[j] - delays[j]);
+    const double p =
+        corner.geometry.feed_in * task.sample_period / *corner.error_max * filter.remaining_moment(samples[j]);
+    const double q = corner.geometry.feed_out * task.sample_period / *corner.error_max *
+                     filter.elapsed_moment(samples[j] - delays[j]);
     worst = std::max(worst, p * p + q * q + 2.0 * corner.geometry.cos_interior() * p * q);
   }
   return worst;
 }
 
-Reference infeasible(std::string method) { return {Reference::Proof::infeasible, infinity, infinity, std::move(method)}; }
+Reference infeasible(std::string method) {
+  return {Reference::Proof::infeasible, infinity, infinity, std::move(method)};
+}
 
 /// Proof of infeasibility that needs no tolerance, or a filter that holds the convex limits.
-std::optional<Reference> no_filter_at_all(const Task& task, const CaseSpec& spec, const std::vector<int>& delays, const std::vector<int>& samples,
-                                          std::optional<Filter>& filter) {
-  if (order_lower_bound(spec.task, spec.order) > spec.order) return infeasible("fastest start within the limits takes a larger order");
+std::optional<Reference> no_filter_at_all(const Task& task, const CaseSpec& spec, const std::vector<int>& delays,
+                                          const std::vector<int>& samples, std::optional<Filter>& filter) {
+  if (order_lower_bound(spec.task, spec.order) > spec.order)
+    return infeasible("fastest start within the limits takes a larger order");
   const exact::Outcome outcome = solve(task, spec, delays, samples, infinity);
   if (outcome.kind == exact::Outcome::refuted) return infeasible("linear programme refuted by its dual multipliers");
   if (outcome.kind == exact::Outcome::feasible) filter = outcome.filter;
   return std::nullopt;
 }
 
-Reference margin_reference(const CaseSpec& spec, const std::vector<int>& samples, double time_limit) {
-  const auto began = std::chrono::steady_clock::now();
-  const auto late = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count() > time_limit; };
-  const Task task = with_frequencies(spec);
-  std::optional<Filter> filter;
-  if (const auto none = no_filter_at_all(task, spec, spec.delays, samples, filter)) return *none;
-  Reference reference{Reference::Proof::bound, 0.0, infinity, ""};
-  if (filter) reference.upper = margin_of(task, *filter, spec.delays, samples);
-  while (filter && reference.upper - reference.lower > accuracy * std::max(1.0, reference.upper) && !late()) {
-    // In the error, not its square: far above the optimum that halves faster.
-    const double scale = 0.5 * (std::sqrt(reference.lower) + std::sqrt(reference.upper));
-    const exact::Outcome outcome = solve(task, spec, spec.delays, samples, scale);
-    if (outcome.kind == exact::Outcome::refuted) {
-      reference.lower = scale * scale;
-    } else if (outcome.kind == exact::Outcome::feasible) {
-      reference.upper = std::min(scale * scale, margin_of(task, *outcome.filter, spec.delays, samples));
-    } else {
-      break;  // rounding decides: what is proved so far stays
+/// Least error scale: value^2 is sigma.
+class MarginSearch : public ReferenceSearch {
+ public:
+  MarginSearch(Task& task, const CaseSpec& spec, const std::vector<int>& samples, std::function<bool()> late)
+      : ReferenceSearch(task, spec.order, spec.delays, std::move(late)),
+        task_(task),
+        plain_(task),
+        spec_(spec),
+        samples_(samples) {}
+
+ protected:
+  void place(const Part&, double value, exact::Box& box) override {
+    for (std::size_t j = 0; j < task_.corners.size(); ++j) {
+      box.corners[j].k1 = box.corners[j].k2 = samples_[j];
+      if (task_.corners[j].error_max) *task_.corners[j].error_max = value * *plain_.corners[j].error_max;
     }
   }
-  const bool closed = reference.upper - reference.lower <= 10.0 * accuracy * std::max(1.0, reference.upper);
-  if (closed && convex(task)) {
+  double value_of(const Filter& filter, const Part&) override {
+    return std::sqrt(margin_of(plain_, filter, spec_.delays, samples_));
+  }
+
+ private:
+  Task& task_;
+  const Task plain_;
+  const CaseSpec& spec_;
+  const std::vector<int>& samples_;
+};
+
+/// How far a point of the reduced form breaks its bounds and rows.
+double violation(const nlp::Problem& problem, const std::vector<double>& x) {
+  double worst = 0.0;
+  const auto test = [&](double value, const nlp::Bound& b) {
+    worst = std::max({worst, b.lower - value, value - b.upper});
+  };
+  for (int i = 0; i < problem.num_variables(); ++i) test(x[static_cast<std::size_t>(i)], problem.variable_bound(i));
+  std::vector<double> rows(static_cast<std::size_t>(problem.num_rows()));
+  problem.rows(x, rows);
+  for (int r = 0; r < problem.num_rows(); ++r) test(rows[static_cast<std::size_t>(r)], problem.row_bound(r));
+  return worst;
+}
+
+std::function<bool()> timer(double limit) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
+  return [end] { return std::chrono::steady_clock::now() > end; };
+}
+
+std::string with_splits(const Task& task) {
+  return convex(task) ? "" : ", chords of power and speed limits split on responses";
+}
+
+Reference margin_reference(const ComparisonCase& subject, double time_limit) {
+  const CaseSpec& spec = subject.spec();
+  Task task = with_frequencies(spec);
+  std::optional<Filter> filter;
+  if (const auto none = no_filter_at_all(task, spec, spec.delays, subject.samples(), filter)) return *none;
+  Reference reference{Reference::Proof::bound, 0.0, infinity, "exact bound"};
+  const double trial = filter ? std::sqrt(margin_of(task, *filter, spec.delays, subject.samples())) : 1.0;
+  for (TaskCorner& corner : task.corners) {
+    if (corner.error_max && *corner.error_max == 0.0) corner.error_max.reset();
+  }
+  MarginSearch search(task, spec, subject.samples(), timer(time_limit));
+  const double wanted = convex(task) ? accuracy : 5.0 * accuracy;
+  const auto tolerance = [&](double upper) {
+    return wanted * std::max(1.0, upper * upper) / (2.0 * std::max(upper, 1e-9));
+  };
+  search.run(std::max(trial, 1e-6), tolerance);
+  reference.lower = search.lower * search.lower;
+  if (!search.best) return reference;
+  const auto& problem = dynamic_cast<const MarginProblem&>(*subject.problem(true));
+  std::vector<double> x = problem.start_from(*search.best);
+  x[static_cast<std::size_t>(problem.sigma())] = search.upper * search.upper * (1.0 + 1e-12);
+  const double upper = problem.objective(x);
+  if (upper - reference.lower <= closed * std::max(1.0, upper) && violation(problem, x) <= held) {
     reference.proof = Reference::Proof::optimal;
-    reference.method = "exact: bisection with refuting linear programmes";
+    reference.upper = upper;
+    reference.method = "exact: bisection with refuting linear programmes" + with_splits(task);
   } else {
-    reference.upper = infinity;
-    reference.method = convex(task) ? "exact bound, bisection not finished" : "exact bound without power, regeneration and smallest speed";
+    reference.method = fmt::format("exact bound, bisection not finished (gap {:.2g})", upper - reference.lower);
   }
   return reference;
 }
 
-Reference delay_reference(const CaseSpec& spec, const std::vector<int>& delays, const std::vector<int>& samples) {
+/// The point of the reduced DelayProblem with a filter, its least delays and the instants they are had at.
+std::vector<double> delay_point(const ComparisonCase& subject, const Filter& filter,
+                                const std::vector<std::unique_ptr<DelaySearch>>& searches) {
+  const Task& task = subject.spec().task;
+  const nlp::Problem& problem = *subject.problem(true);
+  std::vector<double> delays(task.corners.size(), 0.0), instants(task.corners.size(), 0.0);
+  for (const auto& search : searches)
+    std::tie(delays[search->corner()], instants[search->corner()]) = search->delay_of(filter);
+  std::vector<double> x = dynamic_cast<const DelayProblem&>(problem).start_from(filter, delays);
+  for (const auto& search : searches) {
+    for (int i = 0; i < problem.num_variables(); ++i) {
+      if (problem.variable_name(i) == "t " + task.corners[search->corner()].name)
+        x[static_cast<std::size_t>(i)] = instants[search->corner()];
+    }
+  }
+  return x;
+}
+
+/// The sum of what each corner needs if the filter is made for it alone; proved the optimum where one filter serves all
+/// as well.
+Reference delay_reference(const ComparisonCase& subject, double time_limit) {
+  const CaseSpec& spec = subject.spec();
+  const Task task = with_frequencies(spec);
   std::optional<Filter> filter;
-  if (const auto none = no_filter_at_all(with_frequencies(spec), spec, delays, samples, filter)) return *none;
-  return {Reference::Proof::bound, 0.0, infinity, "delays are not negative"};
+  if (const auto none =
+          no_filter_at_all(task, spec, subject.blend_delays(), std::vector<int>(task.corners.size(), 0), filter))
+    return *none;
+  std::vector<std::size_t> free;
+  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+    if (task.corners[j].error_max && *task.corners[j].error_max > 0.0 && !task.corners[j].delay) free.push_back(j);
+  }
+  Reference reference{Reference::Proof::bound, 0.0, infinity, "delays are not negative"};
+  const auto began = std::chrono::steady_clock::now();
+  std::vector<Task> tasks(free.size(), task);  // kept: searches refer to them
+  std::vector<std::unique_ptr<DelaySearch>> searches;
+  for (std::size_t n = 0; n < free.size(); ++n) {
+    const std::size_t j = free[n];
+    for (std::size_t i = 0; i < task.corners.size(); ++i) {
+      if (i != j) tasks[n].corners[i].error_max.reset();
+    }
+    const double left = time_limit - std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    searches.push_back(std::make_unique<DelaySearch>(tasks[n], j, spec.order, subject.blend_delays(),
+                                                     timer(left / static_cast<double>(free.size() - n))));
+    const double share = free.size() == 1 ? 1.0 : 0.2;
+    searches.back()->run(spec.order + 1.0, [&](double upper) {
+      return share * delay_accuracy * std::max(1.0 / task.corners[j].weight, upper);
+    });
+    reference.lower += task.corners[j].weight * searches.back()->lower;
+  }
+  reference.method = free.size() > 1 ? "exact bound: the sum of what each corner needs on its own" : "exact bound";
+  for (const auto& search : searches) {
+    if (!search->best) continue;
+    const nlp::Problem& problem = *subject.problem(true);
+    const std::vector<double> x = delay_point(subject, *search->best, searches);
+    const double upper = problem.objective(x);
+    if (upper - reference.lower > delay_accuracy * std::max(1.0, upper) || violation(problem, x) > held ||
+        upper >= reference.upper)
+      continue;
+    reference.proof = Reference::Proof::optimal;
+    reference.upper = upper;
+    reference.method = "exact: linear programmes that refute intervals of instants" + with_splits(task);
+    if (free.size() > 1) reference.method += "; one filter is best for each corner";
+  }
+  if (reference.proof != Reference::Proof::optimal && free.size() == 1)
+    reference.method += ", branch and bound not finished";
+  return reference;
 }
 
 Reference design_reference(const CaseSpec& spec, double time_limit) {
@@ -151,8 +287,8 @@ std::string_view to_string(Reference::Proof proof) {
 Reference reference_of(const ComparisonCase& subject, double time_limit) {
   const CaseSpec& spec = subject.spec();
   switch (spec.question) {
-    case Question::margin: return margin_reference(spec, subject.samples(), time_limit);
-    case Question::delay: return delay_reference(spec, subject.blend_delays(), std::vector<int>(spec.task.corners.size(), 0));
+    case Question::margin: return margin_reference(subject, time_limit);
+    case Question::delay: return delay_reference(subject, time_limit);
     case Question::design: return design_reference(spec, time_limit);
   }
   return {};

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t most_vibration_rows = 60;
 
-bool loose(const CornerBox& b) { return b.k1 < b.k2 || b.d1 < b.d2; }
+/// rad inside of which cuts grow with both distances in spite of rounding
+constexpr double inside = 1e-12;
 
 }  // namespace
 
@@ -151,12 +152,11 @@ bool Programme::add_sparse(const RowId& id, const Box& box) {
 }
 
 void Programme::add_cone(std::size_t j, double angle, const Box& box) {
-  const CornerBox& b = box.corners[j];
   const double wp = model_.weight_in(j, angle), wq = model_.weight_out(j, angle);
   std::vector<int> columns{excess()};
   std::vector<double> values{-1.0};
-  for (int i = 0; i <= largest_; ++i) {
-    const double c = wp * std::max(0, i - b.k2) + wq * std::max(0, b.k1 - b.d2 - i);
+  for (int i = 0; i <= box.order; ++i) {
+    const double c = wp * box.weight_in(j, i) + wq * box.weight_out(j, i);
     if (c != 0.0) columns.push_back(i), values.push_back(c);
   }
   RowId id;
@@ -169,14 +169,17 @@ void Programme::add_cone(std::size_t j, double angle, const Box& box) {
 bool Programme::cut_cones(const Filter& filter, const Box& box, double allowed) {
   bool added = false;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    if (!model_.cone(j)) continue;
-    const CornerBox& b = box.corners[j];
-    const double p = model_.scale_in(j) * filter.remaining_moment(b.k2),
-                 q = model_.scale_out(j) * filter.elapsed_moment(b.k1 - b.d2);
+    if (!model_.cone(j) || box.only_angle) continue;
+    double p = 0.0, q = 0.0;
+    for (int i = 0; i <= filter.order(); ++i) {
+      p += filter.tap(i) * box.weight_in(j, i);
+      q += filter.tap(i) * box.weight_out(j, i);
+    }
+    p *= model_.scale_in(j), q *= model_.scale_out(j);
     const double theta = model_.theta(j);
     double angle = std::atan2(q * std::sin(theta), p + q * std::cos(theta));
     // Within a box only cuts that grow with both distances hold.
-    if (loose(b)) angle = std::clamp(angle, theta - 0.5 * std::numbers::pi, 0.5 * std::numbers::pi);
+    if (box.loose(j)) angle = std::clamp(angle, theta - 0.5 * std::numbers::pi + inside, 0.5 * std::numbers::pi - inside);
     const double value = p * std::cos(angle) + q * std::cos(theta - angle);
     if (value <= model_.error_bound(j) * (1.0 + broken()) + 1e-13 + std::max(allowed, 0.0) * (1.0 + slack))
       continue;
@@ -276,13 +279,14 @@ void Programme::prepare(const Box& box, bool symmetric) {
     if (!model_.single_delay(id, box)) continue;
     if (const auto chord = model_.chord(id, box)) add_row(*chord, model_.row(*chord, box), false);
   }
+  if (box.only_angle) angles.clear();
   for (const auto& [j, angle] : angles) {
     const bool grows = std::cos(angle) >= 0.0 && std::cos(model_.theta(j) - angle) >= 0.0;
-    if (grows || !loose(box.corners[j])) add_cone(j, angle, box);
+    if (grows || !box.loose(j)) add_cone(j, angle, box);
   }
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const bool kept = std::any_of(angles.begin(), angles.end(), [&](const auto& a) { return a.first == j; });
-    if (model_.cone(j) && !kept) add_cone(j, 0.5 * model_.theta(j), box);
+    if (model_.cone(j) && !kept) add_cone(j, box.only_angle.value_or(0.5 * model_.theta(j)), box);
   }
   if (vibration_.size() > most_vibration_rows) {
     vibration_.erase(vibration_.begin(),

@@ -10,13 +10,13 @@ class Relaxation::Impl {
   Impl(const LimitModel& model, int order, const std::function<bool()>& stop, double margin)
       : model_(model), programme_(model, order, stop, margin) {}
 
-  Outcome solve(const Box& box, bool symmetric) {
+  Outcome solve(const Box& box, bool symmetric, bool strongest) {
     programme_.prepare(box, symmetric);
-    Outcome outcome = cut(box, symmetric, true);
+    Outcome outcome = cut(box, symmetric, true, strongest);
     if (outcome.kind != Outcome::unresolved) return outcome;
     programme_.start_cold();
     programme_.prepare(box, symmetric);
-    return cut(box, symmetric, true);
+    return cut(box, symmetric, true, strongest);
   }
 
   /// A limit outside the convex class holds where its tangent at a known point holds; from point to point the excess
@@ -29,7 +29,7 @@ class Relaxation::Impl {
       if (round > 0 && before <= 1e-10 && worst <= 1.0 + 3.0 * slack) return at;
       programme_.prepare(box, symmetric);
       programme_.soften(close, at, box);
-      const Outcome outcome = cut(box, symmetric, false);
+      const Outcome outcome = cut(box, symmetric, false, false);
       if (!outcome.filter) return std::nullopt;
       if (lp_.objectiveValue() > std::max(1e-10, 0.95 * before)) return std::nullopt;
       before = lp_.objectiveValue();
@@ -41,12 +41,16 @@ class Relaxation::Impl {
   long programmes() const { return solved_; }
 
  private:
-  /// @param refuting  stop as soon as the box is refuted, else minimise the excess
-  Outcome cut(const Box& box, bool symmetric, bool refuting) {
+  /// @param refuting  stop as soon as the box is refuted (strongest: no further cut adds to that), else minimise the excess
+  Outcome cut(const Box& box, bool symmetric, bool refuting, bool strongest) {
     Outcome outcome;
+    double by = 0.0;
     const auto refuted = [&](const double* dual, double sign) {
-      outcome.multipliers = programme_.multipliers(dual, sign, box);
-      if (!(refutation(model_, outcome.multipliers, box, symmetric ? box.order : -1) > 0.0)) return false;
+      Multipliers y = programme_.multipliers(dual, sign, box);
+      const double value = refutation(model_, y, box, symmetric ? box.order : -1);
+      if (!(value > by)) return false;
+      by = value;
+      outcome.multipliers = std::move(y);
       outcome.kind = Outcome::refuted;
       return true;
     };
@@ -63,10 +67,15 @@ class Relaxation::Impl {
         return outcome;
       }
       if (lp_.status() != 0) return outcome;
-      if (refuting && lp_.objectiveValue() > 0.0 && refuted(lp_.dualRowSolution(), 1.0)) return outcome;
+      outcome.excess = lp_.objectiveValue();
+      if (refuting && outcome.excess > 0.0) {
+        const double before = by;
+        refuted(lp_.dualRowSolution(), 1.0);
+        if (by > 0.0 && (!strongest || by <= 1.05 * before)) return outcome;
+      }
       Filter filter = programme_.filter(box, symmetric);
       if (!programme_.cut(filter, box, refuting ? 0.0 : lp_.objectiveValue())) {
-        outcome.multipliers.clear();
+        if (by > 0.0) return outcome;
         outcome.filter = std::move(filter);
         outcome.kind = Outcome::feasible;
         return outcome;
@@ -84,8 +93,8 @@ class Relaxation::Impl {
 Relaxation::Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin)
     : impl_(std::make_unique<Impl>(model, largest_order, stop, margin)) {}
 Relaxation::~Relaxation() = default;
-Outcome Relaxation::solve(const Box& box, bool symmetric) {
-  return impl_->solve(box, symmetric);
+Outcome Relaxation::solve(const Box& box, bool symmetric, bool strongest) {
+  return impl_->solve(box, symmetric, strongest);
 }
 std::optional<Filter> Relaxation::repair(const Box& box, bool symmetric, const Filter& start) {
   return impl_->repair(box, symmetric, start);

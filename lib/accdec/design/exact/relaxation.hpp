@@ -11,6 +11,7 @@ namespace accdec::exact {
 struct Outcome {
   enum Kind { refuted, feasible, unresolved } kind = unresolved;
   Multipliers multipliers;       ///< refuted
+  double excess = 0.0;           ///< of the last programme over the cones; their own where it is below 0
   std::optional<Filter> filter;  ///< feasible: holds all convex limits of the relaxed box, and the chords of the others
 };
 
@@ -25,7 +26,8 @@ class Relaxation {
   Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop = {}, double margin = 0.0);
   ~Relaxation();
   /// @param symmetric  only symmetric filters of the box's order (no shorter ones)
-  Outcome solve(const Box& box, bool symmetric);
+  /// @param strongest  multipliers that refute by as much as further cuts give, for boxes beside this one
+  Outcome solve(const Box& box, bool symmetric, bool strongest = false);
   /// A filter of a box of single delays and samples that holds all limits, from one that holds some; none if this way
   /// leads nowhere.
   std::optional<Filter> repair(const Box& box, bool symmetric, const Filter& start);

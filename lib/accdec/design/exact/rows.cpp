@@ -185,12 +185,10 @@ double refutation(const LimitModel& model, const Multipliers& y, const Box& box,
   for (const auto& [id, value] : y) {
     if (id.kind == RowKind::cone) {
       const auto j = static_cast<std::size_t>(id.corner);
-      const CornerBox& b = box.corners[j];
       const double wp = value * model.weight_in(j, id.angle), wq = value * model.weight_out(j, id.angle);
-      if ((b.k1 < b.k2 || b.d1 < b.d2) && (wp < -1e-16 || wq < -1e-16)) return -infinity;
-      const int m = b.k1 - b.d2;
-      for (int i = b.k2 + 1; i <= n; ++i) c[static_cast<std::size_t>(i)] += wp * (i - b.k2);
-      for (int i = 0; i <= std::min(n, m - 1); ++i) c[static_cast<std::size_t>(i)] += wq * (m - i);
+      if (box.loose(j) && (wp < -1e-16 || wq < -1e-16)) return -infinity;
+      for (int i = 0; i <= n; ++i)
+        c[static_cast<std::size_t>(i)] += wp * box.weight_in(j, i) + wq * box.weight_out(j, i);
       rhs += value * model.error_bound(j);
     } else if (id.kind == RowKind::vibration) {
       for (int i = 0; i <= n; ++i) c[static_cast<std::size_t>(i)] += value * model.vibration_coefficient(id, i);

@@ -2,6 +2,7 @@
 
 #include <accdec/design/task.hpp>
 #include <accdec/motion/filter.hpp>
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <utility>
@@ -57,11 +58,32 @@ struct SumBound {
 struct Tube {
   std::vector<double> low, high;
 };
+/// One corner's leg distances in samples at full speed, as weights of the taps: lower bounds wherever the caller needs them.
+struct Distances {
+  std::vector<double> in, out;
+};
 struct Box {
   int order = 0;  ///< largest order in the box; shorter filters are this one with zero taps
   std::vector<CornerBox> corners;
   std::vector<SumBound> path{};  ///< splits on cumulative responses
   Tube tube{};                   ///< what they and the limits leave; empty where every limit is convex
+  /// One per corner, instead of those at the whole delays and samples of `corners`; empty: those. Only cuts that grow with
+  /// both distances are then drawn.
+  std::vector<Distances> distances{};
+  std::optional<double> only_angle{};  ///< rad: the one cut that stands for each cone
+
+  /// Weights of tap i in the least leg distances of corner j.
+  double weight_in(std::size_t j, int i) const {
+    return distances.empty() ? std::max(0, i - corners[j].k2) : distances[j].in[static_cast<std::size_t>(i)];
+  }
+  double weight_out(std::size_t j, int i) const {
+    return distances.empty() ? std::max(0, corners[j].k1 - corners[j].d2 - i)
+                             : distances[j].out[static_cast<std::size_t>(i)];
+  }
+  /// Whether more than one delay or sample is in it, or distances in place of both.
+  bool loose(std::size_t j) const {
+    return !distances.empty() || corners[j].k1 < corners[j].k2 || corners[j].d1 < corners[j].d2;
+  }
 };
 
 /// Sum of taps, sums (coefficients of B_k) and constant, all <= 1.

@@ -39,6 +39,10 @@ struct Candidate {
 /// Without the zero taps at its ends, but of the smallest order allowed. Symmetric taps stay so.
 Filter trimmed(const Filter& filter, const DesignBounds& bounds);
 
+/// Where to split to see to the limit that is broken most: at the filter's own response, where both parts' chords meet the limit,
+/// but not too close to an end. None if no limit outside the convex class is broken; sample 0: one is, but nothing is left to split.
+std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filter, const Box& box);
+
 /// Looks for something shorter than a target, or proves that there is nothing.
 class Search {
  public:
@@ -64,7 +68,6 @@ class Search {
   State refute_sums(Box box, bool symmetric, int depth);
   State split_sum(const Box& box, const SumBound& at, bool symmetric, int depth);
   State close(Multipliers y);
-  std::optional<SumBound> widest_break(const Filter& filter, const Box& box) const;
   Box root() const;
   void size_for(int order);
   /// The filter, or where only rounding keeps it from verifying another of the box, asked for with a margin.

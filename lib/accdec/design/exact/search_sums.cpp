@@ -11,15 +11,13 @@ constexpr int deepest = 300;
 
 }  // namespace
 
-/// Where to split to see to the limit that is broken most: at the filter's own response, where both parts' chords meet
-/// the limit, but not too close to an end. None if no limit outside the convex class is broken.
-std::optional<SumBound> Search::widest_break(const Filter& filter, const Box& box) const {
+std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filter, const Box& box) {
   double worst = 1.0 + 1e-9;
   SumBound split;
   bool broken = false;
-  for (RowId id : model_.families()) {
-    for (id.sample = 1; id.sample <= model_.last_sample(id, box); ++id.sample) {
-      const double use = model_.use(id, filter, box);
+  for (RowId id : model.families()) {
+    for (id.sample = 1; id.sample <= model.last_sample(id, box); ++id.sample) {
+      const double use = model.use(id, filter, box);
       if (use <= worst) continue;
       broken = true;
       const int d = id.corner < 0 ? 0 : box.corners[static_cast<std::size_t>(id.corner)].d1;
@@ -38,7 +36,7 @@ std::optional<SumBound> Search::widest_break(const Filter& filter, const Box& bo
     }
   }
   if (!broken) return std::nullopt;
-  return split;  // sample 0: broken, but nothing left to split
+  return split;
 }
 
 Search::State Search::close(Multipliers y) {
@@ -91,7 +89,7 @@ Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
     consider(trimmed(mended(filter, box, symmetric, delays), task_.design), delays);
     return best && best->value < target_ * (1.0 - 1e-9);
   };
-  const auto split = widest_break(*outcome.filter, box);
+  const auto split = widest_break(model_, *outcome.filter, box);
   if (!split) return found(*outcome.filter) ? State::found : State::stopped;
   if (depth % 8 == 0) {
     const auto repaired = relaxation_->repair(box, symmetric, *outcome.filter);

@@ -1,0 +1,121 @@
+#include <accdec/study/reference_search.hpp>
+#include <algorithm>
+#include <limits>
+
+namespace accdec::study {
+namespace {
+
+constexpr int deepest = 400;
+
+/// The widest response of a box, in the middle: where a programme came to no conclusion, its parts may.
+exact::SumBound middle_of(const exact::Box& box) {
+  exact::SumBound split;
+  double widest = 1e-3;
+  for (int k = 1; k <= box.order && !box.tube.low.empty(); ++k) {
+    const double low = box.tube.low[static_cast<std::size_t>(k)], high = box.tube.high[static_cast<std::size_t>(k)];
+    if (high - low > widest) widest = high - low, split = {k, true, 0.5 * (low + high)};
+  }
+  return split;
+}
+
+}  // namespace
+
+ReferenceSearch::ReferenceSearch(const Task& task, int order, const std::vector<int>& delays,
+                                 std::function<bool()> late)
+    : upper(std::numeric_limits<double>::infinity()),
+      model_(task),
+      late_(std::move(late)),
+      relaxation_(model_, order, late_) {
+  box_.order = order;
+  for (const int d : delays) box_.corners.push_back({d, d, 0, 0});
+}
+
+std::vector<Part> ReferenceSearch::left(const exact::Multipliers&, const exact::Box&, const Part&) {
+  return {};
+}
+
+bool ReferenceSearch::offer(const Filter& filter, const Part& part) {
+  const double value = value_of(filter, part);
+  if (!(value < upper)) return false;
+  upper = value;
+  best = filter;
+  return true;
+}
+
+void ReferenceSearch::run(double trial, const std::function<double(double)>& tolerance) {
+  for (int doubled = 0; doubled < 30 && !best && !late_(); ++doubled, trial *= 2.0) {
+    const Answer answer = below(trial);
+    if (answer == Answer::refuted) lower = trial;
+    if (answer == Answer::unknown) return;
+  }
+  bool coarse = true;  // a first bound, should time run out
+  while (best && !late_()) {
+    descend(0.3 * tolerance(upper));
+    const double step = tolerance(upper);
+    if (upper - lower <= step) return;
+    const double value = upper - (coarse ? std::max(0.9 * step, 0.05 * (upper - lower)) : 0.9 * step);
+    coarse = false;
+    const Answer answer = below(value);
+    if (answer == Answer::refuted) lower = value;
+    if (answer == Answer::unknown) return;
+  }
+}
+
+void ReferenceSearch::descend(double least) {
+  for (double step = 0.5 * (upper - lower); step > least && !late_();) {
+    const Part part = around_best();
+    exact::Box box = box_;
+    if (!model_.convex() && !model_.shrink(box)) return;
+    place(part, upper - step, box);
+    std::optional<Filter> filter;
+    if (model_.convex()) {
+      filter = relaxation_.solve(box, symmetric()).filter;
+    } else {
+      filter = relaxation_.repair(box, symmetric(), *best);
+    }
+    if (!filter || !offer(*filter, part)) step *= 0.3;
+    step = std::min(step, 0.5 * (upper - lower));
+  }
+}
+
+ReferenceSearch::Answer ReferenceSearch::below(double value) {
+  std::vector<Part> parts = all();
+  while (!parts.empty()) {
+    if (late_()) return Answer::unknown;
+    Part part = std::move(parts.back());
+    parts.pop_back();
+    exact::Box box = box_;
+    box.path = part.path;
+    if (!model_.convex() && !model_.shrink(box)) continue;
+    place(part, value, box);
+    const exact::Outcome outcome = relaxation_.solve(box, symmetric(), part.low < part.high);
+    if (outcome.kind == exact::Outcome::refuted) {
+      for (Part& rest : left(outcome.multipliers, box, part)) parts.push_back(std::move(rest));
+      continue;
+    }
+    std::optional<exact::SumBound> split;
+    if (outcome.kind == exact::Outcome::feasible) {
+      split = exact::widest_break(model_, *outcome.filter, box);
+      if (!split) {
+        if (offer(*outcome.filter, part)) return Answer::better;
+        return Answer::unknown;  // rounding decides
+      }
+      if (part.depth % 8 == 0) {
+        const auto repaired = relaxation_.repair(box, symmetric(), *outcome.filter);
+        if (repaired && offer(*repaired, part)) return Answer::better;
+      }
+    } else {
+      split = middle_of(box);
+    }
+    if (split->sample == 0 || part.depth >= deepest) return Answer::unknown;
+    ++part.depth;
+    for (const bool upper_side : {false, true}) {
+      Part half = part;
+      half.path.push_back({split->sample, upper_side, split->level});
+      parts.push_back(std::move(half));
+    }
+  }
+  return Answer::refuted;
+}
+
+}  // namespace accdec::study
