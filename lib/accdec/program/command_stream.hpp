@@ -1,9 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include <accdec/program/toolpath.hpp>
 
@@ -37,9 +38,14 @@ class CommandTiming {
   }
   /// D of blocks first .. last, samples, not rounded.
   double run_length(std::size_t first, std::size_t last) const {
-    double sum = 0.0;
-    for (std::size_t b = first; b <= last; ++b) sum += path_.duration[b];
-    return sum / sample_period_;
+    // Four sums, so that none waits for the one before.
+    std::array<double, 4> sum{};
+    std::size_t b = first;
+    for (; b + 3 <= last; b += 4) {
+      for (std::size_t i = 0; i < 4; ++i) sum[i] += path_.duration[b + i];
+    }
+    for (; b <= last; ++b) sum[0] += path_.duration[b];
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) / sample_period_;
   }
   /// n of a run of length D.
   static std::int64_t run_samples(double length) {
@@ -60,16 +66,21 @@ class CommandTiming {
   std::span<const int> delays_;
 };
 
+/// Values of all axes. @tparam axes  their number; 0: only known at run time
+template <std::size_t axes>
+using AxisRow = std::array<double, (axes > 0 ? axes : program_axis_count)>;
+
 /// Emits the command samples of blocks first .. last, which must begin and end with runs, to
-///   sink.command(u, count, end)    `count` samples, each moving by u (m, one value an axis), the last reaching `end`
-///   sink.joint(b, time, rest)      joint b is reached `time` samples after the beginning, where the command then rests for `rest`
+///   sink.command(u0, u, count, end)  `count` samples, the first moving by u0, the others by u (m, AxisRow), the last reaching `end`
+///   sink.joint(b, time, rest)        joint b is reached `time` samples after the beginning, where the command then rests for `rest`
 /// joint comes after the command that reaches it, and before anything later. The joint of the last block is not emitted.
-template <class Sink>
+template <std::size_t axes = 0, class Sink>
 void emit_commands(const CommandTiming& timing, std::size_t first, std::size_t last, Sink& sink) {
   const Toolpath& path = timing.path();
-  const std::size_t n = path.dimensions();
-  std::vector<double> at(path.point(first), path.point(first) + n), u(n), w(n), to(n);
-  const std::vector<double> zero(n, 0.0);
+  const std::size_t n = axes > 0 ? axes : path.dimensions();
+  const AxisRow<axes> zero{};
+  AxisRow<axes> at{};
+  std::copy_n(path.point(first), n, at.begin());
   std::int64_t k = 0;  // samples emitted
   std::size_t next_dwell = 0;
   while (next_dwell < path.dwell.size() && path.dwell[next_dwell].first < first) ++next_dwell;
@@ -79,35 +90,27 @@ void emit_commands(const CommandTiming& timing, std::size_t first, std::size_t l
     const double length = timing.run_length(run, end);
     const std::int64_t samples = CommandTiming::run_samples(length);
     const double scale = static_cast<double>(samples) / (length * timing.sample_period());
-    const std::int64_t run_start = k;
+    const auto run_end = static_cast<double>(k + samples);
     double t = static_cast<double>(k);
     for (std::size_t b = run; b <= end; ++b) {
       const double tau = path.duration[b] * scale;
-      double e = b == end ? static_cast<double>(run_start + samples) : t + tau;
+      double e = b == end ? run_end : t + tau;
       const auto nearest = static_cast<double>(static_cast<std::int64_t>(e + 0.5));
       if (std::abs(e - nearest) < 1e-9) e = nearest;
-      e = std::min(e, static_cast<double>(run_start + samples));
-      const double* p = path.point(b);
-      const double per_sample = 1.0 / tau;
-      for (std::size_t i = 0; i < n; ++i) w[i] = (p[n + i] - p[i]) * per_sample;
-      if (t > static_cast<double>(k) && e >= static_cast<double>(k + 1)) {  // the sample under way ends on this block
+      e = std::min(e, run_end);
+      const auto reached = static_cast<std::int64_t>(e);
+      if (reached > k) {  // else the block ends within the sample under way
+        const double* p = path.point(b);
+        const double per_sample = 1.0 / tau, whole = static_cast<double>(k);
+        AxisRow<axes> u0{}, u{};
         for (std::size_t i = 0; i < n; ++i) {
-          to[i] = p[n + i] - w[i] * (e - static_cast<double>(k + 1));
-          u[i] = to[i] - at[i];
+          u[i] = (p[n + i] - p[i]) * per_sample;
+          const double to = p[n + i] - u[i] * (e - (whole + 1.0));  // where the sample under way ends
+          u0[i] = t > whole ? to - at[i] : u[i];
+          at[i] = p[n + i] - u[i] * (e - static_cast<double>(reached));
         }
-        sink.command(u.data(), 1, to.data());
-        at = to;
-        ++k;
-        t = static_cast<double>(k);
-      }
-      if (t <= static_cast<double>(k)) {
-        const auto whole = static_cast<std::int64_t>(e) - k;
-        if (whole > 0) {
-          for (std::size_t i = 0; i < n; ++i) to[i] = p[n + i] - w[i] * (e - static_cast<double>(k + whole));
-          sink.command(w.data(), whole, to.data());
-          at = to;
-          k += whole;
-        }
+        sink.command(u0, u, reached - k, at);
+        k = reached;
       }
       t = e;
       if (b < end) sink.joint(b, e, 0);
@@ -118,7 +121,7 @@ void emit_commands(const CommandTiming& timing, std::size_t first, std::size_t l
       if (path.dwell[next_dwell].first == end) rest += timing.dwell_samples(path.dwell[next_dwell].second);
     }
     sink.joint(end, static_cast<double>(k), rest);
-    if (rest > 0) sink.command(zero.data(), rest, at.data());
+    if (rest > 0) sink.command(zero, zero, rest, at);
     k += rest;
     run = end + 1;
   }

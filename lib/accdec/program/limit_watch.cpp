@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/verifier.hpp>
+#include <accdec/program/extremes.hpp>
 
 namespace accdec {
 
@@ -26,10 +27,6 @@ LimitWatch::LimitWatch(const Machine* machine, std::size_t dimensions, double sa
   }
 }
 
-void LimitWatch::mark(std::int64_t index, std::size_t block) {
-  if (!worst_.empty() && (marks_.empty() || marks_.back().second != block)) marks_.emplace_back(index, block);
-}
-
 double LimitWatch::value_at(const Worst& worst, double velocity, double acceleration, double jerk) const {
   const Axis& axis = machine_->axes[worst.axis];
   const double v = velocity / period_, a = acceleration / (period_ * period_);
@@ -46,20 +43,26 @@ double LimitWatch::value_at(const Worst& worst, double velocity, double accelera
 }
 
 void LimitWatch::look(const MotionBuffer& motion, std::size_t block) {
+  MotionExtremes extremes;
+  std::size_t seen_axis = program_axis_count;
   for (Worst& worst : worst_) {
     const auto v = motion.velocity(worst.axis), a = motion.acceleration(worst.axis), b = motion.acceleration_before(worst.axis);
     if (v.size() == 0) break;
-    // The largest of this stretch first, in the units of the samples; where it is only if it is the worst so far.
-    const Axis& axis = machine_->axes[worst.axis];
-    const double m = axis.mass / (period_ * period_), c = axis.damping / period_;
+    // The largest of this stretch first; where it is only if it is the worst so far.
+    if (worst.axis != seen_axis) {
+      const Axis& axis = machine_->axes[worst.axis];
+      const bool loads = axis.force_max < unlimited || axis.power_max < unlimited || axis.regeneration_max < unlimited;
+      extremes = motion_extremes(v.data(), a.data(), v.size(), axis.mass / (period_ * period_), axis.damping / period_, loads);
+      seen_axis = worst.axis;
+    }
     double largest = 0.0;
     switch (worst.kind) {
-      case LimitKind::velocity: largest = v.abs().maxCoeff() / period_; break;
-      case LimitKind::acceleration: largest = a.abs().maxCoeff() / (period_ * period_); break;
-      case LimitKind::jerk: largest = (a - b).abs().maxCoeff() / (period_ * period_ * period_); break;
-      case LimitKind::force: largest = (m * a + c * v).abs().maxCoeff(); break;
-      case LimitKind::power: largest = ((m * a + c * v) * v).maxCoeff() / period_; break;
-      default: largest = (-(m * a + c * v) * v).maxCoeff() / period_; break;
+      case LimitKind::velocity: largest = extremes.velocity / period_; break;
+      case LimitKind::acceleration: largest = extremes.acceleration / (period_ * period_); break;
+      case LimitKind::jerk: largest = extremes.jerk / (period_ * period_ * period_); break;
+      case LimitKind::force: largest = extremes.force; break;
+      case LimitKind::power: largest = extremes.power / period_; break;
+      default: largest = extremes.regeneration / period_; break;
     }
     const double broken = worst.bound * (1.0 + verification_tolerance);
     const bool blame = blame_ && largest > broken;

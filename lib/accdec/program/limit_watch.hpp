@@ -16,7 +16,9 @@ class LimitWatch {
   LimitWatch(const Machine* machine, std::size_t dimensions, double sample_period, bool blame);
 
   /// From this index of the buffer on block `block` is commanded.
-  void mark(std::int64_t index, std::size_t block);
+  void mark(std::int64_t index, std::size_t block) {
+    if (!worst_.empty() && (marks_.empty() || marks_.back().second != block)) marks_.emplace_back(index, block);
+  }
   /// Takes the new samples of the buffer in.
   void look(const MotionBuffer& motion, std::size_t block);
   /// Takes a stretch of steady motion at u m a sample in.

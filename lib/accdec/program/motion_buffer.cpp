@@ -3,87 +3,78 @@
 #include <algorithm>
 #include <array>
 
-#include <accdec/program/add_scaled.hpp>
+#include <accdec/program/convolve.hpp>
 #include <accdec/program/move.hpp>
+#include <accdec/program/nearest.hpp>
 
 namespace accdec {
 namespace {
-constexpr std::size_t margin = 8;  // zeros around the taps, for steps filtered together
 constexpr std::int64_t chunk = 2048;  // samples between two shifts; three arrays a few axes long stay in the first-level cache
-}
+constexpr int many = 6;  // changes in a window from which on they are filtered as a whole, not one by one
+}  // namespace
 
 MotionBuffer::MotionBuffer(const LegFilters& filters, std::size_t dimensions, const double* start)
     : filters_(filters.filters()),
       order_(filters.order_max()),
       keep_(2 * order_ + 8),
       capacity_(keep_ + chunk),
-      axes_(dimensions),
-      command_end_(start, start + dimensions) {
-  const auto size = static_cast<std::size_t>(capacity_);
+      axes_(dimensions) {
+  const auto size = static_cast<std::size_t>(capacity_), margin = static_cast<std::size_t>(convolve_margin);
+  const auto taps = static_cast<std::size_t>(order_) + 1;
   filter_of_.assign(size, 0);
   for (const Filter& filter : filters_) {
-    std::vector<double>& taps = taps_.emplace_back(margin, 0.0);
-    taps.insert(taps.end(), filter.taps().begin(), filter.taps().end());
-    taps.insert(taps.end(), margin, 0.0);
+    std::vector<double>& values = taps_.emplace_back(filter.taps().begin(), filter.taps().end());
+    values.insert(values.end(), margin, 0.0);
   }
   for (std::size_t a = 0; a < dimensions; ++a) {
-    axes_[a].command.assign(size, 0.0);
-    axes_[a].acceleration.assign(size + static_cast<std::size_t>(order_) + 1 + margin, 0.0);
+    axes_[a].command.assign(size + static_cast<std::size_t>(change_window), 0.0);
+    axes_[a].acceleration.assign(size + taps + static_cast<std::size_t>(change_window) + margin, 0.0);
     axes_[a].velocity.assign(size, 0.0);
-    axes_[a].position.assign(size, 0.0);
+    axes_[a].position.assign(size + static_cast<std::size_t>(nearest_margin), 0.0);
     axes_[a].position[0] = start[a];
   }
+  count_.assign(size / static_cast<std::size_t>(change_window) + 2, 0);
+  changes_.assign(size + 2 * (taps + margin) + static_cast<std::size_t>(change_window), 0.0);
 }
 
-void MotionBuffer::change(const double* u, std::size_t f) {
-  const auto step = [&](AxisMotion& axis, std::size_t filter, double by) {
-    axis.steps.push_back({pos_, filter, by});
-    settled_ = std::max<std::int64_t>(settled_, sample() + filters_[filter].order() + 1);
+void MotionBuffer::step(AxisMotion& axis, std::int64_t index, double by, std::size_t f) {
+  const std::int64_t order = filters_[f].order();
+  add_scaled(axis.acceleration.data() + index, by, taps_[f].data(), order + 1);
+  settled_ = std::max(settled_, number(index) + order);
+}
+
+void MotionBuffer::apply(AxisMotion& axis, std::int64_t from, std::int64_t to, std::size_t f) {
+  const std::int64_t order = filters_[f].order(), count = to - from;
+  double* const change = changes_.data() + order_ + 1 + convolve_margin;
+  find_changes(axis.command.data() + from, count, change, count_.data());
+  // Where there are few changes they are filtered one by one and taken out; what is left are stretches of many.
+  std::int64_t begin = 0, end = 0;
+  const auto convolve = [&] {
+    if (end <= begin) return;
+    add_convolved(axis.acceleration.data() + from + begin, change + begin, end - begin + order, taps_[f].data(), order + 1);
+    settled_ = std::max(settled_, number(from + end - 1) + order);
   };
-  for (std::size_t a = 0; a < axes_.size(); ++a) {
-    AxisMotion& axis = axes_[a];
-    if (f == filter_) {
-      if (u[a] != axis.now) step(axis, f, u[a] - axis.now);
-    } else {
-      if (axis.now != 0.0) step(axis, filter_, -axis.now);
-      if (u[a] != 0.0) step(axis, f, u[a]);
+  for (std::int64_t k = 0; k < count; k += change_window) {
+    const std::int64_t last = std::min(k + change_window, count);
+    const int changes = count_[static_cast<std::size_t>(k / change_window)];
+    if (changes >= many) {
+      // Two stretches are one unless the sums of the first end before the second.
+      if (end == 0 || k > end + order + convolve_margin) {
+        convolve();
+        std::fill(change + begin, change + std::max(begin, end), 0.0);
+        begin = k;
+      }
+      for (end = last; change[end - 1] == 0.0; --end) {}
+    } else if (changes > 0) {
+      for (std::int64_t i = k; i < last; ++i) {
+        if (change[i] != 0.0) step(axis, from + i, change[i], f);
+        change[i] = 0.0;
+      }
     }
-    axis.now = u[a];
   }
-  filter_ = f;
-}
-
-void MotionBuffer::advance(std::int64_t count, std::int64_t left, const double* end) {
-  for (std::int64_t k = pos_; k < pos_ + count; ++k) filter_of_[static_cast<std::size_t>(k)] = static_cast<std::uint16_t>(filter_);
-  for (std::size_t a = 0; a < axes_.size(); ++a) {
-    double* command = axes_[a].command.data() + pos_;
-    const double now = axes_[a].now;
-    for (std::int64_t k = 0; k < count; ++k) command[k] = now;
-    if (count == left) command_end_[a] = end[a];
-  }
-  pos_ += count;
-}
-
-void MotionBuffer::apply(AxisMotion& axis) {
-  const std::vector<Step>& steps = axis.steps;
-  for (std::size_t i = 0; i < steps.size();) {
-    const Step& first = steps[i];
-    double by[4] = {first.by, 0.0, 0.0, 0.0};
-    std::size_t next = i + 1;
-    for (; next < steps.size() && steps[next].index < first.index + 4 && steps[next].filter == first.filter; ++next) {
-      by[steps[next].index - first.index] += steps[next].by;
-    }
-    const double* taps = taps_[first.filter].data() + margin;
-    const std::int64_t count = filters_[first.filter].order() + 1;
-    double* at = axis.acceleration.data() + first.index;
-    if (next == i + 1) {
-      add_scaled(at, by[0], taps, count);
-    } else {
-      add_scaled4(at, by, taps, count + 3);
-    }
-    i = next;
-  }
-  axis.steps.clear();
+  if (end == 0) return;
+  convolve();
+  std::fill(change + begin, change + end, 0.0);
 }
 
 template <std::size_t count>
@@ -108,7 +99,27 @@ void MotionBuffer::integrate(std::size_t axis) {
 }
 
 void MotionBuffer::make() {
-  for (AxisMotion& axis : axes_) apply(axis);
+  for (std::int64_t from = seen_; from < pos_;) {
+    std::int64_t to = pos_;
+    std::size_t f = 0;
+    if (filters_.size() > 1) {
+      const auto filter = [&](std::int64_t k) { return filter_of_[static_cast<std::size_t>(k)]; };
+      f = filter(from);
+      for (to = from + 1; to < pos_ && filter(to) == f;) ++to;
+      const std::size_t before = filter(from - 1);
+      if (before != f) {
+        // What moved stops through its filter, what comes starts through the other.
+        const auto at = static_cast<std::size_t>(from);
+        for (AxisMotion& axis : axes_) {
+          if (axis.command[at - 1] != 0.0) step(axis, from, -axis.command[at - 1], before);
+          if (axis.command[at] != 0.0) step(axis, from, axis.command[at], f);
+        }
+        ++from;
+      }
+    }
+    for (AxisMotion& axis : axes_) apply(axis, from, to, f);
+    from = to;
+  }
   std::size_t a = 0;
   for (; a + 3 <= axes_.size(); a += 3) integrate<3>(a);
   if (a + 2 == axes_.size()) integrate<2>(a);
@@ -116,19 +127,21 @@ void MotionBuffer::make() {
 }
 
 void MotionBuffer::pass_over(std::int64_t count, const double* u, const double* end, std::int64_t left) {
+  const std::int64_t last = pos_ - 1;
   base_ = sample() + count;
   pos_ = seen_ = 1;
-  filter_of_[0] = static_cast<std::uint16_t>(filter_);
-  const double lag = static_cast<double>(left) + filters_[filter_].mean_delay();
+  const std::size_t f = filter_of_[static_cast<std::size_t>(last)];
+  filter_of_[0] = static_cast<std::uint16_t>(f);
+  const double lag = static_cast<double>(left) + filters_[f].mean_delay();
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     AxisMotion& axis = axes_[a];
-    std::fill(axis.acceleration.begin(), axis.acceleration.end(), 0.0);
+    std::fill_n(axis.acceleration.begin(), last + order_ + 2, 0.0);  // no change acts longer
     axis.command[0] = axis.velocity[0] = u[a];
     axis.position[0] = end[a] - lag * u[a];
   }
 }
 
-void MotionBuffer::shift(const double* end, std::int64_t left) {
+void MotionBuffer::shift(const double* at) {
   const std::int64_t from = pos_ - keep_;
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     AxisMotion& axis = axes_[a];
@@ -136,12 +149,12 @@ void MotionBuffer::shift(const double* end, std::int64_t left) {
     double v = 0.0, lag = 0.0;
     const double* u = axis.command.data() + pos_ - 1;
     for (int i = 0; i <= order_; ++i) {
-      const Filter& filter = filters_[filter_of_[static_cast<std::size_t>(pos_ - 1 - i)]];
+      const Filter& filter = filters_[filters_.size() > 1 ? filter_of_[static_cast<std::size_t>(pos_ - 1 - i)] : 0];
       v += filter.tap(i) * u[-i];
       lag += filter.remaining(i + 1) * u[-i];
     }
     axis.velocity[static_cast<std::size_t>(pos_ - 1)] = v;
-    axis.position[static_cast<std::size_t>(pos_ - 1)] = end[a] - static_cast<double>(left) * axis.now - lag;
+    axis.position[static_cast<std::size_t>(pos_ - 1)] = at[a] - lag;
     for (std::vector<double>* values : {&axis.command, &axis.velocity, &axis.position}) {
       std::copy(values->begin() + from, values->begin() + pos_, values->begin());
     }

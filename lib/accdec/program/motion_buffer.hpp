@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,44 +27,52 @@ class MotionBuffer {
   std::int64_t number(std::int64_t index) const { return base_ + index; }
   void seen() { seen_ = pos_; }
 
-  /// From the next sample on the command moves by u a sample, through filter f: what moved before stops through its own filter.
-  /// The motion is settled where it is not changed further after sample settled().
-  void change(const double* u, std::size_t f);
-  std::int64_t settled() const { return settled_; }
-  /// Adds `count` <= room() samples; the command reaches `end` after `left` samples. They can be read after make().
-  void advance(std::int64_t count, std::int64_t left, const double* end);
-  /// Makes the motion of the samples added. Done in one go for thousands of samples, for steps of the command that follow each other
-  /// closely are then filtered four at a time, and the sums of all axes run side by side.
+  /// Adds `count` <= room() samples, in the first of which the command moves by u0, in the others by u, through filter f; where the filter
+  /// changes, what moved before stops through its own. They can be read after make().
+  /// @tparam axes  their number; 0: only known at run time
+  template <std::size_t axes>
+  void append(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count, std::size_t f) {
+    for (std::size_t a = 0; a < (axes > 0 ? axes : axes_.size()); ++a) {
+      double* command = axes_[a].command.data() + pos_;
+      // Most moves of dense programs take a few samples; what is written too much is written over.
+      command[0] = u0[a];
+      for (int k = 1; k < overrun; ++k) command[k] = u[a];
+      for (std::int64_t k = overrun; k < count; ++k) command[k] = u[a];
+    }
+    if (filters_.size() > 1) {
+      std::fill_n(filter_of_.begin() + static_cast<std::ptrdiff_t>(pos_), count, static_cast<std::uint16_t>(f));
+    }
+    pos_ += count;
+  }
+  /// Makes the motion of the samples added. Best done for thousands of samples at a time: then changes of the command that
+  /// follow each other closely are filtered as a whole, and the sums of all axes run side by side.
   void make();
-  /// Passes over `count` samples of steady motion, after which `left` remain to `end`. What is in the buffer is lost.
+  /// The motion is settled where it is not changed further after sample settled(); known of what has been made.
+  std::int64_t settled() const { return settled_; }
+  /// Passes over `count` samples of steady motion by u, after which `left` remain to `end`. What is in the buffer is lost.
   void pass_over(std::int64_t count, const double* u, const double* end, std::int64_t left);
-  /// Makes room; the last 2 N + 8 samples stay. The command will reach `end` after `left` samples.
-  void shift(const double* end, std::int64_t left);
+  /// Makes room; the last 2 N + 8 samples stay. @param at  where the command has come to, one value an axis
+  void shift(const double* at);
   /// Hands the new samples on.
   void deliver(const SampleSink& sink) const;
 
-  /// Position of an axis by sample number.
+  /// Position of an axis by sample number. So many more as nearest_squared may read can be read.
   const double* positions(std::size_t axis) const { return axes_[axis].position.data() - base_; }
   /// Values of the new samples, with `before` more in front.
   Eigen::Map<const Eigen::ArrayXd> velocity(std::size_t axis) const { return view(axes_[axis].velocity, 0); }
   Eigen::Map<const Eigen::ArrayXd> acceleration(std::size_t axis) const { return view(axes_[axis].acceleration, 0); }
   Eigen::Map<const Eigen::ArrayXd> acceleration_before(std::size_t axis) const { return view(axes_[axis].acceleration, 1); }
-  const std::vector<double>& command_end() const { return command_end_; }
 
  private:
-  struct Step {
-    std::int64_t index;
-    std::size_t filter;
-    double by;  // m a sample
-  };
+  static constexpr int overrun = 4;
   struct AxisMotion {
-    std::vector<Step> steps;           // of the command, not yet filtered
     std::vector<double> command;       // u of every sample
     std::vector<double> acceleration;  // with N + 1 samples of the future
     std::vector<double> velocity, position;
-    double now = 0.0;  // u
   };
-  void apply(AxisMotion& axis);
+  /// Filters the changes of the command at samples from .. to - 1, which all pass through filter f.
+  void apply(AxisMotion& axis, std::int64_t from, std::int64_t to, std::size_t f);
+  void step(AxisMotion& axis, std::int64_t index, double by, std::size_t f);
   template <std::size_t count>
   void integrate(std::size_t axis);
 
@@ -72,14 +81,14 @@ class MotionBuffer {
   }
 
   std::span<const Filter> filters_;
-  std::vector<std::vector<double>> taps_;  // of every filter, between zeros
-  std::int64_t order_, keep_, capacity_;  // order of the longest filter
-  std::size_t filter_ = 0;                // of the command now
-  std::vector<std::uint16_t> filter_of_;  // of every sample of the command
+  std::vector<std::vector<double>> taps_;  // of every filter, with zeros after them
+  std::int64_t order_, keep_, capacity_;   // order of the longest filter
+  std::vector<std::uint16_t> filter_of_;   // of every sample of the command, if there are several
   std::int64_t settled_ = 0;
   std::int64_t base_ = 0, pos_ = 1, seen_ = 1;
   std::vector<AxisMotion> axes_;
-  std::vector<double> command_end_;
+  std::vector<double> changes_;      // of the command, between zeros
+  std::vector<std::uint8_t> count_;  // of changes in every window
 };
 
 }  // namespace accdec

@@ -6,11 +6,14 @@
 
 #include <accdec/program/limit_watch.hpp>
 #include <accdec/program/motion_buffer.hpp>
+#include <accdec/program/nearest.hpp>
 
 namespace accdec {
 namespace {
 
 /// Feeds the commands to the motion buffer and reads joints and limits off it.
+/// @tparam axes  their number; 0: only known at run time
+template <std::size_t axes>
 class Simulator {
  public:
   Simulator(const CommandTiming& timing, const LegFilters& filters, std::size_t first, std::span<double> errors,
@@ -24,24 +27,14 @@ class Simulator {
         watch_(options.machine, path_.dimensions(), timing.sample_period(), options.blame),
         block_(first) {}
 
-  void command(const double* u, std::int64_t count, const double* end) {
-    motion_.change(u, filters_.index(block_));
-    watched_until_ = std::max(watched_until_, motion_.sample() + order_ + 2);
-    while (count > 0) {
-      // Steady motion is passed over, except for the last two samples, where the window of the next joint begins.
-      const std::int64_t steady = count - 2 - std::max<std::int64_t>(0, watched_until_ - motion_.sample());
-      if (steady > steady_min && !options_.samples) {
-        const std::int64_t transient = count - 2 - steady;
-        advance(transient, count, end);
-        count -= transient;
-        flush();
-        watch_.steady(motion_, u, block_);
-        motion_.pass_over(steady, u, end, count - steady);
-        count -= steady;
-      } else {
-        advance(count, count, end);
-        count = 0;
-      }
+  [[gnu::always_inline]] inline void command(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count,
+                                             const AxisRow<axes>& end) {
+    if (count <= steady_min && count <= motion_.room()) {
+      watched_until_ = std::max(watched_until_, motion_.sample() + order_ + 3);
+      append(u0, u, count);
+    } else {
+      const AxisRow<axes> u0_copy = u0, u_copy = u, end_copy = end;  // so that the caller's may stay in registers
+      long_command(u0_copy, u_copy, count, end_copy);
     }
   }
 
@@ -56,14 +49,16 @@ class Simulator {
     const std::int64_t seen = std::min<std::int64_t>(rest, in.order() + 1);
     const std::int64_t window = (time > static_cast<double>(reached) ? 1 : 0) + std::max<std::int64_t>(in.order(), seen + out.order()) + 1;
     const double guess = time + 0.5 * (static_cast<double>(seen) + in.mean_delay() + out.mean_delay());
-    pending_.push_back({b, reached, reached + window, static_cast<std::int64_t>(guess)});
+    pending_.push_back({b, reached, reached + window, static_cast<std::int64_t>(guess), !ends_leg(path_, b)});
     watched_until_ = std::max(watched_until_, reached + window + 1);
     block_ = b + 1;
   }
 
-  Simulation finish() {
-    const std::vector<double> zero(path_.dimensions(), 0.0), end(motion_.command_end());
-    command(zero.data(), order_ + 2, end.data());  // the last step of the jerk, too
+  /// @param at  where the command ended
+  Simulation finish(const double* at) {
+    AxisRow<axes> end{};
+    std::copy_n(at, dimensions(), end.begin());
+    command({}, {}, order_ + 2, end);  // the last step of the jerk, too
     flush();
     Simulation result;
     result.samples = motion_.settled();
@@ -74,46 +69,70 @@ class Simulator {
 
  private:
   static constexpr std::int64_t steady_min = 16;
-  struct Pending {
-    std::size_t block;
-    std::int64_t begin, end, guess;  // samples
-  };
+
+  [[gnu::noinline]] void long_command(AxisRow<axes> u0, const AxisRow<axes>& u, std::int64_t count, const AxisRow<axes>& end) {
+    watched_until_ = std::max(watched_until_, motion_.sample() + order_ + 3);
+    while (count > 0) {
+      // Steady motion is passed over, except for the last two samples, where the window of the next joint begins.
+      const std::int64_t steady = count - 2 - std::max<std::int64_t>(1, watched_until_ - motion_.sample());
+      if (steady > steady_min && !options_.samples) {
+        const std::int64_t transient = count - 2 - steady;
+        advance(u0, u, transient, count, end);
+        count -= transient;
+        flush();
+        watch_.steady(motion_, u.data(), block_);
+        motion_.pass_over(steady, u.data(), end.data(), count - steady);
+        count -= steady;
+        u0 = u;
+      } else {
+        advance(u0, u, count, count, end);
+        count = 0;
+      }
+    }
+  }
 
   /// @param left  samples of the command still to come, these included, up to its end point
-  void advance(std::int64_t count, std::int64_t left, const double* end) {
-    while (count > 0) {
+  void advance(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count, std::int64_t left, const AxisRow<axes>& end) {
+    for (bool first = true; count > 0; first = false) {
       if (motion_.room() == 0) {
         flush();
-        motion_.shift(end, left);
+        AxisRow<axes> at = end;
+        for (std::size_t a = 0; a < dimensions(); ++a) at[a] -= static_cast<double>(first ? left - 1 : left) * u[a] + (first ? u0[a] : 0.0);
+        motion_.shift(at.data());
       }
       const std::int64_t now = std::min(count, motion_.room());
-      watch_.mark(motion_.index(), block_);
-      motion_.advance(now, left, end);
+      append(first ? u0 : u, u, now);
       count -= now;
       left -= now;
     }
   }
 
+  [[gnu::always_inline]] inline void append(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count) {
+    watch_.mark(motion_.index(), block_);
+    motion_.append<axes>(u0, u, count, filters_.index(block_));
+  }
+
   void flush() {
     motion_.make();
+    for (std::size_t a = 0; a < dimensions(); ++a) position_[a] = motion_.positions(a);
     std::size_t done = 0;
-    for (; done < pending_.size() && pending_[done].end < motion_.sample(); ++done) errors_[pending_[done].block] = error_of(pending_[done]);
+    while (done < pending_.size() && pending_[done].last < motion_.sample()) ++done;
+    if (squared_.size() < done) squared_.resize(done);
+    nearest_squared(position_.data(), dimensions(), path_.points.data(), pending_.data(), done, squared_.data());
+    for (std::size_t i = 0; i < done; ++i) {
+      const std::size_t block = pending_[i].block;
+      const double error = std::sqrt(std::max(0.0, squared_[i]));
+      const bool decided = squared_[i] >= 0.0 && error <= path_.tolerance[block];
+      errors_[block] = decided ? error : searched_error_of(pending_[i]);
+    }
     pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
     watch_.look(motion_, block_);
     if (options_.samples) motion_.deliver(options_.samples);
     motion_.seen();
   }
 
-  double error_of(const Pending& joint) const {
-    switch (path_.dimensions()) {
-      case 2: return error_of<2>(joint);
-      case 3: return error_of<3>(joint);
-      default: return error_of<0>(joint);
-    }
-  }
-  /// @tparam axes  their number; 0: only known at run time
-  template <std::size_t axes>
-  double error_of(const Pending& joint) const;
+  std::size_t dimensions() const { return axes > 0 ? axes : path_.dimensions(); }
+  double searched_error_of(const JointWindow& joint) const;
 
   const Toolpath& path_;
   const LegFilters& filters_;
@@ -122,18 +141,19 @@ class Simulator {
   const SimulationOptions& options_;
   MotionBuffer motion_;
   LimitWatch watch_;
-  std::vector<Pending> pending_;
+  std::vector<JointWindow> pending_;  // joints whose windows are not yet over
+  std::vector<double> squared_;
+  std::array<const double*, program_axis_count> position_{};  // of every axis by sample number
   std::int64_t begin_ = 0;
   std::int64_t watched_until_ = 0;  // no sample before this is passed over
   std::size_t block_;
 };
 
 template <std::size_t axes>
-double Simulator::error_of(const Pending& joint) const {
+double Simulator<axes>::searched_error_of(const JointWindow& joint) const {
   const double* corner = path_.point(joint.block + 1);
-  const std::size_t n = axes > 0 ? axes : path_.dimensions();
-  std::array<const double*, program_axis_count> position{};
-  for (std::size_t i = 0; i < n; ++i) position[i] = motion_.positions(i);
+  const std::size_t n = dimensions();
+  const auto& position = position_;
   const auto distance2 = [&](std::int64_t k) {
     double sum = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -161,17 +181,17 @@ double Simulator::error_of(const Pending& joint) const {
   const bool at_samples = ends_leg(path_, joint.block);
   const auto finish = [&](std::int64_t k, double best) {
     if (!at_samples) {
-      if (k > joint.begin) best = std::min(best, segment2(k - 1));
-      if (k < joint.end) best = std::min(best, segment2(k));
+      if (k > joint.first) best = std::min(best, segment2(k - 1));
+      if (k < joint.last) best = std::min(best, segment2(k));
     }
     return std::sqrt(best);
   };
   // Downhill from where an even motion would be nearest; that the nearest sample is within the bound is all that must be known, so
   // the whole window is searched only if the bound is not met.
-  std::int64_t k = std::clamp(joint.guess, joint.begin, joint.end);
+  std::int64_t k = std::clamp(joint.guess, joint.first, joint.last);
   double best = distance2(k);
   for (const int step : {1, -1}) {
-    while (k + step >= joint.begin && k + step <= joint.end) {
+    while (k + step >= joint.first && k + step <= joint.last) {
       const double next = distance2(k + step);
       if (!(next < best)) break;
       best = next;
@@ -180,23 +200,34 @@ double Simulator::error_of(const Pending& joint) const {
   }
   double error = finish(k, best);
   if (error > path_.tolerance[joint.block]) {
-    for (std::int64_t j = joint.begin; j <= joint.end; ++j) error = std::min(error, finish(j, distance2(j)));
+    for (std::int64_t j = joint.first; j <= joint.last; ++j) error = std::min(error, finish(j, distance2(j)));
   }
   return error;
+}
+
+template <std::size_t axes>
+Simulation simulate(const CommandTiming& timing, const LegFilters& filters, std::size_t first, std::size_t last,
+                    std::span<double> errors, const SimulationOptions& options) {
+  Simulator<axes> simulator(timing, filters, first, errors, options);
+  if (first == 0 && timing.path().dwell_first > 0.0) {
+    AxisRow<axes> at{};
+    std::copy_n(timing.path().point(0), timing.path().dimensions(), at.begin());
+    simulator.command({}, {}, timing.dwell_samples(timing.path().dwell_first), at);
+  }
+  simulator.begin();
+  emit_commands<axes>(timing, first, last, simulator);
+  return simulator.finish(timing.path().point(last + 1));
 }
 
 }  // namespace
 
 Simulation simulate_program(const CommandTiming& timing, const LegFilters& filters, std::size_t first, std::size_t last,
                             std::span<double> errors, const SimulationOptions& options) {
-  Simulator simulator(timing, filters, first, errors, options);
-  if (first == 0 && timing.path().dwell_first > 0.0) {
-    const std::vector<double> zero(timing.path().dimensions(), 0.0);
-    simulator.command(zero.data(), timing.dwell_samples(timing.path().dwell_first), timing.path().point(0));
+  switch (timing.path().dimensions()) {
+    case 2: return simulate<2>(timing, filters, first, last, errors, options);
+    case 3: return simulate<3>(timing, filters, first, last, errors, options);
+    default: return simulate<0>(timing, filters, first, last, errors, options);
   }
-  simulator.begin();
-  emit_commands(timing, first, last, simulator);
-  return simulator.finish();
 }
 
 std::int64_t motion_samples(const CommandTiming& timing, const LegFilters& filters) {

@@ -32,11 +32,13 @@ struct Simulation {
 
 /// Filters the command samples of a program and follows the motion sample by sample.
 ///
-/// A change of the command by D at a sample adds D b_0, D b_1 .. to the N + 1 following changes of velocity: the cost is that of the
-/// changes, O(N) each, whatever the number of moves that overlap, plus a few additions a sample; stretches of steady motion are
-/// passed over in one step. Where legs have filters of their own, a leg ends by a change to rest through its filter and the next starts
-/// through its own, so that what is followed is the sum of all legs' filtered commands. Velocity and position are anew computed from the command every few thousand samples, so that
-/// rounding does not accumulate.
+/// A change of the command by D at a sample adds D b_0, D b_1 .. to the N + 1 following changes of velocity: the cost is that
+/// of the changes, O(N) each, whatever the number of moves that overlap, plus a few additions a sample. Where nearly every
+/// sample has a change, as in finely divided programs, the same products are summed sample by sample instead, several
+/// samples an instruction. Stretches of steady motion are passed over in one step. Where legs have filters of their own, a leg ends by a
+/// change to rest through its filter and the next starts through its own, so that what is followed is the sum of all legs'
+/// filtered commands. Velocity and position are anew computed from the command every few thousand samples, so that rounding
+/// does not accumulate.
 ///
 /// @param first, last  blocks to simulate; the motion begins and ends at rest there
 /// @param errors       of every joint first .. last - 1, indexed by block: min |S| over the samples of its window [reached, left +
