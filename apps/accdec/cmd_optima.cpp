@@ -8,9 +8,9 @@
 #include <fmt/ranges.h>
 
 #include <accdec/io/atomic_file.hpp>
-#include <accdec/io/errors.hpp>
 #include <accdec/io/manifest.hpp>
 #include <accdec/io/optima_report.hpp>
+#include <accdec/io/results_folder.hpp>
 #include <accdec/io/task_reader.hpp>
 
 #include "command.hpp"
@@ -34,9 +34,7 @@ void run(const Arguments& arguments, Context& context) {
     finer = read_task(arguments.growth);
     if (finer.corners.size() != 1) throw std::invalid_argument(arguments.growth + ": --growth takes a task with one corner");
   }
-  std::error_code failure;
-  std::filesystem::create_directories(arguments.out, failure);
-  if (failure) throw OutputError(arguments.out + ": cannot be created: " + failure.message());
+  create_results_folder(arguments.out);
 
   DesignOptions options;
   options.time_limit = arguments.time_limit;

@@ -1,6 +1,6 @@
 #include <accdec/io/atomic_file.hpp>
-#include <accdec/io/errors.hpp>
 #include <accdec/io/paper_report.hpp>
+#include <accdec/io/results_folder.hpp>
 #include <accdec/study/paper_tables.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -19,9 +19,7 @@ void add_paper(CLI::App& app, Context& context) {
   command->callback([folder, &context] {
     const std::vector<paper::Table> tables{paper::table1(), paper::table2()};
     const auto files = paper::files(tables, "accdec paper --out " + *folder, ACCDEC_VERSION);
-    std::error_code failure;
-    std::filesystem::create_directories(*folder, failure);
-    if (failure) throw OutputError(*folder + ": cannot be created: " + failure.message());
+    create_results_folder(*folder);
     OutputFiles output;
     for (const auto& [name, content] : files) output.add((std::filesystem::path(*folder) / name).string(), content);
     output.commit();

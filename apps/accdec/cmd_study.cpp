@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <charconv>
 #include <cstdio>
 #include <memory>
 
@@ -20,9 +21,12 @@ struct Options {
 
 void read_shard(Options& options) {
   if (options.shard.empty()) return;
-  unsigned long number = 0, count = 0;
-  char rest = 0;
-  if (options.shard.front() < '0' || options.shard.front() > '9' || std::sscanf(options.shard.c_str(), "%lu/%lu%c", &number, &count, &rest) != 2 || number < 1 || number > count) {
+  std::size_t number = 0, count = 0;
+  const char *begin = options.shard.data(), *end = begin + options.shard.size();
+  const auto first = std::from_chars(begin, end, number);
+  const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+  const auto second = slash ? std::from_chars(first.ptr + 1, end, count) : first;
+  if (!slash || second.ec != std::errc() || second.ptr != end || number < 1 || number > count) {
     throw std::invalid_argument(fmt::format("--shard {}: allowed is I/N with 1 <= I <= N, for example 2/8", options.shard));
   }
   options.run.shard = number;
@@ -38,8 +42,8 @@ void run(Options& options, Context& context) {
   const StudySummary s = run_study(study, options.run);
   context.exit_code = s.bad < s.points ? exit_ok : exit_no_answer;
   if (context.quiet) return;
-  fmt::print("{}\n{} points: {} computed in {:.1f} s ({:.1f} s inside the methods, all workers together), {} from an earlier run{}\n", study.title, s.points, s.computed, s.wall_time,
-             s.method_time, s.found, s.bad > 0 ? fmt::format(", {} without an answer (column `reason`)", s.bad) : "");
+  fmt::print("{}\n{} points: {} computed in {:.1f} s ({:.1f} % of the workers' time inside the methods), {} from an earlier run{}\n", study.title, s.points, s.computed, s.wall_time,
+             100.0 * s.method_share(), s.found, s.bad > 0 ? fmt::format(", {} without an answer (column `reason`)", s.bad) : "");
   if (s.finished) {
     fmt::print("Results: {0}/report.html, rows.csv, rows.jsonl, manifest.json, {1} figures\n", options.run.out, study.figures.size());
   } else {

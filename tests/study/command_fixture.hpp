@@ -35,21 +35,22 @@ class CommandInFolder : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(home_); }
 
-  pid_t start(const std::string& arguments) {
+  /// @param before  shell commands in front of it
+  pid_t start(const std::string& arguments, const std::string& before = ":") {
     const pid_t child = ::fork();
     if (child == 0) {
       const int log = ::open((home_ / "log").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
       ::dup2(log, 1);
       ::dup2(log, 2);
-      const std::string command = fmt::format("cd '{}' && exec '{}' {}", home_.string(), ACCDEC_BINARY, arguments);
+      const std::string command = fmt::format("cd '{}' && {} && exec '{}' {}", home_.string(), before, ACCDEC_BINARY, arguments);
       ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
       ::_exit(127);
     }
     return child;
   }
-  Outcome run(const std::string& arguments) {
+  Outcome run(const std::string& arguments, const std::string& before = ":") {
     int status = 0;
-    ::waitpid(start(arguments), &status, 0);
+    ::waitpid(start(arguments, before), &status, 0);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(home_ / "log")};
   }
 

@@ -1,3 +1,4 @@
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -157,6 +158,84 @@ TEST_F(StudyCommand, ResultsOfAnotherStudyAreLeftAlone) {
   EXPECT_EQ(run("study study.toml --out two").exit_code, 2);
 }
 
+TEST_F(StudyCommand, DamagedRowsAreComputedAnew) {
+  study(5);
+  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
+  ASSERT_EQ(run("study study.toml --out out --shard 1/2").exit_code, 0);
+  const std::string journal = content(home_ / "out/shard-1-of-2.journal");
+  const std::string head = journal.substr(0, journal.find('\n') + 1);
+  fs::remove(home_ / "out/shard-1-of-2.journal");
+  // Beyond the study, not JSON, and of another point.
+  write(home_ / "out/study.journal", head + "99999 0.1 {\"index\":99999,\"point\":\"ok\"}\n3 0.1 {\"index\":3,oops}\n4 0.1 {\"index\":5,\"point\":\"ok\"}\n");
+  const Outcome r = run("study study.toml --out out");
+  ASSERT_EQ(r.exit_code, 0) << r.output;
+  EXPECT_THAT(r.output, HasSubstr("20 computed"));
+  expect_same_results("whole", "out");
+  std::string rows = content(home_ / "out/rows.jsonl");
+  const std::size_t second = rows.find('\n') + 1;
+  write(home_ / "out/rows.jsonl", rows.replace(second, rows.find('\n', second) - second, "garbage"));
+  EXPECT_THAT(run("study study.toml --out out").output, HasSubstr("1 computed"));
+  expect_same_results("whole", "out");
+}
+
+TEST_F(StudyCommand, AFullDiskEndsItAndWithRoomItGoesOn) {
+  study(40);
+  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
+  // No file may grow beyond 16 or 32 KiB, whatever the shell's blocks: the journal needs more.
+  const Outcome full = run("study study.toml --out out", "trap '' XFSZ && ulimit -f 32");
+  EXPECT_EQ(full.exit_code, 2) << full.output;
+  EXPECT_THAT(full.output, HasSubstr("study.journal: File too large"));
+  EXPECT_FALSE(fs::exists(home_ / "out/rows.csv"));
+  const Outcome rest = run("study study.toml --out out");
+  ASSERT_EQ(rest.exit_code, 0) << rest.output;
+  EXPECT_THAT(rest.output, Not(HasSubstr("160 computed")));
+  expect_same_results("whole", "out");
+}
+
+TEST_F(StudyCommand, GoesOnAtOnceThoughTheDeadRunsChildrenAreStillThere) {
+  study(60, "isolation = \"processes\"");
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    const pid_t child = start("study study.toml --out killed --workers 5");
+    std::this_thread::sleep_for(std::chrono::milliseconds(15 + 10 * attempt));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+  }
+  const Outcome last = run("study study.toml --out killed");
+  EXPECT_EQ(last.exit_code, 0) << last.output;
+}
+
+TEST_F(StudyCommand, AKilledMergeCanBeRepeated) {
+  study(40);
+  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
+  for (const char* shard : {"1/2", "2/2"}) ASSERT_EQ(run(fmt::format("study study.toml --out parts --shard {}", shard)).exit_code, 0);
+  for (const int milliseconds : {5, 10, 20, 40, 60, 80}) {
+    const pid_t child = start("study study.toml --out merged --merge parts");
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+  }
+  const Outcome last = run("study study.toml --out merged --merge parts");
+  ASSERT_EQ(last.exit_code, 0) << last.output;
+  expect_same_results("whole", "merged");
+  EXPECT_FALSE(fs::exists(home_ / "merged/study.journal"));
+}
+
+TEST_F(StudyCommand, TheManifestStatesTheShareOfTimeInTheMethod) {
+  study(40);
+  ASSERT_EQ(run("study study.toml --out out --workers 2").exit_code, 0);
+  const std::string manifest = content(home_ / "out/manifest.json");
+  const auto number = [&](const std::string& key) {
+    const std::size_t at = manifest.find(fmt::format("\"{}\": ", key));
+    return at == std::string::npos ? -1.0 : std::stod(manifest.substr(at + key.size() + 4));
+  };
+  EXPECT_EQ(number("workers"), 2.0);
+  EXPECT_GT(number("method_share"), 0.0);
+  EXPECT_LE(number("method_share"), 1.0);
+  EXPECT_NEAR(number("method_share"), number("method_time_s") / (2.0 * number("wall_time_s")), 1e-9);
+}
+
 TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
   const std::string head = "task = \"task.toml\"\ncompute = [\"delays\"]\n";
   const auto vary = [](const std::string& key, const std::string& values) { return fmt::format("[[vary]]\nkey = \"{}\"\nvalues = {}\n", key, values); };
@@ -186,6 +265,16 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
       {head + "[[case]]\nname = \"a\"\nset = { \"filter.ordr\" = 3 }\n", "did you mean `order`"},
       {head + vary("corner.A.angle_deg", "[200, 300]"), "0 < angle_deg <= 180"},
       {head + "[[vary]]\nname = \"a\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n[[vary]]\nname = \"a\"\nkey = \"corner.A.heading_deg\"\nvalues = [1]\n", "two variations"},
+      // What would be overwritten without a word: a place set twice, a column named twice.
+      {head + vary("corner.A.error_max_um", "[1]") + "[[vary]]\nname = \"b\"\nkey = \"corner.0.error_max_um\"\nvalues = [2]\n", "is set by the variation `corner.A.error_max_um` already"},
+      {head + vary("corner.*.error_max_um", "[1]") + vary("corner.A.error_max_um", "[2]"), "is set by the variation `corner.*.error_max_um` already"},
+      {head + "[[vary]]\nname = \"index\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n", "column of that name"},
+      {head + "[[vary]]\nname = \"delays.status\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n", "column of that name"},
+      {head + "[[ratio]]\nname = \"point\"\nof = \"index\"\nto = \"index\"\n", "a column `point` already"},
+      {head + vary("corner.A.error_max_um", "[nan]"), "must be finite"},
+      {head + vary("corner.A.error_max_um", "[inf]"), "must be finite"},
+      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = nan, count = 3 }\n", "must be finite"},
+      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = -1, to = 1, count = 3, log = true }\n", "above 0"},
   };
   for (const auto& [text, message] : cases) {
     write(home_ / "study.toml", text);
@@ -196,9 +285,12 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
   }
   write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 100001 }\n");
   EXPECT_THAT(run("study study.toml --out out").output, HasSubstr("need --large"));
+  write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 10000 }\n" +
+                                  "[[vary]]\nkey = \"corner.A.angle_deg\"\nrange = { from = 1, to = 9, count = 10000 }\n");
+  EXPECT_THAT(run("study study.toml --out out --large").output, HasSubstr("allowed is up to 10000000"));
   EXPECT_FALSE(fs::exists(home_ / "out"));
   study(2);
-  for (const char* shard : {"0/3", "4/3", "1", "x/2", "-1/2", "1/2/3"}) {
+  for (const char* shard : {"0/3", "4/3", "1", "x/2", "-1/2", "1/2/3", "1/2x", "1/99999999999999999999"}) {
     EXPECT_EQ(run(fmt::format("study study.toml --out out --shard={}", shard)).exit_code, 2) << shard;
   }
   EXPECT_FALSE(fs::exists(home_ / "out"));

@@ -40,4 +40,10 @@ void check_results_folder(const std::string& folder, const ResultsKind& kind, co
   }
 }
 
+void create_results_folder(const std::string& folder) {
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure) throw OutputError(fmt::format("{}: cannot be created: {}", folder, failure.message()));
+}
+
 }  // namespace accdec

@@ -18,4 +18,7 @@ std::string results_hash(const std::string& folder, const ResultsKind& kind);
 /// @throws OutputError
 void check_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash);
 
+/// Makes a folder for results, with those it lies in, unless it is there already. @throws OutputError
+void create_results_folder(const std::string& folder);
+
 }  // namespace accdec

@@ -1,6 +1,7 @@
 #include <accdec/io/study_file.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -68,13 +69,16 @@ Task Study::task(std::size_t index) const {
   return task_from_tree(tree, source.path, "", {});
 }
 
-std::string Study::row(std::size_t index) const {
+std::string Study::row(std::size_t index, double* method_seconds) const {
+  if (method_seconds) *method_seconds = 0.0;
   study::Row row = beginning(*this, plan_->point(index));
   try {
     const Task point_task = task(index);
     row["point"] = "ok";
     row["reason"] = nullptr;
+    const auto began = std::chrono::steady_clock::now();
     for (const std::string& computation : computations) study::compute_into(row, point_task, computation, design);
+    if (method_seconds) *method_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     if (has_shapes(*this)) row["best_shape"] = study::best_shape_of(row);
     for (const StudyRatio& r : ratios) row[r.name] = ratio(row, r);
   } catch (const InputError& error) {

@@ -51,7 +51,8 @@ class Study {
   /// The task of a point. @throws InputError when its values make no task
   Task task(std::size_t index) const;
   /// A point's line of rows.jsonl. Never throws for a bad point: the row says what is wrong with it.
-  std::string row(std::size_t index) const;
+  /// @param method_seconds  when not null, receives the time spent inside the computations alone
+  std::string row(std::size_t index, double* method_seconds = nullptr) const;
   /// The row of a point that could not be computed.
   std::string lost_row(std::size_t index, const std::string& reason) const;
   /// 16 hexadecimal digits over everything rows depend on; figures, labels and notes do not count.

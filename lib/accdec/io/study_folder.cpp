@@ -1,5 +1,6 @@
 #include <accdec/io/study_folder.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -26,7 +27,30 @@ using Clock = std::chrono::steady_clock;
 
 const ResultsKind kind{"accdec.study/1", "study_hash", "study"};
 
+double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
+
+/// A row with the time its computations took in front, "0.25{...}": all that comes back from a child is text.
+std::string timed_row(const Study& study, std::size_t index) {
+  double seconds = 0.0;
+  std::string row = study.row(index, &seconds);
+  return fmt::format("{}{}", seconds, row);
+}
+
+study::Entry without_time(const study::Entry& entry) {
+  const std::size_t row = entry.row.find('{');
+  // The row of a point that was lost has none: nothing of what it took is known to be the computations'.
+  return {row == 0 ? 0.0 : std::stod(entry.row.substr(0, row)), entry.row.substr(row)};
+}
+
 std::string identity(const Study& study) { return fmt::format("{} {}", study.hash(), study.plan().size()); }
+
+/// Drops what is no row of this study: damage costs the points it hit, which are then computed anew.
+void drop_damaged(Entries& entries, const Study& study) {
+  std::erase_if(entries, [&](const auto& item) {
+    const auto& [index, entry] = item;
+    return index >= study.plan().size() || !entry.row.starts_with(fmt::format(R"({{"index":{},)", index)) || !nlohmann::json::accept(entry.row);
+  });
+}
 
 /// Rows of finished results.
 Entries finished_rows(const fs::path& folder, const Study& study) {
@@ -35,16 +59,18 @@ Entries finished_rows(const fs::path& folder, const Study& study) {
   std::ifstream in(folder / "rows.jsonl", std::ios::binary);
   std::string line;
   for (std::size_t i = 0; std::getline(in, line); ++i) entries[i] = {0.0, line};
-  if (entries.size() != study.plan().size()) entries.clear();
+  drop_damaged(entries, study);
   return entries;
 }
 
-void write_results(const Study& study, const Entries& entries, const StudyRunOptions& options, const StudySummary& summary) {
+/// @param summary  receives the wall time up to here but for the writing itself
+void write_results(const Study& study, const Entries& entries, const StudyRunOptions& options, Clock::time_point began, StudySummary& summary) {
   std::vector<std::string> lines;
   for (const auto& [index, entry] : entries) lines.push_back(entry.row);
   const fs::path folder = options.out;
   OutputFiles files;
   for (auto& [name, content] : study_documents(study, lines)) files.add((folder / name).string(), std::move(content));
+  summary.wall_time = seconds_since(began);
   nlohmann::ordered_json manifest;
   manifest["schema"] = kind.schema;
   manifest["study"] = study.path;
@@ -55,9 +81,10 @@ void write_results(const Study& study, const Entries& entries, const StudyRunOpt
   manifest["command"] = options.command;
   manifest["last_run"] = {{"points_computed", summary.computed},
                           {"points_found", summary.found},
-                          {"workers", study::workers_of({options.workers, study.isolation, 0.0})},
+                          {"workers", summary.workers},
                           {"wall_time_s", summary.wall_time},
-                          {"method_time_s", summary.method_time}};
+                          {"method_time_s", summary.method_time},
+                          {"method_share", summary.method_share()}};
   add_environment(manifest, options.version);
   files.add((folder / "manifest.json").string(), manifest.dump(2) + "\n");
   files.commit();
@@ -77,6 +104,7 @@ Entries collect_shards(const Study& study, const std::vector<std::string>& folde
       if (item.path().extension() == ".journal") all.merge(study::read_journal(item.path().string(), identity(study)));
     }
   }
+  drop_damaged(all, study);
   if (all.size() != study.plan().size()) {
     std::size_t first = 0;
     while (all.contains(first)) ++first;
@@ -86,11 +114,15 @@ Entries collect_shards(const Study& study, const std::vector<std::string>& folde
   return all;
 }
 
-StudySummary merge(const Study& study, const StudyRunOptions& options) {
+StudySummary merge(const Study& study, const StudyRunOptions& options, Clock::time_point began) {
   const Entries all = collect_shards(study, options.merge);
   StudySummary summary{.points = all.size(), .found = all.size(), .bad = count_bad(all), .finished = true};
-  fs::create_directories(options.out);
-  write_results(study, all, options, summary);
+  create_results_folder(options.out);
+  // Says whose folder this is until the manifest does, should a kill fall between.
+  const std::string journal_path = (fs::path(options.out) / "study.journal").string();
+  const study::Journal journal(journal_path, identity(study));
+  write_results(study, all, options, began, summary);
+  fs::remove(journal_path);
   return summary;
 }
 
@@ -99,23 +131,27 @@ StudySummary merge(const Study& study, const StudyRunOptions& options) {
 StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   const auto began = Clock::now();
   const std::size_t size = study.plan().size();
+  if (size > largest_study) {
+    throw std::invalid_argument(fmt::format("the study has {} points; allowed is up to {}", size, largest_study));
+  }
   if (size > large_study && !options.large) {
     throw std::invalid_argument(fmt::format("the study has {} points; more than {} need --large", size, large_study));
   }
   const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
   check_results_folder(options.out, kind, study.hash());
-  if (!options.merge.empty()) return merge(study, options);
+  if (!options.merge.empty()) return merge(study, options, began);
 
   const bool whole = options.shards == 1;
   const fs::path folder = options.out;
   const std::string journal_path = (folder / (whole ? "study.journal" : fmt::format("shard-{}-of-{}.journal", options.shard, options.shards))).string();
-  fs::create_directories(folder);
+  create_results_folder(options.out);
   if (options.fresh) {
     study::Journal(journal_path, identity(study));  // refuses, as ever, what is not ours or in use
     fs::remove(journal_path);
   }
   auto journal = std::make_unique<study::Journal>(journal_path, identity(study));
   Entries entries = journal->entries();
+  drop_damaged(entries, study);
   if (whole && !options.fresh) entries.merge(finished_rows(folder, study));
 
   std::vector<std::size_t> missing;
@@ -126,22 +162,24 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   study::RunOptions run{options.workers, study.isolation, 0.0};
   // Twice what the design may take by its own limit, and time for everything beside it.
   run.kill_after = 2.0 * study.design.time_limit + 30.0;
+  summary.workers = std::min(study::workers_of(run), std::max(1, static_cast<int>(missing.size())));
   StudyProgress progress{0, missing.size(), 0.0};
   study::run_points(
-      missing, [&](std::size_t i) { return study.row(i); }, [&](std::size_t i, const std::string& why) { return study.lost_row(i, why); },
-      [&](std::size_t i, const study::Entry& entry) {
+      missing, [&](std::size_t i) { return timed_row(study, i); }, [&](std::size_t i, const std::string& why) { return study.lost_row(i, why); },
+      [&](std::size_t i, const study::Entry& timed) {
+        const study::Entry entry = without_time(timed);
         journal->append(i, entry);
         summary.method_time += entry.seconds;
         entries[i] = entry;
         ++progress.done;
-        progress.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+        progress.seconds = seconds_since(began);
         if (options.progress) options.progress(progress);
       },
       run);
-  summary.wall_time = std::chrono::duration<double>(Clock::now() - began).count();
+  summary.wall_time = seconds_since(began);
   summary.bad = count_bad(entries);
   if (!whole) return summary;
-  write_results(study, entries, options, summary);
+  write_results(study, entries, options, began, summary);
   // The rows are safe now; a kill just before this line costs nothing but the reading of a journal that says the same.
   fs::remove(journal_path);
   summary.finished = true;

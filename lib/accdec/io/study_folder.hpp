@@ -11,6 +11,8 @@ namespace accdec {
 
 /// Points beyond which a study must be asked for by a flag.
 inline constexpr std::size_t large_study = 100'000;
+/// Points beyond which there is no study: its rows are held in memory for the tables and figures.
+inline constexpr std::size_t largest_study = 10'000'000;
 
 struct StudyProgress {
   std::size_t done = 0, total = 0;  ///< of the points this run has to compute
@@ -34,7 +36,11 @@ struct StudySummary {
   std::size_t computed = 0;  ///< now
   std::size_t bad = 0;       ///< rows without an answer to any computation
   bool finished = false;     ///< the folder has the report; false for a shard
-  double wall_time = 0.0, method_time = 0.0;  ///< s, of this run; method_time summed over the workers
+  int workers = 0;           ///< that computed points at a time
+  double wall_time = 0.0;    ///< s, of this run, with its tables and figures
+  double method_time = 0.0;  ///< s of it inside the computations, summed over the workers
+  /// Share of the workers' time that went into the computations.
+  double method_share() const { return wall_time > 0.0 && workers > 0 ? method_time / (wall_time * workers) : 0.0; }
 };
 
 /// Runs a study in a folder: takes what the folder's journal (or finished results) already has, computes the rest, journals every point

@@ -34,6 +34,7 @@ class StudyReader {
     read_variations(top, *tasks);
     make_plan(top, study);
     study.tasks_ = tasks;
+    check_names(top, study);
     read_ratios(top, study);
     study.hash_ = hash(study, *tasks);
     read_figures(top, study);
@@ -125,8 +126,35 @@ class StudyReader {
           table.fail_at("key", error.what());
         }
       }
+      for (const study::Variation& other : variations_) {
+        if (other.name == v.name) table.fail(fmt::format("two variations are named `{}`; give one of them another `name`", v.name));
+      }
+      for (std::size_t before = 0; before < i; ++before) {
+        if (collide(tasks, before)) table.fail_at("key", fmt::format("`{}` is set by the variation `{}` already", fmt::join(v.keys, "`, `"), variations_[before].name));
+      }
       variations_.push_back(std::move(v));
     }
+  }
+
+  /// Whether an earlier variation and the last one set the same place of any case: then their order matters.
+  static bool collide(const Study::Tasks& tasks, std::size_t before) {
+    const auto set = [](toml::table& tree, const std::vector<TaskKey>& keys, double value) {
+      for (const TaskKey& key : keys) key.set(tree, value);
+    };
+    return std::any_of(tasks.cases.begin(), tasks.cases.end(), [&](const Study::Tasks::Source& source) {
+      toml::table one = source.tree, other = source.tree;
+      set(one, tasks.keys[before], 1.0), set(one, tasks.keys.back(), 2.0);
+      set(other, tasks.keys.back(), 2.0), set(other, tasks.keys[before], 1.0);
+      return one != other;
+    });
+  }
+
+  /// A name that a column has already would hide its values.
+  void check_names(const Table& top, const Study& study) const {
+    std::vector<std::string> columns = study.columns();
+    std::sort(columns.begin(), columns.end());
+    const auto twice = std::adjacent_find(columns.begin(), columns.end());
+    if (twice != columns.end()) top.fail(fmt::format("no variation can be named `{}`: the table has a column of that name", *twice));
   }
 
   void make_plan(const Table& top, Study& study) {
@@ -135,7 +163,7 @@ class StudyReader {
     for (const std::string_view key : {"samples", "seed"}) {
       if (grid && top.has(key)) top.fail_at(key, fmt::format("`{}` goes with sampling = \"latin-hypercube\"", key));
     }
-    const int samples = grid ? 0 : top.required_integer("samples", 1, 100'000'000);
+    const int samples = grid ? 0 : top.required_integer("samples", 1, 10'000'000);
     const int seed = top.integer("seed", 0, 2'000'000'000).value_or(1);
     if (!grid && variations_.empty()) top.fail("a Latin hypercube needs at least one [[vary]]");
     try {
@@ -153,6 +181,8 @@ class StudyReader {
       const Table table(*raw, path_, fmt::format("[[ratio]] {}", i + 1), fmt::format("/ratio/{}", i), {"name", "of", "to", "excess"});
       StudyRatio r{table.text("name").value_or(""), table.text("of").value_or(""), table.text("to").value_or(""), table.boolean("excess").value_or(false)};
       if (r.name.empty()) table.fail("[[ratio]] needs a `name`");
+      const auto columns = study.columns();
+      if (std::find(columns.begin(), columns.end(), r.name) != columns.end()) table.fail_at("name", fmt::format("there is a column `{}` already", r.name));
       check_column(table, "of", r.of, study);
       check_column(table, "to", r.to, study);
       study.ratios.push_back(std::move(r));

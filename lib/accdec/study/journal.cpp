@@ -63,6 +63,16 @@ std::string read_all(const std::string& path) {
   return std::move(text).str();
 }
 
+/// The children of a run that was killed hold its lock until they have died too, which is a moment later.
+bool lock(int file) {
+  for (int tries = 0; tries < 100; ++tries) {
+    if (::flock(file, LOCK_EX | LOCK_NB) == 0) return true;
+    if (errno != EWOULDBLOCK && errno != EINTR) return false;
+    ::usleep(10000);
+  }
+  return false;
+}
+
 void write_all(int file, const std::string& path, std::string_view text) {
   while (!text.empty()) {
     const ssize_t n = ::write(file, text.data(), text.size());
@@ -78,7 +88,7 @@ Journal::Journal(std::string path, const std::string& study) : path_(std::move(p
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) throw JournalError(fmt::format("{}: {}", path_, std::strerror(errno)));
   try {
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) throw JournalError(fmt::format("{}: in use by another accdec study", path_));
+    if (!lock(file_)) throw JournalError(fmt::format("{}: in use by another accdec study", path_));
     Content content = parse(path_, read_all(path_), study);
     if (::ftruncate(file_, static_cast<off_t>(content.whole)) != 0) throw JournalError(fmt::format("{}: {}", path_, std::strerror(errno)));
     if (content.whole == 0) write_all(file_, path_, fmt::format("{}{}\n", magic, study));

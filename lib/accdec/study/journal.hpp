@@ -14,7 +14,7 @@ class JournalError : public std::runtime_error {
 
 /// One finished point.
 struct Entry {
-  double seconds = 0.0;  ///< spent computing it
+  double seconds = 0.0;  ///< spent computing it; in a study's journal inside the computations alone
   std::string row;       ///< its line of rows.jsonl, without the line feed
 };
 
