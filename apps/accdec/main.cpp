@@ -1,3 +1,5 @@
+#include <malloc.h>
+
 #include <accdec/io/errors.hpp>
 #include <cstdio>
 #include <exception>
@@ -49,6 +51,11 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace accdec;
+  // Clp takes and returns its work areas with every linear programme. Kept in the process rather than handed back to the system each
+  // time, a study saves a sixth of its time.
+  ::mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  ::mallopt(M_TOP_PAD, 16 << 20);
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
   const auto complain = [](const char* what, int code) {
     std::fflush(stdout);
     std::fprintf(stderr, "%s\n", what);
