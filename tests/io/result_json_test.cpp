@@ -51,7 +51,7 @@ TEST(ResultJson, RoundTripIsExact) {
   result.gap = 1.0 / 3.0;
   result.certificate = R"({"kind":"test","numbers":[0.1,3]})";
   result.message = "quotes \" and \n line feeds, \xC3\xA9";
-  result.solver = {"nlp", "ipopt", "3.11.9", "solved", 17, 0.25};
+  result.solver = {"nlp", "ipopt", "3.11.9", "solved", 17, 0.25, {}};
   const std::string text = result_to_json(result);
   const DesignResult again = parse_result(text, "r.json");
   EXPECT_EQ(result_to_json(again), text);
