@@ -129,11 +129,20 @@ TEST_F(ProgramCommand, RefusesBadInputWithItsPlaceAndWritesNothing) {
   EXPECT_THAT(done.err, HasSubstr("f.bmp: unknown extension"));
 }
 
-TEST_F(ProgramCommand, FailsWhenALimitBreaksWhateverTheDelays) {
+TEST_F(ProgramCommand, SlowsWhatBreaksALimitWhateverTheDelaysAndSaysSo) {
   write("part.ngc", "G1 F18000 X100\nX200 Y50\n");
-  const Output done = run("program part.ngc --task task.toml");
+  const Output done = run("program part.ngc --task task.toml --json r.json");
+  EXPECT_EQ(done.code, 0);
+  EXPECT_THAT(done.out, HasSubstr("2 blocks slowed to start and stop within jerk x, most in line 1 to 56.8 % of its feed"));
+  EXPECT_THAT(read("r.json"), HasSubstr("\"limit\": \"jerk x\""));
+}
+
+TEST_F(ProgramCommand, FailsWhenTheGivenFilterBreaksABoundThatNoFeedMends) {
+  write("modes.toml", read("task.toml") + "[[mode]]\nfrequency_Hz = 5\nresidual_max = 0.01\n");
+  write("part.ngc", "G1 F3000 X100\nX200 Y50\n");
+  const Output done = run("program part.ngc --task modes.toml");
   EXPECT_EQ(done.code, 1);
-  EXPECT_THAT(done.out, HasSubstr("NOT verified: a limit is broken: jerk"));
+  EXPECT_THAT(done.out, HasSubstr("NOT verified: a limit is broken: vibration"));
 }
 
 TEST_F(ProgramCommand, DesignsAFilterWhereTheTaskHasNone) {

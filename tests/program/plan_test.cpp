@@ -155,6 +155,59 @@ TEST(Plan, ALoneShortBlockIsSlowedUntilItsStartAndStopHoldTogether) {
   EXPECT_EQ(plan.slowed, 1U);
 }
 
+TEST(Plan, AFeedTooFastForTheFilterIsLoweredToTheLargestThatHolds) {
+  // A start through the taps b has jerk v |b_i - b_(i-1)|/T^2, so the largest speed is known; other blocks keep their feeds.
+  const Filter filter = trapezoid(40, 10);
+  double edge = 0.0;
+  for (int i = 0; i <= 41; ++i) edge = std::max(edge, std::abs(filter.tap(i) - filter.tap(i - 1)));
+  const double jerk = 500.0, fastest = jerk * period * period / edge;
+  Machine machine;
+  for (const char* name : {"x", "y"}) machine.axes.push_back({name, 0.5, 6.0, jerk});
+  Toolpath path = path_of("G64 P0.05\nG1 F12000 X100\nY100\nF3000 X0\nF12000 Y0\n", machine);
+  const Toolpath before = path;
+  const ProgramPlan plan = plan_program(path, filter, period, machine);
+  EXPECT_TRUE(plan.errors_hold);
+  for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9) << to_string(use.kind) << use.axis;
+  for (const std::size_t b : {0, 1, 3}) EXPECT_NEAR(0.1 / path.duration[b], fastest, 1e-9 * fastest) << b;
+  EXPECT_EQ(path.duration[2], before.duration[2]);
+  EXPECT_EQ(plan.slowed, 3U);
+  ASSERT_EQ(plan.too_fast.size(), 2U);
+  EXPECT_EQ(plan.too_fast[0].limit, "jerk x");
+  EXPECT_EQ(plan.too_fast[0].blocks, 1U);
+  EXPECT_EQ(plan.too_fast[0].line, 2U);
+  EXPECT_NEAR(plan.too_fast[0].factor, fastest / 0.2, 1e-9);
+  EXPECT_EQ(plan.too_fast[1].limit, "jerk y");
+  EXPECT_EQ(plan.too_fast[1].blocks, 2U);
+}
+
+TEST(Plan, PowerAllowsTheFeedAtWhichItsPeakIsReached) {
+  // Boxcar: v = V (k + 1)/(N + 1) under the force m V/((N + 1) T), so the largest power is m V^2/((N + 1) T).
+  Machine machine;
+  machine.axes.push_back({"x"});
+  machine.axes[0].mass = 100.0;
+  machine.axes[0].power_max = 2.0;
+  const Filter filter = boxcar(39);
+  Toolpath path = path_of("G1 F6000 X100\n", machine);
+  const ProgramPlan plan = plan_program(path, filter, period, machine);
+  const double fastest = std::sqrt(2.0 * 40.0 * period / 100.0);
+  ASSERT_LT(fastest, 0.1);
+  EXPECT_NEAR(0.1 / path.duration[0], fastest, 1e-3 * fastest);
+  for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9);
+}
+
+TEST(Plan, FeedsOnALegThatNeedNoStopAreKept) {
+  // Twice the speed that can be started from rest, reached in two steps a filter apart.
+  const Filter filter = boxcar(39);
+  Machine machine;
+  machine.axes.push_back({"x", 1.0, 0.1 / (40.0 * period)});
+  Toolpath path = path_of("G61\nG1 F6000 X10\nF12000 X100\nF6000 X110\n", machine);
+  const std::vector<double> before = path.duration;
+  const ProgramPlan plan = plan_program(path, filter, period, machine);
+  EXPECT_EQ(path.duration, before);
+  EXPECT_TRUE(plan.too_fast.empty());
+  for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9);
+}
+
 TEST(Plan, LowerBoundIsTheClosedFormWhereThereIsOne) {
   Machine machine;
   machine.axes.push_back({"x", 0.5, 1.0});

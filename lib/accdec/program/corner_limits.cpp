@@ -28,7 +28,7 @@ CornerLimits::CornerLimits(const LegFilters& filters, const Machine& machine, do
   }
 }
 
-double CornerLimits::start_factor(std::size_t f, const double* velocity) const {
+double CornerLimits::start_factor(std::size_t f, const double* velocity, Binding* binding) const {
   const Peaks& peaks = peaks_[f];
   double factor = 1.0;
   for (const std::size_t a : limited_) {
@@ -36,9 +36,18 @@ double CornerLimits::start_factor(std::size_t f, const double* velocity) const {
     const double v = std::abs(velocity[a]), acceleration = v * peaks.tap / period_;
     if (v == 0.0) continue;
     const double jerk = v * peaks.step / (period_ * period_), force = axis.mass * acceleration + axis.damping * v;
-    const double power = std::min(axis.power_max, axis.regeneration_max);
-    factor = std::min({factor, axis.velocity_max / v, axis.acceleration_max / acceleration, axis.jerk_max / jerk});
-    if (force > 0.0) factor = std::min({factor, axis.force_max / force, std::sqrt(power / (force * v))});
+    const auto limit = [&](LimitKind kind, double allowed) {
+      if (allowed >= factor) return;
+      factor = allowed;
+      if (binding != nullptr) *binding = {kind, a};
+    };
+    limit(LimitKind::velocity, axis.velocity_max / v);
+    limit(LimitKind::acceleration, axis.acceleration_max / acceleration);
+    limit(LimitKind::jerk, axis.jerk_max / jerk);
+    if (!(force > 0.0)) continue;
+    limit(LimitKind::force, axis.force_max / force);
+    limit(LimitKind::power, std::sqrt(axis.power_max / (force * v)));
+    limit(LimitKind::regeneration, std::sqrt(axis.regeneration_max / (force * v)));
   }
   return factor;
 }

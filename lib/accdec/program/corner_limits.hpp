@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <accdec/machine/machine.hpp>
+#include <accdec/machine/utilisation.hpp>
 #include <accdec/program/leg_filters.hpp>
 
 namespace accdec {
@@ -16,8 +17,13 @@ class CornerLimits {
   CornerLimits(const LegFilters& filters, const Machine& machine, double sample_period);
 
   bool any() const { return !limited_.empty(); }
+  struct Binding {
+    LimitKind kind = LimitKind::velocity;
+    std::size_t axis = 0;
+  };
   /// Largest factor <= 1 on a velocity, m/s an axis, with which filter f surely starts it from rest and stops it within the limits.
-  double start_factor(std::size_t f, const double* velocity) const;
+  /// @param binding  set to the limit that asks for it, if the factor is below 1
+  double start_factor(std::size_t f, const double* velocity, Binding* binding = nullptr) const;
   /// Smallest d >= from with all limits held; `from` itself if even legs so far apart that they do not overlap break one.
   /// @param f_in, f_out  filters of the legs, by index
   /// @param in, out  velocities of the legs, m/s, one value an axis  @param possible  set to false in that case, else left alone

@@ -77,6 +77,9 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, 
   JointDelays joints(path, filters, sample_period, machine);
   const std::size_t blocks = path.blocks();
   PairwiseDelays result;
+  const auto judge = [&](std::size_t b) {
+    if (!joints.take_possible()) result.impossible.push_back(b);
+  };
   std::vector<int>& delays = result.delays;
   delays.assign(blocks, 0);
   // All but corners first, for delays of smooth joints decide where runs end and so by how much feeds are lowered. Unlowered feeds
@@ -87,6 +90,7 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, 
     } else if (path.joint[b] != Joint::corner && rule == DelayRule::smallest) {
       delays[b] = joints.smooth(b, filters.index(b));
     }
+    judge(b);
   }
   if (rule == DelayRule::smallest) {
     const CommandTiming timing(path, sample_period, delays);
@@ -106,9 +110,11 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, 
       factor_out = lowered(b + 1);
       if (path.joint[b] != Joint::corner) continue;
       delays[b] = joints.corner(b, filters.index(b), filters.index(b + 1), factor_in, factor_out);
+      judge(b);
     }
   }
-  result.limits_possible = joints.limits_possible();
+  std::sort(result.impossible.begin(), result.impossible.end());
+  result.limits_possible = result.impossible.empty();
   return result;
 }
 

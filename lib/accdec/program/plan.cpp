@@ -74,17 +74,24 @@ ProgramPlan check_program(const Toolpath& path, const LegFilters& filters, doubl
 }
 
 ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
+  const std::vector<double> programmed = path.duration;
   PairwiseDelays pairwise = pairwise_delays(path, filters, sample_period, machine);
+  std::vector<SlowedFeeds> too_fast = limit_feeds(path, filters, sample_period, machine, pairwise);
   for (const auto& [block, delay] : path.given) {
     int& d = pairwise.delays[block];
     d = std::max(d, static_cast<int>(std::lround(std::min(delay / sample_period, 1e9))));
   }
-  const bool mend_limits = pairwise.limits_possible && !machine.axes.empty();
+  const bool mend_limits = !machine.axes.empty();
   ProgramPlan plan = simulate_plan(path, filters, sample_period, machine, pairwise.delays, mend_limits);
-  if (plan.errors_hold && plan.simulation.broken.empty()) return plan;
-
+  const auto count = [&] {
+    for (std::size_t b = 0; b < path.blocks(); ++b) plan.slowed += path.duration[b] > programmed[b] ? 1 : 0;
+    plan.too_fast = std::move(too_fast);
+  };
+  if (plan.errors_hold && plan.simulation.broken.empty()) {
+    count();
+    return plan;
+  }
   Repair repair(path, filters, sample_period, mend_limits ? &machine : nullptr, plan.delays, plan.errors);
-  const std::vector<double> programmed = path.duration;
   RepairWork failing = repair.failing(plan.simulation.broken);
   int rounds = 0;
   while (!failing.empty()) {
@@ -98,8 +105,8 @@ ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sampl
   plan.rounds = rounds;
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     plan.raised += plan.delays[b] > pairwise.delays[b] ? 1 : 0;
-    plan.slowed += path.duration[b] > programmed[b] ? 1 : 0;
   }
+  count();
   return plan;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <accdec/program/leg_filters.hpp>
@@ -19,6 +20,7 @@ enum class DelayRule {
 struct PairwiseDelays {
   std::vector<int> delays;      ///< samples, one a block; 0 for the last
   bool limits_possible = true;  ///< false if some joint breaks an axis limit even where its legs do not overlap
+  std::vector<std::size_t> impossible;  ///< these joints, ascending
 };
 
 /// Smallest delay of every joint as if it were alone: of a corner the smallest with corner error (at samples) within its tolerance,
@@ -35,6 +37,14 @@ int smallest_path_delay(const Filter& filter, double cos_interior, double step_i
 /// Whether an error found by simulation is within its bound; see verification_tolerance and position_floor.
 bool holds(double error, double bound);
 
+/// Blocks slowed because at their programmed feed the filter breaks one axis limit at a start or stop, however long the delay.
+struct SlowedFeeds {
+  std::string limit;       ///< "jerk x"
+  std::size_t blocks = 0;  ///< how many
+  double factor = 1.0;     ///< what is left of the feed of the block slowed most
+  std::uint32_t line = 0;  ///< of that block
+};
+
 /// Delays for a whole program and the simulation that verified them.
 struct ProgramPlan {
   std::vector<int> delays;     ///< samples, one a block
@@ -42,6 +52,7 @@ struct ProgramPlan {
   Simulation simulation;       ///< of the whole program with these delays, every sample
   std::size_t raised = 0;      ///< joints whose delay the overlap with further moves raised above the pairwise one
   std::size_t slowed = 0;      ///< blocks whose feed had to be lowered
+  std::vector<SlowedFeeds> too_fast;  ///< of these, those that start or stop too fast for the filter; one entry a limit
   int rounds = 0;              ///< of repair
   bool errors_hold = false;    ///< every joint within its tolerance
 };
@@ -50,13 +61,22 @@ struct ProgramPlan {
 /// the filter is long break their bound nevertheless, or moves together break an axis limit that each alone holds, delays of corners are
 /// raised and feeds on curves lowered there, round by round, until all hold; then each delay raised is lowered again as far as its
 /// surroundings allow. With delays longer than the filter every joint is alone; a block that even then breaks a limit, because its
-/// own start and stop overlap, is slowed, so this ends. Limits that a long block breaks by itself are reported as broken: no delay helps.
+/// own start and stop overlap, is slowed, so this ends. Feeds at which the filter cannot start or stop a block within the limits are lowered
+/// first, see limit_feeds.
 /// @param path     durations of blocks that have to be slowed grow
 /// @param machine  as many axes as the path, or without axes
 ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine);
 
 /// Slows rapid moves to speeds that the filter starts from rest and stops within the axis limits; programmed feeds are left alone.
 void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
+
+/// Lowers the feeds at both ends of the program, and at those joints that hold no axis limit with any delay, to what the filter starts from
+/// rest and stops within the limits: of every block within a filter's length of the stop. Feeds inside legs and at joints passed at
+/// speed stay.
+/// @param delays  of the path; found again when feeds change
+/// @return one entry a limit
+std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
+                                     PairwiseDelays& delays);
 
 /// Lowers by at most 1e-6 the durations that exceed whole samples by no more: coordinates rounded by whoever wrote the program would
 /// else cost every leg a sample. Only where that keeps the axis limits.

@@ -161,7 +161,15 @@ std::string program_summary(const ProgramResult& result) {
   if (plan.raised > 0) {
     fmt::format_to(put, "  {} delays raised because moves overlap, in {} rounds\n", plan.raised, plan.rounds);
   }
-  if (plan.slowed > 0) fmt::format_to(put, "  {} blocks slowed, on curves or too short for their feed\n", plan.slowed);
+  std::size_t too_fast = 0;
+  for (const SlowedFeeds& slowed : plan.too_fast) {
+    too_fast += slowed.blocks;
+    fmt::format_to(put, "  {} blocks slowed to start and stop within {}, most in line {} to {:.1f} % of its feed\n", slowed.blocks,
+                   slowed.limit, slowed.line, 100.0 * slowed.factor);
+  }
+  if (plan.slowed > too_fast) {
+    fmt::format_to(put, "  {} blocks slowed, on curves or too short for their feed\n", plan.slowed - too_fast);
+  }
   if (!plan.simulation.limits.empty()) fmt::format_to(put, "\n  {:<14}{:<6}{:>12}{:>10}  {}\n", "limit", "axis", "bound", "use", "where");
   for (const LimitUse& use : plan.simulation.limits) {
     fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>8.1f} %  {}\n", to_string(use.kind), use.axis, use.bound, 100.0 * use.utilisation,

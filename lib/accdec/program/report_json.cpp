@@ -66,6 +66,11 @@ std::string program_to_json(const ProgramResult& result) {
                      {"worst_error_m", number(result.worst_error)},
                      {"worst_utilisation", number(result.worst_utilisation)},
                      {"worst_line", result.worst_line}};
+  Json too_fast = Json::array();
+  for (const SlowedFeeds& slowed : result.plan.too_fast) {
+    too_fast.push_back({{"limit", slowed.limit}, {"blocks", slowed.blocks}, {"factor", slowed.factor}, {"line", slowed.line}});
+  }
+  json["feeds_slowed"] = std::move(too_fast);
   json["samples"] = result.plan.simulation.samples;
   json["cycle_time_s"] = result.cycle_time;
   if (!result.legs.single()) json["cycle_time_one_filter_s"] = result.cycle_time_one_filter;
