@@ -208,6 +208,65 @@ TEST(Plan, FeedsOnALegThatNeedNoStopAreKept) {
   for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9);
 }
 
+std::string full_circle(const char* mode, double feed) {
+  return std::string("G21 ") + mode + " F" + std::to_string(feed) + "\nG3 X0 Y0 I10 J0\n";
+}
+
+TEST(Plan, AnArcTooFastForItsToleranceIsPassedAtTheFeedThatNeedsNoStopsWhereThatIsFaster) {
+  Machine machine;
+  for (const char* name : {"x", "y"}) machine.axes.push_back({name, 0.5, 6.0, 500.0});
+  const Filter filter = trapezoid(40, 10);
+  // Steady motion around radius R with feed v stays inside by v^2 s^2 T^2/(2 R), s^2 the second moment of the taps about their mean.
+  double moment = 0.0;
+  for (int i = 0; i <= 40; ++i) moment += filter.tap(i) * (i - filter.mean_delay()) * (i - filter.mean_delay());
+  const double radius = 0.01, tolerance = 1e-5;
+  const double steady = std::sqrt(2.0 * radius * tolerance / moment) / period;
+  ASSERT_LT(steady, 0.1);
+  Toolpath path = path_of(full_circle("G64 P0.01", 6000), machine);
+  const ProgramPlan plan = plan_program(path, filter, period, machine);
+  EXPECT_TRUE(plan.errors_hold);
+  for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9);
+  const Reference reference(path, filter, period, plan.delays);
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) EXPECT_LE(reference.error(path, filter.order(), b), tolerance * (1.0 + 1e-9)) << b;
+  // The chords lie inside the arc, which takes its part of the tolerance: a little slower than the formula.
+  const double around = 2.0 * std::numbers::pi * radius;
+  EXPECT_LT(static_cast<double>(plan.simulation.samples) * period, 1.1 * around / steady + 41.0 * period);
+  // A programmer's guess at a good feed is not faster.
+  for (const double feed : {4000.0, 3000.0, 0.98 * steady * 60000.0, 2000.0}) {
+    Toolpath slower = path_of(full_circle("G64 P0.01", feed), machine);
+    const ProgramPlan other = plan_program(slower, filter, period, machine);
+    EXPECT_LE(static_cast<double>(plan.simulation.samples), 1.01 * static_cast<double>(other.simulation.samples)) << feed;
+  }
+}
+
+TEST(Plan, AHigherFeedWordMakesNoArcMuchSlower) {
+  Machine machine;
+  for (const char* name : {"x", "y"}) machine.axes.push_back({name, 0.5, 6.0, 500.0});
+  const Filter filter = trapezoid(40, 10);
+  const auto time = [&](const std::string& text) {
+    Toolpath path = path_of(text, machine);
+    const ProgramPlan plan = plan_program(path, filter, period, machine);
+    EXPECT_TRUE(plan.errors_hold);
+    for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9);
+    return static_cast<double>(plan.simulation.samples);
+  };
+  const std::string line = "G21 G64 P0.005\nF6000\nG1 X10\n", arc = "G3 X12 Y2 I0 J2\nF6000 G1 Y12\n";
+  for (const char* feed : {"F2000 ", "F1200 ", "F850 ", "F600 "}) EXPECT_LE(time(line + arc), 1.01 * time(line + feed + arc)) << feed;
+  for (const double feed : {3000.0, 1500.0, 1000.0, 700.0}) {
+    EXPECT_LE(time(full_circle("G61", 6000.0)), 1.02 * time(full_circle("G61", feed))) << feed;
+  }
+}
+
+TEST(Plan, LongLegsBesideACurveKeepTheirFeeds) {
+  Machine machine;
+  for (const char* name : {"x", "y"}) machine.axes.push_back({name, 0.5, 6.0, 500.0});
+  Toolpath path = path_of("G21 G64 P0.005\nF6000\nG1 X100\nG3 X102 Y2 I0 J2\nG1 Y102\n", machine);
+  const std::vector<double> before = path.duration;
+  plan_program(path, trapezoid(40, 10), period, machine);
+  EXPECT_NEAR(path.duration.front(), before.front(), 1e-9);
+  EXPECT_NEAR(path.duration.back(), before.back(), 1e-9);
+}
+
 TEST(Plan, LowerBoundIsTheClosedFormWhereThereIsOne) {
   Machine machine;
   machine.axes.push_back({"x", 0.5, 1.0});

@@ -5,6 +5,7 @@
 
 #include <accdec/design/verifier.hpp>
 #include <accdec/program/corner_limits.hpp>
+#include <accdec/program/curve_feeds.hpp>
 #include <accdec/program/repair.hpp>
 
 namespace accdec {
@@ -73,24 +74,23 @@ ProgramPlan check_program(const Toolpath& path, const LegFilters& filters, doubl
   return simulate_plan(path, filters, sample_period, machine, std::move(delays), false);
 }
 
-ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
-  const std::vector<double> programmed = path.duration;
+namespace {
+
+/// A plan that starts from the feeds the path has.
+ProgramPlan plan_at_feeds(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
   PairwiseDelays pairwise = pairwise_delays(path, filters, sample_period, machine);
   std::vector<SlowedFeeds> too_fast = limit_feeds(path, filters, sample_period, machine, pairwise);
-  for (const auto& [block, delay] : path.given) {
-    int& d = pairwise.delays[block];
-    d = std::max(d, static_cast<int>(std::lround(std::min(delay / sample_period, 1e9))));
-  }
+  const auto keep_given = [&] {
+    for (const auto& [block, delay] : path.given) {
+      int& d = pairwise.delays[block];
+      d = std::max(d, static_cast<int>(std::lround(std::min(delay / sample_period, 1e9))));
+    }
+  };
+  keep_given();
   const bool mend_limits = !machine.axes.empty();
   ProgramPlan plan = simulate_plan(path, filters, sample_period, machine, pairwise.delays, mend_limits);
-  const auto count = [&] {
-    for (std::size_t b = 0; b < path.blocks(); ++b) plan.slowed += path.duration[b] > programmed[b] ? 1 : 0;
-    plan.too_fast = std::move(too_fast);
-  };
-  if (plan.errors_hold && plan.simulation.broken.empty()) {
-    count();
-    return plan;
-  }
+  plan.too_fast = too_fast;
+  if (plan.errors_hold && plan.simulation.broken.empty()) return plan;
   Repair repair(path, filters, sample_period, mend_limits ? &machine : nullptr, plan.delays, plan.errors);
   RepairWork failing = repair.failing(plan.simulation.broken);
   int rounds = 0;
@@ -98,6 +98,9 @@ ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sampl
     ++rounds;
     failing = repair.round(failing, 1 + rounds / 8);
   }
+  // At lowered feeds a joint alone may do with less than at the feeds before.
+  pairwise = pairwise_delays(path, filters, sample_period, machine);
+  keep_given();
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     if (plan.delays[b] > pairwise.delays[b]) repair.lower(b, pairwise.delays[b]);
   }
@@ -106,7 +109,99 @@ ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sampl
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     plan.raised += plan.delays[b] > pairwise.delays[b] ? 1 : 0;
   }
-  count();
+  plan.too_fast = std::move(too_fast);
+  return plan;
+}
+
+bool all_holds(const ProgramPlan& plan) {
+  return plan.errors_hold && std::all_of(plan.simulation.limits.begin(), plan.simulation.limits.end(),
+                                         [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
+}
+
+/// Plans the curves of a program at other feeds, and keeps of every curve the fastest. Curves are tried together, a plan of the whole
+/// program for each step, since they hardly touch each other; what is kept has been planned and simulated as a whole.
+class CurveTrials {
+ public:
+  CurveTrials(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine, ProgramPlan plan,
+              std::vector<double> programmed)
+      : path_(path), filters_(filters), period_(sample_period), machine_(machine), programmed_(std::move(programmed)),
+        best_(std::move(plan)), best_duration_(path.duration) {
+    path_.duration = programmed_;
+    feeds_ = curve_feeds(path_, filters_, period_, best_.delays, best_duration_, joints_max);
+    for (const Curve& curve : feeds_.curves) {
+      choices_.push_back({0.0, curve_time(curve, best_duration_, best_.delays, period_)});
+    }
+  }
+
+  ProgramPlan run() {
+    if (!choices_.empty()) {
+      int left = static_cast<int>(std::clamp<std::size_t>(work_max / path_.blocks(), 3, 16));
+      for (const double scale : {1.0, 0.7, 1.4, 0.5, 2.0, 2.8}) {
+        if (left-- > 0) trial([&](const Choice&) { return scale; });
+      }
+      for (double step = std::pow(2.0, 0.25); left > 1; step = std::sqrt(step), left -= 2) {
+        const std::vector<Choice> around = choices_;
+        for (const double factor : {step, 1.0 / step}) {
+          std::size_t i = 0;
+          trial([&](const Choice&) { return around[i++].scale * factor; });
+        }
+      }
+      trial([](const Choice& choice) { return choice.scale; });
+    }
+    path_.duration = best_duration_;
+    return std::move(best_);
+  }
+
+ private:
+  static constexpr std::size_t joints_max = 300'000, work_max = 1'000'000;
+  struct Choice {
+    double scale;  // of the feeds at which a curve needs no delay; 0: the programmed feed
+    double time;   // s
+  };
+
+  /// @param scale_of  the scale a curve is planned with, by its choice so far; called in their order
+  template <class ScaleOf>
+  void trial(const ScaleOf& scale_of) {
+    path_.duration = programmed_;
+    std::vector<double> scales;
+    bool same = true;
+    for (std::size_t i = 0; i < choices_.size(); ++i) {
+      const double scale = scales.emplace_back(scale_of(choices_[i]));
+      for (std::size_t b = feeds_.curves[i].first; b <= feeds_.curves[i].last && scale > 0.0; ++b) {
+        path_.duration[b] = std::max(programmed_[b], feeds_.duration[b] / scale);
+        same = same && path_.duration[b] == programmed_[b];
+      }
+    }
+    if (same) return;
+    ProgramPlan plan = plan_at_feeds(path_, filters_, period_, machine_);
+    if (!all_holds(plan)) return;
+    for (std::size_t i = 0; i < choices_.size(); ++i) {
+      const double time = curve_time(feeds_.curves[i], path_.duration, plan.delays, period_);
+      if (time < choices_[i].time) choices_[i] = {scales[i], time};
+    }
+    if (all_holds(best_) && plan.simulation.samples >= best_.simulation.samples) return;
+    best_ = std::move(plan);
+    best_duration_ = path_.duration;
+  }
+
+  Toolpath& path_;
+  const LegFilters& filters_;
+  double period_;
+  const Machine& machine_;
+  const std::vector<double> programmed_;
+  ProgramPlan best_;
+  std::vector<double> best_duration_;
+  CurveFeeds feeds_;
+  std::vector<Choice> choices_;  // of every curve
+};
+
+}  // namespace
+
+ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
+  const std::vector<double> programmed = path.duration;
+  ProgramPlan plan = plan_at_feeds(path, filters, sample_period, machine);
+  plan = CurveTrials(path, filters, sample_period, machine, std::move(plan), programmed).run();
+  for (std::size_t b = 0; b < path.blocks(); ++b) plan.slowed += path.duration[b] > programmed[b] ? 1 : 0;
   return plan;
 }
 

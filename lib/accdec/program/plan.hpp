@@ -62,7 +62,8 @@ struct ProgramPlan {
 /// raised and feeds on curves lowered there, round by round, until all hold; then each delay raised is lowered again as far as its
 /// surroundings allow. With delays longer than the filter every joint is alone; a block that even then breaks a limit, because its
 /// own start and stop overlap, is slowed, so this ends. Feeds at which the filter cannot start or stop a block within the limits are lowered
-/// first, see limit_feeds.
+/// first, see limit_feeds. Curves whose joints need delays or lower feeds are planned again and again from feeds around those at which they
+/// would need neither (curve_feeds), and each keeps what is fastest; the whole plan is never slower than the first.
 /// @param path     durations of blocks that have to be slowed grow
 /// @param machine  as many axes as the path, or without axes
 ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine);

@@ -39,36 +39,43 @@ Repair::Repair(Toolpath& path, const LegFilters& filters, double sample_period, 
       scratch_(path.blocks(), 0.0),
       apart_(filters.order_max() + 2) {}
 
-void Repair::slow_around(std::size_t joint, double factor, RepairWork& work) const {
+bool Repair::slow_around(std::size_t joint, double factor, RepairWork& work) const {
+  const std::size_t before = work.slow.size();
+  // A block longer than the filter would lose more by a lower feed than by a delay in the joint.
+  const auto slow = [&](std::size_t b) {
+    if (path_.duration[b] < apart_ * timing_.sample_period()) work.slow.push_back({b, factor});
+  };
   // What is commanded up to half a filter away acts there, but slowing all of it helps one joint and costs its neighbours more than
   // they need; those that need it are slowed on their own behalf.
   const double reach = 0.06 * apart_ * timing_.sample_period();
   double time = 0.0;
   for (std::size_t b = joint + 1; b-- > 0 && time < reach;) {
     if (b < joint && ends_leg(path_, b)) break;
-    work.slow.push_back({b, factor});
+    slow(b);
     time += path_.duration[b];
   }
   time = 0.0;
   for (std::size_t b = joint + 1; b < path_.blocks() && time < reach; ++b) {
-    work.slow.push_back({b, factor});
+    slow(b);
     time += path_.duration[b];
     if (ends_leg(path_, b)) break;
   }
+  return work.slow.size() > before;
 }
 
 void Repair::mend(std::size_t joint, double error, RepairWork& work) const {
   if (ends_leg(path_, joint) || rounds_ > slow_rounds || !(path_.tolerance[joint] > 0.0)) {
     work.raise.push_back(joint);
-  } else {
-    slow_around(joint, std::clamp(std::pow(error / path_.tolerance[joint], 0.25), 1.002, 1.5), work);
+    return;
   }
+  const double factor = std::clamp(std::pow(error / path_.tolerance[joint], 0.25), 1.002, 1.5);
+  if (!slow_around(joint, factor, work)) work.raise.push_back(joint);
 }
 
 void Repair::blame(std::uint32_t block, RepairWork& work) const {
   // Looking back no farther than changes of the command still act.
-  const bool on_curve = rounds_ <= slow_rounds && block > 0 && !ends_leg(path_, block - 1);
-  if (on_curve) slow_around(block - 1, slower_curve, work);
+  const bool on_curve =
+      rounds_ <= slow_rounds && block > 0 && !ends_leg(path_, block - 1) && slow_around(block - 1, slower_curve, work);
   double back = 0.0;
   std::size_t b = block;
   for (; b > 0 && back <= apart_; --b) {

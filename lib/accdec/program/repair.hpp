@@ -50,7 +50,8 @@ class Repair {
   void judge(std::size_t first, std::size_t last, RepairWork& failing) const;
   void mend(std::size_t joint, double error, RepairWork& work) const;
   void blame(std::uint32_t block, RepairWork& work) const;
-  void slow_around(std::size_t joint, double factor, RepairWork& work) const;
+  /// False if there was nothing to slow.
+  bool slow_around(std::size_t joint, double factor, RepairWork& work) const;
   void accept(std::size_t first, std::size_t last);
 
   Toolpath& path_;
