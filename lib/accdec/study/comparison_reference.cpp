@@ -21,9 +21,8 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Relative to max(1, objective): where bisection stops.
 constexpr double accuracy = 1e-6;
-/// The bracket of a proved optimum, and of a proved delay.
-constexpr double closed = 1e-5;
-constexpr double delay_accuracy = 5e-5;
+/// The widest bracket of a proved optimum; half of what solvers are granted.
+constexpr double closed = 5e-5;
 /// What a known point may break rows by, a tenth of what solvers are granted: the programmes' own tolerance, in units
 /// of a row.
 constexpr double held = 1e-7;
@@ -166,12 +165,16 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
   for (TaskCorner& corner : task.corners) {
     if (corner.error_max && *corner.error_max == 0.0) corner.error_max.reset();
   }
+  const auto began = std::chrono::steady_clock::now();
   MarginSearch search(task, spec, subject.samples(), timer(time_limit));
-  const double wanted = convex(task) ? accuracy : 5.0 * accuracy;
-  const auto tolerance = [&](double upper) {
-    return wanted * std::max(1.0, upper * upper) / (2.0 * std::max(upper, 1e-9));
-  };
-  search.run(std::max(trial, 1e-6), tolerance);
+  // Enough to judge by, and as far as it goes soon.
+  for (const double wanted : {0.8 * closed, accuracy}) {
+    search.run(std::max(trial, 1e-6), [wanted](double upper) {
+      return wanted * std::max(1.0, upper * upper) / (2.0 * std::max(upper, 1e-9));
+    });
+    if (!convex(task) && std::chrono::steady_clock::now() - began > std::chrono::duration<double>(0.05 * time_limit))
+      break;
+  }
   reference.lower = search.lower * search.lower;
   if (!search.best) return reference;
   const auto& problem = dynamic_cast<const MarginProblem&>(*subject.problem(true));
@@ -232,9 +235,8 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
     searches.push_back(std::make_unique<DelaySearch>(tasks[n], j, spec.order, subject.blend_delays(),
                                                      timer(left / static_cast<double>(free.size() - n))));
     const double share = free.size() == 1 ? 1.0 : 0.2;
-    searches.back()->run(spec.order + 1.0, [&](double upper) {
-      return share * delay_accuracy * std::max(1.0 / task.corners[j].weight, upper);
-    });
+    searches.back()->run(spec.order + 1.0,
+                         [&](double upper) { return share * closed * std::max(1.0 / task.corners[j].weight, upper); });
     reference.lower += task.corners[j].weight * searches.back()->lower;
   }
   reference.method = free.size() > 1 ? "exact bound: the sum of what each corner needs on its own" : "exact bound";
@@ -243,7 +245,7 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
     const nlp::Problem& problem = *subject.problem(true);
     const std::vector<double> x = delay_point(subject, *search->best, searches);
     const double upper = problem.objective(x);
-    if (upper - reference.lower > delay_accuracy * std::max(1.0, upper) || violation(problem, x) > held ||
+    if (upper - reference.lower > closed * std::max(1.0, upper) || violation(problem, x) > held ||
         upper >= reference.upper)
       continue;
     reference.proof = Reference::Proof::optimal;

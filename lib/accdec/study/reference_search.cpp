@@ -44,20 +44,15 @@ bool ReferenceSearch::offer(const Filter& filter, const Part& part) {
 
 void ReferenceSearch::run(double trial, const std::function<double(double)>& tolerance) {
   for (int doubled = 0; doubled < 30 && !best && !late_(); ++doubled, trial *= 2.0) {
-    const Answer answer = below(trial);
-    if (answer == Answer::refuted) lower = trial;
-    if (answer == Answer::unknown) return;
+    if (below(trial, 0.0) == Answer::unknown) return;
   }
-  bool coarse = true;  // a first bound, should time run out
   while (best && !late_()) {
     descend(0.3 * tolerance(upper));
     const double step = tolerance(upper);
     if (upper - lower <= step) return;
-    const double value = upper - (coarse ? std::max(0.9 * step, 0.05 * (upper - lower)) : 0.9 * step);
-    coarse = false;
-    const Answer answer = below(value);
-    if (answer == Answer::refuted) lower = value;
-    if (answer == Answer::unknown) return;
+    // First bounds from wider gaps, which are soon refuted, should time run out.
+    const double value = upper - std::max(0.9 * step, 0.03 * (upper - lower));
+    if (below(value, upper - value) == Answer::unknown) return;
   }
 }
 
@@ -78,8 +73,12 @@ void ReferenceSearch::descend(double least) {
   }
 }
 
-ReferenceSearch::Answer ReferenceSearch::below(double value) {
+ReferenceSearch::Answer ReferenceSearch::below(double value, double gap) {
   std::vector<Part> parts = all();
+  const auto lower_target = [&] {
+    descend(0.3 * gap);
+    value = std::min(value, upper - gap);
+  };
   while (!parts.empty()) {
     if (late_()) return Answer::unknown;
     Part part = std::move(parts.back());
@@ -97,12 +96,20 @@ ReferenceSearch::Answer ReferenceSearch::below(double value) {
     if (outcome.kind == exact::Outcome::feasible) {
       split = exact::widest_break(model_, *outcome.filter, box);
       if (!split) {
-        if (offer(*outcome.filter, part)) return Answer::better;
-        return Answer::unknown;  // rounding decides
+        if (!offer(*outcome.filter, part)) return Answer::unknown;  // rounding decides
+        if (gap == 0.0) return Answer::better;
+        lower_target();
+        parts.push_back(std::move(part));
+        continue;
       }
       if (part.depth % 8 == 0) {
         const auto repaired = relaxation_.repair(box, symmetric(), *outcome.filter);
-        if (repaired && offer(*repaired, part)) return Answer::better;
+        if (repaired && offer(*repaired, part)) {
+          if (gap == 0.0) return Answer::better;
+          lower_target();
+          parts.push_back(std::move(part));
+          continue;
+        }
       }
     } else {
       split = middle_of(box);
@@ -115,6 +122,7 @@ ReferenceSearch::Answer ReferenceSearch::below(double value) {
       parts.push_back(std::move(half));
     }
   }
+  lower = value;
   return Answer::refuted;
 }
 

@@ -53,8 +53,9 @@ class ReferenceSearch {
 
  private:
   enum class Answer { refuted, better, unknown };
-  /// Refutes every value up to `value`, or finds a better filter.
-  Answer below(double value);
+  /// Refutes every value up to `value`, which becomes `lower`, or finds a better filter. With a gap > 0 it goes on from
+  /// there, with a value that much below the new best.
+  Answer below(double value, double gap);
   bool offer(const Filter& filter, const Part& part);
   /// Better filters near `best`, as long as they gain `least`.
   void descend(double least);
