@@ -81,7 +81,7 @@ TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
 
 TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
   write("part.ngc", "%\nN10 G21 G90 G64 P0.05 (start)\nT1 M6\nG54 G43 H1\nS12000 M3\nM8\nG0 X10 Y10\nG1 X60 F3000\nG4 P0.5\nY30 M1\nG61.1\n"
-                    "Y60\nG61\nG64 P0.02\nX10 S8000.5\nG20 G1 X1 F100\nM5 M9\nM30\n");
+                    "Y60\nG61\nG64 P0.02\nX10 S8000.5\nG20\nG1 X1 F100\nM5 M9\nM30\n");
   ASSERT_EQ(run("program part.ngc --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
   const std::string text = read("e.ngc");
   std::size_t at = 0;

@@ -1,46 +1,14 @@
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 #include <numbers>
 #include <string>
-#include <vector>
 
-#include <accdec/program/read_error.hpp>
-#include <accdec/program/reader.hpp>
+#include "reader_harness.hpp"
 
 namespace accdec {
 namespace {
-
-using testing::HasSubstr;
-
-struct Recorder : MoveSink {
-  ProgramPoint start{};
-  std::vector<Move> moves;
-  std::vector<double> dwells;
-  void begin(const ProgramPoint& at) override { start = at; }
-  void move(const Move& m) override { moves.push_back(m); }
-  void stop(double dwell) override { dwells.push_back(dwell); }
-};
-
-Recorder read(std::string_view text, const std::string& name = "part.ngc", ReadOptions options = {}) {
-  LineSource source(name, text);
-  Recorder recorder;
-  read_program(source, options, recorder);
-  return recorder;
-}
-
-void expect_error(std::string_view text, const std::string& where, const std::string& what,
-                  const std::string& name = "part.ngc") {
-  try {
-    read(text, name);
-    FAIL() << "accepted: " << text;
-  } catch (const ReadError& error) {
-    EXPECT_THAT(error.what(), testing::StartsWith(name + ":" + where + ": ")) << text;
-    EXPECT_THAT(error.what(), HasSubstr(what)) << text;
-  }
-}
 
 double distance(const ProgramPoint& a, const ProgramPoint& b) {
   double sum = 0.0;
@@ -165,7 +133,7 @@ TEST(Reader, NamesTheErrorAndItsPlace) {
   expect_error("G2 F1 X0 Y0 R4\n", "1:7", "full circle");
   expect_error("G2 F1 X0 Y0 I0 J0\n", "1:7", "radius is 0");
   expect_error("G2 F1 X1 Y1 R1 P1.5\n", "1:16", "whole number");
-  expect_error("G64 P0\n", "1:5", "must be positive");
+  expect_error("G64 P-0.1\n", "1:5", "cannot be negative");
   expect_error("G4\n", "1:1", "needs its time");
   expect_error("G1 F1 X1\n/X2 /\nX3 / Y4\n", "3:4", "'/'");
   expect_error("x_mm,feed_mm_min\n0,\n1,100\n2\n", "4:2", "2 values", "p.csv");

@@ -1,8 +1,8 @@
 #include <accdec/program/reader.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <accdec/program/canonical_call.hpp>
@@ -11,25 +11,11 @@
 
 namespace accdec {
 
-CanonicalCall find_call(std::string_view line) {
-  // "   12 N0010  NAME(arguments)": numbers of the output line and of the input line may come first.
-  std::size_t i = line.find_first_not_of(" \t0123456789");
-  if (i != std::string_view::npos && line[i] == 'N' && i + 1 < line.size() && line[i + 1] != 'U') {  // not NURBS..
-    i = line.find_first_not_of(". \t0123456789", i + 1);
-  }
-  if (i == std::string_view::npos) return {};
-  std::size_t j = i;
-  while (j < line.size() && ((line[j] >= 'A' && line[j] <= 'Z') || line[j] == '_' || (line[j] >= '0' && line[j] <= '9'))) ++j;
-  if (j - i < 4 || j >= line.size() || line[j] != '(') return {};
-  return {line.substr(i, j - i), i, j + 1};
-}
-
 namespace {
 
-/// Calls that would change the path in a way not followed here.
-constexpr std::array<std::string_view, 10> unsupported{
-    "STRAIGHT_PROBE", "RIGID_TAP", "START_SPEED_FEED_SYNCH", "START_CUTTER_RADIUS_COMPENSATION", "NURBS_FEED",
-    "NURBS_G5_FEED",  "NURBS_G6_FEED", "SET_XY_ROTATION",    "SET_G92_OFFSET",                   "SET_ORIGIN_OFFSETS"};
+constexpr const char* allowed =
+    "; allowed: STRAIGHT_TRAVERSE STRAIGHT_FEED ARC_FEED SET_FEED_RATE USE_LENGTH_UNITS SELECT_PLANE SET_MOTION_CONTROL_MODE DWELL "
+    "PROGRAM_STOP PROGRAM_END, and what rs274 -g prints for spindle, tools, coolant, comments and messages";
 
 class CanonicalReader {
  public:
@@ -40,24 +26,36 @@ class CanonicalReader {
     while (source_.next(line_)) {
       if (line_.find_first_not_of(" \t") == std::string_view::npos) continue;
       call_ = find_call(line_);
-      if (call_.name.empty()) source_.fail(1, "is no canonical call such as STRAIGHT_FEED(...)");
+      if (call_.name.empty()) source_.fail(1, std::string("no canonical call in this line") + allowed);
       if (!execute()) return;
     }
   }
 
  private:
   bool execute();
+  void other_call();
   void numbers(std::size_t least, std::size_t most);
-  std::string_view text() const {
-    const std::size_t end = line_.find(')', call_.arguments);
+  void zeros(std::size_t from, const char* what);
+  /// The arguments as text; nothing may come after `close`.
+  std::string_view text(std::string_view close = ")") const {
+    const std::size_t end = line_.find(close, call_.arguments);
     if (end == std::string_view::npos) source_.fail(line_.size() + 1, "call without its ')'");
+    nothing_from(end + close.size());
     return line_.substr(call_.arguments, end - call_.arguments);
   }
-  [[noreturn]] void bad_word(std::string_view allowed) const {
-    source_.fail(call_.arguments + 1, "unknown argument of " + std::string(call_.name) + ", allowed: " + std::string(allowed));
+  void nothing_from(std::size_t index) const {
+    const std::size_t more = line_.find_first_not_of(" \t", index);
+    if (more != std::string_view::npos) source_.fail(more + 1, "text after the call: one call a line");
+  }
+  [[noreturn]] void bad_word(std::string_view words) const {
+    source_.fail(call_.arguments + 1, "unknown argument of " + std::string(call_.name) + ", allowed: " + std::string(words));
   }
   double scaled(std::size_t argument, std::size_t axis) const {
     return value_[argument] * (axis >= 3 && axis < 6 ? 1e-3 : state_.unit);
+  }
+  /// How far apart, m, equal points may be in print: coordinates have 4 decimals. Within one unit they print alike.
+  double same_point() const {
+    return position_unit_ == state_.unit ? Arc{}.same : 0.5e-4 * std::numbers::sqrt2 * (position_unit_ + state_.unit);
   }
   void straight(bool rapid);
   void arc();
@@ -69,6 +67,7 @@ class CanonicalReader {
   Plane plane_ = Plane::xy;
   std::string_view line_;
   CanonicalCall call_;
+  double position_unit_ = 1e-3;  // of the move that led to the position
   std::array<double, 10> value_{};
   std::size_t count_ = 0;
 };
@@ -91,6 +90,7 @@ void CanonicalReader::numbers(std::size_t least, std::size_t most) {
     if (p == end || (*p != ',' && *p != ')')) source_.fail(column(), "',' or ')' expected");
     if (*p++ == ')') break;
   }
+  nothing_from(column() - 1);
   if (count_ < least) source_.fail(column() - 1, "fewer than " + std::to_string(least) + " arguments");
 }
 
@@ -122,25 +122,46 @@ bool CanonicalReader::execute() {
     if (value_[0] < 0.0) source_.fail(call_.arguments + 1, "a dwell cannot be negative");
     state_.stop(value_[0]);
   } else if (name == "PROGRAM_STOP" || name == "OPTIONAL_PROGRAM_STOP") {
+    text();
     state_.stop(0.0);
   } else if (name == "PROGRAM_END") {
+    text();
     return false;
-  } else if (name == "SET_G5X_OFFSET") {
-    numbers(2, 10);
-    if (std::any_of(value_.begin() + 1, value_.begin() + static_cast<std::ptrdiff_t>(count_), [](double v) { return v != 0.0; })) {
-      source_.fail(call_.column + 1, "offsets other than 0 are not supported");
-    }
-  } else if (name == "SET_FEED_MODE") {
-    numbers(1, 2);
-    if (value_[0] != 0.0) source_.fail(call_.arguments + 1, "only feed per minute (mode 0) is supported");
-  } else if (std::find(unsupported.begin(), unsupported.end(), name) != unsupported.end()) {
-    const bool harmless = name == "SET_XY_ROTATION" || name == "SET_G92_OFFSET" || name == "SET_ORIGIN_OFFSETS";
-    if (harmless) numbers(1, 10);
-    if (!harmless || std::any_of(value_.begin(), value_.begin() + static_cast<std::ptrdiff_t>(count_), [](double v) { return v != 0.0; })) {
-      source_.fail(call_.column + 1, std::string(name) + (harmless ? " other than 0" : "") + " is not supported");
-    }
+  } else {
+    other_call();
   }
   return true;
+}
+
+void CanonicalReader::other_call() {
+  const std::string_view name = call_.name;
+  switch (call_kind(name)) {
+    case CallKind::text:
+      // A quoted text may hold anything but the two characters that end it.
+      text(line_.substr(call_.arguments).starts_with('"') ? "\")" : ")");
+      break;
+    case CallKind::passed_over: text(); break;
+    case CallKind::followed:
+      if (name == "SET_G5X_OFFSET") {
+        numbers(2, 10);
+        zeros(1, "offsets other than 0 are not supported");
+      } else if (name == "SET_FEED_MODE") {
+        numbers(1, 2);
+        zeros(count_ - 1, "only feed per minute (mode 0) is supported");
+      } else {
+        numbers(1, 10);
+        zeros(0, "offsets and rotations other than 0 are not supported");
+      }
+      break;
+    case CallKind::unsupported: source_.fail(call_.column + 1, std::string(name) + " is not supported" + allowed);
+    case CallKind::unknown: source_.fail(call_.column + 1, std::string(name) + " is an unknown call" + allowed);
+  }
+}
+
+void CanonicalReader::zeros(std::size_t from, const char* what) {
+  for (std::size_t i = from; i < count_; ++i) {
+    if (value_[i] != 0.0) source_.fail(call_.column + 1, what);
+  }
 }
 
 void CanonicalReader::feed() {
@@ -154,6 +175,7 @@ void CanonicalReader::straight(bool rapid) {
   ProgramPoint to = state_.position;
   for (std::size_t a = 0; a < count_; ++a) to[a] = scaled(a, a);
   state_.straight(to, rapid, call_.column + 1);
+  position_unit_ = state_.unit;
 }
 
 void CanonicalReader::arc() {
@@ -162,6 +184,7 @@ void CanonicalReader::arc() {
   arc.to = state_.position;
   const std::size_t first = MoveState::first_axis(plane_), second = MoveState::second_axis(plane_);
   const std::size_t normal = 3 - first - second;
+  arc.same = same_point();
   arc.to[first] = scaled(0, first);
   arc.to[second] = scaled(1, second);
   arc.center_first = scaled(2, first);
@@ -173,6 +196,7 @@ void CanonicalReader::arc() {
     source_.fail(call_.arguments + 1, "the fifth argument of an arc is its number of turns, positive counterclockwise");
   }
   state_.arc(arc, turns < 0.0, static_cast<int>(std::abs(turns)), nullptr, plane_, call_.column + 1);
+  position_unit_ = state_.unit;
 }
 
 void CanonicalReader::control() {

@@ -4,6 +4,15 @@
 
 namespace accdec {
 
+/// What the reader does with a canonical call.
+enum class CallKind {
+  unknown,
+  followed,     ///< moves, or sets what moves depend on
+  text,         ///< passed over; its argument is any text
+  passed_over,  ///< leaves the path alone
+  unsupported   ///< would change the path in a way not followed here
+};
+
 /// A canonical call found in a line; the name is empty if there is none.
 struct CanonicalCall {
   std::string_view name;
@@ -11,5 +20,8 @@ struct CanonicalCall {
   std::size_t arguments = 0;  ///< index behind its '('
 };
 CanonicalCall find_call(std::string_view line);
+
+/// By the list of the names that `rs274 -g` of LinuxCNC 2.9 prints (src/emc/sai/saicanon.cc).
+CallKind call_kind(std::string_view name);
 
 }  // namespace accdec

@@ -37,6 +37,7 @@ void MoveState::arc(Arc arc, bool clockwise, int turns, const double* radius, Pl
   arc.from = position;
   arc.first = first_axis(plane);
   arc.second = second_axis(plane);
+  arc.rounding = unit > 2e-3 ? arc_rounding_inch : arc_rounding_mm;
   const ArcProblem problem =
       radius != nullptr ? arc_by_radius(arc, clockwise, *radius, turns) : arc_by_center(arc, clockwise, turns);
   const auto distance = [&](const ProgramPoint& p) {
@@ -44,10 +45,11 @@ void MoveState::arc(Arc arc, bool clockwise, int turns, const double* radius, Pl
   };
   switch (problem) {
     case ArcProblem::none: break;
-    case ArcProblem::radius_zero: source_.fail(column, "impossible arc: its radius is 0");
+    case ArcProblem::radius_zero: source_.fail(column, "impossible arc: its radius is 0 (below 0.00127 mm)");
     case ArcProblem::radius_differs:
       source_.fail(column, "impossible arc: radius " + std::to_string(distance(arc.from)) + " at its start, " +
-                               std::to_string(distance(arc.to)) + " at its end");
+                               std::to_string(distance(arc.to)) + " at its end, more apart than " +
+                               std::to_string(arc.rounding / unit) + " and 0.1 %");
     case ArcProblem::radius_too_small:
       source_.fail(column, "impossible arc: its ends are more than twice the radius apart");
     case ArcProblem::same_end:

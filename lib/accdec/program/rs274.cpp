@@ -13,25 +13,45 @@ namespace accdec {
 namespace {
 
 /// Modal groups of G codes, as far as they are understood.
-enum Group : int { g_motion, g_plane, g_distance, g_arc_distance, g_units, g_path, g_other, g_dwell };
-
-struct Code {
-  Group group;
-  bool known = true;
+enum Group : int {
+  g_motion, g_plane, g_distance, g_arc_distance, g_units, g_path, g_dwell, g_cancel_cycle,
+  g_cutter, g_tool_length, g_coordinates, g_feed_mode, g_spindle_mode, g_return, g_unknown
 };
+constexpr const char* g_allowed =
+    "; supported: G0 G1 G2 G3 G4 G17 G18 G19 G20 G21 G40 G43 G49 G54 to G59.3 G61 G61.1 G64 G80 G90 G90.1 G91 G91.1 G94 G96 to G99";
 
-Code classify(int tenths) {
+Group classify(int tenths) {
   switch (tenths) {
-    case 0: case 10: case 20: case 30: case 800: return {g_motion};
-    case 40: return {g_dwell};
-    case 170: case 180: case 190: return {g_plane};
-    case 200: case 210: return {g_units};
-    case 610: case 611: case 640: return {g_path};
-    case 900: case 910: return {g_distance};
-    case 901: case 911: return {g_arc_distance};
-    case 400: case 430: case 490: case 540: case 550: case 560: case 570: case 580: case 590: case 591: case 592: case 593:
-    case 940: case 960: case 970: case 980: case 990: return {g_other};
-    default: return {g_other, false};
+    case 0: case 10: case 20: case 30: return g_motion;
+    case 40: return g_dwell;
+    case 170: case 180: case 190: return g_plane;
+    case 200: case 210: return g_units;
+    case 400: return g_cutter;
+    case 430: case 490: return g_tool_length;
+    case 540: case 550: case 560: case 570: case 580: case 590: case 591: case 592: case 593: return g_coordinates;
+    case 610: case 611: case 640: return g_path;
+    case 800: return g_cancel_cycle;
+    case 900: case 910: return g_distance;
+    case 901: case 911: return g_arc_distance;
+    case 940: return g_feed_mode;
+    case 960: case 970: return g_spindle_mode;
+    case 980: case 990: return g_return;
+    default: return g_unknown;
+  }
+}
+
+/// Modal groups of M codes: stopping, tool change, spindle, coolant, overrides.
+enum MGroup : int { m_stop, m_tool, m_spindle, m_coolant, m_override, m_unknown };
+constexpr const char* m_allowed = "; supported: M0 to M9, M30, M48, M49";
+
+MGroup classify_m(int tenths) {
+  switch (tenths) {
+    case 0: case 10: case 20: case 300: return m_stop;
+    case 60: return m_tool;
+    case 30: case 40: case 50: return m_spindle;
+    case 70: case 80: case 90: return m_coolant;
+    case 480: case 490: return m_override;
+    default: return m_unknown;
   }
 }
 
@@ -64,6 +84,7 @@ class Interpreter {
  private:
   bool execute();
   bool modal_codes();
+  void check_numbers() const;
   void path_control(int tenths);
   void pass_words();
   void move();
@@ -92,14 +113,17 @@ bool Interpreter::execute() {
     state_.feed = words_['F'];
     if (!(state_.feed > 0.0)) source_.fail(words_.column('F'), "the feed must be positive");
   }
+  if ((words_.present() & Words::passed_over) != 0U) check_numbers();
   bool stop = false, end = false;
+  unsigned seen = 0;
   for (const Words::Item& m : words_.m_codes()) {
-    switch (m.tenths) {
-      case 0: case 10: stop = true; break;
-      case 20: case 300: end = true; break;
-      case 30: case 40: case 50: case 60: case 70: case 80: case 90: case 480: case 490: break;
-      default: source_.fail(m.column, name('M', m.tenths) + " is not supported");
+    const MGroup group = classify_m(m.tenths);
+    if (group == m_unknown) source_.fail(m.column, name('M', m.tenths) + " is not supported" + m_allowed);
+    if ((seen & (1U << group)) != 0U) {
+      source_.fail(m.column, name('M', m.tenths) + " contradicts another M word of its group in this block");
     }
+    seen |= 1U << group;
+    if (group == m_stop) (m.tenths <= 10 ? stop : end) = true;
   }
   const bool dwell = words_.g_codes().empty() ? false : modal_codes();
   if (dwell) {
@@ -108,7 +132,8 @@ bool Interpreter::execute() {
     state_.stop(words_['P']);
   }
   pass_words();
-  if (words_.any_axis()) move();
+  // An arc without end words ends where it starts, in its plane.
+  if (words_.any_axis() || (words_.present() & Words::arc_centers) != 0U) move();
   refuse_unused();
   if (stop) {
     state_.stop(0.0);
@@ -126,45 +151,66 @@ void Interpreter::pass_words() {
   std::string text;
   const auto put = [&](const std::string& word) { text.append(text.empty() ? "" : " ").append(word); };
   for (const Words::Item& g : words_.g_codes()) {
-    if (classify(g.tenths).group == g_other && g.tenths != 940) put(name('G', g.tenths));
+    if (const Group group = classify(g.tenths); group >= g_cutter && group != g_feed_mode) put(name('G', g.tenths));
   }
   for (const char letter : {'H', 'D', 'T', 'S'}) {
     if (words_.has(letter)) put(letter + plain_number(words_[letter], 6));
   }
   for (const Words::Item& m : words_.m_codes()) {
-    if (m.tenths >= 30 && m.tenths != 300) put(name('M', m.tenths));
+    if (classify_m(m.tenths) != m_stop) put(name('M', m.tenths));
   }
   if (!text.empty()) state_.pass(text);
+}
+
+/// Words that are only passed over, but have a form.
+void Interpreter::check_numbers() const {
+  for (const char letter : {'N', 'T', 'S', 'H', 'D'}) {
+    if (!words_.has(letter)) continue;
+    const double value = words_[letter];
+    const bool whole = letter == 'T' || letter == 'H';
+    if (value < 0.0 || (whole && value != std::floor(value))) {
+      source_.fail(words_.column(letter), fmt::format("{} must be {} that is not negative", letter, whole ? "a whole number" : "a number"));
+    }
+  }
 }
 
 /// Sets modes in the order of execution of the language; motion comes later. Returns whether there is a dwell.
 bool Interpreter::modal_codes() {
   unsigned seen = 0;
   bool dwell = false;
-  const Words::Item* path = nullptr;
+  const Words::Item *path = nullptr, *arc = nullptr;
   for (const Words::Item& g : words_.g_codes()) {
-    const Code code = classify(g.tenths);
-    if (!code.known) source_.fail(g.column, name('G', g.tenths) + " is not supported");
-    if (code.group != g_other && (seen & (1U << code.group)) != 0U) {
+    const Group group = classify(g.tenths);
+    if (group == g_unknown) source_.fail(g.column, name('G', g.tenths) + " is not supported" + g_allowed);
+    if ((seen & (1U << group)) != 0U) {
       source_.fail(g.column, name('G', g.tenths) + " contradicts another G word of its group in this block");
     }
-    seen |= 1U << code.group;
-    switch (code.group) {
-      case g_motion: motion_ = g.tenths; break;
+    seen |= 1U << group;
+    switch (group) {
+      case g_motion:
+        motion_ = g.tenths;
+        if (motion_ >= 20) arc = &g;
+        break;
+      case g_cancel_cycle:
+        if ((seen & (1U << g_motion)) == 0U) motion_ = 800;  // beside G0 to G3 it is they that count
+        break;
       case g_plane: plane_ = g.tenths == 170 ? Plane::xy : g.tenths == 180 ? Plane::zx : Plane::yz; break;
       case g_distance: absolute_ = g.tenths == 900; break;
       case g_arc_distance: absolute_center_ = g.tenths == 901; break;
       case g_units: {
         const double unit = g.tenths == 200 ? 0.0254 : 1e-3;
-        // The feed number keeps its meaning in the old unit unless this block gives a new one.
-        if (!words_.has('F')) state_.feed *= state_.unit / unit;
+        // F is executed before the units change, so its number is one of the old unit, be it of this block or of one before.
+        state_.feed *= state_.unit / unit;
         state_.unit = unit;
         break;
       }
       case g_path: path = &g; break;
       case g_dwell: dwell = true; break;
-      case g_other: break;
+      default: break;
     }
+  }
+  if (dwell && arc != nullptr) {
+    source_.fail(arc->column, "G4 cannot stand in one block with G2 or G3, which both use P: write them in separate blocks");
   }
   if (dwell && path != nullptr && path->tenths == 640 && words_.has('P')) {
     source_.fail(words_.column('P'), "P could belong to G4 or to G64: write them in separate blocks");
@@ -180,8 +226,8 @@ void Interpreter::path_control(int tenths) {
   if (tenths != 640) return;
   state_.tolerance = -1.0;
   if (take('P')) {
-    if (!(words_['P'] > 0.0)) source_.fail(words_.column('P'), "the tolerance of G64 must be positive; G61 is the exact path");
-    state_.tolerance = words_['P'] * state_.unit;
+    if (words_['P'] < 0.0) source_.fail(words_.column('P'), "the tolerance of G64 cannot be negative");
+    if (words_['P'] > 0.0) state_.tolerance = words_['P'] * state_.unit;  // 0: none given, as in rs274
   }
   take('Q');  // collinear moves need not be merged here
 }
@@ -198,8 +244,9 @@ ProgramPoint Interpreter::target() const {
 }
 
 void Interpreter::move() {
+  if (!words_.any_axis() && motion_ != 20 && motion_ != 30) return;  // I J K R will be refused
   used_ |= Words::axes;
-  const std::size_t column = words_.first_axis_column();
+  const std::size_t column = words_.first_column(words_.any_axis() ? Words::axes : Words::arc_centers);
   const ProgramPoint to = target();
   switch (motion_) {
     case 0: state_.straight(to, true, column); return;

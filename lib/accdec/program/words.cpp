@@ -23,16 +23,48 @@ std::string printable(char c) {
     case ')': source.fail(column, "')' without its '('");
     case '/': source.fail(column, "'/' deletes a block only as its first character");
     case '%': source.fail(column, "'%' must stand alone on its line");
+    case '-': case '+': case '.':
+    case '0': case '1': case '2': case '3': case '4': case '5': case '6': case '7': case '8': case '9':
+      source.fail(column, "a number without its letter");
     default: source.fail(column, printable(c) + " is no word of a program");
   }
 }
 
+bool blank(char c) { return c == ' ' || c == '\t'; }
+bool of_number(char c) { return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-'; }
+
+/// The number at p with blanks in it, moves p behind it.
+bool read_spaced_number(const char*& p, const char* end, double& value) {
+  std::string digits;
+  const char* q = p;
+  for (; q != end && (blank(*q) || of_number(*q)); ++q) {
+    if (!blank(*q)) digits += *q;
+  }
+  const char* d = digits.data();
+  if (!read_number(d, digits.data() + digits.size(), value) || d != digits.data() + digits.size()) return false;
+  p = q;
+  return true;
+}
+
+/// As read_number, but blanks count for nothing.
+bool read_word_number(const char*& p, const char* end, double& value) {
+  const char* const start = p;
+  if (read_number(p, end, value)) {
+    if (p == end || !blank(*p)) return true;
+    const char* q = p;
+    while (q != end && blank(*q)) ++q;
+    if (q == end || !of_number(*q)) return true;
+    p = start;
+  }
+  return p != end && of_number(*p) && read_spaced_number(p, end, value);
+}
+
 }  // namespace
 
-std::size_t Words::first_axis_column() const {
+std::size_t Words::first_column(std::uint32_t letters) const {
   std::size_t column = SIZE_MAX;
   for (char letter = 'A'; letter <= 'Z'; ++letter) {
-    if ((present_ & axes & letter_bit(letter)) != 0U && this->column(letter) < column) column = this->column(letter);
+    if ((present_ & letters & letter_bit(letter)) != 0U && this->column(letter) < column) column = this->column(letter);
   }
   return column;
 }
@@ -76,7 +108,7 @@ LineKind scan_words(LineSource& source, std::string_view line, Words& words) {
       source.fail(column(word), "O words are not supported: give the interpreter's canonical output instead");
     }
     double value = 0.0;
-    if (!read_number(p, end, value)) {
+    if (!read_word_number(p, end, value)) {
       if (p != end && (*p == '#' || *p == '[')) refuse(source, *p, column(p));
       source.fail(column(word), fmt::format("word {} has no number from -1e12 to 1e12", letter));
     }

@@ -24,6 +24,7 @@ class Words {
   static constexpr std::uint32_t axes = letter_bit('X') | letter_bit('Y') | letter_bit('Z') | letter_bit('A') |
                                         letter_bit('B') | letter_bit('C') | letter_bit('U') | letter_bit('V') |
                                         letter_bit('W');
+  static constexpr std::uint32_t arc_centers = letter_bit('I') | letter_bit('J') | letter_bit('K') | letter_bit('R');
   /// Numbers of lines, tools and spindle speeds.
   static constexpr std::uint32_t passed_over = letter_bit('N') | letter_bit('S') | letter_bit('T') |
                                                letter_bit('H') | letter_bit('D');
@@ -34,7 +35,8 @@ class Words {
   bool any_axis() const { return (present_ & axes) != 0U; }
   double operator[](char letter) const { return value_[static_cast<std::size_t>(letter - 'A')]; }
   std::size_t column(char letter) const { return column_[static_cast<std::size_t>(letter - 'A')]; }
-  std::size_t first_axis_column() const;
+  /// Column of the first of the letters given, of which there must be one.
+  std::size_t first_column(std::uint32_t letters) const;
   std::span<const Item> g_codes() const { return {g_.data(), g_count_}; }
   std::span<const Item> m_codes() const { return {m_.data(), m_count_}; }
 
@@ -52,8 +54,8 @@ class Words {
   std::size_t g_count_ = 0, m_count_ = 0;
 };
 
-/// Splits a line into words; comments vanish, a deleted block (/) counts as empty. Letters of either case, blanks between words
-/// and between letter and number.
+/// Splits a line into words; comments vanish, a deleted block (/) counts as empty. Letters of either case, blanks anywhere
+/// but in comments mean nothing, as in the language: X1 0.5 is X10.5.
 /// @throws ReadError on anything that is no word, or a letter given twice.
 LineKind scan_words(LineSource& source, std::string_view line, Words& words);
 
