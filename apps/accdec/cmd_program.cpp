@@ -1,3 +1,5 @@
+#include <sys/resource.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -9,6 +11,7 @@
 #include <accdec/io/plot_program.hpp>
 #include <accdec/io/task_reader.hpp>
 #include <accdec/program/design_program.hpp>
+#include <accdec/program/filter_bound.hpp>
 #include <accdec/program/report.hpp>
 #include <accdec/program/stream_file.hpp>
 
@@ -20,7 +23,7 @@ namespace {
 struct Options {
   std::string program, task, json, delays, samples, emit, figure;
   double arc_tolerance_um = 2.0, time_limit = 60.0;
-  bool rapid_stops = false, dwells_before_filter = false, per_leg = false;
+  bool rapid_stops = false, dwells_before_filter = false, per_leg = false, filter_bound = false;
 };
 
 void run(const Options& options, Context& context) {
@@ -57,8 +60,13 @@ void run(const Options& options, Context& context) {
     }
   }
   ProgramResult result = run_program(options.program, std::move(path), *choice.filter, task, options.per_leg);
+  if (options.filter_bound) {
+    result.filter_bound = filter_lower_bound(result.path, program_machine(task.machine, result.path), task.sample_period);
+  }
   choice.solver.wall_time += result.solver.wall_time;
   result.solver = choice.solver;
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) == 0) result.peak_memory = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
   // The large ones first, beside their targets; everything gets its name only when all is written.
   StreamFile samples, emitted;
   if (!options.samples.empty()) {
@@ -117,6 +125,8 @@ void add_program(CLI::App& app, Context& context) {
                     "every leg in the length that makes the program shortest; where one filter for all is as fast, that is kept");
   command->add_flag("--dwells-before-filter", options->dwells_before_filter,
                     "Read G4 as --emit writes it: a delay of the command, without an exact stop unless G61.1 or M0 asks for one");
+  command->add_flag("--filter-bound", options->filter_bound,
+                    "Also say which time no filters that keep the acceleration limits, not longer than the blocks, can undercut with any delays");
   command->add_flag("--rapid-stops", options->rapid_stops, "Stop wherever rapid and feed moves meet");
   command->callback([options, &context] { run(*options, context); });
 }

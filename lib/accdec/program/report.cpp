@@ -156,6 +156,7 @@ std::string program_summary(const ProgramResult& result) {
   row("exact stop at every corner", result.cycle_time_exact_stop);
   row("no delay at any corner", result.cycle_time_no_delay);
   row("bound, continuous motion", result.lower_bound);
+  if (result.filter_bound) row("bound, filters and delays", *result.filter_bound);
   fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n", result.worst_error * 1e6,
                  100.0 * result.worst_utilisation, result.worst_line);
   if (plan.raised > 0) {
@@ -174,6 +175,10 @@ std::string program_summary(const ProgramResult& result) {
   for (const LimitUse& use : plan.simulation.limits) {
     fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>8.1f} %  {}\n", to_string(use.kind), use.axis, use.bound, 100.0 * use.utilisation,
                    use.kind == LimitKind::vibration ? fmt::format("{:.6g} Hz", use.frequency) : use.corner);
+  }
+  if (result.peak_memory > 0) {
+    fmt::format_to(put, "\n  planned and verified in {:.3g} s, at most {:.0f} MB of memory\n", result.solver.wall_time,
+                   static_cast<double>(result.peak_memory) * 1e-6);
   }
   fmt::format_to(put, "\n  {}{}{}\n", result.verification.feasible ? "verified: every sample simulated, all bounds hold" : "NOT verified",
                  result.message.empty() ? "" : ": ", result.message);

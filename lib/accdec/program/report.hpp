@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -35,6 +36,8 @@ struct ProgramResult {
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
   double lower_bound = 0.0;            ///< s, see program_lower_bound; of the program as planned, rapid moves at their planned speed
+  std::optional<double> filter_bound;  ///< s, see filter_lower_bound; of the program as planned, where asked for
+  std::int64_t peak_memory = 0;        ///< bytes of the process, by whoever runs it; 0: not asked for
   double delay_total = 0.0;            ///< s, delays of this plan
   VerificationReport verification;
   SolverReport solver;

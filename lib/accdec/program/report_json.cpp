@@ -77,6 +77,8 @@ std::string program_to_json(const ProgramResult& result) {
   json["cycle_time_exact_stop_s"] = result.cycle_time_exact_stop;
   json["cycle_time_no_delay_s"] = result.cycle_time_no_delay;
   json["lower_bound_s"] = result.lower_bound;
+  if (result.filter_bound) json["filter_bound_s"] = *result.filter_bound;
+  if (result.peak_memory > 0) json["peak_memory_bytes"] = result.peak_memory;
   json["delay_total_s"] = result.delay_total;
   json["limits"] = limits_json(result);
   json["verification"] = {{"performed", result.verification.performed},
