@@ -166,6 +166,17 @@ TEST(ComparisonRun, WhatIsFoundOnTheWayIsJudgedAsTheAnswerIs) {
   }
 }
 
+TEST(ComparisonRun, OneSolverInBothForms) {
+  const Comparison c(settings({"nlopt-slsqp", "nlopt-slsqp/reduced"}), {boxcar_case(41, 10)});
+  EXPECT_EQ(c.header()["solvers"][0]["form"], "sparse");
+  EXPECT_EQ(c.header()["solvers"][1]["form"], "reduced");
+  const Row sparse = c.run(1), reduced = c.run(2);
+  EXPECT_EQ(reduced["solver"], "nlopt-slsqp/reduced");
+  EXPECT_EQ(reduced["verdict"], "optimal");
+  EXPECT_NEAR(reduced["objective"].get<double>(), sparse["objective"].get<double>(), 1e-6 * sparse["objective"].get<double>());
+  EXPECT_NE(reduced["evaluations"], sparse["evaluations"]);
+}
+
 TEST(ComparisonRun, DesignsStartWhereToldAndAreCounted) {
   CaseSpec spec = boxcar_case(41, 0);
   spec.task.machine.axes[0].acceleration_max = spec.task.machine.axes[1].acceleration_max = 0.1 / 20e-3;

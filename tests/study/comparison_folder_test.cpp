@@ -148,6 +148,8 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   };
   suite(R"(["ipotp"])");
   refuse("compare suite.toml --out none", R"(suite.toml:2:11: unknown solver "ipotp"; did you mean "ipopt"? known are ipopt, ipopt-lbfgs)");
+  suite(R"(["nlopt-mma/reduced"])");
+  refuse("compare suite.toml --out none", "unknown solver \"nlopt-mma/reduced\"");  // it has no other form
   suite(R"("all")", "time_limit = 3");
   refuse("compare suite.toml --out none", "suite.toml:7:1: unknown key `time_limit`");
   suite(R"("all")", "targets = [0]");
@@ -196,7 +198,7 @@ TEST(ShippedSuite, HasThirtyProblemsOfEveryKindAndThreeSizes) {
   EXPECT_GE(largest, 1000);
   EXPECT_GE(suite.settings.repeats, 5);
   EXPECT_EQ(suite.settings.solvers.size(), accdec::solvers::registry().size());
-  EXPECT_NO_THROW(accdec::read_suite(ACCDEC_SOURCE_DIR "/problems/suite/quick.toml"));
+  for (const char* name : {"quick", "patience", "forms"}) EXPECT_NO_THROW(accdec::read_suite(fmt::format(ACCDEC_SOURCE_DIR "/problems/suite/{}.toml", name))) << name;
 }
 
 }  // namespace

@@ -60,8 +60,13 @@ class SuiteReader {
     std::vector<std::string> names;
     for (const auto& solver : solvers::registry()) names.push_back(solver->name());
     const auto wanted = toml_input::strings(top, tree_, "solvers");
+    std::vector<std::string> names_and_forms = names;
+    for (const auto& solver : solvers::registry()) {
+      const solvers::Capabilities can = solver->capabilities();
+      if (can.equality_rows && !can.needs_finite_bounds && !can.linear_only) names_and_forms.push_back(solver->name() + "/reduced");
+    }
     if (wanted.empty()) top.fail(fmt::format("the suite needs `solvers`: \"all\" or a list of {}", fmt::join(names, ", ")));
-    s.solvers = wanted == std::vector<std::string>{"all"} ? names : known_solvers(top, "solvers", wanted, names);
+    s.solvers = wanted == std::vector<std::string>{"all"} ? names : known_solvers(top, "solvers", wanted, names_and_forms);
     s.reduced = known_solvers(top, "reduced", toml_input::strings(top, tree_, "reduced"), names);
   }
 

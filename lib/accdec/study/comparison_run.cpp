@@ -30,7 +30,7 @@ Comparison::Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases)
   if (cases.empty() || settings_.solvers.empty() || settings_.targets.empty() || settings_.starts < 1 || settings_.repeats < 1) {
     throw std::invalid_argument("a comparison needs at least one problem, solver, target, start and repeat");
   }
-  for (const std::string& name : settings_.solvers) solvers::find_solver(name);
+  for (const std::string& name : settings_.solvers) solvers::find_solver(registry_name(name));
   for (CaseSpec& spec : cases) cases_.push_back(std::make_unique<ComparisonCase>(std::move(spec)));
 }
 
@@ -73,9 +73,11 @@ double Comparison::kill_after(std::size_t index) const {
   return run.reference ? 2.0 * limit + 5.0 : limit + settings_.kill_after - settings_.time_limit;
 }
 
+std::string registry_name(const std::string& entry) { return entry.substr(0, entry.find('/')); }
+
 bool Comparison::wants_reduced(const std::string& solver) const {
-  const solvers::Capabilities can = solvers::find_solver(solver).capabilities();
-  return !can.equality_rows || can.needs_finite_bounds || std::find(settings_.reduced.begin(), settings_.reduced.end(), solver) != settings_.reduced.end();
+  const solvers::Capabilities can = solvers::find_solver(registry_name(solver)).capabilities();
+  return solver.ends_with("/reduced") || !can.equality_rows || can.needs_finite_bounds || std::find(settings_.reduced.begin(), settings_.reduced.end(), solver) != settings_.reduced.end();
 }
 
 Row Comparison::header() const {
@@ -96,7 +98,7 @@ Row Comparison::header() const {
   row["targets"] = settings_.targets;
   row["solvers"] = Row::array();
   for (const std::string& name : settings_.solvers) {
-    const solvers::Solver& solver = solvers::find_solver(name);
+    const solvers::Solver& solver = solvers::find_solver(registry_name(name));
     const solvers::Capabilities can = solver.capabilities();
     const char* uses = can.linear_only ? "coefficients" : can.uses_hessian ? "second derivatives" : can.uses_gradient || can.uses_jacobian ? "first derivatives" : "values";
     Row entry;

@@ -14,7 +14,7 @@ namespace accdec::study {
 /// What is the same for every solver.
 struct ComparisonSettings {
   std::string title, notes;
-  std::vector<std::string> solvers;  ///< registry names
+  std::vector<std::string> solvers;  ///< registry names, "NAME/reduced" for one given the reduced form (so both forms can be compared)
   std::vector<std::string> reduced;  ///< of these, the ones that get the reduced form although they take equality rows
   int starts = 1, repeats = 5;
   std::uint64_t seed = 1;
@@ -27,6 +27,9 @@ struct ComparisonSettings {
   std::vector<double> targets{1e-1, 1e-2, 1e-4};  ///< alike, for data profiles and runtime distributions
   double reference_time_limit = 30.0;        ///< s
 };
+
+/// The registry name of an entry of ComparisonSettings::solvers.
+std::string registry_name(const std::string& entry);
 
 /// One entry of the schedule.
 struct ScheduledRun {

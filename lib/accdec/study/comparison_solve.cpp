@@ -56,8 +56,9 @@ Row counts_row(const nlp::Counts& n) {
 
 void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   const ComparisonCase& subject = *cases_[entry.case_index];
-  const solvers::Solver& solver = solvers::find_solver(settings_.solvers[entry.solver]);
-  const bool reduced = wants_reduced(solver.name());
+  const std::string& name = settings_.solvers[entry.solver];
+  const solvers::Solver& solver = solvers::find_solver(registry_name(name));
+  const bool reduced = wants_reduced(name);
   solvers::Options options;
   options.tolerance = settings_.tolerance;
   options.feasibility_tolerance = settings_.feasibility;
@@ -118,14 +119,14 @@ void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
   task.design.order_min = task.design.order_max = spec.order;
   DesignOptions options;
   options.method = Method::nlp;
-  options.solver = settings_.solvers[entry.solver];
+  options.solver = registry_name(settings_.solvers[entry.solver]);
   options.time_limit = options.solver_options.time_limit = time_limit(entry);
   options.solver_options.tolerance = settings_.tolerance;
   options.solver_options.evaluation_limit = settings_.evaluation_limit;
   options.solver_options.own_budget = false;
   options.solver_options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
   options.start = subject.start_filter(entry.start, settings_.seed);
-  options.reduced = wants_reduced(options.solver);
+  options.reduced = wants_reduced(settings_.solvers[entry.solver]);
   const auto began = Clock::now();
   std::vector<nlp::Improvement> history;
   options.improved = [&](double cycle_time, const nlp::Counts& so_far) {
