@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <string>
 
@@ -93,6 +96,50 @@ TEST(Reader, ReadsCsv) {
   EXPECT_DOUBLE_EQ(r.moves[0].duration, 1.0);
   EXPECT_EQ(r.moves[0].line, 4);
   EXPECT_EQ(r.moves[1].duration, 0.0);
+}
+
+TEST(Reader, ReadsWhatNumpyWrites) {
+  // np.savetxt(f, a, header="x_mm y_mm feed_mm_min"), and the same with delimiter="," and comments="".
+  const std::string blanks =
+      "# made by numpy\n# x_mm y_mm feed_mm_min\n0.000000000000000000e+00 0.000000000000000000e+00 0.000000000000000000e+00\n"
+      "1.000000000000000000e+01 -2.500000000000000139e-03 6.000000000000000000e+02\n";
+  std::string commas = blanks.substr(blanks.find("x_mm"));
+  for (char& c : commas) c = c == ' ' ? ',' : c;
+  for (const std::string& text : {blanks, commas, "# " + commas, "\xef\xbb\xbf" + commas, "\xef\xbb\xbf" + blanks}) {
+    const Recorder r = read(text, "path.csv");
+    ASSERT_EQ(r.moves.size(), 1U) << text;
+    EXPECT_DOUBLE_EQ(r.moves[0].to[0], 0.01);
+    EXPECT_DOUBLE_EQ(r.moves[0].to[1], -2.5e-6);
+    EXPECT_NEAR(r.moves[0].duration, 1.0, 1e-7);
+  }
+  const Recorder r = read("x_mm,feed_mm_min\n0,\n1e1,6E2\n+1.5e+1,600\n1e-400,600.\n", "path.csv");
+  ASSERT_EQ(r.moves.size(), 3U);
+  EXPECT_DOUBLE_EQ(r.moves[0].to[0], 0.01);
+  EXPECT_DOUBLE_EQ(r.moves[1].to[0], 0.015);
+  EXPECT_DOUBLE_EQ(r.moves[2].to[0], 0.0);
+  expect_error("x_mm,feed_mm_min\n0,0\n1e13,100\n", "3:1", "not a number", "p.csv");
+  expect_error("x_mm,feed_mm_min\n0,0\n1e400,100\n", "3:1", "not a number", "p.csv");
+  expect_error("x_mm,feed_mm_min\n0,0\n1e,100\n", "3:2", "2 values", "p.csv");
+  expect_error("x_mm,feed_mm_min\n0,0\n1 100\n", "3:3", "commas between", "p.csv");
+  expect_error("x_mm feed_mm_min\n0 0\n1,100\n", "3:2", "2 values", "p.csv");
+  expect_error("x_mm feed_mm_min\n0 0\ninf 100\n", "3:1", "not a number", "p.csv");
+  expect_error("x_mm feed_mm_min x_mm\n", "1:18", "twice", "p.csv");
+  expect_error("# x_mm\n1,2\n", "2:1", "unknown column '1'", "p.csv");
+  expect_error("x_mm\n", "1:1", "needs a column feed_mm_min", "p.csv");
+}
+
+TEST(Reader, PassesOverAByteOrderMark) {
+  EXPECT_EQ(read("\xef\xbb\xbfG1 F1 X1\n").moves.size(), 1U);
+  EXPECT_EQ(read("\xef\xbb\xbfSET_FEED_RATE(1)\nSTRAIGHT_FEED(1, 2, 3)\n").moves.size(), 1U);
+  expect_error("\xef\xbb\xbfG1 F1 Y\n", "1:7", "word Y");
+  expect_error("G1 F1\n\xef\xbb\xbfX1\n", "2:1", "byte 0xef");
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("accdec_mark_" + std::to_string(::getpid()) + ".ngc");
+  std::ofstream(file) << "\xef\xbb\xbfG1 F1 X1\n";
+  LineSource source(file);
+  Recorder recorder;
+  read_program(source, {}, recorder);
+  EXPECT_EQ(recorder.moves.size(), 1U);
+  std::filesystem::remove(file);
 }
 
 TEST(Reader, StopsAtTheProgramEnd) {

@@ -1,5 +1,6 @@
 #include <accdec/program/reader.hpp>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -20,41 +21,68 @@ bool passed_over(std::string_view line) {
   return i == std::string_view::npos || line[i] == '#';
 }
 
-std::vector<std::size_t> read_header(LineSource& source, std::string_view line) {
+struct Header {
   std::vector<std::size_t> columns;
-  std::size_t start = 0;
+  bool commas = true;  ///< between the values; else blanks
+
+  bool has(std::size_t axis) const { return std::find(columns.begin(), columns.end(), axis) != columns.end(); }
+  bool complete() const { return has(feed_column) && columns.size() >= 2; }
+};
+
+/// Reads the names from index `start` of the line on.
+/// @return the index of the first name that is none, or is there twice; npos if there is none
+std::size_t read_names(std::string_view line, std::size_t start, Header& header) {
+  header = {};
+  header.commas = line.find(',', start) != std::string_view::npos;
+  const std::string_view separators = header.commas ? "," : " \t";
   for (;;) {
-    const std::size_t comma = line.find(',', start);
-    std::string_view name = line.substr(start, comma == std::string_view::npos ? comma : comma - start);
+    if (!header.commas) start = std::min(line.find_first_not_of(separators, start), line.size());
+    const std::size_t end = std::min(line.find_first_of(separators, start), line.size());
+    std::string_view name = line.substr(start, end - start);
     const std::size_t first = name.find_first_not_of(" \t"), last = name.find_last_not_of(" \t");
     name = first == std::string_view::npos ? std::string_view{} : name.substr(first, last - first + 1);
     std::size_t axis = 0;
     while (axis <= feed_column && column_name(axis) != name) ++axis;
-    if (axis > feed_column) {
-      source.fail(start + 1, "unknown column '" + std::string(name.substr(0, 40)) +
-                                 "', allowed: x_mm y_mm z_mm a_deg b_deg c_deg u_mm v_mm w_mm feed_mm_min");
-    }
-    for (const std::size_t other : columns) {
-      if (other == axis) source.fail(start + 1, "column '" + std::string(name) + "' twice");
-    }
-    columns.push_back(axis);
-    if (comma == std::string_view::npos) return columns;
-    start = comma + 1;
+    if (axis > feed_column || header.has(axis)) return start;
+    header.columns.push_back(axis);
+    start = end;
+    if (header.commas ? end == line.size() : line.find_first_not_of(separators, end) == std::string_view::npos) return std::string_view::npos;
+    if (header.commas) ++start;
   }
+}
+
+/// The first line that is no comment, or a comment that holds names of columns and nothing else: so numpy's savetxt writes them.
+bool find_header(LineSource& source, Header& header) {
+  std::string_view line;
+  while (source.next(line)) {
+    const std::size_t start = line.find_first_not_of(" \t#");
+    if (start == std::string_view::npos) continue;
+    const std::size_t wrong = read_names(line, start, header);
+    if (passed_over(line)) {
+      if (wrong == std::string_view::npos && header.complete()) return true;
+      continue;
+    }
+    if (wrong != std::string_view::npos) {
+      const std::size_t end = line.find_first_of(header.commas ? "," : " \t", wrong);
+      const std::string name(line.substr(wrong, std::min<std::size_t>(40, end - wrong)));
+      for (const std::size_t axis : header.columns) {
+        if (column_name(axis) == name) source.fail(wrong + 1, "column '" + name + "' twice");
+      }
+      source.fail(wrong + 1, "unknown column '" + name + "', allowed: x_mm y_mm z_mm a_deg b_deg c_deg u_mm v_mm w_mm feed_mm_min");
+    }
+    if (!header.complete()) source.fail(1, "the table needs a column feed_mm_min and one of an axis");
+    return true;
+  }
+  return false;
 }
 
 }  // namespace
 
 void read_csv(LineSource& source, const ReadOptions&, MoveSink& sink) {
+  Header header;
+  if (!find_header(source, header)) return;
+  const std::vector<std::size_t>& columns = header.columns;
   std::string_view line;
-  do {
-    if (!source.next(line)) return;
-  } while (passed_over(line));
-  const std::vector<std::size_t> columns = read_header(source, line);
-  bool has_feed = false;
-  for (const std::size_t c : columns) has_feed = has_feed || c == feed_column;
-  if (!has_feed || columns.size() < 2) source.fail(1, "the table needs a column feed_mm_min and one of an axis");
-
   ProgramPoint position{};
   bool first = true;
   while (source.next(line)) {
@@ -73,7 +101,7 @@ void read_csv(LineSource& source, const ReadOptions&, MoveSink& sink) {
       double value = 0.0;
       const bool feed_of_start = first && columns[c] == feed_column;
       const std::size_t value_at = at();
-      if (!read_number(p, end, value) && !(feed_of_start && (p == end || *p == ','))) {
+      if (!read_scientific(p, end, value) && !(feed_of_start && (p == end || *p == ','))) {
         source.fail(value_at, "not a number from -1e12 to 1e12");
       }
       if (columns[c] == feed_column) {
@@ -82,11 +110,13 @@ void read_csv(LineSource& source, const ReadOptions&, MoveSink& sink) {
       } else {
         move.to[columns[c]] = value * 1e-3;
       }
+      const char* const behind = p;
       blanks();
-      if (c + 1 < columns.size() ? p == end || *p != ',' : p != end) {
-        source.fail(at(), "the row must have " + std::to_string(columns.size()) + " values");
+      const bool separated = header.commas ? p != end && *p == ',' : p != end && p != behind;
+      if (c + 1 < columns.size() ? !separated : p != end) {
+        source.fail(at(), "the row must have " + std::to_string(columns.size()) + " values" + (header.commas ? ", commas between them" : ""));
       }
-      if (p != end) ++p;
+      if (p != end && header.commas) ++p;
     }
     move.line = source.line_number();
     move.column = 1;

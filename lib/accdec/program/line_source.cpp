@@ -19,7 +19,14 @@ LineSource::LineSource(const std::filesystem::path& file) : name_(file.string())
 }
 
 LineSource::LineSource(std::string name, std::string_view text)
-    : name_(std::move(name)), position_(text.data()), end_(text.data() + text.size()), start_of_last_(position_) {}
+    : name_(std::move(name)), position_(text.data()), end_(text.data() + text.size()), start_of_last_(position_) {
+  skip_byte_order_mark();
+}
+
+void LineSource::skip_byte_order_mark() {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  if (std::string_view(position_, static_cast<std::size_t>(end_ - position_)).starts_with(mark)) position_ += mark.size();
+}
 
 const void* LineSource::find_end() const {
   return position_ == end_ ? nullptr : std::memchr(position_, '\n', static_cast<std::size_t>(end_ - position_));
@@ -36,6 +43,8 @@ bool LineSource::next_slow(std::string_view& line) {
     const std::size_t got = std::fread(buffer_.data() + rest, 1, buffer_.size() - rest, file_.get());
     position_ = buffer_.data();
     end_ = position_ + rest + got;
+    if (!started_) skip_byte_order_mark();
+    started_ = true;
     if (got == 0) {
       if (std::ferror(file_.get()) != 0) fail(1, "cannot be read: " + std::string(std::strerror(errno)));
       file_.reset();

@@ -11,6 +11,7 @@
 namespace accdec {
 
 /// The lines of a file or of a text in memory, one after the other through one buffer: memory does not grow with the file.
+/// The byte order mark that some editors put before UTF-8 is not part of the first line.
 class LineSource {
  public:
   /// Longest line accepted, characters. Longer ones are an error, so that a file without line ends cannot fill the memory.
@@ -56,6 +57,7 @@ class LineSource {
     if (line.size() > line_max) too_long();
   }
   bool next_slow(std::string_view& line);
+  void skip_byte_order_mark();
   [[noreturn]] void too_long() const;
 
   std::string name_;
@@ -65,6 +67,7 @@ class LineSource {
   const char* end_ = nullptr;
   const char* start_of_last_ = nullptr;
   std::int64_t line_number_ = 0;
+  bool started_ = false;  // reading the file
 };
 
 }  // namespace accdec

@@ -41,6 +41,22 @@ bool read_number(const char*& p, const char* end, double& value) {
   return true;
 }
 
+bool read_scientific(const char*& p, const char* end, double& value) {
+  const char* const start = p;
+  if (!read_number(p, end, value)) return false;
+  if (p == end || (*p | 0x20) != 'e') return true;
+  double result = 0.0;
+  const auto [behind, error] = std::from_chars(*start == '+' ? start + 1 : start, end, result, std::chars_format::general);
+  // Numbers too small for a double count as 0. Without digits the e is left over, and so refused by what comes next.
+  if ((error != std::errc{} && !(error == std::errc::result_out_of_range && p + 1 != end && p[1] == '-')) || !(std::abs(result) <= number_max)) {
+    p = start;
+    return false;
+  }
+  value = error == std::errc{} ? result : 0.0;
+  p = behind;
+  return true;
+}
+
 std::string plain_number(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
   if (decimals > 0) {

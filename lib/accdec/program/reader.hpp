@@ -33,7 +33,8 @@ void read_canonical(LineSource& source, const ReadOptions& options, MoveSink& si
 
 /// A table with one row a point: the header names the columns (`x_mm`, .. `w_mm`, `a_deg`, `b_deg`, `c_deg`, `feed_mm_min`), axes
 /// not named stay 0. The first row is the start, its feed is not used; the feed of a row is that of the move to it.
-/// Lines beginning with # and empty ones are passed over.
+/// Values stand between commas, or between blanks if the header has no comma; they may have exponents. Empty lines and those
+/// beginning with # are passed over, but for a # before the header itself: what numpy.savetxt writes by default is read.
 void read_csv(LineSource& source, const ReadOptions& options, MoveSink& sink);
 
 }  // namespace accdec
