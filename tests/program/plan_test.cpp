@@ -5,6 +5,7 @@
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/program/lower_bound.hpp>
 #include <accdec/program/plan.hpp>
+#include <accdec/program/simulate.hpp>
 
 #include "reference.hpp"
 
@@ -134,6 +135,16 @@ TEST(Plan, ShortMovesTogetherHoldTheLimitsThatEachAloneHolds) {
     }
   }
   EXPECT_GT(raised, 0U);
+}
+
+TEST(Plan, ADwellAtTheEndTakesItsTime) {
+  // 1 s of motion, 41 samples to come to rest, then 5 s; a filter a leg and the plan's own time model say the same.
+  Toolpath path = path_of("G1 X10 F600\nG4 P5\nM2\n");
+  const Filter filter = boxcar(40);
+  const ProgramPlan plan = plan_program(path, filter, period, {});
+  EXPECT_EQ(plan.simulation.samples, 1000 + 41 + 5000);
+  EXPECT_EQ(motion_samples(CommandTiming(path, period, plan.delays), filter), 1000 + 41 + 5000);
+  EXPECT_DOUBLE_EQ(program_lower_bound(path, {}), 6.0);
 }
 
 TEST(Plan, StraightAndToleratedJointsCostNothing) {

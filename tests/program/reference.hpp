@@ -50,13 +50,11 @@ struct Reference {
         reached[b] = start + (b == end ? static_cast<double>(samples) : time[b - run + 1]);
         if (std::abs(reached[b] - std::round(reached[b])) < 1e-9) reached[b] = std::round(reached[b]);
       }
-      if (end + 1 < blocks) {
-        rest[end] = delays[end];
-        for (const auto& [block, dwell] : path.dwell) {
-          if (block == end) rest[end] += static_cast<long>(std::ceil(dwell / period - 1e-9));
-        }
-        for (long k = 0; k < rest[end]; ++k) command.push_back(point(end + 1));
+      rest[end] = end + 1 < blocks ? delays[end] : 0;
+      for (const auto& [block, dwell] : path.dwell) {
+        if (block == end) rest[end] += static_cast<long>(std::ceil(dwell / period - 1e-9));
       }
+      for (long k = 0; k < rest[end]; ++k) command.push_back(point(end + 1));
       run = end + 1;
     }
     for (std::size_t k = 0; k < command.size() + static_cast<std::size_t>(filter.order()) + 1; ++k) {

@@ -11,8 +11,14 @@ std::int64_t CommandTiming::command_samples() const {
     if (end + 1 < blocks) samples += delays_[end];
     run = end + 1;
   }
-  for (const auto& [block, dwell] : path_.dwell) {
-    if (block + 1 < blocks) samples += dwell_samples(dwell);  // one after the last move is no motion
+  for (const auto& block_dwell : path_.dwell) samples += dwell_samples(block_dwell.second);
+  return samples;
+}
+
+std::int64_t CommandTiming::dwell_last() const {
+  std::int64_t samples = 0;
+  for (auto last = path_.dwell.rbegin(); last != path_.dwell.rend() && last->first + 1 == path_.blocks(); ++last) {
+    samples += dwell_samples(last->second);
   }
   return samples;
 }

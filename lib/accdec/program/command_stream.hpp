@@ -59,6 +59,8 @@ class CommandTiming {
 
   /// All command samples of the program: runs, delays and dwells.
   std::int64_t command_samples() const;
+  /// Samples of the dwells after the last block, during which the command rests at the end of the path.
+  std::int64_t dwell_last() const;
 
  private:
   const Toolpath& path_;

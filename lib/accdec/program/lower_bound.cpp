@@ -24,7 +24,7 @@ double program_lower_bound(const Toolpath& path, const Machine& machine) {
   const auto tolerance = [&](std::size_t joint) { return path.joint[joint] == Joint::stop ? 0.0 : path.tolerance[joint]; };
 
   double time = path.dwell_first;
-  for (const auto& [block, dwell] : path.dwell) time += block + 1 < path.blocks() ? dwell : 0.0;
+  for (const auto& dwell : path.dwell) time += dwell.second;
   for (std::size_t first = 0; first < path.blocks();) {
     std::size_t last = first;
     while (path.joint[last] != Joint::stop) ++last;

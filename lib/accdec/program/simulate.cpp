@@ -54,14 +54,14 @@ class Simulator {
     block_ = b + 1;
   }
 
-  /// @param at  where the command ended
-  Simulation finish(const double* at) {
+  /// @param at  where the command ended  @param rest  samples that it rests there
+  Simulation finish(const double* at, std::int64_t rest) {
     AxisRow<axes> end{};
     std::copy_n(at, dimensions(), end.begin());
-    command({}, {}, order_ + 2, end);  // the last step of the jerk, too
+    command({}, {}, order_ + 2 + rest, end);  // the last step of the jerk, too
     flush();
     Simulation result;
-    result.samples = motion_.settled();
+    result.samples = motion_.settled() + rest;
     watch_.finish(result.limits, result.limit_lines, path_);
     result.broken = watch_.broken();
     return result;
@@ -216,7 +216,7 @@ Simulation simulate(const CommandTiming& timing, const LegFilters& filters, std:
   }
   simulator.begin();
   emit_commands<axes>(timing, first, last, simulator);
-  return simulator.finish(timing.path().point(last + 1));
+  return simulator.finish(timing.path().point(last + 1), last + 1 == timing.path().blocks() ? timing.dwell_last() : 0);
 }
 
 }  // namespace
@@ -242,7 +242,7 @@ std::int64_t motion_samples(const CommandTiming& timing, const LegFilters& filte
     for (; dwell != path.dwell.end() && dwell->first <= end; ++dwell) at += timing.dwell_samples(dwell->second);
     run = end + 1;
   }
-  return end_of_motion;
+  return end_of_motion + timing.dwell_last();
 }
 
 }  // namespace accdec

@@ -24,7 +24,7 @@ struct SimulationOptions {
 
 /// What the simulation of a program, or of a part of it, found.
 struct Simulation {
-  std::int64_t samples = 0;        ///< from the last at rest before to the first at rest after the motion
+  std::int64_t samples = 0;        ///< from the last at rest before to the first at rest after the motion, and the dwell after that
   std::vector<LimitUse> limits;    ///< worst use of every finite axis limit; `sample` counts from the start of the program
   std::vector<std::uint32_t> limit_lines;  ///< line of the block commanded when it occurred, one a limit
   std::vector<std::uint32_t> broken;       ///< blocks commanded (or about to be, after their delay) when a limit was broken
