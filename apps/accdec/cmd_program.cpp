@@ -23,6 +23,7 @@ namespace {
 struct Options {
   std::string program, task, json, delays, samples, emit, figure;
   double arc_tolerance_um = 2.0, time_limit = 60.0;
+  std::size_t worst = 5;
   bool rapid_stops = false, dwells_before_filter = false, per_leg = false, filter_bound = false;
 };
 
@@ -63,6 +64,7 @@ void run(const Options& options, Context& context) {
   if (options.filter_bound) {
     result.filter_bound = filter_lower_bound(result.path, program_machine(task.machine, result.path), task.sample_period);
   }
+  result.worst_shown = options.worst;
   choice.solver.wall_time += result.solver.wall_time;
   result.solver = choice.solver;
   rusage usage{};
@@ -119,6 +121,10 @@ void add_program(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_option("--time-limit", options->time_limit, "s, for the design of a filter where the task has none")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--worst", options->worst, "How many corners to list by the use of their tolerance")
+      ->check(CLI::Range(0, 10000))
+      ->type_name("N")
       ->capture_default_str();
   command->add_flag("--per-leg", options->per_leg,
                     "Let the filter of each leg follow what the axis limits allow in its direction: the given or designed filter's shape, for "

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -135,6 +136,45 @@ TEST_F(ProgramCommand, SlowsWhatBreaksALimitWhateverTheDelaysAndSaysSo) {
   EXPECT_EQ(done.code, 0);
   EXPECT_THAT(done.out, HasSubstr("2 blocks slowed to start and stop within jerk x, most in line 1 to 56.8 % of its feed"));
   EXPECT_THAT(read("r.json"), HasSubstr("\"limit\": \"jerk x\""));
+}
+
+TEST_F(ProgramCommand, ListsTheWorstCorners) {
+  ASSERT_EQ(run("generate pocket --blocks 300 --out part.ngc").code, 0);
+  const Output done = run("program part.ngc --task task.toml --worst 7 --json r.json --delays d.csv");
+  EXPECT_EQ(done.code, 0);
+  // The same from the table of all corners; an arc has many joints in its line.
+  std::vector<std::pair<double, std::string>> uses;
+  std::istringstream delays(read("d.csv"));
+  std::string row;
+  std::getline(delays, row);
+  while (std::getline(delays, row)) {
+    std::istringstream cells(row);
+    std::string line, delay, error, bound;
+    std::getline(cells, line, ',');
+    std::getline(cells, delay, ',');
+    std::getline(cells, error, ',');
+    std::getline(cells, bound, ',');
+    if (bound.empty()) continue;
+    const double use = std::stod(error) / std::stod(bound);
+    if (uses.empty() || uses.back().second != line) uses.emplace_back(use, line);
+    uses.back().first = std::max(uses.back().first, use);
+  }
+  std::stable_sort(uses.begin(), uses.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  ASSERT_GE(uses.size(), 7U);
+  const std::string json = read("r.json");
+  std::size_t at = json.find("\"worst_corners\": [");
+  ASSERT_NE(at, std::string::npos);
+  const std::string list = json.substr(at, json.find("]", at) - at);
+  std::size_t count = 0, from = 0;
+  for (std::size_t i; (i = list.find("\"line\": ", from)) != std::string::npos; from = i + 1) {
+    ASSERT_LT(count, uses.size());
+    const std::size_t j = list.find("\"utilisation\": ", i);
+    EXPECT_NEAR(std::stod(list.substr(j + 15)), uses[count].first, 1e-6);
+    ++count;
+  }
+  EXPECT_EQ(count, 7U);
+  EXPECT_THAT(done.out, HasSubstr("line " + uses[0].second));
+  EXPECT_EQ(run("program part.ngc --task task.toml --worst -1").code, 2);
 }
 
 TEST_F(ProgramCommand, FailsWhenTheGivenFilterBreaksABoundThatNoFeedMends) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -119,6 +120,30 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   return result;
 }
 
+std::vector<CornerUse> worst_corners(const ProgramResult& result, std::size_t count) {
+  // Sorted, never more than `count`: programs have many joints, few of which are among the worst.
+  std::vector<CornerUse> worst;
+  const auto offer = [&](const CornerUse& corner) {
+    if (worst.size() == count && corner.utilisation <= worst.back().utilisation) return;
+    if (worst.size() == count) worst.pop_back();
+    const auto after = std::upper_bound(worst.begin(), worst.end(), corner.utilisation,
+                                        [](double use, const CornerUse& other) { return use > other.utilisation; });
+    worst.insert(after, corner);
+  };
+  std::optional<CornerUse> of_line;
+  const Toolpath& path = result.path;
+  for (std::size_t b = 0; b + 1 < path.blocks() && count > 0; ++b) {
+    if (!(path.tolerance[b] < unlimited)) continue;
+    const double error = result.plan.errors[b] <= position_floor ? 0.0 : result.plan.errors[b];
+    const double use = utilisation_of(LimitKind::corner_error, error, path.tolerance[b]);
+    const CornerUse corner{path.line[b], error, path.tolerance[b], use, result.plan.delays[b]};
+    if (of_line && of_line->line != corner.line) offer(*of_line);
+    if (!of_line || of_line->line != corner.line || use > of_line->utilisation) of_line = corner;
+  }
+  if (of_line) offer(*of_line);
+  return worst;
+}
+
 std::string delays_to_csv(const ProgramResult& result) {
   fmt::memory_buffer text;
   const auto put = std::back_inserter(text);
@@ -159,6 +184,14 @@ std::string program_summary(const ProgramResult& result) {
   if (result.filter_bound) row("bound, filters and delays", *result.filter_bound);
   fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n", result.worst_error * 1e6,
                  100.0 * result.worst_utilisation, result.worst_line);
+  if (const std::vector<CornerUse> worst = worst_corners(result, result.worst_shown); !worst.empty()) {
+    fmt::format_to(put, "\n  {:<14}{:>12}{:>14}{:>10}{:>9}\n", "worst corners", "error", "tolerance", "use", "delay");
+    for (const CornerUse& corner : worst) {
+      fmt::format_to(put, "  {:<14}{:>9.3f} um{:>11.3f} um{:>8.1f} %{:>9}\n", fmt::format("line {}", corner.line), corner.error * 1e6,
+                     corner.tolerance * 1e6, 100.0 * corner.utilisation, corner.delay);
+    }
+    fmt::format_to(put, "\n");
+  }
   if (plan.raised > 0) {
     fmt::format_to(put, "  {} delays raised because moves overlap, in {} rounds\n", plan.raised, plan.rounds);
   }

@@ -31,6 +31,7 @@ struct ProgramResult {
   double worst_error = 0.0;        ///< m, over joints that have a tolerance
   double worst_utilisation = 0.0;  ///< error/tolerance, and its line
   std::uint32_t worst_line = 0;
+  std::size_t worst_shown = 5;         ///< corners that JSON and the summary list, see worst_corners
   double cycle_time = 0.0;             ///< s, samples of the simulation times T
   double cycle_time_one_filter = 0.0;  ///< s, planned with `filter` for every leg
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
@@ -47,6 +48,18 @@ struct ProgramResult {
 /// Plans and verifies a program with a given filter, or, where that is faster, with one of its shape for every leg. `feasible` only if every joint holds its tolerance and every axis limit and
 /// vibration bound is held over the whole program, else `failed` with the worst in the message.
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task, bool per_leg = false);
+
+/// A joint and how much of its tolerance it uses.
+struct CornerUse {
+  std::uint32_t line = 0;    ///< of the block that ends in it
+  double error = 0.0;        ///< m
+  double tolerance = 0.0;    ///< m
+  double utilisation = 0.0;  ///< of the tolerance
+  int delay = 0;             ///< samples
+};
+/// The joints with the largest errors against their tolerances, worst first, at most `count`; in the order of the program where equal.
+/// Of the chords of an arc, and whatever else ends in one line after another, the worst only.
+std::vector<CornerUse> worst_corners(const ProgramResult& result, std::size_t count);
 
 /// Ends with a line feed.
 std::string program_to_json(const ProgramResult& result);

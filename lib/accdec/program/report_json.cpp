@@ -66,6 +66,15 @@ std::string program_to_json(const ProgramResult& result) {
                      {"worst_error_m", number(result.worst_error)},
                      {"worst_utilisation", number(result.worst_utilisation)},
                      {"worst_line", result.worst_line}};
+  Json worst = Json::array();
+  for (const CornerUse& corner : worst_corners(result, result.worst_shown)) {
+    worst.push_back({{"line", corner.line},
+                     {"corner_error_m", number(corner.error)},
+                     {"error_max_m", number(corner.tolerance)},
+                     {"utilisation", number(corner.utilisation)},
+                     {"delay_samples", corner.delay}});
+  }
+  json["worst_corners"] = std::move(worst);
   Json too_fast = Json::array();
   for (const SlowedFeeds& slowed : result.plan.too_fast) {
     too_fast.push_back({{"limit", slowed.limit}, {"blocks", slowed.blocks}, {"factor", slowed.factor}, {"line", slowed.line}});
