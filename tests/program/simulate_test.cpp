@@ -48,6 +48,14 @@ TEST(Simulation, EqualsConvolutionOfTheCommandByDefinition) {
       }
     }
 
+    SimulationOptions whole;
+    whole.whole_windows = true;
+    std::vector<double> least(path.blocks(), 0.0);
+    simulate_program(timing, filter, 0, path.blocks() - 1, least, whole);
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      EXPECT_NEAR(least[b], reference.error(path, filter.order(), b), 1e-13) << "seed " << seed << " joint " << b;
+    }
+
     std::int64_t next = 1;
     double worst = 0.0;
     SimulationOptions options;

@@ -106,6 +106,11 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
     }
   }
   result.cycle_time = cycle_time(result.plan);
+  // For the plan it was enough that each joint holds; what is reported is the least distance.
+  SimulationOptions whole;
+  whole.whole_windows = true;
+  simulate_program(CommandTiming(result.path, task.sample_period, result.plan.delays), result.legs, 0, result.path.blocks() - 1,
+                   result.plan.errors, whole);
 
   const auto time_by_rule = [&](DelayRule rule) {
     const std::vector<int> delays = pairwise_delays(result.path, result.legs, task.sample_period, machine, rule).delays;

@@ -117,6 +117,11 @@ class Simulator {
     for (std::size_t a = 0; a < dimensions(); ++a) position_[a] = motion_.positions(a);
     std::size_t done = 0;
     while (done < pending_.size() && pending_[done].last < motion_.sample()) ++done;
+    if (options_.whole_windows) {
+      for (std::size_t i = 0; i < done; ++i) errors_[pending_[i].block] = least_error_of(pending_[i]);
+      pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
+      done = 0;
+    }
     if (squared_.size() < done) squared_.resize(done);
     nearest_squared(position_.data(), dimensions(), path_.points.data(), pending_.data(), done, squared_.data());
     for (std::size_t i = 0; i < done; ++i) {
@@ -133,6 +138,7 @@ class Simulator {
 
   std::size_t dimensions() const { return axes > 0 ? axes : path_.dimensions(); }
   double searched_error_of(const JointWindow& joint) const;
+  double least_error_of(const JointWindow& joint);
 
   const Toolpath& path_;
   const LegFilters& filters_;
@@ -143,11 +149,27 @@ class Simulator {
   LimitWatch watch_;
   std::vector<JointWindow> pending_;  // joints whose windows are not yet over
   std::vector<double> squared_;
+  std::vector<JointWindow> parts_;  // of one window
   std::array<const double*, program_axis_count> position_{};  // of every axis by sample number
   std::int64_t begin_ = 0;
   std::int64_t watched_until_ = 0;  // no sample before this is passed over
   std::size_t block_;
 };
+
+template <std::size_t axes>
+double Simulator<axes>::least_error_of(const JointWindow& joint) {
+  constexpr std::int64_t places = 8;  // that nearest_squared looks at around its guess
+  parts_.clear();
+  // Segments end one sample after the last place, and a window of a single sample has none.
+  const bool segments = joint.path && joint.last > joint.first;
+  for (std::int64_t first = joint.first; first < joint.last + (segments ? 0 : 1); first += places) {
+    const std::int64_t last = std::min(joint.last, first + places - (segments ? 0 : 1));
+    parts_.push_back({joint.block, first, last, first + places / 2, joint.path});
+  }
+  if (squared_.size() < parts_.size()) squared_.resize(parts_.size());
+  nearest_squared(position_.data(), dimensions(), path_.points.data(), parts_.data(), parts_.size(), squared_.data());
+  return std::sqrt(*std::min_element(squared_.begin(), squared_.begin() + static_cast<std::ptrdiff_t>(parts_.size())));
+}
 
 template <std::size_t axes>
 double Simulator<axes>::searched_error_of(const JointWindow& joint) const {

@@ -20,6 +20,7 @@ struct SimulationOptions {
   const Machine* machine = nullptr;  ///< as many axes as the path; none: limits are not looked at
   bool blame = false;                ///< find the blocks during whose command a limit is broken, see Simulation::broken
   SampleSink samples;                ///< when set, gets every sample, those of steady motion included
+  bool whole_windows = false;        ///< search the whole window of every joint, see the errors of simulate_program
 };
 
 /// What the simulation of a program, or of a part of it, found.
@@ -43,7 +44,8 @@ struct Simulation {
 /// @param first, last  blocks to simulate; the motion begins and ends at rest there
 /// @param errors       of every joint first .. last - 1, indexed by block: min |S| over the samples of its window [reached, left +
 ///                     N + 1] for corners and stops, the distance of the path through those samples for smooth and straight joints, m;
-///                     N is the order of the longer of the two legs' filters
+///                     N is the order of the longer of the two legs' filters. Where moves overlap a path may come near a joint more
+///                     than once; unless the whole windows are asked for, an approach that is within the tolerance is taken for the nearest
 Simulation simulate_program(const CommandTiming& timing, const LegFilters& filters, std::size_t first, std::size_t last,
                             std::span<double> errors, const SimulationOptions& options = {});
 
