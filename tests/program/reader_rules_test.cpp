@@ -68,6 +68,20 @@ TEST(ReaderRules, RoundingErrorsDoNotLoseCircles) {
   EXPECT_EQ(read("G1 F1000 X1\nG3 X1.001 Y0 R1000000\n").moves.size(), 2U);
 }
 
+TEST(ReaderRules, PrintedCoordinatesThatDoNotMoveStayWhereTheyAre) {
+  // 3 mm print as 0.1181 inch, 2.9997 mm: the move of A is a rotary one, at 60 degrees a minute whatever the unit was when set.
+  const Recorder r = read(
+      "SET_FEED_RATE(600)\nSTRAIGHT_FEED(3.0000, 2.0000, 0.0000, 0.0000)\nUSE_LENGTH_UNITS(CANON_UNITS_INCHES)\nSET_FEED_RATE(60)\n"
+      "STRAIGHT_FEED(0.1181, 0.0787, 0.0000, 10.0000)\nSTRAIGHT_FEED(0.1181, 0.0787, 0.0000, 20.0000)\n"
+      "STRAIGHT_FEED(0.1182, 0.0787, 0.0000, 20.0000)\nUSE_LENGTH_UNITS(CANON_UNITS_MM)\nSTRAIGHT_FEED(3.0023, 2.0000, 0.0000, 20.0000)\n");
+  ASSERT_EQ(r.moves.size(), 5U);
+  EXPECT_NEAR(r.moves[1].duration, 10.0, 1e-9);
+  EXPECT_NEAR(r.moves[2].duration, 10.0, 1e-9);
+  EXPECT_DOUBLE_EQ(r.moves[2].to[0], 3e-3);
+  EXPECT_DOUBLE_EQ(r.moves[3].to[0], 0.1182 * 0.0254);
+  EXPECT_EQ(r.moves[4].duration, 0.0);
+}
+
 TEST(ReaderRules, RadiiMayDifferByTheRoundingOfTheirEnds) {
   // LinuxCNC's limits: 2 sqrt(2) of 0.01 mm or 0.001 inch, or 0.1 % up to 100 times as much.
   EXPECT_GT(read("F100\nG2 X10.02 I5\n").moves.size(), 10U);
@@ -169,6 +183,7 @@ TEST(ReaderRules, BlanksInsideNumbersMeanNothing) {
   expect_error("F5 G1 X1(c)0\n", "1:12", "a number without its letter");
   expect_error("F5 G1 X2.5.5\n", "1:11", "a number without its letter");
   expect_error("1 X1\n", "1:1", "a number without its letter");
+  expect_error("(c) / X1\n", "1:5", "'/' deletes a block only as its first character");
 }
 
 TEST(ReaderRules, G64P0GivesNoTolerance) {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include <accdec/program/canonical_call.hpp>
@@ -50,13 +49,14 @@ class CanonicalReader {
   [[noreturn]] void bad_word(std::string_view words) const {
     source_.fail(call_.arguments + 1, "unknown argument of " + std::string(call_.name) + ", allowed: " + std::string(words));
   }
-  double scaled(std::size_t argument, std::size_t axis) const {
-    return value_[argument] * (axis >= 3 && axis < 6 ? 1e-3 : state_.unit);
+  static double unit_of(std::size_t axis, double length) { return axis >= 3 && axis < 6 ? 1e-3 : length; }
+  static ProgramPoint initial_units() {
+    ProgramPoint units;
+    units.fill(1e-3);
+    return units;
   }
-  /// How far apart, m, equal points may be in print: coordinates have 4 decimals. Within one unit they print alike.
-  double same_point() const {
-    return position_unit_ == state_.unit ? Arc{}.same : 0.5e-4 * std::numbers::sqrt2 * (position_unit_ + state_.unit);
-  }
+  double scaled(std::size_t argument, std::size_t axis) const { return value_[argument] * unit_of(axis, state_.unit); }
+  double coordinate(std::size_t argument, std::size_t axis);
   void straight(bool rapid);
   void arc();
   void control();
@@ -67,7 +67,7 @@ class CanonicalReader {
   Plane plane_ = Plane::xy;
   std::string_view line_;
   CanonicalCall call_;
-  double position_unit_ = 1e-3;  // of the move that led to the position
+  ProgramPoint printed_{}, printed_unit_ = initial_units();  // as the coordinates of the position were printed; m a unit
   std::array<double, 10> value_{};
   std::size_t count_ = 0;
 };
@@ -170,12 +170,22 @@ void CanonicalReader::feed() {
   state_.feed = value_[0];  // 0 is what an interpreter prints before the first F word
 }
 
+/// Coordinates are printed with 4 decimals. One that has not moved prints alike, but differs by its rounding where the unit has
+/// changed in between: then it must not move, or full circles were lost and rotary moves counted as ones of X.
+double CanonicalReader::coordinate(std::size_t argument, std::size_t axis) {
+  const double unit = unit_of(axis, state_.unit), value = value_[argument] * unit, old_unit = printed_unit_[axis];
+  const bool same = unit == old_unit ? value_[argument] == printed_[axis]
+                                     : std::abs(value - state_.position[axis]) <= 0.5001e-4 * (unit + old_unit);
+  printed_[axis] = value_[argument];
+  printed_unit_[axis] = unit;
+  return same ? state_.position[axis] : value;
+}
+
 void CanonicalReader::straight(bool rapid) {
   numbers(3, program_axis_count);
   ProgramPoint to = state_.position;
-  for (std::size_t a = 0; a < count_; ++a) to[a] = scaled(a, a);
+  for (std::size_t a = 0; a < count_; ++a) to[a] = coordinate(a, a);
   state_.straight(to, rapid, call_.column + 1);
-  position_unit_ = state_.unit;
 }
 
 void CanonicalReader::arc() {
@@ -184,19 +194,17 @@ void CanonicalReader::arc() {
   arc.to = state_.position;
   const std::size_t first = MoveState::first_axis(plane_), second = MoveState::second_axis(plane_);
   const std::size_t normal = 3 - first - second;
-  arc.same = same_point();
-  arc.to[first] = scaled(0, first);
-  arc.to[second] = scaled(1, second);
+  arc.to[first] = coordinate(0, first);
+  arc.to[second] = coordinate(1, second);
   arc.center_first = scaled(2, first);
   arc.center_second = scaled(3, second);
-  arc.to[normal] = scaled(5, normal);
-  for (std::size_t a = 6; a < count_; ++a) arc.to[a - 3] = scaled(a, a - 3);
+  arc.to[normal] = coordinate(5, normal);
+  for (std::size_t a = 6; a < count_; ++a) arc.to[a - 3] = coordinate(a, a - 3);
   const double turns = value_[4];
   if (turns == 0.0 || turns != std::floor(turns) || std::abs(turns) > 1e6) {
     source_.fail(call_.arguments + 1, "the fifth argument of an arc is its number of turns, positive counterclockwise");
   }
   state_.arc(arc, turns < 0.0, static_cast<int>(std::abs(turns)), nullptr, plane_, call_.column + 1);
-  position_unit_ = state_.unit;
 }
 
 void CanonicalReader::control() {

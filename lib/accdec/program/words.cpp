@@ -91,6 +91,7 @@ LineKind scan_words(LineSource& source, std::string_view line, Words& words) {
         if (q == end) source.fail(column(p), "comment without its ')'");
         if (*q == '(') source.fail(column(q), "'(' inside a comment");
         p = q + 1;
+        first = false;
         continue;
       }
       if (first && c == '/') return LineKind::empty;
