@@ -170,6 +170,18 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   EXPECT_EQ(content(home_ / "mine/raw.jsonl"), "years of work\n");
 }
 
+TEST_F(CompareCommand, OtherSolversThanTheSuites) {
+  suite("\"ipopt\"", "", 1);
+  const Outcome done = run("compare suite.toml --out out --solvers clp,nlopt-slsqp/reduced");
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_THAT(content(home_ / "out/summary.csv"), ::testing::AllOf(HasSubstr("\nclp,"), HasSubstr("\nnlopt-slsqp/reduced,"), ::testing::Not(HasSubstr("ipopt"))));
+  EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("--solvers clp,nlopt-slsqp/reduced"));
+  EXPECT_THAT(run("compare suite.toml --out out").output, HasSubstr("another suite")) << "other solvers, other results";
+  const Outcome unknown = run("compare suite.toml --out none --solvers clp,nlopt-mma/reduced");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.output, HasSubstr("unknown solver \"nlopt-mma/reduced\"; known are"));
+}
+
 TEST_F(CompareCommand, ResultsOfAnotherSuiteAreLeftAlone) {
   suite("\"ipopt\"", "", 1);
   ASSERT_EQ(run("compare suite.toml --out out").exit_code, 0);

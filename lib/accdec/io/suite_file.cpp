@@ -20,7 +20,7 @@ constexpr int most_samples = 100'000;
 
 class SuiteReader {
  public:
-  explicit SuiteReader(const std::string& path) : path_(path), tree_(toml_input::parse_file(path)) {}
+  SuiteReader(const std::string& path, const std::vector<std::string>& solvers) : path_(path), tree_(toml_input::parse_file(path)), solvers_(solvers) {}
 
   Suite read() {
     const Table top(tree_, path_, "the suite (top level)", "",
@@ -63,10 +63,17 @@ class SuiteReader {
     std::vector<std::string> names_and_forms = names;
     for (const auto& solver : solvers::registry()) {
       const solvers::Capabilities can = solver->capabilities();
-      if (can.equality_rows && !can.needs_finite_bounds && !can.linear_only) names_and_forms.push_back(solver->name() + "/reduced");
+      if (!can.equality_rows || can.needs_finite_bounds || can.linear_only) continue;
+      for (const char* form : {"/sparse", "/reduced"}) names_and_forms.push_back(solver->name() + form);
     }
     if (wanted.empty()) top.fail(fmt::format("the suite needs `solvers`: \"all\" or a list of {}", fmt::join(names, ", ")));
     s.solvers = wanted == std::vector<std::string>{"all"} ? names : known_solvers(top, "solvers", wanted, names_and_forms);
+    for (const std::string& name : solvers_) {
+      if (std::find(names_and_forms.begin(), names_and_forms.end(), name) == names_and_forms.end()) {
+        throw std::invalid_argument(fmt::format("unknown solver \"{}\"; known are {}", name, fmt::join(names_and_forms, ", ")));
+      }
+    }
+    if (!solvers_.empty()) s.solvers = solvers_;
     s.reduced = known_solvers(top, "reduced", toml_input::strings(top, tree_, "reduced"), names);
   }
 
@@ -145,12 +152,13 @@ class SuiteReader {
 
   std::string path_;
   toml::table tree_;
+  std::vector<std::string> solvers_;  // instead of the file's
   std::ostringstream text_;
   std::size_t count_ = 0;
 };
 
 }  // namespace
 
-Suite read_suite(const std::string& path) { return SuiteReader(path).read(); }
+Suite read_suite(const std::string& path, const std::vector<std::string>& solvers) { return SuiteReader(path, solvers).read(); }
 
 }  // namespace accdec

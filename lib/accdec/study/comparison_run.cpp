@@ -77,6 +77,7 @@ std::string registry_name(const std::string& entry) { return entry.substr(0, ent
 
 bool Comparison::wants_reduced(const std::string& solver) const {
   const solvers::Capabilities can = solvers::find_solver(registry_name(solver)).capabilities();
+  if (solver.ends_with("/sparse")) return false;
   return solver.ends_with("/reduced") || !can.equality_rows || can.needs_finite_bounds || std::find(settings_.reduced.begin(), settings_.reduced.end(), solver) != settings_.reduced.end();
 }
 

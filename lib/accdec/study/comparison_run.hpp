@@ -14,7 +14,7 @@ namespace accdec::study {
 /// What is the same for every solver.
 struct ComparisonSettings {
   std::string title, notes;
-  std::vector<std::string> solvers;  ///< registry names, "NAME/reduced" for one given the reduced form (so both forms can be compared)
+  std::vector<std::string> solvers;  ///< registry names, "NAME/reduced" or "NAME/sparse" for one that takes equality rows in that form
   std::vector<std::string> reduced;  ///< of these, the ones that get the reduced form although they take equality rows
   int starts = 1, repeats = 5;
   std::uint64_t seed = 1;
