@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include <accdec/nlp/evaluator.hpp>
 #include <accdec/solvers/solver.hpp>
 
@@ -29,7 +32,9 @@ inline void conclude(const nlp::Evaluator& evaluator, Result& result) {
   }
 }
 
-/// Where the library ended on its own at a point that breaks a row or bound although it had seen one that holds all: returns the latter.
+/// Where the library ended on its own at a point that breaks a row or bound although it had seen one that holds all, or at one that is worse
+/// than the best seen by more than rounding and tolerances explain: returns that. (NLopt remembers the best point by rows held to a
+/// tenth of the tolerance, and may hand back the start although it went on to points that hold within the tolerance.)
 inline void prefer_feasible(const nlp::Evaluator& evaluator, double tolerance, Result& result) {
   if (evaluator.best_feasible().empty() || result.x == evaluator.best_feasible()) return;
   const nlp::Problem& problem = evaluator.problem();
@@ -41,10 +46,14 @@ inline void prefer_feasible(const nlp::Evaluator& evaluator, double tolerance, R
   for (int i = 0; i < problem.num_variables(); ++i) {
     broken = broken || outside(problem.variable_bound(i), result.x[static_cast<std::size_t>(i)]);
   }
-  if (!broken) return;
+  constexpr double material = 1e-6;
+  const double objective = problem.objective(result.x);
+  const bool worse = evaluator.best_objective() < objective - material * std::max(1.0, std::abs(objective));
+  if (!broken && !worse) return;
   result.x = evaluator.best_feasible();
   result.row_multipliers.clear();
-  result.message += "; ended at a point that breaks a row: the best feasible one seen is returned instead";
+  result.message += broken ? "; ended at a point that breaks a row: the best feasible one seen is returned instead"
+                           : "; ended at a worse point than the best feasible one seen, which is returned instead";
 }
 
 }  // namespace accdec::solvers

@@ -1,7 +1,6 @@
 #include <accdec/solvers/watched_call.hpp>
 
 #include <system_error>
-#include <thread>
 
 namespace accdec::solvers {
 
@@ -12,7 +11,9 @@ void* WatchedCall::enter(void* self) {
   pthread_setcanceltype(PTHREAD_CANCEL_ASYNCHRONOUS, nullptr);
   (*watched.call_)();
   pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);
-  watched.done_.store(true, std::memory_order_release);
+  const std::lock_guard lock(watched.mutex_);
+  watched.done_ = true;
+  watched.ended_.notify_one();
   return nullptr;
 }
 
@@ -26,11 +27,9 @@ bool WatchedCall::run(const std::function<void()>& call, double time_limit, cons
   const Clock::time_point began = Clock::now();
   Clock::time_point heard = began;
   std::int64_t callbacks = 0;
-  auto pause = std::chrono::microseconds(20);
-  while (!done_.load(std::memory_order_acquire)) {
-    std::this_thread::sleep_for(pause);
-    // Short solves are not kept waiting, long ones are not disturbed.
-    if (pause < std::chrono::milliseconds(5)) pause *= 2;
+  std::unique_lock lock(mutex_);
+  // The end is heard at once: how often the clock is looked at is no part of a solve's time.
+  while (!ended_.wait_for(lock, std::chrono::milliseconds(5), [this] { return done_; })) {
     const Clock::time_point now = Clock::now();
     if (const std::int64_t count = callbacks_.load(std::memory_order_relaxed); count != callbacks) {
       callbacks = count;
@@ -42,6 +41,7 @@ bool WatchedCall::run(const std::function<void()>& call, double time_limit, cons
       break;
     }
   }
+  lock.unlock();
   void* ending = nullptr;
   pthread_join(thread, &ending);
   return ending != PTHREAD_CANCELED;

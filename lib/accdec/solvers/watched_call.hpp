@@ -2,8 +2,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 
 #include <pthread.h>
 
@@ -45,7 +47,9 @@ class WatchedCall {
   static void* enter(void* self);
   const std::function<void()>* call_ = nullptr;
   std::atomic<std::int64_t> callbacks_{0};
-  std::atomic<bool> done_{false};
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  bool done_ = false;  // under the mutex
 };
 
 }  // namespace accdec::solvers

@@ -87,8 +87,10 @@ void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   double objective = 0.0;
   double violation = judged(result.x, objective);
   solvers::Verdict verdict = result.verification.verdict;
-  // As for every solver: one that ends where a row is broken answers with the best point it had.
-  if (!reduced && !(violation <= settings_.feasibility) && !recorded.best().empty()) {
+  // As for solvers of the reduced form: one that ends where a row is broken, or worse than where it was, answers with the best point it had.
+  constexpr double material = 1e-6;
+  const bool ends_worse = !(violation <= settings_.feasibility) || recorded.best_objective() < objective - material * std::max(1.0, std::abs(objective));
+  if (!reduced && !recorded.best().empty() && ends_worse) {
     violation = judged(recorded.best(), objective);
     verdict = solvers::Verdict::feasible;
   }
