@@ -35,6 +35,11 @@ void add_environment(nlohmann::ordered_json& manifest, const std::string& versio
                            {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
                            {"oneTBB", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}};
   manifest["compiler"] = __VERSION__;
+#ifdef NDEBUG
+  manifest["build"] = "optimised, without assertions";
+#else
+  manifest["build"] = "with assertions";
+#endif
   manifest["machine"] = {{"processor", processor()},
                          {"cores", std::thread::hardware_concurrency()},
                          {"memory_GiB", static_cast<int>(memory + 0.5)},

@@ -1,6 +1,7 @@
 // NLopt 2.7: local and global methods with and without derivatives.
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
@@ -158,6 +159,7 @@ class NloptSolver final : public Solver {
     result.x = free.expand(x.data());
     result.claim = claim_of(code);
     result.message = fmt::format("NLopt: {}", nlopt_result_to_string(code));
+    if (algorithm_.rows == NloptProblem::Rows::ranking) undo_ranking(result);
     if (const char* words = nlopt_get_errmsg(opt.get())) result.message += fmt::format(" ({})", words);
     conclude(evaluator, result);
     if (evaluator.stop() == nlp::Stop::none) prefer_feasible(evaluator, options.feasibility_tolerance, result);
@@ -179,6 +181,17 @@ class NloptSolver final : public Solver {
     } catch (const nlp::StopRun&) {
     }
     conclude(evaluator, result);
+  }
+
+  /// A ranking has a value of its own: of f at points that hold every row, above 1 at all others, at which to have converged is no success.
+  static void undo_ranking(Result& result) {
+    const double rank = result.claimed_objective;
+    if (std::abs(rank) < 1.0) {
+      result.claimed_objective = rank / (1.0 - std::abs(rank));
+    } else if (result.claim == Claim::solved || result.claim == Claim::acceptable) {
+      result.claim = Claim::failed;
+      result.message += "; no point that holds every row was found";
+    }
   }
 
   /// What to say of a run that had to be ended from outside: the best feasible point seen, else the start.
