@@ -32,11 +32,12 @@ void run(const Options& options, Context& context) {
   const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
   for (const std::string& path : {options.json, options.delays, options.samples, options.emit, options.figure}) {
     if (path.empty()) continue;
-    require_writable(path);
     std::error_code none;
     for (const std::string& input : {options.program, options.task}) {
-      if (std::filesystem::equivalent(path, input, none)) throw std::invalid_argument(path + " is an input: write to another file");
+      // Everything is written beside its target first.
+      if (std::filesystem::equivalent(path, input, none) || std::filesystem::equivalent(path + ".part", input, none)) throw std::invalid_argument(path + " is an input: write to another file");
     }
+    require_writable(path);
   }
   LineSource source{std::filesystem::path(options.program)};
   ToolpathOptions reading;
@@ -60,10 +61,15 @@ void run(const Options& options, Context& context) {
       return;
     }
   }
-  ProgramResult result = run_program(options.program, std::move(path), *choice.filter, task, options.per_leg);
-  if (options.filter_bound) {
-    result.filter_bound = filter_lower_bound(result.path, program_machine(task.machine, result.path), task.sample_period);
+  double filter_bound = 0.0;
+  if (options.filter_bound) {  // at the programmed feeds, which the plan may lower
+    Toolpath programmed = path;
+    const Machine machine = program_machine(task.machine, path);
+    snap_durations(programmed, *choice.filter, task.sample_period, machine);
+    filter_bound = filter_lower_bound(programmed, machine, task.sample_period);
   }
+  ProgramResult result = run_program(options.program, std::move(path), *choice.filter, task, options.per_leg);
+  if (options.filter_bound) result.filter_bound = filter_bound;
   result.worst_shown = options.worst;
   choice.solver.wall_time += result.solver.wall_time;
   result.solver = choice.solver;

@@ -86,8 +86,8 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
   ASSERT_EQ(run("program part.ngc --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
   const std::string text = read("e.ngc");
   std::size_t at = 0;
-  for (const char* words : {"\nT1 M6\n", "\nG54 G43 H1\n", "\nS12000 M3\n", "\nM8\n", "\nG0 X10 Y10\n", "\nG61.1\n", "\nG1 X60 Y10 F3000\n", "\nG4 P0.5\n",
-                            "\nG1 X60 Y30\n", "\nM1\n", "\nG1 X60 Y60\n", "\nS8000.5\n", "\nG64 P0.02\n", "\nG1 X10 Y60\n", "\nG1 X25.4 Y60 F2540\n", "\nM5 M9\n", "\nM2\n"}) {
+  for (const char* words : {"\nT1 M6\n", "\nG54 G43 H1\n", "\nS12000 M3\n", "\nM8\n", "\nG0 X10 Y10\n", "\nG61.1\n", "\nG1 X60 F3000\n", "\nG4 P0.5\n",
+                            "\nG1 Y30\n", "\nM1\n", "\nG1 Y60\n", "\nS8000.5\n", "\nG64 P0.02\n", "\nG1 X10\n", "\nG1 X25.4 F", "\nM5 M9\n", "\nM2\n"}) {
     const std::size_t found = text.find(words, at);
     ASSERT_NE(found, std::string::npos) << words << "in\n" << text;
     at = found + 1;
@@ -101,8 +101,54 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
   EXPECT_GT(number_of("stops.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
 }
 
+TEST_F(ProgramCommand, EmittedOrderAndAxes) {
+  // A run-up of the spindle stays before the cut, Z retracts before X and Y move, and what does not move is not named.
+  write("part.ngc", "G21 G64 P0.05\nS12000 M3\nG4 P2\nG1 X10 F600\nM5\nG4 P3\nM4\nG0 Z50\nG0 X100 Y50\nG4 P1\nM9\n");
+  ASSERT_EQ(run("program part.ngc --task task.toml --emit e.ngc").code, 0) << read("err");
+  const std::string text = read("e.ngc");
+  EXPECT_THAT(text, HasSubstr("S12000 M3\nG4 P2\n"));
+  EXPECT_THAT(text, HasSubstr("G1 X10 F600\nM5\nG4 P3\nM4\n"));
+  EXPECT_THAT(text, HasSubstr("\nG0 Z50\n"));
+  EXPECT_THAT(text, HasSubstr("G0 X100 Y50\nG4 P1\nM9\nM2\n"));
+  ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --emit again.ngc").code, 0) << read("err");
+  EXPECT_EQ(read("again.ngc"), text);
+}
+
+TEST_F(ProgramCommand, CanonicalCallsThatAreNotMotionAreEmittedAsWords) {
+  write("part.canon", "USE_LENGTH_UNITS(CANON_UNITS_MM)\nSELECT_TOOL(3)\nCHANGE_TOOL()\nSET_SPINDLE_SPEED(0, 8000.0000)\nSTART_SPINDLE_CLOCKWISE(0)\nFLOOD_ON()\n"
+                      "SET_FEED_RATE(600)\nSTRAIGHT_FEED(10, 0, 0)\nPROGRAM_STOP()\nSTRAIGHT_FEED(20, 0, 0)\nSTOP_SPINDLE_TURNING(0)\nPROGRAM_END()\n");
+  ASSERT_EQ(run("program part.canon --task task.toml --emit e.ngc").code, 0) << read("err");
+  EXPECT_THAT(read("e.ngc"), HasSubstr("T3\nM6\nS8000\nM3\nM8\nG61.1\nG1 X10 F600\nM0\nG1 X20\nM5\nM2\n"));
+}
+
+TEST_F(ProgramCommand, LongLegsOfFastBlocksAreSlowedToo) {
+  std::string text = "G21 G90 G64 P0.05\n";
+  for (int i = 1; i <= 40; ++i) text += "G1 X" + std::to_string(100 * i) + " F29000\n";
+  write("part.ngc", text);
+  EXPECT_EQ(run("program part.ngc --task task.toml --json r.json").code, 0) << read("out");
+  EXPECT_THAT(read("r.json"), HasSubstr("\"feasible\": true"));
+}
+
+TEST_F(ProgramCommand, BoundsDoNotDependOnTheFilter) {
+  // A filter too short for the limits slows this program to an eighth; the bound is below what a longer one reaches.
+  write("part.ngc", "G61.1\nG1 X1000 F30000\nG1 X0\n");
+  const std::string limits = "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n[filter]\nkind = \"boxcar\"\norder = ";
+  write("short.toml", limits + "9\n");
+  write("long.toml", limits + "99\n");
+  for (const char* task : {"short", "long"}) {
+    ASSERT_EQ(run(std::string("program part.ngc --filter-bound --task ") + task + ".toml --json " + task + ".json").code, 0) << read("err");
+  }
+  for (const char* bound : {"lower_bound_s", "filter_bound_s"}) {
+    EXPECT_NEAR(number_of("short.json", bound), number_of("long.json", bound), 2e-3) << bound;
+    EXPECT_LE(number_of("short.json", bound), number_of("long.json", "cycle_time_s") + 1e-3) << bound;
+  }
+}
+
 TEST_F(ProgramCommand, InputsAreNotOverwritten) {
   write("part.ngc", "G1 X10 F600\n");
+  write("out.part", read("task.toml"));
+  EXPECT_EQ(run("program part.ngc --task out.part --json out").code, 2);
+  EXPECT_EQ(read("out.part"), read("task.toml"));
   for (const char* output : {"--emit part.ngc", "--json ./part.ngc", "--delays task.toml"}) {
     const Output refused = run(std::string("program part.ngc --task task.toml ") + output);
     EXPECT_EQ(refused.code, 2) << refused.err;

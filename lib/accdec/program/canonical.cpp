@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <accdec/program/canonical_call.hpp>
 #include <accdec/program/move_state.hpp>
@@ -33,6 +34,7 @@ class CanonicalReader {
  private:
   bool execute();
   void other_call();
+  void pass_call();
   void numbers(std::size_t least, std::size_t most);
   void zeros(std::size_t from, const char* what);
   /// The arguments as text; nothing may come after `close`.
@@ -124,6 +126,7 @@ bool CanonicalReader::execute() {
   } else if (name == "PROGRAM_STOP" || name == "OPTIONAL_PROGRAM_STOP") {
     text();
     state_.stop(0.0);
+    state_.pass(name == "PROGRAM_STOP" ? "M0" : "M1");
   } else if (name == "PROGRAM_END") {
     text();
     return false;
@@ -140,7 +143,7 @@ void CanonicalReader::other_call() {
       // A quoted text may hold anything but the two characters that end it.
       text(line_.substr(call_.arguments).starts_with('"') ? "\")" : ")");
       break;
-    case CallKind::passed_over: text(); break;
+    case CallKind::passed_over: pass_call(); break;
     case CallKind::followed:
       if (name == "SET_G5X_OFFSET") {
         numbers(2, 10);
@@ -156,6 +159,29 @@ void CanonicalReader::other_call() {
     case CallKind::unsupported: source_.fail(call_.column + 1, std::string(name) + " is not supported" + allowed);
     case CallKind::unknown: source_.fail(call_.column + 1, std::string(name) + " is an unknown call" + allowed);
   }
+}
+
+/// Calls that a written program keeps, as the words they came from. Arguments of the others are not looked at.
+void CanonicalReader::pass_call() {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 7> words{{{"START_SPINDLE_CLOCKWISE", "M3"},
+                                                                                      {"START_SPINDLE_COUNTERCLOCKWISE", "M4"},
+                                                                                      {"STOP_SPINDLE_TURNING", "M5"},
+                                                                                      {"MIST_ON", "M7"},
+                                                                                      {"FLOOD_ON", "M8"},
+                                                                                      {"MIST_OFF", "M9"},
+                                                                                      {"FLOOD_OFF", "M9"}}};
+  const std::string_view name = call_.name, arguments = text();
+  for (const auto& [call, word] : words) {
+    if (name == call) state_.pass(word);
+  }
+  const bool number = name == "SET_SPINDLE_SPEED" || name == "SELECT_TOOL" || name == "CHANGE_TOOL";
+  const bool empty = arguments.find_first_not_of(" \t") == std::string_view::npos;
+  if (name == "CHANGE_TOOL" && empty) state_.pass("M6");
+  if (!number || empty) return;
+  numbers(1, 10);
+  // Where there are several, the spindle's or pocket's number comes first.
+  const std::string value = plain_number(value_[count_ - 1], 6);
+  state_.pass(name == "SET_SPINDLE_SPEED" ? "S" + value : name == "SELECT_TOOL" ? "T" + value : "T" + value + " M6");
 }
 
 void CanonicalReader::zeros(std::size_t from, const char* what) {

@@ -14,7 +14,7 @@ namespace {
 class Emission {
  public:
   Emission(const ProgramResult& result, std::ostream& out)
-      : result_(result), path_(result.path), n_(path_.dimensions()), out_(out) {}
+      : result_(result), path_(result.path), n_(path_.dimensions()), out_(out), written_(n_, "0") {}
 
   void write() {
     header();
@@ -64,17 +64,22 @@ class Emission {
       line("{}", mode_);
       line("G0{}", words(path_.point(0)));
     }
-    if (path_.dwell_first > 0.0) line("G4 P{}", plain_number(path_.dwell_first, 9));
   }
 
-  std::string words(const double* point) const {
+  /// Axes that do not move are left out: they may stand elsewhere than the program knows, with another offset or not yet positioned.
+  std::string words(const double* point) {
     std::string text;
-    for (std::size_t a = 0; a < n_; ++a) fmt::format_to(std::back_inserter(text), " {}{}", program_axes[path_.axes[a]], plain_number(point[a] * 1e3, 6));
+    for (std::size_t a = 0; a < n_; ++a) {
+      std::string value = plain_number(point[a] * 1e3, 6);
+      if (value == written_[a]) continue;
+      text.append(1, ' ').append(1, program_axes[path_.axes[a]]).append(value);
+      written_[a] = std::move(value);
+    }
     return text;
   }
 
   void passed(std::size_t b) {
-    for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].first <= b; ++next_passed_) line("{}", path_.passed[next_passed_].second);
+    for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_) line("{}", path_.passed[next_passed_].words);
   }
 
   /// How the joint at the block's end is to be passed.
@@ -109,6 +114,7 @@ class Emission {
 
   void block(std::size_t b, const CornerLimits& limits) {
     const std::string to = words(path_.point(b + 1));
+    if (to.empty()) return;  // shorter than what is written
     if (rapid(b, limits)) {
       line("G0{}", to);
       return;
@@ -128,14 +134,11 @@ class Emission {
     }
   }
 
-  /// Delays of stops are the exact stop's own; of all other joints, a dwell. Dwells of the program come on top.
+  /// Delays of stops are the exact stop's own; of all other joints, a dwell. Dwells of the program come with what it passes on.
   void rest(std::size_t b) {
     const bool last = b + 1 == path_.blocks();
     if (!last && path_.joint[b] != Joint::stop && result_.plan.delays[b] > 0) {
       line("G4 P{}", plain_number(static_cast<double>(result_.plan.delays[b]) * result_.sample_period, 9));
-    }
-    for (; next_dwell_ < path_.dwell.size() && path_.dwell[next_dwell_].first <= b; ++next_dwell_) {
-      line("G4 P{}", plain_number(path_.dwell[next_dwell_].second, 9));
     }
   }
 
@@ -145,7 +148,8 @@ class Emission {
   std::ostream& out_;
   fmt::memory_buffer text_;
   std::string mode_, feed_;
-  std::size_t next_passed_ = 0, next_dwell_ = 0;
+  std::vector<std::string> written_;  // of every axis; a program begins at the origin unless it is told otherwise
+  std::size_t next_passed_ = 0;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -22,16 +23,20 @@ class FeedLimiter {
         binding_(path.blocks()),
         reach_((filters.order_max() + 2) * sample_period) {}
 
-  /// Slows what lies within a filter of the rest before block b (start) or after it (stop), inside its leg. True if anything was.
-  bool slow(std::size_t b, End end) {
+  /// Slows what lies within `reach` of the rest before block b (start) or after it (stop), inside its leg. True if anything was.
+  /// @param reach  s
+  bool slow(std::size_t b, End end, double reach) {
     bool slowed = false;
-    for (double time = 0.0; time < reach_; end == End::start ? ++b : --b) {
+    for (double time = 0.0; time < reach; end == End::start ? ++b : --b) {
       slowed = slow_block(b, end) || slowed;
       time += path_.duration[b];
       if (end == End::start ? ends_leg(path_, b) : b == 0 || ends_leg(path_, b - 1)) break;
     }
     return slowed;
   }
+
+  /// What a filter lasts, and a sample, s.
+  double reach() const { return reach_; }
 
   std::vector<SlowedFeeds> slowed() const {
     std::vector<SlowedFeeds> result;
@@ -100,12 +105,15 @@ std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const LegFilters& filters, 
   if (machine.axes.empty()) return {};
   FeedLimiter limiter(path, filters, sample_period, machine);
   // A shorter reach at a lower feed may leave the next block out, and legs that meet slower make others meet faster: a few rounds.
-  for (int round = 0; round < 8; ++round) {
-    bool slowed = limiter.slow(0, End::start);
-    slowed = limiter.slow(path.blocks() - 1, End::stop) || slowed;
+  // After these, whole legs: where one block is slowed to less than its neighbour can jump to, the next joint breaks the limit, and so on
+  // block by block.
+  for (int round = 0; round < 12; ++round) {
+    bool slowed = limiter.slow(0, End::start, limiter.reach());
+    slowed = limiter.slow(path.blocks() - 1, End::stop, limiter.reach()) || slowed;
+    const double reach = round < 8 ? limiter.reach() : std::numeric_limits<double>::infinity();
     for (const std::size_t b : delays.impossible) {
-      slowed = limiter.slow(b, End::stop) || slowed;
-      slowed = limiter.slow(b + 1, End::start) || slowed;
+      slowed = limiter.slow(b, End::stop, reach) || slowed;
+      slowed = limiter.slow(b + 1, End::start, reach) || slowed;
     }
     if (!slowed) break;
     delays = pairwise_delays(path, filters, sample_period, machine);

@@ -94,7 +94,9 @@ ProgramPlan plan_at_feeds(Toolpath& path, const LegFilters& filters, double samp
   Repair repair(path, filters, sample_period, mend_limits ? &machine : nullptr, plan.delays, plan.errors);
   RepairWork failing = repair.failing(plan.simulation.broken);
   int rounds = 0;
-  while (!failing.empty()) {
+  // Far beyond what any program took; a tolerance below the arithmetic's precision would never be met.
+  constexpr int most_rounds = 2000;
+  while (!failing.empty() && rounds < most_rounds) {
     ++rounds;
     failing = repair.round(failing, 1 + rounds / 8);
   }

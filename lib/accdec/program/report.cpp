@@ -84,9 +84,11 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   result.sample_period = task.sample_period;
   result.task_machine = task.machine;
   const Machine machine = program_machine(task.machine, path);
-  limit_rapids(path, filter, task.sample_period, machine);
+  // Before any move is slowed to suit this filter: the bound is for all.
   snap_durations(path, filter, task.sample_period, machine);
   result.lower_bound = program_lower_bound(path, machine);
+  limit_rapids(path, filter, task.sample_period, machine);
+  snap_durations(path, filter, task.sample_period, machine);
   result.path = path;
   result.plan = plan_program(result.path, filter, task.sample_period, machine);
   const auto cycle_time = [&](const ProgramPlan& plan) { return static_cast<double>(plan.simulation.samples) * task.sample_period; };

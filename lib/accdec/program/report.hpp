@@ -36,7 +36,7 @@ struct ProgramResult {
   double cycle_time_one_filter = 0.0;  ///< s, planned with `filter` for every leg
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
-  double lower_bound = 0.0;            ///< s, see program_lower_bound; of the program as planned, rapid moves at their planned speed
+  double lower_bound = 0.0;            ///< s, see program_lower_bound; at the programmed feeds, rapid moves at their axes' largest velocity
   std::optional<double> filter_bound;  ///< s, see filter_lower_bound; of the program as planned, where asked for
   std::int64_t peak_memory = 0;        ///< bytes of the process, by whoever runs it; 0: not asked for
   double delay_total = 0.0;            ///< s, delays of this plan

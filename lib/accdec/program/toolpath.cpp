@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/program/number.hpp>
 #include <accdec/program/read_error.hpp>
 
 namespace accdec {
@@ -24,14 +25,16 @@ class Builder : public MoveSink {
   void begin(const ProgramPoint& at) override { position_ = at; }
   void move(const Move& move) override;
   void stop(double dwell) override {
+    if (dwell > 0.0) keep("G4 P" + plain_number(dwell, 9), true);
     stopped_ = stopped_ || dwell == 0.0 || !options_.dwells_before_filter;
     if (dwell > 0.0 && path_.blocks() == 0) path_.dwell_first += dwell;
     if (dwell > 0.0 && path_.blocks() > 0) path_.dwell.emplace_back(path_.blocks() - 1, dwell);
   }
-  void pass(std::string_view words) override { path_.passed.emplace_back(path_.blocks(), words); }
+  void pass(std::string_view words) override { keep(std::string(words), false); }
   Toolpath finish();
 
  private:
+  void keep(std::string words, bool dwell) { path_.passed.push_back({static_cast<std::uint32_t>(path_.blocks()), std::move(words), dwell}); }
   void add_axes(unsigned moving);
   double rapid_duration(const Move& move) const;
   void check_feed(const Move& move) const;
@@ -144,6 +147,7 @@ void Builder::close_joint(const Move& next) {
     delay += path_.dwell.back().second;
     if (path_.given.empty() || path_.given.back().first != b) path_.given.emplace_back(b, 0.0);
     path_.given.back().second = delay;
+    std::erase_if(path_.passed, [&](const Toolpath::Passed& p) { return p.dwell && p.block == b + 1; });
   }
   path_.joint.back() = joint;
   path_.tolerance.back() = tolerance;

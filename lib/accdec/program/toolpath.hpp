@@ -38,7 +38,12 @@ struct Toolpath {
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;             ///< before the first block, s
   std::vector<std::pair<std::uint32_t, double>> given;  ///< delays that the program brings along: at the end of which block, s; ascending
-  std::vector<std::pair<std::uint32_t, std::string>> passed;  ///< words that are not about motion: before which block, as to be written
+  struct Passed {
+    std::uint32_t block = 0;  ///< before which one
+    std::string words;        ///< as to be written
+    bool dwell = false;       ///< a dwell of the program; `dwell` above has its time
+  };
+  std::vector<Passed> passed;  ///< dwells, and words that are not about motion, in their order
   std::int64_t empty_moves = 0;         ///< moves of no length that were left out
 
   std::size_t blocks() const { return duration.size(); }
