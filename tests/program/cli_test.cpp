@@ -127,6 +127,21 @@ TEST_F(ProgramCommand, LongLegsOfFastBlocksAreSlowedToo) {
   write("part.ngc", text);
   EXPECT_EQ(run("program part.ngc --task task.toml --json r.json").code, 0) << read("out");
   EXPECT_THAT(read("r.json"), HasSubstr("\"feasible\": true"));
+  // Not slower than with feeds that an engineer would find by hand: half of what two jumps reach in the first and last block.
+  text.clear();
+  for (int i = 1; i <= 40; ++i) text += "G1 X" + std::to_string(100 * i) + (i == 1 || i == 40 ? " F12000\n" : " F24000\n");
+  write("hand.ngc", "G21 G90 G64 P0.05\n" + text);
+  ASSERT_EQ(run("program hand.ngc --task task.toml --json hand.json").code, 0) << read("out");
+  EXPECT_LE(number_of("r.json", "cycle_time_s"), number_of("hand.json", "cycle_time_s"));
+}
+
+TEST_F(ProgramCommand, StraightJointsSurviveTheRoundingOfCoordinates) {
+  for (const char* program : {"G64\nG1 X0.1234567 Y0.2345678 F600\nX0.2469134 Y0.4691356\n", "G61\nG1 X1 Y0.3333333 F600\nX2 Y0.6666666\nX3 Y0.9999999\nX3 Y5\nG64\nX3 Y6\n"}) {
+    write("part.ngc", program);
+    ASSERT_EQ(run("program part.ngc --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
+    ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --json again.json").code, 0) << read("err");
+    EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
+  }
 }
 
 TEST_F(ProgramCommand, BoundsDoNotDependOnTheFilter) {

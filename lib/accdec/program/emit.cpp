@@ -89,8 +89,11 @@ class Emission {
     if (path_.joint[b] == Joint::stop) mode = "G61.1";
     else if (path_.tolerance[b] == 0.0) mode = "G61";
     else if (path_.tolerance[b] < unlimited) mode = "G64 P" + plain_number(path_.tolerance[b] * 1e3, 9);
-    // A joint that goes straight on and has no tolerance of its own passes in any mode but a stopping one.
-    if (mode == "G64" && !mode_.empty() && mode_ != "G61.1") return;
+    // Straight on with any tolerance or none; as written, coordinates may turn it by their rounding.
+    if (path_.joint[b] == Joint::straight && (mode == "G64" || mode == "G61")) {
+      if (mode_.starts_with("G64 P")) return;
+      mode = "G64 P0.0001";
+    }
     if (mode == mode_) return;
     mode_ = mode;
     line("{}", mode_);

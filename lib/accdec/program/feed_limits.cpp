@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -38,6 +40,18 @@ class FeedLimiter {
   /// What a filter lasts, and a sample, s.
   double reach() const { return reach_; }
 
+  /// Slows the faster block of every joint of the leg around joint b that its legs could not pass together, until the feed climbs and falls
+  /// by jumps that hold. True if anything was.
+  bool ramp(std::size_t b) {
+    std::size_t first = b, last = b;
+    while (first > 0 && !ends_leg(path_, first - 1)) --first;
+    while (!ends_leg(path_, last)) ++last;
+    bool slowed = false;
+    for (std::size_t i = first; i < last; ++i) slowed = slow_jump(i, i + 1) || slowed;
+    for (std::size_t i = last; i > first; --i) slowed = slow_jump(i, i - 1) || slowed;
+    return slowed;
+  }
+
   std::vector<SlowedFeeds> slowed() const {
     std::vector<SlowedFeeds> result;
     for (std::size_t b = 0; b < path_.blocks(); ++b) {
@@ -59,25 +73,47 @@ class FeedLimiter {
   }
 
  private:
-  bool holds(std::size_t b, End end, double factor) const {
-    const std::size_t n = path_.dimensions();
+  using Velocity = std::array<double, program_axis_count>;
+  Velocity velocity(std::size_t b, double factor) const {
+    Velocity v{};
     const double* p = path_.point(b);
-    std::array<double, program_axis_count> velocity{};
-    const std::array<double, program_axis_count> rest{};
-    for (std::size_t i = 0; i < n; ++i) velocity[i] = factor * (p[n + i] - p[i]) / path_.duration[b];
+    const std::size_t n = path_.dimensions();
+    for (std::size_t i = 0; i < n; ++i) v[i] = factor * (p[n + i] - p[i]) / path_.duration[b];
+    return v;
+  }
+
+  bool holds(std::size_t b, End end, double factor) const {
+    const Velocity v = velocity(b, factor), rest{};
     const Filter& filter = filters_.of(b);
-    return end == End::start ? limits_.holds(filter, filter, rest.data(), velocity.data(), 0)
-                             : limits_.holds(filter, filter, velocity.data(), rest.data(), 0);
+    return end == End::start ? limits_.holds(filter, filter, rest.data(), v.data(), 0)
+                             : limits_.holds(filter, filter, v.data(), rest.data(), 0);
+  }
+
+  /// Slows `changed` until the limits hold where it meets its neighbour `kept` at full overlap, but not below the neighbour's speed.
+  bool slow_jump(std::size_t kept, std::size_t changed) {
+    const auto passes = [&](double factor) {
+      const Velocity a = velocity(kept, 1.0), c = velocity(changed, factor);
+      const bool forward = kept < changed;
+      return limits_.holds(filters_.of(std::min(kept, changed)), filters_.of(std::max(kept, changed)), (forward ? a : c).data(), (forward ? c : a).data(), 0);
+    };
+    if (passes(1.0)) return false;
+    const auto speed = [](const Velocity& v) { return std::sqrt(std::inner_product(v.begin(), v.end(), v.begin(), 0.0)); };
+    double low = speed(velocity(kept, 1.0)) / speed(velocity(changed, 1.0)), high = 1.0;
+    if (!(low < 1.0) || !passes(low)) return false;
+    while (high - low > 1e-4 * low) {
+      const double middle = 0.5 * (low + high);
+      (passes(middle) ? low : high) = middle;
+    }
+    // What binds a jump binds a start, too: the name is for the report.
+    limits_.start_factor(filters_.index(changed), velocity(changed, 1.0).data(), &binding_[changed]);
+    path_.duration[changed] /= low;
+    return true;
   }
 
   bool slow_block(std::size_t b, End end) {
     if (holds(b, end, 1.0)) return false;
-    const std::size_t n = path_.dimensions();
-    const double* p = path_.point(b);
-    std::array<double, program_axis_count> velocity{};
-    for (std::size_t i = 0; i < n; ++i) velocity[i] = (p[n + i] - p[i]) / path_.duration[b];
     // Sure, and with limits of velocity, acceleration and jerk exact; force and power may allow more, for their peaks do not coincide.
-    double low = limits_.start_factor(filters_.index(b), velocity.data(), &binding_[b]), high = 1.0;
+    double low = limits_.start_factor(filters_.index(b), velocity(b, 1.0).data(), &binding_[b]), high = 1.0;
     if (holds(b, end, std::min(1.0, low * 1.001))) {
       while (high - low > 1e-4 * low) {
         const double middle = 0.5 * (low + high);
@@ -101,17 +137,21 @@ class FeedLimiter {
 }  // namespace
 
 std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
-                                     PairwiseDelays& delays) {
+                                     PairwiseDelays& delays, bool ramps) {
   if (machine.axes.empty()) return {};
   FeedLimiter limiter(path, filters, sample_period, machine);
   // A shorter reach at a lower feed may leave the next block out, and legs that meet slower make others meet faster: a few rounds.
-  // After these, whole legs: where one block is slowed to less than its neighbour can jump to, the next joint breaks the limit, and so on
-  // block by block.
+  // Where ramps do not settle it, whole legs in the end.
   for (int round = 0; round < 12; ++round) {
     bool slowed = limiter.slow(0, End::start, limiter.reach());
     slowed = limiter.slow(path.blocks() - 1, End::stop, limiter.reach()) || slowed;
     const double reach = round < 8 ? limiter.reach() : std::numeric_limits<double>::infinity();
     for (const std::size_t b : delays.impossible) {
+      // Inside a leg the feed need not come down to that of a stop: what it jumps by must hold.
+      if (ramps && round < 8 && !ends_leg(path, b)) {
+        slowed = limiter.ramp(b) || slowed;
+        continue;
+      }
       slowed = limiter.slow(b, End::stop, reach) || slowed;
       slowed = limiter.slow(b + 1, End::start, reach) || slowed;
     }

@@ -76,10 +76,9 @@ ProgramPlan check_program(const Toolpath& path, const LegFilters& filters, doubl
 
 namespace {
 
-/// A plan that starts from the feeds the path has.
-ProgramPlan plan_at_feeds(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
+ProgramPlan plan_with(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine, bool ramps) {
   PairwiseDelays pairwise = pairwise_delays(path, filters, sample_period, machine);
-  std::vector<SlowedFeeds> too_fast = limit_feeds(path, filters, sample_period, machine, pairwise);
+  std::vector<SlowedFeeds> too_fast = limit_feeds(path, filters, sample_period, machine, pairwise, ramps);
   const auto keep_given = [&] {
     for (const auto& [block, delay] : path.given) {
       int& d = pairwise.delays[block];
@@ -118,6 +117,20 @@ ProgramPlan plan_at_feeds(Toolpath& path, const LegFilters& filters, double samp
 bool all_holds(const ProgramPlan& plan) {
   return plan.errors_hold && std::all_of(plan.simulation.limits.begin(), plan.simulation.limits.end(),
                                          [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
+}
+
+/// A plan that starts from the feeds the path has. Feeds too fast for the limits climb and fall by jumps, each of which holds by itself; where
+/// blocks are so short that several fall into one filter, that may not do, and every block gets a feed it can start and stop from.
+ProgramPlan plan_at_feeds(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
+  const std::vector<double> before = path.duration;
+  ProgramPlan plan = plan_with(path, filters, sample_period, machine, true);
+  if (plan.too_fast.empty() || all_holds(plan)) return plan;
+  std::vector<double> ramped = path.duration;
+  path.duration = before;
+  ProgramPlan slow = plan_with(path, filters, sample_period, machine, false);
+  if (all_holds(slow)) return slow;
+  path.duration = std::move(ramped);
+  return plan;
 }
 
 /// Plans the curves of a program at other feeds, and keeps of every curve the fastest. Curves are tried together, a plan of the whole

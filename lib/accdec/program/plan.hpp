@@ -75,9 +75,10 @@ void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, co
 /// rest and stops within the limits: of every block within a filter's length of the stop. Feeds inside legs and at joints passed at
 /// speed stay.
 /// @param delays  of the path; found again when feeds change
+/// @param ramps   where feeds change inside a leg, lower them to what passes that joint instead; true of each joint alone
 /// @return one entry a limit
 std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
-                                     PairwiseDelays& delays);
+                                     PairwiseDelays& delays, bool ramps);
 
 /// Lowers by at most 1e-6 the durations that exceed whole samples by no more: coordinates rounded by whoever wrote the program would
 /// else cost every leg a sample. Only where that keeps the axis limits.
