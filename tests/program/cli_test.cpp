@@ -144,6 +144,16 @@ TEST_F(ProgramCommand, StraightJointsSurviveTheRoundingOfCoordinates) {
   }
 }
 
+TEST_F(ProgramCommand, WrittenFromCsvItGoesToItsBeginningFirst) {
+  write("part.csv", "x_mm,y_mm,z_mm,feed_mm_min\n5,5,-1,600\n15,5,-1,600\n15,25,-1,600\n");
+  ASSERT_EQ(run("program part.csv --task task.toml --emit e.ngc").code, 0) << read("err");
+  EXPECT_THAT(read("e.ngc"), HasSubstr("\nG61.1\nG0 X5 Y5 Z-1\nG64 P0.02\nG1 X15 F600\n"));
+  write("free.toml", "sample_period_ms = 1.0\n[filter]\nkind = \"boxcar\"\norder = 40\n[[axis]]\nacceleration_max_mm_s2 = 6000\n[program]\nerror_max_um = 20\n");
+  ASSERT_EQ(run("program part.csv --task free.toml --emit e.ngc").code, 0) << read("err");
+  EXPECT_THAT(read("e.ngc"), HasSubstr("\nG1 X5 Y5 Z-1 F600\n"));
+  EXPECT_EQ(run("program e.ngc --task free.toml --dwells-before-filter").code, 0) << read("err");
+}
+
 TEST_F(ProgramCommand, BoundsDoNotDependOnTheFilter) {
   // A filter too short for the limits slows this program to an eighth; the bound is below what a longer one reaches.
   write("part.ngc", "G61.1\nG1 X1000 F30000\nG1 X0\n");

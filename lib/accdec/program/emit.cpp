@@ -56,13 +56,32 @@ class Emission {
     }
     line("(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to rest)");
     line("G21 G17 G90 G94");
-    bool away = false;
-    for (std::size_t a = 0; a < n_; ++a) away = away || path_.point(0)[a] != 0.0;
-    if (away) {
-      line("(to where the program begins)");
-      mode_ = "G61.1";
-      line("{}", mode_);
-      line("G0{}", words(path_.point(0)));
+    position();
+  }
+
+  /// To where the program begins: at rest there, rapidly where every axis has a limit of velocity, else at the first feed.
+  void position() {
+    std::string to;
+    bool limited = true;
+    for (std::size_t a = 0; a < program_axis_count; ++a) {
+      if (path_.begin[a] == 0.0) continue;
+      const std::string value = plain_number(path_.begin[a] * 1e3, 6);
+      to.append(1, ' ').append(1, program_axes[a]).append(value);
+      const Axis* axis = find_axis(result_.task_machine, a);
+      limited = limited && axis != nullptr && axis->velocity_max < unlimited;
+      for (std::size_t i = 0; i < n_; ++i) {
+        if (path_.axes[i] == a) written_[i] = value;
+      }
+    }
+    if (to.empty()) return;
+    line("(to where the program begins)");
+    mode_ = "G61.1";
+    line("{}", mode_);
+    if (limited) {
+      line("G0{}", to);
+    } else {
+      feed_ = feed(0);
+      line("G1{} F{}", to, feed_);
     }
   }
 
@@ -122,19 +141,23 @@ class Emission {
       line("G0{}", to);
       return;
     }
-    ProgramPoint from{}, end{};
-    for (std::size_t a = 0; a < n_; ++a) {
-      from[path_.axes[a]] = path_.point(b)[a];
-      end[path_.axes[a]] = path_.point(b + 1)[a];
-    }
-    // feed_duration at unit feed is the length that feeds count.
-    const std::string feed = plain_number(feed_duration(from, end, 1.0) / path_.duration[b] * 60e3, 6);
+    const std::string feed = this->feed(b);
     if (feed == feed_) {
       line("G1{}", to);
     } else {
       line("G1{} F{}", to, feed);
       feed_ = feed;
     }
+  }
+
+  std::string feed(std::size_t b) const {
+    ProgramPoint from{}, end{};
+    for (std::size_t a = 0; a < n_; ++a) {
+      from[path_.axes[a]] = path_.point(b)[a];
+      end[path_.axes[a]] = path_.point(b + 1)[a];
+    }
+    // feed_duration at unit feed is the length that feeds count.
+    return plain_number(feed_duration(from, end, 1.0) / path_.duration[b] * 60e3, 6);
   }
 
   /// Delays of stops are the exact stop's own; of all other joints, a dwell. Dwells of the program come with what it passes on.

@@ -22,7 +22,7 @@ class Builder : public MoveSink {
     limited_ = !machine.axes.empty();
   }
 
-  void begin(const ProgramPoint& at) override { position_ = at; }
+  void begin(const ProgramPoint& at) override { path_.begin = position_ = at; }
   void move(const Move& move) override;
   void stop(double dwell) override {
     if (dwell > 0.0) keep("G4 P" + plain_number(dwell, 9), true);

@@ -37,6 +37,7 @@ struct Toolpath {
   std::vector<std::uint8_t> inside_arc; ///< whether the joint lies between two chords of one arc
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;             ///< before the first block, s
+  ProgramPoint begin{};                 ///< where the program begins, m, axes that never move included
   std::vector<std::pair<std::uint32_t, double>> given;  ///< delays that the program brings along: at the end of which block, s; ascending
   struct Passed {
     std::uint32_t block = 0;  ///< before which one
