@@ -11,7 +11,6 @@
 #include <accdec/io/plot_program.hpp>
 #include <accdec/io/task_reader.hpp>
 #include <accdec/program/design_program.hpp>
-#include <accdec/program/filter_bound.hpp>
 #include <accdec/program/report.hpp>
 #include <accdec/program/stream_file.hpp>
 
@@ -61,15 +60,7 @@ void run(const Options& options, Context& context) {
       return;
     }
   }
-  double filter_bound = 0.0;
-  if (options.filter_bound) {  // at the programmed feeds, which the plan may lower
-    Toolpath programmed = path;
-    const Machine machine = program_machine(task.machine, path);
-    snap_durations(programmed, *choice.filter, task.sample_period, machine);
-    filter_bound = filter_lower_bound(programmed, machine, task.sample_period);
-  }
-  ProgramResult result = run_program(options.program, std::move(path), *choice.filter, task, options.per_leg);
-  if (options.filter_bound) result.filter_bound = filter_bound;
+  ProgramResult result = run_program(options.program, std::move(path), *choice.filter, task, options.per_leg, options.filter_bound);
   result.worst_shown = options.worst;
   choice.solver.wall_time += result.solver.wall_time;
   result.solver = choice.solver;

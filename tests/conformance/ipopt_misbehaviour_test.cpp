@@ -9,6 +9,7 @@
 #include <IpIpoptApplication.hpp>
 #include <IpTNLP.hpp>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,11 +23,23 @@ using solvers::Claim;
 using solvers::find_solver;
 using solvers::Result;
 
+/// Works until the process's user time has moved. It moves in steps of up to 10 ms, by machine: a limit on it means nothing below that.
+void spend_user_time() {
+  const auto user = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return std::pair(usage.ru_utime.tv_sec, usage.ru_utime.tv_usec);
+  };
+  const auto start = user();
+  while (user() == start) {
+  }
+}
+
 /// minimise (x - 3)^2 over lower <= x <= upper, straight to Ipopt.
 class Raw : public Ipopt::TNLP {
  public:
   Raw(double lower, double upper) : lower_(lower), upper_(upper) {}
-  bool throws = false, finished = false;
+  bool throws = false, finished = false, slow = false;
   double x = -1.0, objective = -1.0, largest = -1.0;
   bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian, IndexStyleEnum& style) override {
     n = hessian = 1, m = jacobian = 0, style = C_STYLE;
@@ -38,6 +51,7 @@ class Raw : public Ipopt::TNLP {
   }
   bool get_starting_point(Ipopt::Index, bool, double* s, bool, double*, double*, Ipopt::Index, bool, double*) override {
     s[0] = 1.0;
+    if (slow) spend_user_time();
     return true;
   }
   bool eval_f(Ipopt::Index, const double* p, bool, double& value) override {
@@ -128,6 +142,7 @@ TEST(IpoptMisbehaviour, LosesExceptions) {
 
 TEST(IpoptMisbehaviour, ReportsAnObjectiveThatIsNotItsPoints) {
   const Ipopt::SmartPtr<Raw> raw = new Raw(0.0, 5.0);
+  raw->slow = true;
   const auto app = application();
   EXPECT_FALSE(app->Options()->SetNumericValue("max_wall_time", 1.0)) << "3.11 has CPU time limits only";
   app->Options()->SetNumericValue("max_cpu_time", 1e-12);
@@ -135,7 +150,11 @@ TEST(IpoptMisbehaviour, ReportsAnObjectiveThatIsNotItsPoints) {
   EXPECT_GT(std::abs(raw->objective - (raw->x - 3.0) * (raw->x - 3.0)), 1.0);
   solvers::Options options;
   options.native["max_cpu_time"] = "1e-12";
-  const FormulaProblem problem = parabola(0.0, 5.0);
+  const auto slow = [](const Variables& x) {
+    spend_user_time();
+    return sqr(x[0] - 3.0);
+  };
+  const FormulaProblem problem("slow parabola", {{0.0, 5.0}}, slow, {});
   const Result result = find_solver("ipopt").solve(problem, std::vector<double>{1.0}, options);
   EXPECT_EQ(result.claim, Claim::time_limit);
   EXPECT_DOUBLE_EQ(result.verification.objective, problem.objective(result.x));

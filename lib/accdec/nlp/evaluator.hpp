@@ -72,6 +72,7 @@ class Evaluator {
   /// Best point seen whose bounds and rows hold; empty when none did.
   const std::vector<double>& best_feasible() const { return best_; }
   double best_objective() const { return best_objective_; }
+  double feasibility_tolerance() const { return limits_.feasibility_tolerance; }
   /// Every improvement of it in order.
   const std::vector<Improvement>& history() const { return history_; }
 

@@ -30,6 +30,11 @@ ProgramPlan simulate_plan(const Toolpath& path, const LegFilters& filters, doubl
 
 }  // namespace
 
+bool all_holds(const ProgramPlan& plan) {
+  return plan.errors_hold && std::all_of(plan.simulation.limits.begin(), plan.simulation.limits.end(),
+                                         [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
+}
+
 bool holds(double error, double bound) { return error <= bound * (1.0 + verification_tolerance) + position_floor; }
 
 void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
@@ -112,11 +117,6 @@ ProgramPlan plan_with(Toolpath& path, const LegFilters& filters, double sample_p
   }
   plan.too_fast = std::move(too_fast);
   return plan;
-}
-
-bool all_holds(const ProgramPlan& plan) {
-  return plan.errors_hold && std::all_of(plan.simulation.limits.begin(), plan.simulation.limits.end(),
-                                         [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
 }
 
 /// A plan that starts from the feeds the path has. Feeds too fast for the limits climb and fall by jumps, each of which holds by itself; where

@@ -57,6 +57,9 @@ struct ProgramPlan {
   bool errors_hold = false;    ///< every joint within its tolerance
 };
 
+/// Whether every joint holds its tolerance and every axis limit is held.
+bool all_holds(const ProgramPlan& plan);
+
 /// Delays with which every joint holds its tolerance on the simulated path. Starts from the pairwise delays; where joints closer than
 /// the filter is long break their bound nevertheless, or moves together break an axis limit that each alone holds, delays of corners are
 /// raised and feeds on curves lowered there, round by round, until all hold; then each delay raised is lowered again as far as its

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/verifier.hpp>
+#include <accdec/program/filter_bound.hpp>
 #include <accdec/program/lower_bound.hpp>
 
 namespace accdec {
@@ -75,7 +76,8 @@ void count_joints(ProgramResult& result) {
 
 }  // namespace
 
-ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task, bool per_leg) {
+ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task, bool per_leg,
+                          bool filter_bound) {
   const auto start = std::chrono::steady_clock::now();
   ProgramResult result;
   result.program = name;
@@ -84,9 +86,10 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   result.sample_period = task.sample_period;
   result.task_machine = task.machine;
   const Machine machine = program_machine(task.machine, path);
-  // Before any move is slowed to suit this filter: the bound is for all.
+  // Before any move is slowed to suit this filter: the bounds are for all.
   snap_durations(path, filter, task.sample_period, machine);
   result.lower_bound = program_lower_bound(path, machine);
+  if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
   limit_rapids(path, filter, task.sample_period, machine);
   snap_durations(path, filter, task.sample_period, machine);
   result.path = path;
@@ -96,12 +99,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   if (per_leg) {
     LegFilters legs = choose_leg_filters(path, filter, task.sample_period, machine, task.design.order_max);
     ProgramPlan plan = plan_program(path, legs, task.sample_period, machine);
-    const auto holds = [](const ProgramPlan& p) {
-      return p.errors_hold && std::all_of(p.simulation.limits.begin(), p.simulation.limits.end(),
-                                          [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
-    };
-    const bool one_holds = holds(result.plan);
-    if (holds(plan) && (!one_holds || plan.simulation.samples < result.plan.simulation.samples)) {
+    if (all_holds(plan) && (!all_holds(result.plan) || plan.simulation.samples < result.plan.simulation.samples)) {
       result.legs = std::move(legs);
       result.plan = std::move(plan);
       result.path = std::move(path);

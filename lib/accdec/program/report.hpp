@@ -37,7 +37,7 @@ struct ProgramResult {
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
   double lower_bound = 0.0;            ///< s, see program_lower_bound; at the programmed feeds, rapid moves at their axes' largest velocity
-  std::optional<double> filter_bound;  ///< s, see filter_lower_bound; of the program as planned, where asked for
+  std::optional<double> filter_bound;  ///< s, see filter_lower_bound; at the programmed feeds, where asked for
   std::int64_t peak_memory = 0;        ///< bytes of the process, by whoever runs it; 0: not asked for
   double delay_total = 0.0;            ///< s, delays of this plan
   VerificationReport verification;
@@ -47,7 +47,8 @@ struct ProgramResult {
 
 /// Plans and verifies a program with a given filter, or, where that is faster, with one of its shape for every leg. `feasible` only if every joint holds its tolerance and every axis limit and
 /// vibration bound is held over the whole program, else `failed` with the worst in the message.
-ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task, bool per_leg = false);
+ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task, bool per_leg = false,
+                          bool filter_bound = false);
 
 /// A joint and how much of its tolerance it uses.
 struct CornerUse {

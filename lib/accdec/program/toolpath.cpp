@@ -39,6 +39,7 @@ class Builder : public MoveSink {
   double rapid_duration(const Move& move) const;
   void check_feed(const Move& move) const;
   void close_joint(const Move& next);
+  void give_delay(std::size_t b);
   [[noreturn]] void fail(const Move& move, const std::string& message) const {
     throw ReadError(source_.name(), move.line, move.column, message);
   }
@@ -119,6 +120,18 @@ Joint Builder::classify(const double* in, const double* out) const {
   return sine < std::sin(smooth_turn) * scale ? Joint::smooth : Joint::corner;
 }
 
+/// Makes what dwells there are at the end of block b one delay of its joint; what is left to write back goes without them.
+void Builder::give_delay(std::size_t b) {
+  double delay = 0.0;
+  for (; !path_.dwell.empty() && path_.dwell.back().first == b; path_.dwell.pop_back()) delay += path_.dwell.back().second;
+  if (delay == 0.0) return;
+  path_.given.emplace_back(b, delay);
+  auto& passed = path_.passed;
+  auto from = passed.end();
+  while (from != passed.begin() && std::prev(from)->block == b + 1) --from;
+  passed.erase(std::remove_if(from, passed.end(), [](const Toolpath::Passed& p) { return p.dwell; }), passed.end());
+}
+
 /// Decides on the joint between the last block kept and the one being added, whose end point is stored already.
 void Builder::close_joint(const Move& next) {
   const std::size_t b = path_.blocks() - 1, n = path_.dimensions();
@@ -142,13 +155,7 @@ void Builder::close_joint(const Move& next) {
       fail(last_, "the corner at the end of this move has no tolerance: G64 P in the program or [program] error_max_um in the task");
     }
   }
-  // Several dwells in a row are one delay.
-  for (double delay = 0.0; options_.dwells_before_filter && !stop && !path_.dwell.empty() && path_.dwell.back().first == b; path_.dwell.pop_back()) {
-    delay += path_.dwell.back().second;
-    if (path_.given.empty() || path_.given.back().first != b) path_.given.emplace_back(b, 0.0);
-    path_.given.back().second = delay;
-    std::erase_if(path_.passed, [&](const Toolpath::Passed& p) { return p.dwell && p.block == b + 1; });
-  }
+  if (options_.dwells_before_filter && !stop) give_delay(b);
   path_.joint.back() = joint;
   path_.tolerance.back() = tolerance;
 }

@@ -268,7 +268,6 @@ class CeresSolver final : public Solver {
     } catch (const nlp::StopRun&) {
     }
     conclude(evaluator, result);
-    if (evaluator.stop() == nlp::Stop::none) prefer_feasible(evaluator, options.feasibility_tolerance, result);
     return result;
   }
 };

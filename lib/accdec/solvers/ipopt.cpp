@@ -232,7 +232,6 @@ class IpoptSolver final : public Solver {
     result.claim = claim_of(status);
     result.message = words_of(status);
     conclude(evaluator, result);
-    if (evaluator.stop() == nlp::Stop::none) prefer_feasible(evaluator, options.feasibility_tolerance, result);
     return result;
   }
 

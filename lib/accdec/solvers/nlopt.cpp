@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -159,10 +161,9 @@ class NloptSolver final : public Solver {
     result.x = free.expand(x.data());
     result.claim = claim_of(code);
     result.message = fmt::format("NLopt: {}", nlopt_result_to_string(code));
-    if (algorithm_.rows == NloptProblem::Rows::ranking) undo_ranking(result);
+    if (callbacks.ranks()) undo_ranking(result);
     if (const char* words = nlopt_get_errmsg(opt.get())) result.message += fmt::format(" ({})", words);
     conclude(evaluator, result);
-    if (evaluator.stop() == nlp::Stop::none) prefer_feasible(evaluator, options.feasibility_tolerance, result);
     return result;
   }
 
@@ -183,12 +184,11 @@ class NloptSolver final : public Solver {
     conclude(evaluator, result);
   }
 
-  /// A ranking has a value of its own: of f at points that hold every row, above 1 at all others, at which to have converged is no success.
+  /// To have converged at points that break rows, which a ranking also orders, is no success.
   static void undo_ranking(Result& result) {
-    const double rank = result.claimed_objective;
-    if (std::abs(rank) < 1.0) {
-      result.claimed_objective = rank / (1.0 - std::abs(rank));
-    } else if (result.claim == Claim::solved || result.claim == Claim::acceptable) {
+    const std::optional<double> objective = NloptProblem::objective_of(result.claimed_objective);
+    result.claimed_objective = objective.value_or(std::numeric_limits<double>::quiet_NaN());
+    if (!objective && (result.claim == Claim::solved || result.claim == Claim::acceptable)) {
       result.claim = Claim::failed;
       result.message += "; no point that holds every row was found";
     }

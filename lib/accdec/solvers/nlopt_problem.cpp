@@ -85,7 +85,7 @@ double NloptProblem::evaluate(const double* x, double* grad) {
     evaluator_.gradient(full, gradient_);
     free_.restrict(gradient_, grad);
   }
-  return rows_ == Rows::ranking && !values_.empty() ? ranked(f, full) : f;
+  return ranks() ? ranked(f, full) : f;
 }
 
 void NloptProblem::evaluate_rows(const std::vector<Side>& sides, double* result, const double* x, double* grad) {
@@ -126,6 +126,11 @@ double NloptProblem::ranked(double f, const std::vector<double>& x) {
   for (const Side& s : equalities_) violation = std::max(violation, std::abs(values_[static_cast<std::size_t>(s.row)] - s.bound));
   // Monotone in f and within (-1, 1), so that every violation ranks behind without drowning in a large offset.
   return violation > tolerance_ ? 2.0 + violation : f / (1.0 + std::abs(f));
+}
+
+std::optional<double> NloptProblem::objective_of(double rank) {
+  if (rank > 1.0) return std::nullopt;
+  return rank / (1.0 - std::abs(rank));
 }
 
 }  // namespace accdec::solvers

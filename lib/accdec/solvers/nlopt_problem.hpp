@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <nlopt.h>
@@ -29,6 +30,12 @@ class NloptProblem {
 
   /// Hands objective, bounds and rows to the nlopt_opt.
   nlopt_result attach();
+
+  /// Whether the objective NLopt sees is a ranking: only where there are rows to rank by.
+  bool ranks() const { return rows_ == Rows::ranking && !values_.empty(); }
+
+  /// The objective of a point that has this rank; empty where the rank says that the point breaks a row.
+  static std::optional<double> objective_of(double rank);
 
  private:
   struct Side {

@@ -4,6 +4,7 @@
 #include <accdec/design/exact/relaxation.hpp>
 #include <accdec/design/limit_rows.hpp>
 #include <accdec/design/order_bound.hpp>
+#include <accdec/nlp/violation.hpp>
 #include <accdec/study/comparison_case.hpp>
 #include <accdec/study/reference_delay.hpp>
 #include <algorithm>
@@ -23,8 +24,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double accuracy = 1e-6;
 /// The widest bracket of a proved optimum; half of what solvers are granted.
 constexpr double closed = 5e-5;
-/// What a known point may break rows by, a tenth of what solvers are granted: the programmes' own tolerance, in units
-/// of a row.
+/// What a known point may break rows by, no more than solvers are granted: the programmes' own tolerance, in units of a row.
 constexpr double held = 1e-7;
 
 bool convex(const Task& task) {
@@ -133,19 +133,6 @@ class MarginSearch : public ReferenceSearch {
   const std::vector<int>& samples_;
 };
 
-/// How far a point of the reduced form breaks its bounds and rows.
-double violation(const nlp::Problem& problem, const std::vector<double>& x) {
-  double worst = 0.0;
-  const auto test = [&](double value, const nlp::Bound& b) {
-    worst = std::max({worst, b.lower - value, value - b.upper});
-  };
-  for (int i = 0; i < problem.num_variables(); ++i) test(x[static_cast<std::size_t>(i)], problem.variable_bound(i));
-  std::vector<double> rows(static_cast<std::size_t>(problem.num_rows()));
-  problem.rows(x, rows);
-  for (int r = 0; r < problem.num_rows(); ++r) test(rows[static_cast<std::size_t>(r)], problem.row_bound(r));
-  return worst;
-}
-
 std::function<bool()> timer(double limit) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
   return [end] { return std::chrono::steady_clock::now() > end; };
@@ -181,7 +168,7 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
   std::vector<double> x = problem.start_from(*search.best);
   x[static_cast<std::size_t>(problem.sigma())] = search.upper * search.upper * (1.0 + 1e-12);
   const double upper = problem.objective(x);
-  if (upper - reference.lower <= closed * std::max(1.0, upper) && violation(problem, x) <= held) {
+  if (upper - reference.lower <= closed * std::max(1.0, upper) && nlp::largest_violation(problem, x) <= held) {
     reference.proof = Reference::Proof::optimal;
     reference.upper = upper;
     reference.method = "exact: bisection with refuting linear programmes" + with_splits(task);
@@ -245,7 +232,7 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
     const nlp::Problem& problem = *subject.problem(true);
     const std::vector<double> x = delay_point(subject, *search->best, searches);
     const double upper = problem.objective(x);
-    if (upper - reference.lower > closed * std::max(1.0, upper) || violation(problem, x) > held ||
+    if (upper - reference.lower > closed * std::max(1.0, upper) || nlp::largest_violation(problem, x) > held ||
         upper >= reference.upper)
       continue;
     reference.proof = Reference::Proof::optimal;

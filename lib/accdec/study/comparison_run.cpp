@@ -9,22 +9,10 @@
 
 #include <accdec/design/design.hpp>
 #include <accdec/solvers/solver.hpp>
+#include <accdec/study/row_numbers.hpp>
 
 namespace accdec::study {
-namespace {
-
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
-
-Row rounded(double x, int digits) {
-  if (!std::isfinite(x)) return nullptr;
-  return std::stod(fmt::format("{:.{}g}", x, digits));
-}
-Row number(double x) { return rounded(x, 12); }
-Row seconds(double x) { return rounded(x, 5); }
-
-}  // namespace
 
 Comparison::Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases) : settings_(std::move(settings)) {
   if (cases.empty() || settings_.solvers.empty() || settings_.targets.empty() || settings_.starts < 1 || settings_.repeats < 1) {

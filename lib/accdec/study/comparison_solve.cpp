@@ -5,23 +5,16 @@
 #include <fmt/format.h>
 
 #include <accdec/design/design.hpp>
+#include <accdec/nlp/violation.hpp>
 #include <accdec/solvers/solver.hpp>
 #include <accdec/study/comparison_run.hpp>
 #include <accdec/study/recorded_problem.hpp>
+#include <accdec/study/row_numbers.hpp>
 
 namespace accdec::study {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
-
-Row rounded(double x, int digits) {
-  if (!std::isfinite(x)) return nullptr;
-  return std::stod(fmt::format("{:.{}g}", x, digits));
-}
-Row number(double x) { return rounded(x, 12); }
-Row seconds(double x) { return rounded(x, 5); }
 
 /// Improvements that matter: the first, the last, and those that leave at most 0.7 of the distance to the last that the one before left.
 Row thinned(const std::vector<nlp::Improvement>& history) {
@@ -38,14 +31,8 @@ Row thinned(const std::vector<nlp::Improvement>& history) {
 
 /// Largest violation of any bound or row; infinite where something is not finite.
 double violation_of(const nlp::Problem& problem, const std::vector<double>& x, double& objective) {
-  std::vector<double> c(static_cast<std::size_t>(problem.num_rows()));
   objective = problem.objective(x);
-  problem.rows(x, c);
-  double worst = std::isfinite(objective) ? 0.0 : nlp::infinity;
-  const auto judge = [&](nlp::Bound b, double v) { worst = std::isfinite(v) ? std::max({worst, b.lower - v, v - b.upper}) : nlp::infinity; };
-  for (int r = 0; r < problem.num_rows(); ++r) judge(problem.row_bound(r), c[static_cast<std::size_t>(r)]);
-  for (int i = 0; i < problem.num_variables(); ++i) judge(problem.variable_bound(i), x[static_cast<std::size_t>(i)]);
-  return worst;
+  return std::isfinite(objective) ? nlp::largest_violation(problem, x) : nlp::infinity;
 }
 
 Row counts_row(const nlp::Counts& n) {
@@ -88,8 +75,7 @@ void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   double violation = judged(result.x, objective);
   solvers::Verdict verdict = result.verification.verdict;
   // As for solvers of the reduced form: one that ends where a row is broken, or worse than where it was, answers with the best point it had.
-  constexpr double material = 1e-6;
-  const bool ends_worse = !(violation <= settings_.feasibility) || recorded.best_objective() < objective - material * std::max(1.0, std::abs(objective));
+  const bool ends_worse = !(violation <= settings_.feasibility) || nlp::materially_better(recorded.best_objective(), objective);
   if (!reduced && !recorded.best().empty() && ends_worse) {
     violation = judged(recorded.best(), objective);
     verdict = solvers::Verdict::feasible;

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <accdec/study/compute.hpp>
+
+namespace accdec::study {
+
+inline double seconds_since(std::chrono::steady_clock::time_point then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+/// A number of a raw record, to so many significant digits; null where it is not finite.
+inline Row rounded(double x, int digits) {
+  if (!std::isfinite(x)) return nullptr;
+  return std::stod(fmt::format("{:.{}g}", x, digits));
+}
+inline Row number(double x) { return rounded(x, 12); }
+inline Row seconds(double x) { return rounded(x, 5); }
+
+}  // namespace accdec::study
