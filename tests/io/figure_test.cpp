@@ -1,6 +1,9 @@
 #include <accdec/io/figure.hpp>
 
+#include <cmath>
 #include <filesystem>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -77,6 +80,45 @@ TEST(Figure, DrawsHeatMapsLogAxesAndEmptyPanels) {
   figure.panels.push_back(flat);
   figure.columns = 2;
   expect_well_formed(render_svg(figure));
+}
+
+TEST(Figure, SixteenMarkedLinesDifferWithoutColour) {
+  const auto sample = [](const std::string& script, int style) {
+    const std::size_t end = script.find(" title \"style " + std::to_string(style) + "\""), begin = script.rfind("linespoints", end);
+    const std::string with = script.substr(begin, end - begin);
+    return with.substr(with.find(" lw "));  // after the colour: width, dash and symbol
+  };
+  Figure figure;
+  figure.panels.resize(1);
+  for (int style = 0; style < 16; ++style) figure.panels[0].series.push_back({"style " + std::to_string(style), {0, 1, 1, 2}, {0, 0, 1, 1}, Mark::marked_line, style});
+  const std::string script = gnuplot_script(figure);
+  std::set<std::string> seen;
+  for (int style = 0; style < 16; ++style) seen.insert(sample(script, style));
+  EXPECT_EQ(seen.size(), 16U);
+  expect_well_formed(render_svg(figure));
+}
+
+TEST(Figure, SymbolsOfAMarkedLineAreOnIt) {
+  // y = log10(x) on a logarithmic axis is straight, so the symbols must have that y though the line has but two points.
+  Figure figure;
+  figure.panels.resize(1);
+  Panel& panel = figure.panels[0];
+  panel.x = {"x", true, 1.0, 1000.0};
+  panel.series.push_back({"", {1, 1000}, {0, 3}, Mark::marked_line, 3});
+  std::istringstream script(gnuplot_script(figure));
+  std::string line;
+  while (std::getline(script, line) && line.find("$d2 <<") == std::string::npos) {
+  }
+  int symbols = 0;
+  double x = 0.0, y = 0.0, before = 0.0;
+  while (script >> x >> y) {
+    EXPECT_NEAR(y, std::log10(x), 1e-8);
+    if (symbols++ > 0) {
+      EXPECT_NEAR(y - before, 0.5, 1e-8) << "six over three decades";
+    }
+    before = y;
+  }
+  EXPECT_EQ(symbols, 6);
 }
 
 TEST(Figure, RefusesWhatCannotBeDrawn) {

@@ -7,8 +7,10 @@
 namespace accdec {
 
 /// How a series is drawn. Styles count up from 0 and differ in dash or symbol as well as in colour, so that they can be told apart in
-/// grey. `steps` holds each value over the interval that ends at its x; `bars` stand on the axis, as wide as the x are apart.
-enum class Mark { line, points, line_points, steps, impulses, bars };
+/// grey: the first 8 of plain lines, the first 15 of symbols, the first 16 (and many more) of marked lines.
+/// `steps` holds each value over the interval that ends at its x; `bars` stand on the axis, as wide as the x are apart; `marked_line` is a
+/// line with a few symbols evenly spaced across the panel, each style's at places of its own; its x must not decrease.
+enum class Mark { line, points, line_points, steps, impulses, bars, marked_line };
 
 struct Series {
   std::string label;  ///< for the legend; empty: not in it

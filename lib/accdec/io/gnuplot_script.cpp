@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#2e7d32", "#7b3f98", "#8a6d00", "#b01060", "#00808a"};
 constexpr std::array<const char*, 8> dashes{"solid", "(9,4)", "(9,3,2,3)", "(2,3)", "(16,4)", "(12,3,2,3,2,3)", "(4,2)", "(1,4)"};
-constexpr std::array<int, 8> points{7, 6, 5, 4, 9, 8, 11, 12};
-constexpr double left = 70, right = 18, top = 30, bottom = 56, letter = 6.8, legend_line = 34;  // px
+constexpr std::array<int, 15> points{7, 6, 5, 4, 9, 8, 11, 12, 2, 13, 1, 10, 3, 15, 14};
+constexpr std::array<const char*, 3> widths{"1.7", "2.8", "1"};  // px, of the first eight styles, the next eight, ...
+constexpr double left = 70, right = 18, top = 30, bottom = 56, letter = 6.8, legend_line = 34, long_legend_line = 58;  // px
 
 /// A double-quoted gnuplot string with everything it might act on (quotes, backslashes, backticks, ...) as octal codes. Single quotes
 /// would not do: gnuplot 5.4 ends ''''...' early.
@@ -33,7 +34,7 @@ double letters(const std::string& text) {
   return static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-std::size_t style_index(int style) { return static_cast<std::size_t>(std::max(style, 0)) % colours.size(); }
+std::size_t style_index(int style) { return static_cast<std::size_t>(std::max(style, 0)); }
 
 /// Ten significant digits: more than can be seen, fewer than rounding disturbs from one machine to the next.
 std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.10g}", x == 0.0 ? 0.0 : x) : "NaN"; }
@@ -61,11 +62,22 @@ std::vector<std::string> legend(const Panel& panel) {
   return labels;
 }
 
+/// Lines with symbols need longer samples to show both.
+bool has_marked_lines(const Panel& panel) {
+  return std::any_of(panel.series.begin(), panel.series.end(), [](const Series& s) { return s.mark == Mark::marked_line; });
+}
+
 double legend_width(const Panel& panel) {
   double widest = 0.0;
   for (const std::string& label : legend(panel)) widest = std::max(widest, letters(label));
   if (panel.heat_map || panel.coloured) return 104;
-  return widest > 0 ? widest * letter + legend_line + 18 : 0.0;
+  return widest > 0 ? widest * letter + (has_marked_lines(panel) ? long_legend_line : legend_line) + 18 : 0.0;
+}
+
+/// Of legend lines, in units of 18 px: closer where there are many, so that they end with the panel and not over its neighbour.
+std::string key_spacing(const Panel& panel, double plot_height) {
+  const double lines = static_cast<double>(std::max<std::size_t>(legend(panel).size(), 1));
+  return fmt::format("{:.3g}", std::clamp(plot_height / (18.0 * lines), 0.7, 1.15));
 }
 
 /// Ranges of the data with a little air, or as given.
@@ -141,19 +153,52 @@ void check(const Panel& panel) {
   }
 }
 
-std::string with(const Series& s) {
+const char* colour_of(const Series& s) { return colours[style_index(s.style) % colours.size()]; }
+int symbol_of(const Series& s) { return points[style_index(s.style) % points.size()]; }
+
+std::string line_of(const Series& s) {
   const std::size_t i = style_index(s.style);
-  const std::string line = fmt::format("lc rgb '{}' lw 1.7 dt {}", colours[i], dashes[i]);
-  const std::string point = fmt::format("pt {} ps 0.6", points[i]);
+  return fmt::format("lc rgb '{}' lw {} dt {}", colour_of(s), widths[i / dashes.size() % widths.size()], dashes[i % dashes.size()]);
+}
+
+std::string with(const Series& s) {
+  const char* colour = colour_of(s);
+  const std::string line = line_of(s), point = fmt::format("pt {} ps 0.6", symbol_of(s));
   switch (s.mark) {
     case Mark::line: return "lines " + line;
-    case Mark::points: return fmt::format("points lc rgb '{}' {}", colours[i], point);
+    case Mark::points: return fmt::format("points lc rgb '{}' {}", colour, point);
     case Mark::line_points: return fmt::format("linespoints {} {}", line, point);
+    case Mark::marked_line: return "lines " + line;
     case Mark::steps: return "fsteps " + line;
-    case Mark::bars: return fmt::format("boxes fc rgb '{}' fs solid border lc rgb '#ffffff'", colours[i]);
-    case Mark::impulses: return fmt::format("impulses lc rgb '{}' lw 1.5", colours[i]);
+    case Mark::bars: return fmt::format("boxes fc rgb '{}' fs solid border lc rgb '#ffffff'", colour);
+    case Mark::impulses: return fmt::format("impulses lc rgb '{}' lw 1.5", colour);
   }
   return "lines";
+}
+
+/// The symbols of a marked line, and its sample in the legend.
+std::string marks_with(const Series& s) { return fmt::format("points lc rgb '{}' lw 1.4 pt {} ps 0.8", colour_of(s), symbol_of(s)); }
+std::string sample_with(const Series& s) { return fmt::format("{} pt {} ps 0.8 pi -1", line_of(s), symbol_of(s)); }
+
+/// Places of the symbols of a marked line: as far apart for every style, but shifted, so that of lines that coincide each shows its own.
+std::pair<std::vector<double>, std::vector<double>> marks(const Series& s, const Scale& x_scale, const Range& x, const Scale& y_scale) {
+  constexpr int count = 6;
+  constexpr double golden = 0.6180339887498949;
+  const double shift = std::fmod(0.5 + golden * static_cast<double>(style_index(s.style)), 1.0);
+  const auto scaled = [](const Scale& scale, double v) { return scale.log ? std::log10(v) : v; };
+  const auto unscaled = [](const Scale& scale, double v) { return scale.log ? std::pow(10.0, v) : v; };
+  const double from = scaled(x_scale, x.low), width = scaled(x_scale, x.high) - from;
+  std::vector<double> xs, ys;
+  for (int k = 0; k < count; ++k) {
+    const double at = unscaled(x_scale, from + width * (k + shift) / count);
+    const auto after = std::upper_bound(s.x.begin(), s.x.end(), at) - s.x.begin();
+    if (after == 0 || after == static_cast<std::ptrdiff_t>(s.x.size())) continue;
+    const auto i = static_cast<std::size_t>(after);
+    const double a = scaled(x_scale, s.x[i - 1]), b = scaled(x_scale, s.x[i]), low = scaled(y_scale, s.y[i - 1]), high = scaled(y_scale, s.y[i]);
+    xs.push_back(at);
+    ys.push_back(unscaled(y_scale, low + (high - low) * (scaled(x_scale, at) - a) / (b - a)));
+  }
+  return {xs, ys};
 }
 
 /// Smallest distance of neighbours, 1 if there are none.
@@ -201,8 +246,8 @@ class Writer {
     line("set ylabel {} offset 0.6,0", quoted(panel.y.label));
     scale('x', panel.x, x);
     scale('y', panel.y, y);
-    line("set key at screen {:.6f},{:.6f} left top Left reverse samplen 2.6 spacing 1.15", (frame_left + plot_width + 8) / page_width,
-         1.0 - frame_top / page_height);
+    line("set key at screen {:.6f},{:.6f} left top Left reverse samplen {} spacing {} maxcols 1", (frame_left + plot_width + 8) / page_width,
+         1.0 - frame_top / page_height, has_marked_lines(panel) ? "5.6" : "2.6", key_spacing(panel, plot_height));
     line("unset object\nunset colorbox");
     plot(panel, x, y);
   }
@@ -239,7 +284,18 @@ class Writer {
     for (const Series& s : panel.series) {
       if (s.x.empty()) continue;
       const std::string columns = s.mark == Mark::bars ? fmt::format("1:2:({})", number(narrowest(s.x))) : "1:2";
-      items.push_back(fmt::format("{} using {} with {} {}", data(s.x, s.y), columns, with(s), title(s.label)));
+      if (s.mark != Mark::marked_line) {
+        items.push_back(fmt::format("{} using {} with {} {}", data(s.x, s.y), columns, with(s), title(s.label)));
+        continue;
+      }
+      const auto [xs, ys] = marks(s, panel.x, x, panel.y);
+      items.push_back(fmt::format("{} using 1:2 with {} notitle", data(s.x, s.y), with(s)));
+      if (!xs.empty()) {
+        const std::string at = data(xs, ys);
+        items.push_back(at + " using 1:2 with points lc rgb '#ffffff' pt 7 ps 0.9 notitle");  // clears the line away, or a wide one would hide crosses
+        items.push_back(fmt::format("{} using 1:2 with {} notitle", at, marks_with(s)));
+      }
+      if (!s.label.empty()) items.push_back(fmt::format("NaN with linespoints {} {}", sample_with(s), title(s.label)));
     }
     for (const LimitLine& limit : panel.limits) {
       items.push_back(fmt::format("{} using 1:2 with lines lc rgb '#b00020' lw 1.3 dt (7,5) {}",
