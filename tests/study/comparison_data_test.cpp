@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -34,6 +35,15 @@ std::string run(int c, const std::string& solver, const std::string& claim, cons
                      c, solver, repeat, claim, verdict, objective, time, more);
 }
 
+/// Entry of a table in the first row that has these texts in these columns.
+std::string cell(const ComparisonTable& table, const std::map<std::size_t, std::string>& row, const std::string& column) {
+  const auto at = std::find(table.head.begin(), table.head.end(), column) - table.head.begin();
+  for (const auto& cells : table.rows) {
+    if (std::all_of(row.begin(), row.end(), [&](const auto& wanted) { return cells.at(wanted.first) == wanted.second; })) return cells.at(static_cast<std::size_t>(at));
+  }
+  return "no such row";
+}
+
 const std::string proved_two = R"("lower":2.0,"upper":2.0)";
 
 TEST(ComparisonData, ARiggedClaimLandsInItsCell) {
@@ -44,25 +54,16 @@ TEST(ComparisonData, ARiggedClaimLandsInItsCell) {
   const study::Attempt& rigged = data.attempt(0, 0, 1);
   EXPECT_EQ(rigged.judgement, Judgement::violates);
   EXPECT_FALSE(rigged.success);
-  EXPECT_TRUE(std::isinf(rigged.cost)) << "a refuted claim is infinitely slow, not dropped";
+  EXPECT_TRUE(std::isinf(rigged.end_cost)) << "a refuted claim is infinitely slow, not dropped";
   EXPECT_TRUE(data.contradictions.empty()) << "a point that breaks a limit proves nothing";
 
-  const ComparisonTable confusion = confusion_table(data);
-  const auto cell = [&](const std::string& solver, const std::string& claim, const std::string& verified) {
-    const auto column = std::find(confusion.head.begin(), confusion.head.end(), verified) - confusion.head.begin();
-    for (const auto& row : confusion.rows) {
-      if (row[0] == solver && row[1] == claim) return row.at(static_cast<std::size_t>(column));
-    }
-    return std::string();
-  };
-  EXPECT_EQ(cell("rigged", "solved", "breaks a limit"), "1");
-  EXPECT_EQ(cell("rigged", "solved", "reference reached"), "0");
-  EXPECT_EQ(cell("good", "solved", "reference reached"), "1");
-  EXPECT_EQ(cell("all", "solved", "breaks a limit"), "1");
-  const ComparisonTable summary = summary_table(data);
-  const auto refuted = std::find(summary.head.begin(), summary.head.end(), "claimed solved, refuted") - summary.head.begin();
-  EXPECT_EQ(summary.rows[1].at(static_cast<std::size_t>(refuted)), "1");
-  EXPECT_EQ(summary.rows[0].at(static_cast<std::size_t>(refuted)), "0");
+  const ComparisonTable confusion = confusion_table(data), summary = summary_table(data);
+  EXPECT_EQ(cell(confusion, {{0, "rigged"}, {1, "solved"}}, "breaks a limit"), "1");
+  EXPECT_EQ(cell(confusion, {{0, "rigged"}, {1, "solved"}}, "reference reached"), "0");
+  EXPECT_EQ(cell(confusion, {{0, "good"}, {1, "solved"}}, "reference reached"), "1");
+  EXPECT_EQ(cell(confusion, {{0, "all"}, {1, "solved"}}, "breaks a limit"), "1");
+  EXPECT_EQ(cell(summary, {{0, "rigged"}}, "claimed solved, refuted"), "1");
+  EXPECT_EQ(cell(summary, {{0, "good"}}, "claimed solved, refuted"), "0");
 }
 
 TEST(ComparisonData, StationaryButWorseIsNoSuccessAndMissingRunsAreFailures) {
@@ -71,8 +72,8 @@ TEST(ComparisonData, StationaryButWorseIsNoSuccessAndMissingRunsAreFailures) {
   EXPECT_EQ(data.attempt(0, 0, 0).judgement, Judgement::stationary);
   EXPECT_EQ(data.attempt(0, 0, 1).judgement, Judgement::reached) << "as good as the proved optimum, whatever its multipliers";
   EXPECT_EQ(data.attempt(1, 0, 0).claim, "missing");
-  EXPECT_TRUE(std::isinf(data.attempt(1, 0, 0).cost));
-  EXPECT_DOUBLE_EQ(study::at(study::distribution(data.costs(false, [](const auto& a) { return a.cost; })[1]), 10.0), 0.5);
+  EXPECT_TRUE(std::isinf(data.attempt(1, 0, 0).end_cost));
+  EXPECT_DOUBLE_EQ(study::at(study::distribution(data.costs(false, [](const auto& a) { return a.end_cost; })[1]), 10.0), 0.5);
 }
 
 TEST(ComparisonData, MedianOfTheRepeatsCounts) {
@@ -81,12 +82,104 @@ TEST(ComparisonData, MedianOfTheRepeatsCounts) {
                               run(0, "good", "solved", "optimal", 2.0, 1.0, 0, R"(,"history":[[3,0.1,2.9],[8,0.4,2.15],[12,0.5,2.0]])"),
                               run(0, "good", "solved", "optimal", 2.0, 2.0, 2, R"(,"history":[[8,0.7,2.15]])")});
   const study::Attempt& a = data.attempt(0, 0, 0);
-  EXPECT_EQ(a.cost, 2.0);
+  EXPECT_EQ(a.end_cost, 2.0);
   EXPECT_EQ(a.successes, 3U);
   EXPECT_EQ(a.evaluations, 30) << "the larger of objective and rows";
   // Targets are 2 + 0.1 * 2 = 2.2 and 2.02; the last repeat met the second only with its answer, after 2 s and 30 evaluations.
   EXPECT_THAT(a.target_time, ::testing::ElementsAre(0.7, 2.0));
   EXPECT_THAT(a.target_evaluations, ::testing::ElementsAre(8, 12));
+}
+
+std::string with_history(const std::string& history) { return fmt::format(R"(,"history":{})", history); }
+
+TEST(ComparisonData, TimeToAccuracyIsFreeOfPolishingAndNeedsAnAcceptedAnswer) {
+  // Accuracy 1e-4 of the reference 2: within are objectives up to 2.0002. The targets, 0.1 and 0.01, are coarser.
+  const ComparisonData data = study::read_comparison(
+      {header, problem(0, "proved", proved_two), problem(1, "proved", proved_two),
+       // Within at 0.5, 0.3 and 0.8 s (2.00021 is outside, 2.00019 inside); ended at 4, 5 and 6 s.
+       run(0, "good", "solved", "optimal", 2.0, 4.0, 0, with_history("[[2,0.1,2.5],[9,0.4,2.00021],[12,0.5,2.00019],[30,3.9,2.0]]")),
+       run(0, "good", "solved", "optimal", 2.0, 5.0, 1, with_history("[[2,0.1,2.1],[9,0.3,2.0001]]")),
+       run(0, "good", "solved", "optimal", 2.0, 6.0, 2, with_history("[[2,0.2,2.1],[9,0.8,2.0001]]")),
+       // Came as near three times, but twice handed back something worse: no success, whatever was met on the way.
+       run(0, "rigged", "solved", "feasible", 2.1, 1.0, 0, with_history("[[9,0.1,2.0]]")), run(0, "rigged", "solved", "infeasible", 1.5, 1.0, 1, with_history("[[9,0.1,2.0]]")),
+       run(0, "rigged", "solved", "feasible", 2.0, 1.0, 2, with_history("[[9,0.1,2.0]]")),
+       // Of three repeats two succeed, at 0.4 s and, by the answer alone, at the end after 7 s; the third counts as infinite: the median is 7 s.
+       run(1, "good", "solved", "feasible", 2.0, 1.0, 0, with_history("[[9,0.4,2.0]]")), run(1, "good", "solved", "feasible", 2.0, 7.0, 1, with_history("[[9,0.4,2.001]]")),
+       run(1, "good", "time limit", "feasible", 2.001, 3.0, 2, with_history("[[9,0.2,2.0]]"))});
+  const study::Attempt &good = data.attempt(0, 0, 0), &rigged = data.attempt(0, 0, 1), &mixed = data.attempt(1, 0, 0);
+  EXPECT_EQ(good.accuracy_cost, 0.5) << "of 0.3, 0.5 and 0.8";
+  EXPECT_EQ(good.end_cost, 5.0);
+  EXPECT_FALSE(rigged.success);
+  EXPECT_TRUE(std::isinf(rigged.accuracy_cost));
+  EXPECT_TRUE(std::isinf(rigged.end_cost));
+  EXPECT_THAT(rigged.target_time, ::testing::ElementsAre(0.1, 0.1)) << "targets count whatever came after";
+  EXPECT_EQ(mixed.accuracy_cost, 7.0);
+  EXPECT_EQ(mixed.end_cost, 7.0) << "of 1, 7 and infinity";
+
+  EXPECT_EQ(cell(runs_table(data), {{0, "p0"}, {4, "good"}}, "time to accuracy median / s"), "0.5");
+  EXPECT_EQ(cell(runs_table(data), {{0, "p0"}, {4, "good"}}, "time to end median / s"), "5");
+  EXPECT_EQ(cell(runs_table(data), {{0, "p0"}, {4, "rigged"}}, "time to accuracy median / s"), "");
+  // Ratios of end to accuracy: 5 / 0.5 and 7 / 7. By linear interpolation the median of 1 and 10 is 5.5, and that of 0.5 and 7 is 3.75.
+  EXPECT_EQ(cell(summary_table(data), {{0, "good"}}, "median of time to end / time to accuracy"), "5.5");
+  EXPECT_EQ(cell(summary_table(data), {{0, "good"}}, "time to accuracy median / s"), "3.75");
+}
+
+TEST(ComparisonData, ProfilesByTimeToAccuracyAndToTheEndMayDisagree) {
+  // To accuracy 0.1 against 0.2 s: good first, by a factor of 2. To the end 4 against 1 s: rigged first, by 4.
+  const std::vector<std::string> lines{header, problem(0, "proved", proved_two), run(0, "good", "solved", "optimal", 2.0, 4.0, 0, with_history("[[9,0.1,2.0]]")),
+                                       run(0, "rigged", "solved", "optimal", 2.0, 1.0, 0, with_history("[[9,0.2,2.0]]"))};
+  const ComparisonData data = study::read_comparison(lines);
+  const ComparisonTable pairs = pairs_table(data);
+  EXPECT_EQ(cell(pairs, {{1, "good"}, {2, "rigged"}}, "least time to accuracy or equal (ratio 1)"), "1");
+  EXPECT_EQ(cell(pairs, {{1, "rigged"}, {2, "good"}}, "least time to accuracy or equal (ratio 1)"), "0");
+  EXPECT_EQ(cell(pairs, {{1, "rigged"}, {2, "good"}}, "within ratio 2"), "1");
+  // Panels are one of solvers with derivatives and one of solvers with values only. Lines are at 1 from the ratio on, at 0 before.
+  const auto share = [&](const std::string& figure, std::size_t panel, double ratio) {
+    for (const auto& [name, drawn] : comparison_figures(data)) {
+      if (name != figure) continue;
+      const Series& s = drawn.panels.at(panel).series.at(0);
+      return s.y.at(static_cast<std::size_t>(std::upper_bound(s.x.begin(), s.x.end(), ratio) - s.x.begin()) - 1);
+    }
+    return -1.0;
+  };
+  EXPECT_EQ(share("performance", 0, 1.0), 1.0);
+  EXPECT_EQ(share("performance", 1, 1.9), 0.0);
+  EXPECT_EQ(share("performance", 1, 2.1), 1.0);
+  EXPECT_EQ(share("performance-end", 0, 3.9), 0.0);
+  EXPECT_EQ(share("performance-end", 0, 4.1), 1.0);
+  EXPECT_EQ(share("performance-end", 1, 1.0), 1.0);
+}
+
+TEST(ComparisonData, ASearchWithoutADesignHasRecognisedNothing) {
+  const ComparisonData data =
+      study::read_comparison({header, problem(0, "infeasible proved", R"("lower":null,"upper":null)", "infeasible"), problem(1, "proved", proved_two),
+                              run(0, "good", "infeasible", "infeasible", 1.0), run(0, "rigged", "no design", "none", 0.0), run(1, "rigged", "no design", "none", 0.0)});
+  EXPECT_TRUE(data.attempt(0, 0, 0).success);
+  EXPECT_FALSE(data.attempt(0, 0, 1).success);
+  const ComparisonTable summary = summary_table(data), confusion = confusion_table(data);
+  EXPECT_EQ(cell(summary, {{0, "good"}}, "infeasible recognised"), "1");
+  EXPECT_EQ(cell(summary, {{0, "good"}}, "infeasible: no design found"), "0");
+  EXPECT_EQ(cell(summary, {{0, "rigged"}}, "infeasible recognised"), "0");
+  EXPECT_EQ(cell(summary, {{0, "rigged"}}, "infeasible: no design found"), "1") << "not the one on the feasible problem";
+  EXPECT_EQ(cell(summary, {{0, "rigged"}}, "infeasible in all"), "1");
+  EXPECT_EQ(cell(confusion, {{0, "rigged"}, {1, "no design"}}, "problem infeasible"), "1");
+  EXPECT_EQ(cell(confusion, {{0, "rigged"}, {1, "no design"}}, "no point"), "1");
+}
+
+TEST(ComparisonData, ReportNamesOptionsAndWhatIsMeasured) {
+  std::string with_options = header;
+  with_options.replace(with_options.find(R"("form":"sparse")"), 15, R"("form":"sparse","options":{"mu_strategy":"<adaptive>","max_iter":"5"})");
+  const auto html = [](const std::string& head) {
+    for (const auto& [name, text] : comparison_documents({head, problem(0, "proved", proved_two), run(0, "good", "solved", "optimal", 2.0)})) {
+      if (name == "report.html") return text;
+    }
+    return std::string();
+  };
+  EXPECT_THAT(html(with_options), HasSubstr("mu_strategy = &lt;adaptive&gt;, max_iter = 5"));
+  const std::string plain = html(header);
+  EXPECT_THAT(plain, ::testing::Not(HasSubstr("options of the library")));
+  EXPECT_THAT(plain, HasSubstr("gradients, Jacobians and Hessians are free"));
+  EXPECT_THAT(plain, HasSubstr("nearer by a tenth of the target's distance"));
 }
 
 TEST(ComparisonData, MostRepeatsDecide) {
@@ -97,11 +190,11 @@ TEST(ComparisonData, MostRepeatsDecide) {
   const study::Attempt &good = data.attempt(0, 0, 0), &rigged = data.attempt(0, 0, 1);
   EXPECT_TRUE(good.success);
   EXPECT_EQ(good.claim, "solved") << "of a repeat that went as most did";
-  EXPECT_EQ(good.cost, 0.9) << "of 0.8, 0.9 and infinity";
+  EXPECT_EQ(good.end_cost, 0.9) << "of 0.8, 0.9 and infinity";
   EXPECT_FALSE(rigged.success);
   EXPECT_EQ(rigged.successes, 1U);
   EXPECT_EQ(rigged.judgement, Judgement::feasible);
-  EXPECT_TRUE(std::isinf(rigged.cost));
+  EXPECT_TRUE(std::isinf(rigged.end_cost));
 }
 
 TEST(ComparisonData, RunsThatANoisyClockMayDecideAreTimedAgain) {

@@ -74,7 +74,7 @@ TEST_F(CompareCommand, TablesFiguresAndReportFromOneCommand) {
   ASSERT_EQ(r.exit_code, 0) << r.output;
   EXPECT_THAT(r.output, HasSubstr("4 problems"));
   for (const char* name : tables) EXPECT_FALSE(content(home_ / "out" / name).empty()) << name;
-  for (const char* name : {"performance", "pairs", "data", "runtime"}) {
+  for (const char* name : {"performance", "performance-end", "pairs", "data", "runtime"}) {
     EXPECT_THAT(content(home_ / "out" / fmt::format("{}.svg", name)), HasSubstr("<svg"));
     EXPECT_THAT(content(home_ / "out" / fmt::format("{}.png", name)), HasSubstr("PNG"));
   }

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <accdec/io/comparison_report.hpp>
 
@@ -12,7 +13,7 @@ using study::Attempt;
 using study::ComparisonData;
 using study::Distribution;
 
-/// Solvers of one panel: more than eight lines could not be told apart.
+/// Solvers of one panel.
 struct Group {
   std::string title;
   std::vector<std::size_t> solvers;
@@ -31,11 +32,12 @@ std::vector<Group> groups(const ComparisonData& data, bool design) {
   return all;
 }
 
-/// The steps of a distribution from `low` to `high`, as a line.
-Series steps(const Distribution& d, double low, double high, std::string label, int style) {
+/// The steps of a distribution from `low` to `high`, as a line. A solver has the same style in every panel and figure.
+Series steps(const Distribution& d, double low, double high, const ComparisonData& data, std::size_t solver) {
   Series s;
-  s.label = std::move(label);
-  s.style = style;
+  s.label = data.solvers[solver];
+  s.style = static_cast<int>(solver);
+  s.mark = Mark::marked_line;
   double y = study::at(d, low);
   s.x.push_back(low);
   s.y.push_back(y);
@@ -68,7 +70,7 @@ Panel panel_of(std::string title, std::string x, std::string y, std::pair<double
   Panel panel;
   panel.title = std::move(title);
   panel.x = {std::move(x), true, range.first, range.second};
-  panel.y = {std::move(y), false, 0.0, 1.02};
+  panel.y = {std::move(y), false, -0.03, 1.03};  // off the frame, where lines of solvers that solve none or all would be lost
   return panel;
 }
 
@@ -80,10 +82,7 @@ void add_panels(Figure& figure, const ComparisonData& data, bool design, const s
   if (range.second <= range.first) range.second = 10.0 * range.first;
   for (const Group& group : groups(data, design)) {
     Panel panel = panel_of(title.empty() ? group.title : fmt::format("{}: {}", title, group.title), x, y, range);
-    int style = 0;
-    for (const std::size_t s : group.solvers) {
-      panel.series.push_back(steps(study::distribution(values[s]), range.first, range.second, data.solvers[s], style++));
-    }
+    for (const std::size_t s : group.solvers) panel.series.push_back(steps(study::distribution(values[s]), range.first, range.second, data, s));
     figure.panels.push_back(std::move(panel));
   }
 }
@@ -97,50 +96,56 @@ Figure page(std::string title, int columns, int width = 640, int height = 380) {
   return figure;
 }
 
-std::vector<std::vector<double>> time_costs(const ComparisonData& data, bool design) {
-  return data.costs(design, [](const Attempt& a) { return a.cost; });
-}
+std::string to_accuracy(const ComparisonData& data) { return fmt::format("time until within {:g} of the reference", data.accuracy); }
 
 Figure performance(const ComparisonData& data, bool design, const std::string& of) {
-  Figure figure = page(fmt::format("Performance profiles by time, {}", of), 2);
-  add_panels(figure, data, design, study::performance_ratios(time_costs(data, design)), "", "time / least time of all solvers", "share of problems solved", 1.0);
+  Figure figure = page(fmt::format("Performance profiles by {}, {}", to_accuracy(data), of), 2);
+  const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
+  add_panels(figure, data, design, study::performance_ratios(costs), "", "time to accuracy / least of all solvers", "share of problems solved", 1.0);
+  return figure;
+}
+
+Figure performance_to_the_end(const ComparisonData& data, bool design, const std::string& of) {
+  Figure figure = page(fmt::format("Performance profiles by time until the solver ends, {}", of), 2);
+  const auto costs = data.costs(design, [](const Attempt& a) { return a.end_cost; });
+  add_panels(figure, data, design, study::performance_ratios(costs), "", "time to the solver's end / least of all solvers", "share of problems solved", 1.0);
   return figure;
 }
 
 Figure pairwise(const ComparisonData& data, bool design, const std::string& of) {
-  const auto costs = time_costs(data, design);
+  const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
   std::size_t best = 0, most = 0;
   for (std::size_t s = 0; s < costs.size(); ++s) {
     const auto solved = static_cast<std::size_t>(std::count_if(costs[s].begin(), costs[s].end(), [](double c) { return std::isfinite(c); }));
     if (solved > most) most = solved, best = s;
   }
-  Figure figure = page(fmt::format("Performance profiles of pairs, {}: {} against each other solver", of, data.solvers[best]), 2, 640, 300);
+  Figure figure = page(fmt::format("Performance profiles of pairs by {}, {}: {} against each other solver", to_accuracy(data), of, data.solvers[best]), 2, 640, 300);
   for (std::size_t s = 0; s < costs.size(); ++s) {
     if (s == best || !data.takes_part(design, s)) continue;
     const auto ratios = study::performance_ratios({costs[best], costs[s]});
     auto range = decades(ratios);
     range.first = 1.0;
-    Panel panel = panel_of(fmt::format("{} and {}", data.solvers[best], data.solvers[s]), "time / lesser time of the two", "share solved", range);
-    panel.series.push_back(steps(study::distribution(ratios[0]), range.first, range.second, data.solvers[best], 0));
-    panel.series.push_back(steps(study::distribution(ratios[1]), range.first, range.second, data.solvers[s], 2));
+    Panel panel = panel_of(fmt::format("{} and {}", data.solvers[best], data.solvers[s]), "time to accuracy / lesser of the two", "share of problems solved", range);
+    panel.series.push_back(steps(study::distribution(ratios[0]), range.first, range.second, data, best));
+    panel.series.push_back(steps(study::distribution(ratios[1]), range.first, range.second, data, s));
     figure.panels.push_back(std::move(panel));
   }
   return figure;
 }
 
 Figure data_profiles(const ComparisonData& data, bool design, const std::string& of) {
-  Figure figure = page(fmt::format("Data profiles, {}", of), 2);
+  Figure figure = page(fmt::format("Data profiles by evaluations of objective or rows (derivatives free), {}", of), 2);
   const std::vector<int> variables = data.variables(design);
   for (std::size_t t = 0; t < data.targets.size(); ++t) {
     auto values = data.costs(design, [t](const Attempt& a) { return a.target_evaluations[t]; });
     for (auto& list : values) list = study::simplex_gradients(list, variables);
-    add_panels(figure, data, design, values, fmt::format("within {:g} of the reference", data.targets[t]), "evaluations / (variables + 1)", "share of problems", 1e-4);
+    add_panels(figure, data, design, values, fmt::format("within {:g} of the reference", data.targets[t]), "evaluations / (variables + 1)", "share of problems that met it", 1e-4);
   }
   return figure;
 }
 
 Figure runtimes(const ComparisonData& data, bool design, const std::string& of) {
-  Figure figure = page(fmt::format("Time to the targets, {}", of), 2);
+  Figure figure = page(fmt::format("Time until within {:g} of the reference, {}", fmt::join(data.targets, ", "), of), 2);
   std::vector<std::vector<double>> all(data.solvers.size());
   for (std::size_t t = 0; t < data.targets.size(); ++t) {
     const auto values = data.costs(design, [t](const Attempt& a) { return std::max(a.target_time[t], 1e-5); });
@@ -158,6 +163,7 @@ std::vector<std::pair<std::string, Figure>> comparison_figures(const ComparisonD
     if (data.profiled(design).empty() || groups(data, design).empty()) continue;
     const std::string prefix = design ? "design-" : "", of = design ? "designs at fixed order" : "nonlinear problems";
     figures.emplace_back(prefix + "performance", performance(data, design, of));
+    figures.emplace_back(prefix + "performance-end", performance_to_the_end(data, design, of));
     if (Figure pairs = pairwise(data, design, of); !pairs.panels.empty()) figures.emplace_back(prefix + "pairs", std::move(pairs));
     if (!design) figures.emplace_back("data", data_profiles(data, design, of));
     figures.emplace_back(prefix + "runtime", runtimes(data, design, of));

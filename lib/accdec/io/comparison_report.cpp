@@ -28,10 +28,12 @@ std::string settings_text(const ComparisonData& data) {
       "the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only boxes, and those the suite names get the problem with "
       "positions substituted (form `reduced`, no second derivatives); everything is judged in that form. Start 0 is a trapezoid; the others multiply its taps by random "
       "factors, the same for every solver. Whole designs (formulation `design`) are judged by simulating the motion instead, every limit within 1e-9 of itself, and rows are "
-      "asked within 1e-9 there; the limit on evaluations is that of each single solve in them. A time is of the solve alone, with what a first call in a process costs. Every "
-      "repeat is judged, and one that does not reach the reference counts as infinitely slow; the median over repeats stands for a run. Not repeated are runs that were "
+      "asked within 1e-9 there; the limit on evaluations is that of each single solve in them. A time is of the solve alone, with what a first call in a process costs: to the "
+      "end is until the solver ended, to accuracy until the first feasible point within the accuracy of the reference. Every repeat is judged, and one whose answer does not "
+      "reach the reference counts as infinitely slow by both times, whatever it met on the way; the median over repeats stands for a run. Not repeated are runs that were "
       "refused or crashed, and runs that used up their time and ended ten times farther from the reference than counts as reached. Problems proved infeasible are not in "
-      "the profiles: there, the right answer is to say so.{}",
+      "the profiles: there, the right answer is to say so (infeasible recognised). A design search with these solvers can only say that it found no design, which counts "
+      "for itself and not as recognised.{}",
       data.cases.size(), data.starts, data.solvers.size(), data.repeats, h.value("time_limit_s", 0.0), h.value("kill_after_s", 0.0), h.value("evaluation_limit", 0L),
       h.value("tolerance", 0.0), h.value("feasibility", 0.0), h.value("accuracy", 0.0), longer);
 }
@@ -45,6 +47,44 @@ std::string session_text(const ComparisonData& data) {
       "proving references; {:.2f} % of the workers' time went into processes, starts, building of problems, waiting and records.",
       s.value("entries", 0), s.value("wall_time_s", 0.0), s.value("workers", 1), s.value("solving_s", 0.0), 100.0 * s.value("evaluating_s", 0.0) / std::max(1e-9, s.value("solving_s", 0.0)),
       s.value("judging_s", 0.0), s.value("references_s", 0.0), all > 0.0 ? 100.0 * s.value("bookkeeping_share", 0.0) : 0.0);
+}
+
+/// Who was compared, with what was asked of the libraries beyond the settings that are the same for all.
+std::string solvers_html(const ComparisonData& data) {
+  const study::Row& solvers = data.header.at("solvers");
+  const bool any_options = std::any_of(solvers.begin(), solvers.end(), [](const study::Row& s) { return s.contains("options"); });
+  std::vector<std::string> head{"solver", "library", "search", "uses", "form"};
+  if (any_options) head.emplace_back("options of the library");
+  std::vector<std::vector<std::string>> rows;
+  for (const study::Row& solver : solvers) {
+    rows.emplace_back();
+    for (const char* key : {"name", "library", "search", "uses", "form"}) rows.back().push_back(solver.value(key, ""));
+    if (!any_options) continue;
+    std::vector<std::string> options;
+    if (const auto set = solver.find("options"); set != solver.end()) {
+      for (const auto& [name, value] : set->items()) options.push_back(fmt::format("{} = {}", name, value.is_string() ? value.get<std::string>() : value.dump()));
+    }
+    rows.back().push_back(fmt::format("{}", fmt::join(options, ", ")));
+  }
+  return "<h2>Solvers</h2>\n" + html_table(head, rows);
+}
+
+/// What a figure does not say by itself.
+std::string figure_notes(const std::string& name) {
+  const auto is = [&](const char* kind) { return name == kind || name == fmt::format("design-{}", kind); };
+  if (is("performance")) {
+    return paragraph(
+        "The time counts until the first feasible point within the accuracy that is judged, so that nobody is charged for polishing beyond it; solved are only runs that ended with an "
+        "answer as good, since who does not know the reference has the answer alone to go by. The same runs are solved in the next figure, by the time until the solver ended by its own test, "
+        "the tests of the libraries being of different kinds.");
+  }
+  if (is("data")) {
+    return paragraph(
+        "Evaluations are the greater of the numbers of evaluations of the objective and of the rows; gradients, Jacobians and Hessians are free. Solvers with derivatives are therefore "
+        "comparable here with each other only, and even then second derivatives come free; so are those with values only. Met is met, whatever answer came of it.");
+  }
+  if (is("runtime")) return paragraph("Met is met, whatever answer came of it: these curves may end higher than the shares of problems solved.");
+  return "";
 }
 
 /// Some columns of a table, and only rows whose first cell is `first` (if any).
@@ -80,10 +120,14 @@ std::vector<std::pair<std::string, std::string>> comparison_documents(const std:
     for (const std::string& c : data.contradictions) html += fmt::format("<li>{}</li>\n", html_escaped(c));
     html += "</ul>\n";
   }
-  html += "<h2>What each solver came to</h2>\n" + part(summary, {0, 3, 5, 6, 8, 9, 10, 11, 12, 7, 13, 14, 15});
-  html += "<h2>Time and evaluations of the runs that reached the reference</h2>\n" + part(summary, {0, 8, 16, 17, 18, 19, 20, 21, 22});
+  html += solvers_html(data);
+  html += "<h2>What each solver came to</h2>\n" + part(summary, {0, 3, 5, 6, 8, 9, 10, 11, 12, 7, 13, 14, 15, 16});
+  html += "<h2>Time and evaluations of the runs that reached the reference</h2>\n" + part(summary, {0, 8, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27});
   html += "<h2>Claimed against verified, all solvers</h2>\n" + part(confusion, {1, 2, 3, 4, 5, 6, 7}, "all");
+  html += "<h2>Profiles</h2>\n" + paragraph("Points on the way are recorded thinned: a time, or number of evaluations, to a target is that of the first point within the target or, at most, of the first "
+                                            "nearer by a tenth of the target's distance. So are the times to accuracy. Each solver has the same line and symbol everywhere.");
   for (const auto& [name, figure] : comparison_figures(data)) {
+    html += figure_notes(name);
     const std::string svg = render_svg(figure);
     html += html_figure(name, svg);
     documents.emplace_back(name + ".png", convert_svg(svg, "png"));

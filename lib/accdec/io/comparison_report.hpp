@@ -23,11 +23,12 @@ ComparisonTable summary_table(const study::ComparisonData& data);
 ComparisonTable confusion_table(const study::ComparisonData& data);
 /// One row for each problem, start and solver.
 ComparisonTable runs_table(const study::ComparisonData& data);
-/// Every pair of solvers compared with each other alone: profile values at ratios 1, 2 and 10.
+/// Every pair of solvers compared with each other alone, by the time to accuracy: profile values at ratios 1, 2 and 10.
 ComparisonTable pairs_table(const study::ComparisonData& data);
 
-/// Name and figure: joint performance profiles, pairwise profiles against the solver that solves most, data profiles, and runtime
-/// distributions to the targets; for the nonlinear problems and, where there are any, for the designs.
+/// Name and figure: joint performance profiles by the time to the accuracy that is judged and, beside them, by the time until the solver
+/// ends ("performance-end"); pairwise profiles against the solver that solves most, by the time to accuracy; data profiles, and runtime
+/// distributions to the targets. For the nonlinear problems and, where there are any, for the designs ("design-...").
 std::vector<std::pair<std::string, Figure>> comparison_figures(const study::ComparisonData& data);
 
 /// Everything that is made from raw data: tables as CSV, figures as SVG and PNG, report.html. A function of the lines alone.

@@ -46,14 +46,16 @@ ComparisonTable problems_table(const ComparisonData& data) {
 ComparisonTable summary_table(const ComparisonData& data) {
   ComparisonTable t{"summary",
                     {"solver", "library", "search", "uses", "form", "runs", "refused", "killed or crashed", "reference reached", "stationary, worse", "feasible only",
-                     "breaks a limit", "no point", "infeasible recognised", "infeasible in all", "claimed solved, refuted", "time lower quartile / s", "time median / s",
-                     "time upper quartile / s", "evaluations lower quartile", "evaluations median", "evaluations upper quartile", "share of time in the evaluator"},
+                     "breaks a limit", "no point", "infeasible recognised", "infeasible: no design found", "infeasible in all", "claimed solved, refuted",
+                     "time to end lower quartile / s", "time to end median / s", "time to end upper quartile / s", "time to accuracy lower quartile / s",
+                     "time to accuracy median / s", "time to accuracy upper quartile / s", "median of time to end / time to accuracy", "evaluations lower quartile",
+                     "evaluations median", "evaluations upper quartile", "share of time in the evaluator"},
                     {}};
   for (std::size_t s = 0; s < data.solvers.size(); ++s) {
     const study::Row& about = data.header.at("solvers").at(s);
     std::array<std::size_t, judgement_count> count{};
-    std::size_t runs = 0, refused = 0, lost = 0, recognised = 0, refuted = 0;
-    std::vector<double> times, evaluations;
+    std::size_t runs = 0, refused = 0, lost = 0, recognised = 0, none_found = 0, refuted = 0;
+    std::vector<double> times, accuracy_times, polishing, evaluations;
     double inside = 0.0, wall = 0.0;
     each_attempt(data, s, [&](const ComparedCase& c, int, const Attempt& a) {
       ++runs;
@@ -65,9 +67,12 @@ ComparisonTable summary_table(const ComparisonData& data) {
       if (a.claim == "killed" || a.claim == "crashed") ++lost;
       ++count[position(a.judgement)];
       if (c.infeasible && a.success) ++recognised;
+      if (c.infeasible && a.claim == "no design") ++none_found;
       if (claims_success(a) && (a.judgement == Judgement::violates || a.judgement == Judgement::none || c.infeasible)) ++refuted;
       if (a.success && !c.infeasible) {
         times.push_back(a.time.median);
+        accuracy_times.push_back(a.accuracy_cost);
+        polishing.push_back(a.end_cost / a.accuracy_cost);
         evaluations.push_back(a.evaluations);
       }
       if (!a.times.empty()) {
@@ -75,13 +80,13 @@ ComparisonTable summary_table(const ComparisonData& data) {
         wall += a.times.front();
       }
     });
-    const study::Quartiles time = study::quartiles(times), evals = study::quartiles(evaluations);
+    const study::Quartiles time = study::quartiles(times), accuracy = study::quartiles(accuracy_times), evals = study::quartiles(evaluations);
     const auto whole = [](std::size_t n) { return fmt::format("{}", n); };
     t.rows.push_back({data.solvers[s], text(about, "library"), text(about, "search"), text(about, "uses"), text(about, "form"), whole(runs), whole(refused), whole(lost),
                       whole(count[position(Judgement::reached)]), whole(count[position(Judgement::stationary)]), whole(count[position(Judgement::feasible)]),
-                      whole(count[position(Judgement::violates)]), whole(count[position(Judgement::none)]), whole(recognised),
-                      whole(count[position(Judgement::impossible)]), whole(refuted), shown(time.lower), shown(time.median), shown(time.upper), shown(evals.lower),
-                      shown(evals.median), shown(evals.upper), wall > 0.0 ? shown(inside / wall, 3) : ""});
+                      whole(count[position(Judgement::violates)]), whole(count[position(Judgement::none)]), whole(recognised), whole(none_found),
+                      whole(count[position(Judgement::impossible)]), whole(refuted), shown(time.lower), shown(time.median), shown(time.upper), shown(accuracy.lower),
+                      shown(accuracy.median), shown(accuracy.upper), shown(study::quartiles(polishing).median, 3), shown(evals.lower), shown(evals.median), shown(evals.upper), wall > 0.0 ? shown(inside / wall, 3) : ""});
   }
   return t;
 }
@@ -111,8 +116,8 @@ ComparisonTable confusion_table(const ComparisonData& data) {
 
 ComparisonTable runs_table(const ComparisonData& data) {
   ComparisonTable t{"runs",
-                    {"problem", "formulation", "size", "start", "solver", "claimed", "verified", "success", "objective", "gap", "violation", "repeats", "of these successes", "time lower quartile / s",
-                     "time median / s", "time upper quartile / s", "evaluations", "gradients", "jacobians", "hessians", "evaluator time / s", "message"},
+                    {"problem", "formulation", "size", "start", "solver", "claimed", "verified", "success", "objective", "gap", "violation", "repeats", "of these successes",
+                     "time to end lower quartile / s", "time to end median / s", "time to end upper quartile / s", "time to accuracy median / s", "evaluations", "gradients", "jacobians", "hessians", "evaluator time / s", "message"},
                     {}};
   for (std::size_t c = 0; c < data.cases.size(); ++c) {
     const ComparedCase& problem = data.cases[c];
@@ -121,7 +126,7 @@ ComparisonTable runs_table(const ComparisonData& data) {
         const Attempt& a = data.attempt(c, start, s);
         t.rows.push_back({problem.problem, problem.question, fmt::format("{}", problem.size), fmt::format("{}", start), data.solvers[s], a.claim,
                           std::string(to_string(a.judgement)), a.success ? "yes" : "no", shown(a.objective, 9), shown(a.gap, 3), shown(a.violation, 3),
-                          fmt::format("{}", a.times.size()), fmt::format("{}", a.successes), shown(a.time.lower), shown(a.time.median), shown(a.time.upper), shown(a.evaluations, 12),
+                          fmt::format("{}", a.times.size()), fmt::format("{}", a.successes), shown(a.time.lower), shown(a.time.median), shown(a.time.upper), shown(a.accuracy_cost), shown(a.evaluations, 12),
                           shown(a.gradients, 12), shown(a.jacobians, 12), shown(a.hessians, 12), shown(a.evaluation_time), a.message});
       }
     }
@@ -130,9 +135,9 @@ ComparisonTable runs_table(const ComparisonData& data) {
 }
 
 ComparisonTable pairs_table(const ComparisonData& data) {
-  ComparisonTable t{"pairs", {"level", "solver", "against", "solved by it", "fastest or equal (ratio 1)", "within ratio 2", "within ratio 10"}, {}};
+  ComparisonTable t{"pairs", {"level", "solver", "against", "solved by it", "least time to accuracy or equal (ratio 1)", "within ratio 2", "within ratio 10"}, {}};
   for (const bool design : {false, true}) {
-    const auto costs = data.costs(design, [](const Attempt& a) { return a.cost; });
+    const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
     if (costs.empty() || costs.front().empty()) continue;
     for (std::size_t a = 0; a < data.solvers.size(); ++a) {
       for (std::size_t b = 0; b < data.solvers.size(); ++b) {

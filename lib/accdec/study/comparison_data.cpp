@@ -151,7 +151,7 @@ class Reader {
 
   Outcome judged(const Row& row, const ComparedCase& c) const {
     const std::string claim = row.at("claim"), verdict = row.at("verdict");
-    if (c.infeasible) return {Judgement::impossible, claim == "infeasible" || claim == "no design", nan};
+    if (c.infeasible) return {Judgement::impossible, claim == "infeasible", nan};  // "no design" says only that none was found
     Outcome o;
     const bool feasible = found_feasible(row);
     if (feasible) o.gap = (number(row, "objective") - c.reference) / std::max(1.0, std::abs(c.reference));
@@ -180,12 +180,23 @@ class Reader {
       a.successes += outcomes.back().success ? 1 : 0;
     }
     a.time = quartiles(a.times);
-    a.cost = quartiles(costs).median;
+    a.end_cost = quartiles(costs).median;
     a.success = 2 * a.successes > repeats.size();
     const auto first = std::find_if(outcomes.begin(), outcomes.end(), [&](const Outcome& o) { return o.success == a.success; });
     take_single(a, *repeats[static_cast<std::size_t>(first - outcomes.begin())], *first);
     a.message = text(*repeats.front(), "message");
-    if (!c.infeasible && !std::isnan(c.reference)) find_targets(a, repeats, outcomes, c.reference);
+    if (c.infeasible || std::isnan(c.reference)) return;
+    for (std::size_t t = 0; t < data_.targets.size(); ++t) {
+      const Meeting meeting = met(repeats, outcomes, c.reference, data_.targets[t], false);
+      a.target_time[t] = meeting.time;
+      a.target_evaluations[t] = meeting.evaluations;
+    }
+    a.accuracy_cost = met(repeats, outcomes, c.reference, data_.accuracy, true).time;
+  }
+
+  static double evaluations_of(const Row& row) {
+    const auto n = row.find("evaluations");
+    return n == row.end() ? 0.0 : std::max(number(*n, "objective", 0.0), number(*n, "rows", 0.0));
   }
 
   static void take_single(Attempt& a, const Row& row, const Outcome& outcome) {
@@ -198,38 +209,39 @@ class Reader {
     a.evaluation_time = number(row, "evaluation_time_s", 0.0);
     a.verification_time = number(row, "verification_time_s", 0.0);
     if (const auto n = row.find("evaluations"); n != row.end()) {
-      a.evaluations = std::max(number(*n, "objective", 0.0), number(*n, "rows", 0.0));
+      a.evaluations = evaluations_of(row);
       a.gradients = number(*n, "gradient", 0.0);
       a.jacobians = number(*n, "jacobian", 0.0);
       a.hessians = number(*n, "hessian", 0.0);
     }
   }
 
-  void find_targets(Attempt& a, const std::vector<const Row*>& repeats, const std::vector<Outcome>& outcomes, double reference) const {
-    for (std::size_t t = 0; t < data_.targets.size(); ++t) {
-      const double goal = reference + data_.targets[t] * std::max(1.0, std::abs(reference));
-      std::vector<double> times, evaluations;
-      for (std::size_t r = 0; r < repeats.size(); ++r) {
-        times.push_back(infinite);
-        evaluations.push_back(infinite);
-        const Row& row = *repeats[r];
-        const auto history = row.find("history");
-        for (const Row& step : history != row.end() ? *history : Row::array()) {
-          if (!(step.at(2).get<double>() <= goal)) continue;
-          times.back() = step.at(1);
-          evaluations.back() = std::max(1.0, step.at(0).get<double>());
-          break;
-        }
-        // The answer itself may be a point that was never evaluated as a whole.
-        const double wall = number(row, "wall_time_s");
-        if (std::isinf(times.back()) && outcomes[r].gap <= data_.targets[t] && std::isfinite(wall)) {
-          times.back() = wall;
-          evaluations.back() = std::max(1.0, a.evaluations);
-        }
+  struct Meeting {
+    double time = infinite, evaluations = infinite;
+  };
+
+  /// When repeats came within `target` of the reference, medians over them.
+  /// @param to_the_end  whether a repeat that did not end with success counts as never having come there
+  static Meeting met(const std::vector<const Row*>& repeats, const std::vector<Outcome>& outcomes, double reference, double target, bool to_the_end) {
+    const double goal = reference + target * std::max(1.0, std::abs(reference));
+    std::vector<double> times, evaluations;
+    for (std::size_t r = 0; r < repeats.size(); ++r) {
+      const Row& row = *repeats[r];
+      const double wall = number(row, "wall_time_s");
+      Meeting meeting;
+      const auto history = row.find("history");
+      for (const Row& step : history != row.end() ? *history : Row::array()) {
+        if (!(step.at(2).get<double>() <= goal)) continue;
+        meeting = {step.at(1), step.at(0)};
+        break;
       }
-      a.target_time[t] = quartiles(times).median;
-      a.target_evaluations[t] = quartiles(evaluations).median;
+      // The answer itself may be a point that was never evaluated as a whole.
+      if (std::isinf(meeting.time) && outcomes[r].gap <= target && std::isfinite(wall)) meeting = {wall, evaluations_of(row)};
+      if (to_the_end && !(outcomes[r].success && std::isfinite(wall))) meeting = {};
+      times.push_back(std::max(meeting.time, 1e-9));
+      evaluations.push_back(std::max(meeting.evaluations, 1.0));
     }
+    return {quartiles(times).median, quartiles(evaluations).median};
   }
 
   ComparisonData data_;

@@ -42,7 +42,7 @@ inline constexpr double infinite = std::numeric_limits<double>::infinity();
 struct Attempt {
   std::string claim = "missing", message;
   Judgement judgement = Judgement::none;
-  bool success = false;  ///< reached; on an infeasible case: said so
+  bool success = false;  ///< reached; on an infeasible case: claimed "infeasible", and not merely that no design was found
   bool accepted = true;  ///< false: refused
   double objective = 0.0, gap = 0.0, violation = 0.0;  ///< gap relative to max(1, reference); NaN where there is none
   std::vector<double> times;                           ///< s, one a repeat
@@ -51,7 +51,11 @@ struct Attempt {
   double evaluations = 0.0, gradients = 0.0, jacobians = 0.0, hessians = 0.0;
   double evaluation_time = 0.0, verification_time = 0.0;  ///< s
   std::vector<double> target_time, target_evaluations;    ///< until within each target, medians over repeats, infinite if never
-  double cost = infinite;                                 ///< s: median over repeats, those without success infinite
+  /// Costs of the performance profiles, s: medians over repeats, those without success infinite; so both are finite for the same problems.
+  double end_cost = infinite;  ///< until the solver ended
+  /// Until the first feasible point within the accuracy of the reference. A repeat that met such a point but handed back something else
+  /// counts as infinite too: who does not know the reference has the answer alone to go by. (Targets count whatever came after.)
+  double accuracy_cost = infinite;
 };
 
 /// Raw data, understood: everything the tables and figures are made from.
