@@ -90,21 +90,23 @@ TEST(ComparisonCase, StartsAreTheSameForBothFormsAndRepeat) {
   }
 }
 
-ComparisonSettings settings(std::vector<std::string> names) {
+ComparisonSettings settings(const std::vector<std::string>& names) {
   ComparisonSettings s;
-  s.solvers = std::move(names);
+  for (const std::string& name : names) s.solvers.push_back(competitor_from_entry(name));
   s.starts = 2;
   s.repeats = 5;
   return s;
 }
 
-TEST(Schedule, HoldsEveryRunOnceAndTurnsTheOrder) {
+TEST(Schedule, HoldsEveryRunOnceAndShufflesTheOrder) {
   CaseSpec second = boxcar_case(31, 0);
   second.name = "second";
   const Comparison c(settings({"ipopt", "nlopt-slsqp", "nlopt-mma"}), {boxcar_case(41, 0), second});
   ASSERT_EQ(c.size(), 2u + 2 * 2 * 3 * 5);
   std::set<std::tuple<std::size_t, int, std::size_t, int>> seen;
   std::set<std::size_t> first_solvers;
+  std::set<std::pair<std::size_t, std::size_t>> neighbours;
+  std::size_t before = 0;
   for (std::size_t i = 0; i < c.size(); ++i) {
     const ScheduledRun run = c.at(i);
     EXPECT_EQ(run.reference, i < 2);
@@ -112,9 +114,12 @@ TEST(Schedule, HoldsEveryRunOnceAndTurnsTheOrder) {
     EXPECT_EQ(c.index_of(run, run.repeat), i);
     EXPECT_TRUE(seen.emplace(run.case_index, run.start, run.solver, run.repeat).second);
     EXPECT_EQ(run.repeat, static_cast<int>((i - 2) / 12)) << "repeats are the outermost loop";
-    if (run.case_index == 0 && run.start == 0 && (i - 2) % 3 == 0) first_solvers.insert(run.solver);
+    if ((i - 2) % 3 == 0) first_solvers.insert(run.solver);
+    else neighbours.emplace(before, run.solver);
+    before = run.solver;
   }
-  EXPECT_EQ(first_solvers.size(), 3u) << "each solver is the first at some repeat";
+  EXPECT_EQ(first_solvers.size(), 3u) << "each solver is the first somewhere";
+  EXPECT_EQ(neighbours.size(), 6u) << "each follows each somewhere";
   EXPECT_THROW(c.at(c.size()), std::out_of_range);
 }
 
@@ -170,7 +175,12 @@ TEST(ComparisonRun, OneSolverInBothForms) {
   const Comparison c(settings({"nlopt-slsqp", "nlopt-slsqp/reduced"}), {boxcar_case(41, 10)});
   EXPECT_EQ(c.header()["solvers"][0]["form"], "sparse");
   EXPECT_EQ(c.header()["solvers"][1]["form"], "reduced");
-  const Row sparse = c.run(1), reduced = c.run(2);
+  const auto row_of = [&](std::size_t solver) {
+    ScheduledRun run;
+    run.solver = solver;
+    return c.run(c.index_of(run, 0));
+  };
+  const Row sparse = row_of(0), reduced = row_of(1);
   EXPECT_EQ(reduced["solver"], "nlopt-slsqp/reduced");
   EXPECT_EQ(reduced["verdict"], "optimal");
   EXPECT_NEAR(reduced["objective"].get<double>(), sparse["objective"].get<double>(), 1e-6 * sparse["objective"].get<double>());

@@ -53,12 +53,12 @@ std::string session_text(const ComparisonData& data) {
 std::string solvers_html(const ComparisonData& data) {
   const study::Row& solvers = data.header.at("solvers");
   const bool any_options = std::any_of(solvers.begin(), solvers.end(), [](const study::Row& s) { return s.contains("options"); });
-  std::vector<std::string> head{"solver", "library", "search", "uses", "form"};
-  if (any_options) head.emplace_back("options of the library");
+  std::vector<std::string> head{"solver", "library", "search", "uses", "form", "asked of the library"};
+  if (any_options) head.emplace_back("and for this entry");
   std::vector<std::vector<std::string>> rows;
   for (const study::Row& solver : solvers) {
     rows.emplace_back();
-    for (const char* key : {"name", "library", "search", "uses", "form"}) rows.back().push_back(solver.value(key, ""));
+    for (const char* key : {"name", "library", "search", "uses", "form", "settings"}) rows.back().push_back(solver.value(key, ""));
     if (!any_options) continue;
     std::vector<std::string> options;
     if (const auto set = solver.find("options"); set != solver.end()) {

@@ -5,11 +5,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/io/suggestion.hpp>
 #include <accdec/io/suite_file.hpp>
+#include <accdec/io/suite_solvers.hpp>
 #include <accdec/io/task_tree.hpp>
 #include <accdec/io/toml_file.hpp>
-#include <accdec/solvers/solver.hpp>
 
 namespace accdec {
 namespace {
@@ -25,7 +24,7 @@ class SuiteReader {
   Suite read() {
     const Table top(tree_, path_, "the suite (top level)", "",
                     {"title", "notes", "solvers", "starts", "seed", "repeats", "time_limit_s", "kill_after_s", "evaluation_limit", "tolerance", "feasibility",
-                     "accuracy", "targets", "reference_time_limit_s", "sizes", "reduced", "problem"});
+                     "accuracy", "targets", "reference_time_limit_s", "sizes", "reduced", "variant", "problem"});
     Suite suite;
     suite.path = path_;
     read_settings(top, suite.settings);
@@ -51,42 +50,15 @@ class SuiteReader {
     s.accuracy = top.number("accuracy", {0.0, 1.0, true}).value_or(s.accuracy);
     s.targets = top.numbers("targets", {0.0, 1e6, true}, 1, 8).value_or(s.targets);
     s.reference_time_limit = top.number("reference_time_limit_s", {0.0, 1e6, true}).value_or(s.reference_time_limit);
-    read_solvers(top, s);
-    text_ << fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {}\n", fmt::join(s.solvers, " "), fmt::join(s.reduced, " "), s.starts, s.repeats, s.seed, s.time_limit, s.kill_after, s.evaluation_limit,
+    read_competitors(top, tree_, solvers_, s);
+    for (const study::Competitor& c : s.solvers) {
+      text_ << fmt::format("{} {} {}", c.name, c.solver, static_cast<int>(c.form));
+      for (const auto& [key, value] : c.native) text_ << fmt::format(" {}={}", key, value);
+      text_ << '\n';
+    }
+    // The first word stands for what an index of the raw data means.
+    text_ << fmt::format("shuffled {} {} {} {} {} {} {} {} {} {} {} {}\n", fmt::join(s.reduced, " "), s.starts, s.repeats, s.seed, s.time_limit, s.kill_after, s.evaluation_limit,
                          s.tolerance, s.feasibility, s.accuracy, fmt::join(s.targets, " "), s.reference_time_limit);
-  }
-
-  void read_solvers(const Table& top, study::ComparisonSettings& s) const {
-    std::vector<std::string> names;
-    for (const auto& solver : solvers::registry()) names.push_back(solver->name());
-    const auto wanted = toml_input::strings(top, tree_, "solvers");
-    std::vector<std::string> names_and_forms = names;
-    for (const auto& solver : solvers::registry()) {
-      const solvers::Capabilities can = solver->capabilities();
-      if (!can.equality_rows || can.needs_finite_bounds || can.linear_only) continue;
-      for (const char* form : {"/sparse", "/reduced"}) names_and_forms.push_back(solver->name() + form);
-    }
-    if (wanted.empty()) top.fail(fmt::format("the suite needs `solvers`: \"all\" or a list of {}", fmt::join(names, ", ")));
-    s.solvers = wanted == std::vector<std::string>{"all"} ? names : known_solvers(top, "solvers", wanted, names_and_forms);
-    for (const std::string& name : solvers_) {
-      if (std::find(names_and_forms.begin(), names_and_forms.end(), name) == names_and_forms.end()) {
-        throw std::invalid_argument(fmt::format("unknown solver \"{}\"; known are {}", name, fmt::join(names_and_forms, ", ")));
-      }
-    }
-    if (!solvers_.empty()) s.solvers = solvers_;
-    s.reduced = known_solvers(top, "reduced", toml_input::strings(top, tree_, "reduced"), names);
-  }
-
-  static std::vector<std::string> known_solvers(const Table& top, std::string_view key, const std::vector<std::string>& wanted, const std::vector<std::string>& names) {
-    const std::vector<std::string_view> known(names.begin(), names.end());
-    for (auto name = wanted.begin(); name != wanted.end(); ++name) {
-      if (std::find(names.begin(), names.end(), *name) == names.end()) {
-        const std::string near = nearest(*name, known);
-        top.fail_at(key, fmt::format("unknown solver \"{}\"; {}known are {}", *name, near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), fmt::join(names, ", ")));
-      }
-      if (std::find(wanted.begin(), name, *name) != name) top.fail_at(key, fmt::format("solver \"{}\" stands twice", *name));
-    }
-    return wanted;
   }
 
   std::vector<int> sizes(const Table& table) const {

@@ -139,7 +139,8 @@ class Run {
       if (std::isfinite(b.upper)) least_squares.SetParameterUpperBound(x.data(), static_cast<int>(i), b.upper);
     }
 
-    const int rounds = static_cast<int>(native_.get("outer_iterations", 200.0));
+    const double most = options_.own_budget ? 200.0 : 1e9;
+    const int rounds = static_cast<int>(std::min(1e9, native_.get("outer_iterations", most)));
     const double growth = native_.get("penalty_growth", 5.0);
     double last_violation = nlp::infinity;
     int stuck = 0;
@@ -247,6 +248,10 @@ class CeresSolver final : public Solver {
   std::string name() const override { return "ceres-al"; }
   std::string library_version() const override { return "Ceres " CERES_VERSION_STRING; }
   Capabilities capabilities() const override { return {}; }
+  std::string settings() const override {
+    return "augmented Lagrangian around it: penalty = 10, penalty_growth = 5; linear_solver_type = DENSE_QR, max_num_iterations = 500, "
+           "function_tolerance = 1e-16, gradient_tolerance = tolerance / 1000, parameter_tolerance = tolerance / 1e5";
+  }
 
  protected:
   Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {

@@ -108,6 +108,7 @@ class ClpSolver final : public Solver {
  public:
   std::string name() const override { return "clp"; }
   std::string library_version() const override { return "Clp " CLP_VERSION; }
+  std::string settings() const override { return "primal tolerance = feasibility_tolerance / 10, dual tolerance = tolerance, scaling 3, dual simplex"; }
   Capabilities capabilities() const override {
     Capabilities can;
     can.linear_only = true;

@@ -85,6 +85,9 @@ Claim claim_of(nlopt_result code) {
   }
 }
 
+/// MMA and CCSAQ: at its default of 100 000 the dual of a linear problem, which has no curvature, takes seconds a step.
+constexpr double dual_maxeval = 2000.0;
+
 void configure(nlopt_opt opt, const NativeOptions& native, double tolerance) {
   // Relative steps in x decide; steps in f reach rounding long before a first-order method has arrived.
   nlopt_set_xtol_rel(opt, native.get("xtol_rel", tolerance));
@@ -94,8 +97,7 @@ void configure(nlopt_opt opt, const NativeOptions& native, double tolerance) {
   if (native.has("initial_step")) nlopt_set_initial_step1(opt, native.get("initial_step", 0.0));
   if (native.has("vector_storage")) nlopt_set_vector_storage(opt, static_cast<unsigned>(native.get("vector_storage", 0.0)));
   if (native.has("population")) nlopt_set_population(opt, static_cast<unsigned>(native.get("population", 0.0)));
-  // MMA and CCSAQ: at its default of 100 000 the dual of a linear problem, which has no curvature, takes seconds a step.
-  nlopt_set_param(opt, "dual_maxeval", native.get("dual_maxeval", 2000.0));
+  nlopt_set_param(opt, "dual_maxeval", native.get("dual_maxeval", dual_maxeval));
   for (const char* name : {"inner_maxeval", "rho_init", "dual_ftol_rel"}) {
     if (native.has(name)) nlopt_set_param(opt, name, native.get(name, 0.0));
   }
@@ -111,6 +113,14 @@ class NloptSolver final : public Solver {
     return fmt::format("NLopt {}.{}.{}", major, minor, patch);
   }
   Capabilities capabilities() const override { return algorithm_.can; }
+  std::string settings() const override {
+    std::string all = shrinking() ? "xtol_rel = tolerance / 100, ftol_rel = tolerance / 1e8" : "xtol_rel = tolerance, ftol_rel = tolerance / 1e6";
+    if (algorithm_.rows == NloptProblem::Rows::constraints) all += ", rows within feasibility_tolerance / 10";
+    if (algorithm_.rows == NloptProblem::Rows::ranking) all += ", rows by ranking points that break them behind all that hold them";
+    if (algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ) all += fmt::format(", dual_maxeval = {:g}", dual_maxeval);
+    if (algorithm_.inner != no_inner) all += ", xtol_rel = tolerance of the method inside";
+    return all;
+  }
 
  protected:
   Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
@@ -127,9 +137,7 @@ class NloptSolver final : public Solver {
     }
     const auto n = static_cast<unsigned>(free.size());
     const Handle opt(nlopt_create(algorithm_.method, n));
-    // Small steps do not mean arrival for methods whose steps shrink by themselves.
-    const bool shrinking = algorithm_.can.global || algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ;
-    configure(opt.get(), native, shrinking ? 1e-2 * options.tolerance : options.tolerance);
+    configure(opt.get(), native, shrinking() ? 1e-2 * options.tolerance : options.tolerance);
     nlopt_set_stopval(opt.get(), -1e20);
     if (algorithm_.inner != no_inner) {
       const Handle inner(nlopt_create(algorithm_.inner, n));
@@ -168,6 +176,9 @@ class NloptSolver final : public Solver {
   }
 
  private:
+  /// Small steps do not mean arrival for methods whose steps shrink by themselves.
+  bool shrinking() const { return algorithm_.can.global || algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ; }
+
   /// COBYLA may loop for ever; at a thousand variables and more SLSQP's dense subproblems take seconds, and so does ISRES' sorting of its
   /// population of twenty times as many.
   static bool may_compute_on(nlopt_algorithm method) {

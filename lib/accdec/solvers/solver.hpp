@@ -69,7 +69,7 @@ struct Options {
   double feasibility_tolerance = 1e-8; ///< absolute, on rows as posed; also the verifier's
   double time_limit = 60.0;            ///< s, wall clock
   std::int64_t evaluation_limit = 1'000'000;  ///< objective evaluations
-  bool own_budget = true;              ///< searches of the whole box may end sooner, at a budget of their own by the number of variables
+  bool own_budget = true;              ///< a method may end sooner, at a budget of evaluations, iterations or rounds of its own
   std::uint64_t seed = 1;
   std::function<void(const std::string&)> log;       ///< nothing is logged when empty
   const std::atomic<bool>* cancel = nullptr;         ///< polled at every evaluation
@@ -98,6 +98,8 @@ class Solver {
   virtual std::string name() const = 0;             ///< registry name, e.g. "nlopt-slsqp"
   virtual std::string library_version() const = 0;  ///< e.g. "NLopt 2.7.1"
   virtual Capabilities capabilities() const = 0;
+  /// What it asks of its library beyond limits of time and evaluations, and other than the library's defaults: one line of its options.
+  virtual std::string settings() const { return ""; }
 
   /// Checks capability, sizes and bounds once (refusing with the reason and without an evaluation), projects the start into the
   /// bounds and says so, guards and counts every evaluation, runs `do_solve`, and verifies what came back.

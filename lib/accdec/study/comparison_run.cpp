@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
+#include <random>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include <accdec/design/design.hpp>
-#include <accdec/solvers/solver.hpp>
 #include <accdec/study/row_numbers.hpp>
 
 namespace accdec::study {
@@ -18,7 +19,7 @@ Comparison::Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases)
   if (cases.empty() || settings_.solvers.empty() || settings_.targets.empty() || settings_.starts < 1 || settings_.repeats < 1) {
     throw std::invalid_argument("a comparison needs at least one problem, solver, target, start and repeat");
   }
-  for (const std::string& name : settings_.solvers) solvers::find_solver(registry_name(name));
+  for (const Competitor& competitor : settings_.solvers) competitor.registered();
   for (CaseSpec& spec : cases) cases_.push_back(std::make_unique<ComparisonCase>(std::move(spec)));
 }
 
@@ -34,19 +35,32 @@ ScheduledRun Comparison::at(std::size_t index) const {
   const std::size_t solvers = settings_.solvers.size(), starts = static_cast<std::size_t>(settings_.starts);
   const std::size_t position = rest % solvers;
   rest /= solvers;
-  run.start = static_cast<int>(rest % starts);
+  const std::size_t start = rest % starts;
   rest /= starts;
+  const std::size_t repeat = rest / cases_.size();
   run.case_index = rest % cases_.size();
-  run.repeat = static_cast<int>(rest / cases_.size());
-  run.solver = (position + run.case_index + rest / cases_.size() + static_cast<std::size_t>(run.start)) % solvers;
+  run.start = static_cast<int>(start);
+  run.repeat = static_cast<int>(repeat);
+  run.solver = order_of_solvers(run.case_index, start, repeat)[position];
   return run;
 }
 
 std::size_t Comparison::index_of(const ScheduledRun& run, int repeat) const {
-  const std::size_t solvers = settings_.solvers.size(), starts = static_cast<std::size_t>(settings_.starts), r = static_cast<std::size_t>(repeat);
-  const std::size_t shift = (run.case_index + r + static_cast<std::size_t>(run.start)) % solvers;
-  const std::size_t position = (run.solver + solvers - shift) % solvers;
-  return cases_.size() + ((r * cases_.size() + run.case_index) * starts + static_cast<std::size_t>(run.start)) * solvers + position;
+  const std::size_t solvers = settings_.solvers.size(), starts = static_cast<std::size_t>(settings_.starts);
+  const std::size_t r = static_cast<std::size_t>(repeat), start = static_cast<std::size_t>(run.start);
+  const std::vector<std::size_t> order = order_of_solvers(run.case_index, start, r);
+  const auto position = static_cast<std::size_t>(std::find(order.begin(), order.end(), run.solver) - order.begin());
+  return cases_.size() + ((r * cases_.size() + run.case_index) * starts + start) * solvers + position;
+}
+
+std::vector<std::size_t> Comparison::order_of_solvers(std::size_t case_index, std::size_t start, std::size_t repeat) const {
+  std::seed_seq seed{static_cast<std::size_t>(settings_.seed), case_index, start, repeat};
+  std::mt19937_64 random(seed);
+  std::vector<std::size_t> order(settings_.solvers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  // Fisher-Yates; what std::shuffle does is left to the library, and the raw data are indexed by this order.
+  for (std::size_t left = order.size(); left > 1; --left) std::swap(order[left - 1], order[static_cast<std::size_t>(random() % left)]);
+  return order;
 }
 
 double Comparison::time_limit(const ScheduledRun& run) const {
@@ -59,14 +73,6 @@ double Comparison::kill_after(std::size_t index) const {
   const ScheduledRun run = at(index);
   const double limit = time_limit(run);
   return run.reference ? 2.0 * limit + 5.0 : limit + settings_.kill_after - settings_.time_limit;
-}
-
-std::string registry_name(const std::string& entry) { return entry.substr(0, entry.find('/')); }
-
-bool Comparison::wants_reduced(const std::string& solver) const {
-  const solvers::Capabilities can = solvers::find_solver(registry_name(solver)).capabilities();
-  if (solver.ends_with("/sparse")) return false;
-  return solver.ends_with("/reduced") || !can.equality_rows || can.needs_finite_bounds || std::find(settings_.reduced.begin(), settings_.reduced.end(), solver) != settings_.reduced.end();
 }
 
 Row Comparison::header() const {
@@ -86,16 +92,18 @@ Row Comparison::header() const {
   row["accuracy"] = settings_.accuracy;
   row["targets"] = settings_.targets;
   row["solvers"] = Row::array();
-  for (const std::string& name : settings_.solvers) {
-    const solvers::Solver& solver = solvers::find_solver(registry_name(name));
+  for (const Competitor& competitor : settings_.solvers) {
+    const solvers::Solver& solver = competitor.registered();
     const solvers::Capabilities can = solver.capabilities();
     const char* uses = can.linear_only ? "coefficients" : can.uses_hessian ? "second derivatives" : can.uses_gradient || can.uses_jacobian ? "first derivatives" : "values";
     Row entry;
-    entry["name"] = name;
+    entry["name"] = competitor.name;
     entry["library"] = solver.library_version();
     entry["uses"] = uses;
     entry["search"] = can.global ? "global" : "local";
-    entry["form"] = wants_reduced(name) ? "reduced" : "sparse";
+    entry["form"] = competitor.wants_reduced(settings_.reduced) ? "reduced" : "sparse";
+    entry["settings"] = solver.settings();
+    if (!competitor.native.empty()) entry["options"] = competitor.native;
     row["solvers"].push_back(std::move(entry));
   }
   return row;
@@ -125,7 +133,7 @@ Row Comparison::beginning(const ScheduledRun& entry) const {
     row["expected"] = spec.infeasible ? "infeasible" : "feasible";
   } else {
     row["start"] = entry.start;
-    row["solver"] = settings_.solvers[entry.solver];
+    row["solver"] = settings_.solvers[entry.solver].name;
     row["repeat"] = entry.repeat;
   }
   return row;

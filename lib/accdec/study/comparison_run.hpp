@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <accdec/study/comparison_case.hpp>
+#include <accdec/study/competitor.hpp>
 #include <accdec/study/compute.hpp>
 
 namespace accdec::study {
@@ -14,8 +15,8 @@ namespace accdec::study {
 /// What is the same for every solver.
 struct ComparisonSettings {
   std::string title, notes;
-  std::vector<std::string> solvers;  ///< registry names, "NAME/reduced" or "NAME/sparse" for one that takes equality rows in that form
-  std::vector<std::string> reduced;  ///< of these, the ones that get the reduced form although they take equality rows
+  std::vector<Competitor> solvers;
+  std::vector<std::string> reduced;  ///< registry names of the ones that get the reduced form although they take equality rows
   int starts = 1, repeats = 5;
   std::uint64_t seed = 1;
   double time_limit = 5.0;                   ///< s a run, told to the library and enforced at every evaluation
@@ -28,9 +29,6 @@ struct ComparisonSettings {
   double reference_time_limit = 30.0;        ///< s
 };
 
-/// The registry name of an entry of ComparisonSettings::solvers.
-std::string registry_name(const std::string& entry);
-
 /// One entry of the schedule.
 struct ScheduledRun {
   bool reference = false;  ///< the case's reference value instead of a solver's run
@@ -38,8 +36,8 @@ struct ScheduledRun {
   int start = 0, repeat = 0;
 };
 
-/// Cases x starts x solvers x repeats. References come first. Repeats are the outermost loop and the order of the solvers turns from case
-/// to case and repeat to repeat, so that slow drifts of the machine fall on all alike.
+/// Cases x starts x solvers x repeats. References come first. Repeats are the outermost loop and the solvers are shuffled (seeded) anew for
+/// every case, start and repeat, so that slow drifts of the machine, and what runs beside a run, fall on all alike.
 class Comparison {
  public:
   /// @throws std::invalid_argument for an unknown solver, no cases, no targets or counts below 1.
@@ -68,7 +66,8 @@ class Comparison {
   Row beginning(const ScheduledRun& entry) const;
   Row reference_row(const ScheduledRun& entry) const;
   Row run_row(const ScheduledRun& entry) const;
-  bool wants_reduced(const std::string& solver) const;
+  /// Of a case, start and repeat.
+  std::vector<std::size_t> order_of_solvers(std::size_t case_index, std::size_t start, std::size_t repeat) const;
   void solve_into(Row& row, const ScheduledRun& entry) const;
   void design_into(Row& row, const ScheduledRun& entry) const;
 

@@ -16,13 +16,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Improvements that matter: the first, the last, and those that leave at most 0.7 of the distance to the last that the one before left.
+/// Improvements that matter: the first, the last, and those that leave at most 0.9 of the distance to the last that the one before left: a
+/// target is seen to be met no later than one a tenth nearer to the last was.
 Row thinned(const std::vector<nlp::Improvement>& history) {
   Row list = Row::array();
   double left = nlp::infinity;
   for (std::size_t i = 0; i < history.size(); ++i) {
     const double now = history[i].objective - history.back().objective;
-    if (now > 0.7 * left && i + 1 < history.size()) continue;
+    if (now > 0.9 * left && i + 1 < history.size()) continue;
     left = now;
     list.push_back(Row::array({history[i].evaluations, seconds(history[i].time), number(history[i].objective)}));
   }
@@ -43,15 +44,15 @@ Row counts_row(const nlp::Counts& n) {
 
 void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   const ComparisonCase& subject = *cases_[entry.case_index];
-  const std::string& name = settings_.solvers[entry.solver];
-  const solvers::Solver& solver = solvers::find_solver(registry_name(name));
-  const bool reduced = wants_reduced(name);
+  const Competitor& competitor = settings_.solvers[entry.solver];
+  const bool reduced = competitor.wants_reduced(settings_.reduced);
   solvers::Options options;
   options.tolerance = settings_.tolerance;
   options.feasibility_tolerance = settings_.feasibility;
   options.time_limit = time_limit(entry);
   options.evaluation_limit = settings_.evaluation_limit;
   options.own_budget = false;
+  options.native = competitor.native;
   options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
   const std::vector<double> start = subject.start(reduced, entry.start, settings_.seed);
   // Rows of the reduced form are the limits themselves: whatever form a solver had, its answer and what it found on the way are judged by
@@ -65,7 +66,7 @@ void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   });
   const nlp::Problem& problem = reduced ? *subject.problem(true) : static_cast<const nlp::Problem&>(recorded);
   const auto began = Clock::now();
-  solvers::Result result = solver.solve(problem, start, options);
+  solvers::Result result = competitor.registered().solve(problem, start, options);
   const auto& history = reduced ? result.history : recorded.history();
 
   row["claim"] = to_string(result.claim);
@@ -103,18 +104,20 @@ void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
 void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
   const ComparisonCase& subject = *cases_[entry.case_index];
   const CaseSpec& spec = subject.spec();
+  const Competitor& competitor = settings_.solvers[entry.solver];
   Task task = spec.task;
   task.design.order_min = task.design.order_max = spec.order;
   DesignOptions options;
   options.method = Method::nlp;
-  options.solver = registry_name(settings_.solvers[entry.solver]);
+  options.solver = competitor.solver;
   options.time_limit = options.solver_options.time_limit = time_limit(entry);
   options.solver_options.tolerance = settings_.tolerance;
   options.solver_options.evaluation_limit = settings_.evaluation_limit;
   options.solver_options.own_budget = false;
+  options.solver_options.native = competitor.native;
   options.solver_options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
   options.start = subject.start_filter(entry.start, settings_.seed);
-  options.reduced = wants_reduced(settings_.solvers[entry.solver]);
+  options.reduced = competitor.wants_reduced(settings_.reduced);
   const auto began = Clock::now();
   std::vector<nlp::Improvement> history;
   options.improved = [&](double cycle_time, const nlp::Counts& so_far) {
