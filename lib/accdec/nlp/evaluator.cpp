@@ -15,6 +15,7 @@ Counts& Counts::operator+=(const Counts& other) {
   hessian += other.hessian;
   residuals += other.residuals;
   evaluation_time += other.evaluation_time;
+  verification_time += other.verification_time;
   return *this;
 }
 

@@ -16,7 +16,8 @@ namespace accdec::nlp {
 /// Counts of calls, and seconds spent, inside a problem's own functions.
 struct Counts {
   std::int64_t objective = 0, gradient = 0, rows = 0, jacobian = 0, hessian = 0, residuals = 0;
-  double evaluation_time = 0.0;  ///< s
+  double evaluation_time = 0.0;    ///< s
+  double verification_time = 0.0;  ///< s, afterwards, of checking answers; not the solver's
 
   Counts& operator+=(const Counts& other);
 };

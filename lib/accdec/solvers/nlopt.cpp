@@ -88,10 +88,9 @@ Claim claim_of(nlopt_result code) {
 /// MMA and CCSAQ: at its default of 100 000 the dual of a linear problem, which has no curvature, takes seconds a step.
 constexpr double dual_maxeval = 2000.0;
 
-void configure(nlopt_opt opt, const NativeOptions& native, double tolerance) {
-  // Relative steps in x decide; steps in f reach rounding long before a first-order method has arrived.
-  nlopt_set_xtol_rel(opt, native.get("xtol_rel", tolerance));
-  nlopt_set_ftol_rel(opt, native.get("ftol_rel", std::max(1e-15, 1e-6 * tolerance)));
+void configure(nlopt_opt opt, const NativeOptions& native, double xtol, double ftol) {
+  nlopt_set_xtol_rel(opt, native.get("xtol_rel", xtol));
+  nlopt_set_ftol_rel(opt, native.get("ftol_rel", ftol));
   if (native.has("xtol_abs")) nlopt_set_xtol_abs1(opt, native.get("xtol_abs", 0.0));
   nlopt_set_ftol_abs(opt, native.get("ftol_abs", 0.0));
   if (native.has("initial_step")) nlopt_set_initial_step1(opt, native.get("initial_step", 0.0));
@@ -114,10 +113,11 @@ class NloptSolver final : public Solver {
   }
   Capabilities capabilities() const override { return algorithm_.can; }
   std::string settings() const override {
-    std::string all = shrinking() ? "xtol_rel = tolerance / 100, ftol_rel = tolerance / 1e8" : "xtol_rel = tolerance, ftol_rel = tolerance / 1e6";
+    const double x = xtol(1.0), f = ftol(1.0);
+    std::string all = fmt::format("xtol_rel = {:g} tolerance, ftol_rel = {:g} tolerance", x, f);
     if (algorithm_.rows == NloptProblem::Rows::constraints) all += ", rows within feasibility_tolerance / 10";
     if (algorithm_.rows == NloptProblem::Rows::ranking) all += ", rows by ranking points that break them behind all that hold them";
-    if (algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ) all += fmt::format(", dual_maxeval = {:g}", dual_maxeval);
+    if (conservative()) all += fmt::format(", dual_maxeval = {:g}", dual_maxeval);
     if (algorithm_.inner != no_inner) all += ", xtol_rel = tolerance of the method inside";
     return all;
   }
@@ -137,11 +137,11 @@ class NloptSolver final : public Solver {
     }
     const auto n = static_cast<unsigned>(free.size());
     const Handle opt(nlopt_create(algorithm_.method, n));
-    configure(opt.get(), native, shrinking() ? 1e-2 * options.tolerance : options.tolerance);
+    configure(opt.get(), native, xtol(options.tolerance), ftol(options.tolerance));
     nlopt_set_stopval(opt.get(), -1e20);
     if (algorithm_.inner != no_inner) {
       const Handle inner(nlopt_create(algorithm_.inner, n));
-      configure(inner.get(), native, options.tolerance);
+      configure(inner.get(), native, options.tolerance, std::max(1e-15, 1e-6 * options.tolerance));
       nlopt_set_local_optimizer(opt.get(), inner.get());
     }
     // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their answer.
@@ -176,8 +176,14 @@ class NloptSolver final : public Solver {
   }
 
  private:
-  /// Small steps do not mean arrival for methods whose steps shrink by themselves.
-  bool shrinking() const { return algorithm_.can.global || algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ; }
+  bool conservative() const { return algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ; }
+
+  /// Relative steps in x decide, but small ones do not mean arrival for methods whose steps shrink by themselves.
+  double xtol(double tolerance) const { return algorithm_.can.global || conservative() ? 1e-2 * tolerance : tolerance; }
+
+  /// Steps in f reach rounding long before a first-order method has arrived. MMA and CCSAQ would stop where f did not change although rows
+  /// are still broken.
+  double ftol(double tolerance) const { return conservative() ? 0.0 : std::max(1e-15, 1e-6 * xtol(tolerance)); }
 
   /// COBYLA may loop for ever; at a thousand variables and more SLSQP's dense subproblems take seconds, and so does ISRES' sorting of its
   /// population of twenty times as many.
