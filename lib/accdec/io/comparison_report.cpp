@@ -22,7 +22,7 @@ std::string settings_text(const ComparisonData& data) {
   }
   if (!longer.empty()) longer += ".";
   return fmt::format(
-      "{} problems (each at each of its sizes counts as one) from {} starts, {} algorithms, {} repeats in turning order. The same for all: a process of its own for each run, "
+      "{} problems (each at each of its sizes counts as one) from {} starts, {} algorithms, {} repeats in shuffled order. The same for all: a process of its own for each run, "
       "{:g} s until the evaluator ends it and {:g} s until the process is killed, at most {} evaluations of the objective, {:g} as the tolerance of the library's own tests of convergence (which differ in kind) and "
       "rows within a tenth of what they are judged by. Judged by recomputation, answers and what was found on the way alike: every row and bound, scaled to 1, within {:g}; "
       "the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only boxes, and those the suite names get the problem with "

@@ -9,34 +9,12 @@
 
 #include <accdec/io/suggestion.hpp>
 #include <accdec/io/toml_file.hpp>
-#include <accdec/nlp/problem.hpp>
 
 namespace accdec::toml_input {
 namespace {
 
 using study::Competitor;
 using Names = std::vector<std::string>;
-
-/// minimise x over 0 <= x <= 1: what every solver takes, to try options on.
-class Line final : public nlp::Problem {
- public:
-  std::string name() const override { return "line"; }
-  int num_variables() const override { return 1; }
-  int num_rows() const override { return 0; }
-  nlp::ProblemClass problem_class() const override { return nlp::ProblemClass::linear; }
-  nlp::Bound variable_bound(int) const override { return {0.0, 1.0}; }
-  nlp::Bound row_bound(int) const override { return {}; }
-  double objective(std::span<const double> x) const override { return x[0]; }
-  void gradient(std::span<const double>, std::span<double> g) const override { g[0] = 1.0; }
-  void rows(std::span<const double>, std::span<double>) const override {}
-  const std::vector<nlp::Entry>& jacobian_pattern() const override { return none_; }
-  void jacobian(std::span<const double>, std::span<double>) const override {}
-  const std::vector<nlp::Entry>& hessian_pattern() const override { return none_; }
-  void hessian(std::span<const double>, double, std::span<const double>, std::span<double>) const override {}
-
- private:
-  std::vector<nlp::Entry> none_;
-};
 
 bool among(const Names& names, const std::string& name) { return std::find(names.begin(), names.end(), name) != names.end(); }
 
@@ -67,8 +45,8 @@ Names known_solvers(const Table& top, std::string_view key, const Names& wanted,
   return wanted;
 }
 
-/// The options as the library's own words; whether it knows them, it says itself.
-std::map<std::string, std::string> options_of(const Table& table, const toml::table& raw, const Competitor& competitor) {
+/// The options in the library's own words.
+std::map<std::string, std::string> options_of(const Table& table, const toml::table& raw) {
   std::map<std::string, std::string> native;
   for (const auto& [key, value] : raw) {
     if (!value.is_string() && !value.is_number() && !value.is_boolean()) {
@@ -78,13 +56,6 @@ std::map<std::string, std::string> options_of(const Table& table, const toml::ta
     if (value.is_string()) text << value.as_string()->get();
     else value.visit([&](const auto& v) { if constexpr (toml::is_value<decltype(v)>) text << v; });
     native[std::string(key.str())] = text.str();
-  }
-  solvers::Options options;
-  options.native = native;
-  try {
-    competitor.registered().solve(Line(), std::vector<double>{0.5}, options);
-  } catch (const std::invalid_argument& error) {
-    table.fail_at("options", error.what());
   }
   return native;
 }
@@ -101,7 +72,14 @@ Competitor read_variant(const Table& top, const toml::table& raw, std::size_t i,
     if (!study::takes_both_forms(c.registered())) table.fail_at("form", fmt::format("{} takes one form only", c.solver));
     c.form = *form == "sparse" ? Competitor::Form::sparse : Competitor::Form::reduced;
   }
-  if (const toml::table* options = table.table("options")) c.native = options_of(table, *options, c);
+  if (const toml::table* options = table.table("options")) {
+    c.native = options_of(table, *options);
+    try {
+      c.warm_up();  // whether it knows them, the library says itself
+    } catch (const std::invalid_argument& error) {
+      table.fail_at("options", error.what());
+    }
+  }
   return c;
 }
 

@@ -85,9 +85,6 @@ Claim claim_of(nlopt_result code) {
   }
 }
 
-/// MMA and CCSAQ: at its default of 100 000 the dual of a linear problem, which has no curvature, takes seconds a step.
-constexpr double dual_maxeval = 2000.0;
-
 void configure(nlopt_opt opt, const NativeOptions& native, double xtol, double ftol) {
   nlopt_set_xtol_rel(opt, native.get("xtol_rel", xtol));
   nlopt_set_ftol_rel(opt, native.get("ftol_rel", ftol));
@@ -96,8 +93,7 @@ void configure(nlopt_opt opt, const NativeOptions& native, double xtol, double f
   if (native.has("initial_step")) nlopt_set_initial_step1(opt, native.get("initial_step", 0.0));
   if (native.has("vector_storage")) nlopt_set_vector_storage(opt, static_cast<unsigned>(native.get("vector_storage", 0.0)));
   if (native.has("population")) nlopt_set_population(opt, static_cast<unsigned>(native.get("population", 0.0)));
-  nlopt_set_param(opt, "dual_maxeval", native.get("dual_maxeval", dual_maxeval));
-  for (const char* name : {"inner_maxeval", "rho_init", "dual_ftol_rel"}) {
+  for (const char* name : {"dual_maxeval", "inner_maxeval", "rho_init", "dual_ftol_rel"}) {
     if (native.has(name)) nlopt_set_param(opt, name, native.get(name, 0.0));
   }
 }
@@ -113,12 +109,11 @@ class NloptSolver final : public Solver {
   }
   Capabilities capabilities() const override { return algorithm_.can; }
   std::string settings() const override {
-    const double x = xtol(1.0), f = ftol(1.0);
-    std::string all = fmt::format("xtol_rel = {:g} tolerance, ftol_rel = {:g} tolerance", x, f);
+    std::string all = fmt::format("xtol_rel = {:g} tolerance, ftol_rel = {}", xtol(1.0), conservative() ? "0" : "max(1e-15, xtol_rel / 1e6)");
     if (algorithm_.rows == NloptProblem::Rows::constraints) all += ", rows within feasibility_tolerance / 10";
     if (algorithm_.rows == NloptProblem::Rows::ranking) all += ", rows by ranking points that break them behind all that hold them";
     if (conservative()) all += fmt::format(", dual_maxeval = {:g}", dual_maxeval);
-    if (algorithm_.inner != no_inner) all += ", xtol_rel = tolerance of the method inside";
+    if (algorithm_.inner != no_inner) all += "; of the method inside, xtol_rel = tolerance, ftol_rel = max(1e-15, xtol_rel / 1e6)";
     return all;
   }
 
@@ -137,6 +132,7 @@ class NloptSolver final : public Solver {
     }
     const auto n = static_cast<unsigned>(free.size());
     const Handle opt(nlopt_create(algorithm_.method, n));
+    if (conservative()) nlopt_set_param(opt.get(), "dual_maxeval", dual_maxeval);
     configure(opt.get(), native, xtol(options.tolerance), ftol(options.tolerance));
     nlopt_set_stopval(opt.get(), -1e20);
     if (algorithm_.inner != no_inner) {
@@ -177,6 +173,9 @@ class NloptSolver final : public Solver {
 
  private:
   bool conservative() const { return algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ; }
+
+  /// Of MMA and CCSAQ: at NLopt's default of 100 000 the dual of a linear problem, which has no curvature, takes seconds a step.
+  static constexpr double dual_maxeval = 2000.0;
 
   /// Relative steps in x decide, but small ones do not mean arrival for methods whose steps shrink by themselves.
   double xtol(double tolerance) const { return algorithm_.can.global || conservative() ? 1e-2 * tolerance : tolerance; }

@@ -162,6 +162,7 @@ Row Comparison::run_row(const ScheduledRun& entry) const {
   row["claim"] = "error";
   row["verdict"] = "none";
   try {
+    settings_.solvers[entry.solver].warm_up();
     cases_[entry.case_index]->spec().question == Question::design ? design_into(row, entry) : solve_into(row, entry);
   } catch (const std::exception& error) {
     row["message"] = error.what();

@@ -2,7 +2,40 @@
 
 #include <algorithm>
 
+#include <accdec/nlp/problem.hpp>
+
 namespace accdec::study {
+namespace {
+
+/// minimise x over 0 <= x <= 1: what every solver takes.
+class Line final : public nlp::Problem {
+ public:
+  std::string name() const override { return "line"; }
+  int num_variables() const override { return 1; }
+  int num_rows() const override { return 0; }
+  nlp::ProblemClass problem_class() const override { return nlp::ProblemClass::linear; }
+  nlp::Bound variable_bound(int) const override { return {0.0, 1.0}; }
+  nlp::Bound row_bound(int) const override { return {}; }
+  double objective(std::span<const double> x) const override { return x[0]; }
+  void gradient(std::span<const double>, std::span<double> g) const override { g[0] = 1.0; }
+  void rows(std::span<const double>, std::span<double>) const override {}
+  const std::vector<nlp::Entry>& jacobian_pattern() const override { return none_; }
+  void jacobian(std::span<const double>, std::span<double>) const override {}
+  const std::vector<nlp::Entry>& hessian_pattern() const override { return none_; }
+  void hessian(std::span<const double>, double, std::span<const double>, std::span<double>) const override {}
+
+ private:
+  std::vector<nlp::Entry> none_;
+};
+
+}  // namespace
+
+void Competitor::warm_up() const {
+  solvers::Options options;
+  options.native = native;
+  options.time_limit = 1.0;
+  registered().solve(Line(), std::vector<double>{0.5}, options);
+}
 
 bool takes_both_forms(const solvers::Solver& solver) {
   const solvers::Capabilities can = solver.capabilities();

@@ -20,6 +20,10 @@ struct Competitor {
   /// @throws std::invalid_argument for a solver that is not registered.
   const solvers::Solver& registered() const { return solvers::find_solver(solver); }
 
+  /// Solves a problem of one variable, so that the run to be timed does not pay for loading the library.
+  /// @throws std::invalid_argument for options that the library does not have.
+  void warm_up() const;
+
   /// Whether it gets the reduced form: because it asks for it, takes no equality rows or only finite bounds, or is among `reduced`.
   bool wants_reduced(const std::vector<std::string>& reduced) const;
 };
