@@ -33,7 +33,8 @@ class Line final : public nlp::Problem {
 void Competitor::warm_up() const {
   solvers::Options options;
   options.native = native;
-  options.time_limit = 1.0;
+  options.time_limit = 0.01;  // random searches would go on for a second
+  options.evaluation_limit = 10;
   registered().solve(Line(), std::vector<double>{0.5}, options);
 }
 
