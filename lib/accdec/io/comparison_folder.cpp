@@ -16,6 +16,7 @@
 #include <accdec/io/results_folder.hpp>
 #include <accdec/io/text_file.hpp>
 #include <accdec/study/journal.hpp>
+#include <accdec/study/seconds_since.hpp>
 
 namespace accdec {
 namespace {
@@ -27,8 +28,6 @@ using Entries = std::map<std::size_t, study::Entry>;
 
 const ResultsKind kind{"accdec.comparison/1", "suite_hash", "suite"};
 constexpr const char* raw_name = "raw.jsonl";
-
-double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
@@ -124,7 +123,7 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
           entries[i] = entry;
           ++summary.computed;
           ++progress.done;
-          progress.seconds = seconds_since(began);
+          progress.seconds = study::seconds_since(began);
           if (options.progress) options.progress(progress);
         },
         run);
@@ -156,7 +155,7 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
       return so_far.worth_repeating(entry.case_index, entry.start, entry.solver);
     }));
   }
-  summary.wall_time = seconds_since(began);
+  summary.wall_time = study::seconds_since(began);
   summary.runs = entries.size() - references;
 
   if (summary.computed > 0) {

@@ -17,6 +17,7 @@
 #include <accdec/io/results_folder.hpp>
 #include <accdec/io/study_report.hpp>
 #include <accdec/study/journal.hpp>
+#include <accdec/study/seconds_since.hpp>
 
 namespace accdec {
 namespace {
@@ -26,8 +27,6 @@ using Entries = std::map<std::size_t, study::Entry>;
 using Clock = std::chrono::steady_clock;
 
 const ResultsKind kind{"accdec.study/1", "study_hash", "study"};
-
-double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
 
 /// A row with the time its computations took in front, "0.25{...}": all that comes back from a child is text.
 std::string timed_row(const Study& study, std::size_t index) {
@@ -70,7 +69,7 @@ void write_results(const Study& study, const Entries& entries, const StudyRunOpt
   const fs::path folder = options.out;
   OutputFiles files;
   for (auto& [name, content] : study_documents(study, lines)) files.add((folder / name).string(), std::move(content));
-  summary.wall_time = seconds_since(began);
+  summary.wall_time = study::seconds_since(began);
   nlohmann::ordered_json manifest;
   manifest["schema"] = kind.schema;
   manifest["study"] = study.path;
@@ -172,11 +171,11 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
         summary.method_time += entry.seconds;
         entries[i] = entry;
         ++progress.done;
-        progress.seconds = seconds_since(began);
+        progress.seconds = study::seconds_since(began);
         if (options.progress) options.progress(progress);
       },
       run);
-  summary.wall_time = seconds_since(began);
+  summary.wall_time = study::seconds_since(began);
   summary.bad = count_bad(entries);
   if (!whole) return summary;
   write_results(study, entries, options, began, summary);

@@ -137,7 +137,7 @@ class NloptSolver final : public Solver {
     nlopt_set_stopval(opt.get(), -1e20);
     if (algorithm_.inner != no_inner) {
       const Handle inner(nlopt_create(algorithm_.inner, n));
-      configure(inner.get(), native, options.tolerance, std::max(1e-15, 1e-6 * options.tolerance));
+      configure(inner.get(), native, options.tolerance, step_in_f(options.tolerance));
       nlopt_set_local_optimizer(opt.get(), inner.get());
     }
     // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their answer.
@@ -180,9 +180,12 @@ class NloptSolver final : public Solver {
   /// Relative steps in x decide, but small ones do not mean arrival for methods whose steps shrink by themselves.
   double xtol(double tolerance) const { return algorithm_.can.global || conservative() ? 1e-2 * tolerance : tolerance; }
 
-  /// Steps in f reach rounding long before a first-order method has arrived. MMA and CCSAQ would stop where f did not change although rows
+  /// Steps in f reach rounding long before a first-order method has arrived.
+  static double step_in_f(double xtol) { return std::max(1e-15, 1e-6 * xtol); }
+
+  /// MMA and CCSAQ would stop where f did not change although rows
   /// are still broken.
-  double ftol(double tolerance) const { return conservative() ? 0.0 : std::max(1e-15, 1e-6 * xtol(tolerance)); }
+  double ftol(double tolerance) const { return conservative() ? 0.0 : step_in_f(xtol(tolerance)); }
 
   /// COBYLA may loop for ever; at a thousand variables and more SLSQP's dense subproblems take seconds, and so does ISRES' sorting of its
   /// population of twenty times as many.

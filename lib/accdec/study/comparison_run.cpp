@@ -11,6 +11,7 @@
 
 #include <accdec/design/design.hpp>
 #include <accdec/study/row_numbers.hpp>
+#include <accdec/study/seconds_since.hpp>
 
 namespace accdec::study {
 using Clock = std::chrono::steady_clock;

@@ -10,6 +10,7 @@
 #include <accdec/study/comparison_run.hpp>
 #include <accdec/study/recorded_problem.hpp>
 #include <accdec/study/row_numbers.hpp>
+#include <accdec/study/seconds_since.hpp>
 
 namespace accdec::study {
 namespace {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cmath>
 #include <string>
 
@@ -9,10 +8,6 @@
 #include <accdec/study/compute.hpp>
 
 namespace accdec::study {
-
-inline double seconds_since(std::chrono::steady_clock::time_point then) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
-}
 
 /// A number of a raw record, to so many significant digits; null where it is not finite.
 inline Row rounded(double x, int digits) {

@@ -11,13 +11,12 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <accdec/study/worker_process.hpp>
+#include <accdec/study/seconds_since.hpp>
 
 namespace accdec::study {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
 
 void run_threads(const std::vector<std::size_t>& indices, const std::function<std::string(std::size_t)>& compute,
                  const std::function<void(std::size_t, const Entry&)>& done, int workers) {
