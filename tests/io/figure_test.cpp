@@ -11,6 +11,7 @@
 
 #include <gmock/gmock.h>
 
+#include <accdec/io/figure_layout.hpp>
 #include <accdec/io/process.hpp>
 
 namespace accdec {
@@ -65,6 +66,84 @@ TEST(Figure, CleanTitleIsOneLineOfUtf8) {
   EXPECT_EQ(clean_title("µm ≤ 𝛆"), "µm ≤ 𝛆");
   EXPECT_EQ(clean_title("\xc0\x80|\xed\xa0\x80|\xff"), "??|???|?");
   EXPECT_EQ(clean_title("cut \xe2\x89"), "cut ??");
+}
+
+/// Where a text of the drawing begins, px.
+std::pair<double, double> place_of(const std::string& svg, const std::string& text) {
+  const std::size_t at = svg.find(">" + text + "</");
+  EXPECT_NE(at, std::string::npos) << text;
+  if (at == std::string::npos) return {NAN, NAN};
+  const std::size_t begin = svg.rfind("translate(", at) + 10;
+  return {std::stod(svg.substr(begin)), std::stod(svg.substr(svg.find(',', begin) + 1))};
+}
+
+TEST(Figure, LegendsOfManyLongLabelsStandBesideTheDataInOneColumn) {
+  Figure figure;
+  figure.columns = 2;
+  figure.panel_width = 640;
+  figure.panel_height = 380;
+  figure.panels.resize(2);
+  const auto label = [](int i) { return "a solver with an option of limited memory " + std::to_string(100 + i); };
+  for (int i = 0; i < 43; ++i) {
+    figure.panels[0].series.push_back({label(i), {0, 1}, {0, 1}, Mark::marked_line, i});
+  }
+  figure.panels[1].series.push_back({"short", {0, 1}, {0, 1}, Mark::marked_line, 0});
+  const PageLayout page = layout(figure);
+  const PanelLayout &one = page.panels[0], &two = page.panels[1];
+  const std::string svg = render_svg(figure);
+  const auto first = place_of(svg, label(0));
+  double above = 0.0;
+  for (int i = 0; i < 43; ++i) {
+    const auto [x, y] = place_of(svg, label(i));
+    EXPECT_NEAR(x, first.first, 0.1) << "one column";
+    EXPECT_GE(y, above + 11.5) << "lines apart at 12 px letters";
+    above = y;
+  }
+  EXPECT_GT(first.first, one.plot_left + one.plot_width);
+  EXPECT_LE(first.first + text_width(label(0)), two.x) << "ends before the next panel";
+  EXPECT_LE(above, one.y + one.height) << "ends with the panel";
+  EXPECT_GE(one.plot_width, 300.0);
+  EXPECT_DOUBLE_EQ(two.width, 640.0) << "only what needs the room grows";
+}
+
+TEST(Figure, LongTitlesAreWrappedAndLongLabelsShortened) {
+  const std::string words = "many words of a title that goes on and on and on for ever, ";
+  Figure figure = line_figure("label");
+  figure.title = words + words + words;
+  const PageLayout page = layout(figure);
+  EXPECT_GE(page.title.size(), 3U);
+  for (const std::string& one : page.title) EXPECT_LE(text_width(one) * 15.0 / 12.0, page.width);
+  EXPECT_THAT(render_svg(figure), HasSubstr(">" + page.title[1] + "<"));
+  const std::string cut = shortened(std::string(300, 'x') + "end", 200.0);
+  EXPECT_LE(text_width(cut), 200.0);
+  EXPECT_THAT(cut, ::testing::StartsWith("xxx"));
+  EXPECT_THAT(cut, ::testing::EndsWith("end"));
+  EXPECT_THAT(cut, HasSubstr("…"));
+  EXPECT_EQ(shortened("short", 200.0), "short");
+  EXPECT_THAT(wrapped("a bc  d", 1000.0), ::testing::ElementsAre("a bc  d"));
+  EXPECT_THAT(wrapped("iiii iiii", 20.0), ::testing::ElementsAre("iiii", "iiii"));
+  EXPECT_THAT(wrapped("iiiiiiii", 16.0), ::testing::ElementsAre("iiii", "iiii"));
+}
+
+TEST(Figure, LabelsOfLogarithmicAxesDoNotMeet) {
+  EXPECT_THAT(log_ticks(1.0, 1e4, 400.0, 0.0), ::testing::IsEmpty()) << "gnuplot's own, 100 px apart, do";
+  for (const auto& [low, high, pixels] : {std::tuple{1e-2, 1e4, 170.0}, std::tuple{1e-9, 1e9, 300.0}, std::tuple{1e-3, 1e6, 300.0}}) {
+    const std::vector<Tick> ticks = log_ticks(low, high, pixels, 0.0);
+    double before = -INFINITY;
+    int labels = 0;
+    for (const Tick& tick : ticks) {
+      if (tick.label.empty()) continue;
+      const double middle = pixels * std::log(tick.value / low) / std::log(high / low), half = 0.5 * text_width(tick.label);
+      EXPECT_GT(middle - half, before);
+      before = middle + half;
+      ++labels;
+    }
+    EXPECT_GE(labels, 2);
+  }
+  // Less than a decade has no power of ten to label.
+  const auto narrow = log_ticks(2.0, 8.0, 300.0, 0.0);
+  ASSERT_EQ(narrow.size(), 2U);
+  EXPECT_EQ(narrow[0].label + narrow[1].label, "25");
 }
 
 TEST(Figure, DrawsHeatMapsLogAxesAndEmptyPanels) {

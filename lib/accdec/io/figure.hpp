@@ -65,13 +65,14 @@ struct Panel {
   bool equal_aspect = false;  ///< one unit of x as long as one of y; needs ranges or series to take them from
 };
 
-/// A page of panels, filled row by row. Legends stand to the right of each panel, outside its data.
+/// A page of panels, filled row by row. Legends stand to the right of each panel, outside its data, in one column. Panels grow beyond the
+/// size given where the legend needs it; titles are wrapped, labels too long for their place shortened in the middle.
 struct Figure {
   std::string title;
   std::vector<Panel> panels;
   int columns = 1;
-  int panel_width = 620;   ///< px, legend included
-  int panel_height = 300;  ///< px
+  int panel_width = 620;   ///< px, legend included; at least
+  int panel_height = 300;  ///< px, at least
 };
 
 /// The figure as a gnuplot script for its SVG terminal. Titles are data: whatever they hold, gnuplot draws it and executes nothing.

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/io/figure.hpp>
+#include <accdec/io/figure_layout.hpp>
 
 namespace accdec {
 namespace {
@@ -16,7 +16,6 @@ constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#
 constexpr std::array<const char*, 8> dashes{"solid", "(9,4)", "(9,3,2,3)", "(2,3)", "(16,4)", "(12,3,2,3,2,3)", "(4,2)", "(1,4)"};
 constexpr std::array<int, 15> points{7, 6, 5, 4, 9, 8, 11, 12, 2, 13, 1, 10, 3, 15, 14};
 constexpr std::array<const char*, 3> widths{"1.7", "2.8", "1"};  // px, of the first eight styles, the next eight, ...
-constexpr double left = 70, right = 18, top = 30, bottom = 56, letter = 6.8, legend_line = 34, long_legend_line = 58;  // px
 
 /// A double-quoted gnuplot string with everything it might act on (quotes, backslashes, backticks, ...) as octal codes. Single quotes
 /// would not do: gnuplot 5.4 ends ''''...' early.
@@ -30,8 +29,14 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-double letters(const std::string& text) {
-  return static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+/// Lines below one another as one string.
+std::string quoted(const std::vector<std::string>& lines) {
+  std::string out = "\"";
+  for (const std::string& line : lines) {
+    const std::string one = quoted(line);
+    out.append(out.size() > 1 ? "\\n" : "").append(one, 1, one.size() - 2);
+  }
+  return out + "\"";
 }
 
 std::size_t style_index(int style) { return static_cast<std::size_t>(std::max(style, 0)); }
@@ -47,38 +52,6 @@ struct Range {
     high = std::max(high, x);
   }
 };
-
-std::vector<std::string> legend(const Panel& panel) {
-  std::vector<std::string> labels;
-  const auto add = [&](const auto& items) {
-    for (const auto& item : items) {
-      if (!item.label.empty()) labels.push_back(item.label);
-    }
-  };
-  add(panel.series);
-  add(panel.limits);
-  add(panel.circles);
-  add(panel.bands);
-  return labels;
-}
-
-/// Lines with symbols need longer samples to show both.
-bool has_marked_lines(const Panel& panel) {
-  return std::any_of(panel.series.begin(), panel.series.end(), [](const Series& s) { return s.mark == Mark::marked_line; });
-}
-
-double legend_width(const Panel& panel) {
-  double widest = 0.0;
-  for (const std::string& label : legend(panel)) widest = std::max(widest, letters(label));
-  if (panel.heat_map || panel.coloured) return 104;
-  return widest > 0 ? widest * letter + (has_marked_lines(panel) ? long_legend_line : legend_line) + 18 : 0.0;
-}
-
-/// Of legend lines, in units of 18 px: closer where there are many, so that they end with the panel and not over its neighbour.
-std::string key_spacing(const Panel& panel, double plot_height) {
-  const double lines = static_cast<double>(std::max<std::size_t>(legend(panel).size(), 1));
-  return fmt::format("{:.3g}", std::clamp(plot_height / (18.0 * lines), 0.7, 1.15));
-}
 
 /// Ranges of the data with a little air, or as given.
 std::pair<Range, Range> ranges(const Panel& panel) {
@@ -208,46 +181,25 @@ double narrowest(const std::vector<double>& x) {
   return std::isfinite(width) && width > 0.0 ? width : 1.0;
 }
 
-/// Room that tick labels of the y axis need beyond the four characters the margin is made for.
-double tick_overhang(const Panel& panel) {
-  double low = INFINITY, high = 0.0;
-  const auto see = [&](double y) {
-    if (!std::isfinite(y) || y == 0.0) return;
-    low = std::min(low, std::abs(y));
-    high = std::max(high, std::abs(y));
-  };
-  for (const Series& s : panel.series) std::for_each(s.y.begin(), s.y.end(), see);
-  for (const LimitLine& limit : panel.limits) see(limit.y);
-  if (!(high > 0.0)) return 0.0;
-  double characters = std::floor(std::log10(high) + 1e-9) + 1.0;  // 14000 is five
-  if (panel.y.log) characters = std::max(characters, 2.0 - std::floor(std::log10(low) + 1e-9));  // 0.001 is five
-  constexpr double character = 8.0;
-  return character * std::clamp(characters - 4.0, 0.0, 4.0);
-}
-
 class Writer {
  public:
   std::string text;
 
-  void panel(const Panel& panel, double x0, double y0, double width, double height, double page_width, double page_height) {
+  void panel(const Panel& panel, const PanelLayout& place, const PageLayout& page) {
     check(panel);
-    const double indent = left + tick_overhang(panel);
-    const double plot_width = std::max(width - indent - right - legend_width(panel), 80.0);
-    const double plot_height = std::max(height - top - bottom, 60.0);
     auto [x, y] = ranges(panel);
-    if (panel.equal_aspect) equalise(x, y, plot_width, plot_height);
-    const double frame_left = x0 + indent, frame_top = y0 + top;
-    line("set lmargin at screen {:.6f}", frame_left / page_width);
-    line("set rmargin at screen {:.6f}", (frame_left + plot_width) / page_width);
-    line("set tmargin at screen {:.6f}", 1.0 - frame_top / page_height);
-    line("set bmargin at screen {:.6f}", 1.0 - (frame_top + plot_height) / page_height);
-    line("set title {} offset 0,-0.5", quoted(panel.title));
-    line("set xlabel {} offset 0,0.7", quoted(panel.x.label));
-    line("set ylabel {} offset 0.6,0", quoted(panel.y.label));
-    scale('x', panel.x, x);
-    scale('y', panel.y, y);
-    line("set key at screen {:.6f},{:.6f} left top Left reverse samplen {} spacing {} maxcols 1", (frame_left + plot_width + 8) / page_width,
-         1.0 - frame_top / page_height, has_marked_lines(panel) ? "5.6" : "2.6", key_spacing(panel, plot_height));
+    if (panel.equal_aspect) equalise(x, y, place.plot_width, place.plot_height);
+    line("set lmargin at screen {:.6f}", place.plot_left / page.width);
+    line("set rmargin at screen {:.6f}", (place.plot_left + place.plot_width) / page.width);
+    line("set tmargin at screen {:.6f}", 1.0 - place.plot_top / page.height);
+    line("set bmargin at screen {:.6f}", 1.0 - (place.plot_top + place.plot_height) / page.height);
+    line("set title {} offset 0,-0.5", quoted(place.title));
+    line("set xlabel {} offset 0,0.7", quoted(shortened(clean_title(panel.x.label), place.width - 20.0)));
+    line("set ylabel {} offset 0.6,0", quoted(shortened(clean_title(panel.y.label), place.height - 20.0)));
+    scale('x', panel.x, x, place.plot_width, 0.0);
+    scale('y', panel.y, y, place.plot_height, 18.0);
+    line("set key at screen {:.6f},{:.6f} left top Left reverse samplen {} spacing {:.3g} maxcols 1", (place.plot_left + place.plot_width + 8) / page.width,
+         1.0 - place.plot_top / page.height, has_marked_lines(panel) ? "5.6" : "2.6", place.key_spacing);
     line("unset object\nunset colorbox");
     plot(panel, x, y);
   }
@@ -258,10 +210,18 @@ class Writer {
     text += fmt::format(format, std::forward<Args>(args)...) + "\n";
   }
 
-  void scale(char axis, const Scale& scale, const Range& range) {
+  /// @param room  px a tick label needs along the axis, 0: its width
+  void scale(char axis, const Scale& scale, const Range& range, double pixels, double room) {
     line("{} logscale {}", scale.log ? "set" : "unset", axis);
     line("set format {} '%g'", axis);
     line("set {}range [{}:{}] noextend", axis, number(range.low), number(range.high));
+    std::string ticks;
+    if (scale.log) {
+      for (const Tick& tick : log_ticks(range.low, range.high, pixels, room)) {
+        ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(tick.label), number(tick.value));
+      }
+    }
+    line("set {}tics {}", axis, ticks.empty() ? "autofreq" : fmt::format("({})", ticks));
   }
 
   void plot(const Panel& panel, const Range& x, const Range& y) {
@@ -278,7 +238,7 @@ class Writer {
       text += "END_OF_DATA\n";
       return name;
     };
-    const auto title = [](const std::string& label) { return label.empty() ? std::string("notitle") : "title " + quoted(label); };
+    const auto title = [](const std::string& label) { return label.empty() ? std::string("notitle") : "title " + quoted(legend_label(label)); };
     if (panel.heat_map) items.push_back(heat(*panel.heat_map));
     if (panel.coloured) items.push_back(coloured(*panel.coloured));
     for (const Series& s : panel.series) {
@@ -361,10 +321,7 @@ class Writer {
 }  // namespace
 
 std::string gnuplot_script(const Figure& figure) {
-  if (figure.panels.empty() || figure.columns < 1) throw std::invalid_argument("a figure needs at least one panel and one column");
-  const int count = static_cast<int>(figure.panels.size()), rows = (count + figure.columns - 1) / figure.columns;
-  const double heading = figure.title.empty() ? 0.0 : 34.0;
-  const double width = figure.columns * figure.panel_width, height = rows * figure.panel_height + heading;
+  const PageLayout page = layout(figure);
   Writer writer;
   writer.text = fmt::format(
       "set encoding utf8\n"
@@ -372,13 +329,12 @@ std::string gnuplot_script(const Figure& figure) {
       "set output\n"
       "set border lw 0.8\nset tics nomirror out scale 0.6\nset xtics offset 0,0.3\nset grid lc rgb '#dddddd' lw 0.6 dt solid\n"
       "set multiplot\n",
-      width, height);
-  if (heading > 0.0) {
-    writer.text += fmt::format("set label 1 {} at screen 0.5,{:.6f} center font 'DejaVu Sans,15'\n", quoted(figure.title), 1.0 - 20.0 / height);
+      page.width, page.height);
+  if (!page.title.empty()) {
+    writer.text += fmt::format("set label 1 {} at screen 0.5,{:.6f} center font 'DejaVu Sans,15'\n", quoted(page.title), 1.0 - 20.0 / page.height);
   }
-  for (int i = 0; i < count; ++i) {
-    writer.panel(figure.panels[static_cast<std::size_t>(i)], (i % figure.columns) * figure.panel_width,
-                 heading + (i / figure.columns) * figure.panel_height, figure.panel_width, figure.panel_height, width, height);
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    writer.panel(figure.panels[i], page.panels[i], page);
     if (i == 0) writer.text += "unset label 1\n";
   }
   writer.text += "unset multiplot\n";

@@ -1,0 +1,228 @@
+#include <accdec/io/figure_layout.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace accdec {
+namespace {
+
+constexpr double left = 70, right = 18, top = 30, bottom = 56;  // px around a plot
+constexpr double title_line = 16, heading_line = 20;            // px
+constexpr double legend_sample = 34, long_legend_sample = 58, legend_air = 18;
+constexpr double narrowest_plot = 320, closest_lines = 12.6, line_height = 18, colour_bar = 104;
+constexpr double longest_label = 420;
+
+std::size_t character_length(const std::string& text, std::size_t i) {
+  std::size_t length = 1;
+  while (i + length < text.size() && (text[i + length] & 0xC0) == 0x80) ++length;
+  return length;
+}
+
+/// px, from the font's tables, in groups.
+double character_width(const std::string& text, std::size_t i) {
+  const auto c = static_cast<unsigned char>(text[i]);
+  if (c >= 0xE1) return 12.0;  // ideographs and the like; a guess for the rest
+  if (c >= 0x80) return 8.5;
+  const auto among = [c](std::string_view set) { return set.find(static_cast<char>(c)) != std::string_view::npos; };
+  if (among("ijlI.,:;'!| ")) return 4.0;
+  if (among("frt()[]-/\\\"")) return 5.0;
+  if (among("mw%MW@")) return 11.9;
+  if (among("OQGDNHUAVXYCRK=+<>#~^&")) return 10.0;
+  return 7.7;
+}
+
+double legend_width(const Panel& panel) {
+  if (panel.heat_map || panel.coloured) return colour_bar;
+  double widest = 0.0;
+  for (const std::string& label : legend_labels(panel)) widest = std::max(widest, text_width(label));
+  return widest > 0.0 ? widest + (has_marked_lines(panel) ? long_legend_sample : legend_sample) + legend_air : 0.0;
+}
+
+/// Room that tick labels of the y axis need beyond the four characters the margin is made for.
+double tick_overhang(const Panel& panel) {
+  double low = INFINITY, high = 0.0;
+  const auto see = [&](double y) {
+    if (!std::isfinite(y) || y == 0.0) return;
+    low = std::min(low, std::abs(y));
+    high = std::max(high, std::abs(y));
+  };
+  for (const Series& s : panel.series) std::for_each(s.y.begin(), s.y.end(), see);
+  for (const LimitLine& limit : panel.limits) see(limit.y);
+  if (panel.heat_map) std::for_each(panel.heat_map->y.begin(), panel.heat_map->y.end(), see);
+  if (!(high > 0.0)) return 0.0;
+  double characters = std::floor(std::log10(high) + 1e-9) + 1.0;  // 14000 is five
+  if (panel.y.log) characters = std::max(characters, 2.0 - std::floor(std::log10(low) + 1e-9));  // 0.001 is five
+  constexpr double character = 8.0;
+  return character * std::clamp(characters - 4.0, 0.0, 4.0);
+}
+
+std::string power_of_ten(int exponent) {
+  constexpr const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text = exponent < 0 ? "10⁻" : "10";
+  for (const char c : std::to_string(std::abs(exponent))) text += digits[c - '0'];
+  return text;
+}
+
+}  // namespace
+
+double text_width(const std::string& text) {
+  double width = 0.0;
+  for (std::size_t i = 0; i < text.size(); i += character_length(text, i)) width += character_width(text, i);
+  return width;
+}
+
+std::string shortened(const std::string& text, double width) {
+  if (text_width(text) <= width) return text;
+  std::vector<std::string> characters;
+  for (std::size_t i = 0; i < text.size(); i += characters.back().size()) characters.push_back(text.substr(i, character_length(text, i)));
+  std::string head, tail;
+  double room = width - 12.0;
+  for (std::size_t first = 0, last = characters.size(); first < last;) {
+    const bool at_head = first <= characters.size() - last;
+    const std::string& next = characters[at_head ? first : last - 1];
+    room -= text_width(next);
+    if (room < 0.0) break;
+    if (at_head) head += next, ++first;
+    else tail.insert(0, next), --last;
+  }
+  return head + "…" + tail;
+}
+
+std::vector<std::string> wrapped(const std::string& text, double width) {
+  std::vector<std::string> lines(1);
+  double used = 0.0;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t end = std::min(text.find(' ', i), text.size());
+    std::string word = text.substr(i, end - i);
+    i = end + 1;
+    if (used > 0.0 && used + 4.0 + text_width(word) > width) {
+      lines.emplace_back();
+      used = 0.0;
+    }
+    if (used > 0.0) word.insert(word.begin(), ' ');
+    for (std::size_t k = 0; k < word.size();) {
+      const std::size_t length = character_length(word, k);
+      const double wide = character_width(word, k);
+      if (used > 0.0 && used + wide > width) {
+        lines.emplace_back();
+        used = 0.0;
+      }
+      lines.back().append(word, k, length);
+      used += wide;
+      k += length;
+    }
+  }
+  return lines;
+}
+
+std::vector<std::string> legend_labels(const Panel& panel) {
+  std::vector<std::string> labels;
+  const auto add = [&](const auto& items) {
+    for (const auto& item : items) {
+      if (!item.label.empty()) labels.push_back(legend_label(item.label));
+    }
+  };
+  add(panel.series);
+  add(panel.limits);
+  add(panel.circles);
+  add(panel.bands);
+  return labels;
+}
+
+std::string legend_label(const std::string& label) { return shortened(clean_title(label), longest_label); }
+
+bool has_marked_lines(const Panel& panel) {
+  return std::any_of(panel.series.begin(), panel.series.end(), [](const Series& s) { return s.mark == Mark::marked_line; });
+}
+
+std::vector<Tick> log_ticks(double low, double high, double pixels, double room) {
+  constexpr double air = 8.0, slack = 1e-9;
+  const double first = std::ceil(std::log10(low) - slack), last = std::floor(std::log10(high) + slack);
+  const double decade = pixels / (std::log10(high) - std::log10(low));
+  const auto plain = [](double value) { return fmt::format("{:g}", value); };
+  std::vector<Tick> ticks;
+  if (last - first < 1.0) {  // fewer than two decades: 1, 2, 5, or all digits where that is too few
+    for (const bool all : {false, true}) {
+      ticks.clear();
+      for (double exponent = first - 1.0; exponent <= last + 1.0; ++exponent) {
+        for (int digit = 1; digit < 10; ++digit) {
+          const double value = digit * std::pow(10.0, exponent);
+          if (value < low * (1.0 - slack) || value > high * (1.0 + slack) || (!all && digit != 1 && digit != 2 && digit != 5)) continue;
+          ticks.push_back({value, plain(value)});
+        }
+      }
+      if (ticks.size() >= 2) return ticks;
+    }
+    return {};
+  }
+  double widest = 0.0;
+  for (double e = first; e <= last; ++e) widest = std::max(widest, room > 0.0 ? room : text_width(plain(std::pow(10.0, e))) + air);
+  if (widest <= decade && last - first < 7.0 && first >= -4.0 && last <= 5.0) return {};
+  widest = 0.0;
+  for (double e = first; e <= last; ++e) widest = std::max(widest, room > 0.0 ? room : text_width(power_of_ten(static_cast<int>(e))) + air);
+  const int every = std::max(static_cast<int>(std::ceil(widest / decade)), 1);
+  for (double e = first; e <= last; ++e) {
+    const int exponent = static_cast<int>(e);
+    ticks.push_back({std::pow(10.0, e), exponent % every == 0 ? power_of_ten(exponent) : ""});
+  }
+  return ticks;
+}
+
+PageLayout layout(const Figure& figure) {
+  if (figure.panels.empty() || figure.columns < 1) throw std::invalid_argument("a figure needs at least one panel and one column");
+  const std::size_t count = figure.panels.size(), columns = std::min(static_cast<std::size_t>(figure.columns), count), rows = (count + columns - 1) / columns;
+  PageLayout page;
+  std::vector<double> widths(columns, figure.panel_width), heights(rows, figure.panel_height);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double beside = left + tick_overhang(figure.panels[i]) + right + legend_width(figure.panels[i]);
+    widths[i % columns] = std::max(widths[i % columns], beside + std::min(narrowest_plot, figure.panel_width - left - right));
+  }
+  for (const double w : widths) page.width += w;
+  if (!figure.title.empty()) {
+    constexpr double of_body = 15.0 / 12.0;
+    page.title = wrapped(clean_title(figure.title), (page.width - 40.0) / of_body);
+  }
+  const double heading = page.title.empty() ? 0.0 : 14.0 + heading_line * static_cast<double>(page.title.size());
+  page.height = heading;
+  page.panels.resize(count);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t begin = row * columns, end = std::min(begin + columns, count);
+    double titles = 0.0, x = 0.0;
+    for (std::size_t i = begin; i < end; ++i) {
+      PanelLayout& p = page.panels[i];
+      const double indent = left + tick_overhang(figure.panels[i]);
+      p.x = x;
+      p.y = page.height;
+      p.width = widths[i - begin];
+      p.plot_left = x + indent;
+      p.plot_width = std::max(p.width - indent - right - legend_width(figure.panels[i]), 80.0);
+      x += p.width;
+      // Titles stand over the middle of the plot.
+      const double middle = indent + 0.5 * p.plot_width;
+      p.title = wrapped(clean_title(figure.panels[i].title), 2.0 * std::min(middle, p.width - middle) - 12.0);
+      titles = std::max(titles, title_line * static_cast<double>(p.title.size() - 1));
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      const double lines = static_cast<double>(legend_labels(figure.panels[i]).size());
+      heights[row] = std::max({heights[row], top + titles + bottom + 60.0, top + titles + bottom + closest_lines * lines + line_height});
+    }
+    heights[row] = std::max(heights[row], figure.panel_height + titles);
+    for (std::size_t i = begin; i < end; ++i) {
+      PanelLayout& p = page.panels[i];
+      p.height = heights[row];
+      p.plot_top = p.y + top + titles;
+      p.plot_height = p.height - top - titles - bottom;
+      // Closer where there are many, so that they end with the panel.
+      const double lines = static_cast<double>(std::max<std::size_t>(legend_labels(figure.panels[i]).size(), 1));
+      p.key_spacing = std::clamp((p.plot_height - 4.0) / (line_height * lines), closest_lines / line_height, 1.15);
+    }
+    page.height += heights[row];
+  }
+  return page;
+}
+
+}  // namespace accdec

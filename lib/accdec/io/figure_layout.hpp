@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <accdec/io/figure.hpp>
+
+namespace accdec {
+
+/// Width of text in the font of figures (DejaVu Sans, 12 px), px: from the widths of its letters, rounded up.
+double text_width(const std::string& text);
+
+/// Text that fits into `width` px: cut in the middle, with an ellipsis, if it must be. Valid UTF-8 in, valid UTF-8 out.
+std::string shortened(const std::string& text, double width);
+
+/// Text in lines of at most `width` px, broken at spaces, or inside a word that is longer than a line. At least one line.
+std::vector<std::string> wrapped(const std::string& text, double width);
+
+/// A label as the legend shows it: clean, and shortened to 420 px.
+std::string legend_label(const std::string& label);
+
+/// Labels of a panel's legend in the order they are drawn, as long as a legend shows them.
+std::vector<std::string> legend_labels(const Panel& panel);
+
+/// Whether any series is a line with symbols, whose legend samples are longer to show both.
+bool has_marked_lines(const Panel& panel);
+
+/// A tick of a logarithmic axis.
+struct Tick {
+  double value = 0.0;
+  std::string label;  ///< empty: no label
+};
+
+/// Ticks of a logarithmic axis from `low` to `high` (0 < low < high) that is `pixels` long and whose labels need `room` px each at most
+/// along it (0: as wide as they are). None: ticks at every decade with plain labels fit.
+std::vector<Tick> log_ticks(double low, double high, double pixels, double room);
+
+/// Where a panel's parts are, px from the page's top left corner.
+struct PanelLayout {
+  double x = 0.0, y = 0.0, width = 0.0, height = 0.0;   ///< panel with legend and labels
+  double plot_left = 0.0, plot_top = 0.0, plot_width = 0.0, plot_height = 0.0;
+  double key_spacing = 1.0;  ///< of legend lines, in units of 18 px
+  std::vector<std::string> title;
+};
+struct PageLayout {
+  double width = 0.0, height = 0.0;
+  std::vector<std::string> title;
+  std::vector<PanelLayout> panels;
+};
+
+/// Room for everything: columns widen and rows grow beyond the figure's panel size where legends need it, so that a legend of any size
+/// stands in one column beside its panel's data and ends before the next panel. @throws std::invalid_argument without panel or column
+PageLayout layout(const Figure& figure);
+
+}  // namespace accdec
