@@ -88,6 +88,38 @@ TEST_F(StudyCommand, RunsAndRecordsBadPointsWithoutStopping) {
   EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("accdec study study.toml --out out"));
 }
 
+TEST_F(StudyCommand, GoodPointsAreComputedWhereverTheBadOnesStand) {
+  // First, middle and last are bad.
+  const std::string head = "task = \"task.toml\"\ncompute = [\"given\"]\n";
+  write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.angle_deg\"\nvalues = [0, 30, 60, 0, 90, 120, 200]\n");
+  const Outcome list = run("study study.toml --out list");
+  EXPECT_EQ(list.exit_code, 0) << list.output;
+  EXPECT_THAT(list.output, HasSubstr("7 points: 7 computed"));
+  EXPECT_THAT(list.output, HasSubstr("3 without an answer"));
+  // 10 to 170 degrees are five of forty values, where no probing by halves would come upon them.
+  write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.angle_deg\"\nrange = { from = -190, to = 1370, count = 40 }\n");
+  EXPECT_THAT(run("study study.toml --out range").output, HasSubstr("35 without an answer"));
+  // All are bad, but no one axis is to blame: that is an outcome, with the reasons in the rows.
+  write(home_ / "study.toml", head + "[[vary]]\nkey = \"sample_period_ms\"\nvalues = [0, 1]\n[[vary]]\nkey = \"corner.A.angle_deg\"\nvalues = [270, 300]\n");
+  const Outcome none = run("study study.toml --out none");
+  EXPECT_EQ(none.exit_code, 1) << none.output;
+  EXPECT_THAT(none.output, HasSubstr("4 without an answer"));
+}
+
+TEST_F(StudyCommand, AStudyInWhichEveryComputationBreaksOffHasNoAnswer) {
+  write(home_ / "bare.toml", "sample_period_ms = 1\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  // Only one of the cases has a filter; clp solves linear problems only and refuses this one with an exception.
+  write(home_ / "study.toml", "compute = [\"given\"]\n[[case]]\nname = \"a\"\ntask = \"task.toml\"\n[[case]]\nname = \"b\"\ntask = \"bare.toml\"\n");
+  const Outcome one = run("study study.toml --out one");
+  EXPECT_EQ(one.exit_code, 0) << one.output;
+  EXPECT_THAT(one.output, HasSubstr("1 without an answer"));
+  EXPECT_THAT(content(home_ / "one/rows.csv"), HasSubstr(",error,\"the task has no [filter], which this computation needs\""));
+  write(home_ / "study.toml", "task = \"bare.toml\"\ncompute = [\"optimum\"]\nmethod = \"nlp\"\nsolver = \"clp\"\ntime_limit_s = 5\n");
+  const Outcome all = run("study study.toml --out all");
+  EXPECT_EQ(all.exit_code, 1) << all.output;
+  EXPECT_THAT(content(home_ / "all/manifest.json"), HasSubstr("\"points_without_answer\": 1"));
+}
+
 TEST_F(StudyCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
   study(60);
   ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
@@ -263,7 +295,14 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
       {head + "[[figur]]\nx = 1\n", "did you mean `figure`"},
       {head + "[[case]]\nname = \"a\"\n[[case]]\nname = \"a\"\n", "taken already"},
       {head + "[[case]]\nname = \"a\"\nset = { \"filter.ordr\" = 3 }\n", "did you mean `order`"},
+      {head + vary("corner.A.angle_deg", "[200, 300]"), "study.toml:4:7: no value of `corner.A.angle_deg` makes a task: "},
       {head + vary("corner.A.angle_deg", "[200, 300]"), "0 < angle_deg <= 180"},
+      {head + vary("corner.A.error_max_um", "[1, 2]") + vary("filter.kind", "[1]"), "study.toml:7:7: no value of `filter.kind` makes a task: "},
+      {head + vary("", "[1]"), "a task key is empty; write for example `corner.*.error_max_um`"},
+      {head + "[[case]]\nname = \"a\"\n[[case]]\nname = \"b\"\nset = { \"corner.A.angle_deg\" = 200 }\n", "study.toml:7:7: `set` of case \"b\" makes no task: "},
+      {head + "method = \"nlp\"\nsolver = \"ipotp\"\n", "study.toml:4:10: unknown solver `ipotp`; did you mean `ipopt`? known are "},
+      {"task = \"bare.toml\"\ncompute = [\"boxcar\", \"given\"]\n", "study.toml:2:11: `given` is of a given filter, and bare.toml has no [filter]"},
+      {"task = \"broken.toml\"\ncompute = [\"boxcar\"]\n" + vary("corner.A.error_max_um", "[1, 2]"), "broken.toml:3:13: "},
       {head + "[[vary]]\nname = \"a\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n[[vary]]\nname = \"a\"\nkey = \"corner.A.heading_deg\"\nvalues = [1]\n", "two variations"},
       // What would be overwritten without a word: a place set twice, a column named twice.
       {head + vary("corner.A.error_max_um", "[1]") + "[[vary]]\nname = \"b\"\nkey = \"corner.0.error_max_um\"\nvalues = [2]\n", "is set by the variation `corner.A.error_max_um` already"},
@@ -276,6 +315,8 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
       {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = nan, count = 3 }\n", "must be finite"},
       {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = -1, to = 1, count = 3, log = true }\n", "above 0"},
   };
+  write(home_ / "bare.toml", "sample_period_ms = 1\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  write(home_ / "broken.toml", "sample_period_ms = 1\n[[corner]]\nangle_deg = 190\nfeed_in_mm_min = 6000\n");
   for (const auto& [text, message] : cases) {
     write(home_ / "study.toml", text);
     const Outcome r = run("study study.toml --out out");

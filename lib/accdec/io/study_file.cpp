@@ -81,6 +81,10 @@ std::string Study::row(std::size_t index, double* method_seconds) const {
     if (method_seconds) *method_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     if (has_shapes(*this)) row["best_shape"] = study::best_shape_of(row);
     for (const StudyRatio& r : ratios) row[r.name] = ratio(row, r);
+    if (const study::Row error = study::error_of(row, computations); !error.is_null()) {
+      row["point"] = "error";
+      row["reason"] = error;
+    }
   } catch (const InputError& error) {
     // Line numbers would be those of the base task, which is not at fault.
     row["point"] = "bad";

@@ -50,10 +50,11 @@ class Study {
   std::vector<std::string> columns() const;
   /// The task of a point. @throws InputError when its values make no task
   Task task(std::size_t index) const;
-  /// A point's line of rows.jsonl. Never throws for a bad point: the row says what is wrong with it.
+  /// A point's line of rows.jsonl. Never throws for a bad point: its column `point` is "bad" where the values make no task, "error" where
+  /// every computation broke off with an error, else "ok"; `reason` says what is wrong.
   /// @param method_seconds  when not null, receives the time spent inside the computations alone
   std::string row(std::size_t index, double* method_seconds = nullptr) const;
-  /// The row of a point that could not be computed.
+  /// The row of a point whose process died or was killed: `point` is "lost".
   std::string lost_row(std::size_t index, const std::string& reason) const;
   /// 16 hexadecimal digits over everything rows depend on; figures, labels and notes do not count.
   const std::string& hash() const { return hash_; }
@@ -66,8 +67,14 @@ class Study {
   std::string hash_;
 };
 
+inline constexpr std::size_t most_probed = 1000;
+
 /// Reads STUDY.toml (see README). Paths of tasks in it are relative to it.
-/// @throws InputError with position: unknown keys with a suggestion, empty axes, columns and computations that do not exist
+/// A point whose values make no task is a row of its own and no fault of the study. A study is refused only if, of one of its cases, none
+/// of up to `most_probed` points makes a task (all points, or as many spread over them) and the reason is the same place for all of them:
+/// the task file, the case's `set`, or one variation, at whose `key` the error then stands.
+/// @throws InputError with position: that, unknown keys and solvers with a suggestion, empty axes, columns and computations that do not
+/// exist, computations of a given filter where no case has one
 Study read_study(const std::string& path);
 
 }  // namespace accdec

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <functional>
+#include <map>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -8,7 +11,9 @@
 #include <accdec/io/study_file.hpp>
 #include <accdec/io/study_tasks.hpp>
 #include <accdec/io/suggestion.hpp>
+#include <accdec/io/task_tree.hpp>
 #include <accdec/io/toml_file.hpp>
+#include <accdec/solvers/solver.hpp>
 #include <accdec/study/compute.hpp>
 
 namespace accdec {
@@ -32,6 +37,7 @@ class StudyReader {
     auto tasks = std::make_shared<Study::Tasks>();
     read_cases(top, *tasks);
     read_variations(top, *tasks);
+    check_filters(top, study, *tasks);
     make_plan(top, study);
     study.tasks_ = tasks;
     check_names(top, study);
@@ -58,13 +64,33 @@ class StudyReader {
     constexpr std::string_view methods[] = {"exact", "nlp"}, isolations[] = {"threads", "processes"};
     const bool nlp = top.word("method", methods).value_or("exact") == "nlp";
     study.design.method = nlp ? Method::nlp : Method::exact;
-    study.design.solver = top.text("solver").value_or(study.design.solver);
+    study.design.solver = read_solver(top).value_or(study.design.solver);
     study.design.time_limit = top.number("time_limit_s", {0.0, 1e6, true}).value_or(60.0);
     study.design.certificate = false;
     // A design may call Ipopt, whose linear solver keeps static state; everything else here is safe in threads.
     const bool designs = std::find(study.computations.begin(), study.computations.end(), "optimum") != study.computations.end();
     const std::string isolation = top.word("isolation", isolations).value_or(designs ? "processes" : "threads");
     study.isolation = isolation == "threads" ? study::Isolation::threads : study::Isolation::processes;
+  }
+
+  static std::optional<std::string> read_solver(const Table& top) {
+    auto given = top.text("solver");
+    if (!given) return given;
+    std::vector<std::string> names;
+    for (const auto& solver : solvers::registry()) names.push_back(solver->name());
+    if (std::find(names.begin(), names.end(), *given) != names.end()) return given;
+    const std::string near = nearest(*given, std::vector<std::string_view>(names.begin(), names.end()));
+    top.fail_at("solver", fmt::format("unknown solver `{}`; {}known are {}", *given, near.empty() ? "" : fmt::format("did you mean `{}`? ", near), fmt::join(names, ", ")));
+  }
+
+  /// Computations of a given filter need one in at least one case, by its task, its `set` or a variation.
+  static void check_filters(const Table& top, const Study& study, const Study::Tasks& tasks) {
+    if (std::any_of(tasks.cases.begin(), tasks.cases.end(), [](const auto& source) { return source.tree.contains("filter"); })) return;
+    for (const std::string& name : study.computations) {
+      if (!study::needs_filter(name)) continue;
+      top.fail_at("compute", fmt::format("`{}` is of a given filter, and {} has no [filter]; add one there, or by the `set` of a case", name,
+                                         tasks.cases.size() == 1 ? tasks.cases.front().path : "no case"));
+    }
   }
 
   static Study::Tasks::Source load(const Table& table, const std::string& given) {
@@ -83,12 +109,19 @@ class StudyReader {
       const auto own = table.text("task");
       if (!own && !base) table.fail("[[case]] needs a `task`, for the study has none");
       tasks.cases.push_back(own ? load(table, *own) : load(top, *base));
-      if (const toml::table* set = table.table("set")) toml_input::apply_settings(*set, path_, tasks.cases.back().tree);
+      settings_.push_back(raw->source().begin);
+      if (const toml::table* set = table.table("set")) {
+        toml_input::apply_settings(*set, path_, tasks.cases.back().tree);
+        settings_.back() = set->source().begin;
+      }
+      bases_.push_back(tasks.cases.back().tree);
       names_.push_back(*name);
     }
     if (!names_.empty()) return;
     if (!base) top.fail("the study needs a base `task`, or [[case]] tables with one each");
     tasks.cases.push_back(load(top, *base));
+    bases_.push_back(tasks.cases.back().tree);
+    settings_.emplace_back();
     names_.emplace_back("");
   }
 
@@ -99,6 +132,7 @@ class StudyReader {
       study::Variation v;
       v.keys = toml_input::strings(table, *raw, "key");
       if (v.keys.empty()) table.fail("[[vary]] needs a `key`, or a list of keys that vary together");
+      places_.push_back(raw->get("key")->source().begin);
       v.name = table.text("name").value_or(v.keys.front());
       if (table.has("values") == table.has("range")) table.fail("[[vary]] needs either `values` or `range`");
       constexpr double most = 1e300;
@@ -250,21 +284,53 @@ class StudyReader {
     }
   }
 
-  /// A mistake in the base task makes every point bad; that is better said now.
-  static void check_points(const Study& study) {
+  /// A mistake that makes every point bad is better said now, at its place; see read_study for the rule.
+  void check_points(const Study& study) const {
     const std::size_t per_case = study.plan().size() / study.plan().cases().size();
     for (std::size_t c = 0; c < study.plan().cases().size(); ++c) {
-      bool any = false;
-      for (const std::size_t i : {per_case - 1, per_case / 2, std::size_t{0}}) {
-        try {
-          study.task(c * per_case + i);
-          any = true;
-          break;
-        } catch (const InputError&) {
-          if (i == 0 && !any) throw;
-        }
+      const auto fault = [&](std::size_t i) { return fault_of([&] { study.task(c * per_case + i); }); };
+      // Nearly always the first will do, and the others need not even be listed.
+      if (!fault(0) || !fault(per_case / 2) || !fault(per_case - 1)) continue;
+      std::vector<InputError> faults;
+      for (const std::size_t i : study::shard(per_case, 1, (per_case + most_probed - 1) / most_probed)) {
+        auto found = fault(i);
+        if (!found) break;
+        faults.push_back(std::move(*found));
       }
+      if (faults.size() >= std::min(per_case, most_probed)) refuse_case(study, c, faults);
     }
+  }
+
+  static std::optional<InputError> fault_of(const std::function<void()>& make) {
+    try {
+      make();
+      return std::nullopt;
+    } catch (const InputError& error) {
+      return error;
+    }
+  }
+
+  /// @throws InputError if one place is at fault in all points
+  void refuse_case(const Study& study, std::size_t c, const std::vector<InputError>& faults) const {
+    const InputError& first = faults.front();
+    const Study::Tasks::Source& source = study.tasks_->cases[c];
+    const auto same = [&](const std::optional<InputError>& other) { return other && other->message() == first.message(); };
+    // Read once more, for copies of a tree know no line numbers.
+    const auto own = fault_of([&] { task_from_tree(toml_input::parse_file(source.path), source.path, "", {}); });
+    if (same(own)) throw *own;
+    const auto with_settings = fault_of([&] { task_from_tree(bases_[c], source.path, "", {}); });
+    if (same(with_settings)) throw InputError(path_, settings_[c].line, settings_[c].column, fmt::format("`set` of case \"{}\" makes no task: {}", names_[c], first.message()));
+    std::map<std::string, std::optional<std::size_t>> known;
+    std::optional<std::size_t> axis;
+    for (const InputError& fault : faults) {
+      const auto [found, added] = known.try_emplace(fault.pointer());
+      if (added) found->second = setter_of(source.tree, study.tasks_->keys, fault.pointer());
+      if (!found->second || (axis && axis != found->second)) return;
+      axis = found->second;
+    }
+    const study::Variation& v = variations_[*axis];
+    throw InputError(path_, places_[*axis].line, places_[*axis].column,
+                     fmt::format("no value of `{}` makes a task{}: {}", fmt::join(v.keys, "`, `"), names_[c].empty() ? "" : fmt::format(" of case \"{}\"", names_[c]), first.message()));
   }
 
   std::string hash(const Study& study, const Study::Tasks& tasks) const {
@@ -282,7 +348,10 @@ class StudyReader {
 
   std::string path_;
   toml::table tree_;
-  std::vector<std::string> names_;
+  std::vector<std::string> names_;                ///< of the cases
+  std::vector<toml::table> bases_;                ///< their tasks before anything is varied
+  std::vector<toml::source_position> settings_;   ///< where their `set` stands
+  std::vector<toml::source_position> places_;     ///< where the variations' `key` stands
   std::vector<study::Variation> variations_;
   std::string sampling_;
 };

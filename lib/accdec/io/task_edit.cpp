@@ -63,6 +63,7 @@ std::string name_of(const toml::table& element, std::string_view list, std::size
 }  // namespace
 
 TaskKey::TaskKey(const std::string& dotted) : dotted_(dotted) {
+  if (dotted.empty()) throw std::invalid_argument("a task key is empty; write for example `corner.*.error_max_um` or `filter.order`");
   std::size_t from = 0;
   for (std::size_t dot; (dot = dotted.find('.', from)) != std::string::npos; from = dot + 1) parts_.push_back(dotted.substr(from, dot - from));
   parts_.push_back(dotted.substr(from));
@@ -137,6 +138,41 @@ void TaskKey::set(toml::table& task, const toml::node& value) const {
                                               : fmt::format("`{}`: the task has no {} `{}`; it has {}, or * for all", dotted_, table, which,
                                                             fmt::join(names, ", ")));
   }
+}
+
+namespace {
+
+/// A copy of what stands at a pointer, in a list of one; empty if nothing does.
+toml::array value_at(const toml::table& task, const std::string& pointer) {
+  const toml::node* node = &task;
+  for (std::size_t from = 1; node && from <= pointer.size();) {
+    const std::size_t to = std::min(pointer.find('/', from), pointer.size());
+    const std::string part = pointer.substr(from, to - from);
+    if (const toml::table* table = node->as_table()) {
+      node = table->get(part);
+    } else if (const toml::array* list = node->as_array()) {
+      const auto index = as_index(part);
+      node = index && *index < list->size() ? list->get(*index) : nullptr;
+    } else {
+      node = nullptr;
+    }
+    from = to + 1;
+  }
+  toml::array value;
+  if (node) value.push_back(*node);
+  return value;
+}
+
+}  // namespace
+
+std::optional<std::size_t> setter_of(const toml::table& task, const std::vector<std::vector<TaskKey>>& lists, const std::string& pointer) {
+  if (pointer.empty()) return std::nullopt;
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    toml::table one = task, other = task;
+    for (const TaskKey& key : lists[i]) key.set(one, 1.0), key.set(other, 2.0);
+    if (value_at(one, pointer) != value_at(other, pointer)) return i;
+  }
+  return std::nullopt;
 }
 
 }  // namespace accdec

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,5 +30,10 @@ class TaskKey {
   std::string dotted_;
   std::vector<std::string> parts_;
 };
+
+/// The first of some lists of keys that sets the value, or anything in the table, at a JSON pointer of a task ("/corner/0/angle_deg").
+/// None for the whole task, "".
+/// @param lists  keys that the task has places for
+std::optional<std::size_t> setter_of(const toml::table& task, const std::vector<std::vector<TaskKey>>& lists, const std::string& pointer);
 
 }  // namespace accdec

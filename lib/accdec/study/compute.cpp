@@ -15,6 +15,8 @@
 namespace accdec::study {
 namespace {
 
+constexpr std::string_view of_the_filter[] = {"delays", "given", "exact-stop", "slow-down"};
+
 /// Twelve digits: what lies beyond is the rounding of unit conversions, and 59.00000000000001 ms reads badly.
 Row number(double x) {
   if (!std::isfinite(x)) return nullptr;
@@ -139,8 +141,12 @@ void compute(Writer& write, const Task& task, std::string_view name, const Desig
 std::vector<std::string_view> computations() {
   std::vector<std::string_view> names{"optimum"};
   for (const Shape shape : standard_shapes) names.push_back(to_string(shape));
-  for (const std::string_view name : {"delays", "given", "exact-stop", "slow-down"}) names.push_back(name);
+  names.insert(names.end(), std::begin(of_the_filter), std::end(of_the_filter));
   return names;
+}
+
+bool needs_filter(std::string_view computation) {
+  return std::find(std::begin(of_the_filter), std::end(of_the_filter), computation) != std::end(of_the_filter);
 }
 
 std::vector<std::string> columns_of(std::string_view computation) {
@@ -165,6 +171,12 @@ void compute_into(Row& row, const Task& task, std::string_view computation, cons
     write("status", "error");
     write("message", std::string(error.what()));
   }
+}
+
+Row error_of(const Row& row, const std::vector<std::string>& computations) {
+  const auto failed = [&](const std::string& name) { return row.at(name + ".status") == "error"; };
+  if (!std::all_of(computations.begin(), computations.end(), failed)) return nullptr;
+  return row.at(computations.front() + ".message");
 }
 
 Row best_shape_of(const Row& row) {

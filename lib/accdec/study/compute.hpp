@@ -24,11 +24,17 @@ using Row = nlohmann::ordered_json;
 /// "shapes" in a study file stands for all standard shapes.
 std::vector<std::string_view> computations();
 
+/// Whether a computation is of the task's own filter and so means nothing without [filter].
+bool needs_filter(std::string_view computation);
+
 /// Columns of one computation, each "NAME.column", in the order rows have them.
 std::vector<std::string> columns_of(std::string_view computation);
 
 /// Computes one name for a task into a row. Exceptions do not pass: they become status "error" and a message.
 void compute_into(Row& row, const Task& task, std::string_view computation, const DesignOptions& options);
+
+/// What went wrong, if every one of these computations ended with status "error" in a row (there is at least one); else null.
+Row error_of(const Row& row, const std::vector<std::string>& computations);
 
 /// The standard shape of the least cycle time in a row ("boxcar"), all that tie joined by "=", or null if none holds.
 Row best_shape_of(const Row& row);
