@@ -9,6 +9,7 @@
 
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <accdec/io/figure_layout.hpp>
@@ -159,6 +160,61 @@ TEST(Figure, DrawsHeatMapsLogAxesAndEmptyPanels) {
   figure.panels.push_back(flat);
   figure.columns = 2;
   expect_well_formed(render_svg(figure));
+}
+
+TEST(Figure, CellsOfAHeatMapReachHalfWayToTheirNeighbours) {
+  EXPECT_THAT(cell_edges({1, 2, 5, 9}, false), ::testing::ElementsAre(0.5, 1.5, 3.5, 7, 11));
+  EXPECT_THAT(cell_edges({1, 100, 1e6}, true), ::testing::Pointwise(::testing::DoubleNear(1e-5), {0.1, 10.0, 1e4, 1e8}));
+  EXPECT_THAT(cell_edges({4}, false), ::testing::ElementsAre(2, 6));
+  // Cells fill the plot: uneven values, logarithmic or not.
+  for (const bool log : {false, true}) {
+    Figure figure;
+    figure.panels.resize(1);
+    figure.panels[0].y.log = log;
+    figure.panels[0].heat_map = HeatMap{{0, 1}, {5, 10, 20, 50, 400}, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, ""};
+    const std::string script = gnuplot_script(figure);
+    const auto edges = cell_edges({5, 10, 20, 50, 400}, log);
+    EXPECT_THAT(script, HasSubstr(fmt::format("set yrange [{:.10g}:{:.10g}] noextend", edges.front(), edges.back())));
+    EXPECT_THAT(script, HasSubstr(fmt::format("\n1 50 0.5 1.5 {:.10g} {:.10g} 8\n", edges[3], edges[4])));
+    expect_well_formed(render_svg(figure));
+  }
+}
+
+TEST(Figure, ColoursOfAHeatMapDarkenAndBeginOffThePaper) {
+  const std::string script = [] {
+    Figure figure;
+    figure.panels.resize(1);
+    figure.panels[0].heat_map = HeatMap{{0, 1}, {0, 1}, {1, 2, 3, 4}, ""};
+    return gnuplot_script(figure);
+  }();
+  // Relative luminance by Rec. 709 of the palette's colours; between them it is linear in the components, which all fall.
+  const auto component = [](const std::string& hex) { return std::pow(std::stoi(hex, nullptr, 16) / 255.0, 2.2); };
+  double before = 0.65;  // paper has 1
+  for (std::size_t at = script.find("set palette"); (at = script.find('#', at + 1)) < script.find('\n', script.find("set palette"));) {
+    const double luminance = 0.2126 * component(script.substr(at + 1, 2)) + 0.7152 * component(script.substr(at + 3, 2)) + 0.0722 * component(script.substr(at + 5, 2));
+    EXPECT_LT(luminance, before);
+    before = luminance - 0.1;
+  }
+  EXPECT_LT(before, 0.0);
+}
+
+TEST(Figure, SaysWhenThereIsNothingToDraw) {
+  Figure figure;
+  figure.panels.resize(2);
+  figure.panels[0].y.log = true;
+  figure.panels[0].series.push_back({"zeros", {0, 1}, {0, -1}, Mark::line, 0});
+  figure.panels[1].series.push_back({"one", {0, 1}, {0, 1}, Mark::line, 0});
+  EXPECT_FALSE(has_data(figure.panels[0]));
+  EXPECT_TRUE(has_data(figure.panels[1]));
+  const std::string svg = render_svg(figure), words = ">no data<";
+  const std::size_t at = svg.find(words);
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(svg.find(words, at + 1), std::string::npos) << "in one panel only";
+  Panel heat;
+  heat.heat_map = HeatMap{{1, 2}, {1, 2}, {NAN, NAN, NAN, NAN}, ""};
+  EXPECT_FALSE(has_data(heat));
+  figure.panels = {heat};
+  EXPECT_THAT(render_svg(figure), HasSubstr(words));
 }
 
 TEST(Figure, SixteenMarkedLinesDifferWithoutColour) {

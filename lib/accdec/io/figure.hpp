@@ -32,7 +32,8 @@ struct Circle {
   double x = 0.0, y = 0.0, radius = 0.0;
   std::string label;
 };
-/// A value at each (x[i], y[j]), values[j * x.size() + i]; x and y evenly spaced, at least 2 each.
+/// A value at each (x[i], y[j]), values[j * x.size() + i]; x and y rising, at least one each, positive where the panel's scale is
+/// logarithmic. A cell reaches half-way to its neighbours, as the scale measures; where a value is not finite the paper shows.
 struct HeatMap {
   std::vector<double> x, y, values;
   std::string label;
@@ -75,9 +76,13 @@ struct Figure {
   int panel_height = 300;  ///< px, at least
 };
 
+/// Whether there is anything to draw: of series, heat map, coloured lines and circles, a point that is finite, and positive where the scale
+/// is logarithmic. A panel that has none is drawn with the words "no data".
+bool has_data(const Panel& panel);
+
 /// The figure as a gnuplot script for its SVG terminal. Titles are data: whatever they hold, gnuplot draws it and executes nothing.
-/// @throws std::invalid_argument if a series' or piece's x and y differ in length, a heat map has wrong sizes or stands beside coloured
-///         lines, or there is no panel.
+/// @throws std::invalid_argument if a series' or piece's x and y differ in length, a heat map has wrong sizes x or y that do not rise
+///         or stands beside coloured lines, or there is no panel.
 std::string gnuplot_script(const Figure& figure);
 
 /// The figure as SVG, the same bytes for the same figure. @throws std::runtime_error if gnuplot is missing or fails.

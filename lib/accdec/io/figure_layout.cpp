@@ -172,6 +172,34 @@ std::vector<Tick> log_ticks(double low, double high, double pixels, double room)
   return ticks;
 }
 
+std::vector<double> cell_edges(const std::vector<double>& values, bool log) {
+  std::vector<double> at, edges;
+  for (const double v : values) at.push_back(log ? std::log10(v) : v);
+  const double lone = log || at.front() == 0.0 ? 0.5 : 0.5 * std::abs(at.front());  // half the width of a cell without neighbours
+  edges.push_back(at.size() > 1 ? 1.5 * at[0] - 0.5 * at[1] : at[0] - lone);
+  for (std::size_t i = 1; i < at.size(); ++i) edges.push_back(0.5 * (at[i - 1] + at[i]));
+  edges.push_back(2.0 * at.back() - edges.back());
+  if (log) {
+    for (double& e : edges) e = std::pow(10.0, e);
+  }
+  return edges;
+}
+
+bool has_data(const Panel& panel) {
+  const auto shown = [](const Scale& scale, double v) { return std::isfinite(v) && (!scale.log || v > 0.0); };
+  const auto any = [&](const auto& lines) {
+    for (const auto& l : lines) {
+      for (std::size_t i = 0; i < l.x.size(); ++i) {
+        if (shown(panel.x, l.x[i]) && shown(panel.y, l.y[i])) return true;
+      }
+    }
+    return false;
+  };
+  if (any(panel.series) || !panel.circles.empty() || (panel.coloured && any(panel.coloured->pieces))) return true;
+  if (!panel.heat_map) return false;
+  return std::any_of(panel.heat_map->values.begin(), panel.heat_map->values.end(), [](double v) { return std::isfinite(v); });
+}
+
 PageLayout layout(const Figure& figure) {
   if (figure.panels.empty() || figure.columns < 1) throw std::invalid_argument("a figure needs at least one panel and one column");
   const std::size_t count = figure.panels.size(), columns = std::min(static_cast<std::size_t>(figure.columns), count), rows = (count + columns - 1) / columns;

@@ -35,6 +35,10 @@ struct Tick {
 /// along it (0: as wide as they are). None: ticks at every decade with plain labels fit.
 std::vector<Tick> log_ticks(double low, double high, double pixels, double room);
 
+/// Edges of the cells around rising values: half-way between neighbours, in the logarithm if asked (then all > 0), and as far beyond the
+/// first and the last. One more than values, of which there is at least one.
+std::vector<double> cell_edges(const std::vector<double>& values, bool log);
+
 /// Where a panel's parts are, px from the page's top left corner.
 struct PanelLayout {
   double x = 0.0, y = 0.0, width = 0.0, height = 0.0;   ///< panel with legend and labels

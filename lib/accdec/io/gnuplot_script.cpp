@@ -72,9 +72,8 @@ std::pair<Range, Range> ranges(const Panel& panel) {
     }
   }
   if (panel.heat_map) {
-    const HeatMap& map = *panel.heat_map;
-    const double dx = 0.5 * (map.x[1] - map.x[0]), dy = 0.5 * (map.y[1] - map.y[0]);
-    x.add(map.x.front() - dx), x.add(map.x.back() + dx), y.add(map.y.front() - dy), y.add(map.y.back() + dy);
+    for (const double edge : cell_edges(panel.heat_map->x, panel.x.log)) x.add(edge);
+    for (const double edge : cell_edges(panel.heat_map->y, panel.y.log)) y.add(edge);
   }
   const auto finish = [&](Range& range, const Scale& scale, double air) {
     if (scale.log) {  // decades: positive data only
@@ -120,8 +119,11 @@ void check(const Panel& panel) {
   }
   if (panel.heat_map) {
     const HeatMap& map = *panel.heat_map;
-    if (map.x.size() < 2 || map.y.size() < 2 || map.values.size() != map.x.size() * map.y.size()) {
-      throw std::invalid_argument("a heat map needs at least 2 x 2 values, one for each x and y");
+    const auto fit = [](const std::vector<double>& v, const Scale& scale) {
+      return !v.empty() && std::is_sorted(v.begin(), v.end(), std::less_equal<>()) && (!scale.log || v.front() > 0.0);
+    };
+    if (!fit(map.x, panel.x) || !fit(map.y, panel.y) || map.values.size() != map.x.size() * map.y.size()) {
+      throw std::invalid_argument("a heat map needs rising x and y, positive on a logarithmic scale, and a value for each pair");
     }
   }
 }
@@ -239,7 +241,7 @@ class Writer {
       return name;
     };
     const auto title = [](const std::string& label) { return label.empty() ? std::string("notitle") : "title " + quoted(legend_label(label)); };
-    if (panel.heat_map) items.push_back(heat(*panel.heat_map));
+    if (panel.heat_map && has_data(panel)) items.push_back(heat(*panel.heat_map, panel.x.log, panel.y.log));
     if (panel.coloured) items.push_back(coloured(*panel.coloured));
     for (const Series& s : panel.series) {
       if (s.x.empty()) continue;
@@ -265,8 +267,9 @@ class Writer {
     for (const Band& band : panel.bands) {
       if (!band.label.empty()) items.push_back(fmt::format("NaN with lines lc rgb '#d4d4d4' lw 9 {}", title(band.label)));
     }
+    if (!has_data(panel)) line("set label 2 'no data' at graph 0.5,0.5 center font 'DejaVu Sans,15' tc rgb '#606060'");
     if (items.empty()) items.push_back(fmt::format("{} using 1:2 with dots notitle", data({x.low}, {y.low})));
-    text += "plot " + fmt::format("{}", fmt::join(items, ", \\\n  ")) + "\n";
+    text += "plot " + fmt::format("{}", fmt::join(items, ", \\\n  ")) + "\nunset label 2\n";
   }
 
   template <typename Data, typename Title>
@@ -282,21 +285,22 @@ class Writer {
   }
 
   /// Rectangles rather than an image, which gnuplot would put into a file of its own.
-  std::string heat(const HeatMap& map) {
+  std::string heat(const HeatMap& map, bool log_x, bool log_y) {
     const std::string name = fmt::format("$d{}", ++block_);
     text += name + " << END_OF_DATA\n";
-    const double dx = 0.5 * (map.x[1] - map.x[0]), dy = 0.5 * (map.y[1] - map.y[0]);
+    const std::vector<double> x = cell_edges(map.x, log_x), y = cell_edges(map.y, log_y);
     for (std::size_t j = 0; j < map.y.size(); ++j) {
       for (std::size_t i = 0; i < map.x.size(); ++i) {
-        text += number(map.x[i]) + " " + number(map.y[j]) + " " + number(map.values[j * map.x.size() + i]) + "\n";
+        text += fmt::format("{} {} {} {} {} {} {}\n", number(map.x[i]), number(map.y[j]), number(x[i]), number(x[i + 1]), number(y[j]), number(y[j + 1]),
+                            number(map.values[j * map.x.size() + i]));
       }
     }
     text += "END_OF_DATA\n";
-    // Light to dark through one hue: lightness alone carries the value.
-    line("set palette defined (0 '#fdf6e3', 0.35 '#f2b26b', 0.65 '#b5523a', 1 '#2b0f3a')");
+    // Light to dark, so that lightness alone carries the value, and at its lightest well off the paper, which means no value.
+    line("set palette defined (0 '#e6bd72', 0.35 '#dd8a4a', 0.65 '#a9443a', 1 '#2b0f3a')");
     line("set colorbox\nset cbrange [*:*]");
     line("set cblabel {} offset 0.4,0", quoted(map.label));
-    return fmt::format("{} using 1:2:({}):({}):3 with boxxyerror fc palette fs solid noborder notitle", name, number(dx), number(dy));
+    return fmt::format("{} using 1:2:3:4:5:6:7 with boxxyerror fc palette fs solid noborder notitle", name);
   }
 
   /// Pieces are set apart by empty lines.

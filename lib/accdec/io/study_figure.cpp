@@ -103,27 +103,23 @@ void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& tabl
 }
 
 void add_heat(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
-  const auto place = [](double v, bool log) { return log ? std::log10(v) : v; };
+  const auto &x = table.numbers(figure.x), &y = table.numbers(figure.y.front());
   std::set<double> xs, ys;
   for (const std::size_t i : rows) {
-    xs.insert(place(table.numbers(figure.x)[i], figure.log_x));
-    ys.insert(place(table.numbers(figure.y.front())[i], figure.log_y));
+    if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
+    xs.insert(x[i]);
+    ys.insert(y[i]);
   }
+  if (xs.empty()) return;
   HeatMap map;
   map.x.assign(xs.begin(), xs.end());
   map.y.assign(ys.begin(), ys.end());
   map.label = figure.z_label;
   map.values.assign(map.x.size() * map.y.size(), std::nan(""));
   for (const std::size_t i : rows) {
-    const auto column = std::distance(xs.begin(), xs.find(place(table.numbers(figure.x)[i], figure.log_x)));
-    const auto line = std::distance(ys.begin(), ys.find(place(table.numbers(figure.y.front())[i], figure.log_y)));
+    if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
+    const auto column = std::distance(xs.begin(), xs.find(x[i])), line = std::distance(ys.begin(), ys.find(y[i]));
     map.values[static_cast<std::size_t>(line) * map.x.size() + static_cast<std::size_t>(column)] = table.numbers(figure.z)[i];
-  }
-  if (map.x.size() < 2 || map.y.size() < 2) return;
-  // The map itself is drawn over the logarithm, so the axes must not take it again.
-  for (Scale* scale : {&panel.x, &panel.y}) {
-    if (scale->log) scale->label = "log10 of " + scale->label;
-    scale->log = false;
   }
   panel.heat_map = std::move(map);
 }
