@@ -145,19 +145,22 @@ std::vector<Tick> log_ticks(double low, double high, double pixels, double room)
   const double decade = pixels / (std::log10(high) - std::log10(low));
   const auto plain = [](double value) { return fmt::format("{:g}", value); };
   std::vector<Tick> ticks;
-  if (last - first < 1.0) {  // fewer than two decades: 1, 2, 5, or all digits where that is too few
-    for (const bool all : {false, true}) {
+  if (last - first < 2.0) {  // powers of ten would be too few
+    for (const std::string_view digits : {"125", "15", "13", "123456789"}) {
       ticks.clear();
-      for (double exponent = first - 1.0; exponent <= last + 1.0; ++exponent) {
-        for (int digit = 1; digit < 10; ++digit) {
-          const double value = digit * std::pow(10.0, exponent);
-          if (value < low * (1.0 - slack) || value > high * (1.0 + slack) || (!all && digit != 1 && digit != 2 && digit != 5)) continue;
+      bool fit = true;
+      for (double exponent = first - 1.0; exponent <= last; ++exponent) {
+        for (const char digit : digits) {
+          const double value = (digit - '0') * std::pow(10.0, exponent);
+          if (value < low * (1.0 - slack) || value > high * (1.0 + slack)) continue;
+          const double needed = room > 0.0 ? room : 0.5 * text_width(plain(value)) + (ticks.empty() ? 0.0 : 0.5 * text_width(ticks.back().label)) + air;
+          fit = fit && (ticks.empty() || decade * std::log10(value / ticks.back().value) >= needed);
           ticks.push_back({value, plain(value)});
         }
       }
-      if (ticks.size() >= 2) return ticks;
+      if (fit && ticks.size() >= 2) return ticks;
     }
-    return {};
+    if (last < first) return {};
   }
   double widest = 0.0;
   for (double e = first; e <= last; ++e) widest = std::max(widest, room > 0.0 ? room : text_width(plain(std::pow(10.0, e))) + air);

@@ -32,7 +32,7 @@ struct Tick {
 };
 
 /// Ticks of a logarithmic axis from `low` to `high` (0 < low < high) that is `pixels` long and whose labels need `room` px each at most
-/// along it (0: as wide as they are). None: ticks at every decade with plain labels fit.
+/// along it (0: as wide as they are). None: gnuplot's, at every decade, fit.
 std::vector<Tick> log_ticks(double low, double high, double pixels, double room);
 
 /// Edges of the cells around rising values: half-way between neighbours, in the logarithm if asked (then all > 0), and as far beyond the

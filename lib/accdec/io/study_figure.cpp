@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/io/figure_layout.hpp>
 #include <accdec/io/study_report.hpp>
 
 namespace accdec {
@@ -100,6 +101,20 @@ void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& tabl
     }
     panel.series.push_back(std::move(s));
   }
+  // Half a step around them, so that no symbol lies on the frame.
+  const auto frame = [&](Scale& scale, const std::string& column) {
+    std::set<double> values;
+    for (const std::size_t i : rows) {
+      const double v = table.numbers(column)[i];
+      if (std::isfinite(v) && (!scale.log || v > 0.0)) values.insert(v);
+    }
+    if (values.empty()) return;
+    const std::vector<double> edges = cell_edges({values.begin(), values.end()}, scale.log);
+    scale.min = edges.front();
+    scale.max = edges.back();
+  };
+  frame(panel.x, figure.x);
+  frame(panel.y, figure.y.front());
 }
 
 void add_heat(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
