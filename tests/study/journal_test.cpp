@@ -55,6 +55,32 @@ TEST(Journal, CutAtAnyByteItLosesOnlyTheTornLine) {
   }
 }
 
+TEST(Journal, WhatStandsBeforeANewBeginningIsVoid) {
+  const std::string path = fresh_path("anew");
+  {
+    Journal journal(path, "s");
+    journal.append(1, {0.5, R"({"old":1})"});
+    EXPECT_FALSE(journal.anew());
+    journal.begin_anew();
+    EXPECT_TRUE(journal.anew());
+    EXPECT_TRUE(journal.entries().empty());
+    journal.append(2, {0.5, R"({"new":2})"});
+  }
+  {
+    Journal again(path, "s");
+    EXPECT_TRUE(again.anew());
+    ASSERT_EQ(again.entries().size(), 1u);
+    EXPECT_EQ(again.entries().at(2).row, R"({"new":2})");
+  }
+  EXPECT_EQ(read_journal(path, "s").count(1), 0u);
+  // A mark torn by a kill is cut off: that run had not begun.
+  const std::string whole = content(path);
+  set_content(path, whole.substr(0, whole.find("anew\n") + 4));
+  Journal torn(path, "s");
+  EXPECT_FALSE(torn.anew());
+  EXPECT_EQ(torn.entries().count(1), 1u);
+}
+
 TEST(Journal, RefusesOtherStudiesAndOtherFilesAndLeavesThemAlone) {
   const std::string path = fresh_path("other");
   { Journal journal(path, "s1"); }

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -40,6 +41,25 @@ angle_deg = 90
 feed_in_mm_min = 6000
 error_max_um = 50
 )");
+  }
+
+  std::ptrdiff_t journal_lines(const std::string& folder) const {
+    const std::string journal = content(home_ / folder / "study.journal");
+    return std::count(journal.begin(), journal.end(), '\n');
+  }
+
+  /// Kills the run once its journal has grown by so many lines. Whether there was still a run to kill.
+  bool killed_after(const std::string& arguments, const std::string& folder, std::ptrdiff_t lines) {
+    const auto before = journal_lines(folder);
+    const pid_t child = start(arguments);
+    int status = 0;
+    while (journal_lines(folder) < before + lines) {
+      if (::waitpid(child, &status, WNOHANG) != 0) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ::kill(child, SIGKILL);
+    ::waitpid(child, &status, 0);
+    return WIFSIGNALED(status);
   }
 
   /// Writes study.toml: 4 x `count` points of everything cheap.
@@ -125,20 +145,8 @@ TEST_F(StudyCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
   ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
   int kills = 0;
   for (int attempt = 0; attempt < 12 && kills < 3; ++attempt) {
-    const pid_t child = start("study study.toml --out killed --workers 1");
-    const auto entries = [&] {
-      const std::string journal = content(home_ / "killed/study.journal");
-      return std::count(journal.begin(), journal.end(), '\n');
-    };
-    const auto before = entries();
-    int status = 0;
-    while (entries() < before + 20 && ::waitpid(child, &status, WNOHANG) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    if (status == 0 && ::waitpid(child, &status, WNOHANG) == 0) {
-      ::kill(child, SIGKILL);
-      ::waitpid(child, &status, 0);
-    }
-    if (WIFSIGNALED(status)) ++kills;
-    if (WIFEXITED(status)) break;
+    if (!killed_after("study study.toml --out killed --workers 1", "killed", 20)) break;
+    ++kills;
   }
   EXPECT_GE(kills, 1);
   EXPECT_FALSE(fs::exists(home_ / "killed/report.html"));
@@ -147,6 +155,54 @@ TEST_F(StudyCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
   EXPECT_THAT(last.output, Not(HasSubstr("240 computed"))) << "what was done before the kill is not done again";
   expect_same_results("whole", "killed");
   EXPECT_THAT(run("study study.toml --out killed").output, HasSubstr("240 points: 0 computed"));
+}
+
+TEST_F(StudyCommand, AKilledFreshRunGoesOnWithoutFreshAndTakesNothingOld) {
+  study(60);
+  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
+  ASSERT_EQ(run("study study.toml --out out").exit_code, 0);
+  // Rows that tell where they come from: whatever is taken from the old results keeps the mark.
+  std::string rows = content(home_ / "out/rows.jsonl");
+  for (std::size_t at = 0; (at = rows.find("\"point\":\"ok\"", at)) != std::string::npos; at += 20) rows.insert(at, "\"old\":1,");
+  write(home_ / "out/rows.jsonl", rows);
+  ASSERT_TRUE(killed_after("study study.toml --out out --fresh --workers 1", "out", 80));
+  EXPECT_EQ(content(home_ / "out/rows.jsonl"), rows) << "the old results stay until the new ones are complete";
+  // Killed once more on the way, and begun anew once more: only the last beginning counts.
+  ASSERT_TRUE(killed_after("study study.toml --out out --workers 1", "out", 20));
+  const auto done = journal_lines("out") - 2;  // but for the header and the mark
+  EXPECT_GE(done, 90);
+  const Outcome rest = run("study study.toml --out out");
+  ASSERT_EQ(rest.exit_code, 0) << rest.output;
+  EXPECT_THAT(rest.output, HasSubstr(fmt::format("240 points: {} computed", 240 - done)));
+  expect_same_results("whole", "out");
+  ASSERT_TRUE(killed_after("study study.toml --out out --fresh --workers 1", "out", 80));
+  EXPECT_THAT(run("study study.toml --out out --fresh").output, HasSubstr("240 points: 240 computed"));
+  EXPECT_THAT(run("study study.toml --out out").output, HasSubstr("240 points: 0 computed"));
+  expect_same_results("whole", "out");
+}
+
+TEST_F(StudyCommand, PointsLostWithTheirProcessAreComputedByTheNextRun) {
+  study(60, "isolation = \"processes\"");
+  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
+  const pid_t child = start("study study.toml --out out --workers 2");
+  int killed = 0, status = 0;
+  while (killed < 2 && ::waitpid(child, &status, WNOHANG) == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::istringstream children(content(fmt::format("/proc/{0}/task/{0}/children", child)));
+    pid_t worker = 0;
+    if (journal_lines("out") > 5 * (killed + 1) && children >> worker && ::kill(worker, SIGKILL) == 0) ++killed;
+  }
+  if (status == 0) ::waitpid(child, &status, 0);
+  ASSERT_GE(killed, 1);
+  const std::string rows = content(home_ / "out/rows.jsonl");
+  std::size_t lost = 0;
+  for (std::size_t at = 0; (at = rows.find("\"point\":\"lost\"", at)) != std::string::npos; ++at) ++lost;
+  ASSERT_GE(lost, 1u);
+  EXPECT_THAT(content(home_ / "log"), HasSubstr(fmt::format("{} of them were lost", lost)));
+  const Outcome again = run("study study.toml --out out");
+  EXPECT_THAT(again.output, HasSubstr(fmt::format("240 points: {} computed", lost)));
+  EXPECT_THAT(again.output, Not(HasSubstr("lost")));
+  expect_same_results("whole", "out");
 }
 
 TEST_F(StudyCommand, ShardsMergeToTheSameAndSoDoThreadsAndProcesses) {

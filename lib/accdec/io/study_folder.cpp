@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <numeric>
 #include <stdexcept>
 
@@ -49,6 +48,13 @@ void drop_damaged(Entries& entries, const Study& study) {
     const auto& [index, entry] = item;
     return index >= study.plan().size() || !entry.row.starts_with(fmt::format(R"({{"index":{},)", index)) || !nlohmann::json::accept(entry.row);
   });
+}
+
+/// Whether the process that computed a point died: what killed it (memory, a signal) need not be there the next time.
+bool lost(const study::Entry& entry) { return entry.row.find(R"("point":"lost")") != std::string::npos; }
+
+void drop_lost(Entries& entries) {
+  std::erase_if(entries, [](const auto& item) { return lost(item.second); });
 }
 
 /// Rows of finished results.
@@ -95,14 +101,25 @@ std::size_t count_bad(const Entries& entries) {
   return bad;
 }
 
+std::size_t count_lost(const Entries& entries) {
+  return static_cast<std::size_t>(std::count_if(entries.begin(), entries.end(), [](const auto& item) { return lost(item.second); }));
+}
+
 Entries collect_shards(const Study& study, const std::vector<std::string>& folders) {
-  Entries all;
+  Entries all, without;
   for (const std::string& folder : folders) {
     if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: no folder to merge", folder));
     for (const auto& item : fs::directory_iterator(folder)) {
-      if (item.path().extension() == ".journal") all.merge(study::read_journal(item.path().string(), identity(study)));
+      if (item.path().extension() != ".journal") continue;
+      Entries part = study::read_journal(item.path().string(), identity(study));
+      for (const auto& [index, entry] : part) {
+        if (lost(entry)) without.emplace(index, entry);
+      }
+      drop_lost(part);
+      all.merge(part);
     }
   }
+  all.merge(without);  // points lost in one shard's folder may have been computed in another
   drop_damaged(all, study);
   if (all.size() != study.plan().size()) {
     std::size_t first = 0;
@@ -115,7 +132,7 @@ Entries collect_shards(const Study& study, const std::vector<std::string>& folde
 
 StudySummary merge(const Study& study, const StudyRunOptions& options, Clock::time_point began) {
   const Entries all = collect_shards(study, options.merge);
-  StudySummary summary{.points = all.size(), .found = all.size(), .bad = count_bad(all), .finished = true};
+  StudySummary summary{.points = all.size(), .found = all.size(), .bad = count_bad(all), .lost = count_lost(all), .finished = true};
   create_results_folder(options.out);
   // Says whose folder this is until the manifest does, should a kill fall between.
   const std::string journal_path = (fs::path(options.out) / "study.journal").string();
@@ -144,14 +161,12 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   const fs::path folder = options.out;
   const std::string journal_path = (folder / (whole ? "study.journal" : fmt::format("shard-{}-of-{}.journal", options.shard, options.shards))).string();
   create_results_folder(options.out);
-  if (options.fresh) {
-    study::Journal(journal_path, identity(study));  // refuses, as ever, what is not ours or in use
-    fs::remove(journal_path);
-  }
-  auto journal = std::make_unique<study::Journal>(journal_path, identity(study));
-  Entries entries = journal->entries();
+  study::Journal journal(journal_path, identity(study));
+  if (options.fresh) journal.begin_anew();
+  Entries entries = journal.entries();
   drop_damaged(entries, study);
-  if (whole && !options.fresh) entries.merge(finished_rows(folder, study));
+  if (whole && !journal.anew()) entries.merge(finished_rows(folder, study));
+  drop_lost(entries);
 
   std::vector<std::size_t> missing;
   for (const std::size_t i : share) {
@@ -167,7 +182,7 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
       missing, [&](std::size_t i) { return timed_row(study, i); }, [&](std::size_t i, const std::string& why) { return study.lost_row(i, why); },
       [&](std::size_t i, const study::Entry& timed) {
         const study::Entry entry = without_time(timed);
-        journal->append(i, entry);
+        journal.append(i, entry);
         summary.method_time += entry.seconds;
         entries[i] = entry;
         ++progress.done;
@@ -177,6 +192,7 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
       run);
   summary.wall_time = study::seconds_since(began);
   summary.bad = count_bad(entries);
+  summary.lost = count_lost(entries);
   if (!whole) return summary;
   write_results(study, entries, options, began, summary);
   // The rows are safe now; a kill just before this line costs nothing but the reading of a journal that says the same.

@@ -17,6 +17,7 @@ namespace accdec::study {
 namespace {
 
 constexpr std::string_view magic = "accdec.study.journal/1 ";
+constexpr std::string_view mark = "anew";  ///< the line with which a run begins anew
 
 /// "INDEX SECONDS ROW"; a row is JSON and so has no line feed. Nothing if the line is not of this form.
 std::optional<std::pair<std::size_t, Entry>> parse_line(std::string_view line) {
@@ -34,6 +35,7 @@ std::optional<std::pair<std::size_t, Entry>> parse_line(std::string_view line) {
 
 struct Content {
   std::map<std::size_t, Entry> entries;
+  bool anew = false;
   std::size_t whole = 0;  ///< bytes up to the end of the last whole line
 };
 
@@ -48,9 +50,15 @@ Content parse(const std::string& path, const std::string& text, const std::strin
   while (true) {
     const std::size_t end = text.find('\n', content.whole);
     if (end == std::string::npos) return content;
-    auto line = parse_line(std::string_view(text).substr(content.whole, end - content.whole));
-    if (!line) throw JournalError(fmt::format("{}: damaged at byte {}; it is left as it is", path, content.whole));
-    content.entries.insert_or_assign(line->first, std::move(line->second));
+    const std::string_view line = std::string_view(text).substr(content.whole, end - content.whole);
+    if (line == mark) {
+      content.entries.clear();
+      content.anew = true;
+    } else if (auto entry = parse_line(line)) {
+      content.entries.insert_or_assign(entry->first, std::move(entry->second));
+    } else {
+      throw JournalError(fmt::format("{}: damaged at byte {}; it is left as it is", path, content.whole));
+    }
     content.whole = end + 1;
   }
 }
@@ -93,6 +101,7 @@ Journal::Journal(std::string path, const std::string& study) : path_(std::move(p
     if (::ftruncate(file_, static_cast<off_t>(content.whole)) != 0) throw JournalError(fmt::format("{}: {}", path_, std::strerror(errno)));
     if (content.whole == 0) write_all(file_, path_, fmt::format("{}{}\n", magic, study));
     entries_ = std::move(content.entries);
+    anew_ = content.anew;
   } catch (...) {
     ::close(file_);
     throw;
@@ -103,6 +112,12 @@ Journal::~Journal() { ::close(file_); }
 
 void Journal::append(std::size_t index, const Entry& entry) {
   write_all(file_, path_, fmt::format("{} {} {}\n", index, entry.seconds, entry.row));
+}
+
+void Journal::begin_anew() {
+  write_all(file_, path_, fmt::format("{}\n", mark));
+  entries_.clear();
+  anew_ = true;
 }
 
 std::map<std::size_t, Entry> read_journal(const std::string& path, const std::string& study) {

@@ -20,7 +20,8 @@ struct Entry {
 
 /// Append-only record of the points of a study that are done. Every entry is one line, written with one system call as soon as it
 /// is there, so that whatever kills the process leaves whole lines and at most one torn one at the end, which the next opening cuts
-/// off. The file is locked while open: two processes cannot append to the same one.
+/// off. The file is locked while open: two processes cannot append to the same one. A run that computes all anew begins with a mark, and
+/// what stands before the last mark is void.
 class Journal {
  public:
   /// Opens or creates. @param study  identifies what is computed (no line feeds); a journal begun for anything else is refused.
@@ -30,7 +31,13 @@ class Journal {
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  /// Entries found when opening.
+  /// Voids all entries, here and for whoever opens the journal later.
+  /// @throws JournalError as append does
+  void begin_anew();
+  /// Whether the entries are of a run that began anew: then nothing older may stand in for the points they lack.
+  bool anew() const { return anew_; }
+
+  /// Entries found when opening, since the last mark.
   const std::map<std::size_t, Entry>& entries() const { return entries_; }
   /// @throws JournalError if the disk does not take it.
   void append(std::size_t index, const Entry& entry);
@@ -38,6 +45,7 @@ class Journal {
  private:
   std::string path_;
   int file_ = -1;
+  bool anew_ = false;
   std::map<std::size_t, Entry> entries_;
 };
 
