@@ -15,6 +15,12 @@ namespace {
 /// Uniform in [0, 1) from the 53 high bits: unlike the library's distributions the same with every standard library.
 double uniform(std::mt19937_64& rng) { return static_cast<double>(rng() >> 11) * 0x1p-53; }
 
+/// 0 .. size - 1 in random order (Fisher-Yates); what std::shuffle does is left to the library.
+void shuffle(std::vector<std::size_t>& order, std::mt19937_64& rng) {
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[static_cast<std::size_t>(uniform(rng) * static_cast<double>(i))]);
+}
+
 double between(const Variation& v, double t) {
   const double from = v.values.front(), to = v.values.back();
   return v.logarithmic ? std::exp(std::log(from) + t * (std::log(to) - std::log(from))) : from + t * (to - from);
@@ -37,10 +43,7 @@ Plan::Plan(std::vector<std::string> cases, std::vector<Variation> variations, Sa
     std::mt19937_64 rng(seed);
     for (const Variation& v : variations_) {
       std::vector<std::size_t> strata(samples);
-      std::iota(strata.begin(), strata.end(), std::size_t{0});
-      for (std::size_t i = samples; i > 1; --i) {
-        std::swap(strata[i - 1], strata[static_cast<std::size_t>(uniform(rng) * static_cast<double>(i))]);
-      }
+      shuffle(strata, rng);
       std::vector<double>& column = hypercube_.emplace_back();
       for (const std::size_t stratum : strata) {
         const double t = (static_cast<double>(stratum) + uniform(rng)) / static_cast<double>(samples);
@@ -90,7 +93,13 @@ std::vector<double> spread(double from, double to, std::size_t count, bool logar
 std::vector<std::size_t> shard(std::size_t size, std::size_t number, std::size_t count) {
   if (number < 1 || number > count) throw std::invalid_argument(fmt::format("shard {}/{} does not exist; allowed is 1/{} to {}/{}", number, count, count, count, count));
   std::vector<std::size_t> indices;
-  for (std::size_t i = number - 1; i < size; i += count) indices.push_back(i);
+  std::mt19937_64 rng(1);
+  std::vector<std::size_t> deal;
+  for (std::size_t from = 0; from < size; from += deal.size()) {
+    deal.resize(std::min(count, size - from));  // of the last few points the first shards get one each
+    shuffle(deal, rng);
+    if (number <= deal.size()) indices.push_back(from + deal[number - 1]);
+  }
   return indices;
 }
 
