@@ -39,7 +39,7 @@ void run(Options& options, Context& context) {
   context.exit_code = s.contradictions == 0 ? exit_ok : exit_no_answer;
   if (s.contradictions > 0) fmt::print(stderr, "{} contradictions between answers, proofs and the suite: see report.html\n", s.contradictions);
   if (context.quiet) return;
-  fmt::print("{}\n{} problems, {} runs: {} entries computed in {:.1f} s ({:.2f} % bookkeeping), {} found\nResults: {}/report.html, raw.jsonl, tables in CSV, figures, manifest.json\n",
+  fmt::print("{}\n{} problems, {} runs: {} entries computed in {:.1f} s ({:.2f} % bookkeeping), {} from an earlier run\nResults: {}/report.html, raw.jsonl, tables in CSV, figures, manifest.json\n",
              suite.settings.title, s.problems, s.runs, s.computed, s.wall_time, 100.0 * s.bookkeeping, s.found, options.run.out);
 }
 

@@ -187,6 +187,16 @@ TEST(ComparisonRun, OneSolverInBothForms) {
   EXPECT_NE(reduced["evaluations"], sparse["evaluations"]);
 }
 
+// The reduced form has no second derivatives, whoever would use them.
+TEST(ComparisonRun, SaysWhatIsUsed) {
+  const Comparison c(settings({"ipopt", "ipopt/reduced", "nlopt-cobyla"}), {boxcar_case(41, 10)});
+  const Row solvers = c.header()["solvers"];
+  EXPECT_EQ(solvers[0]["uses"], "second derivatives");
+  EXPECT_EQ(solvers[1]["uses"], "first derivatives");
+  EXPECT_EQ(solvers[1]["solver"], "ipopt");
+  EXPECT_EQ(solvers[2]["uses"], "values");
+}
+
 TEST(ComparisonRun, DesignsStartWhereToldAndAreCounted) {
   CaseSpec spec = boxcar_case(41, 0);
   spec.task.machine.axes[0].acceleration_max = spec.task.machine.axes[1].acceleration_max = 0.1 / 20e-3;

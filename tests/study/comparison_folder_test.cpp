@@ -133,7 +133,7 @@ TEST_F(CompareCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
   const auto done = lines() - 1;
   const Outcome last = run("compare suite.toml --out out");
   ASSERT_EQ(last.exit_code, 0) << last.output;
-  EXPECT_THAT(last.output, HasSubstr(fmt::format("{} found", done))) << "what was done before the kill is not done again";
+  EXPECT_THAT(last.output, HasSubstr(fmt::format("{} from an earlier run", done))) << "what was done before the kill is not done again";
   const std::string raw = content(home_ / "out/raw.jsonl");
   EXPECT_THAT(run("compare suite.toml --out out").output, HasSubstr(": 0 entries computed"));
   EXPECT_EQ(content(home_ / "out/raw.jsonl"), raw);
@@ -160,6 +160,13 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   suite("\"ipopt\"");
   write(home_ / "suite.toml", content(home_ / "suite.toml") + "[[problem]]\nname = \"x\"\ntask = \"task.toml\"\norder = 5\nformulation = \"least\"\n");
   refuse("compare suite.toml --out none", "unknown formulation \"least\"; allowed are margin, delay, design");
+  suite("\"ipopt\"", "sizes = [1, 2, 1]");
+  refuse("compare suite.toml --out none", "suite.toml:7:9: size 1 stands twice");
+  suite("\"ipopt\"");
+  write(home_ / "suite.toml", content(home_ / "suite.toml") + "set = { \"corner.*.error_max_um\" = -1 }\n");
+  refuse("compare suite.toml --out none", "suite.toml:20:7: the task with these keys set: ");
+  suite("\"ipopt\"");
+  EXPECT_THAT(run("compare suite.toml --out /proc/none").output, HasSubstr("/proc/none: cannot be created: "));
   refuse("compare suite.toml", "--out DIR");
   refuse("compare --redraw none", "no raw data");
   fs::create_directories(home_ / "mine");
@@ -177,9 +184,14 @@ TEST_F(CompareCommand, OtherSolversThanTheSuites) {
   EXPECT_THAT(content(home_ / "out/summary.csv"), ::testing::AllOf(HasSubstr("\nclp,"), HasSubstr("\nnlopt-slsqp/reduced,"), ::testing::Not(HasSubstr("ipopt"))));
   EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("--solvers clp,nlopt-slsqp/reduced"));
   EXPECT_THAT(run("compare suite.toml --out out").output, HasSubstr("another suite")) << "other solvers, other results";
-  const Outcome unknown = run("compare suite.toml --out none --solvers clp,nlopt-mma/reduced");
-  EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.output, HasSubstr("unknown solver \"nlopt-mma/reduced\"; known are"));
+  const auto refused = [&](const std::string& solvers, const std::string& reason) {
+    const Outcome outcome = run("compare suite.toml --out none --solvers " + solvers);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.output, HasSubstr(reason));
+  };
+  refused("clp,nlopt-mma/reduced", "--solvers: unknown solver \"nlopt-mma/reduced\"; ");
+  refused("iopt", "--solvers: unknown solver \"iopt\"; did you mean \"ipopt\"?");
+  refused("clp,ipopt,clp", "--solvers: solver \"clp\" stands twice");
 }
 
 // A variant's option must reach the library: one iteration is not enough, and the claim says so.

@@ -35,6 +35,15 @@ TEST(Profile, AProblemNobodySolvesStaysInTheDenominator) {
   EXPECT_DOUBLE_EQ(at(distribution(r[1]), 100), 0.5);
 }
 
+// A at 2 s and its variant at 1 s, B at 3 s and 1 s: the variant takes no wins from A, and where it alone succeeds it is at 0.
+TEST(Profile, RatiosToTheFastestOfSome) {
+  const auto r = performance_ratios({{2, 2, inf}, {1, 1, 5}, {3, 1, inf}}, {0, 2});
+  EXPECT_THAT(r[0], ElementsAre(1, 2, inf));
+  EXPECT_THAT(r[1], ElementsAre(0.5, 1, 0));
+  EXPECT_THAT(r[2], ElementsAre(1.5, 1, inf));
+  EXPECT_DOUBLE_EQ(at(distribution(r[1]), 1.0), 1.0);
+}
+
 TEST(Profile, RefusesCostsThatAreNone) {
   EXPECT_THROW(performance_ratios({{1, 2}, {1}}), std::invalid_argument);
   EXPECT_THROW(performance_ratios({{0.0}}), std::invalid_argument);

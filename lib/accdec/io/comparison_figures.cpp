@@ -98,24 +98,27 @@ Figure page(std::string title, int columns, int width = 640, int height = 380) {
 
 std::string to_accuracy(const ComparisonData& data) { return fmt::format("time until within {:g} of the reference", data.accuracy); }
 
+/// Over what the profiles' costs are.
+std::string least_of(const ComparisonData& data) { return data.plain.size() == data.solvers.size() ? "least of all solvers" : "least of the plain solvers"; }
+
 Figure performance(const ComparisonData& data, bool design, const std::string& of) {
   Figure figure = page(fmt::format("Performance profiles by {}, {}", to_accuracy(data), of), 2);
   const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
-  add_panels(figure, data, design, study::performance_ratios(costs), "", "time to accuracy / least of all solvers", "share of problems solved", 1.0);
+  add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "", "time to accuracy / " + least_of(data), "share of problems solved", 1.0);
   return figure;
 }
 
 Figure performance_to_the_end(const ComparisonData& data, bool design, const std::string& of) {
   Figure figure = page(fmt::format("Performance profiles by time until the solver ends, {}", of), 2);
   const auto costs = data.costs(design, [](const Attempt& a) { return a.end_cost; });
-  add_panels(figure, data, design, study::performance_ratios(costs), "", "time to the solver's end / least of all solvers", "share of problems solved", 1.0);
+  add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "", "time to the solver's end / " + least_of(data), "share of problems solved", 1.0);
   return figure;
 }
 
 Figure pairwise(const ComparisonData& data, bool design, const std::string& of) {
   const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
   std::size_t best = 0, most = 0;
-  for (std::size_t s = 0; s < costs.size(); ++s) {
+  for (const std::size_t s : data.plain) {
     const auto solved = static_cast<std::size_t>(std::count_if(costs[s].begin(), costs[s].end(), [](double c) { return std::isfinite(c); }));
     if (solved > most) most = solved, best = s;
   }

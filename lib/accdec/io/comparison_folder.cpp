@@ -47,7 +47,7 @@ Entries finished_entries(const fs::path& folder, const std::string& hash, Row& s
   for (const std::string& line : lines_of(read_text_file((folder / raw_name).string(), result_file_limit))) {
     const Row row = Row::parse(line, nullptr, false);
     if (!row.is_object()) continue;
-    if (row.contains("index")) entries[row["index"].get<std::size_t>()] = {0.0, line};
+    if (const auto index = row.find("index"); index != row.end() && index->is_number_unsigned()) entries[index->get<std::size_t>()] = {0.0, line};
     if (row.value("record", "") == "session") session = row;
   }
   return entries;
@@ -96,7 +96,7 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
   check_results_folder(options.out, kind, suite.hash);
   const study::Comparison comparison(suite.settings, suite.cases);
   const fs::path folder = options.out;
-  fs::create_directories(folder);
+  create_results_folder(options.out);
   const std::string identity = fmt::format("comparison {} {}", suite.hash, comparison.size());
   auto journal = std::make_unique<study::Journal>((folder / "comparison.journal").string(), identity);
   Row session;

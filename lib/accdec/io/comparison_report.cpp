@@ -75,7 +75,8 @@ std::string figure_notes(const std::string& name) {
   if (is("performance")) {
     return paragraph(
         "The time counts until the first feasible point within the accuracy that is judged, so that nobody is charged for polishing beyond it; solved are only runs that ended with an "
-        "answer as good, since who does not know the reference has the answer alone to go by. The same runs are solved in the next figure, by the time until the solver ended by its own test, "
+        "answer as good, since who does not know the reference has the answer alone to go by. Costs are divided by the least of the plain solvers, the first entry of each algorithm: "
+        "otherwise variants of one would take its wins from it. The same runs are solved in the next figure, by the time until the solver ended by its own test, "
         "the tests of the libraries being of different kinds.");
   }
   if (is("data")) {

@@ -65,7 +65,9 @@ class SuiteReader {
     std::vector<int> factors;
     for (const double x : table.numbers("sizes", {1.0, 1000.0}, 1, 20).value_or(std::vector<double>{1.0})) {
       if (x != static_cast<int>(x)) table.fail_at("sizes", "`sizes` must be whole numbers: how many times finer than written each problem is sampled");
-      factors.push_back(static_cast<int>(x));
+      const int factor = static_cast<int>(x);
+      if (std::find(factors.begin(), factors.end(), factor) != factors.end()) table.fail_at("sizes", fmt::format("size {} stands twice", factor));
+      factors.push_back(factor);
     }
     return factors;
   }
@@ -83,7 +85,13 @@ class SuiteReader {
     std::string path;
     toml::table tree = toml_input::parse_task_beside(table, "task", *file, path);
     if (const toml::table* set = table.table("set")) toml_input::apply_settings(*set, path_, tree);
-    spec.task = task_from_tree(tree, path, "", {});
+    try {
+      spec.task = task_from_tree(tree, path, "", {});
+    } catch (const InputError& error) {
+      // The file alone may be right: it is to be read whole, with what the suite sets anew.
+      if (table.has("set")) table.fail_at("set", fmt::format("the task with these keys set: {}", error.what()));
+      throw;
+    }
     spec.order = table.required_integer("order", 1, most_samples);
     constexpr std::string_view outcomes[] = {"feasible", "infeasible"};
     spec.infeasible = table.word("expected", outcomes).value_or("feasible") == "infeasible";

@@ -37,11 +37,17 @@ Names with_forms(Names names) {
   return names;
 }
 
-Names known_solvers(const Table& top, std::string_view key, const Names& wanted, const Names& known) {
+/// What is wrong with a list of solvers; nothing if all are known and each stands once.
+std::string objection(const Names& wanted, const Names& known) {
   for (auto name = wanted.begin(); name != wanted.end(); ++name) {
-    if (!among(known, *name)) top.fail_at(key, unknown(*name, known));
-    if (std::find(wanted.begin(), name, *name) != name) top.fail_at(key, fmt::format("solver \"{}\" stands twice", *name));
+    if (!among(known, *name)) return unknown(*name, known);
+    if (std::find(wanted.begin(), name, *name) != name) return fmt::format("solver \"{}\" stands twice", *name);
   }
+  return {};
+}
+
+Names known_solvers(const Table& top, std::string_view key, const Names& wanted, const Names& known) {
+  if (const std::string message = objection(wanted, known); !message.empty()) top.fail_at(key, message);
   return wanted;
 }
 
@@ -90,10 +96,8 @@ void read_competitors(const Table& top, const toml::table& raw, const Names& ins
   const auto variants = top.tables("variant");
   settings.reduced = known_solvers(top, "reduced", strings(top, raw, "reduced"), names);
   if (!instead.empty()) {
-    for (const std::string& name : instead) {
-      if (!among(known, name)) throw std::invalid_argument(fmt::format("unknown solver \"{}\"; known are {}", name, fmt::join(known, ", ")));
-      settings.solvers.push_back(study::competitor_from_entry(name));
-    }
+    if (const std::string message = objection(instead, known); !message.empty()) throw std::invalid_argument("--solvers: " + message);
+    for (const std::string& name : instead) settings.solvers.push_back(study::competitor_from_entry(name));
     return;
   }
   const Names wanted = strings(top, raw, "solvers");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -77,7 +78,9 @@ class Reader {
     const std::string record = row.at("record");
     if (record == "comparison") {
       if (row.at("schema") != "accdec.comparison/1") throw std::invalid_argument("unknown schema");
+      std::set<std::string> algorithms;
       for (const Row& solver : row.at("solvers")) {
+        if (algorithms.insert(solver.value("solver", solver.at("name").get<std::string>())).second) data_.plain.push_back(data_.solvers.size());
         solver_index_[solver.at("name")] = data_.solvers.size();
         data_.solvers.push_back(solver.at("name"));
       }

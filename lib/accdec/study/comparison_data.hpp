@@ -62,6 +62,7 @@ struct Attempt {
 struct ComparisonData {
   Row header;
   std::vector<std::string> solvers;
+  std::vector<std::size_t> plain;  ///< the first entry of each algorithm; the others are variants of it
   std::vector<double> targets;
   int starts = 1, repeats = 1;
   double accuracy = 1e-4;

@@ -96,13 +96,15 @@ Row Comparison::header() const {
   for (const Competitor& competitor : settings_.solvers) {
     const solvers::Solver& solver = competitor.registered();
     const solvers::Capabilities can = solver.capabilities();
-    const char* uses = can.linear_only ? "coefficients" : can.uses_hessian ? "second derivatives" : can.uses_gradient || can.uses_jacobian ? "first derivatives" : "values";
+    const bool reduced = competitor.wants_reduced(settings_.reduced), curvature = can.uses_hessian && !reduced;  // the reduced form has none
+    const char* uses = can.linear_only ? "coefficients" : curvature ? "second derivatives" : can.uses_gradient || can.uses_jacobian ? "first derivatives" : "values";
     Row entry;
     entry["name"] = competitor.name;
+    entry["solver"] = competitor.solver;
     entry["library"] = solver.library_version();
     entry["uses"] = uses;
     entry["search"] = can.global ? "global" : "local";
-    entry["form"] = competitor.wants_reduced(settings_.reduced) ? "reduced" : "sparse";
+    entry["form"] = reduced ? "reduced" : "sparse";
     entry["settings"] = solver.settings();
     if (!competitor.native.empty()) entry["options"] = competitor.native;
     row["solvers"].push_back(std::move(entry));

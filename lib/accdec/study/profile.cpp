@@ -43,7 +43,7 @@ double at(const Distribution& d, double x) {
   return after == d.x.begin() ? 0.0 : d.y[static_cast<std::size_t>(after - d.x.begin()) - 1];
 }
 
-std::vector<std::vector<double>> performance_ratios(const std::vector<std::vector<double>>& costs) {
+std::vector<std::vector<double>> performance_ratios(const std::vector<std::vector<double>>& costs, const std::vector<std::size_t>& among) {
   std::vector<std::vector<double>> ratios = costs;
   if (costs.empty()) return ratios;
   for (std::size_t p = 0; p < costs.front().size(); ++p) {
@@ -51,8 +51,9 @@ std::vector<std::vector<double>> performance_ratios(const std::vector<std::vecto
     for (const auto& solver : costs) {
       if (solver.size() != costs.front().size()) throw std::invalid_argument("every solver needs a cost for every problem");
       if (!(solver[p] > 0.0)) throw std::invalid_argument("costs must be positive");
-      least = std::min(least, solver[p]);
+      if (among.empty()) least = std::min(least, solver[p]);
     }
+    for (const std::size_t s : among) least = std::min(least, costs.at(s)[p]);
     for (auto& solver : ratios) solver[p] = std::isinf(solver[p]) ? infinity : solver[p] / least;
   }
   return ratios;

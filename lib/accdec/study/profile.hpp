@@ -20,8 +20,10 @@ double at(const Distribution& d, double x);
 /// r[s][p] = cost of solver s on problem p over the least cost of any solver there; infinite where the solver failed (infinite cost).
 /// The share of problems with r <= tau is the performance profile: E. Dolan, J. More, Math. Program. 91 (2002) 201-213.
 /// @param costs  [solver][problem], > 0 or infinite
+/// @param among  solvers whose least cost is divided by, so that others, say their own variants, take no wins from them; empty: all.
+///               Another's ratio may then be below 1, and 0 where it alone succeeds.
 /// @throws std::invalid_argument if the solvers' lists differ in length or a cost is not positive.
-std::vector<std::vector<double>> performance_ratios(const std::vector<std::vector<double>>& costs);
+std::vector<std::vector<double>> performance_ratios(const std::vector<std::vector<double>>& costs, const std::vector<std::size_t>& among = {});
 
 /// Evaluations over the n + 1 that a simplex gradient takes. The share of problems with at most alpha is the data profile:
 /// J. More, S. Wild, SIAM J. Optim. 20 (2009) 172-191.
