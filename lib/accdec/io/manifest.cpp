@@ -2,6 +2,7 @@
 
 #include <ctime>
 #include <fstream>
+#include <set>
 #include <thread>
 
 #include <sys/utsname.h>
@@ -12,6 +13,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <oneapi/tbb/version.h>
+
+#include "accdec_commit.hpp"
 
 namespace accdec {
 namespace {
@@ -24,6 +27,22 @@ std::string processor() {
   return "unknown";
 }
 
+/// Files of the linear algebra this process runs with (BLAS, LAPACK, MUMPS and its orderings): Debian's alternatives choose them, and large
+/// problems spend their time in them.
+std::set<std::string> linear_algebra() {
+  std::set<std::string> files;
+  std::ifstream in("/proc/self/maps");
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t path = line.find('/');
+    if (path == std::string::npos) continue;
+    const std::string file = line.substr(line.rfind('/') + 1);
+    for (const char* name : {"blas", "lapack", "atlas", "mumps", "metis", "scotch"}) {
+      if (file.find(name) != std::string::npos) files.insert(line.substr(path));
+    }
+  }
+  return files;
+}
+
 }  // namespace
 
 void add_environment(nlohmann::ordered_json& manifest, const std::string& version) {
@@ -31,9 +50,11 @@ void add_environment(nlohmann::ordered_json& manifest, const std::string& versio
   ::uname(&system);
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE)) / 0x1p30;
   manifest["accdec"] = version;
+  manifest["commit"] = ACCDEC_COMMIT;
   manifest["libraries"] = {{"Clp", CLP_VERSION},
                            {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
                            {"oneTBB", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}};
+  manifest["linear_algebra"] = linear_algebra();
   manifest["compiler"] = __VERSION__;
 #ifdef NDEBUG
   manifest["build"] = "optimised, without assertions";
