@@ -61,7 +61,7 @@ void add_study(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("study", "Parameter study: many tasks from one, with tables, figures and a report");
   command->add_option("study", options->study, "Study file: base task, what varies, what to compute, figures")->required()->type_name("STUDY.toml");
   command->add_option("--out", options->run.out, "Folder for the results; goes on where an interrupted run of the same study stopped, with the points lost in a crash once more")->required()->type_name("DIR");
-  command->add_option("--workers", options->run.workers, "Points computed at a time (default: all cores)")->check(CLI::Range(1, 1024))->type_name("N");
+  command->add_option("--workers", options->run.workers, "Points computed at a time (default: all cores); rows depend on it only where time_limit_s cuts an optimum off")->check(CLI::Range(1, 1024))->type_name("N");
   const auto shard = command->add_option("--shard", options->shard, "Compute part I of N only, without a report")->type_name("I/N");
   command->add_option("--merge", options->run.merge, "Put the shards in these folders together instead of computing")->type_name("DIR...")->excludes(shard);
   command->add_flag("--large", options->run.large, fmt::format("Allow more than {} points", large_study));

@@ -324,6 +324,20 @@ TEST_F(StudyCommand, TheManifestStatesTheShareOfTimeInTheMethod) {
   EXPECT_NEAR(number("method_share"), number("method_time_s") / (2.0 * number("wall_time_s")), 1e-9);
 }
 
+TEST_F(StudyCommand, TheReportSaysWhereTimeCutOptimaOff) {
+  const std::string text = "task = \"bare.toml\"\ncompute = [\"optimum\"]\n";
+  // Hundreds of samples: far more than ten milliseconds' work.
+  write(home_ / "bare.toml", "sample_period_ms = 0.1\n[[axis]]\nacceleration_max_mm_s2 = 8000\njerk_max_mm_s3 = 800000\n"
+                             "[[corner]]\nangle_deg = 77\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  write(home_ / "study.toml", text + "time_limit_s = 0.01\n");
+  const Outcome r = run("study study.toml --out short");
+  EXPECT_THAT(content(home_ / "short/rows.csv"), HasSubstr("stopped ")) << r.output;
+  EXPECT_THAT(content(home_ / "short/report.html"), HasSubstr("1 computation was cut off by the study's time limit of 0.01 s"));
+  study(2);
+  ASSERT_EQ(run("study study.toml --out out").exit_code, 0);
+  EXPECT_THAT(content(home_ / "out/report.html"), Not(HasSubstr("cut off")));
+}
+
 TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
   const std::string head = "task = \"task.toml\"\ncompute = [\"delays\"]\n";
   const auto vary = [](const std::string& key, const std::string& values) { return fmt::format("[[vary]]\nkey = \"{}\"\nvalues = {}\n", key, values); };
@@ -381,7 +395,8 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
     EXPECT_FALSE(fs::exists(home_ / "out")) << text;
   }
   write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 100001 }\n");
-  EXPECT_THAT(run("study study.toml --out out").output, HasSubstr("need --large"));
+  EXPECT_THAT(run("study study.toml --out out").output,
+              HasSubstr("study.toml:5:9: the study has 100001 points, most by the 100001 values of `corner.A.error_max_um`; more than 100000 need --large"));
   write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 10000 }\n" +
                                   "[[vary]]\nkey = \"corner.A.angle_deg\"\nrange = { from = 1, to = 9, count = 10000 }\n");
   EXPECT_THAT(run("study study.toml --out out --large").output, HasSubstr("allowed is up to 10000000"));

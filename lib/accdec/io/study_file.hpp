@@ -42,8 +42,15 @@ class Study {
   std::vector<std::string> computations;  ///< "shapes" already spelt out
   std::vector<StudyRatio> ratios;
   std::vector<StudyFigure> figures;
-  DesignOptions design;  ///< method and time limit of every optimum
+  /// Method and time limit of every optimum. Rows are the same on every machine and with any number of workers, but for optima that the
+  /// time limit ends early: these are the best design verified by then (status "feasible", message "stopped ...").
+  DesignOptions design;
   study::Isolation isolation = study::Isolation::threads;
+  /// What most of the points come from, and where it stands in the file: `samples`, a variation's values, or the cases.
+  struct Origin {
+    std::string what;
+    long line = 0, column = 0;
+  } origin;
 
   const study::Plan& plan() const { return *plan_; }
   /// Names of all columns of a row, in order.

@@ -147,11 +147,10 @@ StudySummary merge(const Study& study, const StudyRunOptions& options, Clock::ti
 StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   const auto began = Clock::now();
   const std::size_t size = study.plan().size();
-  if (size > largest_study) {
-    throw std::invalid_argument(fmt::format("the study has {} points; allowed is up to {}", size, largest_study));
-  }
-  if (size > large_study && !options.large) {
-    throw std::invalid_argument(fmt::format("the study has {} points; more than {} need --large", size, large_study));
+  if (size > largest_study || (size > large_study && !options.large)) {
+    throw InputError(study.path, study.origin.line, study.origin.column,
+                     fmt::format("the study has {} points, most by {}; {}", size, study.origin.what,
+                                 size > largest_study ? fmt::format("allowed is up to {}", largest_study) : fmt::format("more than {} need --large", large_study)));
   }
   const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
   check_results_folder(options.out, kind, study.hash());

@@ -50,7 +50,8 @@ struct StudySummary {
 /// fresh run marks its journal when it begins, so that, if it is killed, a run that is not fresh goes on with it and uses none of the older
 /// results, which stay in the folder until the new ones are complete. A shard leaves its journal only, shard-I-of-N.journal.
 /// @throws OutputError for a folder with anything but this study's results in it (nothing is changed then), or one that cannot be
-/// written; std::invalid_argument for a shard that does not exist, a study too large without the flag, a merge with points missing.
+/// written; InputError for a study too large without the flag, at what makes it so; std::invalid_argument for a shard that does not exist, a
+/// merge with points missing.
 StudySummary run_study(const Study& study, const StudyRunOptions& options);
 
 }  // namespace accdec

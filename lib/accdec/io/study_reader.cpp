@@ -207,6 +207,22 @@ class StudyReader {
       top.fail(error.what());
     }
     sampling_ = fmt::format("{} {} {}", grid, samples, seed);
+    study.origin = origin_of_size(grid);
+  }
+
+  Study::Origin origin_of_size(bool grid) const {
+    const auto at = [](std::string what, const toml::node& node) {
+      const auto begin = node.source().begin;
+      return Study::Origin{std::move(what), static_cast<long>(begin.line), static_cast<long>(begin.column)};
+    };
+    if (!grid) return at("`samples`", *tree_.get("samples"));
+    const auto most = std::max_element(variations_.begin(), variations_.end(), [](const auto& a, const auto& b) { return a.values.size() < b.values.size(); });
+    if (most == variations_.end() || most->values.size() < names_.size()) {
+      const toml::node* cases = tree_.get("case");
+      return cases ? at("the cases", *cases) : Study::Origin{};
+    }
+    const toml::table& vary = *tree_["vary"].as_array()->get(static_cast<std::size_t>(most - variations_.begin()))->as_table();
+    return at(fmt::format("the {} values of `{}`", most->values.size(), most->name), *vary.get(vary.contains("values") ? "values" : "range"));
   }
 
   void read_ratios(const Table& top, Study& study) {

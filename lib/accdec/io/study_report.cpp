@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/study/compute.hpp>
+
 namespace accdec {
 namespace {
 
@@ -52,6 +54,19 @@ std::string summary_table(const Study& study, const StudyTable& table) {
   return html + "</table>\n";
 }
 
+/// A sentence on optima that the time limit ended early; empty without any.
+std::string cut_off_note(const Study& study, const StudyTable& table) {
+  std::size_t count = 0;
+  for (const std::string& name : study.computations) {
+    const auto& messages = table.texts(name + ".message");
+    count += static_cast<std::size_t>(std::count_if(messages.begin(), messages.end(), [](const std::string& m) { return study::cut_off(m); }));
+  }
+  if (count == 0) return "";
+  return fmt::format("<p>{} cut off by the study's time limit of {:g} s (their <code>message</code> begins with <q>stopped</q>). What they state is verified, "
+                     "but how far they got depends on the machine and on how many workers shared it.</p>\n",
+                     count == 1 ? "1 computation was" : fmt::format("{} computations were", count), study.design.time_limit);
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> study_documents(const Study& study, const std::vector<std::string>& lines) {
@@ -67,7 +82,7 @@ std::vector<std::pair<std::string, std::string>> study_documents(const Study& st
   if (!study.notes.empty()) html += fmt::format("<p>{}</p>\n", html_escaped(study.notes));
   html += fmt::format("<p>{} points{}. Every row stands in rows.csv and rows.jsonl; how it was made, in manifest.json.</p>\n", table.size(),
                       bad == 0 ? "" : fmt::format(", {} of them without an answer (column <code>reason</code>)", bad));
-  html += variations_table(study) + summary_table(study, table);
+  html += cut_off_note(study, table) + variations_table(study) + summary_table(study, table);
   for (const StudyFigure& f : study.figures) {
     const std::string svg = render_svg(make_study_figure(f, table));
     html += html_figure(f.name, svg);

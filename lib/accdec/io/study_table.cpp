@@ -20,7 +20,7 @@ std::string plain(const study::Row& value) {
 StudyTable::StudyTable(const Study& study, const std::vector<std::string>& lines) : size_(lines.size()) {
   const std::vector<std::string> names = study.columns();
   for (const std::string& name : study.computations) {
-    for (const char* column : {"status", "cycle_time_ms", "error_um"}) columns_[fmt::format("{}.{}", name, column)];
+    for (const char* column : {"status", "cycle_time_ms", "error_um", "message"}) columns_[fmt::format("{}.{}", name, column)];
   }
   columns_["point"];
   for (const StudyFigure& f : study.figures) {

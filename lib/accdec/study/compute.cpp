@@ -173,6 +173,9 @@ void compute_into(Row& row, const Task& task, std::string_view computation, cons
   }
 }
 
+// The design's messages: "stopped before the proof was complete", "stopped early; the best verified design so far" and the like.
+bool cut_off(std::string_view message) { return message.starts_with("stopped "); }
+
 Row error_of(const Row& row, const std::vector<std::string>& computations) {
   const auto failed = [&](const std::string& name) { return row.at(name + ".status") == "error"; };
   if (!std::all_of(computations.begin(), computations.end(), failed)) return nullptr;
