@@ -121,13 +121,11 @@ class NloptSolver final : public Solver {
   }
   Capabilities capabilities() const override { return algorithm_.can; }
   std::string settings() const override {
-    const char* steps_in_f = "max(1e-15, xtol_rel / 1e6)";
-    std::string all = goes_on() ? "xtol_rel = max(1e-15, 1e-7 tolerance)" : fmt::format("xtol_rel = {:g} tolerance", xtol(1.0));
-    all += fmt::format(", ftol_rel = {}", goes_on() || conservative() ? "0" : steps_in_f);
+    std::string all = fmt::format("xtol_rel = {:g} tolerance, ftol_rel = {}", xtol(1.0), conservative() ? "0" : "max(1e-15, xtol_rel / 1e6)");
     if (algorithm_.rows == NloptProblem::Rows::constraints) all += ", rows within feasibility_tolerance / 10";
     if (algorithm_.rows == NloptProblem::Rows::ranking) all += ", rows by ranking points that break them behind all that hold them";
     if (conservative()) all += fmt::format(", dual_maxeval = {:g}", dual_maxeval);
-    if (algorithm_.inner != no_inner) all += goes_on() ? "; the same of the method inside" : fmt::format("; of the method inside, xtol_rel = tolerance, ftol_rel = {}", steps_in_f);
+    if (algorithm_.inner != no_inner) all += "; of the method inside, xtol_rel = tolerance, ftol_rel = max(1e-15, xtol_rel / 1e6)";
     if (may_compute_on(algorithm_.method)) all += "; in a thread of its own, which is watched";
     return all;
   }
@@ -155,8 +153,7 @@ class NloptSolver final : public Solver {
     nlopt_set_stopval(opt.get(), -1e20);
     if (algorithm_.inner != no_inner) {
       const Handle inner(nlopt_create(algorithm_.inner, n));
-      if (goes_on()) configure(inner.get(), native, xtol(options.tolerance), 0.0);
-      else configure(inner.get(), native, options.tolerance, step_in_f(options.tolerance));
+      configure(inner.get(), native, options.tolerance, step_in_f(options.tolerance));
       nlopt_set_local_optimizer(opt.get(), inner.get());
     }
     // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their answer.
@@ -196,21 +193,16 @@ class NloptSolver final : public Solver {
   /// Of MMA and CCSAQ: at NLopt's default of 100 000 the dual of a linear problem, which has no curvature, takes seconds a step.
   static constexpr double dual_maxeval = 2000.0;
 
-  /// SLSQP, and L-BFGS in the augmented Lagrangian: along many active rows their steps become small long before they arrive, or while rows
-  /// are still broken, so that only steps at rounding end them. Where they arrive it costs a few evaluations more.
-  bool goes_on() const { return algorithm_.method == NLOPT_LD_SLSQP || (algorithm_.method == NLOPT_AUGLAG && algorithm_.inner == NLOPT_LD_LBFGS); }
-
-  /// Relative steps in x decide, but small ones do not mean arrival for methods whose steps shrink by themselves.
-  double xtol(double tolerance) const {
-    if (goes_on()) return std::max(1e-15, 1e-7 * tolerance);
-    return algorithm_.can.global || conservative() ? 1e-2 * tolerance : tolerance;
-  }
+  /// Relative steps in x decide, but small ones do not mean arrival for methods whose steps shrink by themselves. SLSQP's, and those of
+  /// L-BFGS in the augmented Lagrangian, too become small before they arrive where many rows are active; but going on to steps at rounding
+  /// (`xtol_rel` 1e-15, `ftol_rel` 0) doubles the time of a design's many solves, and the search gets fewer of them done.
+  double xtol(double tolerance) const { return algorithm_.can.global || conservative() ? 1e-2 * tolerance : tolerance; }
 
   /// Steps in f reach rounding long before a first-order method has arrived.
   static double step_in_f(double xtol) { return std::max(1e-15, 1e-6 * xtol); }
 
-  /// MMA, CCSAQ and those that go on would stop where f did not change although rows are still broken.
-  double ftol(double tolerance) const { return conservative() || goes_on() ? 0.0 : step_in_f(xtol(tolerance)); }
+  /// MMA and CCSAQ would stop where f did not change although rows are still broken.
+  double ftol(double tolerance) const { return conservative() ? 0.0 : step_in_f(xtol(tolerance)); }
 
   /// COBYLA may loop for ever; at a thousand variables and more SLSQP's dense subproblems take seconds, and so does ISRES' sorting of its
   /// population of twenty times as many.
