@@ -1,18 +1,12 @@
-#include <chrono>
-#include <csignal>
 #include <filesystem>
-#include <sstream>
 #include <string>
-#include <thread>
-
-#include <sys/wait.h>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "command_fixture.hpp"
+#include "study_command.hpp"
 
-// The command as a user runs it, killed, resumed and sharded.
+// The command as a user runs it.
 
 namespace {
 
@@ -22,73 +16,8 @@ using ::testing::Not;
 
 using accdec::testing::content;
 using accdec::testing::Outcome;
+using accdec::testing::StudyCommand;
 using accdec::testing::write;
-
-class StudyCommand : public accdec::testing::CommandInFolder {
- protected:
-  void SetUp() override {
-    CommandInFolder::SetUp();
-    write(home_ / "task.toml", R"(sample_period_ms = 1.0
-[filter]
-kind = "hann"
-order = 40
-[[axis]]
-acceleration_max_mm_s2 = 8000
-jerk_max_mm_s3 = 800000
-[[corner]]
-name = "A"
-angle_deg = 90
-feed_in_mm_min = 6000
-error_max_um = 50
-)");
-  }
-
-  std::ptrdiff_t journal_lines(const std::string& folder) const {
-    const std::string journal = content(home_ / folder / "study.journal");
-    return std::count(journal.begin(), journal.end(), '\n');
-  }
-
-  /// Kills the run once its journal has grown by so many lines. Whether there was still a run to kill.
-  bool killed_after(const std::string& arguments, const std::string& folder, std::ptrdiff_t lines) {
-    const auto before = journal_lines(folder);
-    const pid_t child = start(arguments);
-    int status = 0;
-    while (journal_lines(folder) < before + lines) {
-      if (::waitpid(child, &status, WNOHANG) != 0) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    ::kill(child, SIGKILL);
-    ::waitpid(child, &status, 0);
-    return WIFSIGNALED(status);
-  }
-
-  /// Writes study.toml: 4 x `count` points of everything cheap.
-  void study(int count, const std::string& more = "") {
-    write(home_ / "study.toml", fmt::format(R"(task = "task.toml"
-compute = ["delays", "boxcar", "trapezoid"]
-{}
-[[vary]]
-name = "angle"
-key = "corner.A.angle_deg"
-values = [30, 60, 90, 270]
-[[vary]]
-key = "corner.*.error_max_um"
-range = {{ from = 1, to = 300, count = {}, log = true }}
-[[figure]]
-name = "times"
-x = "corner.*.error_max_um"
-y = ["delays.cycle_time_ms", "boxcar.cycle_time_ms"]
-where = {{ angle = 60 }}
-)", more, count));
-  }
-
-  void expect_same_results(const std::string& a, const std::string& b) {
-    for (const char* name : {"rows.csv", "rows.jsonl", "report.html", "times.svg", "times.png"}) {
-      ASSERT_TRUE(fs::exists(home_ / a / name)) << a << "/" << name;
-      EXPECT_EQ(content(home_ / a / name), content(home_ / b / name)) << name;
-    }
-  }
-};
 
 TEST_F(StudyCommand, RunsAndRecordsBadPointsWithoutStopping) {
   study(3);
@@ -138,71 +67,6 @@ TEST_F(StudyCommand, AStudyInWhichEveryComputationBreaksOffHasNoAnswer) {
   const Outcome all = run("study study.toml --out all");
   EXPECT_EQ(all.exit_code, 1) << all.output;
   EXPECT_THAT(content(home_ / "all/manifest.json"), HasSubstr("\"points_without_answer\": 1"));
-}
-
-TEST_F(StudyCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
-  study(60);
-  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
-  int kills = 0;
-  for (int attempt = 0; attempt < 12 && kills < 3; ++attempt) {
-    if (!killed_after("study study.toml --out killed --workers 1", "killed", 20)) break;
-    ++kills;
-  }
-  EXPECT_GE(kills, 1);
-  EXPECT_FALSE(fs::exists(home_ / "killed/report.html"));
-  const Outcome last = run("study study.toml --out killed");
-  ASSERT_EQ(last.exit_code, 0) << last.output;
-  EXPECT_THAT(last.output, Not(HasSubstr("240 computed"))) << "what was done before the kill is not done again";
-  expect_same_results("whole", "killed");
-  EXPECT_THAT(run("study study.toml --out killed").output, HasSubstr("240 points: 0 computed"));
-}
-
-TEST_F(StudyCommand, AKilledFreshRunGoesOnWithoutFreshAndTakesNothingOld) {
-  study(60);
-  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
-  ASSERT_EQ(run("study study.toml --out out").exit_code, 0);
-  // Rows that tell where they come from: whatever is taken from the old results keeps the mark.
-  std::string rows = content(home_ / "out/rows.jsonl");
-  for (std::size_t at = 0; (at = rows.find("\"point\":\"ok\"", at)) != std::string::npos; at += 20) rows.insert(at, "\"old\":1,");
-  write(home_ / "out/rows.jsonl", rows);
-  ASSERT_TRUE(killed_after("study study.toml --out out --fresh --workers 1", "out", 80));
-  EXPECT_EQ(content(home_ / "out/rows.jsonl"), rows) << "the old results stay until the new ones are complete";
-  // Killed once more on the way, and begun anew once more: only the last beginning counts.
-  ASSERT_TRUE(killed_after("study study.toml --out out --workers 1", "out", 20));
-  const auto done = journal_lines("out") - 2;  // but for the header and the mark
-  EXPECT_GE(done, 90);
-  const Outcome rest = run("study study.toml --out out");
-  ASSERT_EQ(rest.exit_code, 0) << rest.output;
-  EXPECT_THAT(rest.output, HasSubstr(fmt::format("240 points: {} computed", 240 - done)));
-  expect_same_results("whole", "out");
-  ASSERT_TRUE(killed_after("study study.toml --out out --fresh --workers 1", "out", 80));
-  EXPECT_THAT(run("study study.toml --out out --fresh").output, HasSubstr("240 points: 240 computed"));
-  EXPECT_THAT(run("study study.toml --out out").output, HasSubstr("240 points: 0 computed"));
-  expect_same_results("whole", "out");
-}
-
-TEST_F(StudyCommand, PointsLostWithTheirProcessAreComputedByTheNextRun) {
-  study(60, "isolation = \"processes\"");
-  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
-  const pid_t child = start("study study.toml --out out --workers 2");
-  int killed = 0, status = 0;
-  while (killed < 2 && ::waitpid(child, &status, WNOHANG) == 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    std::istringstream children(content(fmt::format("/proc/{0}/task/{0}/children", child)));
-    pid_t worker = 0;
-    if (journal_lines("out") > 5 * (killed + 1) && children >> worker && ::kill(worker, SIGKILL) == 0) ++killed;
-  }
-  if (status == 0) ::waitpid(child, &status, 0);
-  ASSERT_GE(killed, 1);
-  const std::string rows = content(home_ / "out/rows.jsonl");
-  std::size_t lost = 0;
-  for (std::size_t at = 0; (at = rows.find("\"point\":\"lost\"", at)) != std::string::npos; ++at) ++lost;
-  ASSERT_GE(lost, 1u);
-  EXPECT_THAT(content(home_ / "log"), HasSubstr(fmt::format("{} of them were lost", lost)));
-  const Outcome again = run("study study.toml --out out");
-  EXPECT_THAT(again.output, HasSubstr(fmt::format("240 points: {} computed", lost)));
-  EXPECT_THAT(again.output, Not(HasSubstr("lost")));
-  expect_same_results("whole", "out");
 }
 
 TEST_F(StudyCommand, ShardsMergeToTheSameAndSoDoThreadsAndProcesses) {
@@ -264,50 +128,6 @@ TEST_F(StudyCommand, DamagedRowsAreComputedAnew) {
   write(home_ / "out/rows.jsonl", rows.replace(second, rows.find('\n', second) - second, "garbage"));
   EXPECT_THAT(run("study study.toml --out out").output, HasSubstr("1 computed"));
   expect_same_results("whole", "out");
-}
-
-TEST_F(StudyCommand, AFullDiskEndsItAndWithRoomItGoesOn) {
-  study(40);
-  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
-  // No file may grow beyond 16 or 32 KiB, whatever the shell's blocks: the journal needs more.
-  const Outcome full = run("study study.toml --out out", "trap '' XFSZ && ulimit -f 32");
-  EXPECT_EQ(full.exit_code, 2) << full.output;
-  EXPECT_THAT(full.output, HasSubstr("study.journal: File too large"));
-  EXPECT_FALSE(fs::exists(home_ / "out/rows.csv"));
-  const Outcome rest = run("study study.toml --out out");
-  ASSERT_EQ(rest.exit_code, 0) << rest.output;
-  EXPECT_THAT(rest.output, Not(HasSubstr("160 computed")));
-  expect_same_results("whole", "out");
-}
-
-TEST_F(StudyCommand, GoesOnAtOnceThoughTheDeadRunsChildrenAreStillThere) {
-  study(60, "isolation = \"processes\"");
-  for (int attempt = 0; attempt < 8; ++attempt) {
-    const pid_t child = start("study study.toml --out killed --workers 5");
-    std::this_thread::sleep_for(std::chrono::milliseconds(15 + 10 * attempt));
-    ::kill(child, SIGKILL);
-    int status = 0;
-    ::waitpid(child, &status, 0);
-  }
-  const Outcome last = run("study study.toml --out killed");
-  EXPECT_EQ(last.exit_code, 0) << last.output;
-}
-
-TEST_F(StudyCommand, AKilledMergeCanBeRepeated) {
-  study(40);
-  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
-  for (const char* shard : {"1/2", "2/2"}) ASSERT_EQ(run(fmt::format("study study.toml --out parts --shard {}", shard)).exit_code, 0);
-  for (const int milliseconds : {5, 10, 20, 40, 60, 80}) {
-    const pid_t child = start("study study.toml --out merged --merge parts");
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-    ::kill(child, SIGKILL);
-    int status = 0;
-    ::waitpid(child, &status, 0);
-  }
-  const Outcome last = run("study study.toml --out merged --merge parts");
-  ASSERT_EQ(last.exit_code, 0) << last.output;
-  expect_same_results("whole", "merged");
-  EXPECT_FALSE(fs::exists(home_ / "merged/study.journal"));
 }
 
 TEST_F(StudyCommand, TheManifestStatesTheShareOfTimeInTheMethod) {
