@@ -41,6 +41,7 @@ void run(Options& options, Context& context) {
   if (!context.quiet && ::isatty(2)) options.run.progress = ProgressBar();
   const StudySummary s = run_study(study, options.run);
   context.exit_code = s.bad < s.points ? exit_ok : exit_no_answer;
+  for (const std::string& name : s.empty_figures) fmt::print(stderr, "accdec: warning: figure `{}` has no data: no row that counts has numbers its axes can show\n", name);
   if (context.quiet) return;
   fmt::print("{}\n{} points: {} computed in {:.1f} s ({:.1f} % of the workers' time inside the methods), {} from an earlier run{}\n", study.title, s.points, s.computed, s.wall_time,
              100.0 * s.method_share(), s.found, s.bad > 0 ? fmt::format(", {} without an answer (column `reason`)", s.bad) : "");

@@ -220,7 +220,8 @@ class Writer {
     std::string ticks;
     if (scale.log) {
       for (const Tick& tick : log_ticks(range.low, range.high, pixels, room)) {
-        ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(tick.label), number(tick.value));
+        ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(tick.label),
+                             number(std::clamp(tick.value, range.low * (1.0 + 1e-9), range.high * (1.0 - 1e-9))));  // gnuplot leaves out ticks at the very end
       }
     }
     line("set {}tics {}", axis, ticks.empty() ? "autofreq" : fmt::format("({})", ticks));

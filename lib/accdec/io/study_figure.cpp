@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/io/figure_layout.hpp>
+#include <accdec/io/study_figure_check.hpp>
 #include <accdec/io/study_report.hpp>
 
 namespace accdec {
@@ -48,18 +49,44 @@ void add_curves(Panel& panel, const StudyFigure& figure, const StudyTable& table
   }
 }
 
-void add_family(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
-  std::vector<std::string> members;
-  for (const std::size_t i : rows) {
-    const std::string& m = table.texts(figure.family)[i];
-    if (std::find(members.begin(), members.end(), m) == members.end()) members.push_back(m);
-  }
-  for (std::size_t c = 0; c < members.size(); ++c) {
-    std::vector<std::pair<double, double>> points;
-    for (const std::size_t i : rows) {
-      if (table.texts(figure.family)[i] == members[c]) points.emplace_back(table.numbers(figure.x)[i], table.numbers(figure.y.front())[i]);
+/// Values of a family for the legend: six digits with the unit, more where six do not tell them apart.
+std::vector<std::string> member_labels(const StudyFigure& figure, const std::vector<std::string>& members, const std::vector<double>& numbers) {
+  const std::string unit = unit_of(figure.family);
+  std::vector<std::string> labels;
+  for (const bool rounded : {true, false}) {
+    labels.clear();
+    for (std::size_t c = 0; c < members.size(); ++c) {
+      std::string label = members[c];
+      if (std::isfinite(numbers[c])) label = fmt::format("{}{}{}", rounded ? fmt::format("{:.6g}", numbers[c]) : fmt::format("{}", numbers[c]), unit.empty() ? "" : " ", unit);
+      labels.push_back(std::move(label));
     }
-    panel.series.push_back(sorted_series(std::move(points), label_of(figure, c, members[c]), static_cast<int>(c)));
+    if (std::set<std::string>(labels.begin(), labels.end()).size() == labels.size()) break;
+  }
+  return labels;
+}
+
+void add_family(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+  std::vector<std::string> members = figure.members;
+  const std::vector<std::string>& texts = table.texts(figure.family);
+  if (members.empty()) {
+    for (const std::size_t i : rows) {
+      if (std::find(members.begin(), members.end(), texts[i]) == members.end()) members.push_back(texts[i]);
+    }
+  }
+  std::vector<double> numbers(members.size(), std::nan(""));
+  std::vector<std::vector<std::pair<double, double>>> points(members.size());
+  for (const std::size_t i : rows) {
+    const auto c = static_cast<std::size_t>(std::find(members.begin(), members.end(), texts[i]) - members.begin());
+    if (c == members.size()) continue;
+    numbers[c] = table.numbers(figure.family)[i];
+    points[c].emplace_back(table.numbers(figure.x)[i], table.numbers(figure.y.front())[i]);
+  }
+  const std::vector<std::string> labels = member_labels(figure, members, numbers);
+  // A computed column may have any number of values.
+  const std::size_t every = (members.size() + most_curves - 1) / most_curves;
+  if (every > 1) panel.title = fmt::format("{} of {} values of {}", (members.size() + every - 1) / every, members.size(), figure.family);
+  for (std::size_t c = 0; c < members.size(); c += every) {
+    panel.series.push_back(sorted_series(std::move(points[c]), label_of(figure, c, labels[c]), static_cast<int>(c / every)));
   }
 }
 
@@ -156,6 +183,9 @@ Figure make_study_figure(const StudyFigure& figure, const StudyTable& table) {
       words ? add_classes(panel, figure, table, rows) : add_heat(panel, figure, table, rows);
       break;
     }
+  }
+  if (figure.points_only && figure.kind != Kind::pareto) {
+    for (Series& s : panel.series) s.mark = Mark::points;
   }
   Figure page;
   page.title = figure.title;

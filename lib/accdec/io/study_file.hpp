@@ -33,6 +33,8 @@ struct StudyFigure {
   std::vector<std::string> y, labels;  ///< labels: one a curve; else the columns' names
   std::vector<std::pair<std::string, std::string>> where;  ///< column = value (as in the CSV): rows that count
   bool log_x = false, log_y = false;
+  std::vector<std::string> members;  ///< of a family over a varied quantity: its values in order, as in the CSV
+  bool points_only = false;          ///< no lines between points, which a Latin hypercube strews
 };
 
 /// A study file, read. Everything a point's row depends on is fixed here.

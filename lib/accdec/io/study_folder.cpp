@@ -74,7 +74,7 @@ void write_results(const Study& study, const Entries& entries, const StudyRunOpt
   for (const auto& [index, entry] : entries) lines.push_back(entry.row);
   const fs::path folder = options.out;
   OutputFiles files;
-  for (auto& [name, content] : study_documents(study, lines)) files.add((folder / name).string(), std::move(content));
+  for (auto& [name, content] : study_documents(study, lines, &summary.empty_figures)) files.add((folder / name).string(), std::move(content));
   summary.wall_time = study::seconds_since(began);
   nlohmann::ordered_json manifest;
   manifest["schema"] = kind.schema;

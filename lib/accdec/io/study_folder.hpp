@@ -36,6 +36,7 @@ struct StudySummary {
   std::size_t computed = 0;  ///< now
   std::size_t bad = 0;       ///< rows without an answer to any computation
   std::size_t lost = 0;      ///< of them: the process computing them died or was killed
+  std::vector<std::string> empty_figures = {};  ///< names of those with nothing to draw
   bool finished = false;     ///< the folder has the report; false for a shard
   int workers = 0;           ///< that computed points at a time
   double wall_time = 0.0;    ///< s, of this run, with its tables and figures

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/io/study_figure_check.hpp>
 #include <accdec/io/study_file.hpp>
 #include <accdec/io/study_tasks.hpp>
 #include <accdec/io/suggestion.hpp>
@@ -206,6 +207,7 @@ class StudyReader {
     } catch (const std::invalid_argument& error) {
       top.fail(error.what());
     }
+    grid_ = grid;
     sampling_ = fmt::format("{} {} {}", grid, samples, seed);
     study.origin = origin_of_size(grid);
   }
@@ -268,9 +270,9 @@ class StudyReader {
       f.z = table.text("z").value_or("");
       f.family = table.text("family").value_or("");
       f.labels = toml_input::strings(table, *raw, "labels");
-      f.x_label = table.text("x_label").value_or(f.x);
-      f.y_label = table.text("y_label").value_or(f.y.empty() ? "" : f.y.front());
-      f.z_label = table.text("z_label").value_or(f.z);
+      f.x_label = table.text("x_label").value_or(axis_title(f.x));
+      f.y_label = table.text("y_label").value_or(axis_title(f.y));
+      f.z_label = table.text("z_label").value_or(axis_title(f.z));
       f.log_x = table.boolean("log_x").value_or(false);
       f.log_y = table.boolean("log_y").value_or(false);
       if (f.kind == Kind::pareto) {
@@ -296,6 +298,7 @@ class StudyReader {
           f.where.emplace_back(column.str(), text);
         }
       }
+      if (const auto fault = check_study_figure(f, study, grid_)) table.has(fault->key) ? table.fail_at(fault->key, fault->message) : table.fail(fault->message);
       study.figures.push_back(std::move(f));
     }
   }
@@ -370,6 +373,7 @@ class StudyReader {
   std::vector<toml::source_position> places_;     ///< where the variations' `key` stands
   std::vector<study::Variation> variations_;
   std::string sampling_;
+  bool grid_ = true;
 };
 
 Study read_study(const std::string& path) { return StudyReader(path).read(); }

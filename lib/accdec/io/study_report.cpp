@@ -69,7 +69,7 @@ std::string cut_off_note(const Study& study, const StudyTable& table) {
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> study_documents(const Study& study, const std::vector<std::string>& lines) {
+std::vector<std::pair<std::string, std::string>> study_documents(const Study& study, const std::vector<std::string>& lines, std::vector<std::string>* empty) {
   std::vector<std::pair<std::string, std::string>> documents;
   std::string jsonl;
   for (const std::string& line : lines) jsonl += line + '\n';
@@ -84,7 +84,9 @@ std::vector<std::pair<std::string, std::string>> study_documents(const Study& st
                       bad == 0 ? "" : fmt::format(", {} of them without an answer (column <code>reason</code>)", bad));
   html += cut_off_note(study, table) + variations_table(study) + summary_table(study, table);
   for (const StudyFigure& f : study.figures) {
-    const std::string svg = render_svg(make_study_figure(f, table));
+    const Figure figure = make_study_figure(f, table);
+    if (empty && !has_data(figure.panels.front())) empty->push_back(f.name);
+    const std::string svg = render_svg(figure);
     html += html_figure(f.name, svg);
     documents.emplace_back(f.name + ".png", convert_svg(svg, "png"));
     documents.emplace_back(f.name + ".svg", svg);

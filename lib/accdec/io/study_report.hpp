@@ -37,7 +37,8 @@ Figure make_study_figure(const StudyFigure& figure, const StudyTable& table);
 
 /// Every file of a finished study but its manifest: rows.jsonl, rows.csv, NAME.svg and NAME.png of each figure, and report.html with the
 /// figures inside and nothing linked. A function of study and rows alone.
+/// @param empty  receives the names of figures that have nothing to draw, unless null
 /// @return file name and content
-std::vector<std::pair<std::string, std::string>> study_documents(const Study& study, const std::vector<std::string>& lines);
+std::vector<std::pair<std::string, std::string>> study_documents(const Study& study, const std::vector<std::string>& lines, std::vector<std::string>* empty = nullptr);
 
 }  // namespace accdec

@@ -1,0 +1,204 @@
+#include <accdec/io/study_figure_check.hpp>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/study/compute.hpp>
+
+namespace accdec {
+namespace {
+
+using Kind = StudyFigure::Kind;
+
+/// Suffixes of keys and columns, longer ones before those they end with.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 17> units{{{"_mm_min", "mm/min"},
+                                                                               {"_mm_s3", "mm/s^3"},
+                                                                               {"_mm_s2", "mm/s^2"},
+                                                                               {"_mm_s", "mm/s"},
+                                                                               {"_N_s_m", "N s/m"},
+                                                                               {"_samples", "samples"},
+                                                                               {"_deg", "deg"},
+                                                                               {"_ms", "ms"},
+                                                                               {"_um", "um"},
+                                                                               {"_mm", "mm"},
+                                                                               {"_kg", "kg"},
+                                                                               {"_Hz", "Hz"},
+                                                                               {"_hz", "Hz"},
+                                                                               {"_s", "s"},
+                                                                               {"_N", "N"},
+                                                                               {"_W", "W"},
+                                                                               {"_m", "m"}}};
+
+/// A varied quantity: the cases, or a variation.
+struct Varied {
+  std::string name;
+  std::vector<double> numbers;     ///< of a variation, distinct, in order
+  std::vector<std::string> texts;  ///< as in the table
+  bool drawn = false;              ///< from a range at random: the values are those at its ends only
+
+  bool varies() const { return drawn || texts.size() > 1; }
+};
+
+std::vector<Varied> axes_of(const Study& study, bool grid) {
+  std::vector<Varied> axes;
+  if (study.plan().cases().size() > 1) axes.push_back({"case", {}, study.plan().cases(), false});
+  for (const study::Variation& v : study.plan().variations()) {
+    Varied axis{v.name, {}, {}, !grid && v.range};
+    for (const double value : v.values) {
+      if (std::find(axis.numbers.begin(), axis.numbers.end(), value) != axis.numbers.end()) continue;
+      axis.numbers.push_back(value);
+      axis.texts.push_back(study::Row(value).dump());
+    }
+    axes.push_back(std::move(axis));
+  }
+  return axes;
+}
+
+const Varied* find_varied(const std::vector<Varied>& axes, const std::string& name) {
+  const auto found = std::find_if(axes.begin(), axes.end(), [&](const Varied& a) { return a.name == name; });
+  return found == axes.end() ? nullptr : &*found;
+}
+
+std::string last_part(const std::string& column) { return column.substr(column.rfind('.') + 1); }
+
+bool is_text(const std::string& column) {
+  constexpr std::array<std::string_view, 7> words{"case", "point", "reason", "best_shape", "status", "message", "tightest"};
+  return std::find(words.begin(), words.end(), column.find('.') == std::string::npos ? column : last_part(column)) != words.end();
+}
+
+std::string values_text(const Varied& axis) {
+  if (axis.numbers.empty()) return fmt::format("\"{}\"", fmt::join(axis.texts, "\", \""));
+  constexpr std::size_t shown = 12;
+  if (axis.numbers.size() <= shown) return fmt::format("{}", fmt::join(axis.numbers, ", "));
+  const auto first = axis.numbers.begin();
+  return fmt::format("{}, ... {} ({} values)", fmt::join(first, first + shown, ", "), axis.numbers.back(), axis.numbers.size());
+}
+
+/// Spells a condition on an axis as the table does.
+std::optional<FigureFault> check_condition(std::pair<std::string, std::string>& condition, const Varied& axis) {
+  auto& [name, text] = condition;
+  if (axis.drawn) return FigureFault{"where", fmt::format("`{}` cannot be fixed: a Latin hypercube draws it at random", name)};
+  if (axis.numbers.empty() && std::find(axis.texts.begin(), axis.texts.end(), text) != axis.texts.end()) return {};
+  double wanted = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), wanted);
+  if (error == std::errc() && end == text.data() + text.size()) {
+    for (std::size_t i = 0; i < axis.numbers.size(); ++i) {
+      // Values of a range are seldom the decimals that one writes.
+      if (std::abs(axis.numbers[i] - wanted) > 1e-9 * std::abs(wanted)) continue;
+      text = axis.texts[i];
+      return {};
+    }
+  }
+  return FigureFault{"where", fmt::format("`{}` never is {}; it takes {}", name, text, values_text(axis))};
+}
+
+bool fixed(const StudyFigure& figure, const std::string& name) {
+  return std::any_of(figure.where.begin(), figure.where.end(), [&](const auto& w) { return w.first == name; });
+}
+
+std::optional<FigureFault> check_scale(const char* key, const char* log_key, const std::string& column, bool log, const std::vector<Varied>& axes) {
+  if (is_text(column)) return FigureFault{key, fmt::format("`{}` is a text; the axis of a figure needs numbers", column)};
+  const Varied* axis = find_varied(axes, column);
+  if (!log || axis == nullptr) return {};
+  const auto low = std::min_element(axis->numbers.begin(), axis->numbers.end());
+  if (low == axis->numbers.end() || *low > 0.0) return {};
+  return FigureFault{log_key, fmt::format("`{}` takes the value {}, which a logarithmic axis does not have", column, *low)};
+}
+
+std::optional<FigureFault> check_labels(const StudyFigure& figure, std::size_t curves, bool known) {
+  if (curves > most_curves && known) {
+    const bool family = figure.kind == Kind::family;
+    return FigureFault{family ? "family" : "y", fmt::format("{} curves are too many to be told apart; a figure has at most {}{}", curves, most_curves,
+                                                            family ? fmt::format(": vary `{}` in fewer steps, or draw a heat map", figure.family) : "")};
+  }
+  if (figure.labels.empty() || !known || figure.labels.size() == curves) return {};
+  return FigureFault{"labels", fmt::format("{} label{} for {} curve{}; give one each, or none", figure.labels.size(), figure.labels.size() == 1 ? "" : "s", curves, curves == 1 ? "" : "s")};
+}
+
+}  // namespace
+
+std::string unit_of(const std::string& column) {
+  for (const auto& [suffix, unit] : units) {
+    if (column.size() > suffix.size() && column.ends_with(suffix)) return std::string(unit);
+  }
+  return "";
+}
+
+std::string axis_title(const std::string& column) {
+  std::string name = column, unit = unit_of(column);
+  if (!unit.empty()) {
+    const auto suffix = std::find_if(units.begin(), units.end(), [&](const auto& u) { return column.ends_with(u.first); });
+    name.resize(column.size() - suffix->first.size());
+    unit = unit.find_first_of("/ ") == std::string::npos ? fmt::format(" / {}", unit) : fmt::format(" / ({})", unit);
+  }
+  const std::size_t dot = name.rfind('.'), begin = dot == std::string::npos ? 0 : dot + 1;
+  std::replace(name.begin() + static_cast<std::ptrdiff_t>(begin), name.end(), '_', ' ');
+  return begin == 0 ? name + unit : fmt::format("{}: {}{}", name.substr(0, dot), name.substr(begin), unit);
+}
+
+std::string axis_title(const std::vector<std::string>& columns) {
+  if (columns.empty()) return "";
+  const bool alike = std::all_of(columns.begin(), columns.end(), [&](const std::string& c) { return last_part(c) == last_part(columns.front()); });
+  return axis_title(alike && columns.size() > 1 ? last_part(columns.front()) : columns.front());
+}
+
+std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& study, bool grid) {
+  const std::vector<Varied> axes = axes_of(study, grid);
+  for (auto& condition : figure.where) {
+    const Varied* axis = find_varied(axes, condition.first);
+    if (axis == nullptr) continue;
+    if (auto fault = check_condition(condition, *axis)) return fault;
+  }
+  if (figure.kind == Kind::pareto) return check_labels(figure, figure.y.size(), true);
+  const bool heat = figure.kind == Kind::heat, words = heat && is_text(figure.z);
+  if (auto fault = check_scale("x", "log_x", figure.x, figure.log_x, axes)) return fault;
+  for (const std::string& y : figure.y) {
+    if (auto fault = check_scale("y", "log_y", y, figure.log_y, axes)) return fault;
+  }
+  if (heat && figure.y.size() > 1) return FigureFault{"y", "a heat map has one `y`"};
+  if (heat && !words) {
+    if (!grid) return FigureFault{"kind", "a Latin hypercube has no grid, which a heat map of numbers needs; its points can be drawn as a curve, which draws no lines here"};
+    for (const auto& [key, column] : {std::pair{"x", figure.x}, std::pair{"y", figure.y.front()}}) {
+      if (find_varied(axes, column) == nullptr) return FigureFault{key, fmt::format("`{}` is not varied; the axes of a heat map are two of the study's variations", column)};
+    }
+  }
+  if (heat && figure.x == figure.y.front()) return FigureFault{"y", "a heat map needs two different axes"};
+  figure.points_only = !grid;
+
+  const Varied* across = find_varied(axes, figure.x);
+  std::vector<const Varied*> open;
+  for (const Varied& axis : axes) {
+    const bool shown = axis.name == figure.x || (figure.kind == Kind::family && axis.name == figure.family) || (heat && axis.name == figure.y.front());
+    if (axis.varies() && !shown && !fixed(figure, axis.name) && (grid || axis.name == "case")) open.push_back(&axis);
+  }
+  // No two rows have the same index. A computed column can stand for one variation: y over x, both as it goes.
+  if (figure.x == "index") open.clear();
+  if (across == nullptr && grid && !open.empty() && open.back()->name != "case") open.pop_back();
+  if (!open.empty()) {
+    const Varied& axis = *open.front();
+    const std::string example = axis.numbers.empty() ? fmt::format("\"{}\"", axis.texts.front()) : fmt::format("{}", axis.numbers.front());
+    return FigureFault{"where", fmt::format("`{0}` takes {1} values, but is neither on the figure nor fixed; fix it, as by where = {{ \"{0}\" = {2} }}{3}", axis.name,
+                                            axis.texts.size(), example, figure.kind == Kind::curve ? ", or draw a family over it" : "")};
+  }
+  if (heat) {
+    if (!figure.labels.empty()) return FigureFault{"labels", "labels name curves; a heat map has none"};
+    return {};
+  }
+  if (figure.kind == Kind::curve) return check_labels(figure, figure.y.size(), true);
+  const Varied* family = find_varied(axes, figure.family);
+  if (family == nullptr) return {};
+  if (family->drawn) return FigureFault{"family", fmt::format("`{}` is drawn at random from a range; a family needs a quantity of few values", family->name)};
+  for (const std::string& text : family->texts) {
+    const bool counts = std::none_of(figure.where.begin(), figure.where.end(), [&](const auto& w) { return w.first == family->name && w.second != text; });
+    if (counts) figure.members.push_back(text);
+  }
+  return check_labels(figure, figure.members.size(), true);
+}
+
+}  // namespace accdec

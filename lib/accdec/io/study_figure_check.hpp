@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <accdec/io/study_file.hpp>
+
+namespace accdec {
+
+/// What is wrong with a figure of a study, and at which of its keys.
+struct FigureFault {
+  std::string key, message;
+};
+
+/// Most curves of a figure: more cannot be told apart.
+inline constexpr std::size_t most_curves = 24;
+
+/// Whether a figure, its columns known to exist, shows what it seems to: every varied quantity is on it or fixed by `where` at a value
+/// the quantity takes (in a Latin hypercube only cases can be fixed: curves are drawn as points, heat maps of numbers are refused), axes
+/// are numbers, positive where logarithmic, curves are not too many, and `labels` one each. Spells `where` as the table does and fills
+/// in `members` and `points_only`.
+std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& study, bool grid);
+
+/// A column as the title of an axis: "optimum.cycle_time_ms" becomes "optimum: cycle time / ms".
+std::string axis_title(const std::string& column);
+/// Of several columns: what they have in common after the dot, else the first.
+std::string axis_title(const std::vector<std::string>& columns);
+/// Unit by a column's suffix, "" if it has none.
+std::string unit_of(const std::string& column);
+
+}  // namespace accdec
