@@ -35,7 +35,7 @@ feed_in_mm_min = 6000
 error_max_um = 50
 )");
     write(home_ / "study.toml", fmt::format(R"(task = "task.toml"
-compute = ["delays"]
+compute = ["delays", "given"]
 {}
 [[case]]
 name = "one"
@@ -115,13 +115,21 @@ TEST_F(StudyFigures, HaveUnitsAndShortLabels) {
   for (const char* text : {">tolerance / um<", ">delays: cycle time / ms<", ">30 deg<", ">90 deg<"}) EXPECT_THAT(svg, HasSubstr(text));
 }
 
-TEST(AxisTitle, TakesTheUnitFromTheSuffix) {
-  using accdec::axis_title;
-  EXPECT_EQ(axis_title("feed_in_mm_min"), "feed in / (mm/min)");
-  EXPECT_EQ(axis_title("optimum.cycle_time_ms"), "optimum: cycle time / ms");
-  EXPECT_EQ(axis_title("jerk_max_mm_s3"), "jerk max / (mm/s^3)");
-  EXPECT_EQ(axis_title("residual_max"), "residual max");
-  EXPECT_EQ(axis_title(std::vector<std::string>{"a.cycle_time_ms", "b.cycle_time_ms"}), "cycle time / ms");
+TEST_F(StudyFigures, TakeAUnitFromTheKeyWhereTheNameHasNone) {
+  const Outcome r = figure("x = \"speed\"\ny = [\"delays.cycle_time_ms\", \"given.cycle_time_ms\"]\nwhere = { case = \"one\", angle_deg = 30, tolerance_um = 300 }\n"
+                           "[[vary]]\nname = \"speed\"\nkey = \"corner.A.feed_out_mm_min\"\nvalues = [1000, 2000]");
+  ASSERT_EQ(r.exit_code, 0) << r.output;
+  const std::string svg = content(home_ / "out/f.svg");
+  EXPECT_THAT(svg, HasSubstr(">speed / (mm/min)<"));
+  EXPECT_THAT(svg, HasSubstr(">cycle time / ms<"));
+}
+
+TEST(AxisTitle, PutsTheUnitBehindTheName) {
+  const auto title = [](const std::string& column) { return accdec::axis_title(column, accdec::unit_of(column)); };
+  EXPECT_EQ(title("feed_in_mm_min"), "feed in / (mm/min)");
+  EXPECT_EQ(title("optimum.cycle_time_ms"), "optimum: cycle time / ms");
+  EXPECT_EQ(title("jerk_max_mm_s3"), "jerk max / (mm/s^3)");
+  EXPECT_EQ(title("residual_max"), "residual max");
 }
 
 }  // namespace

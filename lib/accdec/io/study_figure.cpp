@@ -51,7 +51,7 @@ void add_curves(Panel& panel, const StudyFigure& figure, const StudyTable& table
 
 /// Values of a family for the legend: six digits with the unit, more where six do not tell them apart.
 std::vector<std::string> member_labels(const StudyFigure& figure, const std::vector<std::string>& members, const std::vector<double>& numbers) {
-  const std::string unit = unit_of(figure.family);
+  const std::string& unit = figure.family_unit;
   std::vector<std::string> labels;
   for (const bool rounded : {true, false}) {
     labels.clear();

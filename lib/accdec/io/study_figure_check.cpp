@@ -130,22 +130,34 @@ std::string unit_of(const std::string& column) {
   return "";
 }
 
-std::string axis_title(const std::string& column) {
-  std::string name = column, unit = unit_of(column);
-  if (!unit.empty()) {
+namespace {
+
+std::string unit_in(const std::string& column, const Study& study) {
+  for (const study::Variation& v : study.plan().variations()) {
+    if (v.name == column && unit_of(column).empty()) return unit_of(v.keys.front());
+  }
+  return unit_of(column);
+}
+
+}  // namespace
+
+std::string axis_title(const std::string& column, const std::string& unit) {
+  std::string name = column;
+  if (!unit_of(column).empty()) {
     const auto suffix = std::find_if(units.begin(), units.end(), [&](const auto& u) { return column.ends_with(u.first); });
     name.resize(column.size() - suffix->first.size());
-    unit = unit.find_first_of("/ ") == std::string::npos ? fmt::format(" / {}", unit) : fmt::format(" / ({})", unit);
   }
   const std::size_t dot = name.rfind('.'), begin = dot == std::string::npos ? 0 : dot + 1;
   std::replace(name.begin() + static_cast<std::ptrdiff_t>(begin), name.end(), '_', ' ');
-  return begin == 0 ? name + unit : fmt::format("{}: {}{}", name.substr(0, dot), name.substr(begin), unit);
+  if (begin > 0) name = fmt::format("{}: {}", name.substr(0, dot), name.substr(begin));
+  if (unit.empty()) return name;
+  return unit.find_first_of("/ ") == std::string::npos ? fmt::format("{} / {}", name, unit) : fmt::format("{} / ({})", name, unit);
 }
 
-std::string axis_title(const std::vector<std::string>& columns) {
+std::string axis_title(const std::vector<std::string>& columns, const Study& study) {
   if (columns.empty()) return "";
   const bool alike = std::all_of(columns.begin(), columns.end(), [&](const std::string& c) { return last_part(c) == last_part(columns.front()); });
-  return axis_title(alike && columns.size() > 1 ? last_part(columns.front()) : columns.front());
+  return axis_title(alike && columns.size() > 1 ? last_part(columns.front()) : columns.front(), unit_in(columns.front(), study));
 }
 
 std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& study, bool grid) {
@@ -191,6 +203,7 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
     return {};
   }
   if (figure.kind == Kind::curve) return check_labels(figure, figure.y.size(), true);
+  figure.family_unit = unit_in(figure.family, study);
   const Varied* family = find_varied(axes, figure.family);
   if (family == nullptr) return {};
   if (family->drawn) return FigureFault{"family", fmt::format("`{}` is drawn at random from a range; a family needs a quantity of few values", family->name)};

@@ -22,10 +22,10 @@ inline constexpr std::size_t most_curves = 24;
 /// in `members` and `points_only`.
 std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& study, bool grid);
 
-/// A column as the title of an axis: "optimum.cycle_time_ms" becomes "optimum: cycle time / ms".
-std::string axis_title(const std::string& column);
-/// Of several columns: what they have in common after the dot, else the first.
-std::string axis_title(const std::vector<std::string>& columns);
+/// Columns as the title of an axis: "optimum.cycle_time_ms" becomes "optimum: cycle time / ms"; of several, what they have in common
+/// after the dot, else the first. A variation whose name has no unit takes that of its task key.
+std::string axis_title(const std::vector<std::string>& columns, const Study& study);
+std::string axis_title(const std::string& column, const std::string& unit);
 /// Unit by a column's suffix, "" if it has none.
 std::string unit_of(const std::string& column);
 

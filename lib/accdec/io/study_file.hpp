@@ -34,6 +34,7 @@ struct StudyFigure {
   std::vector<std::pair<std::string, std::string>> where;  ///< column = value (as in the CSV): rows that count
   bool log_x = false, log_y = false;
   std::vector<std::string> members;  ///< of a family over a varied quantity: its values in order, as in the CSV
+  std::string family_unit;           ///< of these values, for the legend
   bool points_only = false;          ///< no lines between points, which a Latin hypercube strews
 };
 

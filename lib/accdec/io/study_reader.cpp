@@ -270,9 +270,9 @@ class StudyReader {
       f.z = table.text("z").value_or("");
       f.family = table.text("family").value_or("");
       f.labels = toml_input::strings(table, *raw, "labels");
-      f.x_label = table.text("x_label").value_or(axis_title(f.x));
-      f.y_label = table.text("y_label").value_or(axis_title(f.y));
-      f.z_label = table.text("z_label").value_or(axis_title(f.z));
+      f.x_label = table.text("x_label").value_or(axis_title(std::vector{f.x}, study));
+      f.y_label = table.text("y_label").value_or(axis_title(f.y, study));
+      f.z_label = table.text("z_label").value_or(axis_title(std::vector{f.z}, study));
       f.log_x = table.boolean("log_x").value_or(false);
       f.log_y = table.boolean("log_y").value_or(false);
       if (f.kind == Kind::pareto) {
