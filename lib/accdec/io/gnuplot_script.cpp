@@ -77,7 +77,7 @@ std::pair<Range, Range> ranges(const Panel& panel) {
   }
   const auto finish = [&](Range& range, const Scale& scale, double air) {
     if (scale.log) {  // decades: positive data only
-      if (!(range.low > 0.0)) range.low = range.high > 0.0 ? range.high * 1e-6 : 1e-6;
+      if (!(range.low > 0.0)) range.low = range.high > 0.0 ? range.high * 1e-6 : 1.0;
       if (!(range.high > range.low)) range.high = range.low * 10.0;
     } else {
       if (!(range.high >= range.low)) range = {0.0, 1.0};
