@@ -66,6 +66,16 @@ TEST(ComparisonData, ARiggedClaimLandsInItsCell) {
   EXPECT_EQ(cell(summary, {{0, "good"}}, "claimed solved, refuted"), "0");
 }
 
+// Variants are entries under names of their own; an algorithm's own name, or one of its forms, is none.
+TEST(ComparisonData, TellsVariantsFromPlainSolvers) {
+  std::string four = header;
+  const std::size_t list = four.find(R"("solvers":[)") + 11;
+  four = four.substr(0, list) + R"({"name":"a","solver":"a"},{"name":"a/reduced","solver":"a"},{"name":"a, faster","solver":"a"},{"name":"b","solver":"b"}]})";
+  const ComparisonData data = study::read_comparison({four, problem(0, "proved", R"("lower":1,"upper":1)")});
+  EXPECT_THAT(data.plain, ::testing::ElementsAre(0, 1, 3));
+  EXPECT_THAT(data.algorithms, ::testing::ElementsAre("a", "a", "a", "b"));
+}
+
 TEST(ComparisonData, StationaryButWorseIsNoSuccessAndMissingRunsAreFailures) {
   const ComparisonData data = study::read_comparison({header, problem(0, "proved", proved_two), problem(1, "proved", proved_two),
                                                       run(0, "good", "solved", "optimal", 2.5), run(0, "rigged", "solved", "feasible", 2.0)});

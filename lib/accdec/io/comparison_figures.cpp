@@ -19,24 +19,40 @@ struct Group {
   std::vector<std::size_t> solvers;
 };
 
+/// More lines than this cannot be told apart in a panel.
+constexpr std::size_t most_together = 24;
+bool one_panel_each(const ComparisonData& data) { return data.solvers.size() > most_together; }
+
+/// What shares a panel: one algorithm with its variants where there are many, else what uses derivatives, or values only.
+std::string group_of(const ComparisonData& data, std::size_t solver) {
+  if (one_panel_each(data)) return data.algorithms[solver];
+  return data.header.at("solvers").at(solver).value("uses", "") == "values" ? "Values only" : "With derivatives";
+}
+
 std::vector<Group> groups(const ComparisonData& data, bool design) {
-  Group derivatives{"With derivatives", {}}, values{"Values only", {}};
+  std::vector<Group> all;
   for (std::size_t s = 0; s < data.solvers.size(); ++s) {
     if (!data.takes_part(design, s)) continue;
-    (data.header.at("solvers").at(s).value("uses", "") == "values" ? values : derivatives).solvers.push_back(s);
-  }
-  std::vector<Group> all;
-  for (Group& g : {std::ref(derivatives), std::ref(values)}) {
-    if (!g.solvers.empty()) all.push_back(std::move(g));
+    const std::string title = group_of(data, s);
+    auto group = std::find_if(all.begin(), all.end(), [&](const Group& g) { return g.title == title; });
+    if (group == all.end()) group = all.insert(all.end(), {title, {}});
+    group->solvers.push_back(s);
   }
   return all;
 }
 
-/// The steps of a distribution from `low` to `high`, as a line. A solver has the same style in every panel and figure.
+/// The same in every panel and figure, and no symbol twice among fifteen that share a panel.
+int style_of(const ComparisonData& data, std::size_t solver) {
+  int style = 0;
+  for (std::size_t s = 0; s < solver; ++s) style += group_of(data, s) == group_of(data, solver) ? 1 : 0;
+  return style;
+}
+
+/// The steps of a distribution from `low` to `high`, as a line.
 Series steps(const Distribution& d, double low, double high, const ComparisonData& data, std::size_t solver) {
   Series s;
   s.label = data.solvers[solver];
-  s.style = static_cast<int>(solver);
+  s.style = style_of(data, solver);
   s.mark = Mark::marked_line;
   double y = study::at(d, low);
   s.x.push_back(low);
@@ -96,20 +112,22 @@ Figure page(std::string title, int columns, int width = 640, int height = 380) {
   return figure;
 }
 
+int columns_of(const ComparisonData& data) { return one_panel_each(data) ? 3 : 2; }
+
 std::string to_accuracy(const ComparisonData& data) { return fmt::format("time until within {:g} of the reference", data.accuracy); }
 
 /// Over what the profiles' costs are.
 std::string least_of(const ComparisonData& data) { return data.plain.size() == data.solvers.size() ? "least of all solvers" : "least of the plain solvers"; }
 
 Figure performance(const ComparisonData& data, bool design, const std::string& of) {
-  Figure figure = page(fmt::format("Performance profiles by {}, {}", to_accuracy(data), of), 2);
+  Figure figure = page(fmt::format("Performance profiles by {}, {}", to_accuracy(data), of), columns_of(data));
   const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
   add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "", "time to accuracy / " + least_of(data), "share of problems solved", 1.0);
   return figure;
 }
 
 Figure performance_to_the_end(const ComparisonData& data, bool design, const std::string& of) {
-  Figure figure = page(fmt::format("Performance profiles by time until the solver ends, {}", of), 2);
+  Figure figure = page(fmt::format("Performance profiles by time until the solver ends, {}", of), columns_of(data));
   const auto costs = data.costs(design, [](const Attempt& a) { return a.end_cost; });
   add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "", "time to the solver's end / " + least_of(data), "share of problems solved", 1.0);
   return figure;
@@ -131,13 +149,14 @@ Figure pairwise(const ComparisonData& data, bool design, const std::string& of) 
     Panel panel = panel_of(fmt::format("{} and {}", data.solvers[best], data.solvers[s]), "time to accuracy / lesser of the two", "share of problems solved", range);
     panel.series.push_back(steps(study::distribution(ratios[0]), range.first, range.second, data, best));
     panel.series.push_back(steps(study::distribution(ratios[1]), range.first, range.second, data, s));
+    for (int line = 0; line < 2; ++line) panel.series[static_cast<std::size_t>(line)].style = line;  // the two may have the same of their own
     figure.panels.push_back(std::move(panel));
   }
   return figure;
 }
 
 Figure data_profiles(const ComparisonData& data, bool design, const std::string& of) {
-  Figure figure = page(fmt::format("Data profiles by evaluations of objective or rows (derivatives free), {}", of), 2);
+  Figure figure = page(fmt::format("Data profiles by evaluations of objective or rows (derivatives free), {}", of), columns_of(data));
   const std::vector<int> variables = data.variables(design);
   for (std::size_t t = 0; t < data.targets.size(); ++t) {
     auto values = data.costs(design, [t](const Attempt& a) { return a.target_evaluations[t]; });
@@ -148,7 +167,7 @@ Figure data_profiles(const ComparisonData& data, bool design, const std::string&
 }
 
 Figure runtimes(const ComparisonData& data, bool design, const std::string& of) {
-  Figure figure = page(fmt::format("Time until within {:g} of the reference, {}", fmt::join(data.targets, ", "), of), 2);
+  Figure figure = page(fmt::format("Time until within {:g} of the reference, {}", fmt::join(data.targets, ", "), of), columns_of(data));
   std::vector<std::vector<double>> all(data.solvers.size());
   for (std::size_t t = 0; t < data.targets.size(); ++t) {
     const auto values = data.costs(design, [t](const Attempt& a) { return std::max(a.target_time[t], 1e-5); });

@@ -75,7 +75,7 @@ std::string figure_notes(const std::string& name) {
   if (is("performance")) {
     return paragraph(
         "The time counts until the first feasible point within the accuracy that is judged, so that nobody is charged for polishing beyond it; solved are only runs that ended with an "
-        "answer as good, since who does not know the reference has the answer alone to go by. Costs are divided by the least of the plain solvers, the first entry of each algorithm: "
+        "answer as good, since who does not know the reference has the answer alone to go by. Costs are divided by the least of the plain solvers, those that are no variants: "
         "otherwise variants of one would take its wins from it. The same runs are solved in the next figure, by the time until the solver ended by its own test, "
         "the tests of the libraries being of different kinds.");
   }
@@ -126,7 +126,7 @@ std::vector<std::pair<std::string, std::string>> comparison_documents(const std:
   html += "<h2>Time and evaluations of the runs that reached the reference</h2>\n" + part(summary, {0, 8, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27});
   html += "<h2>Claimed against verified, all solvers</h2>\n" + part(confusion, {1, 2, 3, 4, 5, 6, 7}, "all");
   html += "<h2>Profiles</h2>\n" + paragraph("Points on the way are recorded thinned: a time, or number of evaluations, to a target is that of the first point within the target or, at most, of the first "
-                                            "nearer by a tenth of the target's distance. So are the times to accuracy. Each solver has the same line and symbol everywhere.");
+                                            "nearer by a tenth of the target's distance. So are the times to accuracy. Each solver has the same line and symbol in all figures but those of pairs.");
   for (const auto& [name, figure] : comparison_figures(data)) {
     html += figure_notes(name);
     const std::string svg = render_svg(figure);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -78,11 +77,12 @@ class Reader {
     const std::string record = row.at("record");
     if (record == "comparison") {
       if (row.at("schema") != "accdec.comparison/1") throw std::invalid_argument("unknown schema");
-      std::set<std::string> algorithms;
       for (const Row& solver : row.at("solvers")) {
-        if (algorithms.insert(solver.value("solver", solver.at("name").get<std::string>())).second) data_.plain.push_back(data_.solvers.size());
-        solver_index_[solver.at("name")] = data_.solvers.size();
-        data_.solvers.push_back(solver.at("name"));
+        const std::string name = solver.at("name"), algorithm = solver.value("solver", name);
+        if (name == algorithm || name.starts_with(algorithm + "/")) data_.plain.push_back(data_.solvers.size());
+        solver_index_[name] = data_.solvers.size();
+        data_.solvers.push_back(name);
+        data_.algorithms.push_back(algorithm);
       }
       data_.targets = row.at("targets").get<std::vector<double>>();
       data_.starts = row.at("starts");

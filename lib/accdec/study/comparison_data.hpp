@@ -62,7 +62,8 @@ struct Attempt {
 struct ComparisonData {
   Row header;
   std::vector<std::string> solvers;
-  std::vector<std::size_t> plain;  ///< the first entry of each algorithm; the others are variants of it
+  std::vector<std::string> algorithms;  ///< registry name of each of them
+  std::vector<std::size_t> plain;       ///< those that are no variants: under the algorithm's own name, or in one of its forms
   std::vector<double> targets;
   int starts = 1, repeats = 1;
   double accuracy = 1e-4;
