@@ -1,5 +1,7 @@
 #include <accdec/study/comparison_run.hpp>
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -21,7 +23,9 @@ Comparison::Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases)
     throw std::invalid_argument("a comparison needs at least one problem, solver, target, start and repeat");
   }
   for (const Competitor& competitor : settings_.solvers) competitor.registered();
-  for (CaseSpec& spec : cases) cases_.push_back(std::make_unique<ComparisonCase>(std::move(spec)));
+  for (const CaseSpec& spec : cases) ComparisonCase{spec};  // throws now, not in every run, what is wrong with it
+  cases_ = std::move(cases);
+  ::malloc_trim(0);
 }
 
 ScheduledRun Comparison::at(std::size_t index) const {
@@ -66,7 +70,7 @@ std::vector<std::size_t> Comparison::order_of_solvers(std::size_t case_index, st
 
 double Comparison::time_limit(const ScheduledRun& run) const {
   if (run.reference) return settings_.reference_time_limit;
-  const double own = cases_[run.case_index]->spec().time_limit;
+  const double own = cases_[run.case_index].time_limit;
   return own > 0.0 ? own : settings_.time_limit;
 }
 
@@ -123,7 +127,7 @@ Row Comparison::beginning(const ScheduledRun& entry) const {
   row["index"] = entry.reference ? entry.case_index : index_of(entry, entry.repeat);
   row["case"] = entry.case_index;
   if (entry.reference) {
-    const ComparisonCase& subject = *cases_[entry.case_index];
+    const ComparisonCase subject(cases_[entry.case_index]);
     const CaseSpec& spec = subject.spec();
     row["problem"] = spec.name;
     row["family"] = spec.family;
@@ -143,7 +147,7 @@ Row Comparison::beginning(const ScheduledRun& entry) const {
 }
 
 Row Comparison::reference_row(const ScheduledRun& entry) const {
-  const ComparisonCase& subject = *cases_[entry.case_index];
+  const ComparisonCase subject(cases_[entry.case_index]);
   Row row = beginning(entry);
   const auto began = Clock::now();
   Reference reference;
@@ -166,7 +170,7 @@ Row Comparison::run_row(const ScheduledRun& entry) const {
   row["verdict"] = "none";
   try {
     settings_.solvers[entry.solver].warm_up();
-    cases_[entry.case_index]->spec().question == Question::design ? design_into(row, entry) : solve_into(row, entry);
+    cases_[entry.case_index].question == Question::design ? design_into(row, entry) : solve_into(row, entry);
   } catch (const std::exception& error) {
     row["message"] = error.what();
   }

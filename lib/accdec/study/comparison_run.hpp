@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -44,7 +43,7 @@ class Comparison {
   Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases);
 
   const ComparisonSettings& settings() const { return settings_; }
-  const std::vector<std::unique_ptr<ComparisonCase>>& cases() const { return cases_; }
+  const std::vector<CaseSpec>& cases() const { return cases_; }
   std::size_t size() const { return cases_.size() + per_repeat() * static_cast<std::size_t>(settings_.repeats); }
   std::size_t per_repeat() const { return cases_.size() * static_cast<std::size_t>(settings_.starts) * settings_.solvers.size(); }
   /// @throws std::out_of_range
@@ -72,7 +71,8 @@ class Comparison {
   void design_into(Row& row, const ScheduledRun& entry) const;
 
   ComparisonSettings settings_;
-  std::vector<std::unique_ptr<ComparisonCase>> cases_;
+  /// Built anew by every entry: a process that holds all of them takes three times as long to fork.
+  std::vector<CaseSpec> cases_;
 };
 
 }  // namespace accdec::study

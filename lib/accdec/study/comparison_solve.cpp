@@ -44,7 +44,7 @@ Row counts_row(const nlp::Counts& n) {
 }  // namespace
 
 void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
-  const ComparisonCase& subject = *cases_[entry.case_index];
+  const ComparisonCase subject(cases_[entry.case_index]);
   const Competitor& competitor = settings_.solvers[entry.solver];
   const bool reduced = competitor.wants_reduced(settings_.reduced);
   solvers::Options options;
@@ -103,7 +103,7 @@ void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
 }
 
 void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
-  const ComparisonCase& subject = *cases_[entry.case_index];
+  const ComparisonCase subject(cases_[entry.case_index]);
   const CaseSpec& spec = subject.spec();
   const Competitor& competitor = settings_.solvers[entry.solver];
   Task task = spec.task;
