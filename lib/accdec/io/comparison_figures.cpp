@@ -19,9 +19,7 @@ struct Group {
   std::vector<std::size_t> solvers;
 };
 
-/// More lines than this cannot be told apart in a panel.
-constexpr std::size_t most_together = 24;
-bool one_panel_each(const ComparisonData& data) { return data.solvers.size() > most_together; }
+bool one_panel_each(const ComparisonData& data) { return data.solvers.size() > most_lines; }
 
 /// What shares a panel: one algorithm with its variants where there are many, else what uses derivatives, or values only.
 std::string group_of(const ComparisonData& data, std::size_t solver) {
@@ -49,10 +47,10 @@ int style_of(const ComparisonData& data, std::size_t solver) {
 }
 
 /// The steps of a distribution from `low` to `high`, as a line.
-Series steps(const Distribution& d, double low, double high, const ComparisonData& data, std::size_t solver) {
+Series steps(const Distribution& d, double low, double high, const std::string& label, int style) {
   Series s;
-  s.label = data.solvers[solver];
-  s.style = style_of(data, solver);
+  s.label = label;
+  s.style = style;
   s.mark = Mark::marked_line;
   double y = study::at(d, low);
   s.x.push_back(low);
@@ -98,7 +96,7 @@ void add_panels(Figure& figure, const ComparisonData& data, bool design, const s
   if (range.second <= range.first) range.second = 10.0 * range.first;
   for (const Group& group : groups(data, design)) {
     Panel panel = panel_of(title.empty() ? group.title : fmt::format("{}: {}", title, group.title), x, y, range);
-    for (const std::size_t s : group.solvers) panel.series.push_back(steps(study::distribution(values[s]), range.first, range.second, data, s));
+    for (const std::size_t s : group.solvers) panel.series.push_back(steps(study::distribution(values[s]), range.first, range.second, data.solvers[s], style_of(data, s)));
     figure.panels.push_back(std::move(panel));
   }
 }
@@ -147,9 +145,8 @@ Figure pairwise(const ComparisonData& data, bool design, const std::string& of) 
     auto range = decades(ratios);
     range.first = 1.0;
     Panel panel = panel_of(fmt::format("{} and {}", data.solvers[best], data.solvers[s]), "time to accuracy / lesser of the two", "share of problems solved", range);
-    panel.series.push_back(steps(study::distribution(ratios[0]), range.first, range.second, data, best));
-    panel.series.push_back(steps(study::distribution(ratios[1]), range.first, range.second, data, s));
-    for (int line = 0; line < 2; ++line) panel.series[static_cast<std::size_t>(line)].style = line;  // the two may have the same of their own
+    panel.series.push_back(steps(study::distribution(ratios[0]), range.first, range.second, data.solvers[best], 0));
+    panel.series.push_back(steps(study::distribution(ratios[1]), range.first, range.second, data.solvers[s], 1));  // the two may have the same style elsewhere
     figure.panels.push_back(std::move(panel));
   }
   return figure;

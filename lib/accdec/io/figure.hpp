@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace accdec {
+
+/// How many lines of a panel differ in style: more cannot be told apart.
+inline constexpr std::size_t most_lines = 24;
 
 /// How a series is drawn. Styles count up from 0 and differ in dash or symbol as well as in colour, so that they can be told apart in
 /// grey: the first 8 of plain lines, the first 15 of symbols, the first 16 (and many more) of marked lines.

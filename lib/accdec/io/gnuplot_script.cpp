@@ -16,6 +16,7 @@ constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#
 constexpr std::array<const char*, 8> dashes{"solid", "(9,4)", "(9,3,2,3)", "(2,3)", "(16,4)", "(12,3,2,3,2,3)", "(4,2)", "(1,4)"};
 constexpr std::array<int, 15> points{7, 6, 5, 4, 9, 8, 11, 12, 2, 13, 1, 10, 3, 15, 14};
 constexpr std::array<const char*, 3> widths{"1.7", "2.8", "1"};  // px, of the first eight styles, the next eight, ...
+static_assert(dashes.size() * widths.size() == most_lines);
 
 /// A double-quoted gnuplot string with everything it might act on (quotes, backslashes, backticks, ...) as octal codes. Single quotes
 /// would not do: gnuplot 5.4 ends ''''...' early.

@@ -83,7 +83,7 @@ void add_family(Panel& panel, const StudyFigure& figure, const StudyTable& table
   }
   const std::vector<std::string> labels = member_labels(figure, members, numbers);
   // A computed column may have any number of values.
-  const std::size_t every = (members.size() + most_curves - 1) / most_curves;
+  const std::size_t every = (members.size() + most_lines - 1) / most_lines;
   if (every > 1) panel.title = fmt::format("{} of {} values of {}", (members.size() + every - 1) / every, members.size(), figure.family);
   for (std::size_t c = 0; c < members.size(); c += every) {
     panel.series.push_back(sorted_series(std::move(points[c]), label_of(figure, c, labels[c]), static_cast<int>(c / every)));

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/io/figure.hpp>
 #include <accdec/study/compute.hpp>
 
 namespace accdec {
@@ -111,26 +112,21 @@ std::optional<FigureFault> check_scale(const char* key, const char* log_key, con
   return FigureFault{log_key, fmt::format("`{}` takes the value {}, which a logarithmic axis does not have", column, *low)};
 }
 
-std::optional<FigureFault> check_labels(const StudyFigure& figure, std::size_t curves, bool known) {
-  if (curves > most_curves && known) {
+std::optional<FigureFault> check_labels(const StudyFigure& figure, std::size_t curves) {
+  if (curves > most_lines) {
     const bool family = figure.kind == Kind::family;
-    return FigureFault{family ? "family" : "y", fmt::format("{} curves are too many to be told apart; a figure has at most {}{}", curves, most_curves,
+    return FigureFault{family ? "family" : "y", fmt::format("{} curves are too many to be told apart; a figure has at most {}{}", curves, most_lines,
                                                             family ? fmt::format(": vary `{}` in fewer steps, or draw a heat map", figure.family) : "")};
   }
-  if (figure.labels.empty() || !known || figure.labels.size() == curves) return {};
+  if (figure.labels.empty() || figure.labels.size() == curves) return {};
   return FigureFault{"labels", fmt::format("{} label{} for {} curve{}; give one each, or none", figure.labels.size(), figure.labels.size() == 1 ? "" : "s", curves, curves == 1 ? "" : "s")};
 }
 
-}  // namespace
-
-std::string unit_of(const std::string& column) {
-  for (const auto& [suffix, unit] : units) {
-    if (column.size() > suffix.size() && column.ends_with(suffix)) return std::string(unit);
-  }
-  return "";
+/// The suffix and unit of a column; null if it has none.
+const std::pair<std::string_view, std::string_view>* unit_suffix(const std::string& column) {
+  const auto found = std::find_if(units.begin(), units.end(), [&](const auto& u) { return column.size() > u.first.size() && column.ends_with(u.first); });
+  return found == units.end() ? nullptr : &*found;
 }
-
-namespace {
 
 std::string unit_in(const std::string& column, const Study& study) {
   for (const study::Variation& v : study.plan().variations()) {
@@ -141,12 +137,14 @@ std::string unit_in(const std::string& column, const Study& study) {
 
 }  // namespace
 
+std::string unit_of(const std::string& column) {
+  const auto* found = unit_suffix(column);
+  return found == nullptr ? "" : std::string(found->second);
+}
+
 std::string axis_title(const std::string& column, const std::string& unit) {
   std::string name = column;
-  if (!unit_of(column).empty()) {
-    const auto suffix = std::find_if(units.begin(), units.end(), [&](const auto& u) { return column.ends_with(u.first); });
-    name.resize(column.size() - suffix->first.size());
-  }
+  if (const auto* found = unit_suffix(column)) name.resize(column.size() - found->first.size());
   const std::size_t dot = name.rfind('.'), begin = dot == std::string::npos ? 0 : dot + 1;
   std::replace(name.begin() + static_cast<std::ptrdiff_t>(begin), name.end(), '_', ' ');
   if (begin > 0) name = fmt::format("{}: {}", name.substr(0, dot), name.substr(begin));
@@ -167,7 +165,7 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
     if (axis == nullptr) continue;
     if (auto fault = check_condition(condition, *axis)) return fault;
   }
-  if (figure.kind == Kind::pareto) return check_labels(figure, figure.y.size(), true);
+  if (figure.kind == Kind::pareto) return check_labels(figure, figure.y.size());
   const bool heat = figure.kind == Kind::heat, words = heat && is_text(figure.z);
   if (auto fault = check_scale("x", "log_x", figure.x, figure.log_x, axes)) return fault;
   for (const std::string& y : figure.y) {
@@ -202,7 +200,7 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
     if (!figure.labels.empty()) return FigureFault{"labels", "labels name curves; a heat map has none"};
     return {};
   }
-  if (figure.kind == Kind::curve) return check_labels(figure, figure.y.size(), true);
+  if (figure.kind == Kind::curve) return check_labels(figure, figure.y.size());
   figure.family_unit = unit_in(figure.family, study);
   const Varied* family = find_varied(axes, figure.family);
   if (family == nullptr) return {};
@@ -211,7 +209,7 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
     const bool counts = std::none_of(figure.where.begin(), figure.where.end(), [&](const auto& w) { return w.first == family->name && w.second != text; });
     if (counts) figure.members.push_back(text);
   }
-  return check_labels(figure, figure.members.size(), true);
+  return check_labels(figure, figure.members.size());
 }
 
 }  // namespace accdec

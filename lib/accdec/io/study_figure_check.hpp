@@ -13,9 +13,6 @@ struct FigureFault {
   std::string key, message;
 };
 
-/// Most curves of a figure: more cannot be told apart.
-inline constexpr std::size_t most_curves = 24;
-
 /// Whether a figure, its columns known to exist, shows what it seems to: every varied quantity is on it or fixed by `where` at a value
 /// the quantity takes (in a Latin hypercube only cases can be fixed: curves are drawn as points, heat maps of numbers are refused), axes
 /// are numbers, positive where logarithmic, curves are not too many, and `labels` one each. Spells `where` as the table does and fills

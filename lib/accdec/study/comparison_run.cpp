@@ -121,34 +121,38 @@ Row Comparison::run(std::size_t index) const {
   return entry.reference ? reference_row(entry) : run_row(entry);
 }
 
-Row Comparison::beginning(const ScheduledRun& entry) const {
+Row Comparison::beginning_of_run(const ScheduledRun& entry) const {
   Row row;
-  row["record"] = entry.reference ? "problem" : "run";
-  row["index"] = entry.reference ? entry.case_index : index_of(entry, entry.repeat);
+  row["record"] = "run";
+  row["index"] = index_of(entry, entry.repeat);
   row["case"] = entry.case_index;
-  if (entry.reference) {
-    const ComparisonCase subject(cases_[entry.case_index]);
-    const CaseSpec& spec = subject.spec();
-    row["problem"] = spec.name;
-    row["family"] = spec.family;
-    row["question"] = to_string(spec.question);
-    row["size"] = spec.size;
-    row["order"] = spec.order;
-    row["variables"] = subject.variables();
-    row["rows"] = subject.rows();
-    row["time_limit_s"] = spec.time_limit > 0.0 ? spec.time_limit : settings_.time_limit;
-    row["expected"] = spec.infeasible ? "infeasible" : "feasible";
-  } else {
-    row["start"] = entry.start;
-    row["solver"] = settings_.solvers[entry.solver].name;
-    row["repeat"] = entry.repeat;
-  }
+  row["start"] = entry.start;
+  row["solver"] = settings_.solvers[entry.solver].name;
+  row["repeat"] = entry.repeat;
+  return row;
+}
+
+Row Comparison::beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const {
+  const CaseSpec& spec = subject.spec();
+  Row row;
+  row["record"] = "problem";
+  row["index"] = case_index;
+  row["case"] = case_index;
+  row["problem"] = spec.name;
+  row["family"] = spec.family;
+  row["question"] = to_string(spec.question);
+  row["size"] = spec.size;
+  row["order"] = spec.order;
+  row["variables"] = subject.variables();
+  row["rows"] = subject.rows();
+  row["time_limit_s"] = spec.time_limit > 0.0 ? spec.time_limit : settings_.time_limit;
+  row["expected"] = spec.infeasible ? "infeasible" : "feasible";
   return row;
 }
 
 Row Comparison::reference_row(const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
-  Row row = beginning(entry);
+  Row row = beginning_of_reference(entry.case_index, subject);
   const auto began = Clock::now();
   Reference reference;
   try {
@@ -165,7 +169,7 @@ Row Comparison::reference_row(const ScheduledRun& entry) const {
 }
 
 Row Comparison::run_row(const ScheduledRun& entry) const {
-  Row row = beginning(entry);
+  Row row = beginning_of_run(entry);
   row["claim"] = "error";
   row["verdict"] = "none";
   try {
@@ -179,14 +183,15 @@ Row Comparison::run_row(const ScheduledRun& entry) const {
 
 Row Comparison::lost(std::size_t index, const std::string& reason) const {
   const ScheduledRun entry = at(index);
-  Row row = beginning(entry);
   if (entry.reference) {
+    Row row = beginning_of_reference(entry.case_index, ComparisonCase(cases_[entry.case_index]));
     row["proof"] = to_string(Reference::Proof::bound);
     row["lower"] = 0.0;
     row["upper"] = nullptr;
     row["method"] = fmt::format("none: {}", reason);
     return row;
   }
+  Row row = beginning_of_run(entry);
   row["claim"] = reason.starts_with("given up") ? "killed" : "crashed";
   row["verdict"] = "none";
   row["message"] = reason;

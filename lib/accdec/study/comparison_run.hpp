@@ -62,7 +62,8 @@ class Comparison {
   Row lost(std::size_t index, const std::string& reason) const;
 
  private:
-  Row beginning(const ScheduledRun& entry) const;
+  Row beginning_of_run(const ScheduledRun& entry) const;
+  Row beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const;
   Row reference_row(const ScheduledRun& entry) const;
   Row run_row(const ScheduledRun& entry) const;
   /// Of a case, start and repeat.

@@ -10,8 +10,8 @@
 #include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
 
-#include <accdec/study/worker_process.hpp>
 #include <accdec/study/seconds_since.hpp>
+#include <accdec/study/worker_process.hpp>
 
 namespace accdec::study {
 namespace {
