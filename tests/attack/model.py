@@ -1,0 +1,112 @@
+"""The model once more, in plain numpy: sampled commands, shifted and summed. Nothing of the program's formulas is used.
+
+A corner's motion is linear in the taps, so the motion of every unit tap is simulated and kept as a column.
+"""
+import math
+from types import SimpleNamespace
+
+import numpy as np
+
+
+def directions(corner):
+    """Unit vectors of both legs; as many entries as given, or two for a corner in a plane."""
+    if "direction_in" in corner:
+        a, b = np.array(corner["direction_in"], float), np.array(corner["direction_out"], float)
+        return a / np.linalg.norm(a), b / np.linalg.norm(b)
+    heading, angle = math.radians(corner.get("heading_deg", 0.0)), math.radians(corner["angle_deg"])
+    turned = heading + (1.0 if corner.get("turn", "left") == "left" else -1.0) * (math.pi - angle)
+    return np.array([math.cos(heading), math.sin(heading)]), np.array([math.cos(turned), math.sin(turned)])
+
+
+def machine_axes(task, count):
+    """One axis table alone applies to every axis."""
+    return task["axis"] * count if len(task["axis"]) == 1 else task["axis"]
+
+
+def unit_motions(task, corner, order, delay):
+    """Velocity, acceleration, jerk (samples x taps) per axis over rest, leg 1, gap, leg 2, rest; position over the blend alone."""
+    period = task["sample_period_ms"] / 1e3
+    u1, u2 = directions(corner)
+    v1 = corner["feed_in_mm_min"] / 6e4
+    v2 = corner.get("feed_out_mm_min", corner["feed_in_mm_min"]) / 6e4
+    leg, rest = order + 3, order + 4
+    end_of_leg = rest + leg
+    total = end_of_leg + delay + leg + rest
+    motion = SimpleNamespace(velocity=[], acceleration=[], jerk=[], position=[], blend=slice(end_of_leg - 1, end_of_leg + order + delay + 2))
+    for x1, x2 in zip(u1, u2):
+        command = np.zeros(total)
+        command[rest:end_of_leg] = v1 * x1
+        command[end_of_leg + delay:end_of_leg + delay + leg] = v2 * x2
+        velocity = np.zeros((total, order + 1))
+        for i in range(order + 1):
+            velocity[i:, i] = command[:total - i]
+        acceleration = np.diff(velocity, axis=0, prepend=0.0) / period
+        motion.velocity.append(velocity)
+        motion.acceleration.append(acceleration)
+        motion.jerk.append(np.diff(acceleration, axis=0, prepend=0.0) / period)
+        way = np.cumsum(velocity, axis=0) * period - leg * period * v1 * x1
+        motion.position.append(way[motion.blend])
+    return motion
+
+
+LINEAR = (("velocity_max_mm_s", "velocity", 1e-3), ("acceleration_max_mm_s2", "acceleration", 1e-3), ("jerk_max_mm_s3", "jerk", 1e-3))
+
+
+def linear_rows(task, corner, motion):
+    """Matrix A with |A b| <= 1: velocity, acceleration, jerk and force of all axes, scaled by their bounds."""
+    rows = []
+    for i, axis in enumerate(machine_axes(task, len(motion.velocity))):
+        for key, quantity, unit in LINEAR:
+            if key in axis:
+                rows.append(getattr(motion, quantity)[i] / (axis[key] * unit))
+        if "force_max_N" in axis:
+            force = axis.get("mass_kg", 0.0) * motion.acceleration[i] + axis.get("damping_N_s_m", 0.0) * motion.velocity[i]
+            rows.append(force / axis["force_max_N"])
+    return np.unique(np.vstack(rows).round(14), axis=0) if rows else np.zeros((0, motion.velocity[0].shape[1]))
+
+
+def residual_rows(mode, period, order, count=33):
+    """Frequencies of a band and, for each, the two rows whose length is the residual vibration."""
+    band = mode["frequency_Hz"]
+    low, high = (band[0], band[-1]) if isinstance(band, list) else (band, band)
+    angles = 2.0 * math.pi * period * np.outer(np.linspace(low, high, count if high > low else 1), np.arange(order + 1))
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def worst_use(task, taps, delays):
+    """Largest use of any limit (1 is the bound) by the taps and delays, and its name. Distances below 1e-12 m are zero."""
+    taps = np.asarray(taps, float) / math.fsum(taps)
+    worst, name = 0.0, "none"
+
+    def offer(use, what):
+        nonlocal worst, name
+        if use > worst:
+            worst, name = use, what
+
+    for corner, delay in zip(task["corner"], delays):
+        motion = unit_motions(task, corner, len(taps) - 1, delay)
+        rows = linear_rows(task, corner, motion)
+        if rows.size:
+            offer(float(np.abs(rows @ taps).max()), "linear")
+        for i, axis in enumerate(machine_axes(task, len(motion.velocity))):
+            v, a = motion.velocity[i] @ taps, motion.acceleration[i] @ taps
+            power = (axis.get("mass_kg", 0.0) * a + axis.get("damping_N_s_m", 0.0) * v) * v
+            if "power_max_W" in axis:
+                offer(float(power.max()) / axis["power_max_W"], "power")
+            if "regeneration_max_W" in axis:
+                offer(float(-power.min()) / axis["regeneration_max_W"], "regeneration")
+        error = corner_error(motion, taps)
+        if "error_max_um" in corner and error > 1e-12:
+            offer(error / (corner["error_max_um"] * 1e-6) if corner["error_max_um"] > 0.0 else math.inf, "corner error")
+        if corner.get("speed_min_mm_s", 0.0) > 0.0:
+            speed = np.sqrt(sum((v[motion.blend] @ taps) ** 2 for v in motion.velocity)).min()
+            offer(corner["speed_min_mm_s"] * 1e-3 / speed if speed > 0.0 else math.inf, "smallest speed")
+    for mode in task.get("mode", []):
+        rows = residual_rows(mode, task["sample_period_ms"] / 1e3, len(taps) - 1)
+        offer(float(np.hypot(rows[:, 0] @ taps, rows[:, 1] @ taps).max()) / mode["residual_max"], "vibration")
+    return worst, name
+
+
+def corner_error(motion, taps):
+    """Smallest distance from the corner at a sample of the blend, m."""
+    return float(np.sqrt(sum((p @ np.asarray(taps)) ** 2 for p in motion.position)).min())

@@ -1,0 +1,132 @@
+"""Results damaged and forged: `verify` may refuse or reject them, or accept what is still true; never a crash, never a lie."""
+import copy
+import json
+from pathlib import Path
+
+import model
+import tasks
+from harness import read_json
+
+
+def _paths(value, here=()):
+    """Every place in a JSON value."""
+    yield here
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, member in items:
+        yield from _paths(member, here + (key,))
+
+
+def _change(rng, value):
+    """Another value in place of one."""
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, (int, float)) and rng.random() < 0.8:
+        return rng.choice([value * (1.0 + rng.choice([-1, 1]) * 10.0 ** rng.uniform(-12, 0)), -value, value + 1, value - 1, 0, value * 2,
+                           1e308, 5e-324])
+    if isinstance(value, str):
+        return rng.choice(["", value + "x", "optimal", "feasible", "infeasible", "blend", "stop"])
+    if isinstance(value, list) and value:
+        changed = copy.deepcopy(value)
+        rng.choice([changed.reverse, changed.pop, lambda: changed.append(changed[0])])()
+        return changed
+    return rng.choice([None, True, [], {}, "", 0, -1, 1e300])
+
+
+def mutate(rng, result):
+    """A result with one to three changes in random places; forged bounds and statuses are tried most."""
+    forged = copy.deepcopy(result)
+    if rng.random() < 0.3:
+        steps = rng.choice([1, 2, 5])
+        period = result["sample_period_s"]
+        for key in ("lower_bound_s", "cycle_time_s"):
+            if forged.get(key) is not None and rng.random() < 0.7:
+                forged[key] += rng.choice([-1, 1]) * steps * period
+        forged["status"] = rng.choice(["optimal", "feasible", "infeasible"])
+        if forged.get("lower_bound_s") and forged.get("cycle_time_s"):
+            forged["gap"] = (forged["cycle_time_s"] - forged["lower_bound_s"]) / forged["cycle_time_s"]
+        if forged["corners"] and rng.random() < 0.5:
+            forged["corners"][0]["delay_samples"] = max(0, forged["corners"][0]["delay_samples"] + rng.choice([-1, 1]))
+        return forged
+    places = [p for p in _paths(forged) if p and p[0] != "task"]
+    # Certificates have most of the places; the rest is to have its share.
+    outside = [p for p in places if p[0] != "certificate"]
+    for _ in range(rng.randrange(1, 4)):
+        place = rng.choice(places if rng.random() < 0.5 else outside)
+        parent = forged
+        try:
+            for key in place[:-1]:
+                parent = parent[key]
+            if rng.random() < 0.1:
+                del parent[place[-1]]
+            else:
+                parent[place[-1]] = _change(rng, parent[place[-1]])
+        except (KeyError, IndexError, TypeError):
+            pass  # an earlier change took the place away
+    return forged
+
+
+def mutate_text(rng, text):
+    """Bytes changed, cut out, doubled or cut off."""
+    data = bytearray(text.encode())
+    for _ in range(rng.randrange(1, 4)):
+        at, length = rng.randrange(len(data)), rng.randrange(1, 40)
+        kind = rng.randrange(4)
+        if kind == 0:
+            data[at] = rng.randrange(256)
+        elif kind == 1:
+            del data[at:at + length]
+        elif kind == 2:
+            data[at:at] = data[at:at + length]
+        elif len(data) > 2 and rng.random() < 0.3:
+            del data[at:]
+        data = data or bytearray(b" ")
+    return bytes(data)
+
+
+def _lie(task, original, path):
+    """What is false in an accepted result; None if all of it is true. The task is part of the file and was not changed on purpose."""
+    try:
+        result = read_json(path)
+    except ValueError:
+        return "accepted what is no JSON"
+    if result["task"] != original["task"]:
+        return None  # another task: its truth is not known here
+    if result["status"] == "infeasible":
+        return None if original["status"] == "infeasible" else "an infeasibility that is none"
+    use, name = model.worst_use(task, result["filter"]["taps"], [c["delay_samples"] for c in result["corners"]])
+    if use > 1.0 + 1e-7:
+        return f"breaks {name}: {use:.9f}"
+    optimum = original["cycle_time_s"] if original["status"] == "optimal" else None
+    if optimum is not None:
+        near = 1e-6 * optimum
+        if result["status"] == "optimal" and abs(result["cycle_time_s"] - optimum) > near:
+            return f"optimal at {result['cycle_time_s']} s, the optimum is {optimum} s"
+        if (result.get("lower_bound_s") or 0.0) > optimum + near:
+            return f"a bound of {result['lower_bound_s']} s above the optimum of {optimum} s"
+    return None
+
+
+def run(attack):
+    task_path, result_path, forged_path = attack.path("task.toml"), attack.path("result.json"), attack.path("forged.json")
+    task = original = None
+    while attack.more():
+        rng = attack.rng()
+        if original is None or attack.case % 50 == 0:
+            task = attack.task_file(rng.choice([k for k in tasks.KINDS if k != "speed"]), longest=8)
+            code, _, _ = attack.run("design", task_path, "--json", result_path, "-q", "--time-limit", 3)
+            original = read_json(result_path) if code == 0 else None
+        if original is None:
+            continue
+        if rng.random() < 0.3:
+            Path(forged_path).write_bytes(mutate_text(rng, Path(result_path).read_text()))
+        else:
+            Path(forged_path).write_text(json.dumps(mutate(rng, original), indent=2))
+        code, out, err = attack.run("verify", forged_path)
+        attack.count("results mutated")
+        if code == 0:
+            attack.count("accepted, still true")
+            lie = _lie(task, original, forged_path)
+            if lie:
+                attack.fail(f"accepted: {lie}", task_path, result_path, forged_path)
+        elif code is None:
+            attack.fail("verify did not end", forged_path)
