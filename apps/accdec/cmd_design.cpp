@@ -1,8 +1,3 @@
-#include <fmt/format.h>
-
-#include <accdec/design/design.hpp>
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/task_reader.hpp>
 #include <atomic>
 #include <cmath>
 #include <csignal>
@@ -12,6 +7,12 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
+
+#include <accdec/design/design.hpp>
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/formats/task_reader.hpp>
 
 #include "output.hpp"
 
@@ -46,8 +47,9 @@ void run(const Arguments& arguments, Context& context) {
   options.method = arguments.method == "nlp" || arguments.solver_given ? Method::nlp : Method::exact;
   if (arguments.solver_given) options.solver = arguments.solver;
   if (!arguments.native.empty() && (options.method == Method::exact || task.filter)) {
-    throw std::invalid_argument(task.filter ? "--option: the filter is given, so its delays are enumerated and no solver is used"
-                                            : "--option NAME=VALUE goes with --solver: the exact method takes none");
+    throw std::invalid_argument(
+        task.filter ? "--option: the filter is given, so its delays are enumerated and no solver is used"
+                    : "--option NAME=VALUE goes with --solver: the exact method takes none");
   }
   if (task.filter && arguments.solver_given && !context.quiet) {
     fmt::print(stderr, "the filter is given: its delays are enumerated, {} is not used\n", options.solver);
@@ -80,7 +82,9 @@ void add_design(CLI::App& app, Context& context) {
       app.add_subcommand("design", "Choose the filter, its order and the delays that a task leaves open");
   command->add_option("task", arguments->task, "Task file")->required()->type_name("TASK.toml");
   add_json_option(*command, arguments->json);
-  command->add_option("--method", arguments->method, "exact: proved shortest (default); nlp: by a nonlinear solver (ipopt unless --solver names one)")
+  command
+      ->add_option("--method", arguments->method,
+                   "exact: proved shortest (default); nlp: by a nonlinear solver (ipopt unless --solver names one)")
       ->check(CLI::IsMember({"exact", "nlp"}));
   command->add_option("--solver", arguments->solver,
                       "nonlinear solver to use (see `accdec solvers`); implies --method nlp");

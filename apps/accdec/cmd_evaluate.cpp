@@ -1,7 +1,8 @@
-#include <accdec/design/verifier.hpp>
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/task_reader.hpp>
 #include <memory>
+
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/task/verifier.hpp>
 
 #include "output.hpp"
 

@@ -1,11 +1,12 @@
-#include <fmt/format.h>
-
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/result_json.hpp>
-#include <accdec/io/taps_export.hpp>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
+
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/formats/result_json.hpp>
+#include <accdec/formats/taps_export.hpp>
 
 #include "command.hpp"
 

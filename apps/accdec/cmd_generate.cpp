@@ -2,8 +2,8 @@
 #include <memory>
 #include <string>
 
-#include <accdec/program/generate.hpp>
-#include <accdec/program/stream_file.hpp>
+#include <accdec/files/stream_file.hpp>
+#include <accdec/program/write/generate.hpp>
 
 #include "command.hpp"
 
@@ -24,8 +24,12 @@ void add_generate(CLI::App& app, Context&) {
       ->check(CLI::Range(10L, 1000000000L))
       ->capture_default_str();
   command->add_option("--feed", options->generate.feed, "mm/min")->check(CLI::Range(1e-3, 1e8))->capture_default_str();
-  command->add_option("--tolerance", options->generate.tolerance, "mm, of G64 P")->check(CLI::Range(1e-6, 1e3))->capture_default_str();
-  command->add_option("--out", options->out, "File to write, - for standard output")->type_name("FILE")->capture_default_str();
+  command->add_option("--tolerance", options->generate.tolerance, "mm, of G64 P")
+      ->check(CLI::Range(1e-6, 1e3))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "File to write, - for standard output")
+      ->type_name("FILE")
+      ->capture_default_str();
   command->callback([options] {
     StreamFile file;
     file.open(options->out);

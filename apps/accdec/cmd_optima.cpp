@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/manifest.hpp>
-#include <accdec/io/optima_report.hpp>
-#include <accdec/io/results_folder.hpp>
-#include <accdec/io/task_reader.hpp>
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/results_folder.hpp>
+#include <accdec/formats/manifest.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/study/optima_report.hpp>
 
 #include "command.hpp"
 
@@ -32,7 +32,8 @@ void run(const Arguments& arguments, Context& context) {
   Task finer;
   if (!arguments.growth.empty()) {
     finer = read_task(arguments.growth);
-    if (finer.corners.size() != 1) throw std::invalid_argument(arguments.growth + ": --growth takes a task with one corner");
+    if (finer.corners.size() != 1)
+      throw std::invalid_argument(arguments.growth + ": --growth takes a task with one corner");
   }
   create_results_folder(arguments.out);
 
@@ -50,8 +51,10 @@ void run(const Arguments& arguments, Context& context) {
     finer.design.order_max *= 2;
   }
 
-  std::string command = fmt::format("accdec optima {} --out {} --time-limit {:g}", fmt::join(arguments.tasks, " "), arguments.out, arguments.time_limit);
-  if (!arguments.growth.empty()) command += fmt::format(" --growth {} --halvings {}", arguments.growth, arguments.halvings);
+  std::string command = fmt::format("accdec optima {} --out {} --time-limit {:g}", fmt::join(arguments.tasks, " "),
+                                    arguments.out, arguments.time_limit);
+  if (!arguments.growth.empty())
+    command += fmt::format(" --growth {} --halvings {}", arguments.growth, arguments.halvings);
   nlohmann::ordered_json manifest;
   manifest["command"] = command;
   add_environment(manifest, ACCDEC_VERSION);
@@ -75,12 +78,23 @@ void run(const Arguments& arguments, Context& context) {
 
 void add_optima(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("optima", "Proved optima of many tasks beside the standard shapes under the same limits");
-  command->add_option("tasks", arguments->tasks, "Task files; a [filter] in them is left aside")->required()->type_name("TASK.toml...");
-  command->add_option("--out", arguments->out, "Folder for optima.csv, .md, .svg, .png and manifest.json")->required()->type_name("DIR");
-  command->add_option("--time-limit", arguments->time_limit, "seconds for each design")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_option("--growth", arguments->growth, "Also solve this single-corner task at ever shorter sample periods")->type_name("TASK.toml");
-  command->add_option("--halvings", arguments->halvings, "How often --growth halves the sample period")->check(CLI::Range(0, 10))->capture_default_str();
+  CLI::App* command =
+      app.add_subcommand("optima", "Proved optima of many tasks beside the standard shapes under the same limits");
+  command->add_option("tasks", arguments->tasks, "Task files; a [filter] in them is left aside")
+      ->required()
+      ->type_name("TASK.toml...");
+  command->add_option("--out", arguments->out, "Folder for optima.csv, .md, .svg, .png and manifest.json")
+      ->required()
+      ->type_name("DIR");
+  command->add_option("--time-limit", arguments->time_limit, "seconds for each design")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--growth", arguments->growth, "Also solve this single-corner task at ever shorter sample periods")
+      ->type_name("TASK.toml");
+  command->add_option("--halvings", arguments->halvings, "How often --growth halves the sample period")
+      ->check(CLI::Range(0, 10))
+      ->capture_default_str();
   command->callback([arguments, &context] { run(*arguments, context); });
 }
 

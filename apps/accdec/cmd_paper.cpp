@@ -1,12 +1,13 @@
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/paper_report.hpp>
-#include <accdec/io/results_folder.hpp>
-#include <accdec/study/paper_tables.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/results_folder.hpp>
+#include <accdec/paper/paper_report.hpp>
+#include <accdec/paper/paper_tables.hpp>
 
 #include "command.hpp"
 
@@ -15,7 +16,9 @@ namespace accdec::cli {
 void add_paper(CLI::App& app, Context& context) {
   const auto folder = std::make_shared<std::string>("results/paper");
   CLI::App* command = app.add_subcommand("paper", "Every table and figure of the paper, against the printed values");
-  command->add_option("--out", *folder, "Folder for CSV, SVG, report.md and manifest.json")->type_name("DIR")->capture_default_str();
+  command->add_option("--out", *folder, "Folder for CSV, SVG, report.md and manifest.json")
+      ->type_name("DIR")
+      ->capture_default_str();
   command->callback([folder, &context] {
     const std::vector<paper::Table> tables{paper::table1(), paper::table2()};
     const auto files = paper::files(tables, "accdec paper --out " + *folder, ACCDEC_VERSION);

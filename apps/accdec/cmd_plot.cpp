@@ -1,9 +1,10 @@
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/figure.hpp>
-#include <accdec/io/plot_result.hpp>
-#include <accdec/io/result_json.hpp>
 #include <memory>
 #include <string>
+
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/formats/result_json.hpp>
+#include <accdec/plot/figure.hpp>
+#include <accdec/plot/plot_result.hpp>
 
 #include "command.hpp"
 
@@ -16,7 +17,9 @@ void add_plot(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("plot", "Draws the motion, path, taps and frequency response of a result");
   command->add_option("result", options->result, "Result file")->required()->type_name("RESULT.json");
-  command->add_option("--out", options->out, "Drawing to write, .svg, .png, .pdf or .html")->required()->type_name("FILE");
+  command->add_option("--out", options->out, "Drawing to write, .svg, .png, .pdf or .html")
+      ->required()
+      ->type_name("FILE");
   command->add_option("--corner", options->corner, "Corner to draw; the first unless given")->type_name("NAME");
   command->callback([options, &context] {
     const std::string format = figure_format(options->out);

@@ -1,18 +1,18 @@
-#include <sys/resource.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string>
 
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/figure.hpp>
-#include <accdec/io/plot_program.hpp>
-#include <accdec/io/task_reader.hpp>
-#include <accdec/program/design_program.hpp>
-#include <accdec/program/report.hpp>
-#include <accdec/program/stream_file.hpp>
+#include <sys/resource.h>
+
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/stream_file.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/plot/figure.hpp>
+#include <accdec/plot/plot_program.hpp>
+#include <accdec/program/plan/design_program.hpp>
+#include <accdec/program/write/report.hpp>
 
 #include "command.hpp"
 
@@ -34,7 +34,8 @@ void run(const Options& options, Context& context) {
     std::error_code none;
     for (const std::string& input : {options.program, options.task}) {
       // Everything is written beside its target first.
-      if (std::filesystem::equivalent(path, input, none) || std::filesystem::equivalent(path + ".part", input, none)) throw std::invalid_argument(path + " is an input: write to another file");
+      if (std::filesystem::equivalent(path, input, none) || std::filesystem::equivalent(path + ".part", input, none))
+        throw std::invalid_argument(path + " is an input: write to another file");
     }
     require_writable(path);
   }
@@ -60,7 +61,8 @@ void run(const Options& options, Context& context) {
       return;
     }
   }
-  ProgramResult result = run_program(options.program, std::move(path), *choice.filter, task, options.per_leg, options.filter_bound);
+  ProgramResult result =
+      run_program(options.program, std::move(path), *choice.filter, task, options.per_leg, options.filter_bound);
   result.worst_shown = options.worst;
   choice.solver.wall_time += result.solver.wall_time;
   result.solver = choice.solver;
@@ -89,7 +91,8 @@ void run(const Options& options, Context& context) {
   samples.commit();
   emitted.commit();
 
-  const bool stdout_taken = options.json == "-" || options.delays == "-" || options.samples == "-" || options.emit == "-";
+  const bool stdout_taken =
+      options.json == "-" || options.delays == "-" || options.samples == "-" || options.emit == "-";
   if (!context.quiet && !stdout_taken) std::fputs(program_summary(result).c_str(), stdout);
   context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
 }
@@ -98,19 +101,28 @@ void run(const Options& options, Context& context) {
 
 void add_program(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("program", "A whole toolpath: the smallest delay of every corner, verified by simulating every sample");
+  CLI::App* command = app.add_subcommand(
+      "program", "A whole toolpath: the smallest delay of every corner, verified by simulating every sample");
   command->add_option("file", options->program, "RS-274, canonical calls (rs274 -g) or CSV of points and feeds")
       ->required()
       ->type_name("FILE");
-  command->add_option("--task", options->task, "Task with the sample period, the axes and the filter; without filter one is designed")
+  command
+      ->add_option("--task", options->task,
+                   "Task with the sample period, the axes and the filter; without filter one is designed")
       ->required()
       ->type_name("TASK.toml");
   command->add_option("--json", options->json, "Write the result to FILE, - for standard output")->type_name("FILE");
-  command->add_option("--delays", options->delays, "Write the delay and error of every corner as CSV")->type_name("FILE");
-  command->add_option("--samples", options->samples, "Write the sampled motion as CSV")->type_name("FILE");
-  command->add_option("--emit", options->emit, "Write the program back with the feeds, dwells and path modes that realise the plan; its G4 must act before the filter")
+  command->add_option("--delays", options->delays, "Write the delay and error of every corner as CSV")
       ->type_name("FILE");
-  command->add_option("--figure", options->figure, "Draw the path by its errors and a histogram of the delays, .svg, .png, .pdf or .html")
+  command->add_option("--samples", options->samples, "Write the sampled motion as CSV")->type_name("FILE");
+  command
+      ->add_option("--emit", options->emit,
+                   "Write the program back with the feeds, dwells and path modes that realise the plan; its G4 must "
+                   "act before the filter")
+      ->type_name("FILE");
+  command
+      ->add_option("--figure", options->figure,
+                   "Draw the path by its errors and a histogram of the delays, .svg, .png, .pdf or .html")
       ->type_name("FILE");
   command->add_option("--arc-tolerance-um", options->arc_tolerance_um, "Largest distance of a chord from its arc")
       ->type_name("UM")
@@ -123,13 +135,17 @@ void add_program(CLI::App& app, Context& context) {
       ->check(CLI::Range(0, 10000))
       ->type_name("N")
       ->capture_default_str();
-  command->add_flag("--per-leg", options->per_leg,
-                    "Let the filter of each leg follow what the axis limits allow in its direction: the given or designed filter's shape, for "
-                    "every leg in the length that makes the program shortest; where one filter for all is as fast, that is kept");
-  command->add_flag("--dwells-before-filter", options->dwells_before_filter,
-                    "Read G4 as --emit writes it: a delay of the command, without an exact stop unless G61.1 or M0 asks for one");
+  command->add_flag(
+      "--per-leg", options->per_leg,
+      "Let the filter of each leg follow what the axis limits allow in its direction: the given or designed filter's "
+      "shape, for "
+      "every leg in the length that makes the program shortest; where one filter for all is as fast, that is kept");
+  command->add_flag(
+      "--dwells-before-filter", options->dwells_before_filter,
+      "Read G4 as --emit writes it: a delay of the command, without an exact stop unless G61.1 or M0 asks for one");
   command->add_flag("--filter-bound", options->filter_bound,
-                    "Also say which time no filters that keep the acceleration limits, not longer than the blocks, can undercut with any delays");
+                    "Also say which time no filters that keep the acceleration limits, not longer than the blocks, can "
+                    "undercut with any delays");
   command->add_flag("--rapid-stops", options->rapid_stops, "Stop wherever rapid and feed moves meet");
   command->callback([options, &context] { run(*options, context); });
 }

@@ -1,9 +1,10 @@
+#include <string>
+#include <vector>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <accdec/solvers/solver.hpp>
-#include <string>
-#include <vector>
 
 #include "command.hpp"
 
@@ -31,7 +32,8 @@ std::string uses(const solvers::Capabilities& can) {
 }  // namespace
 
 void add_solvers(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("solvers", "The optimisation algorithms for design --solver: versions and what each accepts");
+  CLI::App* command =
+      app.add_subcommand("solvers", "The optimisation algorithms for design --solver: versions and what each accepts");
   command->callback([&context] {
     if (context.quiet) return;
     constexpr const char* row = "{:<20} {:<13} {:<7} {:<14} {:<26} {}\n";

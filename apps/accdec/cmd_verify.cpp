@@ -1,9 +1,10 @@
+#include <memory>
+#include <string>
+
 #include <fmt/format.h>
 
 #include <accdec/design/recheck.hpp>
-#include <accdec/io/result_json.hpp>
-#include <memory>
-#include <string>
+#include <accdec/formats/result_json.hpp>
 
 #include "command.hpp"
 

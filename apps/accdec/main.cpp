@@ -1,9 +1,10 @@
-#include <malloc.h>
-
-#include <accdec/io/errors.hpp>
 #include <cstdio>
 #include <exception>
 #include <stdexcept>
+
+#include <malloc.h>
+
+#include <accdec/files/errors.hpp>
 
 #include "command.hpp"
 
@@ -51,8 +52,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace accdec;
-  // Clp takes and returns its work areas with every linear programme. Kept in the process rather than handed back to the system each
-  // time, a study saves a sixth of its time.
+  // Clp takes and returns its work areas with every linear programme. Kept in the process rather than handed back to
+  // the system each time, a study saves a sixth of its time.
   ::mallopt(M_TRIM_THRESHOLD, 256 << 20);
   ::mallopt(M_TOP_PAD, 16 << 20);
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);

@@ -1,9 +1,10 @@
 #include "output.hpp"
 
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/report.hpp>
-#include <accdec/io/result_json.hpp>
 #include <cstdio>
+
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/formats/report.hpp>
+#include <accdec/formats/result_json.hpp>
 
 namespace accdec::cli {
 

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <accdec/design/result.hpp>
 #include <string>
+
+#include <accdec/task/result.hpp>
 
 #include "command.hpp"
 

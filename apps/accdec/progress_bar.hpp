@@ -1,10 +1,11 @@
 #pragma once
 
-#include <accdec/io/study_folder.hpp>
+#include <accdec/study/study_folder.hpp>
 
 namespace accdec::cli {
 
-/// Points done, rate and remaining time in one line on standard error, rewritten at most ten times a second. For terminals.
+/// Points done, rate and remaining time in one line on standard error, rewritten at most ten times a second. For
+/// terminals.
 class ProgressBar {
  public:
   explicit ProgressBar(const char* unit = "points") : unit_(unit) {}

@@ -9,14 +9,15 @@
 // gain 3 ns. The rest is the latency of one chain of some 100 additions and products, so that only several corners side
 // by side (SIMD) would be much faster. At N = 4000 the tables (320 kB) come from the second-level cache.
 
-#include <benchmark/benchmark.h>
-
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include <accdec/motion/shapes.hpp>
+#include <accdec/motion/smallest_delay.hpp>
 
 namespace {
 

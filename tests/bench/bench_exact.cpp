@@ -1,14 +1,15 @@
 #include <benchmark/benchmark.h>
 
-#include <accdec/design/exact/certificate.hpp>
-#include <accdec/design/exact/exact.hpp>
+#include <accdec/certificate/certificate.hpp>
+#include <accdec/exact/exact.hpp>
 
-#include "design/tasks.hpp"
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {
 
-/// One corner of 95 degrees under acceleration and jerk limits; the argument is the sample period in us, so the orders grow as it falls.
+/// One corner of 95 degrees under acceleration and jerk limits; the argument is the sample period in us, so the orders
+/// grow as it falls.
 Task corner_task(double period) {
   Axis axis;
   axis.acceleration_max = 6.0;
@@ -27,7 +28,9 @@ void run(benchmark::State& state, const Task& task) {
   state.counters["programmes"] = static_cast<double>(result.solver.evaluations);
 }
 
-void BM_LinearLimits(benchmark::State& state) { run(state, corner_task(1e-6 * static_cast<double>(state.range(0)))); }
+void BM_LinearLimits(benchmark::State& state) {
+  run(state, corner_task(1e-6 * static_cast<double>(state.range(0))));
+}
 BENCHMARK(BM_LinearLimits)->Arg(2000)->Arg(1000)->Arg(700)->Arg(400)->Arg(200)->Unit(benchmark::kMillisecond);
 
 void BM_VibrationBand(benchmark::State& state) {

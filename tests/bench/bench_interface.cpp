@@ -1,6 +1,8 @@
-// What the solver interface costs: Ipopt called through it and directly, with the same options, on the same delay problem (the
-// argument is the filter's order N). The interface adds counting, timing, checks of finiteness, and the verification of the answer.
-//   bench_interface --benchmark_repetitions=15 --benchmark_enable_random_interleaving=true --benchmark_report_aggregates_only=true
+// What the solver interface costs: Ipopt called through it and directly, with the same options, on the same delay
+// problem (the argument is the filter's order N). The interface adds counting, timing, checks of finiteness, and the
+// verification of the answer.
+//   bench_interface --benchmark_repetitions=15 --benchmark_enable_random_interleaving=true
+//   --benchmark_report_aggregates_only=true
 // Compare the medians of CPU time; `gradients`, calls in one solve, shows that both took the same path.
 
 #include <algorithm>
@@ -14,7 +16,8 @@
 #include <accdec/design/formulation.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/solvers/solver.hpp>
-#include <design/tasks.hpp>
+
+#include "support/tasks.hpp"
 
 namespace {
 
@@ -66,19 +69,21 @@ class Direct : public Ipopt::TNLP {
     problem_.rows({x, size(n)}, {c, size(m)});
     return true;
   }
-  bool eval_jac_g(Index n, const double* x, bool, Index, Index count, Index* rows, Index* columns, double* values) override {
+  bool eval_jac_g(Index n, const double* x, bool, Index, Index count, Index* rows, Index* columns,
+                  double* values) override {
     if (values == nullptr) return pattern(problem_.jacobian_pattern(), rows, columns);
     problem_.jacobian({x, size(n)}, {values, size(count)});
     return true;
   }
-  bool eval_h(Index n, const double* x, bool, double factor, Index m, const double* y, bool, Index count, Index* rows, Index* columns,
-              double* values) override {
+  bool eval_h(Index n, const double* x, bool, double factor, Index m, const double* y, bool, Index count, Index* rows,
+              Index* columns, double* values) override {
     if (values == nullptr) return pattern(problem_.hessian_pattern(), rows, columns);
     problem_.hessian({x, size(n)}, factor, {y, size(m)}, {values, size(count)});
     return true;
   }
-  void finalize_solution(Ipopt::SolverReturn, Index, const double*, const double*, const double*, Index, const double*, const double*,
-                         double value, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
+  void finalize_solution(Ipopt::SolverReturn, Index, const double*, const double*, const double*, Index, const double*,
+                         const double*, double value, const Ipopt::IpoptData*,
+                         Ipopt::IpoptCalculatedQuantities*) override {
     objective = value;
   }
 

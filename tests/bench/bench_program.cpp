@@ -1,18 +1,18 @@
 // Speed of whole programs at N = 40, T = 1 ms, one core.
 //   bench_program --benchmark_repetitions=5 --benchmark_report_aggregates_only=true
-// read: bytes_per_second and items (blocks) per second from memory. delays: corners per second. verify: samples of the program per
-// second, every joint judged and every limit watched. program: from text to verified plan, blocks per second, for the growth
-// with length.
-
-#include <benchmark/benchmark.h>
+// read: bytes_per_second and items (blocks) per second from memory. delays: corners per second. verify: samples of the
+// program per second, every joint judged and every limit watched. program: from text to verified plan, blocks per
+// second, for the growth with length.
 
 #include <map>
 #include <sstream>
 #include <string>
 
+#include <benchmark/benchmark.h>
+
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/generate.hpp>
-#include <accdec/program/plan.hpp>
+#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/write/generate.hpp>
 
 namespace {
 
@@ -53,7 +53,9 @@ struct Count : MoveSink {
   void stop(double) override {}
 };
 
-GeneratedProgram kind_of(const benchmark::State& state) { return static_cast<GeneratedProgram>(state.range(0)); }
+GeneratedProgram kind_of(const benchmark::State& state) {
+  return static_cast<GeneratedProgram>(state.range(0));
+}
 
 void read(benchmark::State& state) {
   const std::string& text = text_of(kind_of(state), state.range(1));
@@ -85,7 +87,8 @@ void verify(benchmark::State& state) {
   std::int64_t samples = 0;
   for (auto _ : state) samples += check_program(path, filter, period, m, d).simulation.samples;
   state.SetItemsProcessed(samples);
-  state.counters["samples_a_block"] = static_cast<double>(samples) / static_cast<double>(state.iterations()) / static_cast<double>(path.blocks());
+  state.counters["samples_a_block"] =
+      static_cast<double>(samples) / static_cast<double>(state.iterations()) / static_cast<double>(path.blocks());
   state.SetLabel(std::string(to_string(kind_of(state))));
 }
 
@@ -113,7 +116,10 @@ void growth(benchmark::internal::Benchmark* b) {
   }
 }
 BENCHMARK(read)->Apply(all_kinds)->Unit(benchmark::kMillisecond);
-BENCHMARK(delays)->Apply(all_kinds)->Args({static_cast<long>(GeneratedProgram::zigzag), 1000000})->Unit(benchmark::kMillisecond);
+BENCHMARK(delays)
+    ->Apply(all_kinds)
+    ->Args({static_cast<long>(GeneratedProgram::zigzag), 1000000})
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(verify)->Apply(all_kinds)->Unit(benchmark::kMillisecond);
 BENCHMARK(program)->Apply(growth)->Unit(benchmark::kMillisecond);
 

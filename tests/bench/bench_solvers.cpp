@@ -1,4 +1,5 @@
-// How the delay formulation scales with the order N, and how long Ipopt takes on it. The largest order runs once: about a minute.
+// How the delay formulation scales with the order N, and how long Ipopt takes on it. The largest order runs once: about
+// a minute.
 //   bench_solvers --benchmark_repetitions=5 --benchmark_report_aggregates_only=true      (read the medians)
 
 #include <numbers>
@@ -15,7 +16,8 @@ namespace {
 
 using namespace accdec;
 
-/// One 95 degree corner at 6 m/min whose limits bind alike at every order: the sample period shrinks, the Acc/Dec time stays 40 ms.
+/// One 95 degree corner at 6 m/min whose limits bind alike at every order: the sample period shrinks, the Acc/Dec time
+/// stays 40 ms.
 Task task_of(int order) {
   Task task;
   task.sample_period = 0.04 / order;

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
-
-#include <accdec/design/exact/certificate.hpp>
-#include <accdec/design/exact/exact.hpp>
 #include <nlohmann/json.hpp>
 
-#include "design/tasks.hpp"
+#include <accdec/certificate/certificate.hpp>
+#include <accdec/exact/exact.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {

@@ -1,12 +1,13 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "../io/malformed_tasks.hpp"
-#include "run.hpp"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/malformed_tasks.hpp"
+#include "support/paths.hpp"
+#include "support/run.hpp"
 
 namespace accdec {
 namespace {
@@ -16,7 +17,7 @@ using ::testing::Not;
 using ::testing::StartsWith;
 using Json = nlohmann::ordered_json;
 
-const std::string problems = ACCDEC_SOURCE_DIR "/problems/";
+const std::string problems = accdec::test_support::source_folder() + "/problems/";
 
 /// The subcommands that `accdec --help` lists.
 std::vector<std::string> subcommands() {
@@ -53,10 +54,10 @@ TEST(Cli, EverySubcommandHasHelp) {
   }
 }
 
-// False claims that a checker once accepted: an order that depended on how samples were split, a range of delays one short, and a tolerance of
-// zero taken for half of what the simulation takes for zero.
+// False claims that a checker once accepted: an order that depended on how samples were split, a range of delays one
+// short, and a tolerance of zero taken for half of what the simulation takes for zero.
 TEST(Cli, VerifyRejectsForgedProofs) {
-  const std::string forged = ACCDEC_SOURCE_DIR "/tests/cli/forged/";
+  const std::string forged = accdec::test_support::source_folder() + "/tests/cli/forged/";
   for (const char* name : {"symmetric-cover.json", "delay-range.json", "zero-tolerance.json"}) {
     const Outcome outcome = run({"verify", forged + name});
     EXPECT_EQ(outcome.code, 1) << name;

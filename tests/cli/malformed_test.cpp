@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "../io/malformed_tasks.hpp"
-#include "run.hpp"
+#include "support/malformed_tasks.hpp"
+#include "support/run.hpp"
 
 namespace accdec {
 namespace {

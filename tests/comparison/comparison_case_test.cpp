@@ -4,11 +4,11 @@
 
 #include <gmock/gmock.h>
 
+#include <accdec/comparison/comparison_run.hpp>
+#include <accdec/comparison/recorded_problem.hpp>
 #include <accdec/solvers/solver.hpp>
-#include <accdec/study/comparison_run.hpp>
-#include <accdec/study/recorded_problem.hpp>
 
-#include "design/tasks.hpp"
+#include "support/tasks.hpp"
 
 namespace accdec::study {
 namespace {
@@ -25,8 +25,8 @@ CaseSpec boxcar_case(int taps, int delay, double angle = 90.0, double heading = 
   return spec;
 }
 
-// With the one filter that is left, the least error is that of the boxcar: 2 v T cos(theta/2) E[max(i - N/2 - d/2, 0)], the sum
-// taken out by hand: of i - 20 - d/2 over i = 20 + d/2 .. 40 it is m (m + 1)/2 with m = 20 - d/2.
+// With the one filter that is left, the least error is that of the boxcar: 2 v T cos(theta/2) E[max(i - N/2 - d/2, 0)],
+// the sum taken out by hand: of i - 20 - d/2 over i = 20 + d/2 .. 40 it is m (m + 1)/2 with m = 20 - d/2.
 TEST(Reference, OfTheLeastErrorWhereOnlyABoxcarHolds) {
   for (const int delay : {0, 10, 20}) {
     const double m = 20 - delay / 2;
@@ -50,7 +50,8 @@ TEST(Reference, ProvesThatOneTapLessIsTooFew) {
   EXPECT_EQ(reference_of(ComparisonCase(spec), 30.0).proof, Reference::Proof::infeasible);
 }
 
-// A second opinion on a case with room to choose: the interior-point solver comes to the same least error as the bisection.
+// A second opinion on a case with room to choose: the interior-point solver comes to the same least error as the
+// bisection.
 TEST(Reference, AgreesWithASolverThatSharesNothingWithIt) {
   CaseSpec spec = boxcar_case(30, 12, 60.0, 25.0);
   spec.order = 64;  // room for both legs' accelerations in one axis
@@ -114,8 +115,10 @@ TEST(Schedule, HoldsEveryRunOnceAndShufflesTheOrder) {
     EXPECT_EQ(c.index_of(run, run.repeat), i);
     EXPECT_TRUE(seen.emplace(run.case_index, run.start, run.solver, run.repeat).second);
     EXPECT_EQ(run.repeat, static_cast<int>((i - 2) / 12)) << "repeats are the outermost loop";
-    if ((i - 2) % 3 == 0) first_solvers.insert(run.solver);
-    else neighbours.emplace(before, run.solver);
+    if ((i - 2) % 3 == 0)
+      first_solvers.insert(run.solver);
+    else
+      neighbours.emplace(before, run.solver);
     before = run.solver;
   }
   EXPECT_EQ(first_solvers.size(), 3u) << "each solver is the first somewhere";
@@ -152,7 +155,8 @@ TEST(ComparisonRun, HasWhatTheTablesNeed) {
 }
 
 TEST(ComparisonRun, WhatIsFoundOnTheWayIsJudgedAsTheAnswerIs) {
-  // Ipopt has the sparse form, COBYLA the reduced one; in both, no improvement is below the optimum and the last is the answer.
+  // Ipopt has the sparse form, COBYLA the reduced one; in both, no improvement is below the optimum and the last is the
+  // answer.
   const CaseSpec spec = boxcar_case(41, 10);
   const double optimum = reference_of(ComparisonCase(spec), 30.0).upper;
   ComparisonSettings both = settings({"ipopt", "nlopt-slsqp"});
@@ -183,7 +187,8 @@ TEST(ComparisonRun, OneSolverInBothForms) {
   const Row sparse = row_of(0), reduced = row_of(1);
   EXPECT_EQ(reduced["solver"], "nlopt-slsqp/reduced");
   EXPECT_EQ(reduced["verdict"], "optimal");
-  EXPECT_NEAR(reduced["objective"].get<double>(), sparse["objective"].get<double>(), 1e-6 * sparse["objective"].get<double>());
+  EXPECT_NEAR(reduced["objective"].get<double>(), sparse["objective"].get<double>(),
+              1e-6 * sparse["objective"].get<double>());
   EXPECT_NE(reduced["evaluations"], sparse["evaluations"]);
 }
 
@@ -208,7 +213,8 @@ TEST(ComparisonRun, DesignsStartWhereToldAndAreCounted) {
   for (std::size_t index = 1; index <= 2; ++index) {
     const Row row = c.run(index);
     ASSERT_EQ(row["claim"], "solved") << row.dump();
-    for (const char* key : {"gradient", "rows", "jacobian", "hessian"}) EXPECT_GT(row["evaluations"][key].get<int>(), 0) << key;
+    for (const char* key : {"gradient", "rows", "jacobian", "hessian"})
+      EXPECT_GT(row["evaluations"][key].get<int>(), 0) << key;
     EXPECT_GT(row["evaluation_time_s"].get<double>(), 0.0);
     ASSERT_FALSE(row["history"].empty());
     EXPECT_EQ(row["history"].back()[2], row["objective"]);
@@ -222,7 +228,8 @@ TEST(RecordedProblem, JudgesAllThatWasAskedForHoweverLittleItMayKeep) {
   const nlp::Problem& problem = *subject.problem(true);
   for (const std::size_t bytes : {std::size_t{0}, std::size_t{1'000'000}}) {
     // Judged by a measure of its own: the first variable, if that is at least 0.3.
-    RecordedProblem recorded(problem, [](const std::vector<double>& x) { return x[0] >= 0.3 ? x[0] : nlp::infinity; }, bytes);
+    RecordedProblem recorded(
+        problem, [](const std::vector<double>& x) { return x[0] >= 0.3 ? x[0] : nlp::infinity; }, bytes);
     std::vector<double> x = subject.start(true, 0, 1), rows(static_cast<std::size_t>(problem.num_rows()));
     for (const double first : {0.9, 0.2, 0.5, 0.7, 0.3, 0.25}) {
       x[0] = first;

@@ -11,10 +11,11 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <accdec/io/suite_file.hpp>
+#include <accdec/comparison/suite_file.hpp>
 #include <accdec/solvers/solver.hpp>
 
-#include "command_fixture.hpp"
+#include "support/command_fixture.hpp"
+#include "support/paths.hpp"
 
 // The comparison as a user runs it, killed, resumed and drawn anew.
 
@@ -45,7 +46,8 @@ error_max_um = 50
 )");
     suite();
   }
-  void suite(const std::string& solvers = R"(["ipopt", "nlopt-slsqp", "nlopt-cobyla", "clp"])", const std::string& more = "", int repeats = 5) {
+  void suite(const std::string& solvers = R"(["ipopt", "nlopt-slsqp", "nlopt-cobyla", "clp"])",
+             const std::string& more = "", int repeats = 5) {
     write(home_ / "suite.toml", fmt::format(R"(title = "Mini"
 solvers = {}
 starts = 2
@@ -65,7 +67,8 @@ task = "task.toml"
 formulation = ["margin", "design"]
 order = 10
 expected = "infeasible"
-)", solvers, repeats, more));
+)",
+                                            solvers, repeats, more));
   }
 };
 
@@ -79,7 +82,8 @@ TEST_F(CompareCommand, TablesFiguresAndReportFromOneCommand) {
     EXPECT_THAT(content(home_ / "out" / fmt::format("{}.png", name)), HasSubstr("PNG"));
   }
   EXPECT_FALSE(fs::exists(home_ / "out/comparison.journal"));
-  const std::string problems = content(home_ / "out/problems.csv"), confusion = content(home_ / "out/confusion.csv"), raw = content(home_ / "out/raw.jsonl");
+  const std::string problems = content(home_ / "out/problems.csv"), confusion = content(home_ / "out/confusion.csv"),
+                    raw = content(home_ / "out/raw.jsonl");
   EXPECT_THAT(problems, HasSubstr("small,other,margin,1,30,31"));
   EXPECT_THAT(problems, HasSubstr("infeasible proved"));
   EXPECT_THAT(confusion, HasSubstr("ipopt,solved,4,0,0,0,0,0")) << "two problems from two starts, all reached";
@@ -118,7 +122,8 @@ TEST_F(CompareCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
     const pid_t child = start("compare suite.toml --out out --workers 1");
     const auto before = lines();
     int status = 0;
-    while (lines() < before + 8 && ::waitpid(child, &status, WNOHANG) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (lines() < before + 8 && ::waitpid(child, &status, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     if (status == 0) {
       ::kill(child, SIGKILL);
       ::waitpid(child, &status, 0);
@@ -133,7 +138,8 @@ TEST_F(CompareCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
   const auto done = lines() - 1;
   const Outcome last = run("compare suite.toml --out out");
   ASSERT_EQ(last.exit_code, 0) << last.output;
-  EXPECT_THAT(last.output, HasSubstr(fmt::format("{} from an earlier run", done))) << "what was done before the kill is not done again";
+  EXPECT_THAT(last.output, HasSubstr(fmt::format("{} from an earlier run", done)))
+      << "what was done before the kill is not done again";
   const std::string raw = content(home_ / "out/raw.jsonl");
   EXPECT_THAT(run("compare suite.toml --out out").output, HasSubstr(": 0 entries computed"));
   EXPECT_EQ(content(home_ / "out/raw.jsonl"), raw);
@@ -147,7 +153,8 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
     EXPECT_FALSE(fs::exists(home_ / "none"));
   };
   suite(R"(["ipotp"])");
-  refuse("compare suite.toml --out none", R"(suite.toml:2:11: unknown solver "ipotp"; did you mean "ipopt"? known are ipopt, ipopt-lbfgs)");
+  refuse("compare suite.toml --out none",
+         R"(suite.toml:2:11: unknown solver "ipotp"; did you mean "ipopt"? known are ipopt, ipopt-lbfgs)");
   suite(R"(["nlopt-mma/reduced"])");
   refuse("compare suite.toml --out none", "unknown solver \"nlopt-mma/reduced\"");  // it has no other form
   suite(R"("all")", "time_limit = 3");
@@ -155,10 +162,14 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   suite(R"("all")", "targets = [0]");
   refuse("compare suite.toml --out none", "suite.toml:7:12");
   suite("\"ipopt\"");
-  write(home_ / "suite.toml", content(home_ / "suite.toml") + "[[problem]]\nname = \"x\"\ntask = \"gone.toml\"\norder = 5\nformulation = \"margin\"\n");
+  write(home_ / "suite.toml",
+        content(home_ / "suite.toml") +
+            "[[problem]]\nname = \"x\"\ntask = \"gone.toml\"\norder = 5\nformulation = \"margin\"\n");
   refuse("compare suite.toml --out none", "gone.toml does not exist");
   suite("\"ipopt\"");
-  write(home_ / "suite.toml", content(home_ / "suite.toml") + "[[problem]]\nname = \"x\"\ntask = \"task.toml\"\norder = 5\nformulation = \"least\"\n");
+  write(home_ / "suite.toml",
+        content(home_ / "suite.toml") +
+            "[[problem]]\nname = \"x\"\ntask = \"task.toml\"\norder = 5\nformulation = \"least\"\n");
   refuse("compare suite.toml --out none", "unknown formulation \"least\"; allowed are margin, delay, design");
   suite("\"ipopt\"", "sizes = [1, 2, 1]");
   refuse("compare suite.toml --out none", "suite.toml:7:9: size 1 stands twice");
@@ -181,7 +192,9 @@ TEST_F(CompareCommand, OtherSolversThanTheSuites) {
   suite("\"ipopt\"", "", 1);
   const Outcome done = run("compare suite.toml --out out --solvers clp,nlopt-slsqp/reduced");
   ASSERT_EQ(done.exit_code, 0) << done.output;
-  EXPECT_THAT(content(home_ / "out/summary.csv"), ::testing::AllOf(HasSubstr("\nclp,"), HasSubstr("\nnlopt-slsqp/reduced,"), ::testing::Not(HasSubstr("ipopt"))));
+  EXPECT_THAT(
+      content(home_ / "out/summary.csv"),
+      ::testing::AllOf(HasSubstr("\nclp,"), HasSubstr("\nnlopt-slsqp/reduced,"), ::testing::Not(HasSubstr("ipopt"))));
   EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("--solvers clp,nlopt-slsqp/reduced"));
   EXPECT_THAT(run("compare suite.toml --out out").output, HasSubstr("another suite")) << "other solvers, other results";
   const auto refused = [&](const std::string& solvers, const std::string& reason) {
@@ -200,7 +213,9 @@ TEST_F(CompareCommand, VariantsAreSolversWithOptionsOfTheirOwn) {
     suite("\"ipopt\"", "", 1);
     write(home_ / "suite.toml", content(home_ / "suite.toml") + "[[variant]]\n" + variant);
   };
-  with("name = \"one step\"\nsolver = \"ipopt\"\nform = \"reduced\"\noptions = { max_iter = 1, mu_strategy = \"monotone\" }\n");
+  with(
+      "name = \"one step\"\nsolver = \"ipopt\"\nform = \"reduced\"\noptions = { max_iter = 1, mu_strategy = "
+      "\"monotone\" }\n");
   const Outcome done = run("compare suite.toml --out out");
   ASSERT_EQ(done.exit_code, 0) << done.output;
   EXPECT_THAT(content(home_ / "out/summary.csv"), HasSubstr("\none step,"));
@@ -208,7 +223,8 @@ TEST_F(CompareCommand, VariantsAreSolversWithOptionsOfTheirOwn) {
   EXPECT_THAT(raw, HasSubstr(R"("options":{"max_iter":"1","mu_strategy":"monotone"})"));
   EXPECT_THAT(content(home_ / "out/runs.csv"), HasSubstr("one step,evaluation limit"));
   with("name = \"two\"\nsolver = \"ipotp\"\n");
-  EXPECT_THAT(run("compare suite.toml --out none").output, HasSubstr("unknown solver \"ipotp\"; did you mean \"ipopt\"?"));
+  EXPECT_THAT(run("compare suite.toml --out none").output,
+              HasSubstr("unknown solver \"ipotp\"; did you mean \"ipopt\"?"));
   with("name = \"two\"\nsolver = \"nlopt-mma\"\noptions = { dual_maxevals = 3 }\n");
   EXPECT_THAT(run("compare suite.toml --out none").output, HasSubstr("dual_maxevals"));
   with("name = \"two\"\nsolver = \"nlopt-mma\"\nform = \"reduced\"\n");
@@ -231,7 +247,7 @@ TEST_F(CompareCommand, ResultsOfAnotherSuiteAreLeftAlone) {
 
 // What the shipped comparison claims to be.
 TEST(ShippedSuite, HasThirtyProblemsOfEveryKindAndThreeSizes) {
-  const accdec::Suite suite = accdec::read_suite(ACCDEC_SOURCE_DIR "/problems/suite/full.toml");
+  const accdec::Suite suite = accdec::read_suite(accdec::test_support::source_folder() + "/problems/suite/full.toml");
   std::map<std::string, std::set<int>> sizes;
   std::set<std::string> families;
   int largest = 0;
@@ -242,13 +258,16 @@ TEST(ShippedSuite, HasThirtyProblemsOfEveryKindAndThreeSizes) {
   }
   EXPECT_GE(sizes.size(), 30u);
   EXPECT_GE(std::count_if(sizes.begin(), sizes.end(), [](const auto& s) { return s.second.size() >= 3; }), 8);
-  EXPECT_THAT(families, ::testing::IsSupersetOf({"convex", "power and speed", "many corners", "infeasible", "badly scaled", "large", "design"}));
+  EXPECT_THAT(families, ::testing::IsSupersetOf({"convex", "power and speed", "many corners", "infeasible",
+                                                 "badly scaled", "large", "design"}));
   EXPECT_GE(largest, 1000);
   EXPECT_GE(suite.settings.repeats, 5);
   std::set<std::string> solvers;
   for (const auto& competitor : suite.settings.solvers) solvers.insert(competitor.solver);
   EXPECT_EQ(solvers.size(), accdec::solvers::registry().size());
-  for (const char* name : {"quick", "patience", "forms", "options"}) EXPECT_NO_THROW(accdec::read_suite(fmt::format(ACCDEC_SOURCE_DIR "/problems/suite/{}.toml", name))) << name;
+  for (const char* name : {"quick", "patience", "forms", "options"})
+    EXPECT_NO_THROW(accdec::read_suite(accdec::test_support::source_folder() + "/problems/suite/" + name + ".toml"))
+        << name;
 }
 
 }  // namespace

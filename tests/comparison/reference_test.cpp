@@ -1,13 +1,14 @@
-#include <gtest/gtest.h>
-
-#include <accdec/solvers/solver.hpp>
-#include <accdec/study/comparison_case.hpp>
-#include <accdec/study/reference_delay.hpp>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "design/tasks.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/comparison/comparison_case.hpp>
+#include <accdec/comparison/reference_delay.hpp>
+#include <accdec/solvers/solver.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec::study {
 namespace {

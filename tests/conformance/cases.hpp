@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <accdec/nlp/problem.hpp>
 #include <conformance/second_order.hpp>
+
+#include <accdec/nlp/problem.hpp>
 
 namespace accdec::testing {
 
@@ -59,14 +60,15 @@ struct Case {
   FormulaProblem problem;
   std::vector<double> start;
   double optimum = 0.0;
-  std::vector<double> solution = {};     ///< a minimiser
-  std::optional<double> local_optimum = {};   ///< another local minimum, right for a local method
-  double tolerance = 1e-6;               ///< on the objective, relative to max(1, |optimum|)
-  bool regular = true;                   ///< a constraint qualification holds, so a minimiser is a KKT point
+  std::vector<double> solution = {};         ///< a minimiser
+  std::optional<double> local_optimum = {};  ///< another local minimum, right for a local method
+  double tolerance = 1e-6;                   ///< on the objective, relative to max(1, |optimum|)
+  bool regular = true;                       ///< a constraint qualification holds, so a minimiser is a KKT point
 };
 
-/// Hock and Schittkowski, Test Examples for Nonlinear Programming Codes (1981), by their numbers, and filter problems in closed form.
-/// "in a box": with finite bounds added that are inactive at the minimiser, for methods that search a box.
+/// Hock and Schittkowski, Test Examples for Nonlinear Programming Codes (1981), by their numbers, and filter problems
+/// in closed form. "in a box": with finite bounds added that are inactive at the minimiser, for methods that search a
+/// box.
 const std::vector<Case>& cases();
 
 }  // namespace accdec::testing

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include <conformance/cases.hpp>
 #include <gtest/gtest.h>
 
 #include <accdec/nlp/derivative_check.hpp>
 #include <accdec/nlp/kkt.hpp>
-#include <conformance/cases.hpp>
 
 namespace accdec::testing {
 namespace {
@@ -15,7 +15,8 @@ TEST(Cases, DerivativesAreExact) {
   for (const Case& c : cases()) {
     std::vector<double> x = c.solution;
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += 0.1 + 0.05 * static_cast<double>(i);
-    for (const nlp::WrongDerivative& wrong : nlp::check_derivatives(c.problem, x)) ADD_FAILURE() << c.problem.name() << ": " << wrong.text;
+    for (const nlp::WrongDerivative& wrong : nlp::check_derivatives(c.problem, x))
+      ADD_FAILURE() << c.problem.name() << ": " << wrong.text;
   }
 }
 
@@ -36,7 +37,8 @@ TEST(Cases, StatedMinimisersSatisfyTheOptimalityConditions) {
 class OneWrong : public FormulaProblem {
  public:
   enum class Where { gradient, jacobian, hessian };
-  OneWrong(const FormulaProblem& right, Where where, std::size_t entry) : FormulaProblem(right), where_(where), entry_(entry) {}
+  OneWrong(const FormulaProblem& right, Where where, std::size_t entry)
+      : FormulaProblem(right), where_(where), entry_(entry) {}
   void gradient(std::span<const double> x, std::span<double> g) const override {
     FormulaProblem::gradient(x, g);
     spoil(Where::gradient, g);
@@ -45,14 +47,16 @@ class OneWrong : public FormulaProblem {
     FormulaProblem::jacobian(x, values);
     spoil(Where::jacobian, values);
   }
-  void hessian(std::span<const double> x, double factor, std::span<const double> y, std::span<double> values) const override {
+  void hessian(std::span<const double> x, double factor, std::span<const double> y,
+               std::span<double> values) const override {
     FormulaProblem::hessian(x, factor, y, values);
     spoil(Where::hessian, values);
   }
 
  private:
   void spoil(Where where, std::span<double> values) const {
-    if (where == where_) values[entry_] += 0.01;  // constant: what it is a derivative of, or has as derivative, stays right
+    if (where == where_)
+      values[entry_] += 0.01;  // constant: what it is a derivative of, or has as derivative, stays right
   }
   Where where_;
   std::size_t entry_;
@@ -61,7 +65,8 @@ class OneWrong : public FormulaProblem {
 TEST(DerivativeChecker, NamesTheOneWrongEntry) {
   using Kind = nlp::WrongDerivative::Kind;
   using Where = OneWrong::Where;
-  const auto hs071 = std::find_if(cases().begin(), cases().end(), [](const Case& c) { return c.problem.name() == "HS071"; });
+  const auto hs071 =
+      std::find_if(cases().begin(), cases().end(), [](const Case& c) { return c.problem.name() == "HS071"; });
   ASSERT_NE(hs071, cases().end());
   const FormulaProblem& right = hs071->problem;
   const std::vector<double> x{1.2, 4.1, 3.3, 1.7};
@@ -96,8 +101,8 @@ TEST(DerivativeChecker, NamesTheOneWrongEntry) {
   }
 }
 
-// minimise x with two opposed rows 1e-7 apart and x free to fall: multipliers of 1e9 and more on both rows must not make x = 0.5, whose
-// gradient nothing balances, look stationary.
+// minimise x with two opposed rows 1e-7 apart and x free to fall: multipliers of 1e9 and more on both rows must not
+// make x = 0.5, whose gradient nothing balances, look stationary.
 TEST(Kkt, HugeOpposedMultipliersDoNotHideAGradient) {
   const FormulaProblem pinched("pinched", {{0.0, 1.0}, {0.0, 1.0}}, [](const Variables& x) { return x[0]; },
                                {{{-nlp::infinity, 0.5 + 1e-7}, [](const Variables& x) { return x[1]; }},

@@ -2,10 +2,10 @@
 
 #include <map>
 
+#include <conformance/cases.hpp>
 #include <gtest/gtest.h>
 
 #include <accdec/solvers/solver.hpp>
-#include <conformance/cases.hpp>
 
 namespace accdec::testing {
 namespace {
@@ -16,9 +16,12 @@ using solvers::Verdict;
 
 /// Cases that a library truly does not solve. What counts there is that the verifier does not call the point optimal.
 const std::map<std::pair<std::string, std::string>, std::string>& known_failures() {
-  const std::string mma = "its convex separable models stall at a feasible point that is not stationary, and it reports success";
-  const std::string cobyla = "linear models from a shrunken simplex: it stops before the gradient is small, or where rows are degenerate";
-  const std::string ceres_target = "Gauss-Newton leaves out the curvature of an objective that is no sum of squares: first-order progress";
+  const std::string mma =
+      "its convex separable models stall at a feasible point that is not stationary, and it reports success";
+  const std::string cobyla =
+      "linear models from a shrunken simplex: it stops before the gradient is small, or where rows are degenerate";
+  const std::string ceres_target =
+      "Gauss-Newton leaves out the curvature of an objective that is no sum of squares: first-order progress";
   static const std::map<std::pair<std::string, std::string>, std::string> known{
       {{"nlopt-slsqp", "dependent equalities"}, "its least-squares subproblem is singular; it stops at the start"},
       {{"nlopt-mma", "HS015"}, mma},
@@ -27,7 +30,8 @@ const std::map<std::pair<std::string, std::string>, std::string>& known_failures
       {{"nlopt-mma", "HS022 in a box"}, mma},
       {{"nlopt-mma", "LP"}, mma},
       {{"nlopt-cobyla", "dependent equalities"}, cobyla},
-      {{"ceres-al", "HS002"}, "its steps along bounds are inexact: it reports convergence at 0.0504475, the minimum is 0.0504262"},
+      {{"ceres-al", "HS002"},
+       "its steps along bounds are inexact: it reports convergence at 0.0504475, the minimum is 0.0504262"},
       {{"ceres-al", "HS007"}, ceres_target},
       {{"ceres-al", "HS021"}, ceres_target},
       {{"ceres-al", "HS071"}, ceres_target},
@@ -38,8 +42,10 @@ const std::map<std::pair<std::string, std::string>, std::string>& known_failures
 
 /// How close an answer is asked to come, relative to max(1, |optimum|).
 double asked(const Solver& solver, const Case& c) {
-  if (solver.name() == "nlopt-esch") return 5e-2;  // evolution without a convergence criterion: as far as its budget goes
-  // Stops on its steps, with a slack of 3e-7 at a multiplier of 1751 (HS015): within what "optimal" vouches for, which is 1e-5.
+  if (solver.name() == "nlopt-esch")
+    return 5e-2;  // evolution without a convergence criterion: as far as its budget goes
+  // Stops on its steps, with a slack of 3e-7 at a multiplier of 1751 (HS015): within what "optimal" vouches for, which
+  // is 1e-5.
   if (solver.name() == "nlopt-ccsaq") return std::max(c.tolerance, 1e-5);
   return std::max(c.tolerance, solver.capabilities().global ? 1e-4 : 0.0);
 }
@@ -81,7 +87,8 @@ TEST_P(Conformance, FindsTheOptimumOrSaysItDidNot) {
   options.evaluation_limit = solver.name() == "nlopt-ccsaq" ? 1500 : 40'000;
   const solvers::Result result = solver.solve(c.problem, c.start, options);
   const solvers::Verification& v = result.verification;
-  const std::string story = std::string(to_string(result.claim)) + ", " + std::string(to_string(v.verdict)) + ", " + result.message;
+  const std::string story =
+      std::string(to_string(result.claim)) + ", " + std::string(to_string(v.verdict)) + ", " + result.message;
 
   // Whatever the library did, the report must be true.
   EXPECT_DOUBLE_EQ(v.objective, c.problem.objective(result.x)) << story;

@@ -8,7 +8,8 @@
 #include <accdec/motion/shapes.hpp>
 #include <accdec/nlp/derivative_check.hpp>
 #include <accdec/solvers/solver.hpp>
-#include <design/tasks.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec::testing {
 namespace {
@@ -19,7 +20,8 @@ using solvers::Verdict;
 
 constexpr int order = 10;  // even: the middle of the boxcar is a sample
 
-/// One axis limit only: acceleration_max * T * (N + 1) = slack * feed. At slack 1 the boxcar is the only filter of this order.
+/// One axis limit only: acceleration_max * T * (N + 1) = slack * feed. At slack 1 the boxcar is the only filter of this
+/// order.
 Task acceleration_task(double slack) {
   Axis axis;
   const double feed = 0.1, period = 1e-3;
@@ -38,16 +40,19 @@ FormulationOptions formulation(const Solver& solver, int delay) {
   return options;
 }
 
-/// Local methods with first derivatives of rows that must solve every one of these; the others may say that they did not.
-bool must_solve(const std::string& name) { return name == "ipopt" || name == "ipopt-lbfgs" || name == "nlopt-slsqp"; }
+/// Local methods with first derivatives of rows that must solve every one of these; the others may say that they did
+/// not.
+bool must_solve(const std::string& name) {
+  return name == "ipopt" || name == "ipopt-lbfgs" || name == "nlopt-slsqp";
+}
 
 class Domain : public ::testing::TestWithParam<std::string> {
  protected:
   const Solver& solver() const { return solvers::find_solver(GetParam()); }
 };
 
-// Power with no damping would reward a late tap; with an acceleration limit alone and one sample k fixed, the least error at slack 1 is
-// the boxcar's, whose error at delay 0 is v T cos(theta/2) E|i - N/2| (Eq. 24).
+// Power with no damping would reward a late tap; with an acceleration limit alone and one sample k fixed, the least
+// error at slack 1 is the boxcar's, whose error at delay 0 is v T cos(theta/2) E|i - N/2| (Eq. 24).
 TEST_P(Domain, TheOnlyFeasibleFilterIsTheBoxcar) {
   const Task task = acceleration_task(1.0 + 1e-7);
   const Filter box = boxcar(order);
@@ -92,13 +97,13 @@ TEST_P(Domain, ConvexMarginHasOneOptimum) {
   if (result.verification.verdict == Verdict::optimal) {
     EXPECT_NEAR(result.verification.objective, reference.verification.objective, 1e-4) << result.message;
   } else {
-    GTEST_SKIP() << "reported as " << to_string(result.verification.verdict) << " at " << result.verification.objective << " for "
-                 << reference.verification.objective << ": " << result.message;
+    GTEST_SKIP() << "reported as " << to_string(result.verification.verdict) << " at " << result.verification.objective
+                 << " for " << reference.verification.objective << ": " << result.message;
   }
 }
 
-// The path of the smooth problem at half a sample past k lies on the sampled one: with the boxcar as the only filter the least delay is
-// known by bisection on the spline's own error.
+// The path of the smooth problem at half a sample past k lies on the sampled one: with the boxcar as the only filter
+// the least delay is known by bisection on the spline's own error.
 TEST_P(Domain, LeastDelayOfTheBoxcar) {
   Task task = acceleration_task(1.0 + 1e-7);
   task.corners[0].error_max = 40e-6;
@@ -117,8 +122,8 @@ TEST_P(Domain, LeastDelayOfTheBoxcar) {
   if (result.verification.verdict == Verdict::optimal) {
     EXPECT_NEAR(problem.delays(result.x)[0], delay, 1e-3) << result.message;
   } else {
-    GTEST_SKIP() << "reported as " << to_string(result.verification.verdict) << " at d = " << problem.delays(result.x)[0] << " for "
-                 << delay << ": " << result.message;
+    GTEST_SKIP() << "reported as " << to_string(result.verification.verdict)
+                 << " at d = " << problem.delays(result.x)[0] << " for " << delay << ": " << result.message;
   }
 }
 

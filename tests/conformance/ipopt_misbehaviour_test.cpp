@@ -6,15 +6,16 @@
 #include <thread>
 #include <vector>
 
-#include <IpIpoptApplication.hpp>
-#include <IpTNLP.hpp>
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <accdec/solvers/solver.hpp>
+#include <IpIpoptApplication.hpp>
+#include <IpTNLP.hpp>
 #include <conformance/cases.hpp>
+#include <gtest/gtest.h>
+
+#include <accdec/solvers/solver.hpp>
 
 namespace accdec::testing {
 namespace {
@@ -23,7 +24,8 @@ using solvers::Claim;
 using solvers::find_solver;
 using solvers::Result;
 
-/// Works until the process's user time has moved. It moves in steps of up to 10 ms, by machine: a limit on it means nothing below that.
+/// Works until the process's user time has moved. It moves in steps of up to 10 ms, by machine: a limit on it means
+/// nothing below that.
 void spend_user_time() {
   const auto user = [] {
     rusage usage{};
@@ -41,7 +43,8 @@ class Raw : public Ipopt::TNLP {
   Raw(double lower, double upper) : lower_(lower), upper_(upper) {}
   bool throws = false, finished = false, slow = false;
   double x = -1.0, objective = -1.0, largest = -1.0;
-  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian, IndexStyleEnum& style) override {
+  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian,
+                    IndexStyleEnum& style) override {
     n = hessian = 1, m = jacobian = 0, style = C_STYLE;
     return true;
   }
@@ -65,11 +68,12 @@ class Raw : public Ipopt::TNLP {
     return true;
   }
   bool eval_g(Ipopt::Index, const double*, bool, Ipopt::Index, double*) override { return true; }
-  bool eval_jac_g(Ipopt::Index, const double*, bool, Ipopt::Index, Ipopt::Index, Ipopt::Index*, Ipopt::Index*, double*) override {
+  bool eval_jac_g(Ipopt::Index, const double*, bool, Ipopt::Index, Ipopt::Index, Ipopt::Index*, Ipopt::Index*,
+                  double*) override {
     return true;
   }
-  bool eval_h(Ipopt::Index, const double*, bool, double factor, Ipopt::Index, const double*, bool, Ipopt::Index, Ipopt::Index* rows,
-              Ipopt::Index* columns, double* values) override {
+  bool eval_h(Ipopt::Index, const double*, bool, double factor, Ipopt::Index, const double*, bool, Ipopt::Index,
+              Ipopt::Index* rows, Ipopt::Index* columns, double* values) override {
     if (values == nullptr) {
       rows[0] = columns[0] = 0;
     } else {
@@ -77,8 +81,9 @@ class Raw : public Ipopt::TNLP {
     }
     return true;
   }
-  void finalize_solution(Ipopt::SolverReturn, Ipopt::Index, const double* p, const double*, const double*, Ipopt::Index, const double*,
-                         const double*, double value, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
+  void finalize_solution(Ipopt::SolverReturn, Ipopt::Index, const double* p, const double*, const double*, Ipopt::Index,
+                         const double*, const double*, double value, const Ipopt::IpoptData*,
+                         Ipopt::IpoptCalculatedQuantities*) override {
     finished = true, x = p[0], objective = value;
   }
 
@@ -163,7 +168,8 @@ TEST(IpoptMisbehaviour, ReportsAnObjectiveThatIsNotItsPoints) {
 /// minimise sum (x_i - 2)^2 subject to x_i + x_{i+1}^2 = 2: enough for MUMPS to factorise something.
 class Chain : public Ipopt::TNLP {
  public:
-  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian, IndexStyleEnum& style) override {
+  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian,
+                    IndexStyleEnum& style) override {
     n = hessian = size, m = size - 1, jacobian = 2 * m, style = C_STYLE;
     return true;
   }
@@ -171,7 +177,8 @@ class Chain : public Ipopt::TNLP {
     std::fill_n(xl, n, -10.0), std::fill_n(xu, n, 10.0), std::fill_n(cl, m, 2.0), std::fill_n(cu, m, 2.0);
     return true;
   }
-  bool get_starting_point(Ipopt::Index n, bool, double* x, bool, double*, double*, Ipopt::Index, bool, double*) override {
+  bool get_starting_point(Ipopt::Index n, bool, double* x, bool, double*, double*, Ipopt::Index, bool,
+                          double*) override {
     std::fill_n(x, n, 0.5);
     return true;
   }
@@ -188,8 +195,8 @@ class Chain : public Ipopt::TNLP {
     for (int i = 0; i < m; ++i) g[i] = x[i] + x[i + 1] * x[i + 1];
     return true;
   }
-  bool eval_jac_g(Ipopt::Index, const double* x, bool, Ipopt::Index m, Ipopt::Index, Ipopt::Index* rows, Ipopt::Index* columns,
-                  double* values) override {
+  bool eval_jac_g(Ipopt::Index, const double* x, bool, Ipopt::Index m, Ipopt::Index, Ipopt::Index* rows,
+                  Ipopt::Index* columns, double* values) override {
     for (int i = 0; i < m; ++i) {
       if (values == nullptr) {
         rows[2 * i] = rows[2 * i + 1] = i, columns[2 * i] = i, columns[2 * i + 1] = i + 1;
@@ -199,8 +206,8 @@ class Chain : public Ipopt::TNLP {
     }
     return true;
   }
-  bool eval_h(Ipopt::Index n, const double*, bool, double factor, Ipopt::Index, const double* y, bool, Ipopt::Index, Ipopt::Index* rows,
-              Ipopt::Index* columns, double* values) override {
+  bool eval_h(Ipopt::Index n, const double*, bool, double factor, Ipopt::Index, const double* y, bool, Ipopt::Index,
+              Ipopt::Index* rows, Ipopt::Index* columns, double* values) override {
     for (int i = 0; i < n; ++i) {
       if (values == nullptr) {
         rows[i] = columns[i] = i;
@@ -210,18 +217,21 @@ class Chain : public Ipopt::TNLP {
     }
     return true;
   }
-  void finalize_solution(Ipopt::SolverReturn, Ipopt::Index, const double*, const double*, const double*, Ipopt::Index, const double*,
-                         const double*, double, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {}
+  void finalize_solution(Ipopt::SolverReturn, Ipopt::Index, const double*, const double*, const double*, Ipopt::Index,
+                         const double*, const double*, double, const Ipopt::IpoptData*,
+                         Ipopt::IpoptCalculatedQuantities*) override {}
 
  private:
   static constexpr int size = 50;
 };
 
-// That the interface gives right answers from eight threads is asserted for every algorithm in Threads.EveryAlgorithmAtOnce...
+// That the interface gives right answers from eight threads is asserted for every algorithm in
+// Threads.EveryAlgorithmAtOnce...
 TEST(IpoptMisbehaviour, EightThreadsCrash) {
   constexpr int sound = 42;
   int broken = 0;
-  // Each child breaks with a probability near one; ten sound ones in a row would mean that the lock is no longer needed.
+  // Each child breaks with a probability near one; ten sound ones in a row would mean that the lock is no longer
+  // needed.
   for (int attempt = 0; attempt < 10 && broken == 0; ++attempt) {
     const pid_t child = fork();
     ASSERT_GE(child, 0);

@@ -7,17 +7,20 @@
 #include <limits>
 #include <thread>
 
-#include <ceres/ceres.h>
-#include <gtest/gtest.h>
 #include <nlopt.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <ceres/ceres.h>
+#include <conformance/cases.hpp>
+#include <gtest/gtest.h>
+
 #include <accdec/design/formulation.hpp>
-#include <accdec/io/task_reader.hpp>
+#include <accdec/formats/task_reader.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/solvers/solver.hpp>
-#include <conformance/cases.hpp>
+
+#include "support/paths.hpp"
 
 namespace accdec::testing {
 namespace {
@@ -49,13 +52,16 @@ double second_row(unsigned, const double* x, double* g, void*) {
   return 2.0 * x[0] + x[1] - 4.0;
 }
 FormulaProblem infeasible() {
-  return {"infeasible", {{0.0, infinity}, {2.0, infinity}}, [](const Variables& x) { return -1.0 * (x[0] + x[1]); },
+  return {"infeasible",
+          {{0.0, infinity}, {2.0, infinity}},
+          [](const Variables& x) { return -1.0 * (x[0] + x[1]); },
           {{{-infinity, 3.0}, [](const Variables& x) { return x[0] + 2.0 * x[1]; }},
            {{4.0, 4.0}, [](const Variables& x) { return 2.0 * x[0] + x[1]; }}}};
 }
 
 TEST(NloptMisbehaviour, ReportsSuccessAtInfeasiblePoints) {
-  for (const auto& [method, name] : {std::pair{NLOPT_LD_SLSQP, "nlopt-slsqp"}, std::pair{NLOPT_LN_COBYLA, "nlopt-cobyla"}}) {
+  for (const auto& [method, name] :
+       {std::pair{NLOPT_LD_SLSQP, "nlopt-slsqp"}, std::pair{NLOPT_LN_COBYLA, "nlopt-cobyla"}}) {
     nlopt_opt opt = nlopt_create(method, 2);
     const double lower[] = {0.0, 2.0};
     nlopt_set_lower_bounds(opt, lower);
@@ -68,7 +74,8 @@ TEST(NloptMisbehaviour, ReportsSuccessAtInfeasiblePoints) {
     EXPECT_GT(nlopt_optimize(opt, x, &f), 0) << name;
     EXPECT_GT(std::max(x[0] + 2.0 * x[1] - 3.0, std::abs(2.0 * x[0] + x[1] - 4.0)), 0.4) << name;
     nlopt_destroy(opt);
-    EXPECT_EQ(find_solver(name).solve(infeasible(), std::vector<double>{1.0, 2.0}).verification.verdict, Verdict::infeasible);
+    EXPECT_EQ(find_solver(name).solve(infeasible(), std::vector<double>{1.0, 2.0}).verification.verdict,
+              Verdict::infeasible);
   }
 }
 
@@ -97,7 +104,8 @@ TEST(NloptMisbehaviour, MmaReportsSuccessAtInfeasiblePoints) {
   const FormulaProblem problem("disc and line", {{}, {}}, [](const Variables& v) { return -1.0 * (v[0] + v[1]); },
                                {{{-infinity, 1.0}, [](const Variables& v) { return sqr(v[0]) + sqr(v[1]); }},
                                 {{3.0, infinity}, [](const Variables& v) { return v[0] + v[1]; }}});
-  EXPECT_EQ(find_solver("nlopt-mma").solve(problem, std::vector<double>{1.0, 1.0}).verification.verdict, Verdict::infeasible);
+  EXPECT_EQ(find_solver("nlopt-mma").solve(problem, std::vector<double>{1.0, 1.0}).verification.verdict,
+            Verdict::infeasible);
 }
 
 double hs022_objective(unsigned, const double* x, double* g, void*) {
@@ -159,7 +167,8 @@ TEST(NloptMisbehaviour, CobylaNeverReturnsFromNotANumber) {
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
 
-  const FormulaProblem nan("nan", {{}, {}}, [](const Variables& x) { return std::numeric_limits<double>::quiet_NaN() * x[0]; }, {});
+  const FormulaProblem nan("nan", {{}, {}},
+                           [](const Variables& x) { return std::numeric_limits<double>::quiet_NaN() * x[0]; }, {});
   EXPECT_EQ(find_solver("nlopt-cobyla").solve(nan, std::vector<double>{1.0, 1.0}).claim, Claim::invalid_number);
 }
 
@@ -172,7 +181,7 @@ DelayProblem flat_corner(const Task& task) {
 }
 
 TEST(NloptMisbehaviour, CobylaLoopsWithoutEvaluating) {
-  const Task task = read_task(ACCDEC_SOURCE_DIR "/problems/corner/flat-angle.toml");
+  const Task task = read_task(accdec::test_support::source_folder() + "/problems/corner/flat-angle.toml");
   const DelayProblem problem = flat_corner(task);
   const std::vector<double> start = problem.start_from(trapezoid(33, 11), std::vector<double>{1.0});
   const pid_t child = fork();
@@ -186,7 +195,10 @@ TEST(NloptMisbehaviour, CobylaLoopsWithoutEvaluating) {
     }
     nlopt_set_lower_bounds(opt, lower.data()), nlopt_set_upper_bounds(opt, upper.data());
     nlopt_set_min_objective(
-        opt, [](unsigned size, const double* x, double*, void* p) { return static_cast<DelayProblem*>(p)->objective({x, size}); },
+        opt,
+        [](unsigned size, const double* x, double*, void* p) {
+          return static_cast<DelayProblem*>(p)->objective({x, size});
+        },
         const_cast<DelayProblem*>(&problem));
     // Upper sides as row - upper <= 0, then lower ones as lower - row <= 0; equalities apart.
     const auto sides = [](bool equality, double* out, unsigned size, const double* x, void* p) {
@@ -209,12 +221,16 @@ TEST(NloptMisbehaviour, CobylaLoopsWithoutEvaluating) {
     const std::vector<double> tolerances(scratch.size(), 1e-9);
     nlopt_add_inequality_mconstraint(
         opt, sides(false, scratch.data(), n, start.data(), data),
-        [](unsigned, double* out, unsigned size, const double* x, double*, void* p) { evaluate(false, out, size, x, p); }, data,
-        tolerances.data());
+        [](unsigned, double* out, unsigned size, const double* x, double*, void* p) {
+          evaluate(false, out, size, x, p);
+        },
+        data, tolerances.data());
     nlopt_add_equality_mconstraint(
         opt, sides(true, scratch.data(), n, start.data(), data),
-        [](unsigned, double* out, unsigned size, const double* x, double*, void* p) { evaluate(true, out, size, x, p); }, data,
-        tolerances.data());
+        [](unsigned, double* out, unsigned size, const double* x, double*, void* p) {
+          evaluate(true, out, size, x, p);
+        },
+        data, tolerances.data());
     nlopt_set_xtol_rel(opt, 1e-8);
     nlopt_set_ftol_rel(opt, 1e-14);
     nlopt_set_maxtime(opt, 0.5);
@@ -263,7 +279,8 @@ class Rosenbrock final : public ceres::SizedCostFunction<2, 2> {
   bool Evaluate(double const* const* p, double* r, double** j) const override {
     const double *x = p[0], ten = 10.0 * std::sqrt(2.0);
     r[0] = ten * (x[1] - x[0] * x[0]), r[1] = std::sqrt(2.0) * (1.0 - x[0]);
-    if (j != nullptr && j[0] != nullptr) j[0][0] = -2.0 * ten * x[0], j[0][1] = ten, j[0][2] = -std::sqrt(2.0), j[0][3] = 0.0;
+    if (j != nullptr && j[0] != nullptr)
+      j[0][0] = -2.0 * ten * x[0], j[0][1] = ten, j[0][2] = -std::sqrt(2.0), j[0][3] = 0.0;
     return true;
   }
 };

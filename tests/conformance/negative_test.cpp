@@ -7,11 +7,12 @@
 #include <limits>
 #include <thread>
 
-#include <gmock/gmock.h>
 #include <unistd.h>
 
-#include <accdec/solvers/solver.hpp>
 #include <conformance/cases.hpp>
+#include <gmock/gmock.h>
+
+#include <accdec/solvers/solver.hpp>
 
 namespace accdec::testing {
 namespace {
@@ -27,8 +28,8 @@ using solvers::Verdict;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// A two-variable box problem that every algorithm accepts; `hook` sees every evaluation of the objective, counted from 1, and may
-/// change the value.
+/// A two-variable box problem that every algorithm accepts; `hook` sees every evaluation of the objective, counted from
+/// 1, and may change the value.
 class Hooked : public FormulaProblem {
  public:
   using Hook = std::function<double(int count, double value)>;
@@ -83,21 +84,28 @@ class Capture {
 };
 
 FormulaProblem infeasible_linear() {
-  return {"infeasible linear", {{0.0, infinity}, {2.0, infinity}}, [](const Variables& x) { return -1.0 * (x[0] + x[1]); },
+  return {"infeasible linear",
+          {{0.0, infinity}, {2.0, infinity}},
+          [](const Variables& x) { return -1.0 * (x[0] + x[1]); },
           {{{-infinity, 3.0}, [](const Variables& x) { return x[0] + 2.0 * x[1]; }},
            {{4.0, 4.0}, [](const Variables& x) { return 2.0 * x[0] + x[1]; }}},
           ProblemClass::linear};
 }
 
 FormulaProblem infeasible_curved() {
-  return {"infeasible curved", {{-3.0, 3.0}, {-3.0, 3.0}}, [](const Variables& x) { return x[0]; },
+  return {"infeasible curved",
+          {{-3.0, 3.0}, {-3.0, 3.0}},
+          [](const Variables& x) { return x[0]; },
           {{{-infinity, 1.0}, [](const Variables& x) { return sqr(x[0]) + sqr(x[1]); }},
            {{3.0, infinity}, [](const Variables& x) { return x[0] + x[1]; }}}};
 }
 
 FormulaProblem unbounded() {
-  return {"unbounded", {{0.0, infinity}, {2.0, infinity}}, [](const Variables& x) { return -1.0 * (x[0] + x[1]); },
-          {{{4.0, infinity}, [](const Variables& x) { return 2.0 * x[0] + x[1]; }}}, ProblemClass::linear};
+  return {"unbounded",
+          {{0.0, infinity}, {2.0, infinity}},
+          [](const Variables& x) { return -1.0 * (x[0] + x[1]); },
+          {{{4.0, infinity}, [](const Variables& x) { return 2.0 * x[0] + x[1]; }}},
+          ProblemClass::linear};
 }
 
 class Negative : public ::testing::TestWithParam<std::string> {
@@ -272,7 +280,8 @@ TEST_P(Negative, WritesNothing) {
   const Hooked breaking(solver(), [](int count, double value) { return count > 3 ? nan : value; });
   for (const Hooked* problem : {&sound, &broken, &breaking}) solver().solve(*problem, start, limited());
   for (const FormulaProblem& problem : {infeasible_linear(), infeasible_curved(), unbounded()}) {
-    if (solvers::reason_to_refuse(solver(), problem).empty()) solver().solve(problem, std::vector<double>{1.0, 2.0}, limited());
+    if (solvers::reason_to_refuse(solver(), problem).empty())
+      solver().solve(problem, std::vector<double>{1.0, 2.0}, limited());
   }
   EXPECT_EQ(capture.text(), "");
 }

@@ -1,10 +1,10 @@
 // Adding an algorithm: this file, and one line that registers it.
 
+#include <conformance/cases.hpp>
 #include <gtest/gtest.h>
 
 #include <accdec/solvers/run.hpp>
 #include <accdec/solvers/solver.hpp>
-#include <conformance/cases.hpp>
 
 namespace accdec::testing {
 namespace {
@@ -17,7 +17,8 @@ class Dummy final : public solvers::Solver {
   solvers::Capabilities capabilities() const override { return {}; }
 
  protected:
-  solvers::Result do_solve(const nlp::Problem& problem, std::span<const double> start, const solvers::Options& options) const override {
+  solvers::Result do_solve(const nlp::Problem& problem, std::span<const double> start,
+                           const solvers::Options& options) const override {
     nlp::Evaluator evaluator(problem, solvers::limits_of(options));
     solvers::Result result;
     result.x.assign(start.begin(), start.end());

@@ -1,10 +1,11 @@
 #include <gmock/gmock.h>
 
 #include <accdec/design/design.hpp>
-#include <accdec/design/enumeration.hpp>
-#include <accdec/design/verifier.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <design/tasks.hpp>
+#include <accdec/task/enumeration.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {

@@ -1,10 +1,11 @@
-#include <accdec/design/formulation.hpp>
-
 #include <gmock/gmock.h>
 
+#include <accdec/design/formulation.hpp>
 #include <accdec/machine/utilisation.hpp>
 #include <accdec/motion/blend.hpp>
-#include <design/tasks.hpp>
+#include <accdec/task/contradictions.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {
@@ -58,12 +59,15 @@ TEST(MarginProblem, RowsHoldExactlyWhenTheUtilisationsDo) {
       const Blend blend(filter, task.corners[j].geometry, delays[j], task.sample_period);
       const CornerMeasures m = measure(blend);
       samples[j] = m.corner_error_sample;
-      for (const LimitUse& use : axis_utilisation(filter, task.corners[j].geometry, delays[j], task.sample_period, task.machine)) {
+      for (const LimitUse& use :
+           axis_utilisation(filter, task.corners[j].geometry, delays[j], task.sample_period, task.machine)) {
         worst = std::max(worst, use.utilisation);
       }
-      if (task.corners[j].speed_min > 0.0) worst = std::max(worst, utilisation_of(LimitKind::speed_min, m.speed_min, task.corners[j].speed_min));
+      if (task.corners[j].speed_min > 0.0)
+        worst = std::max(worst, utilisation_of(LimitKind::speed_min, m.speed_min, task.corners[j].speed_min));
     }
-    for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, task.machine)) worst = std::max(worst, use.utilisation);
+    for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, task.machine))
+      worst = std::max(worst, use.utilisation);
     if (std::abs(worst - 1.0) < 1e-6) continue;
     for (const bool reduced : {false, true}) {
       const MarginProblem problem(task, options_for(task, order, delays, reduced), samples);
@@ -154,7 +158,8 @@ void check_derivatives(const nlp::Problem& problem, const std::vector<double>& x
     const auto column = static_cast<Eigen::Index>(i);
     const Eigen::VectorXd difference = (rows(up) - rows(down)) / (2.0 * h);
     for (Eigen::Index r = 0; r < difference.size(); ++r) {
-      EXPECT_NEAR(difference[r], jacobian(r, column), 1e-6 * (1.0 + std::abs(jacobian(r, column)) + rows(x).cwiseAbs().maxCoeff()))
+      EXPECT_NEAR(difference[r], jacobian(r, column),
+                  1e-6 * (1.0 + std::abs(jacobian(r, column)) + rows(x).cwiseAbs().maxCoeff()))
           << problem.row_name(static_cast<int>(r)) << " by " << problem.variable_name(static_cast<int>(i));
     }
     if (!problem.has_hessian()) continue;
@@ -186,7 +191,8 @@ TEST(Formulations, DerivativesAgreeWithDifferences) {
         }
       }
       check_derivatives(delay_problem, x);
-      const MarginProblem margin_problem(task, options_for(task, order, {2, 3}, reduced), std::vector<int>{order / 2, order / 2 + 1});
+      const MarginProblem margin_problem(task, options_for(task, order, {2, 3}, reduced),
+                                         std::vector<int>{order / 2, order / 2 + 1});
       check_derivatives(margin_problem, margin_problem.start_from(filter));
     }
   }
@@ -222,7 +228,8 @@ TEST(Contradictions, NameTheLimit) {
   axis.force_max = 50.0;
   const Task task = testing::plane_task(axis, testing::plane_corner("A", 90, 0, 0.1, 0.1), 1e-4);
   ASSERT_EQ(contradictions(task).size(), 2U);
-  EXPECT_THAT(contradictions(task)[0], ::testing::HasSubstr("force x: corner A needs 100 N at constant feed, the limit is 50 N"));
+  EXPECT_THAT(contradictions(task)[0],
+              ::testing::HasSubstr("force x: corner A needs 100 N at constant feed, the limit is 50 N"));
 }
 
 }  // namespace

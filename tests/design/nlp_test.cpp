@@ -1,11 +1,12 @@
 #include <gmock/gmock.h>
 
 #include <accdec/design/design.hpp>
-#include <accdec/design/order_bound.hpp>
-#include <accdec/design/verifier.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
-#include <design/tasks.hpp>
+#include <accdec/task/order_bound.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {
@@ -13,7 +14,9 @@ namespace {
 using testing::plane_corner;
 using testing::plane_task;
 
-int total(const DesignResult& result) { return result.filter->order() + result.corners[0].delay; }
+int total(const DesignResult& result) {
+  return result.filter->order() + result.corners[0].delay;
+}
 
 /// Least N + d over boxcars or trapezoids that hold the limits: an upper bound any design must reach.
 int best_trapezoid(const Task& task) {
@@ -102,8 +105,8 @@ TEST(DesignNlp, SharesOneFilterAmongCorners) {
   const DelayFinder smallest(*result.filter);
   for (std::size_t j = 0; j < 2; ++j) {
     const TaskCorner& corner = task.corners[j];
-    EXPECT_EQ(result.corners[j].delay,
-              smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * 1e-3, corner.geometry.feed_out * 1e-3, *corner.error_max));
+    EXPECT_EQ(result.corners[j].delay, smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * 1e-3,
+                                                corner.geometry.feed_out * 1e-3, *corner.error_max));
   }
 }
 

@@ -1,13 +1,13 @@
-#include <accdec/design/standard_shapes.hpp>
-
 #include <cmath>
 #include <random>
 
 #include <gmock/gmock.h>
 
-#include <accdec/design/verifier.hpp>
+#include <accdec/design/standard_shapes.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <design/tasks.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {
@@ -33,7 +33,8 @@ TEST(StandardShapes, TrapezoidUnderAccelerationAndJerkIsTheClosedForm) {
   Axis axis;
   axis.acceleration_max = 5.0;
   axis.jerk_max = 500.0;
-  // v = 0.1 m/s: a ramp of a/(jT) = 10 steps and v/(aT) = 20 taps of plateau height: convolution of boxcars of 20 and 10, 29 taps.
+  // v = 0.1 m/s: a ramp of a/(jT) = 10 steps and v/(aT) = 20 taps of plateau height: convolution of boxcars of 20 and
+  // 10, 29 taps.
   Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 0.0);
   const StandardShapeResult best = best_standard_shape(task, Shape::trapezoid);
   ASSERT_TRUE(best.spec);
@@ -41,11 +42,14 @@ TEST(StandardShapes, TrapezoidUnderAccelerationAndJerkIsTheClosedForm) {
   EXPECT_EQ(best.spec->ramp, 9);
 }
 
-/// Every order, every parameter, every delay, judged by simulation alone: shares nothing with the search but the shapes.
+/// Every order, every parameter, every delay, judged by simulation alone: shares nothing with the search but the
+/// shapes.
 double brute_force(const Task& task, Shape shape, int order_max) {
   double best = unlimited;
   for (int order = task.design.order_min; order <= order_max; ++order) {
-    const int parameters = shape == Shape::trapezoid ? order / 2 + 1 : shape == Shape::blackman_sinc ? blackman_sinc_cutoffs : 1;
+    const int parameters = shape == Shape::trapezoid       ? order / 2 + 1
+                           : shape == Shape::blackman_sinc ? blackman_sinc_cutoffs
+                                                           : 1;
     if (order < 2 && shape != Shape::boxcar && shape != Shape::trapezoid) continue;
     for (int p = 0; p < parameters; ++p) {
       FilterSpec spec{shape, order, 2.0 / order * (p + 1) / blackman_sinc_cutoffs, p, {}};
@@ -91,7 +95,8 @@ TEST(StandardShapes, BoxcarIsATrapezoidAndNeverBeatsIt) {
   std::mt19937 rng(3);
   for (int trial = 0; trial < 20; ++trial) {
     const Task task = random_task(rng, 2);
-    const auto trapezoid = best_standard_shape(task, Shape::trapezoid), plain = best_standard_shape(task, Shape::boxcar);
+    const auto trapezoid = best_standard_shape(task, Shape::trapezoid),
+               plain = best_standard_shape(task, Shape::boxcar);
     if (plain.spec) {
       ASSERT_TRUE(trapezoid.spec);
       EXPECT_LE(trapezoid.result.cycle_time, plain.result.cycle_time * (1 + 1e-12));

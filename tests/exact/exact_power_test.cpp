@@ -1,17 +1,18 @@
-#include <gtest/gtest.h>
-
-#include <accdec/design/exact/certificate.hpp>
-#include <accdec/design/exact/exact.hpp>
-#include <accdec/design/formulation.hpp>
-#include <accdec/design/verifier.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/solvers/solver.hpp>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
 
-#include "design/tasks.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/certificate/certificate.hpp>
+#include <accdec/design/formulation.hpp>
+#include <accdec/exact/exact.hpp>
+#include <accdec/motion/shapes.hpp>
+#include <accdec/solvers/solver.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {

@@ -1,15 +1,16 @@
-#include <gtest/gtest.h>
-
-#include <accdec/design/design.hpp>
-#include <accdec/design/exact/certificate.hpp>
-#include <accdec/design/exact/exact.hpp>
-#include <accdec/design/exact/relaxation.hpp>
-#include <accdec/design/exact/search.hpp>
-#include <accdec/design/verifier.hpp>
 #include <cmath>
 #include <random>
 
-#include "design/tasks.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/certificate/certificate.hpp>
+#include <accdec/design/design.hpp>
+#include <accdec/exact/exact.hpp>
+#include <accdec/exact/relaxation.hpp>
+#include <accdec/exact/search.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {
@@ -91,9 +92,9 @@ TEST(Exact, ToleranceZeroGivesTheExactStop) {
   EXPECT_EQ(result.corners[0].corner_error, 0.0);
 }
 
-// Five taps J (1, 2, 3, 2, 1) of sum 1 are the only filter of order 4 under the jerk J v/T^2. One axis that leg 1 stops and leg 2 starts again in
-// the same direction sees the last step of the one and the first of the other at the same sample up to d = N + 1, together 1.5 J: the
-// legs must be N + 2 apart.
+// Five taps J (1, 2, 3, 2, 1) of sum 1 are the only filter of order 4 under the jerk J v/T^2. One axis that leg 1 stops
+// and leg 2 starts again in the same direction sees the last step of the one and the first of the other at the same
+// sample up to d = N + 1, together 1.5 J: the legs must be N + 2 apart.
 TEST(Exact, JerkAcrossAnExactStopAsksForOneMoreSample) {
   Axis axis;
   axis.jerk_max = 0.1 / 9.0 / 1e-6 * (1.0 + 1e-8);

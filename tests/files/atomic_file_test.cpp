@@ -1,13 +1,15 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include <functional>
+
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/errors.hpp>
-#include <functional>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
-#include "temporary_folder.hpp"
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/errors.hpp>
+
+#include "support/temporary_folder.hpp"
 
 namespace accdec {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <accdec/io/suggestion.hpp>
+#include <accdec/files/suggestion.hpp>
 
 namespace accdec {
 namespace {

@@ -1,11 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <accdec/design/verifier.hpp>
-#include <accdec/io/report.hpp>
-#include <accdec/io/task_reader.hpp>
+#include <accdec/formats/report.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/task/verifier.hpp>
 
-#include "malformed_tasks.hpp"
+#include "support/malformed_tasks.hpp"
 
 namespace accdec {
 namespace {

@@ -1,14 +1,15 @@
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <accdec/design/recheck.hpp>
-#include <accdec/design/verifier.hpp>
-#include <accdec/io/result_json.hpp>
-#include <accdec/io/task_reader.hpp>
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "malformed_tasks.hpp"
+#include <accdec/design/recheck.hpp>
+#include <accdec/formats/result_json.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "support/malformed_tasks.hpp"
 
 namespace accdec {
 namespace {

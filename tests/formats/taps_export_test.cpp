@@ -1,11 +1,12 @@
+#include <cstring>
+#include <sstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <accdec/io/taps_export.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <cstring>
 #include <nlohmann/json.hpp>
-#include <sstream>
+
+#include <accdec/formats/taps_export.hpp>
+#include <accdec/motion/shapes.hpp>
 
 namespace accdec {
 namespace {

@@ -1,16 +1,18 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <accdec/io/task_reader.hpp>
-#include <accdec/io/text_file.hpp>
-#include <accdec/io/task_writer.hpp>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
 
-#include "malformed_tasks.hpp"
-#include "temporary_folder.hpp"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/files/text_file.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/formats/task_writer.hpp>
+
+#include "support/malformed_tasks.hpp"
+#include "support/paths.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace accdec {
 namespace {
@@ -174,12 +176,14 @@ void expect_same(const Task& a, const Task& b) {
 
 TEST(TaskReader, EveryShippedTaskIsReadAndSurvivesTheRoundTrip) {
   int count = 0;
-  const std::filesystem::path problems = ACCDEC_SOURCE_DIR "/problems";
+  const std::filesystem::path problems = accdec::test_support::source_folder() + "/problems";
   for (const auto& entry : std::filesystem::recursive_directory_iterator(problems)) {
     if (entry.path().extension() != ".toml") continue;
     const std::string folder = entry.path().parent_path().filename();
     if (folder == "suites" || folder == "studies") continue;  // not tasks but lists of them
-    if ((folder == "study" || folder == "suite") && read_text_file(entry.path(), 1 << 20).find("[[corner]]") == std::string::npos) continue;
+    if ((folder == "study" || folder == "suite") &&
+        read_text_file(entry.path(), 1 << 20).find("[[corner]]") == std::string::npos)
+      continue;
     SCOPED_TRACE(entry.path());
     // Programs bring their own corners.
     const bool program = *std::filesystem::relative(entry.path(), problems).begin() == "program";

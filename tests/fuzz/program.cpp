@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan.hpp>
-#include <accdec/program/read_error.hpp>
+#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/read/read_error.hpp>
 
 namespace {
 

@@ -1,11 +1,12 @@
-// Any bytes are a task that is read, or refused with a position; and what was read is read again from how it is written.
+// Any bytes are a task that is read, or refused with a position; and what was read is read again from how it is
+// written.
 
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
-#include <accdec/io/task_reader.hpp>
-#include <accdec/io/task_writer.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/formats/task_writer.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

@@ -1,16 +1,17 @@
 // Filters that are known to be best under one or two limits, and what they use of them.
 
-#include <gtest/gtest.h>
-
-#include <accdec/machine/utilisation.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "../motion/random_case.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/machine/utilisation.hpp>
+#include <accdec/motion/shapes.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+
+#include "support/random_case.hpp"
 
 namespace accdec {
 namespace {

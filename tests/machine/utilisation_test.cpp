@@ -1,14 +1,15 @@
-#include <gtest/gtest.h>
-
-#include <accdec/machine/utilisation.hpp>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "../motion/convolution.hpp"
-#include "../motion/random_case.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/machine/utilisation.hpp>
+
+#include "support/convolution.hpp"
+#include "support/random_case.hpp"
 
 namespace accdec {
 namespace {

@@ -1,6 +1,3 @@
-#include <gtest/gtest.h>
-
-#include <accdec/machine/utilisation.hpp>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -8,7 +5,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include "../motion/random_case.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/machine/utilisation.hpp>
+
+#include "support/random_case.hpp"
 
 namespace accdec {
 namespace {

@@ -1,14 +1,15 @@
-#include <gtest/gtest.h>
-
-#include <accdec/motion/blend.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
 
-#include "convolution.hpp"
-#include "random_case.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/motion/blend.hpp>
+
+#include "support/convolution.hpp"
+#include "support/random_case.hpp"
 
 namespace accdec {
 namespace {

@@ -1,11 +1,12 @@
-#include <gtest/gtest.h>
-
-#include <accdec/motion/corner.hpp>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "random_case.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/motion/corner.hpp>
+
+#include "support/random_case.hpp"
 
 namespace accdec {
 namespace {

@@ -1,14 +1,15 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <accdec/motion/filter.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <vector>
 
-#include "random_case.hpp"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/motion/filter.hpp>
+
+#include "support/random_case.hpp"
 
 namespace accdec {
 namespace {

@@ -1,12 +1,13 @@
-#include <gtest/gtest.h>
-
-#include <accdec/motion/linear.hpp>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
 
-#include "random_case.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/motion/linear.hpp>
+
+#include "support/random_case.hpp"
 
 namespace accdec {
 namespace {

@@ -1,14 +1,15 @@
 // Properties of corner errors that hold for every filter, each over random filters, angles and feeds.
 
-#include <gtest/gtest.h>
-
-#include <accdec/motion/blend.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "random_case.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/motion/blend.hpp>
+
+#include "support/random_case.hpp"
 
 namespace accdec {
 namespace {

@@ -1,11 +1,12 @@
-#include <gtest/gtest.h>
-
-#include <accdec/motion/shapes.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
+
+#include <gtest/gtest.h>
+
+#include <accdec/motion/shapes.hpp>
 
 namespace accdec {
 namespace {

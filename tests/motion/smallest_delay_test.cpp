@@ -1,15 +1,16 @@
-#include <gtest/gtest.h>
-
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/corner.hpp>
-#include <accdec/motion/smallest_delay.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
-#include "random_case.hpp"
+#include <gtest/gtest.h>
+
+#include <accdec/motion/blend.hpp>
+#include <accdec/motion/corner.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+
+#include "support/random_case.hpp"
 
 namespace accdec {
 namespace {

@@ -1,12 +1,11 @@
-#include <accdec/study/paper_figures.hpp>
-
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include <accdec/motion/linear.hpp>
-#include <accdec/study/paper_case.hpp>
+#include <accdec/paper/paper_case.hpp>
+#include <accdec/paper/paper_figures.hpp>
 
 namespace accdec::paper {
 namespace {
@@ -25,9 +24,10 @@ TEST(PaperFigures, Figure12DelaysThatReachTheFirsAccuracy) {
 }
 
 TEST(PaperFigures, ColumnsOfAFigureAreEquallyLong) {
-  for (const FigureData& data : {figure5(), figure6(), figure7(), figure8(), figure9(), figure10(), figure11(), figure12_paths(),
-                                 figure12_errors()}) {
-    for (const Column& column : data.columns) EXPECT_EQ(column.values.size(), data.columns.front().values.size()) << column.name;
+  for (const FigureData& data : {figure5(), figure6(), figure7(), figure8(), figure9(), figure10(), figure11(),
+                                 figure12_paths(), figure12_errors()}) {
+    for (const Column& column : data.columns)
+      EXPECT_EQ(column.values.size(), data.columns.front().values.size()) << column.name;
     EXPECT_GT(data.columns.front().values.size(), 40u);
   }
   EXPECT_THROW(figure5()["nothing"], std::out_of_range);

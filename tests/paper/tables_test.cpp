@@ -1,6 +1,6 @@
-#include <accdec/study/paper_tables.hpp>
-
 #include <gtest/gtest.h>
+
+#include <accdec/paper/paper_tables.hpp>
 
 namespace accdec::paper {
 namespace {
@@ -8,8 +8,8 @@ namespace {
 void expect_table(const Table& table) {
   ASSERT_EQ(table.entries.size(), 20u);
   for (const Entry& e : table.entries) {
-    EXPECT_TRUE(e.agrees()) << table.name << " v1 = " << e.feed_in << "e5 BLU/s, dT = " << e.delay << " T: " << e.formula << " and "
-                            << e.simulated << ", printed " << e.printed;
+    EXPECT_TRUE(e.agrees()) << table.name << " v1 = " << e.feed_in << "e5 BLU/s, dT = " << e.delay
+                            << " T: " << e.formula << " and " << e.simulated << ", printed " << e.printed;
     // No entry depends on how halves are rounded.
     EXPECT_GT(e.tie_distance(), 1e-3);
   }
@@ -18,8 +18,12 @@ void expect_table(const Table& table) {
   EXPECT_LT(formula_simulation_difference(table), 1e-11);
 }
 
-TEST(PaperTables, AllTwentyEntriesOfTable1) { expect_table(table1()); }
-TEST(PaperTables, AllTwentyEntriesOfTable2) { expect_table(table2()); }
+TEST(PaperTables, AllTwentyEntriesOfTable1) {
+  expect_table(table1());
+}
+TEST(PaperTables, AllTwentyEntriesOfTable2) {
+  expect_table(table2());
+}
 
 TEST(PaperTables, NoticesAWrongEntry) {
   Table table = table1();

@@ -1,5 +1,3 @@
-#include <accdec/io/figure.hpp>
-
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -12,8 +10,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <accdec/io/figure_layout.hpp>
-#include <accdec/io/process.hpp>
+#include <accdec/files/process.hpp>
+#include <accdec/plot/figure.hpp>
+#include <accdec/plot/figure_layout.hpp>
 
 namespace accdec {
 namespace {
@@ -51,9 +50,12 @@ TEST(Figure, TitlesAreDrawnAndNeverExecuted) {
   const auto touched = std::filesystem::temp_directory_path() / ("accdec-touched-" + std::to_string(::getpid()));
   const std::string touch = "touch " + touched.string();
   for (const std::string& title :
-       {std::string("it's 'quoted'"), std::string("\"double\""), std::string("back\\slash \\n"), "`" + touch + "`", "'; system('" + touch + "'); '",
-        "line\nsystem('" + touch + "')\n", "cr\r\nEND_OF_DATA\nsystem('" + touch + "')", "$(" + touch + ")", "@" + touch, std::string("a_b^c {d} %g"),
-        std::string("<b>&amp;"), std::string("<![CDATA[ ]]> <!-- ]]]>>"), std::string("\xef\xbf\xbe\xef\xbf\xbf"), std::string("µ θ ≤"), std::string("bad \xff\xc0\x80 utf-8"), std::string("zero \0 byte", 11), std::string(300, 'x')}) {
+       {std::string("it's 'quoted'"), std::string("\"double\""), std::string("back\\slash \\n"), "`" + touch + "`",
+        "'; system('" + touch + "'); '", "line\nsystem('" + touch + "')\n",
+        "cr\r\nEND_OF_DATA\nsystem('" + touch + "')", "$(" + touch + ")", "@" + touch, std::string("a_b^c {d} %g"),
+        std::string("<b>&amp;"), std::string("<![CDATA[ ]]> <!-- ]]]>>"), std::string("\xef\xbf\xbe\xef\xbf\xbf"),
+        std::string("µ θ ≤"), std::string("bad \xff\xc0\x80 utf-8"), std::string("zero \0 byte", 11),
+        std::string(300, 'x')}) {
     const std::string svg = render_svg(line_figure(title));
     expect_well_formed(svg);
     EXPECT_FALSE(std::filesystem::exists(touched)) << title;
@@ -128,13 +130,15 @@ TEST(Figure, LongTitlesAreWrappedAndLongLabelsShortened) {
 
 TEST(Figure, LabelsOfLogarithmicAxesDoNotMeet) {
   EXPECT_THAT(log_ticks(1.0, 1e4, 400.0, 0.0), ::testing::IsEmpty()) << "gnuplot's own, 100 px apart, do";
-  for (const auto& [low, high, pixels] : {std::tuple{1e-2, 1e4, 170.0}, std::tuple{1e-9, 1e9, 300.0}, std::tuple{1e-3, 1e6, 300.0}}) {
+  for (const auto& [low, high, pixels] :
+       {std::tuple{1e-2, 1e4, 170.0}, std::tuple{1e-9, 1e9, 300.0}, std::tuple{1e-3, 1e6, 300.0}}) {
     const std::vector<Tick> ticks = log_ticks(low, high, pixels, 0.0);
     double before = -INFINITY;
     int labels = 0;
     for (const Tick& tick : ticks) {
       if (tick.label.empty()) continue;
-      const double middle = pixels * std::log(tick.value / low) / std::log(high / low), half = 0.5 * text_width(tick.label);
+      const double middle = pixels * std::log(tick.value / low) / std::log(high / low),
+                   half = 0.5 * text_width(tick.label);
       EXPECT_GT(middle - half, before);
       before = middle + half;
       ++labels;
@@ -164,7 +168,8 @@ TEST(Figure, DrawsHeatMapsLogAxesAndEmptyPanels) {
 
 TEST(Figure, CellsOfAHeatMapReachHalfWayToTheirNeighbours) {
   EXPECT_THAT(cell_edges({1, 2, 5, 9}, false), ::testing::ElementsAre(0.5, 1.5, 3.5, 7, 11));
-  EXPECT_THAT(cell_edges({1, 100, 1e6}, true), ::testing::Pointwise(::testing::DoubleNear(1e-5), {0.1, 10.0, 1e4, 1e8}));
+  EXPECT_THAT(cell_edges({1, 100, 1e6}, true),
+              ::testing::Pointwise(::testing::DoubleNear(1e-5), {0.1, 10.0, 1e4, 1e8}));
   EXPECT_THAT(cell_edges({4}, false), ::testing::ElementsAre(2, 6));
   // Cells fill the plot: uneven values, logarithmic or not.
   for (const bool log : {false, true}) {
@@ -187,11 +192,15 @@ TEST(Figure, ColoursOfAHeatMapDarkenAndBeginOffThePaper) {
     figure.panels[0].heat_map = HeatMap{{0, 1}, {0, 1}, {1, 2, 3, 4}, ""};
     return gnuplot_script(figure);
   }();
-  // Relative luminance by Rec. 709 of the palette's colours; between them it is linear in the components, which all fall.
+  // Relative luminance by Rec. 709 of the palette's colours; between them it is linear in the components, which all
+  // fall.
   const auto component = [](const std::string& hex) { return std::pow(std::stoi(hex, nullptr, 16) / 255.0, 2.2); };
   double before = 0.65;  // paper has 1
-  for (std::size_t at = script.find("set palette"); (at = script.find('#', at + 1)) < script.find('\n', script.find("set palette"));) {
-    const double luminance = 0.2126 * component(script.substr(at + 1, 2)) + 0.7152 * component(script.substr(at + 3, 2)) + 0.0722 * component(script.substr(at + 5, 2));
+  for (std::size_t at = script.find("set palette");
+       (at = script.find('#', at + 1)) < script.find('\n', script.find("set palette"));) {
+    const double luminance = 0.2126 * component(script.substr(at + 1, 2)) +
+                             0.7152 * component(script.substr(at + 3, 2)) +
+                             0.0722 * component(script.substr(at + 5, 2));
     EXPECT_LT(luminance, before);
     before = luminance - 0.1;
   }
@@ -219,13 +228,16 @@ TEST(Figure, SaysWhenThereIsNothingToDraw) {
 
 TEST(Figure, SixteenMarkedLinesDifferWithoutColour) {
   const auto sample = [](const std::string& script, int style) {
-    const std::size_t end = script.find(" title \"style " + std::to_string(style) + "\""), begin = script.rfind("linespoints", end);
+    const std::size_t end = script.find(" title \"style " + std::to_string(style) + "\""),
+                      begin = script.rfind("linespoints", end);
     const std::string with = script.substr(begin, end - begin);
     return with.substr(with.find(" lw "));  // after the colour: width, dash and symbol
   };
   Figure figure;
   figure.panels.resize(1);
-  for (int style = 0; style < 16; ++style) figure.panels[0].series.push_back({"style " + std::to_string(style), {0, 1, 1, 2}, {0, 0, 1, 1}, Mark::marked_line, style});
+  for (int style = 0; style < 16; ++style)
+    figure.panels[0].series.push_back(
+        {"style " + std::to_string(style), {0, 1, 1, 2}, {0, 0, 1, 1}, Mark::marked_line, style});
   const std::string script = gnuplot_script(figure);
   std::set<std::string> seen;
   for (int style = 0; style < 16; ++style) seen.insert(sample(script, style));

@@ -1,12 +1,12 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <numeric>
 #include <sstream>
 
-#include <accdec/io/plot_program.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/generate.hpp>
+#include <accdec/plot/plot_program.hpp>
+#include <accdec/program/write/generate.hpp>
 
 namespace accdec {
 namespace {
@@ -70,7 +70,9 @@ TEST(PlotProgram, ADensePathStaysASmallDrawing) {
   EXPECT_LT(render_svg(figure).size(), 3'000'000U);
   // The largest error is seen although most points are not.
   const auto& pieces = figure.panels[0].coloured->pieces;
-  const double darkest = std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.value < b.value; })->value;
+  const double darkest = std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
+                           return a.value < b.value;
+                         })->value;
   EXPECT_NEAR(darkest, 100.0 * result.worst_utilisation, 2.5 + 1e-9);
 }
 

@@ -1,15 +1,17 @@
-#include <accdec/design/verifier.hpp>
-#include <accdec/io/plot_result.hpp>
-#include <accdec/io/process.hpp>
-#include <accdec/io/result_json.hpp>
-#include <accdec/io/task_reader.hpp>
-
 #include <algorithm>
 #include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "temporary_folder.hpp"
+#include <accdec/files/process.hpp>
+#include <accdec/formats/result_json.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/plot/plot_result.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "support/paths.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace accdec {
 namespace {
@@ -135,7 +137,8 @@ TEST(PlotResult, ChoosesTheCornerByName) {
 class PlotCommand : public testing::Test {
  protected:
   ProcessOutput plot(const std::string& out, std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments{ACCDEC_BINARY, "plot", folder_.path("r.json"), "--out", folder_.path(out)};
+    std::vector<std::string> arguments{accdec::test_support::program(), "plot", folder_.path("r.json"), "--out",
+                                       folder_.path(out)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_process(arguments, "", "accdec");
   }

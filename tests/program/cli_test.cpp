@@ -1,8 +1,3 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -10,6 +5,14 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/paths.hpp"
 
 namespace {
 
@@ -40,7 +43,8 @@ class ProgramCommand : public testing::Test {
     return text.str();
   }
   Output run(const std::string& arguments) {
-    const std::string line = "cd " + folder_.string() + " && " ACCDEC_BINARY " " + arguments + " > out 2> err";
+    const std::string line =
+        "cd " + folder_.string() + " && " + accdec::test_support::program() + " " + arguments + " > out 2> err";
     const int status = std::system(line.c_str());
     return {WEXITSTATUS(status), read("out"), read("err")};
   }
@@ -55,7 +59,8 @@ class ProgramCommand : public testing::Test {
 TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
   for (const char* kind : {"pocket", "zigzag", "trochoid", "engraving", "raster", "star"}) {
     ASSERT_EQ(run(std::string("generate ") + kind + " --blocks 300 --out part.ngc").code, 0);
-    const Output done = run("program part.ngc --task task.toml --json r.json --delays d.csv --samples s.csv --emit e.ngc --figure f.svg");
+    const Output done = run(
+        "program part.ngc --task task.toml --json r.json --delays d.csv --samples s.csv --emit e.ngc --figure f.svg");
     EXPECT_EQ(done.code, 0) << kind << done.out << done.err;
     EXPECT_EQ(done.err, "");
     EXPECT_THAT(read("r.json"), HasSubstr("\"schema\": \"accdec.program/1\""));
@@ -73,7 +78,8 @@ TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
     EXPECT_THAT(read("e.ngc"), HasSubstr("G21 G17 G90 G94"));
     EXPECT_THAT(read("f.svg"), HasSubstr("corner error / tolerance, %"));
     // What was written plans to the same motion, and so is written again alike.
-    ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --json again.json --emit again.ngc").code, 0) << kind;
+    ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --json again.json --emit again.ngc").code, 0)
+        << kind;
     EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s")) << kind;
     EXPECT_EQ(number_of("again.json", "samples"), number_of("r.json", "samples")) << kind;
     EXPECT_EQ(read("again.ngc"), read("e.ngc")) << kind;
@@ -81,19 +87,23 @@ TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
 }
 
 TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
-  write("part.ngc", "%\nN10 G21 G90 G64 P0.05 (start)\nT1 M6\nG54 G43 H1\nS12000 M3\nM8\nG0 X10 Y10\nG1 X60 F3000\nG4 P0.5\nY30 M1\nG61.1\n"
-                    "Y60\nG61\nG64 P0.02\nX10 S8000.5\nG20\nG1 X1 F100\nM5 M9\nM30\n");
+  write("part.ngc",
+        "%\nN10 G21 G90 G64 P0.05 (start)\nT1 M6\nG54 G43 H1\nS12000 M3\nM8\nG0 X10 Y10\nG1 X60 F3000\nG4 P0.5\nY30 "
+        "M1\nG61.1\n"
+        "Y60\nG61\nG64 P0.02\nX10 S8000.5\nG20\nG1 X1 F100\nM5 M9\nM30\n");
   ASSERT_EQ(run("program part.ngc --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
   const std::string text = read("e.ngc");
   std::size_t at = 0;
-  for (const char* words : {"\nT1 M6\n", "\nG54 G43 H1\n", "\nS12000 M3\n", "\nM8\n", "\nG0 X10 Y10\n", "\nG61.1\n", "\nG1 X60 F3000\n", "\nG4 P0.5\n",
-                            "\nG1 Y30\n", "\nM1\n", "\nG1 Y60\n", "\nS8000.5\n", "\nG64 P0.02\n", "\nG1 X10\n", "\nG1 X25.4 F", "\nM5 M9\n", "\nM2\n"}) {
+  for (const char* words : {"\nT1 M6\n", "\nG54 G43 H1\n", "\nS12000 M3\n", "\nM8\n", "\nG0 X10 Y10\n", "\nG61.1\n",
+                            "\nG1 X60 F3000\n", "\nG4 P0.5\n", "\nG1 Y30\n", "\nM1\n", "\nG1 Y60\n", "\nS8000.5\n",
+                            "\nG64 P0.02\n", "\nG1 X10\n", "\nG1 X25.4 F", "\nM5 M9\n", "\nM2\n"}) {
     const std::size_t found = text.find(words, at);
     ASSERT_NE(found, std::string::npos) << words << "in\n" << text;
     at = found + 1;
   }
   EXPECT_EQ(text.find("e-"), std::string::npos) << "numbers of programs have no exponents";
-  ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --json again.json --emit again.ngc").code, 0) << read("err");
+  ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --json again.json --emit again.ngc").code, 0)
+      << read("err");
   EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
   EXPECT_EQ(read("again.ngc"), text);
   // Read as any program, a dwell is an exact stop as well.
@@ -115,8 +125,11 @@ TEST_F(ProgramCommand, EmittedOrderAndAxes) {
 }
 
 TEST_F(ProgramCommand, CanonicalCallsThatAreNotMotionAreEmittedAsWords) {
-  write("part.canon", "USE_LENGTH_UNITS(CANON_UNITS_MM)\nSELECT_TOOL(3)\nCHANGE_TOOL()\nSET_SPINDLE_SPEED(0, 8000.0000)\nSTART_SPINDLE_CLOCKWISE(0)\nFLOOD_ON()\n"
-                      "SET_FEED_RATE(600)\nSTRAIGHT_FEED(10, 0, 0)\nPROGRAM_STOP()\nSTRAIGHT_FEED(20, 0, 0)\nSTOP_SPINDLE_TURNING(0)\nPROGRAM_END()\n");
+  write("part.canon",
+        "USE_LENGTH_UNITS(CANON_UNITS_MM)\nSELECT_TOOL(3)\nCHANGE_TOOL()\nSET_SPINDLE_SPEED(0, "
+        "8000.0000)\nSTART_SPINDLE_CLOCKWISE(0)\nFLOOD_ON()\n"
+        "SET_FEED_RATE(600)\nSTRAIGHT_FEED(10, 0, 0)\nPROGRAM_STOP()\nSTRAIGHT_FEED(20, 0, "
+        "0)\nSTOP_SPINDLE_TURNING(0)\nPROGRAM_END()\n");
   ASSERT_EQ(run("program part.canon --task task.toml --emit e.ngc").code, 0) << read("err");
   EXPECT_THAT(read("e.ngc"), HasSubstr("T3\nM6\nS8000\nM3\nM8\nG61.1\nG1 X10 F600\nM0\nG1 X20\nM5\nM2\n"));
 }
@@ -127,16 +140,19 @@ TEST_F(ProgramCommand, LongLegsOfFastBlocksAreSlowedToo) {
   write("part.ngc", text);
   EXPECT_EQ(run("program part.ngc --task task.toml --json r.json").code, 0) << read("out");
   EXPECT_THAT(read("r.json"), HasSubstr("\"feasible\": true"));
-  // Not slower than with feeds that an engineer would find by hand: half of what two jumps reach in the first and last block.
+  // Not slower than with feeds that an engineer would find by hand: half of what two jumps reach in the first and last
+  // block.
   text.clear();
-  for (int i = 1; i <= 40; ++i) text += "G1 X" + std::to_string(100 * i) + (i == 1 || i == 40 ? " F12000\n" : " F24000\n");
+  for (int i = 1; i <= 40; ++i)
+    text += "G1 X" + std::to_string(100 * i) + (i == 1 || i == 40 ? " F12000\n" : " F24000\n");
   write("hand.ngc", "G21 G90 G64 P0.05\n" + text);
   ASSERT_EQ(run("program hand.ngc --task task.toml --json hand.json").code, 0) << read("out");
   EXPECT_LE(number_of("r.json", "cycle_time_s"), number_of("hand.json", "cycle_time_s"));
 }
 
 TEST_F(ProgramCommand, StraightJointsSurviveTheRoundingOfCoordinates) {
-  for (const char* program : {"G64\nG1 X0.1234567 Y0.2345678 F600\nX0.2469134 Y0.4691356\n", "G61\nG1 X1 Y0.3333333 F600\nX2 Y0.6666666\nX3 Y0.9999999\nX3 Y5\nG64\nX3 Y6\n"}) {
+  for (const char* program : {"G64\nG1 X0.1234567 Y0.2345678 F600\nX0.2469134 Y0.4691356\n",
+                              "G61\nG1 X1 Y0.3333333 F600\nX2 Y0.6666666\nX3 Y0.9999999\nX3 Y5\nG64\nX3 Y6\n"}) {
     write("part.ngc", program);
     ASSERT_EQ(run("program part.ngc --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
     ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --json again.json").code, 0) << read("err");
@@ -148,7 +164,9 @@ TEST_F(ProgramCommand, WrittenFromCsvItGoesToItsBeginningFirst) {
   write("part.csv", "x_mm,y_mm,z_mm,feed_mm_min\n5,5,-1,600\n15,5,-1,600\n15,25,-1,600\n");
   ASSERT_EQ(run("program part.csv --task task.toml --emit e.ngc").code, 0) << read("err");
   EXPECT_THAT(read("e.ngc"), HasSubstr("\nG61.1\nG0 X5 Y5 Z-1\nG64 P0.02\nG1 X15 F600\n"));
-  write("free.toml", "sample_period_ms = 1.0\n[filter]\nkind = \"boxcar\"\norder = 40\n[[axis]]\nacceleration_max_mm_s2 = 6000\n[program]\nerror_max_um = 20\n");
+  write("free.toml",
+        "sample_period_ms = 1.0\n[filter]\nkind = \"boxcar\"\norder = 40\n[[axis]]\nacceleration_max_mm_s2 = "
+        "6000\n[program]\nerror_max_um = 20\n");
   ASSERT_EQ(run("program part.csv --task free.toml --emit e.ngc").code, 0) << read("err");
   EXPECT_THAT(read("e.ngc"), HasSubstr("\nG1 X5 Y5 Z-1 F600\n"));
   EXPECT_EQ(run("program e.ngc --task free.toml --dwells-before-filter").code, 0) << read("err");
@@ -157,11 +175,15 @@ TEST_F(ProgramCommand, WrittenFromCsvItGoesToItsBeginningFirst) {
 TEST_F(ProgramCommand, BoundsDoNotDependOnTheFilter) {
   // A filter too short for the limits slows this program to an eighth; the bound is below what a longer one reaches.
   write("part.ngc", "G61.1\nG1 X1000 F30000\nG1 X0\n");
-  const std::string limits = "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n[filter]\nkind = \"boxcar\"\norder = ";
+  const std::string limits =
+      "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n[filter]\nkind = "
+      "\"boxcar\"\norder = ";
   write("short.toml", limits + "9\n");
   write("long.toml", limits + "99\n");
   for (const char* task : {"short", "long"}) {
-    ASSERT_EQ(run(std::string("program part.ngc --filter-bound --task ") + task + ".toml --json " + task + ".json").code, 0) << read("err");
+    ASSERT_EQ(
+        run(std::string("program part.ngc --filter-bound --task ") + task + ".toml --json " + task + ".json").code, 0)
+        << read("err");
   }
   for (const char* bound : {"lower_bound_s", "filter_bound_s"}) {
     EXPECT_NEAR(number_of("short.json", bound), number_of("long.json", bound), 2e-3) << bound;
@@ -205,7 +227,8 @@ TEST_F(ProgramCommand, SlowsWhatBreaksALimitWhateverTheDelaysAndSaysSo) {
   write("part.ngc", "G1 F18000 X100\nX200 Y50\n");
   const Output done = run("program part.ngc --task task.toml --json r.json");
   EXPECT_EQ(done.code, 0);
-  EXPECT_THAT(done.out, HasSubstr("2 blocks slowed to start and stop within jerk x, most in line 1 to 56.8 % of its feed"));
+  EXPECT_THAT(done.out,
+              HasSubstr("2 blocks slowed to start and stop within jerk x, most in line 1 to 56.8 % of its feed"));
   EXPECT_THAT(read("r.json"), HasSubstr("\"limit\": \"jerk x\""));
 }
 
@@ -258,7 +281,8 @@ TEST_F(ProgramCommand, FailsWhenTheGivenFilterBreaksABoundThatNoFeedMends) {
 
 TEST_F(ProgramCommand, DesignsAFilterWhereTheTaskHasNone) {
   write("open.toml",
-        "sample_period_ms = 1.0\n[design]\norder_max = 40\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n"
+        "sample_period_ms = 1.0\n[design]\norder_max = 40\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = "
+        "6000\n"
         "jerk_max_mm_s3 = 500000\n");
   ASSERT_EQ(run("generate zigzag --blocks 100 --feed 6000 --out part.ngc").code, 0);
   const Output designed = run("program part.ngc --task open.toml --json r.json --time-limit 5");

@@ -1,14 +1,15 @@
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <random>
 
+#include <gtest/gtest.h>
+
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/filter_bound.hpp>
-#include <accdec/program/report.hpp>
+#include <accdec/program/plan/filter_bound.hpp>
+#include <accdec/program/write/report.hpp>
 
 #include "reference.hpp"
+#include "support/paths.hpp"
 
 namespace accdec {
 namespace {
@@ -24,7 +25,8 @@ TEST(FilterBound, ExactStopsAreTheBoxcarsOfBothLegs) {
 }
 
 TEST(FilterBound, EqualLegsAroundASymmetricCornerTakeTheBoxcarsOfTheClosedForm) {
-  // eps = v tau/4 cos(theta/2) (1 - d T/tau)^2, Eq. (12), in continuous time: the samples make at most a sample of difference each way.
+  // eps = v tau/4 cos(theta/2) (1 - d T/tau)^2, Eq. (12), in continuous time: the samples make at most a sample of
+  // difference each way.
   const double step = 1e-4;
   const int taps = 100;
   for (const double theta : {0.6, 1.2, 1.5707963267948966}) {
@@ -55,8 +57,8 @@ TEST(FilterBound, NoPairOfRandomFiltersIsCloser) {
     const double error = corner_error(Blend(in, out, corner, d, period));
     const auto largest = [](const Filter& f) { return *std::max_element(f.taps().begin(), f.taps().end()); };
     const double separation = d + out.mean_delay() - in.mean_delay();
-    const double bound =
-        least_separation(v1 * period, v2 * period, largest(in), largest(out), -first.dot(second), error * (1.0 + 1e-12) + 1e-15);
+    const double bound = least_separation(v1 * period, v2 * period, largest(in), largest(out), -first.dot(second),
+                                          error * (1.0 + 1e-12) + 1e-15);
     EXPECT_LE(bound, separation + 1e-9) << "trial " << trial;
     closest = std::min(closest, separation - bound);
   }
@@ -74,7 +76,8 @@ TEST(FilterBound, HoldsForTheProgramsMeasuredAgainstLinuxCNC) {
   }
   Task task;
   task.machine = limits;
-  for (const auto& entry : std::filesystem::directory_iterator(ACCDEC_SOURCE_DIR "/problems/program/linuxcnc")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(accdec::test_support::source_folder() + "/problems/program/linuxcnc")) {
     if (entry.path().extension() != ".ngc") continue;
     LineSource source(entry.path());
     Toolpath path = read_toolpath(source, limits, {});

@@ -1,5 +1,3 @@
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,9 +5,11 @@
 #include <random>
 #include <vector>
 
-#include <accdec/program/convolve.hpp>
-#include <accdec/program/extremes.hpp>
-#include <accdec/program/nearest.hpp>
+#include <gtest/gtest.h>
+
+#include <accdec/program/simulate/convolve.hpp>
+#include <accdec/program/simulate/extremes.hpp>
+#include <accdec/program/simulate/nearest.hpp>
 
 namespace accdec {
 namespace {
@@ -66,7 +66,8 @@ TEST(Kernels, ChangesAreDifferencesAndCounted) {
 }
 
 /// Least squared distance of p from samples first .. last or the segments between them, place by place.
-double least_squared(const std::vector<std::vector<double>>& s, const double* p, std::size_t first, std::size_t last, bool path) {
+double least_squared(const std::vector<std::vector<double>>& s, const double* p, std::size_t first, std::size_t last,
+                     bool path) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = first; k <= last; ++k) {
     // A fine walk along the segment and its ends would only bound it from above; its minimum in closed form does not.
@@ -90,12 +91,14 @@ TEST(Kernels, NearestIsThatOfTheEightPlacesAroundTheGuess) {
       for (const bool path : {false, true}) {
         std::vector<std::vector<double>> s;
         std::array<const double*, 9> position{};
-        for (std::size_t a = 0; a < axes; ++a) s.push_back(random_values(samples + nearest_margin, static_cast<unsigned>(7 + a)));
+        for (std::size_t a = 0; a < axes; ++a)
+          s.push_back(random_values(samples + nearest_margin, static_cast<unsigned>(7 + a)));
         for (std::size_t a = 0; a < axes; ++a) position[a] = s[a].data();
         const std::vector<double> points = random_values(40 * axes, 11);
         std::vector<JointWindow> joints;
         for (std::size_t b = 0; b < 39; ++b) {
-          joints.push_back({b, 0, static_cast<std::int64_t>(samples) - 1, static_cast<std::int64_t>(b % samples), path});
+          joints.push_back(
+              {b, 0, static_cast<std::int64_t>(samples) - 1, static_cast<std::int64_t>(b % samples), path});
         }
         std::vector<double> squared(joints.size(), -2.0);
         nearest_squared(position.data(), axes, points.data(), joints.data(), joints.size(), squared.data());

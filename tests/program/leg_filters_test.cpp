@@ -1,11 +1,11 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan.hpp>
-#include <accdec/program/report.hpp>
+#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/write/report.hpp>
 
 #include "reference.hpp"
 
@@ -24,8 +24,8 @@ Machine machine(double ax, double ay) {
   return m;
 }
 
-/// The motion of a program with a filter a leg, by definition: every leg's command, at rest before and after it, convolved with its
-/// own taps; then the sum.
+/// The motion of a program with a filter a leg, by definition: every leg's command, at rest before and after it,
+/// convolved with its own taps; then the sum.
 struct SumOfLegs {
   std::vector<std::vector<double>> position;  // [sample][axis]
   std::int64_t samples = 0;                   // up to the first from which nothing moves
@@ -34,7 +34,8 @@ struct SumOfLegs {
 SumOfLegs sum_of_legs(const Toolpath& path, const LegFilters& filters, const std::vector<int>& delays) {
   const Filter none({1.0});
   const test::Reference commands(path, none, period, delays);
-  const std::size_t n = path.dimensions(), length = commands.command.size() + static_cast<std::size_t>(filters.order_max()) + 4;
+  const std::size_t n = path.dimensions(),
+                    length = commands.command.size() + static_cast<std::size_t>(filters.order_max()) + 4;
   SumOfLegs sum;
   sum.position.assign(length, std::vector<double>(path.point(0), path.point(0) + n));
   long begin = 0;
@@ -47,7 +48,8 @@ SumOfLegs sum_of_legs(const Toolpath& path, const LegFilters& filters, const std
       for (std::size_t a = 0; a < n; ++a) {
         for (int i = 0; i <= filter.order(); ++i) {
           const long j = std::clamp(static_cast<long>(k) - i, begin, end);
-          sum.position[k][a] += filter.tap(i) * (commands.command[static_cast<std::size_t>(j)][a] - commands.command[static_cast<std::size_t>(begin)][a]);
+          sum.position[k][a] += filter.tap(i) * (commands.command[static_cast<std::size_t>(j)][a] -
+                                                 commands.command[static_cast<std::size_t>(begin)][a]);
         }
       }
     }
@@ -65,7 +67,8 @@ TEST(LegFilters, SimulationIsTheSumOfEveryLegsConvolution) {
     std::vector<std::uint16_t> of_block(path.blocks());
     std::vector<int> delays(path.blocks(), 0);
     for (std::size_t b = 0; b < path.blocks(); ++b) {
-      of_block[b] = b > 0 && !ends_leg(path, b - 1) ? of_block[b - 1] : static_cast<std::uint16_t>(random() % family.size());
+      of_block[b] =
+          b > 0 && !ends_leg(path, b - 1) ? of_block[b - 1] : static_cast<std::uint16_t>(random() % family.size());
       delays[b] = random() % 3 == 0 ? static_cast<int>(random() % 40) : 0;
     }
     delays.back() = 0;
@@ -80,7 +83,8 @@ TEST(LegFilters, SimulationIsTheSumOfEveryLegsConvolution) {
       next += count;
       for (std::int64_t k = 0; k < count; ++k) {
         const auto sample = std::min(static_cast<std::size_t>(first + k), expected.position.size() - 1);
-        for (std::size_t a = 0; a < path.dimensions(); ++a) worst = std::max(worst, std::abs(position[a][k] - expected.position[sample][a]));
+        for (std::size_t a = 0; a < path.dimensions(); ++a)
+          worst = std::max(worst, std::abs(position[a][k] - expected.position[sample][a]));
       }
     };
     std::vector<double> errors(path.blocks(), 0.0), quick(path.blocks(), 0.0);
@@ -106,12 +110,14 @@ TEST(LegFilters, CornerErrorIsThatOfTheBlendOfBothFilters) {
 }
 
 TEST(LegFilters, LegsAlongTheAxesTakeTheBoxcarsOfTheirOwnLimits) {
-  // 100 mm/s: 20 samples at 5 m/s^2 along x, 50 at 2 m/s^2 along y. Exact stops: every leg costs its own filter's order.
+  // 100 mm/s: 20 samples at 5 m/s^2 along x, 50 at 2 m/s^2 along y. Exact stops: every leg costs its own filter's
+  // order.
   const Machine limits = machine(5.0, 2.0);
   Toolpath path = path_of("G61.1 G1 F6000 X50\nY50\nX0\nY0\n", limits);
   Task task;
   task.machine = limits;
-  const ProgramResult one = run_program("a", path, boxcar(49), task), legs = run_program("a", path, boxcar(49), task, true);
+  const ProgramResult one = run_program("a", path, boxcar(49), task),
+                      legs = run_program("a", path, boxcar(49), task, true);
   EXPECT_TRUE(one.verification.feasible);
   EXPECT_TRUE(legs.verification.feasible);
   EXPECT_EQ(one.plan.simulation.samples, 4 * 500 + 3 * 49 + 50);
@@ -130,8 +136,9 @@ TEST(LegFilters, ALegAlongTheDiagonalTakesTheShorterBoxcarItsAxesAllow) {
   Task task;
   task.machine = limits;
   const ProgramResult legs = run_program("a", path, boxcar(99), task, true);
-  // 100 mm/s / sqrt(2) an axis at 1 m/s^2: 70.7, so 71 samples of 1 ms; legs of 424.26 samples. Y reverses at full acceleration, so that
-  // the last sample of the stop and the first of the start may not fall together: one more than an exact stop.
+  // 100 mm/s / sqrt(2) an axis at 1 m/s^2: 70.7, so 71 samples of 1 ms; legs of 424.26 samples. Y reverses at full
+  // acceleration, so that the last sample of the stop and the first of the start may not fall together: one more than
+  // an exact stop.
   EXPECT_EQ(legs.plan.simulation.samples, 425 + 71 + 425 + 71);
 }
 

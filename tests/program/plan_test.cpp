@@ -3,9 +3,9 @@
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
-#include <accdec/program/lower_bound.hpp>
-#include <accdec/program/plan.hpp>
-#include <accdec/program/simulate.hpp>
+#include <accdec/program/plan/lower_bound.hpp>
+#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/simulate/simulate.hpp>
 
 #include "reference.hpp"
 
@@ -27,7 +27,8 @@ TEST(Plan, EveryJointHoldsItsToleranceOnThePathByDefinition) {
     EXPECT_GT(plan.raised + plan.slowed, 0U) << "short moves must overlap in this test";
     const Reference reference(path, filter, period, plan.delays);
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-      EXPECT_LE(reference.error(path, filter.order(), b), path.tolerance[b] * (1.0 + 1e-9) + 1e-12) << "seed " << seed << " joint " << b;
+      EXPECT_LE(reference.error(path, filter.order(), b), path.tolerance[b] * (1.0 + 1e-9) + 1e-12)
+          << "seed " << seed << " joint " << b;
     }
   }
 }
@@ -40,7 +41,8 @@ TEST(Plan, ADelayRaisedByOverlapCannotBeOneShorter) {
   int checked = 0;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (plan.delays[b] <= pairwise[b]) continue;
-    // Lowered in order of the program, each against its surroundings of that moment; the last raised one is minimal for certain.
+    // Lowered in order of the program, each against its surroundings of that moment; the last raised one is minimal for
+    // certain.
     bool last = true;
     for (std::size_t c = b + 1; c < path.blocks(); ++c) last = last && plan.delays[c] <= pairwise[c];
     if (!last) continue;
@@ -48,7 +50,8 @@ TEST(Plan, ADelayRaisedByOverlapCannotBeOneShorter) {
     --shorter[b];
     const Reference reference(path, filter, period, shorter);
     bool all = true;
-    for (std::size_t c = 0; c + 1 < path.blocks(); ++c) all = all && holds(reference.error(path, filter.order(), c), path.tolerance[c]);
+    for (std::size_t c = 0; c + 1 < path.blocks(); ++c)
+      all = all && holds(reference.error(path, filter.order(), c), path.tolerance[c]);
     EXPECT_FALSE(all);
     ++checked;
   }
@@ -58,7 +61,8 @@ TEST(Plan, ADelayRaisedByOverlapCannotBeOneShorter) {
 TEST(Plan, LoneCornersGetTheirSmallestDelay) {
   std::string text = "G91 G1 F6000 X30\n";
   for (int i = 1; i <= 17; ++i) {
-    text += "G64 P0.0" + std::to_string(i) + " X" + std::to_string(20 - 3 * i) + " Y" + std::to_string(25 + i) + "\nX30\n";
+    text +=
+        "G64 P0.0" + std::to_string(i) + " X" + std::to_string(20 - 3 * i) + " Y" + std::to_string(25 + i) + "\nX30\n";
   }
   Toolpath path = path_of("G64 P0.02\n" + text);
   const Filter filter = blackman_sinc(40, 0.049);
@@ -67,9 +71,13 @@ TEST(Plan, LoneCornersGetTheirSmallestDelay) {
   EXPECT_EQ(plan.raised, 0U);
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (path.joint[b] != Joint::corner) continue;
-    const auto leg = [&](std::size_t i) { return Eigen::Vector2d(path.point(i + 1)[0] - path.point(i)[0], path.point(i + 1)[1] - path.point(i)[1]); };
+    const auto leg = [&](std::size_t i) {
+      return Eigen::Vector2d(path.point(i + 1)[0] - path.point(i)[0], path.point(i + 1)[1] - path.point(i)[1]);
+    };
     // Whole samples: the feed a block really has is its length over ceil of its duration.
-    const auto feed = [&](std::size_t i) { return leg(i).norm() / (std::ceil(path.duration[i] / period - 1e-9) * period); };
+    const auto feed = [&](std::size_t i) {
+      return leg(i).norm() / (std::ceil(path.duration[i] / period - 1e-9) * period);
+    };
     const Corner corner = make_corner(leg(b), leg(b + 1), feed(b), feed(b + 1));
     int smallest = 0;
     while (measure(Blend(filter, corner, smallest, period)).corner_error > path.tolerance[b]) ++smallest;
@@ -115,17 +123,20 @@ TEST(Plan, ShortMovesTogetherHoldTheLimitsThatEachAloneHolds) {
       top = std::max(top, filter.tap(i));
       edge = std::max(edge, std::abs(filter.tap(i) - filter.tap(i - 1)));
     }
-    for (const char* name : {"x", "y", "z"}) machine.axes.push_back({name, 0.2, 0.1 * top / period, 0.1 * edge / period / period});
+    for (const char* name : {"x", "y", "z"})
+      machine.axes.push_back({name, 0.2, 0.1 * top / period, 0.1 * edge / period / period});
     Toolpath path = path_of(random_program(seed, 300), machine);
     const ProgramPlan plan = plan_program(path, filter, period, program_machine(machine, path));
     EXPECT_TRUE(plan.errors_hold);
     raised += plan.raised;
-    for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9) << to_string(use.kind) << use.axis;
+    for (const LimitUse& use : plan.simulation.limits)
+      EXPECT_LE(use.utilisation, 1.0 + 1e-9) << to_string(use.kind) << use.axis;
     const Reference reference(path, filter, period, plan.delays);
     double acceleration = 0.0;
     for (std::size_t k = 2; k < reference.position.size(); ++k) {
       for (std::size_t a = 0; a < path.dimensions(); ++a) {
-        const double change = reference.position[k][a] - 2.0 * reference.position[k - 1][a] + reference.position[k - 2][a];
+        const double change =
+            reference.position[k][a] - 2.0 * reference.position[k - 1][a] + reference.position[k - 2][a];
         acceleration = std::max(acceleration, std::abs(change) / (period * period));
       }
     }
@@ -156,7 +167,8 @@ TEST(Plan, StraightAndToleratedJointsCostNothing) {
 }
 
 TEST(Plan, ALoneShortBlockIsSlowedUntilItsStartAndStopHoldTogether) {
-  // Six samples at 100 mm/s through 10 taps: the ends of the start and the beginning of the stop have jerk of one sign, and meet.
+  // Six samples at 100 mm/s through 10 taps: the ends of the start and the beginning of the stop have jerk of one sign,
+  // and meet.
   Machine machine;
   const Filter filter = trapezoid(9, 3);
   machine.axes.push_back({"x", 1.0, 100.0, 0.1 * std::abs(filter.tap(1) - filter.tap(0)) * 1.01 / (period * period)});
@@ -167,7 +179,8 @@ TEST(Plan, ALoneShortBlockIsSlowedUntilItsStartAndStopHoldTogether) {
 }
 
 TEST(Plan, AFeedTooFastForTheFilterIsLoweredToTheLargestThatHolds) {
-  // A start through the taps b has jerk v |b_i - b_(i-1)|/T^2, so the largest speed is known; other blocks keep their feeds.
+  // A start through the taps b has jerk v |b_i - b_(i-1)|/T^2, so the largest speed is known; other blocks keep their
+  // feeds.
   const Filter filter = trapezoid(40, 10);
   double edge = 0.0;
   for (int i = 0; i <= 41; ++i) edge = std::max(edge, std::abs(filter.tap(i) - filter.tap(i - 1)));
@@ -178,7 +191,8 @@ TEST(Plan, AFeedTooFastForTheFilterIsLoweredToTheLargestThatHolds) {
   const Toolpath before = path;
   const ProgramPlan plan = plan_program(path, filter, period, machine);
   EXPECT_TRUE(plan.errors_hold);
-  for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9) << to_string(use.kind) << use.axis;
+  for (const LimitUse& use : plan.simulation.limits)
+    EXPECT_LE(use.utilisation, 1.0 + 1e-9) << to_string(use.kind) << use.axis;
   for (const std::size_t b : {0, 1, 3}) EXPECT_NEAR(0.1 / path.duration[b], fastest, 1e-9 * fastest) << b;
   EXPECT_EQ(path.duration[2], before.duration[2]);
   EXPECT_EQ(plan.slowed, 3U);
@@ -227,7 +241,8 @@ TEST(Plan, AnArcTooFastForItsToleranceIsPassedAtTheFeedThatNeedsNoStopsWhereThat
   Machine machine;
   for (const char* name : {"x", "y"}) machine.axes.push_back({name, 0.5, 6.0, 500.0});
   const Filter filter = trapezoid(40, 10);
-  // Steady motion around radius R with feed v stays inside by v^2 s^2 T^2/(2 R), s^2 the second moment of the taps about their mean.
+  // Steady motion around radius R with feed v stays inside by v^2 s^2 T^2/(2 R), s^2 the second moment of the taps
+  // about their mean.
   double moment = 0.0;
   for (int i = 0; i <= 40; ++i) moment += filter.tap(i) * (i - filter.mean_delay()) * (i - filter.mean_delay());
   const double radius = 0.01, tolerance = 1e-5;
@@ -238,7 +253,8 @@ TEST(Plan, AnArcTooFastForItsToleranceIsPassedAtTheFeedThatNeedsNoStopsWhereThat
   EXPECT_TRUE(plan.errors_hold);
   for (const LimitUse& use : plan.simulation.limits) EXPECT_LE(use.utilisation, 1.0 + 1e-9);
   const Reference reference(path, filter, period, plan.delays);
-  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) EXPECT_LE(reference.error(path, filter.order(), b), tolerance * (1.0 + 1e-9)) << b;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b)
+    EXPECT_LE(reference.error(path, filter.order(), b), tolerance * (1.0 + 1e-9)) << b;
   // The chords lie inside the arc, which takes its part of the tolerance: a little slower than the formula.
   const double around = 2.0 * std::numbers::pi * radius;
   EXPECT_LT(static_cast<double>(plan.simulation.samples) * period, 1.1 * around / steady + 41.0 * period);
@@ -246,7 +262,8 @@ TEST(Plan, AnArcTooFastForItsToleranceIsPassedAtTheFeedThatNeedsNoStopsWhereThat
   for (const double feed : {4000.0, 3000.0, 0.98 * steady * 60000.0, 2000.0}) {
     Toolpath slower = path_of(full_circle("G64 P0.01", feed), machine);
     const ProgramPlan other = plan_program(slower, filter, period, machine);
-    EXPECT_LE(static_cast<double>(plan.simulation.samples), 1.01 * static_cast<double>(other.simulation.samples)) << feed;
+    EXPECT_LE(static_cast<double>(plan.simulation.samples), 1.01 * static_cast<double>(other.simulation.samples))
+        << feed;
   }
 }
 
@@ -262,7 +279,8 @@ TEST(Plan, AHigherFeedWordMakesNoArcMuchSlower) {
     return static_cast<double>(plan.simulation.samples);
   };
   const std::string line = "G21 G64 P0.005\nF6000\nG1 X10\n", arc = "G3 X12 Y2 I0 J2\nF6000 G1 Y12\n";
-  for (const char* feed : {"F2000 ", "F1200 ", "F850 ", "F600 "}) EXPECT_LE(time(line + arc), 1.01 * time(line + feed + arc)) << feed;
+  for (const char* feed : {"F2000 ", "F1200 ", "F850 ", "F600 "})
+    EXPECT_LE(time(line + arc), 1.01 * time(line + feed + arc)) << feed;
   for (const double feed : {3000.0, 1500.0, 1000.0, 700.0}) {
     EXPECT_LE(time(full_circle("G61", 6000.0)), 1.02 * time(full_circle("G61", feed))) << feed;
   }
@@ -284,7 +302,8 @@ TEST(Plan, LowerBoundIsTheClosedFormWhereThereIsOne) {
   machine.axes.push_back({"y", 0.5, 1.0});
   // 100 mm/s at 1 m/s^2: stops after each; along the diagonal sqrt(2) times as hard; then too short to reach the feed.
   const Toolpath stops = path_of("G61.1 G1 F6000 X50\nX80 Y30\nX80 Y34\n", machine);
-  EXPECT_NEAR(program_lower_bound(stops, machine), (0.5 + 0.1) + (0.3 * std::sqrt(2.0) + 0.1 / std::sqrt(2.0)) + 2.0 * std::sqrt(0.004), 1e-12);
+  EXPECT_NEAR(program_lower_bound(stops, machine),
+              (0.5 + 0.1) + (0.3 * std::sqrt(2.0) + 0.1 / std::sqrt(2.0)) + 2.0 * std::sqrt(0.004), 1e-12);
   // Blended: legs less the tolerance, and ramps at both ends with no more than sqrt(2) m/s^2.
   const Toolpath blended = path_of("G64 P0.5 G1 F6000 X50\nY50\n", machine);
   EXPECT_NEAR(program_lower_bound(blended, machine), 2.0 * 0.495 + 0.1 / std::sqrt(2.0), 1e-12);

@@ -1,14 +1,14 @@
 #pragma once
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <accdec/program/read_error.hpp>
-#include <accdec/program/reader.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/program/read/read_error.hpp>
+#include <accdec/program/read/reader.hpp>
 
 namespace accdec {
 
@@ -29,7 +29,7 @@ inline Recorder read(std::string_view text, const std::string& name = "part.ngc"
 }
 
 inline void expect_error(std::string_view text, const std::string& where, const std::string& what,
-                  const std::string& name = "part.ngc") {
+                         const std::string& name = "part.ngc") {
   try {
     read(text, name);
     FAIL() << "accepted: " << text;

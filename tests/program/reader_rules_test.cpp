@@ -19,20 +19,24 @@ double path_length(const Recorder& r, std::size_t first = 0) {
   return length;
 }
 
-/// How much shorter chords of a sagitta of 2 um are than their arc: h^2/24 of it, where r h^2/8 is the sagitta, and 1 % for the
-/// higher orders.
-double shortening(double radius) { return 1.01 * 2e-6 / (3.0 * radius); }
+/// How much shorter chords of a sagitta of 2 um are than their arc: h^2/24 of it, where r h^2/8 is the sagitta, and 1 %
+/// for the higher orders.
+double shortening(double radius) {
+  return 1.01 * 2e-6 / (3.0 * radius);
+}
 
 TEST(ReaderRules, ArcsWithoutEndWordsAreFullCircles) {
-  for (const char* circle : {"G2 I10", "G3 J-6 I8", "G18 G2 K10", "G18 G3 I10", "G19 G2 J10", "G90.1 G2 I20 J0", "G2 X10 I10", "G2 Y0 I10",
-                             "G2 I10 P1"}) {
+  for (const char* circle : {"G2 I10", "G3 J-6 I8", "G18 G2 K10", "G18 G3 I10", "G19 G2 J10", "G90.1 G2 I20 J0",
+                             "G2 X10 I10", "G2 Y0 I10", "G2 I10 P1"}) {
     const Recorder r = read(std::string("G21 G90\nG1 X10 F1000\n") + circle + "\nM2\n");
     EXPECT_NEAR(path_length(r), 0.02 * std::numbers::pi, 0.02 * std::numbers::pi * shortening(0.01)) << circle;
     EXPECT_DOUBLE_EQ(r.moves.back().to[0], 0.01);
     EXPECT_EQ(r.moves.back().line, 3);
   }
-  EXPECT_NEAR(path_length(read("G1 X10 F1000\nG2 I10 P3\n")), 0.06 * std::numbers::pi, 0.06 * std::numbers::pi * shortening(0.01));
-  EXPECT_NEAR(path_length(read("G1 X10 F1000\nG2 X10 I10\nI10\n")), 0.04 * std::numbers::pi, 0.04 * std::numbers::pi * shortening(0.01));  // modal
+  EXPECT_NEAR(path_length(read("G1 X10 F1000\nG2 I10 P3\n")), 0.06 * std::numbers::pi,
+              0.06 * std::numbers::pi * shortening(0.01));
+  EXPECT_NEAR(path_length(read("G1 X10 F1000\nG2 X10 I10\nI10\n")), 0.04 * std::numbers::pi,
+              0.04 * std::numbers::pi * shortening(0.01));  // modal
   expect_error("G1 X10 F1000\nG2 R10\n", "2:4", "full circle");
   expect_error("G1 X10 F1000\nG90.1 G2 I10\n", "2:10", "both I and J");
   expect_error("G1 X10 F1000\nG2 I10 K1\n", "2:8", "word K");
@@ -43,15 +47,19 @@ TEST(ReaderRules, ArcsWithoutEndWordsAreFullCircles) {
 TEST(ReaderRules, RoundingErrorsDoNotLoseCircles) {
   // 80.2 + 0.7 + 0.4 and 81.3 differ in their last bits; so do inches and millimetres.
   const double circle = std::numbers::pi * 1e-3;
-  for (const char* program : {
-           "G91 G1 F1000 X80.2\nX.7\nX.4\nG90 G2 X81.3 Y0 J.5\n", "G91 G1 F1000 X80.2\nX.7\nX.4\nG90 G3 X81.3 Y0 J.5\n",
-           "G1 F1000 X80.2\nX80\nG20 X3.15748\nG21 G2 X80.2 J.5\n", "G1 F1000 X80.2\nX80\nG20 X3.15748\nG21 G3 X80.2 J.5\n",
-           "G1 F1000 X80.2\nX80\nG20 X3.157480315\nG21 G2 X80.2 J.5\n", "G1 F1000 X80.2\nX80\nG20 X3.157480315\nG21 G3 X80.2 J.5\n",
-           // In print, 0.0001 inch is 2.5 um.
-           "SET_FEED_RATE(1000)\nSTRAIGHT_FEED(80, 0, 0)\nUSE_LENGTH_UNITS(CANON_UNITS_INCHES)\nSTRAIGHT_FEED(3.1575, 0, 0)\n"
-           "USE_LENGTH_UNITS(CANON_UNITS_MM)\nARC_FEED(80.2000, 0, 80.2000, 0.5000, -1, 0)\n",
-           "SET_FEED_RATE(1000)\nSTRAIGHT_FEED(80, 0, 0)\nUSE_LENGTH_UNITS(CANON_UNITS_INCHES)\nSTRAIGHT_FEED(3.1575, 0, 0)\n"
-           "USE_LENGTH_UNITS(CANON_UNITS_MM)\nARC_FEED(80.2000, 0, 80.2000, 0.5000, 1, 0)\n"}) {
+  for (const char* program :
+       {"G91 G1 F1000 X80.2\nX.7\nX.4\nG90 G2 X81.3 Y0 J.5\n", "G91 G1 F1000 X80.2\nX.7\nX.4\nG90 G3 X81.3 Y0 J.5\n",
+        "G1 F1000 X80.2\nX80\nG20 X3.15748\nG21 G2 X80.2 J.5\n",
+        "G1 F1000 X80.2\nX80\nG20 X3.15748\nG21 G3 X80.2 J.5\n",
+        "G1 F1000 X80.2\nX80\nG20 X3.157480315\nG21 G2 X80.2 J.5\n",
+        "G1 F1000 X80.2\nX80\nG20 X3.157480315\nG21 G3 X80.2 J.5\n",
+        // In print, 0.0001 inch is 2.5 um.
+        "SET_FEED_RATE(1000)\nSTRAIGHT_FEED(80, 0, 0)\nUSE_LENGTH_UNITS(CANON_UNITS_INCHES)\nSTRAIGHT_FEED(3.1575, 0, "
+        "0)\n"
+        "USE_LENGTH_UNITS(CANON_UNITS_MM)\nARC_FEED(80.2000, 0, 80.2000, 0.5000, -1, 0)\n",
+        "SET_FEED_RATE(1000)\nSTRAIGHT_FEED(80, 0, 0)\nUSE_LENGTH_UNITS(CANON_UNITS_INCHES)\nSTRAIGHT_FEED(3.1575, 0, "
+        "0)\n"
+        "USE_LENGTH_UNITS(CANON_UNITS_MM)\nARC_FEED(80.2000, 0, 80.2000, 0.5000, 1, 0)\n"}) {
     const Recorder r = read(program);
     double length = 0.0;
     for (std::size_t i = 1; i < r.moves.size(); ++i) {
@@ -60,7 +68,8 @@ TEST(ReaderRules, RoundingErrorsDoNotLoseCircles) {
     }
     EXPECT_NEAR(length, circle, circle * shortening(5e-4) + 2e-6) << program;
   }
-  // A short arc stays one: 1 um on a radius of 0.5 mm, ahead in this direction, and almost all of the circle in the other.
+  // A short arc stays one: 1 um on a radius of 0.5 mm, ahead in this direction, and almost all of the circle in the
+  // other.
   const Recorder ahead = read("G1 F1000 X1\nG3 X1.001 Y0 J.5\n"), behind = read("G1 F1000 X1\nG2 X1.001 Y0 J.5\n");
   EXPECT_EQ(ahead.moves.size(), 2U);
   EXPECT_NEAR(path_length(behind), circle, circle * shortening(5e-4) + 1e-6);
@@ -69,11 +78,14 @@ TEST(ReaderRules, RoundingErrorsDoNotLoseCircles) {
 }
 
 TEST(ReaderRules, PrintedCoordinatesThatDoNotMoveStayWhereTheyAre) {
-  // 3 mm print as 0.1181 inch, 2.9997 mm: the move of A is a rotary one, at 60 degrees a minute whatever the unit was when set.
+  // 3 mm print as 0.1181 inch, 2.9997 mm: the move of A is a rotary one, at 60 degrees a minute whatever the unit was
+  // when set.
   const Recorder r = read(
-      "SET_FEED_RATE(600)\nSTRAIGHT_FEED(3.0000, 2.0000, 0.0000, 0.0000)\nUSE_LENGTH_UNITS(CANON_UNITS_INCHES)\nSET_FEED_RATE(60)\n"
+      "SET_FEED_RATE(600)\nSTRAIGHT_FEED(3.0000, 2.0000, 0.0000, "
+      "0.0000)\nUSE_LENGTH_UNITS(CANON_UNITS_INCHES)\nSET_FEED_RATE(60)\n"
       "STRAIGHT_FEED(0.1181, 0.0787, 0.0000, 10.0000)\nSTRAIGHT_FEED(0.1181, 0.0787, 0.0000, 20.0000)\n"
-      "STRAIGHT_FEED(0.1182, 0.0787, 0.0000, 20.0000)\nUSE_LENGTH_UNITS(CANON_UNITS_MM)\nSTRAIGHT_FEED(3.0023, 2.0000, 0.0000, 20.0000)\n");
+      "STRAIGHT_FEED(0.1182, 0.0787, 0.0000, 20.0000)\nUSE_LENGTH_UNITS(CANON_UNITS_MM)\nSTRAIGHT_FEED(3.0023, 2.0000, "
+      "0.0000, 20.0000)\n");
   ASSERT_EQ(r.moves.size(), 5U);
   EXPECT_NEAR(r.moves[1].duration, 10.0, 1e-9);
   EXPECT_NEAR(r.moves[2].duration, 10.0, 1e-9);
@@ -105,13 +117,14 @@ TEST(ReaderRules, RadiiMayDifferByTheRoundingOfTheirEnds) {
 }
 
 TEST(ReaderRules, WordsBeforeACommentAreNoCanonicalCall) {
-  for (const char* first : {"T1M6(6MM ENDMILL)", "G21G90(METRIC)", "G0X0Y0Z5(START)", "N10(ABCD)", "N10 G21(A)G90(B)"}) {
+  for (const char* first :
+       {"T1M6(6MM ENDMILL)", "G21G90(METRIC)", "G0X0Y0Z5(START)", "N10(ABCD)", "N10 G21(A)G90(B)"}) {
     LineSource source("part.ngc", std::string_view(first));
     Recorder recorder;
     EXPECT_EQ(read_program(source, {}, recorder), ProgramFormat::rs274) << first;
   }
-  for (const char* first : {"COMMENT(\"a\")", "    1 N..... USE_LENGTH_UNITS(CANON_UNITS_MM)", "    1 N10    MIST_ON()", "LOG(\"a\")",
-                            "7 N5 SPINDLE.0.WAIT_ORIENT_COMPLETE(0.0000)"}) {
+  for (const char* first : {"COMMENT(\"a\")", "    1 N..... USE_LENGTH_UNITS(CANON_UNITS_MM)", "    1 N10    MIST_ON()",
+                            "LOG(\"a\")", "7 N5 SPINDLE.0.WAIT_ORIENT_COMPLETE(0.0000)"}) {
     LineSource source("part.ngc", std::string_view(first));
     Recorder recorder;
     EXPECT_EQ(read_program(source, {}, recorder), ProgramFormat::canonical) << first;
@@ -148,12 +161,15 @@ TEST(ReaderRules, CanonicalCallsAreKnownOrRefused) {
   expect_error(feed + "SET_G92_OFFSET(0, 1)\n", "2:1", "offsets");
   EXPECT_EQ(read(feed + "COMMENT(\"say \"(hi\"\")\nMESSAGE(\" a \"b\"\")\nSTRAIGHT_FEED(1,2,3) \t\n"
                         "USE_TOOL_LENGTH_OFFSET(0.0000 0.0000 1.0000, 0.0000 0.0000 0.0000, 0.0000 0.0000 0.0000)\n"
-                        "SET_SPINDLE_MODE(0 0.0000)\nSTRAIGHT_FEED(1,2,4)\n").moves.size(), 2U);
+                        "SET_SPINDLE_MODE(0 0.0000)\nSTRAIGHT_FEED(1,2,4)\n")
+                .moves.size(),
+            2U);
 }
 
 TEST(ReaderRules, ContradictionsInABlockAreRefused) {
-  for (const char* block : {"G54 G55", "G43 G49", "G40 G40", "G96 G97", "G98 G99", "G61 G64", "G90 G91", "G17 G18", "G0 G1", "G20 G21",
-                            "G21 G21", "M3 M5", "M3 M4", "M7 M8", "M8 M9", "M48 M49", "M0 M2", "M0 M1", "M2 M30", "M3 M3"}) {
+  for (const char* block :
+       {"G54 G55", "G43 G49", "G40 G40", "G96 G97", "G98 G99", "G61 G64", "G90 G91", "G17 G18", "G0 G1",  "G20 G21",
+        "G21 G21", "M3 M5",   "M3 M4",   "M7 M8",   "M8 M9",   "M48 M49", "M0 M2",   "M0 M1",   "M2 M30", "M3 M3"}) {
     const std::string_view text(block);
     expect_error(text, fmt::format("1:{}", text.find(' ') + 2), "of its group in this block");
   }
@@ -164,7 +180,9 @@ TEST(ReaderRules, ContradictionsInABlockAreRefused) {
   expect_error("N-5 G1\n", "1:1", "N must be");
   expect_error("F100\nG4 G2 X1 I.5 P2\n", "2:4", "G4 cannot stand in one block with G2 or G3");
   expect_error("F100\nG80 X2\n", "2:5", "without a motion");
-  EXPECT_EQ(read("G40 G54 G94 G97 G98 G49 G80 G90 G17 G21\nM3 M8 M6 M48 T1\nG0 G80 X1\nG80 G1 X2 F1\nX3 M0\n").moves.size(), 3U);
+  EXPECT_EQ(
+      read("G40 G54 G94 G97 G98 G49 G80 G90 G17 G21\nM3 M8 M6 M48 T1\nG0 G80 X1\nG80 G1 X2 F1\nX3 M0\n").moves.size(),
+      3U);
   expect_error("G5 X1\n", "1:1", "G5 is not supported; supported: G0 G1 G2 G3 G4 ");
   expect_error("M98 P1\n", "1:1", "M98 is not supported; supported: M0 ");
 }

@@ -1,14 +1,15 @@
-#include <gtest/gtest.h>
-
-#include <unistd.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <string>
 
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
 #include "reader_harness.hpp"
+#include "support/paths.hpp"
 
 namespace accdec {
 namespace {
@@ -21,7 +22,8 @@ double distance(const ProgramPoint& a, const ProgramPoint& b) {
 
 TEST(Reader, AgreesWithTheCanonicalOutputOfLinuxCnc) {
   // dialect.canon was printed by rs274 2.9.0 from dialect.ngc; it rounds to 4 decimals, of a millimetre or of an inch.
-  const std::filesystem::path folder = std::filesystem::path(ACCDEC_SOURCE_DIR) / "problems/program/reader";
+  const std::filesystem::path folder =
+      std::filesystem::path(accdec::test_support::source_folder()) / "problems/program/reader";
   Recorder ours, theirs;
   LineSource program(folder / "dialect.ngc"), canonical(folder / "dialect.canon");
   EXPECT_EQ(read_program(program, {}, ours), ProgramFormat::rs274);
@@ -30,7 +32,8 @@ TEST(Reader, AgreesWithTheCanonicalOutputOfLinuxCnc) {
   EXPECT_EQ(ours.dwells, theirs.dwells);
   for (std::size_t i = 0; i < ours.moves.size(); ++i) {
     const Move &a = ours.moves[i], &b = theirs.moves[i];
-    // Half a unit of the last decimal in each coordinate of ends and centres: 0.00005 inch, times root 3, and twice for the centre.
+    // Half a unit of the last decimal in each coordinate of ends and centres: 0.00005 inch, times root 3, and twice for
+    // the centre.
     EXPECT_LT(distance(a.to, b.to), 0.00005 * 0.0254 * std::sqrt(3.0) * 2.0) << "line " << a.line;
     // Durations differ by the rounding of the length, at feeds of 5 mm/s and more.
     EXPECT_NEAR(a.duration, b.duration, 4.4e-6 / 5e-3) << "line " << a.line;
@@ -101,7 +104,8 @@ TEST(Reader, ReadsCsv) {
 TEST(Reader, ReadsWhatNumpyWrites) {
   // np.savetxt(f, a, header="x_mm y_mm feed_mm_min"), and the same with delimiter="," and comments="".
   const std::string blanks =
-      "# made by numpy\n# x_mm y_mm feed_mm_min\n0.000000000000000000e+00 0.000000000000000000e+00 0.000000000000000000e+00\n"
+      "# made by numpy\n# x_mm y_mm feed_mm_min\n0.000000000000000000e+00 0.000000000000000000e+00 "
+      "0.000000000000000000e+00\n"
       "1.000000000000000000e+01 -2.500000000000000139e-03 6.000000000000000000e+02\n";
   std::string commas = blanks.substr(blanks.find("x_mm"));
   for (char& c : commas) c = c == ' ' ? ',' : c;
@@ -133,7 +137,8 @@ TEST(Reader, PassesOverAByteOrderMark) {
   EXPECT_EQ(read("\xef\xbb\xbfSET_FEED_RATE(1)\nSTRAIGHT_FEED(1, 2, 3)\n").moves.size(), 1U);
   expect_error("\xef\xbb\xbfG1 F1 Y\n", "1:7", "word Y");
   expect_error("G1 F1\n\xef\xbb\xbfX1\n", "2:1", "byte 0xef");
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("accdec_mark_" + std::to_string(::getpid()) + ".ngc");
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("accdec_mark_" + std::to_string(::getpid()) + ".ngc");
   std::ofstream(file) << "\xef\xbb\xbfG1 F1 X1\n";
   LineSource source(file);
   Recorder recorder;

@@ -8,19 +8,20 @@
 #include <vector>
 
 #include <accdec/motion/filter.hpp>
-#include <accdec/program/toolpath.hpp>
+#include <accdec/program/read/toolpath.hpp>
 
 namespace accdec::test {
 
-/// A program by definition, independent of the library's emission and recursion: command positions at every sample as points of the
-/// path at that time, then plain convolution of those positions with the taps.
+/// A program by definition, independent of the library's emission and recursion: command positions at every sample as
+/// points of the path at that time, then plain convolution of those positions with the taps.
 struct Reference {
   std::size_t n = 0;
   std::vector<std::vector<double>> command, position;  // [sample][axis]; position is N + 1 samples longer
   std::vector<double> reached;                         // time of every joint, samples
   std::vector<long> rest;                              // samples at rest in every joint
 
-  Reference(const Toolpath& path, const Filter& filter, double period, const std::vector<int>& delays) : n(path.dimensions()) {
+  Reference(const Toolpath& path, const Filter& filter, double period, const std::vector<int>& delays)
+      : n(path.dimensions()) {
     const auto point = [&](std::size_t i) { return std::vector<double>(path.point(i), path.point(i) + n); };
     const std::size_t blocks = path.blocks();
     reached.assign(blocks, 0.0);
@@ -77,7 +78,8 @@ struct Reference {
   double error(const Toolpath& path, int order, std::size_t b) const {
     const double* corner = path.point(b + 1);
     const auto first = static_cast<std::size_t>(reached[b]);
-    const std::size_t last = static_cast<std::size_t>(std::ceil(reached[b])) + static_cast<std::size_t>(std::min<long>(rest[b], order + 1)) +
+    const std::size_t last = static_cast<std::size_t>(std::ceil(reached[b])) +
+                             static_cast<std::size_t>(std::min<long>(rest[b], order + 1)) +
                              static_cast<std::size_t>(order) + 1;
     double best = 1e300;
     for (std::size_t k = first; k <= last; ++k) {
@@ -111,13 +113,18 @@ inline std::string random_program(unsigned seed, int blocks) {
   double heading = 0.0;
   for (int b = 0; b < blocks; ++b) {
     const double kind = unit(random);
-    if (kind < 0.5) heading += (unit(random) - 0.5) * 0.4;
-    else if (kind < 0.9) heading += (unit(random) - 0.5) * 6.0;
+    if (kind < 0.5)
+      heading += (unit(random) - 0.5) * 0.4;
+    else if (kind < 0.9)
+      heading += (unit(random) - 0.5) * 6.0;
     const double length = unit(random) < 0.7 ? 0.02 + 0.5 * unit(random) : 1.0 + 4.0 * unit(random);
-    if (unit(random) < 0.05) text << "G61.1 ";
-    else text << "G64 P" << 0.005 + 0.1 * unit(random) << " ";
+    if (unit(random) < 0.05)
+      text << "G61.1 ";
+    else
+      text << "G64 P" << 0.005 + 0.1 * unit(random) << " ";
     if (unit(random) < 0.1) text << "F" << 1000.0 + 5000.0 * unit(random) << " ";
-    text << "X" << length * std::cos(heading) << " Y" << length * std::sin(heading) << " Z" << 0.1 * length * unit(random) << "\n";
+    text << "X" << length * std::cos(heading) << " Y" << length * std::sin(heading) << " Z"
+         << 0.1 * length * unit(random) << "\n";
     if (unit(random) < 0.02) text << "G4 P0.0123\n";
   }
   return text.str();

@@ -1,11 +1,11 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include <accdec/machine/utilisation.hpp>
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/simulate.hpp>
+#include <accdec/program/simulate/simulate.hpp>
 
 #include "reference.hpp"
 
@@ -28,8 +28,11 @@ std::vector<int> random_delays(const Toolpath& path, int largest, unsigned seed)
 
 TEST(Simulation, EqualsConvolutionOfTheCommandByDefinition) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
-    const Toolpath path = path_of((seed % 4 == 0 ? "G4 P0.345\n" : "") + random_program(seed, 300) + (seed % 3 == 0 ? "G4 P0.0567\nG4 P1.2\n" : ""));
-    const Filter filter = seed % 3 == 0 ? boxcar(25) : seed % 3 == 1 ? blackman_sinc(40, 0.049) : Filter({0.1, 3.0, 0.0, 1.0, 0.5, 0.0});
+    const Toolpath path = path_of((seed % 4 == 0 ? "G4 P0.345\n" : "") + random_program(seed, 300) +
+                                  (seed % 3 == 0 ? "G4 P0.0567\nG4 P1.2\n" : ""));
+    const Filter filter = seed % 3 == 0   ? boxcar(25)
+                          : seed % 3 == 1 ? blackman_sinc(40, 0.049)
+                                          : Filter({0.1, 3.0, 0.0, 1.0, 0.5, 0.0});
     const std::vector<int> delays = random_delays(path, filter.order() + 3, seed);
     const Reference reference(path, filter, period, delays);
     const CommandTiming timing(path, period, delays);

@@ -1,16 +1,18 @@
 // Two habits of Ipopt 3.11.9 called as it is, and what its adapter makes of them.
 
-#include <IpIpoptApplication.hpp>
-#include <IpTNLP.hpp>
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <accdec/solvers/solver.hpp>
 #include <algorithm>
-#include <conformance/cases.hpp>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+
+#include <unistd.h>
+
+#include <IpIpoptApplication.hpp>
+#include <IpTNLP.hpp>
+#include <conformance/cases.hpp>
+#include <gtest/gtest.h>
+
+#include <accdec/solvers/solver.hpp>
 
 namespace accdec::testing {
 namespace {
@@ -59,19 +61,21 @@ class Raw : public Ipopt::TNLP {
     problem_.rows({at, size(n)}, {c, size(m)});
     return true;
   }
-  bool eval_jac_g(Index n, const double* at, bool, Index, Index count, Index* rows, Index* columns, double* values) override {
+  bool eval_jac_g(Index n, const double* at, bool, Index, Index count, Index* rows, Index* columns,
+                  double* values) override {
     if (values == nullptr) return pattern(problem_.jacobian_pattern(), rows, columns);
     problem_.jacobian({at, size(n)}, {values, size(count)});
     return true;
   }
-  bool eval_h(Index n, const double* at, bool, double factor, Index m, const double* y, bool, Index count, Index* rows, Index* columns,
-              double* values) override {
+  bool eval_h(Index n, const double* at, bool, double factor, Index m, const double* y, bool, Index count, Index* rows,
+              Index* columns, double* values) override {
     if (values == nullptr) return pattern(problem_.hessian_pattern(), rows, columns);
     problem_.hessian({at, size(n)}, factor, {y, size(m)}, {values, size(count)});
     return true;
   }
-  void finalize_solution(Ipopt::SolverReturn, Index n, const double* at, const double*, const double*, Index, const double*,
-                         const double*, double value, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
+  void finalize_solution(Ipopt::SolverReturn, Index n, const double* at, const double*, const double*, Index,
+                         const double*, const double*, double value, const Ipopt::IpoptData*,
+                         Ipopt::IpoptCalculatedQuantities*) override {
     finished = true;
     x.assign(at, at + n);
     objective = value;
@@ -113,7 +117,9 @@ const Case& case_named(const std::string& name) {
 }
 
 FormulaProblem overdetermined() {  // three equalities that agree, two variables
-  return {"overdetermined", {{}, {}}, [](const Variables& x) { return sqr(x[0]) + sqr(x[1]); },
+  return {"overdetermined",
+          {{}, {}},
+          [](const Variables& x) { return sqr(x[0]) + sqr(x[1]); },
           {{{1.0, 1.0}, [](const Variables& x) { return x[0] + 0.0 * x[1]; }},
            {{2.0, 2.0}, [](const Variables& x) { return 0.0 * x[0] + x[1]; }},
            {{3.0, 3.0}, [](const Variables& x) { return x[0] + x[1]; }}}};
@@ -135,7 +141,8 @@ TEST(IpoptLibrary, EndsWithoutAnAnswerOnTooManyEqualitiesAndTheAdapterJudgesTheP
 
 TEST(IpoptLibrary, ReadsAStrayOptionFileAndTheAdapterDoesNot) {
   const std::filesystem::path before = std::filesystem::current_path();
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("accdec_ipopt_" + std::to_string(::getpid()));
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("accdec_ipopt_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   std::filesystem::current_path(folder);
   std::ofstream("ipopt.opt") << "max_iter 1\n";

@@ -1,10 +1,10 @@
-#include <accdec/study/journal.hpp>
-
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <gmock/gmock.h>
+
+#include <accdec/study/journal.hpp>
 
 namespace accdec::study {
 namespace {
@@ -21,7 +21,9 @@ std::string content(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
-void set_content(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+void set_content(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
 
 TEST(Journal, KeepsWhatWasAppended) {
   const std::string path = fresh_path("keep");
@@ -47,7 +49,8 @@ TEST(Journal, CutAtAnyByteItLosesOnlyTheTornLine) {
   const std::string whole = content(path);
   for (std::size_t bytes = 0; bytes <= whole.size(); ++bytes) {
     set_content(path, whole.substr(0, bytes));
-    const auto lines = static_cast<std::size_t>(std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(bytes), '\n'));
+    const auto lines =
+        static_cast<std::size_t>(std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(bytes), '\n'));
     Journal journal(path, "study");
     ASSERT_EQ(journal.entries().size(), lines == 0 ? 0 : lines - 1) << bytes;
     journal.append(9, {0.5, R"({"value":9})"});

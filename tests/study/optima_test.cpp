@@ -1,8 +1,9 @@
 #include <gmock/gmock.h>
 
-#include <accdec/io/optima_report.hpp>
 #include <accdec/study/optima.hpp>
-#include <design/tasks.hpp>
+#include <accdec/study/optima_report.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {
@@ -11,9 +12,12 @@ using study::find_optimum;
 using study::Optimum;
 using ::testing::HasSubstr;
 
-Task corner_task(Axis axis, double tolerance) { return testing::plane_task(axis, testing::plane_corner("A", 90, 0, 0.1, 0.1), tolerance); }
+Task corner_task(Axis axis, double tolerance) {
+  return testing::plane_task(axis, testing::plane_corner("A", 90, 0, 0.1, 0.1), tolerance);
+}
 
-// With an acceleration limit alone the boxcar of ceil(v/(a T)) taps is the fastest start, and no filter does better at equal N + d.
+// With an acceleration limit alone the boxcar of ceil(v/(a T)) taps is the fastest start, and no filter does better at
+// equal N + d.
 TEST(Optima, TheBoxcarIsTheOptimumOfAnAccelerationLimit) {
   Axis axis;
   axis.acceleration_max = 6.0;

@@ -1,5 +1,3 @@
-#include <accdec/study/plan.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+#include <accdec/study/plan.hpp>
+
 namespace accdec::study {
 namespace {
 
@@ -15,7 +15,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-Variation list(const std::string& name, std::vector<double> values) { return {name, {name}, std::move(values), false, false}; }
+Variation list(const std::string& name, std::vector<double> values) {
+  return {name, {name}, std::move(values), false, false};
+}
 
 TEST(Plan, GridHasEveryCombinationOnceFirstVariationSlowest) {
   const Plan plan({"a", "b"}, {list("u", {1, 2, 3}), list("v", {10, 20})});
@@ -33,7 +35,8 @@ TEST(Plan, GridHasEveryCombinationOnceFirstVariationSlowest) {
 
 TEST(Plan, LatinHypercubePutsOnePointIntoEveryStratumOfEveryAxis) {
   const std::size_t n = 37;
-  const Plan plan({""}, {{"u", {"u"}, {2.0, 5.0}, true, false}, {"v", {"v"}, {1.0, 1000.0}, true, true}}, Sampling::latin_hypercube, n, 11);
+  const Plan plan({""}, {{"u", {"u"}, {2.0, 5.0}, true, false}, {"v", {"v"}, {1.0, 1000.0}, true, true}},
+                  Sampling::latin_hypercube, n, 11);
   ASSERT_EQ(plan.size(), n);
   std::set<int> u, v;
   for (std::size_t i = 0; i < n; ++i) {
@@ -48,7 +51,9 @@ TEST(Plan, LatinHypercubePutsOnePointIntoEveryStratumOfEveryAxis) {
 }
 
 TEST(Plan, LatinHypercubeSpreadsListsEvenlyAndFollowsItsSeed) {
-  const auto make = [](std::uint64_t seed) { return Plan({""}, {list("u", {1, 2, 3})}, Sampling::latin_hypercube, 30, seed); };
+  const auto make = [](std::uint64_t seed) {
+    return Plan({""}, {list("u", {1, 2, 3})}, Sampling::latin_hypercube, 30, seed);
+  };
   const Plan a = make(1), b = make(1), c = make(2);
   int count[4] = {};
   bool same = true, other = false;
@@ -95,13 +100,15 @@ TEST(Plan, ShardsOfAGridHaveTheirPartOfEveryValueOfEveryAxis) {
 }
 
 TEST(Plan, ShardsAreTheSameOnEveryPlatform) {
-  // The generator is the standard's: its 10000th value from seed 5489 is fixed there; that what is made of it is integers and exact
-  // floating point only shows in a deal recomputed here in whole numbers.
+  // The generator is the standard's: its 10000th value from seed 5489 is fixed there; that what is made of it is
+  // integers and exact floating point only shows in a deal recomputed here in whole numbers.
   std::mt19937_64 rng(1);
   std::vector<std::size_t> deal(6);
   std::iota(deal.begin(), deal.end(), std::size_t{0});
-  for (std::size_t i = deal.size(); i > 1; --i) std::swap(deal[i - 1], deal[static_cast<std::size_t>(((rng() >> 11) * i) >> 53)]);
-  for (std::size_t number = 1; number <= deal.size(); ++number) EXPECT_THAT(shard(6, number, 6), ElementsAre(deal[number - 1]));
+  for (std::size_t i = deal.size(); i > 1; --i)
+    std::swap(deal[i - 1], deal[static_cast<std::size_t>(((rng() >> 11) * i) >> 53)]);
+  for (std::size_t number = 1; number <= deal.size(); ++number)
+    EXPECT_THAT(shard(6, number, 6), ElementsAre(deal[number - 1]));
 }
 
 TEST(Plan, RangesHaveExactEnds) {
@@ -115,9 +122,14 @@ TEST(Plan, RangesHaveExactEnds) {
 }
 
 TEST(Plan, RefusesWhatHasNoPoints) {
-  EXPECT_THAT([] { Plan({"a"}, {list("u", {})}); }, ThrowsMessage<std::invalid_argument>(HasSubstr("`u` has no values")));
+  EXPECT_THAT([] { Plan({"a"}, {list("u", {})}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("`u` has no values")));
   EXPECT_THAT([] { Plan({}, {}); }, ThrowsMessage<std::invalid_argument>(HasSubstr("case")));
-  EXPECT_THAT([] { Plan({"a"}, {list("u", {1}), list("u", {1})}); }, ThrowsMessage<std::invalid_argument>(HasSubstr("two")));
+  EXPECT_THAT(
+      [] {
+        Plan({"a"}, {list("u", {1}), list("u", {1})});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("two")));
   EXPECT_THROW(Plan({"a"}, {list("u", {1})}, Sampling::latin_hypercube, 0), std::invalid_argument);
 }
 

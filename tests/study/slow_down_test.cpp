@@ -1,5 +1,3 @@
-#include <accdec/study/slow_down.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -8,12 +6,14 @@
 
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
+#include <accdec/study/slow_down.hpp>
 
 namespace accdec::study {
 namespace {
 
-/// Filters the command "full feed, slow zone of h samples, corner, slow zone of h samples, full feed" by plain convolution; the smallest
-/// distance of its samples from the corner, and the time it takes longer than without the zones.
+/// Filters the command "full feed, slow zone of h samples, corner, slow zone of h samples, full feed" by plain
+/// convolution; the smallest distance of its samples from the corner, and the time it takes longer than without the
+/// zones.
 double simulated_error(const Filter& filter, const Corner& corner, double period, double factor, int h) {
   const int lead = 3 * filter.order() + h + 5;
   std::vector<Eigen::VectorXd> command;
@@ -21,7 +21,8 @@ double simulated_error(const Filter& filter, const Corner& corner, double period
   for (int i = 0; i < 2 * lead; ++i) {
     const bool slow = i >= lead - h && i < lead + h;
     const double scale = slow ? factor : 1.0;
-    command.push_back(scale * (i < lead ? corner.feed_in * corner.direction_in : corner.feed_out * corner.direction_out));
+    command.push_back(scale *
+                      (i < lead ? corner.feed_in * corner.direction_in : corner.feed_out * corner.direction_out));
     if (i < lead) leg1 += command.back() * period;
   }
   // The filter has passed exactly the command's distance at its end; start where the corner point is the origin.
@@ -29,7 +30,8 @@ double simulated_error(const Filter& filter, const Corner& corner, double period
   double least = position.norm();
   for (int k = 0; k < 2 * lead; ++k) {
     Eigen::VectorXd v = Eigen::VectorXd::Zero(corner.axes());
-    for (int i = 0; i <= std::min(k, filter.order()); ++i) v += filter.tap(i) * command[static_cast<std::size_t>(k - i)];
+    for (int i = 0; i <= std::min(k, filter.order()); ++i)
+      v += filter.tap(i) * command[static_cast<std::size_t>(k - i)];
     position += v * period;
     least = std::min(least, position.norm());
   }
@@ -63,7 +65,8 @@ TEST(SlowDown, CostsNothingInsideTheToleranceAndAnExactStopAtZero) {
 }
 
 TEST(SlowDown, LosesMoreThanADelayWithLinearAccDec) {
-  // Continuous linear Acc/Dec: error = e0 (1 - d/tau)^2, so a delay costs tau (1 - sqrt(r)) and slowing down tau (1 - r), r = E/e0.
+  // Continuous linear Acc/Dec: error = e0 (1 - d/tau)^2, so a delay costs tau (1 - sqrt(r)) and slowing down tau (1 -
+  // r), r = E/e0.
   const Filter filter = boxcar(400);
   const Corner corner = planar_corner(M_PI / 2, 0.0, Turn::left, 0.1, 0.1);
   const double period = 1e-4, full = corner_error(Blend(filter, corner, 0, period));

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <accdec/io/study_figure_check.hpp>
+#include <accdec/study/study_figure_check.hpp>
 
-#include "command_fixture.hpp"
+#include "support/command_fixture.hpp"
 
 // Figures of a study either show what they say or are refused, with the line of the study file.
 
@@ -56,7 +56,8 @@ range = {{ from = 0.1, to = 300, count = 30, log = true }}
 [[figure]]
 name = "f"
 {}
-)", top, lines));
+)",
+                                            top, lines));
     return run("study study.toml --out out");
   }
   void expect_refused(const std::string& lines, const std::string& because, const std::string& top = "") {
@@ -80,21 +81,29 @@ TEST_F(StudyFigures, RefusesAxesNeitherShownNorFixed) {
 }
 
 TEST_F(StudyFigures, RefusesConditionsThatNoPointMeets) {
-  expect_refused(fmt::format("{}where = {{ case = \"one\", angle_deg = 45 }}", curve), "`angle_deg` never is 45.0; it takes 30, 60, 90");
-  expect_refused(fmt::format("{}where = {{ case = \"three\", angle_deg = 30 }}", curve), "`case` never is three; it takes \"one\", \"two\"");
+  expect_refused(fmt::format("{}where = {{ case = \"one\", angle_deg = 45 }}", curve),
+                 "`angle_deg` never is 45.0; it takes 30, 60, 90");
+  expect_refused(fmt::format("{}where = {{ case = \"three\", angle_deg = 30 }}", curve),
+                 "`case` never is three; it takes \"one\", \"two\"");
 }
 
 TEST_F(StudyFigures, RefusesTextAxesManyCurvesAndLabelsThatDoNotFit) {
   const std::string one = "where = { case = \"one\", angle_deg = 30 }\n";
   expect_refused("x = \"delays.status\"\ny = \"delays.cycle_time_ms\"\n" + one, "`delays.status` is a text");
-  expect_refused("kind = \"family\"\nx = \"angle_deg\"\ny = \"delays.cycle_time_ms\"\nfamily = \"tolerance_um\"\nwhere = { case = \"one\" }", "30 curves are too many");
+  expect_refused(
+      "kind = \"family\"\nx = \"angle_deg\"\ny = \"delays.cycle_time_ms\"\nfamily = \"tolerance_um\"\nwhere = { case = "
+      "\"one\" }",
+      "30 curves are too many");
   expect_refused(curve + one + "labels = [\"a\", \"b\"]", "2 labels for 1 curve;");
-  expect_refused(fmt::format("{}kind = \"family\"\nfamily = \"angle_deg\"\nlabels = [\"a\"]\nwhere = {{ case = \"one\" }}", curve), "1 label for 3 curves");
+  expect_refused(
+      fmt::format("{}kind = \"family\"\nfamily = \"angle_deg\"\nlabels = [\"a\"]\nwhere = {{ case = \"one\" }}", curve),
+      "1 label for 3 curves");
 }
 
 TEST_F(StudyFigures, OfALatinHypercubeArePoints) {
   expect_refused(fmt::format("{}where = {{ case = \"one\" }}", heat), "a Latin hypercube has no grid", latin);
-  expect_refused(fmt::format("{}where = {{ case = \"one\", tolerance_um = 1 }}", curve), "a Latin hypercube draws it at random", latin);
+  expect_refused(fmt::format("{}where = {{ case = \"one\", tolerance_um = 1 }}", curve),
+                 "a Latin hypercube draws it at random", latin);
   const Outcome r = figure(fmt::format("{}where = {{ case = \"one\" }}", curve), latin);
   EXPECT_EQ(r.exit_code, 0) << r.output;
 }
@@ -108,16 +117,20 @@ TEST_F(StudyFigures, WithoutDataSaySo) {
 }
 
 TEST_F(StudyFigures, HaveUnitsAndShortLabels) {
-  const Outcome r = figure(fmt::format("{}kind = \"family\"\nfamily = \"angle_deg\"\nwhere = {{ case = \"one\" }}", curve));
+  const Outcome r =
+      figure(fmt::format("{}kind = \"family\"\nfamily = \"angle_deg\"\nwhere = {{ case = \"one\" }}", curve));
   ASSERT_EQ(r.exit_code, 0) << r.output;
   EXPECT_THAT(r.output, Not(HasSubstr("warning")));
   const std::string svg = content(home_ / "out/f.svg");
-  for (const char* text : {">tolerance / um<", ">delays: cycle time / ms<", ">30 deg<", ">90 deg<"}) EXPECT_THAT(svg, HasSubstr(text));
+  for (const char* text : {">tolerance / um<", ">delays: cycle time / ms<", ">30 deg<", ">90 deg<"})
+    EXPECT_THAT(svg, HasSubstr(text));
 }
 
 TEST_F(StudyFigures, TakeAUnitFromTheKeyWhereTheNameHasNone) {
-  const Outcome r = figure("x = \"speed\"\ny = [\"delays.cycle_time_ms\", \"given.cycle_time_ms\"]\nwhere = { case = \"one\", angle_deg = 30, tolerance_um = 300 }\n"
-                           "[[vary]]\nname = \"speed\"\nkey = \"corner.A.feed_out_mm_min\"\nvalues = [1000, 2000]");
+  const Outcome r = figure(
+      "x = \"speed\"\ny = [\"delays.cycle_time_ms\", \"given.cycle_time_ms\"]\nwhere = { case = \"one\", angle_deg = "
+      "30, tolerance_um = 300 }\n"
+      "[[vary]]\nname = \"speed\"\nkey = \"corner.A.feed_out_mm_min\"\nvalues = [1000, 2000]");
   ASSERT_EQ(r.exit_code, 0) << r.output;
   const std::string svg = content(home_ / "out/f.svg");
   EXPECT_THAT(svg, HasSubstr(">speed / (mm/min)<"));

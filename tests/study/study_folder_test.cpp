@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "study_command.hpp"
+#include "support/study_command.hpp"
 
 // The command as a user runs it.
 
@@ -46,24 +46,32 @@ TEST_F(StudyCommand, GoodPointsAreComputedWhereverTheBadOnesStand) {
   EXPECT_THAT(list.output, HasSubstr("7 points: 7 computed"));
   EXPECT_THAT(list.output, HasSubstr("3 without an answer"));
   // 10 to 170 degrees are five of forty values, where no probing by halves would come upon them.
-  write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.angle_deg\"\nrange = { from = -190, to = 1370, count = 40 }\n");
+  write(home_ / "study.toml",
+        head + "[[vary]]\nkey = \"corner.A.angle_deg\"\nrange = { from = -190, to = 1370, count = 40 }\n");
   EXPECT_THAT(run("study study.toml --out range").output, HasSubstr("35 without an answer"));
   // All are bad, but no one axis is to blame: that is an outcome, with the reasons in the rows.
-  write(home_ / "study.toml", head + "[[vary]]\nkey = \"sample_period_ms\"\nvalues = [0, 1]\n[[vary]]\nkey = \"corner.A.angle_deg\"\nvalues = [270, 300]\n");
+  write(home_ / "study.toml", head +
+                                  "[[vary]]\nkey = \"sample_period_ms\"\nvalues = [0, 1]\n[[vary]]\nkey = "
+                                  "\"corner.A.angle_deg\"\nvalues = [270, 300]\n");
   const Outcome none = run("study study.toml --out none");
   EXPECT_EQ(none.exit_code, 1) << none.output;
   EXPECT_THAT(none.output, HasSubstr("4 without an answer"));
 }
 
 TEST_F(StudyCommand, AStudyInWhichEveryComputationBreaksOffHasNoAnswer) {
-  write(home_ / "bare.toml", "sample_period_ms = 1\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  write(home_ / "bare.toml",
+        "sample_period_ms = 1\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
   // Only one of the cases has a filter; clp solves linear problems only and refuses this one with an exception.
-  write(home_ / "study.toml", "compute = [\"given\"]\n[[case]]\nname = \"a\"\ntask = \"task.toml\"\n[[case]]\nname = \"b\"\ntask = \"bare.toml\"\n");
+  write(home_ / "study.toml",
+        "compute = [\"given\"]\n[[case]]\nname = \"a\"\ntask = \"task.toml\"\n[[case]]\nname = \"b\"\ntask = "
+        "\"bare.toml\"\n");
   const Outcome one = run("study study.toml --out one");
   EXPECT_EQ(one.exit_code, 0) << one.output;
   EXPECT_THAT(one.output, HasSubstr("1 without an answer"));
-  EXPECT_THAT(content(home_ / "one/rows.csv"), HasSubstr(",error,\"the task has no [filter], which this computation needs\""));
-  write(home_ / "study.toml", "task = \"bare.toml\"\ncompute = [\"optimum\"]\nmethod = \"nlp\"\nsolver = \"clp\"\ntime_limit_s = 5\n");
+  EXPECT_THAT(content(home_ / "one/rows.csv"),
+              HasSubstr(",error,\"the task has no [filter], which this computation needs\""));
+  write(home_ / "study.toml",
+        "task = \"bare.toml\"\ncompute = [\"optimum\"]\nmethod = \"nlp\"\nsolver = \"clp\"\ntime_limit_s = 5\n");
   const Outcome all = run("study study.toml --out all");
   EXPECT_EQ(all.exit_code, 1) << all.output;
   EXPECT_THAT(content(home_ / "all/manifest.json"), HasSubstr("\"points_without_answer\": 1"));
@@ -72,7 +80,8 @@ TEST_F(StudyCommand, AStudyInWhichEveryComputationBreaksOffHasNoAnswer) {
 TEST_F(StudyCommand, ShardsMergeToTheSameAndSoDoThreadsAndProcesses) {
   study(5);
   ASSERT_EQ(run("study study.toml --out whole --workers 1").exit_code, 0);
-  for (const char* shard : {"1/3", "2/3"}) ASSERT_EQ(run(fmt::format("study study.toml --out parts --shard {}", shard)).exit_code, 0);
+  for (const char* shard : {"1/3", "2/3"})
+    ASSERT_EQ(run(fmt::format("study study.toml --out parts --shard {}", shard)).exit_code, 0);
   const Outcome early = run("study study.toml --out merged --merge parts");
   EXPECT_EQ(early.exit_code, 2);
   EXPECT_THAT(early.output, HasSubstr("6 of 20 points are missing"));
@@ -118,7 +127,9 @@ TEST_F(StudyCommand, DamagedRowsAreComputedAnew) {
   const std::string head = journal.substr(0, journal.find('\n') + 1);
   fs::remove(home_ / "out/shard-1-of-2.journal");
   // Beyond the study, not JSON, and of another point.
-  write(home_ / "out/study.journal", head + "99999 0.1 {\"index\":99999,\"point\":\"ok\"}\n3 0.1 {\"index\":3,oops}\n4 0.1 {\"index\":5,\"point\":\"ok\"}\n");
+  write(home_ / "out/study.journal", head +
+                                         "99999 0.1 {\"index\":99999,\"point\":\"ok\"}\n3 0.1 {\"index\":3,oops}\n4 "
+                                         "0.1 {\"index\":5,\"point\":\"ok\"}\n");
   const Outcome r = run("study study.toml --out out");
   ASSERT_EQ(r.exit_code, 0) << r.output;
   EXPECT_THAT(r.output, HasSubstr("20 computed"));
@@ -147,12 +158,14 @@ TEST_F(StudyCommand, TheManifestStatesTheShareOfTimeInTheMethod) {
 TEST_F(StudyCommand, TheReportSaysWhereTimeCutOptimaOff) {
   const std::string text = "task = \"bare.toml\"\ncompute = [\"optimum\"]\n";
   // Hundreds of samples: far more than ten milliseconds' work.
-  write(home_ / "bare.toml", "sample_period_ms = 0.1\n[[axis]]\nacceleration_max_mm_s2 = 8000\njerk_max_mm_s3 = 800000\n"
-                             "[[corner]]\nangle_deg = 77\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  write(home_ / "bare.toml",
+        "sample_period_ms = 0.1\n[[axis]]\nacceleration_max_mm_s2 = 8000\njerk_max_mm_s3 = 800000\n"
+        "[[corner]]\nangle_deg = 77\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
   write(home_ / "study.toml", text + "time_limit_s = 0.01\n");
   const Outcome r = run("study study.toml --out short");
   EXPECT_THAT(content(home_ / "short/rows.csv"), HasSubstr("stopped ")) << r.output;
-  EXPECT_THAT(content(home_ / "short/report.html"), HasSubstr("1 computation was cut off by the study's time limit of 0.01 s"));
+  EXPECT_THAT(content(home_ / "short/report.html"),
+              HasSubstr("1 computation was cut off by the study's time limit of 0.01 s"));
   study(2);
   ASSERT_EQ(run("study study.toml --out out").exit_code, 0);
   EXPECT_THAT(content(home_ / "out/report.html"), Not(HasSubstr("cut off")));
@@ -160,7 +173,9 @@ TEST_F(StudyCommand, TheReportSaysWhereTimeCutOptimaOff) {
 
 TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
   const std::string head = "task = \"task.toml\"\ncompute = [\"delays\"]\n";
-  const auto vary = [](const std::string& key, const std::string& values) { return fmt::format("[[vary]]\nkey = \"{}\"\nvalues = {}\n", key, values); };
+  const auto vary = [](const std::string& key, const std::string& values) {
+    return fmt::format("[[vary]]\nkey = \"{}\"\nvalues = {}\n", key, values);
+  };
   const std::pair<std::string, std::string> cases[] = {
       {"compute = [\"delays\"]\n", "needs a base `task`"},
       {"task = \"task.toml\"\n", "needs `compute`"},
@@ -176,7 +191,8 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
       {head + vary("corner.A.error_max_um", "[1, \"x\"]"), "values"},
       {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\n", "either `values` or `range`"},
       {head + "[[vary]]\nvalues = [1]\n", "needs a `key`"},
-      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 3, log = true }\n", "above 0"},
+      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 3, log = true }\n",
+       "above 0"},
       {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 0 }\n", "count"},
       {head + "samples = 3\n", "goes with sampling"},
       {head + "sampling = \"latin-hypercube\"\nsamples = 3\n", "at least one [[vary]]"},
@@ -185,27 +201,42 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
       {head + "[[figur]]\nx = 1\n", "did you mean `figure`"},
       {head + "[[case]]\nname = \"a\"\n[[case]]\nname = \"a\"\n", "taken already"},
       {head + "[[case]]\nname = \"a\"\nset = { \"filter.ordr\" = 3 }\n", "did you mean `order`"},
-      {head + vary("corner.A.angle_deg", "[200, 300]"), "study.toml:4:7: no value of `corner.A.angle_deg` makes a task: "},
+      {head + vary("corner.A.angle_deg", "[200, 300]"),
+       "study.toml:4:7: no value of `corner.A.angle_deg` makes a task: "},
       {head + vary("corner.A.angle_deg", "[200, 300]"), "0 < angle_deg <= 180"},
-      {head + vary("corner.A.error_max_um", "[1, 2]") + vary("filter.kind", "[1]"), "study.toml:7:7: no value of `filter.kind` makes a task: "},
+      {head + vary("corner.A.error_max_um", "[1, 2]") + vary("filter.kind", "[1]"),
+       "study.toml:7:7: no value of `filter.kind` makes a task: "},
       {head + vary("", "[1]"), "a task key is empty; write for example `corner.*.error_max_um`"},
-      {head + "[[case]]\nname = \"a\"\n[[case]]\nname = \"b\"\nset = { \"corner.A.angle_deg\" = 200 }\n", "study.toml:7:7: `set` of case \"b\" makes no task: "},
-      {head + "method = \"nlp\"\nsolver = \"ipotp\"\n", "study.toml:4:10: unknown solver `ipotp`; did you mean `ipopt`? known are "},
-      {"task = \"bare.toml\"\ncompute = [\"boxcar\", \"given\"]\n", "study.toml:2:11: `given` is of a given filter, and bare.toml has no [filter]"},
-      {"task = \"broken.toml\"\ncompute = [\"boxcar\"]\n" + vary("corner.A.error_max_um", "[1, 2]"), "broken.toml:3:13: "},
-      {head + "[[vary]]\nname = \"a\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n[[vary]]\nname = \"a\"\nkey = \"corner.A.heading_deg\"\nvalues = [1]\n", "two variations"},
+      {head + "[[case]]\nname = \"a\"\n[[case]]\nname = \"b\"\nset = { \"corner.A.angle_deg\" = 200 }\n",
+       "study.toml:7:7: `set` of case \"b\" makes no task: "},
+      {head + "method = \"nlp\"\nsolver = \"ipotp\"\n",
+       "study.toml:4:10: unknown solver `ipotp`; did you mean `ipopt`? known are "},
+      {"task = \"bare.toml\"\ncompute = [\"boxcar\", \"given\"]\n",
+       "study.toml:2:11: `given` is of a given filter, and bare.toml has no [filter]"},
+      {"task = \"broken.toml\"\ncompute = [\"boxcar\"]\n" + vary("corner.A.error_max_um", "[1, 2]"),
+       "broken.toml:3:13: "},
+      {head + "[[vary]]\nname = \"a\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n[[vary]]\nname = \"a\"\nkey = "
+              "\"corner.A.heading_deg\"\nvalues = [1]\n",
+       "two variations"},
       // What would be overwritten without a word: a place set twice, a column named twice.
-      {head + vary("corner.A.error_max_um", "[1]") + "[[vary]]\nname = \"b\"\nkey = \"corner.0.error_max_um\"\nvalues = [2]\n", "is set by the variation `corner.A.error_max_um` already"},
-      {head + vary("corner.*.error_max_um", "[1]") + vary("corner.A.error_max_um", "[2]"), "is set by the variation `corner.*.error_max_um` already"},
+      {head + vary("corner.A.error_max_um", "[1]") +
+           "[[vary]]\nname = \"b\"\nkey = \"corner.0.error_max_um\"\nvalues = [2]\n",
+       "is set by the variation `corner.A.error_max_um` already"},
+      {head + vary("corner.*.error_max_um", "[1]") + vary("corner.A.error_max_um", "[2]"),
+       "is set by the variation `corner.*.error_max_um` already"},
       {head + "[[vary]]\nname = \"index\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n", "column of that name"},
-      {head + "[[vary]]\nname = \"delays.status\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n", "column of that name"},
+      {head + "[[vary]]\nname = \"delays.status\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n",
+       "column of that name"},
       {head + "[[ratio]]\nname = \"point\"\nof = \"index\"\nto = \"index\"\n", "a column `point` already"},
       {head + vary("corner.A.error_max_um", "[nan]"), "must be finite"},
       {head + vary("corner.A.error_max_um", "[inf]"), "must be finite"},
-      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = nan, count = 3 }\n", "must be finite"},
-      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = -1, to = 1, count = 3, log = true }\n", "above 0"},
+      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = nan, count = 3 }\n",
+       "must be finite"},
+      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = -1, to = 1, count = 3, log = true }\n",
+       "above 0"},
   };
-  write(home_ / "bare.toml", "sample_period_ms = 1\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  write(home_ / "bare.toml",
+        "sample_period_ms = 1\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
   write(home_ / "broken.toml", "sample_period_ms = 1\n[[corner]]\nangle_deg = 190\nfeed_in_mm_min = 6000\n");
   for (const auto& [text, message] : cases) {
     write(home_ / "study.toml", text);
@@ -214,11 +245,14 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
     EXPECT_THAT(r.output, HasSubstr(message)) << text;
     EXPECT_FALSE(fs::exists(home_ / "out")) << text;
   }
-  write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 100001 }\n");
+  write(home_ / "study.toml",
+        head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 100001 }\n");
   EXPECT_THAT(run("study study.toml --out out").output,
-              HasSubstr("study.toml:5:9: the study has 100001 points, most by the 100001 values of `corner.A.error_max_um`; more than 100000 need --large"));
-  write(home_ / "study.toml", head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 10000 }\n" +
-                                  "[[vary]]\nkey = \"corner.A.angle_deg\"\nrange = { from = 1, to = 9, count = 10000 }\n");
+              HasSubstr("study.toml:5:9: the study has 100001 points, most by the 100001 values of "
+                        "`corner.A.error_max_um`; more than 100000 need --large"));
+  write(home_ / "study.toml",
+        head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 10000 }\n" +
+            "[[vary]]\nkey = \"corner.A.angle_deg\"\nrange = { from = 1, to = 9, count = 10000 }\n");
   EXPECT_THAT(run("study study.toml --out out --large").output, HasSubstr("allowed is up to 10000000"));
   EXPECT_FALSE(fs::exists(home_ / "out"));
   study(2);

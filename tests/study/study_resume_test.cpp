@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "study_command.hpp"
+#include "support/study_command.hpp"
 
 // The command as a user runs it, ended in the middle by whatever ends it, and run again.
 
@@ -49,7 +49,8 @@ TEST_F(StudyResume, AKilledFreshRunGoesOnWithoutFreshAndTakesNothingOld) {
   ASSERT_EQ(run("study study.toml --out out").exit_code, 0);
   // Rows that tell where they come from: whatever is taken from the old results keeps the mark.
   std::string rows = content(home_ / "out/rows.jsonl");
-  for (std::size_t at = 0; (at = rows.find("\"point\":\"ok\"", at)) != std::string::npos; at += 20) rows.insert(at, "\"old\":1,");
+  for (std::size_t at = 0; (at = rows.find("\"point\":\"ok\"", at)) != std::string::npos; at += 20)
+    rows.insert(at, "\"old\":1,");
   write(home_ / "out/rows.jsonl", rows);
   ASSERT_TRUE(killed_after("study study.toml --out out --fresh --workers 1", "out", 80));
   EXPECT_EQ(content(home_ / "out/rows.jsonl"), rows) << "the old results stay until the new ones are complete";
@@ -121,7 +122,8 @@ TEST_F(StudyResume, GoesOnAtOnceThoughTheDeadRunsChildrenAreStillThere) {
 TEST_F(StudyResume, AKilledMergeCanBeRepeated) {
   study(40);
   ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
-  for (const char* shard : {"1/2", "2/2"}) ASSERT_EQ(run(fmt::format("study study.toml --out parts --shard {}", shard)).exit_code, 0);
+  for (const char* shard : {"1/2", "2/2"})
+    ASSERT_EQ(run(fmt::format("study study.toml --out parts --shard {}", shard)).exit_code, 0);
   for (const int milliseconds : {5, 10, 20, 40, 60, 80}) {
     const pid_t child = start("study study.toml --out merged --merge parts");
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));

@@ -11,13 +11,17 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "support/paths.hpp"
+
 namespace accdec::testing {
 
 inline std::string content(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
-inline void write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+inline void write(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
 
 struct Outcome {
   int exit_code;
@@ -42,7 +46,8 @@ class CommandInFolder : public ::testing::Test {
       const int log = ::open((home_ / "log").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
       ::dup2(log, 1);
       ::dup2(log, 2);
-      const std::string command = fmt::format("cd '{}' && {} && exec '{}' {}", home_.string(), before, ACCDEC_BINARY, arguments);
+      const std::string command = fmt::format("cd '{}' && {} && exec '{}' {}", home_.string(), before,
+                                              accdec::test_support::program(), arguments);
       ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
       ::_exit(127);
     }

@@ -1,12 +1,14 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <accdec/motion/corner.hpp>
-#include <accdec/motion/filter.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
+
+#include <Eigen/Core>
+
+#include <accdec/motion/corner.hpp>
+#include <accdec/motion/filter.hpp>
 
 namespace accdec::test {
 

@@ -1,13 +1,15 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <accdec/motion/corner.hpp>
-#include <accdec/motion/filter.hpp>
-#include <accdec/motion/shapes.hpp>
 #include <cmath>
 #include <random>
 #include <utility>
 #include <vector>
+
+#include <Eigen/Core>
+
+#include <accdec/motion/corner.hpp>
+#include <accdec/motion/filter.hpp>
+#include <accdec/motion/shapes.hpp>
 
 namespace accdec::test {
 

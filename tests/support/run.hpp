@@ -1,12 +1,13 @@
 #pragma once
 
-#include <sys/wait.h>
-
 #include <cstdlib>
 #include <string>
 #include <vector>
 
-#include "../io/temporary_folder.hpp"
+#include <sys/wait.h>
+
+#include "support/paths.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace accdec {
 
@@ -30,9 +31,13 @@ inline std::string quoted(const std::string& argument) {
 /// Runs accdec with these arguments, standard output and error kept apart.
 inline Outcome run(const std::vector<std::string>& arguments) {
   const TemporaryFolder folder;
-  std::string command = quoted(ACCDEC_BINARY);
+  std::string command = quoted(accdec::test_support::program());
   for (const std::string& argument : arguments) command.append(1, ' ').append(quoted(argument));
-  command.append(" >").append(quoted(folder.path("out"))).append(" 2>").append(quoted(folder.path("err"))).append(" </dev/null");
+  command.append(" >")
+      .append(quoted(folder.path("out")))
+      .append(" 2>")
+      .append(quoted(folder.path("err")))
+      .append(" </dev/null");
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), folder.read("out"), folder.read("err")};
 }

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "command_fixture.hpp"
+#include "support/command_fixture.hpp"
 
 namespace accdec::testing {
 
@@ -69,7 +69,8 @@ name = "times"
 x = "corner.*.error_max_um"
 y = ["delays.cycle_time_ms", "boxcar.cycle_time_ms"]
 where = {{ angle = 60 }}
-)", more, count));
+)",
+                                            more, count));
   }
 
   void expect_same_results(const std::string& a, const std::string& b) {

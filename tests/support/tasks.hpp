@@ -5,14 +5,17 @@
 #include <random>
 #include <string>
 
-#include <accdec/design/task.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec::testing {
 
-inline double degrees(double d) { return d * std::numbers::pi / 180.0; }
+inline double degrees(double d) {
+  return d * std::numbers::pi / 180.0;
+}
 
 /// A corner in the plane, feeds in m/s.
-inline TaskCorner plane_corner(const std::string& name, double angle_deg, double heading_deg, double feed_in, double feed_out) {
+inline TaskCorner plane_corner(const std::string& name, double angle_deg, double heading_deg, double feed_in,
+                               double feed_out) {
   TaskCorner corner;
   corner.name = name;
   corner.angle = degrees(angle_deg);
@@ -60,8 +63,8 @@ inline Task random_task(std::mt19937& rng, int corners) {
     task.machine.axes.push_back(axis);
   }
   for (int j = 0; j < corners; ++j) {
-    task.corners.push_back(plane_corner(std::string(1, static_cast<char>('A' + j)), 5.0 + 170.0 * u(rng), 360.0 * u(rng),
-                                        0.05 + 0.3 * u(rng), 0.05 + 0.3 * u(rng)));
+    task.corners.push_back(plane_corner(std::string(1, static_cast<char>('A' + j)), 5.0 + 170.0 * u(rng),
+                                        360.0 * u(rng), 0.05 + 0.3 * u(rng), 0.05 + 0.3 * u(rng)));
     task.corners.back().error_max = 5e-6 + 200e-6 * u(rng);
     if (u(rng) < 0.3) task.corners.back().speed_min = 0.05 * u(rng);
     task.corners.back().weight = 0.5 + u(rng);

@@ -1,10 +1,10 @@
-#include <accdec/design/order_bound.hpp>
-
 #include <gtest/gtest.h>
 
 #include <accdec/machine/utilisation.hpp>
 #include <accdec/motion/filter.hpp>
-#include <design/tasks.hpp>
+#include <accdec/task/order_bound.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {
@@ -47,11 +47,13 @@ TEST(OrderBound, ForceThenPowerApproachesTheContinuousTime) {
   axis.force_max = 465.0;
   axis.power_max = 140.0;
   const double feed = 0.5, knee = axis.power_max / axis.force_max;
-  const double tau = axis.mass * knee / axis.force_max + axis.mass * (feed * feed - knee * knee) / (2.0 * axis.power_max);
+  const double tau =
+      axis.mass * knee / axis.force_max + axis.mass * (feed * feed - knee * knee) / (2.0 * axis.power_max);
   Task task = plane_task(axis, plane_corner("A", 90, 0, feed, feed), 1e-4);
   for (const double period : {1e-3, 1e-4, 1e-5}) {
     task.sample_period = period;
-    // The sampled power F[k] V[k] charges the speed at the end of each sample: later by less than one sample per knee-to-feed ratio.
+    // The sampled power F[k] V[k] charges the speed at the end of each sample: later by less than one sample per
+    // knee-to-feed ratio.
     EXPECT_NEAR(order_lower_bound(task, 100000) * period, tau, 3.0 * period);
   }
 }

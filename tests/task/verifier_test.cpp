@@ -1,18 +1,18 @@
-#include <accdec/design/verifier.hpp>
-
 #include <gmock/gmock.h>
 
-#include <accdec/design/simulation.hpp>
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <design/tasks.hpp>
+#include <accdec/task/simulation.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec {
 namespace {
 
+using ::testing::HasSubstr;
 using testing::plane_corner;
 using testing::plane_task;
-using ::testing::HasSubstr;
 
 TEST(Simulation, GivesTableTwoOfThePaper) {
   // Blackman-sinc, N = 40, 95 degrees, feeds 0.1 and 0.3 m/s: 488, 267, 48, 0 um.

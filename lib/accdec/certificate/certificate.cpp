@@ -1,15 +1,16 @@
-#include <fmt/format.h>
-
-#include <accdec/design/exact/certificate.hpp>
-#include <accdec/design/exact/checked_rows.hpp>
-#include <accdec/design/limit_rows.hpp>
-#include <accdec/design/verifier.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate/checked_rows.hpp>
+#include <accdec/task/contradictions.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -101,11 +102,15 @@ class Checker {
     }
   }
 
-  /// A shorter symmetric filter becomes one of the box's order, or of one less, by as many zeros at either end, which moves its sample k. That
-  /// order must then not depend on how k was split: it comes from the delays, so they must be down to one each.
+  /// A shorter symmetric filter becomes one of the box's order, or of one less, by as many zeros at either end, which
+  /// moves its sample k. That order must then not depend on how k was split: it comes from the delays, so they must be
+  /// down to one each.
   static void require_one_delay(const CheckedBox& box) {
-    const bool one = std::all_of(box.corners.begin(), box.corners.end(), [](const CheckedRange& r) { return r.d1 == r.d2; });
-    if (!one) throw Rejected(fmt::format("{} refutes symmetric filters of one order for several delays at once", describe(box)));
+    const bool one =
+        std::all_of(box.corners.begin(), box.corners.end(), [](const CheckedRange& r) { return r.d1 == r.d2; });
+    if (!one)
+      throw Rejected(
+          fmt::format("{} refutes symmetric filters of one order for several delays at once", describe(box)));
   }
 
   /// Symmetric filters of exactly the box's order.
@@ -247,9 +252,10 @@ CheckReport check_certificate(const Task& task, const DesignResult& result) {
       }
     }
     const std::size_t leaves = Checker(task, certificate, target).run();
-    return {true, std::isinf(target) ? fmt::format("{} parts refuted: nothing holds all limits", leaves)
-                                     : fmt::format("{} parts refuted: under the limits as written nothing is shorter than {:.9g} s",
-                                                   leaves, target * task.sample_period)};
+    return {true, std::isinf(target)
+                      ? fmt::format("{} parts refuted: nothing holds all limits", leaves)
+                      : fmt::format("{} parts refuted: under the limits as written nothing is shorter than {:.9g} s",
+                                    leaves, target * task.sample_period)};
   } catch (const Rejected& e) {
     return {false, e.what()};
   } catch (const json::exception& e) {

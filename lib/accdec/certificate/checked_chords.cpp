@@ -1,8 +1,10 @@
-#include <accdec/design/exact/checked_rows.hpp>
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include <accdec/certificate/checked_rows.hpp>
 
 namespace accdec {
 namespace {

@@ -1,8 +1,10 @@
-#include <accdec/design/exact/checked_rows.hpp>
-#include <accdec/design/verifier.hpp>
 #include <algorithm>
 #include <cmath>
+
 #include <nlohmann/json.hpp>
+
+#include <accdec/certificate/checked_rows.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 

@@ -1,10 +1,12 @@
 #pragma once
 
-#include <accdec/design/exact/checked_tube.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <accdec/certificate/checked_tube.hpp>
 
 namespace accdec {
 

@@ -1,5 +1,6 @@
-#include <accdec/design/exact/checked_tube.hpp>
 #include <algorithm>
+
+#include <accdec/certificate/checked_tube.hpp>
 
 namespace accdec {
 namespace {

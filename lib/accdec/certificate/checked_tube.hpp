@@ -1,9 +1,10 @@
 #pragma once
 
-#include <accdec/design/exact/interval.hpp>
-#include <accdec/design/task.hpp>
 #include <optional>
 #include <vector>
+
+#include <accdec/certificate/interval.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 

@@ -1,5 +1,3 @@
-#include <accdec/study/comparison_case.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/comparison/comparison_case.hpp>
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
@@ -15,7 +14,9 @@
 namespace accdec::study {
 namespace {
 
-Filter default_filter(int order) { return order < 2 ? boxcar(order) : trapezoid(order, order / 3); }
+Filter default_filter(int order) {
+  return order < 2 ? boxcar(order) : trapezoid(order, order / 3);
+}
 
 std::vector<double> default_delays(const Task& task, const Filter& filter) {
   const DelayFinder smallest(filter);
@@ -23,14 +24,17 @@ std::vector<double> default_delays(const Task& task, const Filter& filter) {
   for (const TaskCorner& corner : task.corners) {
     const double period = task.sample_period;
     const bool chosen = !corner.delay && corner.error_max;
-    delays.push_back(chosen ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period, corner.geometry.feed_out * period, *corner.error_max)
+    delays.push_back(chosen ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
+                                       corner.geometry.feed_out * period, *corner.error_max)
                             : corner.delay.value_or(0));
   }
   return delays;
 }
 
 /// Uniform in [low, high), the same with every standard library.
-double uniform(std::mt19937_64& rng, double low, double high) { return low + (high - low) * (static_cast<double>(rng() >> 11) * 0x1p-53); }
+double uniform(std::mt19937_64& rng, double low, double high) {
+  return low + (high - low) * (static_cast<double>(rng() >> 11) * 0x1p-53);
+}
 
 }  // namespace
 
@@ -74,7 +78,8 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
     spec_.delays.resize(task.corners.size(), 0);
     options.blend_delays = spec_.delays;
     for (std::size_t j = 0; j < task.corners.size(); ++j) {
-      samples_.push_back(measure(Blend(filter, task.corners[j].geometry, spec_.delays[j], task.sample_period)).corner_error_sample);
+      samples_.push_back(
+          measure(Blend(filter, task.corners[j].geometry, spec_.delays[j], task.sample_period)).corner_error_sample);
     }
   } else if (!spec_.delays.empty()) {
     options.blend_delays = spec_.delays;
@@ -97,8 +102,8 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
 }
 
 std::mt19937_64 ComparisonCase::generator(int index, std::uint64_t seed) const {
-  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), static_cast<std::uint32_t>(index),
-                         static_cast<std::uint32_t>(spec_.order)};
+  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
+                         static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(spec_.order)};
   return std::mt19937_64(sequence);
 }
 
@@ -139,6 +144,8 @@ int ComparisonCase::variables() const {
   return reduced_ ? reduced_->num_variables() : spec_.order + static_cast<int>(spec_.task.corners.size());
 }
 
-int ComparisonCase::rows() const { return reduced_ ? reduced_->num_rows() : 0; }
+int ComparisonCase::rows() const {
+  return reduced_ ? reduced_->num_rows() : 0;
+}
 
 }  // namespace accdec::study

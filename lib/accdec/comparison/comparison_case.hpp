@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <accdec/design/formulation.hpp>
-#include <accdec/design/task.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec::study {
 
@@ -28,18 +28,20 @@ struct CaseSpec {
   std::string name, family;
   Task task;
   Question question = Question::margin;
-  int order = 0;            ///< N
-  int size = 1;             ///< how many times finer than written the task is sampled (already done: see `refined`)
-  std::vector<int> delays;  ///< margin: d_j; delay: at which limits on the blends are imposed; empty: 0, and what the start needs
+  int order = 0;  ///< N
+  int size = 1;   ///< how many times finer than written the task is sampled (already done: see `refined`)
+  std::vector<int>
+      delays;  ///< margin: d_j; delay: at which limits on the blends are imposed; empty: 0, and what the start needs
   double time_limit = 0.0;  ///< s, instead of the comparison's; 0: that
   bool infeasible = false;  ///< the suite says that nothing holds all limits
 };
 
-/// The same motion sampled `factor` times as often: period over factor, order such that the filter lasts as long, delays times factor.
+/// The same motion sampled `factor` times as often: period over factor, order such that the filter lasts as long,
+/// delays times factor.
 CaseSpec refined(CaseSpec spec, int factor);
 
-/// A problem as solvers see it. Solvers that take no equality rows get the reduced form, in which positions are substituted into their
-/// bounds; its rows and its objective are what every answer is judged by.
+/// A problem as solvers see it. Solvers that take no equality rows get the reduced form, in which positions are
+/// substituted into their bounds; its rows and its objective are what every answer is judged by.
 class ComparisonCase {
  public:
   explicit ComparisonCase(CaseSpec spec);
@@ -47,8 +49,9 @@ class ComparisonCase {
   const CaseSpec& spec() const { return spec_; }
   /// Of the reduced form; null for Question::design.
   const nlp::Problem* problem(bool reduced) const { return reduced ? reduced_.get() : sparse_.get(); }
-  /// Start `index` of a seed, the same for every solver: 0 is a trapezoid a third of which is ramp, with the delays it needs; the
-  /// others have every tap multiplied by exp(u), u uniform in -1 .. 1, and every free delay by a factor in 0.5 .. 1.5.
+  /// Start `index` of a seed, the same for every solver: 0 is a trapezoid a third of which is ramp, with the delays it
+  /// needs; the others have every tap multiplied by exp(u), u uniform in -1 .. 1, and every free delay by a factor in
+  /// 0.5 .. 1.5.
   std::vector<double> start(bool reduced, int index, std::uint64_t seed) const;
   /// Its filter, all that a whole design starts from.
   Filter start_filter(int index, std::uint64_t seed) const;
@@ -82,10 +85,11 @@ struct Reference {
 };
 std::string_view to_string(Reference::Proof proof);
 
-/// By the exact method: linear programmes with tangent cuts and checked dual multipliers, and branch and bound on responses where
-/// power, regeneration or a smallest speed is limited. Known points hold all rows to 1e-7.
-///   margin  brackets the tolerance between a refuted and a held one, to 5e-5 of the objective, where that is soon done to 1e-6
-///   delay   refutes, interval of instants by interval, delays 5e-5 below a known one (DelaySearch); with several corners the bound is
+/// By the exact method: linear programmes with tangent cuts and checked dual multipliers, and branch and bound on
+/// responses where power, regeneration or a smallest speed is limited. Known points hold all rows to 1e-7.
+///   margin  brackets the tolerance between a refuted and a held one, to 5e-5 of the objective, where that is soon done
+///   to 1e-6 delay   refutes, interval of instants by interval, delays 5e-5 below a known one (DelaySearch); with
+///   several corners the bound is
 ///           the sum of what each needs on its own, which a filter that is best for all of them reaches
 ///   design  design_exact at this order
 /// @param time_limit  s

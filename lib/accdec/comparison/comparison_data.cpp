@@ -1,5 +1,3 @@
-#include <accdec/study/comparison_data.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,8 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include <accdec/comparison/comparison_data.hpp>
 
 namespace accdec::study {
 namespace {
@@ -42,7 +42,9 @@ ComparedCase case_of(const Row& row) {
   return c;
 }
 
-bool found_feasible(const Row& run) { return run.at("verdict") == "optimal" || run.at("verdict") == "feasible"; }
+bool found_feasible(const Row& run) {
+  return run.at("verdict") == "optimal" || run.at("verdict") == "feasible";
+}
 
 class Reader {
  public:
@@ -66,8 +68,10 @@ class Reader {
     std::vector<std::vector<const Row*>> repeats(data_.attempts.size());
     for (const Row& run : runs_) repeats[index_of(run)].push_back(&run);
     for (std::size_t i = 0; i < repeats.size(); ++i) {
-      std::sort(repeats[i].begin(), repeats[i].end(), [](const Row* a, const Row* b) { return a->at("repeat").get<int>() < b->at("repeat").get<int>(); });
-      fill(data_.attempts[i], repeats[i], data_.cases[i / data_.solvers.size() / static_cast<std::size_t>(data_.starts)]);
+      std::sort(repeats[i].begin(), repeats[i].end(),
+                [](const Row* a, const Row* b) { return a->at("repeat").get<int>() < b->at("repeat").get<int>(); });
+      fill(data_.attempts[i], repeats[i],
+           data_.cases[i / data_.solvers.size() / static_cast<std::size_t>(data_.starts)]);
     }
     return std::move(data_);
   }
@@ -113,7 +117,8 @@ class Reader {
 
   double allowed(double reference) const { return data_.accuracy * std::max(1.0, std::abs(reference)); }
 
-  /// Where nothing proves the optimum, the best verified answer of any solver is the reference. And no answer may contradict a proof.
+  /// Where nothing proves the optimum, the best verified answer of any solver is the reference. And no answer may
+  /// contradict a proof.
   void settle_references() {
     std::vector<double> best(data_.cases.size(), infinite);
     std::vector<std::string> by(data_.cases.size());
@@ -128,12 +133,15 @@ class Reader {
     };
     for (std::size_t i = 0; i < best.size(); ++i) {
       ComparedCase& c = data_.cases[i];
-      if (c.infeasible && best[i] < infinite) contradict(c, fmt::format("proved infeasible, but {} has a feasible point", by[i]));
+      if (c.infeasible && best[i] < infinite)
+        contradict(c, fmt::format("proved infeasible, but {} has a feasible point", by[i]));
       if (c.infeasible != c.expect_infeasible && (c.infeasible || best[i] < infinite)) {
-        contradict(c, fmt::format("the suite says {}", c.expect_infeasible ? "infeasible, but a feasible point is known" : "feasible, but it is proved infeasible"));
+        contradict(c, fmt::format("the suite says {}", c.expect_infeasible ? "infeasible, but a feasible point is known"
+                                                                           : "feasible, but it is proved infeasible"));
       }
       if (c.infeasible) continue;
-      if (best[i] < c.lower - allowed(c.lower)) contradict(c, fmt::format("{} is below the proved bound {:g}: {:g}", by[i], c.lower, best[i]));
+      if (best[i] < c.lower - allowed(c.lower))
+        contradict(c, fmt::format("{} is below the proved bound {:g}: {:g}", by[i], c.lower, best[i]));
       if (!std::isnan(c.reference)) continue;
       if (best[i] == infinite) {
         c.proof = "unknown";
@@ -142,7 +150,8 @@ class Reader {
       c.reference = best[i];
       const bool closed = best[i] - c.lower <= allowed(best[i]);
       c.proof = closed ? "proved" : "best known";
-      c.method = closed ? fmt::format("{} reaches the proved bound ({})", by[i], c.method) : fmt::format("{}; bound {:g} ({})", by[i], c.lower, c.method);
+      c.method = closed ? fmt::format("{} reaches the proved bound ({})", by[i], c.method)
+                        : fmt::format("{}; bound {:g} ({})", by[i], c.lower, c.method);
     }
   }
 
@@ -154,7 +163,8 @@ class Reader {
 
   Outcome judged(const Row& row, const ComparedCase& c) const {
     const std::string claim = row.at("claim"), verdict = row.at("verdict");
-    if (c.infeasible) return {Judgement::impossible, claim == "infeasible", nan};  // "no design" says only that none was found
+    if (c.infeasible)
+      return {Judgement::impossible, claim == "infeasible", nan};  // "no design" says only that none was found
     Outcome o;
     const bool feasible = found_feasible(row);
     if (feasible) o.gap = (number(row, "objective") - c.reference) / std::max(1.0, std::abs(c.reference));
@@ -185,7 +195,8 @@ class Reader {
     a.time = quartiles(a.times);
     a.end_cost = quartiles(costs).median;
     a.success = 2 * a.successes > repeats.size();
-    const auto first = std::find_if(outcomes.begin(), outcomes.end(), [&](const Outcome& o) { return o.success == a.success; });
+    const auto first =
+        std::find_if(outcomes.begin(), outcomes.end(), [&](const Outcome& o) { return o.success == a.success; });
     take_single(a, *repeats[static_cast<std::size_t>(first - outcomes.begin())], *first);
     a.message = text(*repeats.front(), "message");
     if (c.infeasible || std::isnan(c.reference)) return;
@@ -225,7 +236,8 @@ class Reader {
 
   /// When repeats came within `target` of the reference, medians over them.
   /// @param to_the_end  whether a repeat that did not end with success counts as never having come there
-  static Meeting met(const std::vector<const Row*>& repeats, const std::vector<Outcome>& outcomes, double reference, double target, bool to_the_end) {
+  static Meeting met(const std::vector<const Row*>& repeats, const std::vector<Outcome>& outcomes, double reference,
+                     double target, bool to_the_end) {
     const double goal = reference + target * std::max(1.0, std::abs(reference));
     std::vector<double> times, evaluations;
     for (std::size_t r = 0; r < repeats.size(); ++r) {
@@ -239,7 +251,8 @@ class Reader {
         break;
       }
       // The answer itself may be a point that was never evaluated as a whole.
-      if (std::isinf(meeting.time) && outcomes[r].gap <= target && std::isfinite(wall)) meeting = {wall, evaluations_of(row)};
+      if (std::isinf(meeting.time) && outcomes[r].gap <= target && std::isfinite(wall))
+        meeting = {wall, evaluations_of(row)};
       if (to_the_end && !(outcomes[r].success && std::isfinite(wall))) meeting = {};
       times.push_back(std::max(meeting.time, 1e-9));
       evaluations.push_back(std::max(meeting.evaluations, 1.0));
@@ -295,6 +308,8 @@ bool ComparisonData::takes_part(bool design, std::size_t solver) const {
   return false;
 }
 
-ComparisonData read_comparison(const std::vector<std::string>& lines) { return Reader(lines).read(); }
+ComparisonData read_comparison(const std::vector<std::string>& lines) {
+  return Reader(lines).read();
+}
 
 }  // namespace accdec::study

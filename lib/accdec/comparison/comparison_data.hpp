@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include <accdec/comparison/profile.hpp>
 #include <accdec/study/compute.hpp>
-#include <accdec/study/profile.hpp>
 
 namespace accdec::study {
 
@@ -38,23 +38,28 @@ std::string_view to_string(Judgement judgement);
 
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// A solver on a case from a start, all repeats together: what most of them came to, and the first of these for everything single.
+/// A solver on a case from a start, all repeats together: what most of them came to, and the first of these for
+/// everything single.
 struct Attempt {
   std::string claim = "missing", message;
   Judgement judgement = Judgement::none;
-  bool success = false;  ///< reached; on an infeasible case: claimed "infeasible", and not merely that no design was found
-  bool accepted = true;  ///< false: refused
+  bool success =
+      false;  ///< reached; on an infeasible case: claimed "infeasible", and not merely that no design was found
+  bool accepted = true;                                ///< false: refused
   double objective = 0.0, gap = 0.0, violation = 0.0;  ///< gap relative to max(1, reference); NaN where there is none
   std::vector<double> times;                           ///< s, one a repeat
   std::size_t successes = 0;                           ///< repeats
   Quartiles time;
   double evaluations = 0.0, gradients = 0.0, jacobians = 0.0, hessians = 0.0;
   double evaluation_time = 0.0, verification_time = 0.0;  ///< s
-  std::vector<double> target_time, target_evaluations;    ///< until within each target, medians over repeats, infinite if never
-  /// Costs of the performance profiles, s: medians over repeats, those without success infinite; so both are finite for the same problems.
+  std::vector<double> target_time,
+      target_evaluations;  ///< until within each target, medians over repeats, infinite if never
+  /// Costs of the performance profiles, s: medians over repeats, those without success infinite; so both are finite for
+  /// the same problems.
   double end_cost = infinite;  ///< until the solver ended
-  /// Until the first feasible point within the accuracy of the reference. A repeat that met such a point but handed back something else
-  /// counts as infinite too: who does not know the reference has the answer alone to go by. (Targets count whatever came after.)
+  /// Until the first feasible point within the accuracy of the reference. A repeat that met such a point but handed
+  /// back something else counts as infinite too: who does not know the reference has the answer alone to go by.
+  /// (Targets count whatever came after.)
   double accuracy_cost = infinite;
 };
 
@@ -63,17 +68,20 @@ struct ComparisonData {
   Row header;
   std::vector<std::string> solvers;
   std::vector<std::string> algorithms;  ///< registry name of each of them
-  std::vector<std::size_t> plain;       ///< those that are no variants: under the algorithm's own name, or in one of its forms
+  std::vector<std::size_t>
+      plain;  ///< those that are no variants: under the algorithm's own name, or in one of its forms
   std::vector<double> targets;
   int starts = 1, repeats = 1;
   double accuracy = 1e-4;
   std::vector<ComparedCase> cases;
-  std::vector<Attempt> attempts;             ///< (case * starts + start) * solvers + solver
-  std::vector<std::string> contradictions;   ///< what must not be: a proof beaten, a feasible point of an infeasible problem, ...
-  Row session;                               ///< the record of how time was spent; null without one
+  std::vector<Attempt> attempts;  ///< (case * starts + start) * solvers + solver
+  std::vector<std::string>
+      contradictions;  ///< what must not be: a proof beaten, a feasible point of an infeasible problem, ...
+  Row session;         ///< the record of how time was spent; null without one
 
-  /// Whether a run, known from its first repeat, is worth timing again: not if it was refused or failed to run; nor if it used up its time
-  /// and ended ten times farther from the reference than counts as reached, since that is no matter of a noisy clock.
+  /// Whether a run, known from its first repeat, is worth timing again: not if it was refused or failed to run; nor if
+  /// it used up its time and ended ten times farther from the reference than counts as reached, since that is no matter
+  /// of a noisy clock.
   bool worth_repeating(std::size_t c, int start, std::size_t solver) const;
 
   const Attempt& attempt(std::size_t c, int start, std::size_t solver) const {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/io/comparison_report.hpp>
+#include <accdec/comparison/comparison_report.hpp>
 
 namespace accdec {
 namespace {
@@ -19,9 +19,12 @@ struct Group {
   std::vector<std::size_t> solvers;
 };
 
-bool one_panel_each(const ComparisonData& data) { return data.solvers.size() > most_lines; }
+bool one_panel_each(const ComparisonData& data) {
+  return data.solvers.size() > most_lines;
+}
 
-/// What shares a panel: one algorithm with its variants where there are many, else what uses derivatives, or values only.
+/// What shares a panel: one algorithm with its variants where there are many, else what uses derivatives, or values
+/// only.
 std::string group_of(const ComparisonData& data, std::size_t solver) {
   if (one_panel_each(data)) return data.algorithms[solver];
   return data.header.at("solvers").at(solver).value("uses", "") == "values" ? "Values only" : "With derivatives";
@@ -84,19 +87,22 @@ Panel panel_of(std::string title, std::string x, std::string y, std::pair<double
   Panel panel;
   panel.title = std::move(title);
   panel.x = {std::move(x), true, range.first, range.second};
-  panel.y = {std::move(y), false, -0.03, 1.03};  // off the frame, where lines of solvers that solve none or all would be lost
+  panel.y = {std::move(y), false, -0.03,
+             1.03};  // off the frame, where lines of solvers that solve none or all would be lost
   return panel;
 }
 
 /// One panel a group, one line a solver: the share of `values[solver]` up to x.
-void add_panels(Figure& figure, const ComparisonData& data, bool design, const std::vector<std::vector<double>>& values, const std::string& title,
-                const std::string& x, const std::string& y, double least_low) {
+void add_panels(Figure& figure, const ComparisonData& data, bool design, const std::vector<std::vector<double>>& values,
+                const std::string& title, const std::string& x, const std::string& y, double least_low) {
   auto range = decades(values);
   range.first = std::max(range.first, least_low);
   if (range.second <= range.first) range.second = 10.0 * range.first;
   for (const Group& group : groups(data, design)) {
     Panel panel = panel_of(title.empty() ? group.title : fmt::format("{}: {}", title, group.title), x, y, range);
-    for (const std::size_t s : group.solvers) panel.series.push_back(steps(study::distribution(values[s]), range.first, range.second, data.solvers[s], style_of(data, s)));
+    for (const std::size_t s : group.solvers)
+      panel.series.push_back(
+          steps(study::distribution(values[s]), range.first, range.second, data.solvers[s], style_of(data, s)));
     figure.panels.push_back(std::move(panel));
   }
 }
@@ -110,24 +116,32 @@ Figure page(std::string title, int columns, int width = 640, int height = 380) {
   return figure;
 }
 
-int columns_of(const ComparisonData& data) { return one_panel_each(data) ? 3 : 2; }
+int columns_of(const ComparisonData& data) {
+  return one_panel_each(data) ? 3 : 2;
+}
 
-std::string to_accuracy(const ComparisonData& data) { return fmt::format("time until within {:g} of the reference", data.accuracy); }
+std::string to_accuracy(const ComparisonData& data) {
+  return fmt::format("time until within {:g} of the reference", data.accuracy);
+}
 
 /// Over what the profiles' costs are.
-std::string least_of(const ComparisonData& data) { return data.plain.size() == data.solvers.size() ? "least of all solvers" : "least of the plain solvers"; }
+std::string least_of(const ComparisonData& data) {
+  return data.plain.size() == data.solvers.size() ? "least of all solvers" : "least of the plain solvers";
+}
 
 Figure performance(const ComparisonData& data, bool design, const std::string& of) {
   Figure figure = page(fmt::format("Performance profiles by {}, {}", to_accuracy(data), of), columns_of(data));
   const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
-  add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "", "time to accuracy / " + least_of(data), "share of problems solved", 1.0);
+  add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "",
+             "time to accuracy / " + least_of(data), "share of problems solved", 1.0);
   return figure;
 }
 
 Figure performance_to_the_end(const ComparisonData& data, bool design, const std::string& of) {
   Figure figure = page(fmt::format("Performance profiles by time until the solver ends, {}", of), columns_of(data));
   const auto costs = data.costs(design, [](const Attempt& a) { return a.end_cost; });
-  add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "", "time to the solver's end / " + least_of(data), "share of problems solved", 1.0);
+  add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "",
+             "time to the solver's end / " + least_of(data), "share of problems solved", 1.0);
   return figure;
 }
 
@@ -135,36 +149,44 @@ Figure pairwise(const ComparisonData& data, bool design, const std::string& of) 
   const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
   std::size_t best = 0, most = 0;
   for (const std::size_t s : data.plain) {
-    const auto solved = static_cast<std::size_t>(std::count_if(costs[s].begin(), costs[s].end(), [](double c) { return std::isfinite(c); }));
+    const auto solved = static_cast<std::size_t>(
+        std::count_if(costs[s].begin(), costs[s].end(), [](double c) { return std::isfinite(c); }));
     if (solved > most) most = solved, best = s;
   }
-  Figure figure = page(fmt::format("Performance profiles of pairs by {}, {}: {} against each other solver", to_accuracy(data), of, data.solvers[best]), 2, 640, 300);
+  Figure figure = page(fmt::format("Performance profiles of pairs by {}, {}: {} against each other solver",
+                                   to_accuracy(data), of, data.solvers[best]),
+                       2, 640, 300);
   for (std::size_t s = 0; s < costs.size(); ++s) {
     if (s == best || !data.takes_part(design, s)) continue;
     const auto ratios = study::performance_ratios({costs[best], costs[s]});
     auto range = decades(ratios);
     range.first = 1.0;
-    Panel panel = panel_of(fmt::format("{} and {}", data.solvers[best], data.solvers[s]), "time to accuracy / lesser of the two", "share of problems solved", range);
+    Panel panel = panel_of(fmt::format("{} and {}", data.solvers[best], data.solvers[s]),
+                           "time to accuracy / lesser of the two", "share of problems solved", range);
     panel.series.push_back(steps(study::distribution(ratios[0]), range.first, range.second, data.solvers[best], 0));
-    panel.series.push_back(steps(study::distribution(ratios[1]), range.first, range.second, data.solvers[s], 1));  // the two may have the same style elsewhere
+    panel.series.push_back(steps(study::distribution(ratios[1]), range.first, range.second, data.solvers[s],
+                                 1));  // the two may have the same style elsewhere
     figure.panels.push_back(std::move(panel));
   }
   return figure;
 }
 
 Figure data_profiles(const ComparisonData& data, bool design, const std::string& of) {
-  Figure figure = page(fmt::format("Data profiles by evaluations of objective or rows (derivatives free), {}", of), columns_of(data));
+  Figure figure = page(fmt::format("Data profiles by evaluations of objective or rows (derivatives free), {}", of),
+                       columns_of(data));
   const std::vector<int> variables = data.variables(design);
   for (std::size_t t = 0; t < data.targets.size(); ++t) {
     auto values = data.costs(design, [t](const Attempt& a) { return a.target_evaluations[t]; });
     for (auto& list : values) list = study::simplex_gradients(list, variables);
-    add_panels(figure, data, design, values, fmt::format("within {:g} of the reference", data.targets[t]), "evaluations / (variables + 1)", "share of problems that met it", 1e-4);
+    add_panels(figure, data, design, values, fmt::format("within {:g} of the reference", data.targets[t]),
+               "evaluations / (variables + 1)", "share of problems that met it", 1e-4);
   }
   return figure;
 }
 
 Figure runtimes(const ComparisonData& data, bool design, const std::string& of) {
-  Figure figure = page(fmt::format("Time until within {:g} of the reference, {}", fmt::join(data.targets, ", "), of), columns_of(data));
+  Figure figure = page(fmt::format("Time until within {:g} of the reference, {}", fmt::join(data.targets, ", "), of),
+                       columns_of(data));
   std::vector<std::vector<double>> all(data.solvers.size());
   for (std::size_t t = 0; t < data.targets.size(); ++t) {
     const auto values = data.costs(design, [t](const Attempt& a) { return std::max(a.target_time[t], 1e-5); });
@@ -183,7 +205,8 @@ std::vector<std::pair<std::string, Figure>> comparison_figures(const ComparisonD
     const std::string prefix = design ? "design-" : "", of = design ? "designs at fixed order" : "nonlinear problems";
     figures.emplace_back(prefix + "performance", performance(data, design, of));
     figures.emplace_back(prefix + "performance-end", performance_to_the_end(data, design, of));
-    if (Figure pairs = pairwise(data, design, of); !pairs.panels.empty()) figures.emplace_back(prefix + "pairs", std::move(pairs));
+    if (Figure pairs = pairwise(data, design, of); !pairs.panels.empty())
+      figures.emplace_back(prefix + "pairs", std::move(pairs));
     if (!design) figures.emplace_back("data", data_profiles(data, design, of));
     figures.emplace_back(prefix + "runtime", runtimes(data, design, of));
   }

@@ -1,5 +1,3 @@
-#include <accdec/io/comparison_folder.hpp>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -10,13 +8,14 @@
 
 #include <fmt/format.h>
 
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/comparison_report.hpp>
-#include <accdec/io/manifest.hpp>
-#include <accdec/io/results_folder.hpp>
-#include <accdec/io/text_file.hpp>
+#include <accdec/comparison/comparison_folder.hpp>
+#include <accdec/comparison/comparison_report.hpp>
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/results_folder.hpp>
+#include <accdec/files/seconds_since.hpp>
+#include <accdec/files/text_file.hpp>
+#include <accdec/formats/manifest.hpp>
 #include <accdec/study/journal.hpp>
-#include <accdec/study/seconds_since.hpp>
 
 namespace accdec {
 namespace {
@@ -47,7 +46,8 @@ Entries finished_entries(const fs::path& folder, const std::string& hash, Row& s
   for (const std::string& line : lines_of(read_text_file((folder / raw_name).string(), result_file_limit))) {
     const Row row = Row::parse(line, nullptr, false);
     if (!row.is_object()) continue;
-    if (const auto index = row.find("index"); index != row.end() && index->is_number_unsigned()) entries[index->get<std::size_t>()] = {0.0, line};
+    if (const auto index = row.find("index"); index != row.end() && index->is_number_unsigned())
+      entries[index->get<std::size_t>()] = {0.0, line};
     if (row.value("record", "") == "session") session = row;
   }
   return entries;
@@ -66,7 +66,8 @@ struct Times {
   }
 };
 
-void write_results(const Suite& suite, const std::vector<std::string>& lines, const Row& session, const ComparisonRunOptions& options) {
+void write_results(const Suite& suite, const std::vector<std::string>& lines, const Row& session,
+                   const ComparisonRunOptions& options) {
   const fs::path folder = options.out;
   OutputFiles files;
   std::string raw;
@@ -132,8 +133,10 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
     std::vector<std::size_t> indices;
     for (std::size_t i = from; i < to; ++i) {
       if (entries.contains(i)) continue;
-      if (wanted(i)) indices.push_back(i);
-      else ++progress.done;
+      if (wanted(i))
+        indices.push_back(i);
+      else
+        ++progress.done;
     }
     return indices;
   };
@@ -189,7 +192,9 @@ std::size_t redraw_comparison(const std::string& folder) {
   const fs::path path = fs::path(folder) / raw_name;
   if (!fs::is_regular_file(path)) {
     const bool begun = fs::exists(fs::path(folder) / "comparison.journal");
-    throw OutputError(fmt::format("{}: no raw data ({}) to draw from{}", folder, raw_name, begun ? "; the comparison is not finished: run it again with --out and it goes on" : ""));
+    throw OutputError(
+        fmt::format("{}: no raw data ({}) to draw from{}", folder, raw_name,
+                    begun ? "; the comparison is not finished: run it again with --out and it goes on" : ""));
   }
   OutputFiles files;
   std::size_t count = 0;

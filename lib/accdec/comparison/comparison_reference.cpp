@@ -1,12 +1,3 @@
-#include <fmt/format.h>
-
-#include <accdec/design/exact/exact.hpp>
-#include <accdec/design/exact/relaxation.hpp>
-#include <accdec/design/limit_rows.hpp>
-#include <accdec/design/order_bound.hpp>
-#include <accdec/nlp/violation.hpp>
-#include <accdec/study/comparison_case.hpp>
-#include <accdec/study/reference_delay.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +7,16 @@
 #include <optional>
 #include <tuple>
 
+#include <fmt/format.h>
+
+#include <accdec/comparison/comparison_case.hpp>
+#include <accdec/comparison/reference_delay.hpp>
+#include <accdec/design/limit_rows.hpp>
+#include <accdec/exact/exact.hpp>
+#include <accdec/exact/relaxation.hpp>
+#include <accdec/nlp/violation.hpp>
+#include <accdec/task/order_bound.hpp>
+
 namespace accdec::study {
 namespace {
 
@@ -24,7 +25,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double accuracy = 1e-6;
 /// The widest bracket of a proved optimum; half of what solvers are granted.
 constexpr double closed = 5e-5;
-/// What a known point may break rows by, no more than solvers are granted: the programmes' own tolerance, in units of a row.
+/// What a known point may break rows by, no more than solvers are granted: the programmes' own tolerance, in units of a
+/// row.
 constexpr double held = 1e-7;
 
 bool convex(const Task& task) {

@@ -1,41 +1,57 @@
-#include <accdec/io/comparison_report.hpp>
-
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/io/html.hpp>
+#include <accdec/comparison/comparison_report.hpp>
+#include <accdec/files/csv_table.hpp>
+#include <accdec/plot/html.hpp>
 
 namespace accdec {
 namespace {
 
 using study::ComparisonData;
 
-std::string paragraph(const std::string& text) { return fmt::format("<p>{}</p>\n", html_escaped(text)); }
+std::string paragraph(const std::string& text) {
+  return fmt::format("<p>{}</p>\n", html_escaped(text));
+}
 
 std::string settings_text(const ComparisonData& data) {
   const study::Row& h = data.header;
   std::string longer;
   for (const study::ComparedCase& c : data.cases) {
-    if (c.time_limit > 0.0 && c.time_limit != h.value("time_limit_s", 0.0)) longer += fmt::format("{}{} ({}): {:g} s", longer.empty() ? " Other time limits, for all alike: " : ", ", c.problem, c.question, c.time_limit);
+    if (c.time_limit > 0.0 && c.time_limit != h.value("time_limit_s", 0.0))
+      longer += fmt::format("{}{} ({}): {:g} s", longer.empty() ? " Other time limits, for all alike: " : ", ",
+                            c.problem, c.question, c.time_limit);
   }
   if (!longer.empty()) longer += ".";
   return fmt::format(
-      "{} problems (each at each of its sizes counts as one) from {} starts, {} algorithms, {} repeats in shuffled order. The same for all: a process of its own for each run, "
-      "{:g} s until the evaluator ends it and {:g} s until the process is killed, at most {} evaluations of the objective, {:g} as the tolerance of the library's own tests of convergence (which differ in kind) and "
-      "rows within a tenth of what they are judged by. Judged by recomputation, answers and what was found on the way alike: every row and bound, scaled to 1, within {:g}; "
-      "the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only boxes, and those the suite names get the problem with "
-      "positions substituted (form `reduced`, no second derivatives); everything is judged in that form. Start 0 is a trapezoid; the others multiply its taps by random "
-      "factors, the same for every solver. Whole designs (formulation `design`) are judged by simulating the motion instead, every limit within 1e-9 of itself, and rows are "
-      "asked within 1e-9 there; the limit on evaluations is that of each single solve in them. A time is of the solve alone, with what a first call in a process costs: to the "
-      "end is until the solver ended, to accuracy until the first feasible point within the accuracy of the reference. Every repeat is judged, and one whose answer does not "
-      "reach the reference counts as infinitely slow by both times, whatever it met on the way; the median over repeats stands for a run. Not repeated are runs that were "
-      "refused or crashed, and runs that used up their time and ended ten times farther from the reference than counts as reached. Problems proved infeasible are not in "
-      "the profiles: there, the right answer is to say so (infeasible recognised). A design search with these solvers can only say that it found no design, which counts "
+      "{} problems (each at each of its sizes counts as one) from {} starts, {} algorithms, {} repeats in shuffled "
+      "order. The same for all: a process of its own for each run, "
+      "{:g} s until the evaluator ends it and {:g} s until the process is killed, at most {} evaluations of the "
+      "objective, {:g} as the tolerance of the library's own tests of convergence (which differ in kind) and "
+      "rows within a tenth of what they are judged by. Judged by recomputation, answers and what was found on the way "
+      "alike: every row and bound, scaled to 1, within {:g}; "
+      "the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only "
+      "boxes, and those the suite names get the problem with "
+      "positions substituted (form `reduced`, no second derivatives); everything is judged in that form. Start 0 is a "
+      "trapezoid; the others multiply its taps by random "
+      "factors, the same for every solver. Whole designs (formulation `design`) are judged by simulating the motion "
+      "instead, every limit within 1e-9 of itself, and rows are "
+      "asked within 1e-9 there; the limit on evaluations is that of each single solve in them. A time is of the solve "
+      "alone, with what a first call in a process costs: to the "
+      "end is until the solver ended, to accuracy until the first feasible point within the accuracy of the reference. "
+      "Every repeat is judged, and one whose answer does not "
+      "reach the reference counts as infinitely slow by both times, whatever it met on the way; the median over "
+      "repeats stands for a run. Not repeated are runs that were "
+      "refused or crashed, and runs that used up their time and ended ten times farther from the reference than counts "
+      "as reached. Problems proved infeasible are not in "
+      "the profiles: there, the right answer is to say so (infeasible recognised). A design search with these solvers "
+      "can only say that it found no design, which counts "
       "for itself and not as recognised.{}",
-      data.cases.size(), data.starts, data.solvers.size(), data.repeats, h.value("time_limit_s", 0.0), h.value("kill_after_s", 0.0), h.value("evaluation_limit", 0L),
-      h.value("tolerance", 0.0), h.value("feasibility", 0.0), h.value("accuracy", 0.0), longer);
+      data.cases.size(), data.starts, data.solvers.size(), data.repeats, h.value("time_limit_s", 0.0),
+      h.value("kill_after_s", 0.0), h.value("evaluation_limit", 0L), h.value("tolerance", 0.0),
+      h.value("feasibility", 0.0), h.value("accuracy", 0.0), longer);
 }
 
 std::string session_text(const ComparisonData& data) {
@@ -43,26 +59,32 @@ std::string session_text(const ComparisonData& data) {
   const study::Row& s = data.session;
   const double all = s.value("wall_time_s", 0.0) * s.value("workers", 1);
   return fmt::format(
-      "The last session computed {} entries in {:.1f} s with {} workers: {:.1f} s inside the solvers ({:.0f} % of that in the problems' functions), {:.1f} s judging answers, {:.1f} s "
-      "proving references; {:.2f} % of the workers' time went into processes, starts, building of problems, waiting and records.",
-      s.value("entries", 0), s.value("wall_time_s", 0.0), s.value("workers", 1), s.value("solving_s", 0.0), 100.0 * s.value("evaluating_s", 0.0) / std::max(1e-9, s.value("solving_s", 0.0)),
-      s.value("judging_s", 0.0), s.value("references_s", 0.0), all > 0.0 ? 100.0 * s.value("bookkeeping_share", 0.0) : 0.0);
+      "The last session computed {} entries in {:.1f} s with {} workers: {:.1f} s inside the solvers ({:.0f} % of that "
+      "in the problems' functions), {:.1f} s judging answers, {:.1f} s "
+      "proving references; {:.2f} % of the workers' time went into processes, starts, building of problems, waiting "
+      "and records.",
+      s.value("entries", 0), s.value("wall_time_s", 0.0), s.value("workers", 1), s.value("solving_s", 0.0),
+      100.0 * s.value("evaluating_s", 0.0) / std::max(1e-9, s.value("solving_s", 0.0)), s.value("judging_s", 0.0),
+      s.value("references_s", 0.0), all > 0.0 ? 100.0 * s.value("bookkeeping_share", 0.0) : 0.0);
 }
 
 /// Who was compared, with what was asked of the libraries beyond the settings that are the same for all.
 std::string solvers_html(const ComparisonData& data) {
   const study::Row& solvers = data.header.at("solvers");
-  const bool any_options = std::any_of(solvers.begin(), solvers.end(), [](const study::Row& s) { return s.contains("options"); });
+  const bool any_options =
+      std::any_of(solvers.begin(), solvers.end(), [](const study::Row& s) { return s.contains("options"); });
   std::vector<std::string> head{"solver", "library", "search", "uses", "form", "asked of the library"};
   if (any_options) head.emplace_back("and for this entry");
   std::vector<std::vector<std::string>> rows;
   for (const study::Row& solver : solvers) {
     rows.emplace_back();
-    for (const char* key : {"name", "library", "search", "uses", "form", "settings"}) rows.back().push_back(solver.value(key, ""));
+    for (const char* key : {"name", "library", "search", "uses", "form", "settings"})
+      rows.back().push_back(solver.value(key, ""));
     if (!any_options) continue;
     std::vector<std::string> options;
     if (const auto set = solver.find("options"); set != solver.end()) {
-      for (const auto& [name, value] : set->items()) options.push_back(fmt::format("{} = {}", name, value.is_string() ? value.get<std::string>() : value.dump()));
+      for (const auto& [name, value] : set->items())
+        options.push_back(fmt::format("{} = {}", name, value.is_string() ? value.get<std::string>() : value.dump()));
     }
     rows.back().push_back(fmt::format("{}", fmt::join(options, ", ")));
   }
@@ -74,17 +96,24 @@ std::string figure_notes(const std::string& name) {
   const auto is = [&](const char* kind) { return name == kind || name == fmt::format("design-{}", kind); };
   if (is("performance")) {
     return paragraph(
-        "The time counts until the first feasible point within the accuracy that is judged, so that nobody is charged for polishing beyond it; solved are only runs that ended with an "
-        "answer as good, since who does not know the reference has the answer alone to go by. Costs are divided by the least of the plain solvers, those that are no variants: "
-        "otherwise variants of one would take its wins from it. The same runs are solved in the next figure, by the time until the solver ended by its own test, "
+        "The time counts until the first feasible point within the accuracy that is judged, so that nobody is charged "
+        "for polishing beyond it; solved are only runs that ended with an "
+        "answer as good, since who does not know the reference has the answer alone to go by. Costs are divided by the "
+        "least of the plain solvers, those that are no variants: "
+        "otherwise variants of one would take its wins from it. The same runs are solved in the next figure, by the "
+        "time until the solver ended by its own test, "
         "the tests of the libraries being of different kinds.");
   }
   if (is("data")) {
     return paragraph(
-        "Evaluations are the greater of the numbers of evaluations of the objective and of the rows; gradients, Jacobians and Hessians are free. Solvers with derivatives are therefore "
-        "comparable here with each other only, and even then second derivatives come free; so are those with values only. Met is met, whatever answer came of it.");
+        "Evaluations are the greater of the numbers of evaluations of the objective and of the rows; gradients, "
+        "Jacobians and Hessians are free. Solvers with derivatives are therefore "
+        "comparable here with each other only, and even then second derivatives come free; so are those with values "
+        "only. Met is met, whatever answer came of it.");
   }
-  if (is("runtime")) return paragraph("Met is met, whatever answer came of it: these curves may end higher than the shares of problems solved.");
+  if (is("runtime"))
+    return paragraph(
+        "Met is met, whatever answer came of it: these curves may end higher than the shares of problems solved.");
   return "";
 }
 
@@ -106,7 +135,8 @@ std::string part(const ComparisonTable& table, const std::vector<std::size_t>& c
 std::vector<std::pair<std::string, std::string>> comparison_documents(const std::vector<std::string>& lines) {
   const ComparisonData data = study::read_comparison(lines);
   std::vector<std::pair<std::string, std::string>> documents;
-  const ComparisonTable problems = problems_table(data), summary = summary_table(data), confusion = confusion_table(data);
+  const ComparisonTable problems = problems_table(data), summary = summary_table(data),
+                        confusion = confusion_table(data);
   for (const ComparisonTable& table : {problems, summary, confusion, runs_table(data), pairs_table(data)}) {
     documents.emplace_back(table.name + ".csv", csv_table(table.head, table.rows));
   }
@@ -115,7 +145,10 @@ std::vector<std::pair<std::string, std::string>> comparison_documents(const std:
   html += paragraph(settings_text(data));
   if (const std::string session = session_text(data); !session.empty()) html += paragraph(session);
   if (data.contradictions.empty()) {
-    html += paragraph(fmt::format("No verified answer lies below a proved bound by more than {:g} of max(1, bound), none is of a problem proved infeasible, and every problem is feasible or not as the suite says.", data.accuracy));
+    html += paragraph(
+        fmt::format("No verified answer lies below a proved bound by more than {:g} of max(1, bound), none is of a "
+                    "problem proved infeasible, and every problem is feasible or not as the suite says.",
+                    data.accuracy));
   } else {
     html += "<h2>Contradictions</h2>\n<ul>\n";
     for (const std::string& c : data.contradictions) html += fmt::format("<li>{}</li>\n", html_escaped(c));
@@ -123,10 +156,14 @@ std::vector<std::pair<std::string, std::string>> comparison_documents(const std:
   }
   html += solvers_html(data);
   html += "<h2>What each solver came to</h2>\n" + part(summary, {0, 3, 5, 6, 8, 9, 10, 11, 12, 7, 13, 14, 15, 16});
-  html += "<h2>Time and evaluations of the runs that reached the reference</h2>\n" + part(summary, {0, 8, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27});
+  html += "<h2>Time and evaluations of the runs that reached the reference</h2>\n" +
+          part(summary, {0, 8, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27});
   html += "<h2>Claimed against verified, all solvers</h2>\n" + part(confusion, {1, 2, 3, 4, 5, 6, 7}, "all");
-  html += "<h2>Profiles</h2>\n" + paragraph("Points on the way are recorded thinned: a time, or number of evaluations, to a target is that of the first point within the target or, at most, of the first "
-                                            "nearer by a tenth of the target's distance. So are the times to accuracy. Each solver has the same line and symbol in all figures but those of pairs.");
+  html += "<h2>Profiles</h2>\n" + paragraph(
+                                      "Points on the way are recorded thinned: a time, or number of evaluations, to a "
+                                      "target is that of the first point within the target or, at most, of the first "
+                                      "nearer by a tenth of the target's distance. So are the times to accuracy. Each "
+                                      "solver has the same line and symbol in all figures but those of pairs.");
   for (const auto& [name, figure] : comparison_figures(data)) {
     html += figure_notes(name);
     const std::string svg = render_svg(figure);
@@ -135,7 +172,9 @@ std::vector<std::pair<std::string, std::string>> comparison_documents(const std:
     documents.emplace_back(name + ".svg", svg);
   }
   html += "<h2>Problems and reference values</h2>\n" + part(problems, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
-  html += paragraph("Raw data: raw.jsonl; every run: runs.csv; confusion by solver: confusion.csv; every pair: pairs.csv; how it was made: manifest.json.");
+  html += paragraph(
+      "Raw data: raw.jsonl; every run: runs.csv; confusion by solver: confusion.csv; every pair: pairs.csv; how it was "
+      "made: manifest.json.");
   documents.emplace_back("report.html", html + "</body></html>\n");
   return documents;
 }

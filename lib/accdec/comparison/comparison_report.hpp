@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include <accdec/io/figure.hpp>
-#include <accdec/study/comparison_data.hpp>
+#include <accdec/comparison/comparison_data.hpp>
+#include <accdec/plot/figure.hpp>
 
 namespace accdec {
 
@@ -17,7 +17,8 @@ struct ComparisonTable {
 
 /// Every problem at every size with its reference value and what proves it.
 ComparisonTable problems_table(const study::ComparisonData& data);
-/// One row a solver: how often it reached the reference, what else came of its runs, median and quartiles of time and evaluations.
+/// One row a solver: how often it reached the reference, what else came of its runs, median and quartiles of time and
+/// evaluations.
 ComparisonTable summary_table(const study::ComparisonData& data);
 /// Claimed against verified, for each solver and for all together.
 ComparisonTable confusion_table(const study::ComparisonData& data);
@@ -26,12 +27,14 @@ ComparisonTable runs_table(const study::ComparisonData& data);
 /// Every pair of solvers compared with each other alone, by the time to accuracy: profile values at ratios 1, 2 and 10.
 ComparisonTable pairs_table(const study::ComparisonData& data);
 
-/// Name and figure: joint performance profiles by the time to the accuracy that is judged and, beside them, by the time until the solver
-/// ends ("performance-end"); pairwise profiles against the solver that solves most, by the time to accuracy; data profiles, and runtime
-/// distributions to the targets. For the nonlinear problems and, where there are any, for the designs ("design-...").
+/// Name and figure: joint performance profiles by the time to the accuracy that is judged and, beside them, by the time
+/// until the solver ends ("performance-end"); pairwise profiles against the solver that solves most, by the time to
+/// accuracy; data profiles, and runtime distributions to the targets. For the nonlinear problems and, where there are
+/// any, for the designs ("design-...").
 std::vector<std::pair<std::string, Figure>> comparison_figures(const study::ComparisonData& data);
 
-/// Everything that is made from raw data: tables as CSV, figures as SVG and PNG, report.html. A function of the lines alone.
+/// Everything that is made from raw data: tables as CSV, figures as SVG and PNG, report.html. A function of the lines
+/// alone.
 /// @return file name and content
 std::vector<std::pair<std::string, std::string>> comparison_documents(const std::vector<std::string>& lines);
 

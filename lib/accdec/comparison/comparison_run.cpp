@@ -1,7 +1,3 @@
-#include <accdec/study/comparison_run.hpp>
-
-#include <malloc.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,17 +5,21 @@
 #include <random>
 #include <stdexcept>
 
+#include <malloc.h>
+
 #include <fmt/format.h>
 
+#include <accdec/comparison/comparison_run.hpp>
+#include <accdec/comparison/row_numbers.hpp>
 #include <accdec/design/design.hpp>
-#include <accdec/study/row_numbers.hpp>
-#include <accdec/study/seconds_since.hpp>
+#include <accdec/files/seconds_since.hpp>
 
 namespace accdec::study {
 using Clock = std::chrono::steady_clock;
 
 Comparison::Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases) : settings_(std::move(settings)) {
-  if (cases.empty() || settings_.solvers.empty() || settings_.targets.empty() || settings_.starts < 1 || settings_.repeats < 1) {
+  if (cases.empty() || settings_.solvers.empty() || settings_.targets.empty() || settings_.starts < 1 ||
+      settings_.repeats < 1) {
     throw std::invalid_argument("a comparison needs at least one problem, solver, target, start and repeat");
   }
   for (const Competitor& competitor : settings_.solvers) competitor.registered();
@@ -58,13 +58,15 @@ std::size_t Comparison::index_of(const ScheduledRun& run, int repeat) const {
   return cases_.size() + ((r * cases_.size() + run.case_index) * starts + start) * solvers + position;
 }
 
-std::vector<std::size_t> Comparison::order_of_solvers(std::size_t case_index, std::size_t start, std::size_t repeat) const {
+std::vector<std::size_t> Comparison::order_of_solvers(std::size_t case_index, std::size_t start,
+                                                      std::size_t repeat) const {
   std::seed_seq seed{static_cast<std::size_t>(settings_.seed), case_index, start, repeat};
   std::mt19937_64 random(seed);
   std::vector<std::size_t> order(settings_.solvers.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   // Fisher-Yates; what std::shuffle does is left to the library, and the raw data are indexed by this order.
-  for (std::size_t left = order.size(); left > 1; --left) std::swap(order[left - 1], order[static_cast<std::size_t>(random() % left)]);
+  for (std::size_t left = order.size(); left > 1; --left)
+    std::swap(order[left - 1], order[static_cast<std::size_t>(random() % left)]);
   return order;
 }
 
@@ -100,8 +102,12 @@ Row Comparison::header() const {
   for (const Competitor& competitor : settings_.solvers) {
     const solvers::Solver& solver = competitor.registered();
     const solvers::Capabilities can = solver.capabilities();
-    const bool reduced = competitor.wants_reduced(settings_.reduced), curvature = can.uses_hessian && !reduced;  // the reduced form has none
-    const char* uses = can.linear_only ? "coefficients" : curvature ? "second derivatives" : can.uses_gradient || can.uses_jacobian ? "first derivatives" : "values";
+    const bool reduced = competitor.wants_reduced(settings_.reduced),
+               curvature = can.uses_hessian && !reduced;  // the reduced form has none
+    const char* uses = can.linear_only                          ? "coefficients"
+                       : curvature                              ? "second derivatives"
+                       : can.uses_gradient || can.uses_jacobian ? "first derivatives"
+                                                                : "values";
     Row entry;
     entry["name"] = competitor.name;
     entry["solver"] = competitor.solver;

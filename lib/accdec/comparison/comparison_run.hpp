@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <accdec/study/comparison_case.hpp>
-#include <accdec/study/competitor.hpp>
+#include <accdec/comparison/comparison_case.hpp>
+#include <accdec/comparison/competitor.hpp>
 #include <accdec/study/compute.hpp>
 
 namespace accdec::study {
@@ -15,17 +15,18 @@ namespace accdec::study {
 struct ComparisonSettings {
   std::string title, notes;
   std::vector<Competitor> solvers;
-  std::vector<std::string> reduced;  ///< registry names of the ones that get the reduced form although they take equality rows
+  std::vector<std::string>
+      reduced;  ///< registry names of the ones that get the reduced form although they take equality rows
   int starts = 1, repeats = 5;
   std::uint64_t seed = 1;
-  double time_limit = 5.0;                   ///< s a run, told to the library and enforced at every evaluation
-  double kill_after = 10.0;                  ///< s until a run's process is killed
+  double time_limit = 5.0;   ///< s a run, told to the library and enforced at every evaluation
+  double kill_after = 10.0;  ///< s until a run's process is killed
   std::int64_t evaluation_limit = 1'000'000;
-  double tolerance = 1e-8;                   ///< asked of the libraries
-  double feasibility = 1e-7;                 ///< absolute, on rows scaled to 1: what is judged by
-  double accuracy = 1e-4;                    ///< of the objective, relative to max(1, reference): what counts as reaching it
+  double tolerance = 1e-8;    ///< asked of the libraries
+  double feasibility = 1e-7;  ///< absolute, on rows scaled to 1: what is judged by
+  double accuracy = 1e-4;     ///< of the objective, relative to max(1, reference): what counts as reaching it
   std::vector<double> targets{1e-1, 1e-2, 1e-4};  ///< alike, for data profiles and runtime distributions
-  double reference_time_limit = 30.0;        ///< s
+  double reference_time_limit = 30.0;             ///< s
 };
 
 /// One entry of the schedule.
@@ -35,8 +36,9 @@ struct ScheduledRun {
   int start = 0, repeat = 0;
 };
 
-/// Cases x starts x solvers x repeats. References come first. Repeats are the outermost loop and the solvers are shuffled (seeded) anew for
-/// every case, start and repeat, so that slow drifts of the machine, and what runs beside a run, fall on all alike.
+/// Cases x starts x solvers x repeats. References come first. Repeats are the outermost loop and the solvers are
+/// shuffled (seeded) anew for every case, start and repeat, so that slow drifts of the machine, and what runs beside a
+/// run, fall on all alike.
 class Comparison {
  public:
   /// @throws std::invalid_argument for an unknown solver, no cases, no targets or counts below 1.
@@ -45,10 +47,13 @@ class Comparison {
   const ComparisonSettings& settings() const { return settings_; }
   const std::vector<CaseSpec>& cases() const { return cases_; }
   std::size_t size() const { return cases_.size() + per_repeat() * static_cast<std::size_t>(settings_.repeats); }
-  std::size_t per_repeat() const { return cases_.size() * static_cast<std::size_t>(settings_.starts) * settings_.solvers.size(); }
+  std::size_t per_repeat() const {
+    return cases_.size() * static_cast<std::size_t>(settings_.starts) * settings_.solvers.size();
+  }
   /// @throws std::out_of_range
   ScheduledRun at(std::size_t index) const;
-  /// Limits of an entry, s: until its evaluator ends it, and until its process is killed (as much later as with the suite's own limit).
+  /// Limits of an entry, s: until its evaluator ends it, and until its process is killed (as much later as with the
+  /// suite's own limit).
   double time_limit(const ScheduledRun& run) const;
   double kill_after(std::size_t index) const;
   /// The same run's index in another repeat.

@@ -4,21 +4,21 @@
 
 #include <fmt/format.h>
 
+#include <accdec/comparison/comparison_run.hpp>
+#include <accdec/comparison/recorded_problem.hpp>
+#include <accdec/comparison/row_numbers.hpp>
 #include <accdec/design/design.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/nlp/violation.hpp>
 #include <accdec/solvers/solver.hpp>
-#include <accdec/study/comparison_run.hpp>
-#include <accdec/study/recorded_problem.hpp>
-#include <accdec/study/row_numbers.hpp>
-#include <accdec/study/seconds_since.hpp>
 
 namespace accdec::study {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Improvements that matter: the first, the last, and those that leave at most 0.9 of the distance to the last that the one before left: a
-/// target is seen to be met no later than one a tenth nearer to the last was.
+/// Improvements that matter: the first, the last, and those that leave at most 0.9 of the distance to the last that the
+/// one before left: a target is seen to be met no later than one a tenth nearer to the last was.
 Row thinned(const std::vector<nlp::Improvement>& history) {
   Row list = Row::array();
   double left = nlp::infinity;
@@ -38,7 +38,11 @@ double violation_of(const nlp::Problem& problem, const std::vector<double>& x, d
 }
 
 Row counts_row(const nlp::Counts& n) {
-  return {{"objective", n.objective}, {"gradient", n.gradient}, {"rows", n.rows}, {"jacobian", n.jacobian}, {"hessian", n.hessian}};
+  return {{"objective", n.objective},
+          {"gradient", n.gradient},
+          {"rows", n.rows},
+          {"jacobian", n.jacobian},
+          {"hessian", n.hessian}};
 }
 
 }  // namespace
@@ -56,8 +60,8 @@ void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   options.native = competitor.native;
   options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
   const std::vector<double> start = subject.start(reduced, entry.start, settings_.seed);
-  // Rows of the reduced form are the limits themselves: whatever form a solver had, its answer and what it found on the way are judged by
-  // these. For a solver of the reduced form its evaluator does that as it goes.
+  // Rows of the reduced form are the limits themselves: whatever form a solver had, its answer and what it found on the
+  // way are judged by these. For a solver of the reduced form its evaluator does that as it goes.
   const auto judged = [&](const std::vector<double>& x, double& objective) {
     return violation_of(*subject.problem(true), subject.to_reduced(reduced, x), objective);
   };
@@ -76,15 +80,20 @@ void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   double objective = 0.0;
   double violation = judged(result.x, objective);
   solvers::Verdict verdict = result.verification.verdict;
-  // As for solvers of the reduced form: one that ends where a row is broken, or worse than where it was, answers with the best point it had.
-  const bool ends_worse = !(violation <= settings_.feasibility) || nlp::materially_better(recorded.best_objective(), objective);
+  // As for solvers of the reduced form: one that ends where a row is broken, or worse than where it was, answers with
+  // the best point it had.
+  const bool ends_worse =
+      !(violation <= settings_.feasibility) || nlp::materially_better(recorded.best_objective(), objective);
   if (!reduced && !recorded.best().empty() && ends_worse) {
     violation = judged(recorded.best(), objective);
     verdict = solvers::Verdict::feasible;
   }
-  if (!std::isfinite(violation)) verdict = solvers::Verdict::none;
-  else if (violation > settings_.feasibility) verdict = solvers::Verdict::infeasible;
-  else if (verdict != solvers::Verdict::optimal) verdict = solvers::Verdict::feasible;
+  if (!std::isfinite(violation))
+    verdict = solvers::Verdict::none;
+  else if (violation > settings_.feasibility)
+    verdict = solvers::Verdict::infeasible;
+  else if (verdict != solvers::Verdict::optimal)
+    verdict = solvers::Verdict::feasible;
   row["verdict"] = to_string(verdict);
   row["objective"] = number(objective);
   row["claimed_objective"] = number(result.claimed_objective);
@@ -122,7 +131,8 @@ void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
   const auto began = Clock::now();
   std::vector<nlp::Improvement> history;
   options.improved = [&](double cycle_time, const nlp::Counts& so_far) {
-    history.push_back({std::max(so_far.objective, so_far.rows), seconds_since(began) - so_far.verification_time, cycle_time / task.sample_period});
+    history.push_back({std::max(so_far.objective, so_far.rows), seconds_since(began) - so_far.verification_time,
+                       cycle_time / task.sample_period});
   };
   DesignResult result;
   try {
@@ -132,7 +142,8 @@ void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
     row["message"] = refusal.what();
     return;
   }
-  // Solvers that give no multipliers take longer to check, as they do with single problems, where that is not in their time either.
+  // Solvers that give no multipliers take longer to check, as they do with single problems, where that is not in their
+  // time either.
   const double judging = result.solver.counts.verification_time, wall = seconds_since(began) - judging;
   const bool found = result.status == Status::feasible || result.status == Status::optimal;
   const bool late = wall + judging > time_limit(entry);

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/io/comparison_report.hpp>
+#include <accdec/comparison/comparison_report.hpp>
 
 namespace accdec {
 namespace {
@@ -15,12 +15,18 @@ using study::ComparedCase;
 using study::ComparisonData;
 using study::Judgement;
 
-std::string shown(double x, int digits = 4) { return std::isfinite(x) ? fmt::format("{:.{}g}", x, digits) : ""; }
+std::string shown(double x, int digits = 4) {
+  return std::isfinite(x) ? fmt::format("{:.{}g}", x, digits) : "";
+}
 
 constexpr std::size_t judgement_count = std::size(study::judgements);
-std::size_t position(Judgement j) { return static_cast<std::size_t>(j); }
+std::size_t position(Judgement j) {
+  return static_cast<std::size_t>(j);
+}
 
-bool claims_success(const Attempt& a) { return a.claim == "solved" || a.claim == "acceptable"; }
+bool claims_success(const Attempt& a) {
+  return a.claim == "solved" || a.claim == "acceptable";
+}
 
 /// Every attempt of one solver.
 template <class Visit>
@@ -30,26 +36,55 @@ void each_attempt(const ComparisonData& data, std::size_t solver, Visit visit) {
   }
 }
 
-std::string text(const study::Row& row, const char* key) { return row.value(key, std::string()); }
+std::string text(const study::Row& row, const char* key) {
+  return row.value(key, std::string());
+}
 
 }  // namespace
 
 ComparisonTable problems_table(const ComparisonData& data) {
-  ComparisonTable t{"problems", {"problem", "family", "formulation", "size", "order", "variables", "rows", "reference", "proof", "proved bound", "how"}, {}};
+  ComparisonTable t{"problems",
+                    {"problem", "family", "formulation", "size", "order", "variables", "rows", "reference", "proof",
+                     "proved bound", "how"},
+                    {}};
   for (const ComparedCase& c : data.cases) {
-    t.rows.push_back({c.problem, c.family, c.question, fmt::format("{}", c.size), fmt::format("{}", c.order), fmt::format("{}", c.variables), fmt::format("{}", c.rows),
-                      shown(c.reference, 8), c.proof, shown(c.lower, 8), c.method});
+    t.rows.push_back({c.problem, c.family, c.question, fmt::format("{}", c.size), fmt::format("{}", c.order),
+                      fmt::format("{}", c.variables), fmt::format("{}", c.rows), shown(c.reference, 8), c.proof,
+                      shown(c.lower, 8), c.method});
   }
   return t;
 }
 
 ComparisonTable summary_table(const ComparisonData& data) {
   ComparisonTable t{"summary",
-                    {"solver", "library", "search", "uses", "form", "runs", "refused", "killed or crashed", "reference reached", "stationary, worse", "feasible only",
-                     "breaks a limit", "no point", "infeasible recognised", "infeasible: no design found", "infeasible in all", "claimed solved, refuted",
-                     "time to end lower quartile / s", "time to end median / s", "time to end upper quartile / s", "time to accuracy lower quartile / s",
-                     "time to accuracy median / s", "time to accuracy upper quartile / s", "median of time to end / time to accuracy", "evaluations lower quartile",
-                     "evaluations median", "evaluations upper quartile", "share of time in the evaluator"},
+                    {"solver",
+                     "library",
+                     "search",
+                     "uses",
+                     "form",
+                     "runs",
+                     "refused",
+                     "killed or crashed",
+                     "reference reached",
+                     "stationary, worse",
+                     "feasible only",
+                     "breaks a limit",
+                     "no point",
+                     "infeasible recognised",
+                     "infeasible: no design found",
+                     "infeasible in all",
+                     "claimed solved, refuted",
+                     "time to end lower quartile / s",
+                     "time to end median / s",
+                     "time to end upper quartile / s",
+                     "time to accuracy lower quartile / s",
+                     "time to accuracy median / s",
+                     "time to accuracy upper quartile / s",
+                     "median of time to end / time to accuracy",
+                     "evaluations lower quartile",
+                     "evaluations median",
+                     "evaluations upper quartile",
+                     "share of time in the evaluator"},
                     {}};
   for (std::size_t s = 0; s < data.solvers.size(); ++s) {
     const study::Row& about = data.header.at("solvers").at(s);
@@ -68,7 +103,8 @@ ComparisonTable summary_table(const ComparisonData& data) {
       ++count[position(a.judgement)];
       if (c.infeasible && a.success) ++recognised;
       if (c.infeasible && a.claim == "no design") ++none_found;
-      if (claims_success(a) && (a.judgement == Judgement::violates || a.judgement == Judgement::none || c.infeasible)) ++refuted;
+      if (claims_success(a) && (a.judgement == Judgement::violates || a.judgement == Judgement::none || c.infeasible))
+        ++refuted;
       if (a.success && !c.infeasible) {
         times.push_back(a.time.median);
         accuracy_times.push_back(a.accuracy_cost);
@@ -80,13 +116,37 @@ ComparisonTable summary_table(const ComparisonData& data) {
         wall += a.times.front();
       }
     });
-    const study::Quartiles time = study::quartiles(times), accuracy = study::quartiles(accuracy_times), evals = study::quartiles(evaluations);
+    const study::Quartiles time = study::quartiles(times), accuracy = study::quartiles(accuracy_times),
+                           evals = study::quartiles(evaluations);
     const auto whole = [](std::size_t n) { return fmt::format("{}", n); };
-    t.rows.push_back({data.solvers[s], text(about, "library"), text(about, "search"), text(about, "uses"), text(about, "form"), whole(runs), whole(refused), whole(lost),
-                      whole(count[position(Judgement::reached)]), whole(count[position(Judgement::stationary)]), whole(count[position(Judgement::feasible)]),
-                      whole(count[position(Judgement::violates)]), whole(count[position(Judgement::none)]), whole(recognised), whole(none_found),
-                      whole(count[position(Judgement::impossible)]), whole(refuted), shown(time.lower), shown(time.median), shown(time.upper), shown(accuracy.lower),
-                      shown(accuracy.median), shown(accuracy.upper), shown(study::quartiles(polishing).median, 3), shown(evals.lower), shown(evals.median), shown(evals.upper), wall > 0.0 ? shown(inside / wall, 3) : ""});
+    t.rows.push_back({data.solvers[s],
+                      text(about, "library"),
+                      text(about, "search"),
+                      text(about, "uses"),
+                      text(about, "form"),
+                      whole(runs),
+                      whole(refused),
+                      whole(lost),
+                      whole(count[position(Judgement::reached)]),
+                      whole(count[position(Judgement::stationary)]),
+                      whole(count[position(Judgement::feasible)]),
+                      whole(count[position(Judgement::violates)]),
+                      whole(count[position(Judgement::none)]),
+                      whole(recognised),
+                      whole(none_found),
+                      whole(count[position(Judgement::impossible)]),
+                      whole(refuted),
+                      shown(time.lower),
+                      shown(time.median),
+                      shown(time.upper),
+                      shown(accuracy.lower),
+                      shown(accuracy.median),
+                      shown(accuracy.upper),
+                      shown(study::quartiles(polishing).median, 3),
+                      shown(evals.lower),
+                      shown(evals.median),
+                      shown(evals.upper),
+                      wall > 0.0 ? shown(inside / wall, 3) : ""});
   }
   return t;
 }
@@ -116,18 +176,58 @@ ComparisonTable confusion_table(const ComparisonData& data) {
 
 ComparisonTable runs_table(const ComparisonData& data) {
   ComparisonTable t{"runs",
-                    {"problem", "formulation", "size", "start", "solver", "claimed", "verified", "success", "objective", "gap", "violation", "repeats", "of these successes",
-                     "time to end lower quartile / s", "time to end median / s", "time to end upper quartile / s", "time to accuracy median / s", "evaluations", "gradients", "jacobians", "hessians", "evaluator time / s", "message"},
+                    {"problem",
+                     "formulation",
+                     "size",
+                     "start",
+                     "solver",
+                     "claimed",
+                     "verified",
+                     "success",
+                     "objective",
+                     "gap",
+                     "violation",
+                     "repeats",
+                     "of these successes",
+                     "time to end lower quartile / s",
+                     "time to end median / s",
+                     "time to end upper quartile / s",
+                     "time to accuracy median / s",
+                     "evaluations",
+                     "gradients",
+                     "jacobians",
+                     "hessians",
+                     "evaluator time / s",
+                     "message"},
                     {}};
   for (std::size_t c = 0; c < data.cases.size(); ++c) {
     const ComparedCase& problem = data.cases[c];
     for (int start = 0; start < data.starts; ++start) {
       for (std::size_t s = 0; s < data.solvers.size(); ++s) {
         const Attempt& a = data.attempt(c, start, s);
-        t.rows.push_back({problem.problem, problem.question, fmt::format("{}", problem.size), fmt::format("{}", start), data.solvers[s], a.claim,
-                          std::string(to_string(a.judgement)), a.success ? "yes" : "no", shown(a.objective, 9), shown(a.gap, 3), shown(a.violation, 3),
-                          fmt::format("{}", a.times.size()), fmt::format("{}", a.successes), shown(a.time.lower), shown(a.time.median), shown(a.time.upper), shown(a.accuracy_cost), shown(a.evaluations, 12),
-                          shown(a.gradients, 12), shown(a.jacobians, 12), shown(a.hessians, 12), shown(a.evaluation_time), a.message});
+        t.rows.push_back({problem.problem,
+                          problem.question,
+                          fmt::format("{}", problem.size),
+                          fmt::format("{}", start),
+                          data.solvers[s],
+                          a.claim,
+                          std::string(to_string(a.judgement)),
+                          a.success ? "yes" : "no",
+                          shown(a.objective, 9),
+                          shown(a.gap, 3),
+                          shown(a.violation, 3),
+                          fmt::format("{}", a.times.size()),
+                          fmt::format("{}", a.successes),
+                          shown(a.time.lower),
+                          shown(a.time.median),
+                          shown(a.time.upper),
+                          shown(a.accuracy_cost),
+                          shown(a.evaluations, 12),
+                          shown(a.gradients, 12),
+                          shown(a.jacobians, 12),
+                          shown(a.hessians, 12),
+                          shown(a.evaluation_time),
+                          a.message});
       }
     }
   }
@@ -135,7 +235,10 @@ ComparisonTable runs_table(const ComparisonData& data) {
 }
 
 ComparisonTable pairs_table(const ComparisonData& data) {
-  ComparisonTable t{"pairs", {"level", "solver", "against", "solved by it", "least time to accuracy or equal (ratio 1)", "within ratio 2", "within ratio 10"}, {}};
+  ComparisonTable t{"pairs",
+                    {"level", "solver", "against", "solved by it", "least time to accuracy or equal (ratio 1)",
+                     "within ratio 2", "within ratio 10"},
+                    {}};
   for (const bool design : {false, true}) {
     const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
     if (costs.empty() || costs.front().empty()) continue;
@@ -143,7 +246,8 @@ ComparisonTable pairs_table(const ComparisonData& data) {
       for (std::size_t b = 0; b < data.solvers.size(); ++b) {
         if (a == b || !data.takes_part(design, a) || !data.takes_part(design, b)) continue;
         const auto d = study::distribution(study::performance_ratios({costs[a], costs[b]}).front());
-        t.rows.push_back({design ? "design" : "nonlinear problem", data.solvers[a], data.solvers[b], shown(d.y.empty() ? 0.0 : d.y.back(), 3), shown(study::at(d, 1.0), 3),
+        t.rows.push_back({design ? "design" : "nonlinear problem", data.solvers[a], data.solvers[b],
+                          shown(d.y.empty() ? 0.0 : d.y.back(), 3), shown(study::at(d, 1.0), 3),
                           shown(study::at(d, 2.0), 3), shown(study::at(d, 10.0), 3)});
       }
     }

@@ -1,7 +1,6 @@
-#include <accdec/study/competitor.hpp>
-
 #include <algorithm>
 
+#include <accdec/comparison/competitor.hpp>
 #include <accdec/nlp/problem.hpp>
 
 namespace accdec::study {
@@ -46,7 +45,8 @@ bool takes_both_forms(const solvers::Solver& solver) {
 bool Competitor::wants_reduced(const std::vector<std::string>& reduced) const {
   if (form != Form::suited) return form == Form::reduced;
   const solvers::Capabilities can = registered().capabilities();
-  return !can.equality_rows || can.needs_finite_bounds || std::find(reduced.begin(), reduced.end(), solver) != reduced.end();
+  return !can.equality_rows || can.needs_finite_bounds ||
+         std::find(reduced.begin(), reduced.end(), solver) != reduced.end();
 }
 
 Competitor competitor_from_entry(const std::string& entry) {

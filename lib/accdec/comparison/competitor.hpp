@@ -8,12 +8,13 @@
 
 namespace accdec::study {
 
-/// A solver as it takes part in a comparison: which form of the problems it gets, and with which of its library's options.
+/// A solver as it takes part in a comparison: which form of the problems it gets, and with which of its library's
+/// options.
 struct Competitor {
   enum class Form { suited, sparse, reduced };  ///< `suited`: the form the suite gives all entries of this solver
 
-  std::string name;                           ///< in tables and figures, unique in a comparison
-  std::string solver;                         ///< registry name
+  std::string name;    ///< in tables and figures, unique in a comparison
+  std::string solver;  ///< registry name
   Form form = Form::suited;
   std::map<std::string, std::string> native;  ///< the library's own options
 
@@ -24,11 +25,13 @@ struct Competitor {
   /// @throws std::invalid_argument for options that the library does not have.
   void warm_up() const;
 
-  /// Whether it gets the reduced form: because it asks for it, takes no equality rows or only finite bounds, or is among `reduced`.
+  /// Whether it gets the reduced form: because it asks for it, takes no equality rows or only finite bounds, or is
+  /// among `reduced`.
   bool wants_reduced(const std::vector<std::string>& reduced) const;
 };
 
-/// An entry of a list of solvers: a registry name, or "NAME/sparse" or "NAME/reduced" for one that takes equality rows in that form.
+/// An entry of a list of solvers: a registry name, or "NAME/sparse" or "NAME/reduced" for one that takes equality rows
+/// in that form.
 Competitor competitor_from_entry(const std::string& entry);
 
 /// Whether both forms of a problem can be given to a solver.

@@ -1,9 +1,9 @@
-#include <accdec/study/profile.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+
+#include <accdec/comparison/profile.hpp>
 
 namespace accdec::study {
 namespace {
@@ -43,13 +43,15 @@ double at(const Distribution& d, double x) {
   return after == d.x.begin() ? 0.0 : d.y[static_cast<std::size_t>(after - d.x.begin()) - 1];
 }
 
-std::vector<std::vector<double>> performance_ratios(const std::vector<std::vector<double>>& costs, const std::vector<std::size_t>& among) {
+std::vector<std::vector<double>> performance_ratios(const std::vector<std::vector<double>>& costs,
+                                                    const std::vector<std::size_t>& among) {
   std::vector<std::vector<double>> ratios = costs;
   if (costs.empty()) return ratios;
   for (std::size_t p = 0; p < costs.front().size(); ++p) {
     double least = infinity;
     for (const auto& solver : costs) {
-      if (solver.size() != costs.front().size()) throw std::invalid_argument("every solver needs a cost for every problem");
+      if (solver.size() != costs.front().size())
+        throw std::invalid_argument("every solver needs a cost for every problem");
       if (!(solver[p] > 0.0)) throw std::invalid_argument("costs must be positive");
       if (among.empty()) least = std::min(least, solver[p]);
     }
@@ -60,7 +62,8 @@ std::vector<std::vector<double>> performance_ratios(const std::vector<std::vecto
 }
 
 std::vector<double> simplex_gradients(const std::vector<double>& evaluations, const std::vector<int>& variables) {
-  if (evaluations.size() != variables.size()) throw std::invalid_argument("evaluations and variables must be of the same problems");
+  if (evaluations.size() != variables.size())
+    throw std::invalid_argument("evaluations and variables must be of the same problems");
   std::vector<double> result(evaluations.size());
   for (std::size_t p = 0; p < result.size(); ++p) result[p] = evaluations[p] / (variables[p] + 1.0);
   return result;

@@ -1,11 +1,14 @@
-#include <accdec/study/recorded_problem.hpp>
-
 #include <algorithm>
+
+#include <accdec/comparison/recorded_problem.hpp>
 
 namespace accdec::study {
 
 RecordedProblem::RecordedProblem(const nlp::Problem& problem, Judge judge, std::size_t most_bytes)
-    : problem_(problem), judge_(std::move(judge)), most_points_(most_bytes / (sizeof(Point) + sizeof(double) * static_cast<std::size_t>(problem.num_variables() + 1)) + 1) {}
+    : problem_(problem),
+      judge_(std::move(judge)),
+      most_points_(
+          most_bytes / (sizeof(Point) + sizeof(double) * static_cast<std::size_t>(problem.num_variables() + 1)) + 1) {}
 
 double RecordedProblem::objective(std::span<const double> x) const {
   const double value = problem_.objective(x);

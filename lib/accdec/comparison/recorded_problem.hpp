@@ -10,8 +10,8 @@
 
 namespace accdec::study {
 
-/// A problem that remembers the points at which its objective was asked for, so that they can be judged by another measure after the run
-/// instead of during it. Not thread-safe: for one run of one solver.
+/// A problem that remembers the points at which its objective was asked for, so that they can be judged by another
+/// measure after the run instead of during it. Not thread-safe: for one run of one solver.
 class RecordedProblem final : public nlp::Problem {
  public:
   /// Objective of a point if it holds everything, infinite otherwise.
@@ -42,12 +42,15 @@ class RecordedProblem final : public nlp::Problem {
   void jacobian(std::span<const double> x, std::span<double> values) const override { problem_.jacobian(x, values); }
   bool has_hessian() const override { return problem_.has_hessian(); }
   const std::vector<nlp::Entry>& hessian_pattern() const override { return problem_.hessian_pattern(); }
-  void hessian(std::span<const double> x, double objective_factor, std::span<const double> multipliers, std::span<double> values) const override {
+  void hessian(std::span<const double> x, double objective_factor, std::span<const double> multipliers,
+               std::span<double> values) const override {
     problem_.hessian(x, objective_factor, multipliers, values);
   }
   int num_residuals() const override { return problem_.num_residuals(); }
   void residuals(std::span<const double> x, std::span<double> r) const override { problem_.residuals(x, r); }
-  void residual_jacobian(std::span<const double> x, std::span<double> values) const override { problem_.residual_jacobian(x, values); }
+  void residual_jacobian(std::span<const double> x, std::span<double> values) const override {
+    problem_.residual_jacobian(x, values);
+  }
 
  private:
   struct Point {

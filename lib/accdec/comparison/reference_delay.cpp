@@ -1,7 +1,8 @@
-#include <accdec/study/reference_delay.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include <accdec/comparison/reference_delay.hpp>
 
 namespace accdec::study {
 

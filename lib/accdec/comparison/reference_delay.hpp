@@ -1,6 +1,6 @@
 #pragma once
 
-#include <accdec/study/reference_search.hpp>
+#include <accdec/comparison/reference_search.hpp>
 
 namespace accdec::study {
 

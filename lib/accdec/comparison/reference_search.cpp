@@ -1,6 +1,7 @@
-#include <accdec/study/reference_search.hpp>
 #include <algorithm>
 #include <limits>
+
+#include <accdec/comparison/reference_search.hpp>
 
 namespace accdec::study {
 namespace {

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <accdec/design/exact/search.hpp>
 #include <functional>
 #include <optional>
 #include <vector>
+
+#include <accdec/exact/search.hpp>
 
 namespace accdec::study {
 

@@ -14,7 +14,11 @@ inline Row rounded(double x, int digits) {
   if (!std::isfinite(x)) return nullptr;
   return std::stod(fmt::format("{:.{}g}", x, digits));
 }
-inline Row number(double x) { return rounded(x, 12); }
-inline Row seconds(double x) { return rounded(x, 5); }
+inline Row number(double x) {
+  return rounded(x, 12);
+}
+inline Row seconds(double x) {
+  return rounded(x, 5);
+}
 
 }  // namespace accdec::study

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <accdec/io/errors.hpp>
-#include <accdec/study/comparison_run.hpp>
+#include <accdec/comparison/comparison_run.hpp>
+#include <accdec/files/errors.hpp>
 
 namespace accdec {
 
@@ -18,8 +18,8 @@ struct Suite {
 
 /// Reads SUITE.toml; problems/suite/full.toml explains every key. Paths of tasks in it are relative to it.
 /// @param solvers  instead of the suite's, if not empty
-/// @throws InputError with position: unknown keys with a suggestion, unknown solvers with the known ones, tasks that do not exist or do
-/// not fit the question asked of them; std::invalid_argument for an unknown name in `solvers`
+/// @throws InputError with position: unknown keys with a suggestion, unknown solvers with the known ones, tasks that do
+/// not exist or do not fit the question asked of them; std::invalid_argument for an unknown name in `solvers`
 Suite read_suite(const std::string& path, const std::vector<std::string>& solvers = {});
 
 }  // namespace accdec

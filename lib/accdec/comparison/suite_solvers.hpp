@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <accdec/io/toml_table.hpp>
-#include <accdec/study/comparison_run.hpp>
+#include <accdec/comparison/comparison_run.hpp>
+#include <accdec/files/toml_table.hpp>
 
 // Internal to the room, as toml_table.hpp.
 

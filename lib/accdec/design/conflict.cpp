@@ -1,6 +1,6 @@
-#include <accdec/design/conflict.hpp>
-
 #include <fmt/format.h>
+
+#include <accdec/design/conflict.hpp>
 
 namespace accdec {
 namespace {
@@ -27,8 +27,10 @@ std::vector<Limit> limits_of(const Task& task) {
   axis_limit("regeneration", &Axis::regeneration_max);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
-    if (corner.error_max) limits.push_back({"corner error " + corner.name, [j](Task& t) { t.corners[j].error_max.reset(); }});
-    if (corner.speed_min > 0.0) limits.push_back({"smallest speed " + corner.name, [j](Task& t) { t.corners[j].speed_min = 0.0; }});
+    if (corner.error_max)
+      limits.push_back({"corner error " + corner.name, [j](Task& t) { t.corners[j].error_max.reset(); }});
+    if (corner.speed_min > 0.0)
+      limits.push_back({"smallest speed " + corner.name, [j](Task& t) { t.corners[j].speed_min = 0.0; }});
     if (corner.delay) limits.push_back({"given delay " + corner.name, [j](Task& t) { t.corners[j].delay.reset(); }});
   }
   for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {

@@ -8,7 +8,9 @@
 namespace accdec {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 /// Linearly interpolated step response of a point: B(y), with knots at the integers, 0 before 0 and 1 after N + 1.
 class Interpolated {
@@ -51,7 +53,9 @@ class Interpolated {
 };
 
 /// Value at y of the hat function of knot i, and its integral from -infinity to y.
-double hat(int i, double y) { return std::max(0.0, 1.0 - std::abs(y - i)); }
+double hat(int i, double y) {
+  return std::max(0.0, 1.0 - std::abs(y - i));
+}
 double hat_integral(int i, double y) {
   const double f = std::clamp(y - (i - 1), 0.0, 2.0);
   return f <= 1.0 ? 0.5 * f * f : 1.0 - 0.5 * (2.0 - f) * (2.0 - f);

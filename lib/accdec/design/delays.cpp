@@ -1,25 +1,25 @@
-#include <accdec/design/design.hpp>
-
 #include <chrono>
 
 #include <fmt/format.h>
 
+#include <accdec/design/design.hpp>
 #include <accdec/design/limit_rows.hpp>
-#include <accdec/design/verifier.hpp>
 #include <accdec/motion/smallest_delay.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
 
-/// Whether one corner holds its axis limits and its smallest speed at a delay. Uses the blend formulas, for speed; the final
-/// design is simulated.
+/// Whether one corner holds its axis limits and its smallest speed at a delay. Uses the blend formulas, for speed; the
+/// final design is simulated.
 bool holds(const Task& task, const TaskCorner& corner, const Filter& filter, int delay, std::string* broken) {
   const auto tell = [&](const LimitUse& use) {
     if (use.utilisation <= 1.0 + verification_tolerance) return true;
     *broken = describe(use);
     return false;
   };
-  for (const LimitUse& use : axis_utilisation(filter, corner.geometry, delay, task.sample_period, task.machine, corner.name)) {
+  for (const LimitUse& use :
+       axis_utilisation(filter, corner.geometry, delay, task.sample_period, task.machine, corner.name)) {
     if (!tell(use)) return false;
   }
   const CornerMeasures measures = measure(Blend(filter, corner.geometry, delay, task.sample_period));
@@ -52,17 +52,18 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
   long tried = 0;
   for (const TaskCorner& corner : task.corners) {
     const double period = task.sample_period;
-    int delay = corner.delay.value_or(
-        corner.error_max ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
-                                    corner.geometry.feed_out * period, *corner.error_max)
-                         : 0);
-    // At N + 1 the legs no longer overlap, but the last step of one acceleration still meets the first of the other: from N + 2 on
-    // nothing changes any more.
+    int delay = corner.delay.value_or(corner.error_max
+                                          ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
+                                                     corner.geometry.feed_out * period, *corner.error_max)
+                                          : 0);
+    // At N + 1 the legs no longer overlap, but the last step of one acceleration still meets the first of the other:
+    // from N + 2 on nothing changes any more.
     const int last = corner.delay.value_or(std::max(delay, filter.order() + 2));
     std::string broken;
     while (++tried, !holds(task, corner, filter, delay, &broken) && delay < last) ++delay;
     if (!holds(task, corner, filter, delay, &broken)) {
-      impossible = fmt::format("this filter breaks a limit at corner {} whatever its delay; at d = {}: {}", corner.name, delay, broken);
+      impossible = fmt::format("this filter breaks a limit at corner {} whatever its delay; at d = {}: {}", corner.name,
+                               delay, broken);
       if (corner.delay) impossible = fmt::format("this filter breaks a limit at the given delay: {}", broken);
       break;
     }

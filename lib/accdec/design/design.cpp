@@ -1,13 +1,12 @@
-#include <accdec/design/design.hpp>
-
 #include <algorithm>
 #include <chrono>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/design/exact/exact.hpp>
-#include <accdec/design/limit_rows.hpp>
+#include <accdec/design/design.hpp>
+#include <accdec/exact/exact.hpp>
+#include <accdec/task/contradictions.hpp>
 
 namespace accdec {
 namespace {
@@ -20,7 +19,8 @@ ExactOptions exact_options(const DesignOptions& options) {
   if (options.progress) {
     exact.progress = [tell = options.progress](const ExactProgress& p) {
       if (p.incumbent < unlimited) {
-        tell(fmt::format("bound {:.3f} ms, best {:.3f} ms, gap {:.1f} %", p.bound * 1e3, p.incumbent * 1e3, 100.0 * p.gap));
+        tell(fmt::format("bound {:.3f} ms, best {:.3f} ms, gap {:.1f} %", p.bound * 1e3, p.incumbent * 1e3,
+                         100.0 * p.gap));
       } else {
         tell(fmt::format("bound {:.3f} ms, no design yet", p.bound * 1e3));
       }
@@ -29,7 +29,9 @@ ExactOptions exact_options(const DesignOptions& options) {
   return exact;
 }
 
-bool has_design(const DesignResult& result) { return result.status == Status::optimal || result.status == Status::feasible; }
+bool has_design(const DesignResult& result) {
+  return result.status == Status::optimal || result.status == Status::feasible;
+}
 
 /// The bound of one result with the design of another that is shorter.
 DesignResult combine(DesignResult design, const DesignResult& bound) {
@@ -53,8 +55,8 @@ DesignResult combine(DesignResult design, const DesignResult& bound) {
   return design;
 }
 
-/// The exact method; where it proves no optimum (limits outside the convex class, time), a nonlinear solver may still know a
-/// shorter design than it does.
+/// The exact method; where it proves no optimum (limits outside the convex class, time), a nonlinear solver may still
+/// know a shorter design than it does.
 DesignResult exact_then_local(const Task& task, const DesignOptions& options) {
   const auto began = std::chrono::steady_clock::now();
   DesignResult exact = design_exact(task, exact_options(options));
@@ -94,7 +96,8 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   if (has_design(proof)) {
     // Whatever limits the local search blamed, they are not in conflict.
     nlp.message = fmt::format("{} found no design{}; there is one: the exact method has {:g} ms", options.solver,
-                              nlp.solver.claimed.empty() ? "" : fmt::format(" (last claim: {})", nlp.solver.claimed), 1e3 * proof.cycle_time);
+                              nlp.solver.claimed.empty() ? "" : fmt::format(" (last claim: {})", nlp.solver.claimed),
+                              1e3 * proof.cycle_time);
   }
   return nlp;
 }

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include <accdec/design/result.hpp>
-#include <accdec/design/task.hpp>
 #include <accdec/solvers/solver.hpp>
+#include <accdec/task/result.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 
@@ -18,16 +18,17 @@ enum class Method {
 
 struct DesignOptions {
   Method method = Method::exact;
-  std::string solver = "ipopt";                       ///< registry name, for Method::nlp
-  solvers::Options solver_options;                    ///< tolerance, seed, native options of every single solve
-  double time_limit = 600.0;                          ///< s, for the whole design
-  const std::atomic<bool>* cancel = nullptr;          ///< ends the search early with the best verified design so far
-  std::function<void(const std::string&)> progress;   ///< one line a step; nothing is told when empty
+  std::string solver = "ipopt";                      ///< registry name, for Method::nlp
+  solvers::Options solver_options;                   ///< tolerance, seed, native options of every single solve
+  double time_limit = 600.0;                         ///< s, for the whole design
+  const std::atomic<bool>* cancel = nullptr;         ///< ends the search early with the best verified design so far
+  std::function<void(const std::string&)> progress;  ///< one line a step; nothing is told when empty
   /// Method::nlp: told of every verified design that is shorter than the one before, with the calls so far.
   std::function<void(double cycle_time, const nlp::Counts& so_far)> improved;
-  std::optional<Filter> start;                        ///< Method::nlp: where to start from at its order; else, and elsewhere, a trapezoid
-  std::optional<bool> reduced;                        ///< Method::nlp: positions substituted into their bounds; else where the solver needs it
-  bool certificate = true;                            ///< exact: keep the proof in the result
+  std::optional<Filter> start;  ///< Method::nlp: where to start from at its order; else, and elsewhere, a trapezoid
+  std::optional<bool>
+      reduced;              ///< Method::nlp: positions substituted into their bounds; else where the solver needs it
+  bool certificate = true;  ///< exact: keep the proof in the result
 };
 
 /// Chooses what the task leaves open (filter, order, delays) for the least cycle time within all limits.
@@ -35,8 +36,9 @@ struct DesignOptions {
 /// @throws std::invalid_argument for an unknown solver or native option.
 DesignResult design_task(const Task& task, const DesignOptions& options = {});
 
-/// The filter given, delays free (fixed where the task gives them): for every corner the smallest delay at which its error bound and
-/// all limits hold. Exhaustive from the smallest delay the corner error allows, so the result is the optimum.
+/// The filter given, delays free (fixed where the task gives them): for every corner the smallest delay at which its
+/// error bound and all limits hold. Exhaustive from the smallest delay the corner error allows, so the result is the
+/// optimum.
 DesignResult design_delays(const Task& task, const DesignOptions& options = {});
 
 /// Filter and delays by nonlinear programming, see Method::nlp.

@@ -1,11 +1,10 @@
-#include <accdec/design/fixed_order.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include <accdec/design/fixed_order.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 
@@ -14,7 +13,8 @@ namespace {
 
 /// A point that holds all rows, by the verifier.
 bool held(const solvers::Result& result) {
-  return result.verification.verdict == solvers::Verdict::optimal || result.verification.verdict == solvers::Verdict::feasible;
+  return result.verification.verdict == solvers::Verdict::optimal ||
+         result.verification.verdict == solvers::Verdict::feasible;
 }
 
 /// The same, and of the solver's own making: the start handed back by one that did nothing is no design of its.
@@ -25,7 +25,9 @@ bool own(const solvers::Result& result, const std::vector<double>& start) {
 }
 
 /// A filter to start from: the trapezoid of this order, with a third of it for each ramp.
-Filter guess(int order) { return order < 2 ? boxcar(order) : trapezoid(order, order / 3); }
+Filter guess(int order) {
+  return order < 2 ? boxcar(order) : trapezoid(order, order / 3);
+}
 
 }  // namespace
 
@@ -81,7 +83,8 @@ FormulationOptions FixedOrderDesigner::formulation(int order, std::vector<int> b
   f.blend_delays = std::move(blend_delays);
   f.mode_frequencies = initial_frequencies(task_, order);
   for (std::size_t i = 0; i < extra_frequencies_.size(); ++i) {
-    f.mode_frequencies[i].insert(f.mode_frequencies[i].end(), extra_frequencies_[i].begin(), extra_frequencies_[i].end());
+    f.mode_frequencies[i].insert(f.mode_frequencies[i].end(), extra_frequencies_[i].begin(),
+                                 extra_frequencies_[i].end());
   }
   f.reduced = reduced_;
   return f;
@@ -97,7 +100,8 @@ bool FixedOrderDesigner::refine_bands(const Filter& filter) {
     if (uses[i].utilisation <= 1.0 || mode.frequency_low == mode.frequency_high) continue;
     const std::vector<double>& known = extra_frequencies_[i];
     const double apart = 1e-3 * (mode.frequency_high - mode.frequency_low);
-    const bool old = std::any_of(known.begin(), known.end(), [&](double f) { return std::abs(f - uses[i].frequency) < apart; });
+    const bool old =
+        std::any_of(known.begin(), known.end(), [&](double f) { return std::abs(f - uses[i].frequency) < apart; });
     if (old) continue;
     extra_frequencies_[i].push_back(uses[i].frequency);
     added = true;
@@ -121,18 +125,21 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
   std::vector<double> delays = guess_delays(start);
   for (int pass = 0; pass < 8 && !stopped(); ++pass) {
     // Once the legs part, a blend is a stop and a start: the loosest its limits get.
-    const std::vector<int> blend = parted ? rounded_up(std::vector<double>(delays.size(), order + 1.0), order) : rounded_up(delays, order);
+    const std::vector<int> blend =
+        parted ? rounded_up(std::vector<double>(delays.size(), order + 1.0), order) : rounded_up(delays, order);
     const DelayProblem problem(task_, formulation(order, blend));
     const solvers::Result result = solve(problem, problem.start_from(start, delays));
     // A relaxation only guides the search: there a start that holds is as good as any.
     if (!held(result)) {
-      // Delays that the errors alone need, found with parted legs, were a try; and what held before guides the search even so.
+      // Delays that the errors alone need, found with parted legs, were a try; and what held before guides the search
+      // even so.
       if (best && (best->parted || parted)) break;
       if (!coupled_ || parted) return std::nullopt;
       parted = true;
       continue;
     }
-    Relaxed next_relaxed{weight_ * (order + 1.0), problem.delays(result.x), problem.instants(result.x), filter_from(result.x, order), parted};
+    Relaxed next_relaxed{weight_ * (order + 1.0), problem.delays(result.x), problem.instants(result.x),
+                         filter_from(result.x, order), parted};
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
       next_relaxed.cost += task_.corners[j].weight * (parted ? blend[j] : next_relaxed.delays[j]);
     }
@@ -140,7 +147,8 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
     delays = next_relaxed.delays;
     const std::vector<int> next = rounded_up(delays, order);
     const bool moved = coupled_ && next != blend;
-    // A step of one between passes is rounding; more means that the smallest speed holds at one delay and the error at another.
+    // A step of one between passes is rounding; more means that the smallest speed holds at one delay and the error at
+    // another.
     consistent = true;
     for (std::size_t j = 0; j < next.size(); ++j) {
       consistent = consistent && (task_.corners[j].speed_min <= 0.0 || std::abs(next[j] - blend[j]) <= 1);
@@ -156,7 +164,7 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
 }
 
 std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::vector<int>& delays, const Filter& start,
-                                                          std::vector<int> samples) {
+                                                         std::vector<int> samples) {
   Filter from = start;
   std::optional<Filter> found;
   for (int pass = 0; pass < 6 && !stopped(); ++pass) {
@@ -168,7 +176,8 @@ std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::v
     found = from;
     bool again = refine_bands(from);
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
-      const int nearest = measure(Blend(from, task_.corners[j].geometry, delays[j], task_.sample_period)).corner_error_sample;
+      const int nearest =
+          measure(Blend(from, task_.corners[j].geometry, delays[j], task_.sample_period)).corner_error_sample;
       if (task_.corners[j].error_max && nearest != samples[j]) {
         samples[j] = nearest;
         again = true;
@@ -180,7 +189,8 @@ std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::v
 }
 
 SolverReport FixedOrderDesigner::report() const {
-  return {"nlp", solver_.name(), solver_.library_version(), claimed_, static_cast<long>(counts_.objective), wall_time_, counts_};
+  return {"nlp",      solver_.name(), solver_.library_version(), claimed_, static_cast<long>(counts_.objective),
+          wall_time_, counts_};
 }
 
 }  // namespace accdec

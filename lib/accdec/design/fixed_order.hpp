@@ -13,16 +13,18 @@
 
 namespace accdec {
 
-/// The two smooth problems at one order after another, solved by one solver: rows on vibration bands and on the blend's limits, which
-/// depend on the answer, are refined from solve to solve. Keeps the clock, the counts and the frequencies found.
+/// The two smooth problems at one order after another, solved by one solver: rows on vibration bands and on the blend's
+/// limits, which depend on the answer, are refined from solve to solve. Keeps the clock, the counts and the frequencies
+/// found.
 class FixedOrderDesigner {
  public:
   /// Problem (b): delays, instants and filter at one order.
   struct Relaxed {
-    double cost = 0.0;                      ///< weighted sum of N + 1 + d_j, samples
-    std::vector<double> delays, instants;   ///< per corner; instant -1 without an error bound
+    double cost = 0.0;                     ///< weighted sum of N + 1 + d_j, samples
+    std::vector<double> delays, instants;  ///< per corner; instant -1 without an error bound
     std::optional<Filter> filter;
-    /// Limits on the blend held only at parted legs: `cost` then counts delays of N + 1, `delays` are what the errors alone need.
+    /// Limits on the blend held only at parted legs: `cost` then counts delays of N + 1, `delays` are what the errors
+    /// alone need.
     bool parted = false;
   };
 
@@ -32,13 +34,16 @@ class FixedOrderDesigner {
   /// Problem (b); nothing when it has no feasible point, or the solver finds none. Solved once per order.
   const std::optional<Relaxed>& relaxed(int order);
   /// Problem (a) at integer delays, the error of corner j first bounded at sample samples[j]: a filter, or nothing.
-  std::optional<Filter> largest_margin(int order, const std::vector<int>& delays, const Filter& start, std::vector<int> samples);
+  std::optional<Filter> largest_margin(int order, const std::vector<int>& delays, const Filter& start,
+                                       std::vector<int> samples);
 
   std::vector<double> guess_delays(const Filter& filter) const;
   /// Continuous delays rounded up to integers in 0 .. N + 1; given delays are kept.
   std::vector<int> rounded_up(const std::vector<double>& delays, int order) const;
 
-  bool stopped() const { return elapsed() > options_.time_limit || (options_.cancel != nullptr && options_.cancel->load()); }
+  bool stopped() const {
+    return elapsed() > options_.time_limit || (options_.cancel != nullptr && options_.cancel->load());
+  }
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
   void tell(const std::string& line) const {
     if (options_.progress) options_.progress(line);

@@ -1,9 +1,9 @@
-#include <accdec/design/formulation.hpp>
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include <accdec/design/formulation.hpp>
 
 namespace accdec {
 
@@ -23,7 +23,8 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
   set_name("least corner error");
   const CumulativeVariables b = add_cumulative_variables(*this, options.order);
   sigma_ = add_variable("sigma", {0.0, nlp::infinity});
-  // What sigma is at most when both legs' distances are largest and along one line: a finite box, which population methods need.
+  // What sigma is at most when both legs' distances are largest and along one line: a finite box, which population
+  // methods need.
   double sigma_max = 1.0;
   bool any_bound = false;
   for (const TaskCorner& corner : task.corners) any_bound = any_bound || corner.error_max.has_value();
@@ -33,12 +34,14 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
     // A tolerance of zero is an exact stop, which the delay alone ensures.
     const double unit = any_bound ? *corner.error_max : 100e-6;
     if (unit == 0.0) continue;
-    const double in = corner.geometry.feed_in * task.sample_period / unit, out = corner.geometry.feed_out * task.sample_period / unit;
+    const double in = corner.geometry.feed_in * task.sample_period / unit,
+                 out = corner.geometry.feed_out * task.sample_period / unit;
     const int k = samples[j], m = k - options.blend_delays[j];
     Affine p = in * b.remaining_moment(k), q = out * b.elapsed_moment(m);
     sigma_max = std::max(sigma_max, std::pow(largest(p) + largest(q), 2));
     if (!options.reduced) {
-      const int ip = add_variable("P " + corner.name, {0.0, nlp::infinity}), iq = add_variable("Q " + corner.name, {0.0, nlp::infinity});
+      const int ip = add_variable("P " + corner.name, {0.0, nlp::infinity}),
+                iq = add_variable("Q " + corner.name, {0.0, nlp::infinity});
       add_to_row(add_row("distance in, corner " + corner.name, {0.0, 0.0}), p + Affine{0.0, {{ip, -1.0}}});
       add_to_row(add_row("distance out, corner " + corner.name, {0.0, 0.0}), q + Affine{0.0, {{iq, -1.0}}});
       p = {0.0, {{ip, 1.0}}};

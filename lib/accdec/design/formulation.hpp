@@ -8,12 +8,12 @@
 
 namespace accdec {
 
-/// (a) Least corner error at given order and integer delays. Variables B_1 .. B_N, per bounded corner P, Q (leg distances in units of
-/// its tolerance; absent when reduced), and sigma:
+/// (a) Least corner error at given order and integer delays. Variables B_1 .. B_N, per bounded corner P, Q (leg
+/// distances in units of its tolerance; absent when reduced), and sigma:
 ///   minimise sigma  subject to  |S_j[k_j]|^2 <= sigma E_j^2  and all limits.
-/// sigma = (error/tolerance)^2 of the worst corner, so the optimum is <= 1 exactly when the delays can be had, and the solution has
-/// the largest margin. Without any error bound, sigma bounds |S_j|^2 in units of 100 um. For fixed k_j everything but power,
-/// regeneration and smallest speed is convex.
+/// sigma = (error/tolerance)^2 of the worst corner, so the optimum is <= 1 exactly when the delays can be had, and the
+/// solution has the largest margin. Without any error bound, sigma bounds |S_j|^2 in units of 100 um. For fixed k_j
+/// everything but power, regeneration and smallest speed is convex.
 class MarginProblem : public QuadraticProblem {
  public:
   /// @param options  blend_delays are the delays
@@ -29,9 +29,9 @@ class MarginProblem : public QuadraticProblem {
 
 /// (b) Least weighted delay at given order with continuous delays d_j and free instants t_j of closest approach:
 ///   minimise sum_j w_j d_j  subject to  |S_j(t_j; d_j)|^2 <= E_j^2  and all limits.
-/// B is interpolated linearly between samples, which makes S(t) the quadratic B-spline of the sampled path, C1 in t and d. Limits on
-/// the blend are imposed at the integer `blend_delays`; the caller moves them (only axes that both legs move depend on them).
-/// Corners with a given delay keep it; corners without an error bound get delay 0.
+/// B is interpolated linearly between samples, which makes S(t) the quadratic B-spline of the sampled path, C1 in t and
+/// d. Limits on the blend are imposed at the integer `blend_delays`; the caller moves them (only axes that both legs
+/// move depend on them). Corners with a given delay keep it; corners without an error bound get delay 0.
 class DelayProblem : public QuadraticProblem {
  public:
   DelayProblem(const Task& task, const FormulationOptions& options);
@@ -47,7 +47,8 @@ class DelayProblem : public QuadraticProblem {
                std::span<double> values) const override;
 
  private:
-  /// One corner with an error bound. `row_p`, `row_q` define P and Q in the sparse form; `row_error` alone stands in the reduced one.
+  /// One corner with an error bound. `row_p`, `row_q` define P and Q in the sparse form; `row_error` alone stands in
+  /// the reduced one.
   struct Closest {
     std::size_t corner = 0;
     int delay = -1, instant = -1, p = -1, q = -1;  // variables

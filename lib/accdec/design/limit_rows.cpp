@@ -1,11 +1,10 @@
-#include <accdec/design/limit_rows.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
+#include <accdec/design/limit_rows.hpp>
 #include <accdec/machine/utilisation.hpp>
 
 namespace accdec {
@@ -16,7 +15,9 @@ Affine CumulativeVariables::cumulative(int k) const {
   return {0.0, {{k - 1, 1.0}}};
 }
 
-Affine CumulativeVariables::remaining(int k) const { return Affine{1.0, {}} + -1.0 * cumulative(k); }
+Affine CumulativeVariables::remaining(int k) const {
+  return Affine{1.0, {}} + -1.0 * cumulative(k);
+}
 
 Affine CumulativeVariables::tap(int i) const {
   return i < 0 || i > order_ ? Affine{} : cumulative(i + 1) + -1.0 * cumulative(i);
@@ -44,8 +45,8 @@ CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int orde
 
 namespace {
 
-/// Largest speeds with which one axis starts, and stops, on its own in any event of the task. Start and stop rows grow with the
-/// speed, so the largest implies the rest.
+/// Largest speeds with which one axis starts, and stops, on its own in any event of the task. Start and stop rows grow
+/// with the speed, so the largest implies the rest.
 struct AxisSpeeds {
   double start = 0.0, stop = 0.0;
 };
@@ -64,8 +65,14 @@ AxisSpeeds axis_speeds(const Task& task, Eigen::Index axis) {
 
 class RowBuilder {
  public:
-  RowBuilder(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task, const FormulationOptions& options)
-      : problem_(problem), b_(b), task_(task), options_(options), period_(task.sample_period), one_(1.0 - options.margin) {}
+  RowBuilder(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
+             const FormulationOptions& options)
+      : problem_(problem),
+        b_(b),
+        task_(task),
+        options_(options),
+        period_(task.sample_period),
+        one_(1.0 - options.margin) {}
 
   void taps() {
     double bound = 1.0;
@@ -93,7 +100,8 @@ class RowBuilder {
     }
     if (bound >= 1.0) return;
     for (int i = 0; i <= b_.order() + 1; ++i) {
-      affine(fmt::format("jerk {}, k = {}", name, i + 1), (1.0 / bound) * (b_.tap(i) + -1.0 * b_.tap(i - 1)), {-one_, one_});
+      affine(fmt::format("jerk {}, k = {}", name, i + 1), (1.0 / bound) * (b_.tap(i) + -1.0 * b_.tap(i - 1)),
+             {-one_, one_});
     }
   }
 
@@ -111,8 +119,8 @@ class RowBuilder {
       if (speeds.stop > 0.0) {
         const double s = speeds.stop;
         const Affine force = s * (-axis.mass / period_ * b_.tap(k - 1) + axis.damping * b_.remaining(k));
-        // Driving forces while stopping stay below friction at feed, which is no row; braking forces at or below the start's
-        // speed stay below the start's.
+        // Driving forces while stopping stay below friction at feed, which is no row; braking forces at or below the
+        // start's speed stay below the start's.
         if (speeds.stop > speeds.start) bounded(axis, "stop", k, LimitKind::force, force);
         if (k <= b_.order()) bounded(axis, "stop", k, LimitKind::regeneration, force, s * b_.remaining(k));
       }
@@ -154,7 +162,8 @@ class RowBuilder {
     const double least = (1.0 + options_.margin) * (1.0 + options_.margin);
     for (int k = 1; k <= b_.order() + delay + 1; ++k) {
       const Affine in = b_.remaining(k), out = b_.cumulative(k - delay);
-      const int row = problem_.add_row(fmt::format("smallest speed, corner {}, k = {}", corner.name, k), {least, nlp::infinity});
+      const int row =
+          problem_.add_row(fmt::format("smallest speed, corner {}, k = {}", corner.name, k), {least, nlp::infinity});
       problem_.add_product(row, v1 * v1, in, in);
       problem_.add_product(row, v2 * v2, out, out);
       problem_.add_product(row, -2.0 * v1 * v2 * c, in, out);
@@ -239,7 +248,8 @@ class RowBuilder {
 
 }  // namespace
 
-void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task, const FormulationOptions& options) {
+void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
+                    const FormulationOptions& options) {
   RowBuilder rows(problem, b, task, options);
   rows.taps();
   rows.jerk();
@@ -252,42 +262,6 @@ void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, con
     rows.vibration(task.machine.modes[i], options.mode_frequencies[i]);
   }
   if (task.design.symmetric) rows.symmetry();
-}
-
-std::vector<std::string> contradictions(const Task& task) {
-  std::vector<std::string> found;
-  for (const TaskCorner& corner : task.corners) {
-    for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
-      const Axis& axis = task.machine.axes[i];
-      const auto a = static_cast<Eigen::Index>(i);
-      const double speed = std::max(std::abs(corner.geometry.feed_in * corner.geometry.direction_in[a]),
-                                    std::abs(corner.geometry.feed_out * corner.geometry.direction_out[a]));
-      const double friction = axis.damping * speed;
-      const auto tell = [&](const char* limit, const char* unit, double needed, double bound) {
-        if (needed <= bound * (1.0 + 1e-12)) return;
-        found.push_back(fmt::format("{} {}: corner {} needs {:.6g} {} at constant feed, the limit is {:.6g} {}", limit, axis.name,
-                                    corner.name, needed, unit, bound, unit));
-      };
-      tell("velocity", "m/s", speed, axis.velocity_max);
-      tell("force", "N", friction, axis.force_max);
-      tell("power", "W", friction * speed, axis.power_max);
-    }
-    const double feed = std::min(corner.geometry.feed_in, corner.geometry.feed_out);
-    if (corner.speed_min > feed * (1.0 + 1e-12)) {
-      found.push_back(fmt::format("speed_min: corner {} asks for at least {:.6g} m/s, its slower leg runs at {:.6g} m/s", corner.name,
-                                  corner.speed_min, feed));
-    }
-  }
-  for (const Mode& mode : task.machine.modes) {
-    // Sampled, a whole number of cycles per period cannot be told from 0 Hz, where every filter passes everything.
-    const double alias = std::ceil(mode.frequency_low * task.sample_period - 1e-12);
-    if (mode.residual_max < 1.0 && alias >= 1.0 && alias <= mode.frequency_high * task.sample_period + 1e-12) {
-      found.push_back(fmt::format("vibration: the band {:g} to {:g} Hz contains {:g} Hz, a multiple of the sample rate, where no filter "
-                                  "reduces anything",
-                                  mode.frequency_low, mode.frequency_high, alias / task.sample_period));
-    }
-  }
-  return found;
 }
 
 std::vector<std::vector<double>> initial_frequencies(const Task& task, int order) {

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include <accdec/design/quadratic_problem.hpp>
-#include <accdec/design/task.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 
@@ -15,7 +14,8 @@ struct FormulationOptions {
   /// Per mode: the frequencies (Hz) at which its bound is imposed. A band needs a grid, refined from outside.
   std::vector<std::vector<double>> mode_frequencies;
   double margin = 1e-7;  ///< relative distance kept from every limit, so that a solver's tolerance does not break it
-  bool reduced = false;  ///< no equality rows: positions and responses are substituted into their bounds (dense rows, no Hessian)
+  bool reduced =
+      false;  ///< no equality rows: positions and responses are substituted into their bounds (dense rows, no Hessian)
 };
 
 /// Cumulative response B_1 .. B_N as variables 0 .. N-1; B_k for k <= 0 and k > N are the constants 0 and 1.
@@ -24,8 +24,8 @@ class CumulativeVariables {
   explicit CumulativeVariables(int order) : order_(order) {}
   int order() const { return order_; }
   Affine cumulative(int k) const;
-  Affine remaining(int k) const;  ///< 1 - B_k
-  Affine tap(int i) const;        ///< b_i = B_{i+1} - B_i; 0 outside 0 .. N
+  Affine remaining(int k) const;         ///< 1 - B_k
+  Affine tap(int i) const;               ///< b_i = B_{i+1} - B_i; 0 outside 0 .. N
   Affine remaining_moment(int k) const;  ///< p(k) = sum_{j > k} (1 - B_j), dense
   Affine elapsed_moment(int m) const;    ///< Q(m) = sum_{j <= m} B_j, dense
 
@@ -36,18 +36,16 @@ class CumulativeVariables {
 /// Adds B_1 .. B_N to an empty problem.
 CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int order);
 
-/// Adds every limit of the task but the corner errors: taps >= 0 and below the acceleration bound, jerk, force, power and
-/// regeneration of start, blend and stop, smallest tangential speed, residual vibration, symmetry. Rows are scaled to a bound of 1
-/// and named like "force x, stop, k = 7". Rows implied by others for every filter are left out; O(N) rows of O(1) entries, and per
-/// vibration frequency two dense linear rows (or, when reduced, one dense quadratic one).
+/// Adds every limit of the task but the corner errors: taps >= 0 and below the acceleration bound, jerk, force, power
+/// and regeneration of start, blend and stop, smallest tangential speed, residual vibration, symmetry. Rows are scaled
+/// to a bound of 1 and named like "force x, stop, k = 7". Rows implied by others for every filter are left out; O(N)
+/// rows of O(1) entries, and per vibration frequency two dense linear rows (or, when reduced, one dense quadratic one).
 /// Limits at constant speed are not rows: see `contradictions`.
-void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task, const FormulationOptions& options);
+void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
+                    const FormulationOptions& options);
 
-/// Limits that no filter can hold, whatever its order: feed above an axis velocity, friction above force or power at feed, a smallest
-/// speed above the feed, a vibration band across a multiple of the sample rate. One sentence each; empty when there is none.
-std::vector<std::string> contradictions(const Task& task);
-
-/// A grid for each mode's band at which to impose its bound first: the ends and points a half of the response's shortest ripple apart.
+/// A grid for each mode's band at which to impose its bound first: the ends and points a half of the response's
+/// shortest ripple apart.
 std::vector<std::vector<double>> initial_frequencies(const Task& task, int order);
 
 }  // namespace accdec

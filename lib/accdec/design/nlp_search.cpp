@@ -10,9 +10,9 @@
 #include <accdec/design/conflict.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/design/fixed_order.hpp>
-#include <accdec/design/order_bound.hpp>
-#include <accdec/design/verifier.hpp>
 #include <accdec/motion/shapes.hpp>
+#include <accdec/task/order_bound.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -22,15 +22,17 @@ class Search {
  public:
   Search(const Task& task, const DesignOptions& options) : task_(task), options_(options), at_(task, options) {}
 
-  /// Whether some order up to a few times the shortest start has a relaxed design, or a plain shape holds all limits: without limits on
-  /// starting, the best filter passes the command through, which the relaxation's interpolation cannot express.
+  /// Whether some order up to a few times the shortest start has a relaxed design, or a plain shape holds all limits:
+  /// without limits on starting, the best filter passes the command through, which the relaxation's interpolation
+  /// cannot express.
   bool has_relaxed_design() {
     for (const int order : {task_.design.order_min, task_.design.order_min + 1}) {
       if (order > task_.design.order_max) break;
       std::vector<double> pass_through(static_cast<std::size_t>(order) + 1, 0.0);
       pass_through[0] = 1.0;
       for (const Filter& filter : {Filter(pass_through), boxcar(order)}) {
-        if (assess(task_, filter, at_.rounded_up(at_.guess_delays(filter), order), false).status == Status::feasible) return true;
+        if (assess(task_, filter, at_.rounded_up(at_.guess_delays(filter), order), false).status == Status::feasible)
+          return true;
       }
     }
     const int first = std::max(task_.design.order_min, order_lower_bound(task_, task_.design.order_max));
@@ -49,7 +51,8 @@ class Search {
       design_around(best_order(low), low);
       // Where legs must part at the lowest orders, overlapping ones at a longer filter may be faster or slower.
       if (!at_.stopped() && at_.relaxed(low)->parted) {
-        const int longer = smallest_order(low, [&](int n) { return worth(n) && at_.relaxed(n) && !at_.relaxed(n)->parted; });
+        const int longer =
+            smallest_order(low, [&](int n) { return worth(n) && at_.relaxed(n) && !at_.relaxed(n)->parted; });
         if (longer <= last && worth(longer)) design_around(best_order(longer), longer);
       }
     }
@@ -67,7 +70,8 @@ class Search {
   bool worth(int order) const { return !incumbent_ || at_.weight() * (order + 1.0) < incumbent_->cost; }
 
   void design_around(int best, int low) {
-    // The relaxation differs from the integer problem by about a sample, so its neighbours get their chance too, nearest first.
+    // The relaxation differs from the integer problem by about a sample, so its neighbours get their chance too,
+    // nearest first.
     for (const int step : {0, 1, -1, 2, -2, 3, 4}) {
       const int order = best + step;
       if (order < low || order > task_.design.order_max || at_.stopped()) continue;
@@ -76,7 +80,8 @@ class Search {
     }
     // A relaxation that held but could not be rounded at its best order may be at a larger one.
     const int last = std::min(task_.design.order_max, 2 * best + 20);
-    for (int order = best + 5; !incumbent_ && order <= last && !at_.stopped(); order += 1 + order / 16) integer_design(order);
+    for (int order = best + 5; !incumbent_ && order <= last && !at_.stopped(); order += 1 + order / 16)
+      integer_design(order);
   }
 
   double relaxed_cost(int order) {
@@ -88,15 +93,16 @@ class Search {
     const auto& r = at_.relaxed(order);
     if (!r) return nlp::infinity;
     double cost = at_.weight() * (order + 1.0);
-    // The B-spline path keeps up to an eighth of a second difference farther off than the samples: at most about one sample of delay.
+    // The B-spline path keeps up to an eighth of a second difference farther off than the samples: at most about one
+    // sample of delay.
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
       cost += task_.corners[j].weight * std::max(0.0, std::ceil(r->delays[j] - 1.0));
     }
     return cost;
   }
 
-  /// Smallest order from `first` on of which `holds` is true, order_max + 1 when of none: feasibility is monotone in N, for a zero tap
-  /// can be appended.
+  /// Smallest order from `first` on of which `holds` is true, order_max + 1 when of none: feasibility is monotone in N,
+  /// for a zero tap can be appended.
   template <class Predicate>
   int smallest_order(int first, Predicate holds) {
     const int last = task_.design.order_max;
@@ -205,8 +211,9 @@ class Search {
     for (std::size_t j = 0; j < delays.size(); ++j) {
       const TaskCorner& corner = task_.corners[j];
       if (!corner.error_max) continue;
-      last_error_use_[j] = utilisation_of(
-          LimitKind::corner_error, corner_error(Blend(*filter, corner.geometry, delays[j], task_.sample_period)), *corner.error_max);
+      last_error_use_[j] = utilisation_of(LimitKind::corner_error,
+                                          corner_error(Blend(*filter, corner.geometry, delays[j], task_.sample_period)),
+                                          *corner.error_max);
     }
     DesignResult result = assess(task_, *filter, delays, false);
     if (result.status != Status::feasible) {
@@ -251,7 +258,8 @@ class Search {
     };
     const std::vector<std::string> conflict = limits_in_conflict(task_, has_design);
     in_time = in_time && at_.elapsed() < options_.time_limit;
-    if (in_time && !conflict.empty()) message += fmt::format("; limits in conflict (by local search, not proved): {}", fmt::join(conflict, ", "));
+    if (in_time && !conflict.empty())
+      message += fmt::format("; limits in conflict (by local search, not proved): {}", fmt::join(conflict, ", "));
     const std::string& last = last_message_.empty() ? at_.last_message() : last_message_;
     if (!last.empty()) message += "; last: " + last;
     return message;
@@ -267,6 +275,8 @@ class Search {
 
 }  // namespace
 
-DesignResult design_nlp(const Task& task, const DesignOptions& options) { return Search(task, options).run(); }
+DesignResult design_nlp(const Task& task, const DesignOptions& options) {
+  return Search(task, options).run();
+}
 
 }  // namespace accdec

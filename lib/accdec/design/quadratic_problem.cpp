@@ -1,12 +1,14 @@
-#include <accdec/design/quadratic_problem.hpp>
-
 #include <algorithm>
 #include <stdexcept>
+
+#include <accdec/design/quadratic_problem.hpp>
 
 namespace accdec {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 void merge(Affine& a) {
   std::sort(a.terms.begin(), a.terms.end());
@@ -46,8 +48,12 @@ double Affine::operator()(std::span<const double> x) const {
   return sum;
 }
 
-Affine operator*(double factor, Affine a) { return a *= factor; }
-Affine operator+(Affine a, const Affine& b) { return a += b; }
+Affine operator*(double factor, Affine a) {
+  return a *= factor;
+}
+Affine operator+(Affine a, const Affine& b) {
+  return a += b;
+}
 
 int QuadraticProblem::add_variable(std::string name, nlp::Bound bound) {
   variables_.push_back({std::move(name), bound});
@@ -62,7 +68,9 @@ int QuadraticProblem::add_row(std::string name, nlp::Bound bound) {
   return num_rows() - 1;
 }
 
-void QuadraticProblem::add_to_row(int row, const Affine& a) { rows_[at(row)].affine += a; }
+void QuadraticProblem::add_to_row(int row, const Affine& a) {
+  rows_[at(row)].affine += a;
+}
 
 void QuadraticProblem::add_product(int row, double coefficient, Affine left, Affine right) {
   merge(left);
@@ -120,9 +128,9 @@ void QuadraticProblem::finish() {
 
 int QuadraticProblem::hessian_slot(int i, int j) const {
   const std::pair key(std::max(i, j), std::min(i, j));
-  const auto found = std::lower_bound(hessian_pattern_.begin(), hessian_pattern_.end(), key, [](const nlp::Entry& e, const auto& k) {
-    return std::pair(e.row, e.column) < k;
-  });
+  const auto found =
+      std::lower_bound(hessian_pattern_.begin(), hessian_pattern_.end(), key,
+                       [](const nlp::Entry& e, const auto& k) { return std::pair(e.row, e.column) < k; });
   if (found == hessian_pattern_.end() || found->row != key.first || found->column != key.second) {
     throw std::logic_error("Hessian entry was not reserved");
   }
@@ -155,14 +163,16 @@ void QuadraticProblem::jacobian(std::span<const double> x, std::span<double> val
     for (std::size_t i = 0; i < row.slots.size(); ++i) values[at(row.slots[i])] += row.affine.terms[i].second;
     for (const Product& p : row.products) {
       const double left = p.coefficient * p.left(x), right = p.coefficient * p.right(x);
-      for (std::size_t i = 0; i < p.left_slots.size(); ++i) values[at(p.left_slots[i])] += right * p.left.terms[i].second;
-      for (std::size_t i = 0; i < p.right_slots.size(); ++i) values[at(p.right_slots[i])] += left * p.right.terms[i].second;
+      for (std::size_t i = 0; i < p.left_slots.size(); ++i)
+        values[at(p.left_slots[i])] += right * p.left.terms[i].second;
+      for (std::size_t i = 0; i < p.right_slots.size(); ++i)
+        values[at(p.right_slots[i])] += left * p.right.terms[i].second;
     }
   }
 }
 
-void QuadraticProblem::hessian(std::span<const double> /*x*/, double /*objective_factor*/, std::span<const double> multipliers,
-                               std::span<double> values) const {
+void QuadraticProblem::hessian(std::span<const double> /*x*/, double /*objective_factor*/,
+                               std::span<const double> multipliers, std::span<double> values) const {
   std::fill(values.begin(), values.end(), 0.0);
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     for (const Product& p : rows_[r].products) {

@@ -23,9 +23,9 @@ struct Affine {
 Affine operator*(double factor, Affine a);
 Affine operator+(Affine a, const Affine& b);
 
-/// Problem whose objective is affine and whose rows are an affine form plus products of two affine forms. All limits of a corner
-/// motion at fixed delays are of this kind in the cumulative variables: taps, accelerations, jerks and forces are affine with a few
-/// neighbours each, power is one product, squared speeds and distances are sums of products.
+/// Problem whose objective is affine and whose rows are an affine form plus products of two affine forms. All limits of
+/// a corner motion at fixed delays are of this kind in the cumulative variables: taps, accelerations, jerks and forces
+/// are affine with a few neighbours each, power is one product, squared speeds and distances are sums of products.
 ///
 /// Built by add_* calls, then `finish`. Evaluations cost O(number of stored coefficients).
 class QuadraticProblem : public nlp::Problem {
@@ -62,7 +62,8 @@ class QuadraticProblem : public nlp::Problem {
                std::span<double> values) const override;
 
  protected:
-  /// Structural nonzeros a derived class writes itself, behind the ones of the quadratic part: slots are returned by `finish`.
+  /// Structural nonzeros a derived class writes itself, behind the ones of the quadratic part: slots are returned by
+  /// `finish`.
   struct Product {
     double coefficient;
     Affine left, right;
@@ -81,8 +82,11 @@ class QuadraticProblem : public nlp::Problem {
     std::string name;
     nlp::Bound bound;
   };
-  /// For a derived class, before `finish`: the Jacobian entry (row, variable) exists. After `finish` its slot stands in Row::extra.
-  void reserve_jacobian(int row, int variable) { rows_[static_cast<std::size_t>(row)].extra.emplace_back(variable, -1); }
+  /// For a derived class, before `finish`: the Jacobian entry (row, variable) exists. After `finish` its slot stands in
+  /// Row::extra.
+  void reserve_jacobian(int row, int variable) {
+    rows_[static_cast<std::size_t>(row)].extra.emplace_back(variable, -1);
+  }
   /// The same for a Hessian entry; the slot is found with `hessian_slot` after `finish`.
   void reserve_hessian(int i, int j) { reserved_hessian_.emplace_back(std::max(i, j), std::min(i, j)); }
   int hessian_slot(int i, int j) const;

@@ -1,11 +1,12 @@
-#include <fmt/format.h>
-
-#include <accdec/design/enumeration.hpp>
-#include <accdec/design/exact/certificate.hpp>
-#include <accdec/design/recheck.hpp>
-#include <accdec/design/verifier.hpp>
 #include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/certificate/certificate.hpp>
+#include <accdec/design/recheck.hpp>
+#include <accdec/task/enumeration.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -60,12 +61,15 @@ void compare_choice(const DesignResult& result, std::vector<std::string>& reason
 void compare_numbers(const DesignResult& recorded, const DesignResult& found, std::vector<std::string>& reasons) {
   Comparison compare(reasons);
   compare.number("cycle_time_s", recorded.cycle_time, found.cycle_time, 0.0);
-  if (recorded.verification.feasible != found.verification.feasible) reasons.push_back("verification.feasible is recorded wrongly");
+  if (recorded.verification.feasible != found.verification.feasible)
+    reasons.push_back("verification.feasible is recorded wrongly");
   compare.number("verification.tolerance", recorded.verification.tolerance, found.verification.tolerance, 0.0);
   if (recorded.verification.worst != found.verification.worst) {
-    reasons.push_back(fmt::format("verification.worst is recorded as \"{}\", found: {}", recorded.verification.worst, found.verification.worst));
+    reasons.push_back(fmt::format("verification.worst is recorded as \"{}\", found: {}", recorded.verification.worst,
+                                  found.verification.worst));
   }
-  compare.number("verification.max_violation", recorded.verification.max_violation, found.verification.max_violation, 1e-12);
+  compare.number("verification.max_violation", recorded.verification.max_violation, found.verification.max_violation,
+                 1e-12);
   for (std::size_t j = 0; j < found.corners.size(); ++j) {
     const CornerResult &a = recorded.corners[j], &b = found.corners[j];
     const auto named = [&](const char* what) { return fmt::format("corner {}: {}", b.name, what); };
@@ -90,7 +94,8 @@ void compare_numbers(const DesignResult& recorded, const DesignResult& found, st
     const double floor = b.kind == LimitKind::corner_error ? position_floor : 1e-12;
     compare.number("value of " + describe(b), a.value, b.value, floor);
     if (a.sample != b.sample || a.event != b.event) {
-      reasons.push_back(fmt::format("limits[{}] is recorded at k = {} of the {}, found: {}", i, a.sample, to_string(a.event), describe(b)));
+      reasons.push_back(fmt::format("limits[{}] is recorded at k = {} of the {}, found: {}", i, a.sample,
+                                    to_string(a.event), describe(b)));
     }
     compare.number("frequency of " + describe(b), a.frequency, b.frequency, 1e-6 * std::max(1.0, b.frequency));
     compare.number("utilisation of " + describe(b), a.utilisation, b.utilisation,

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <accdec/design/result.hpp>
 #include <string>
 #include <vector>
+
+#include <accdec/task/result.hpp>
 
 namespace accdec {
 

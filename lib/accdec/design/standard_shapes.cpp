@@ -1,5 +1,3 @@
-#include <accdec/design/standard_shapes.hpp>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -7,10 +5,11 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/delays_below.hpp>
-#include <accdec/design/limit_rows.hpp>
-#include <accdec/design/verifier.hpp>
+#include <accdec/design/standard_shapes.hpp>
 #include <accdec/motion/shapes.hpp>
+#include <accdec/task/contradictions.hpp>
+#include <accdec/task/delays_below.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {

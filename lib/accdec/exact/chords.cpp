@@ -1,8 +1,9 @@
-#include <accdec/design/exact/rows.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include <accdec/exact/rows.hpp>
 
 namespace accdec::exact {
 namespace {

@@ -1,10 +1,11 @@
+#include <limits>
+#include <vector>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/design/exact/conflict.hpp>
-#include <accdec/design/exact/search.hpp>
-#include <limits>
-#include <vector>
+#include <accdec/exact/conflict.hpp>
+#include <accdec/exact/search.hpp>
 
 namespace accdec::exact {
 namespace {

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <accdec/design/task.hpp>
 #include <functional>
 #include <string>
+
+#include <accdec/task/task.hpp>
 
 namespace accdec::exact {
 

@@ -1,16 +1,17 @@
-#include <fmt/format.h>
-
-#include <accdec/design/exact/conflict.hpp>
-#include <accdec/design/exact/exact.hpp>
-#include <accdec/design/exact/search.hpp>
-#include <accdec/design/limit_rows.hpp>
-#include <accdec/design/order_bound.hpp>
-#include <accdec/design/verifier.hpp>
-#include <accdec/motion/shapes.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
+
+#include <fmt/format.h>
+
+#include <accdec/exact/conflict.hpp>
+#include <accdec/exact/exact.hpp>
+#include <accdec/exact/search.hpp>
+#include <accdec/motion/shapes.hpp>
+#include <accdec/task/contradictions.hpp>
+#include <accdec/task/order_bound.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <accdec/design/result.hpp>
-#include <accdec/design/task.hpp>
 #include <atomic>
 #include <functional>
+
+#include <accdec/task/result.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 

@@ -1,10 +1,11 @@
-#include <accdec/design/exact/programme.hpp>
-#include <accdec/design/exact/stop_handler.hpp>
-#include <accdec/machine/utilisation.hpp>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+
+#include <accdec/exact/programme.hpp>
+#include <accdec/exact/stop_handler.hpp>
+#include <accdec/machine/utilisation.hpp>
 
 namespace accdec::exact {
 namespace {
@@ -88,7 +89,7 @@ std::vector<double> Programme::least_infeasibility() const {
 }
 
 void Programme::add(const std::vector<int>& columns, const std::vector<double>& values, double low, double high,
-         const RowId& id) {
+                    const RowId& id) {
   // Clp drops entries this small by itself, and then miscounts them (an assertion in CoinPackedMatrix).
   std::vector<int> kept;
   std::vector<double> entries;
@@ -179,10 +180,10 @@ bool Programme::cut_cones(const Filter& filter, const Box& box, double allowed) 
     const double theta = model_.theta(j);
     double angle = std::atan2(q * std::sin(theta), p + q * std::cos(theta));
     // Within a box only cuts that grow with both distances hold.
-    if (box.loose(j)) angle = std::clamp(angle, theta - 0.5 * std::numbers::pi + inside, 0.5 * std::numbers::pi - inside);
+    if (box.loose(j))
+      angle = std::clamp(angle, theta - 0.5 * std::numbers::pi + inside, 0.5 * std::numbers::pi - inside);
     const double value = p * std::cos(angle) + q * std::cos(theta - angle);
-    if (value <= model_.error_bound(j) * (1.0 + broken()) + 1e-13 + std::max(allowed, 0.0) * (1.0 + slack))
-      continue;
+    if (value <= model_.error_bound(j) * (1.0 + broken()) + 1e-13 + std::max(allowed, 0.0) * (1.0 + slack)) continue;
     for (std::size_t r = static_cast<std::size_t>(base_rows_); r < ids_.size(); ++r) {
       if (ids_[r].kind == RowKind::cone && ids_[r].corner == static_cast<int>(j) &&
           std::abs(ids_[r].angle - angle) < 1e-11)
@@ -213,8 +214,7 @@ bool Programme::cut_vibration(const Filter& filter, const Box& box) {
     }
     id.angle = std::atan2(s, c);
     for (const RowId& old : vibration_) {
-      if (old.mode == id.mode && old.frequency == id.frequency && std::abs(old.angle - id.angle) < 1e-11)
-        id.mode = -1;
+      if (old.mode == id.mode && old.frequency == id.frequency && std::abs(old.angle - id.angle) < 1e-11) id.mode = -1;
     }
     if (id.mode < 0) continue;
     vibration_.push_back(id);

@@ -1,9 +1,11 @@
 #pragma once
 
-#include <accdec/design/exact/rows.hpp>
-#include <coin/ClpSimplex.hpp>
 #include <functional>
 #include <vector>
+
+#include <coin/ClpSimplex.hpp>
+
+#include <accdec/exact/rows.hpp>
 
 // Internal to the exact method: the rows of its linear programme.
 

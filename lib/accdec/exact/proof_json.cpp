@@ -1,6 +1,8 @@
-#include <accdec/design/exact/search.hpp>
 #include <cmath>
+
 #include <nlohmann/json.hpp>
+
+#include <accdec/exact/search.hpp>
 
 namespace accdec::exact {
 namespace {

@@ -1,7 +1,8 @@
-#include <accdec/design/exact/programme.hpp>
-#include <accdec/design/exact/relaxation.hpp>
 #include <algorithm>
 #include <memory>
+
+#include <accdec/exact/programme.hpp>
+#include <accdec/exact/relaxation.hpp>
 
 namespace accdec::exact {
 
@@ -41,7 +42,8 @@ class Relaxation::Impl {
   long programmes() const { return solved_; }
 
  private:
-  /// @param refuting  stop as soon as the box is refuted (strongest: no further cut adds to that), else minimise the excess
+  /// @param refuting  stop as soon as the box is refuted (strongest: no further cut adds to that), else minimise the
+  /// excess
   Outcome cut(const Box& box, bool symmetric, bool refuting, bool strongest) {
     Outcome outcome;
     double by = 0.0;

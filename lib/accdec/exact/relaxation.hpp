@@ -1,9 +1,10 @@
 #pragma once
 
-#include <accdec/design/exact/rows.hpp>
 #include <functional>
 #include <memory>
 #include <optional>
+
+#include <accdec/exact/rows.hpp>
 
 namespace accdec::exact {
 

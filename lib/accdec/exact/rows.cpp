@@ -1,9 +1,10 @@
-#include <accdec/design/exact/rows.hpp>
-#include <accdec/design/verifier.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include <accdec/exact/rows.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec::exact {
 namespace {

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <accdec/design/task.hpp>
-#include <accdec/motion/filter.hpp>
 #include <algorithm>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
+
+#include <accdec/motion/filter.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec::exact {
 
@@ -58,7 +59,8 @@ struct SumBound {
 struct Tube {
   std::vector<double> low, high;
 };
-/// One corner's leg distances in samples at full speed, as weights of the taps: lower bounds wherever the caller needs them.
+/// One corner's leg distances in samples at full speed, as weights of the taps: lower bounds wherever the caller needs
+/// them.
 struct Distances {
   std::vector<double> in, out;
 };
@@ -67,8 +69,8 @@ struct Box {
   std::vector<CornerBox> corners;
   std::vector<SumBound> path{};  ///< splits on cumulative responses
   Tube tube{};                   ///< what they and the limits leave; empty where every limit is convex
-  /// One per corner, instead of those at the whole delays and samples of `corners`; empty: those. Only cuts that grow with
-  /// both distances are then drawn.
+  /// One per corner, instead of those at the whole delays and samples of `corners`; empty: those. Only cuts that grow
+  /// with both distances are then drawn.
   std::vector<Distances> distances{};
   std::optional<double> only_angle{};  ///< rad: the one cut that stands for each cone
 

@@ -1,10 +1,11 @@
-#include <accdec/design/delays_below.hpp>
-#include <accdec/design/exact/search.hpp>
-#include <accdec/design/order_bound.hpp>
-#include <accdec/design/verifier.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <accdec/exact/search.hpp>
+#include <accdec/task/delays_below.hpp>
+#include <accdec/task/order_bound.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec::exact {
 namespace {

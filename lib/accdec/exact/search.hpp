@@ -1,12 +1,13 @@
 #pragma once
 
-#include <accdec/design/exact/relaxation.hpp>
-#include <accdec/design/result.hpp>
 #include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+
+#include <accdec/exact/relaxation.hpp>
+#include <accdec/task/result.hpp>
 
 namespace accdec::exact {
 
@@ -39,8 +40,9 @@ struct Candidate {
 /// Without the zero taps at its ends, but of the smallest order allowed. Symmetric taps stay so.
 Filter trimmed(const Filter& filter, const DesignBounds& bounds);
 
-/// Where to split to see to the limit that is broken most: at the filter's own response, where both parts' chords meet the limit,
-/// but not too close to an end. None if no limit outside the convex class is broken; sample 0: one is, but nothing is left to split.
+/// Where to split to see to the limit that is broken most: at the filter's own response, where both parts' chords meet
+/// the limit, but not too close to an end. None if no limit outside the convex class is broken; sample 0: one is, but
+/// nothing is left to split.
 std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filter, const Box& box);
 
 /// Looks for something shorter than a target, or proves that there is nothing.

@@ -1,6 +1,7 @@
-#include <accdec/design/exact/search.hpp>
 #include <algorithm>
 #include <cmath>
+
+#include <accdec/exact/search.hpp>
 
 namespace accdec::exact {
 namespace {

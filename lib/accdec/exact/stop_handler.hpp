@@ -1,8 +1,9 @@
 #pragma once
 
-#include <coin/ClpEventHandler.hpp>
 #include <functional>
 #include <utility>
+
+#include <coin/ClpEventHandler.hpp>
 
 namespace accdec::exact {
 

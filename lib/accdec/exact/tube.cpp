@@ -1,6 +1,7 @@
-#include <accdec/design/exact/rows.hpp>
 #include <algorithm>
 #include <cmath>
+
+#include <accdec/exact/rows.hpp>
 
 namespace accdec::exact {
 namespace {

@@ -1,14 +1,16 @@
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/errors.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/errors.hpp>
 
 namespace accdec {
 namespace {

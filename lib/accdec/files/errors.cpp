@@ -1,7 +1,8 @@
+#include <utility>
+
 #include <fmt/format.h>
 
-#include <accdec/io/errors.hpp>
-#include <utility>
+#include <accdec/files/errors.hpp>
 
 namespace accdec {
 

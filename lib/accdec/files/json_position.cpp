@@ -1,6 +1,7 @@
-#include <accdec/io/json_position.hpp>
 #include <algorithm>
 #include <string>
+
+#include <accdec/files/json_position.hpp>
 
 namespace accdec {
 namespace {

@@ -1,4 +1,7 @@
-#include <accdec/io/process.hpp>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -7,12 +10,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cerrno>
-#include <cstring>
-#include <stdexcept>
-
 #include <fmt/format.h>
+
+#include <accdec/files/process.hpp>
 
 extern char** environ;
 
@@ -23,7 +23,8 @@ namespace {
 struct Pipe {
   std::array<int, 2> ends{-1, -1};
   Pipe() {
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+      throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
   }
   ~Pipe() {
     close(0);
@@ -69,23 +70,28 @@ void converse(Pipe& in, Pipe& out, Pipe& err, std::string_view input, ProcessOut
   std::array<char, 65536> buffer{};
   const auto drain = [&](Pipe& pipe, std::string& text) {
     const ssize_t got = ::read(pipe.ends[0], buffer.data(), buffer.size());
-    if (got > 0) text.append(buffer.data(), static_cast<std::size_t>(got));
-    else if (got == 0 || errno != EINTR) pipe.close(0);
+    if (got > 0)
+      text.append(buffer.data(), static_cast<std::size_t>(got));
+    else if (got == 0 || errno != EINTR)
+      pipe.close(0);
   };
   while (out.ends[0] >= 0 || err.ends[0] >= 0 || in.ends[1] >= 0) {
     if (in.ends[1] >= 0 && input.empty()) {
       in.close(1);
       continue;
     }
-    std::array<pollfd, 3> wait{pollfd{in.ends[1], POLLOUT, 0}, pollfd{out.ends[0], POLLIN, 0}, pollfd{err.ends[0], POLLIN, 0}};
+    std::array<pollfd, 3> wait{pollfd{in.ends[1], POLLOUT, 0}, pollfd{out.ends[0], POLLIN, 0},
+                               pollfd{err.ends[0], POLLIN, 0}};
     if (::poll(wait.data(), wait.size(), -1) < 0) {
       if (errno == EINTR) continue;
       throw std::runtime_error(fmt::format("poll: {}", std::strerror(errno)));
     }
     if (wait[0].revents != 0) {
       const ssize_t sent = ::write(in.ends[1], input.data(), input.size());
-      if (sent > 0) input.remove_prefix(static_cast<std::size_t>(sent));
-      else if (errno != EINTR && errno != EAGAIN) input = {};  // it reads no more
+      if (sent > 0)
+        input.remove_prefix(static_cast<std::size_t>(sent));
+      else if (errno != EINTR && errno != EAGAIN)
+        input = {};  // it reads no more
     }
     if (wait[1].revents != 0) drain(out, result.output);
     if (wait[2].revents != 0) drain(err, result.errors);
@@ -94,7 +100,8 @@ void converse(Pipe& in, Pipe& out, Pipe& err, std::string_view input, ProcessOut
 
 }  // namespace
 
-ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input, const std::string& package) {
+ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input,
+                          const std::string& package) {
   Pipe in, out, err;
   const PipeSignalBlock block;
   posix_spawn_file_actions_t actions;

@@ -16,7 +16,9 @@ struct ProcessOutput {
 /// Runs a program found on PATH, without a shell, feeding it `input` and collecting what it writes.
 /// @param arguments  the program's name, then its arguments
 /// @param package    Debian package to name if the program is missing
-/// @throws std::runtime_error if the program is missing ("gnuplot is not installed (Debian package gnuplot-nox)") or cannot be started.
-ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input, const std::string& package);
+/// @throws std::runtime_error if the program is missing ("gnuplot is not installed (Debian package gnuplot-nox)") or
+/// cannot be started.
+ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input,
+                          const std::string& package);
 
 }  // namespace accdec

@@ -1,13 +1,12 @@
-#include <accdec/io/results_folder.hpp>
-
 #include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/errors.hpp>
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/errors.hpp>
+#include <accdec/files/results_folder.hpp>
 
 namespace accdec {
 
@@ -18,7 +17,8 @@ std::string results_hash(const std::string& folder, const ResultsKind& kind) {
   if (!fs::exists(path)) return "";
   std::ifstream in(path, std::ios::binary);
   const auto json = nlohmann::json::parse(in, nullptr, false);
-  const bool ours = json.is_object() && json.value("schema", "") == kind.schema && json.contains(kind.hash_key) && json[kind.hash_key].is_string();
+  const bool ours = json.is_object() && json.value("schema", "") == kind.schema && json.contains(kind.hash_key) &&
+                    json[kind.hash_key].is_string();
   return ours ? json[kind.hash_key].get<std::string>() : "?";
 }
 
@@ -27,8 +27,10 @@ void check_results_folder(const std::string& folder, const ResultsKind& kind, co
   if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: not a folder", folder));
   const std::string found = results_hash(folder, kind);
   if (!found.empty() && found != hash) {
-    throw OutputError(fmt::format("{}: holds the results of another {}, or of an earlier form of this one; nothing was changed. Choose another --out or remove it",
-                                  folder, kind.what));
+    throw OutputError(
+        fmt::format("{}: holds the results of another {}, or of an earlier form of this one; nothing was changed. "
+                    "Choose another --out or remove it",
+                    folder, kind.what));
   }
   bool journal = false, other = false;
   for (const auto& item : fs::directory_iterator(folder)) {
@@ -36,7 +38,8 @@ void check_results_folder(const std::string& folder, const ResultsKind& kind, co
     other = other || item.path().extension() != ".journal";
   }
   if (found.empty() && other && !journal) {
-    throw OutputError(fmt::format("{}: is not empty and holds no {}; nothing was changed. Choose another --out", folder, kind.what));
+    throw OutputError(
+        fmt::format("{}: is not empty and holds no {}; nothing was changed. Choose another --out", folder, kind.what));
   }
 }
 

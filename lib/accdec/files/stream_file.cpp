@@ -1,5 +1,3 @@
-#include <accdec/program/stream_file.hpp>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -7,6 +5,8 @@
 #include <iostream>
 #include <stdexcept>
 #include <system_error>
+
+#include <accdec/files/stream_file.hpp>
 
 namespace accdec {
 namespace {
@@ -43,7 +43,9 @@ void StreamFile::open(const std::string& path) {
   }
 }
 
-std::ostream& StreamFile::stream() { return path_ == "-" ? std::cout : file_; }
+std::ostream& StreamFile::stream() {
+  return path_ == "-" ? std::cout : file_;
+}
 
 void StreamFile::close() {
   if (path_.empty()) return;

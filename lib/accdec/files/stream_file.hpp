@@ -6,8 +6,8 @@
 
 namespace accdec {
 
-/// A file too large to be built in memory: written to PATH.part, which gets its name on commit and vanishes otherwise. "-" is
-/// standard output.
+/// A file too large to be built in memory: written to PATH.part, which gets its name on commit and vanishes otherwise.
+/// "-" is standard output.
 class StreamFile {
  public:
   StreamFile() = default;

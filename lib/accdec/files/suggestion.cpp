@@ -1,9 +1,10 @@
-#include <accdec/io/suggestion.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <utility>
 #include <vector>
+
+#include <accdec/files/suggestion.hpp>
 
 namespace accdec {
 namespace {

@@ -1,13 +1,14 @@
-#include <fmt/format.h>
-
-#include <accdec/io/errors.hpp>
-#include <accdec/io/text_file.hpp>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string_view>
+
+#include <fmt/format.h>
+
+#include <accdec/files/errors.hpp>
+#include <accdec/files/text_file.hpp>
 
 namespace accdec {
 

@@ -1,11 +1,12 @@
-#include <fmt/format.h>
-
-#include <accdec/io/errors.hpp>
-#include <accdec/io/suggestion.hpp>
-#include <accdec/io/toml_table.hpp>
 #include <algorithm>
 #include <cmath>
 #include <span>
+
+#include <fmt/format.h>
+
+#include <accdec/files/errors.hpp>
+#include <accdec/files/suggestion.hpp>
+#include <accdec/files/toml_table.hpp>
 
 namespace accdec::toml_input {
 namespace {

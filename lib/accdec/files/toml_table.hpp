@@ -1,13 +1,13 @@
 #pragma once
 
-#include <toml++/toml.h>
-
 #include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <toml++/toml.h>
 
 // Internal to the room: strict access to one TOML table. Not for inclusion from other rooms (it needs toml++).
 

@@ -1,5 +1,3 @@
-#include <accdec/io/manifest.hpp>
-
 #include <ctime>
 #include <fstream>
 #include <set>
@@ -8,11 +6,13 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include <coin/ClpConfig.h>
 #include <Eigen/Core>
+#include <coin/ClpConfig.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <oneapi/tbb/version.h>
+
+#include <accdec/formats/manifest.hpp>
 
 #include "accdec_commit.hpp"
 
@@ -27,8 +27,8 @@ std::string processor() {
   return "unknown";
 }
 
-/// Files of the linear algebra this process runs with (BLAS, LAPACK, MUMPS and its orderings): Debian's alternatives choose them, and large
-/// problems spend their time in them.
+/// Files of the linear algebra this process runs with (BLAS, LAPACK, MUMPS and its orderings): Debian's alternatives
+/// choose them, and large problems spend their time in them.
 std::set<std::string> linear_algebra() {
   std::set<std::string> files;
   std::ifstream in("/proc/self/maps");
@@ -48,12 +48,14 @@ std::set<std::string> linear_algebra() {
 void add_environment(nlohmann::ordered_json& manifest, const std::string& version) {
   utsname system{};
   ::uname(&system);
-  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE)) / 0x1p30;
+  const double memory =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE)) / 0x1p30;
   manifest["accdec"] = version;
   manifest["commit"] = ACCDEC_COMMIT;
-  manifest["libraries"] = {{"Clp", CLP_VERSION},
-                           {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
-                           {"oneTBB", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}};
+  manifest["libraries"] = {
+      {"Clp", CLP_VERSION},
+      {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+      {"oneTBB", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}};
   manifest["linear_algebra"] = linear_algebra();
   manifest["compiler"] = __VERSION__;
 #ifdef NDEBUG

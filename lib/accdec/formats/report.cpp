@@ -1,9 +1,10 @@
-#include <fmt/format.h>
-
-#include <accdec/io/report.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/formats/report.hpp>
 
 namespace accdec {
 namespace {

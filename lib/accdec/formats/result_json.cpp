@@ -1,7 +1,9 @@
-#include <accdec/io/result_json.hpp>
-#include <accdec/io/task_writer.hpp>
 #include <cmath>
+
 #include <nlohmann/json.hpp>
+
+#include <accdec/formats/result_json.hpp>
+#include <accdec/formats/task_writer.hpp>
 
 namespace accdec {
 namespace {

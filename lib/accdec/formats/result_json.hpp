@@ -1,9 +1,10 @@
 #pragma once
 
-#include <accdec/design/result.hpp>
-#include <accdec/io/errors.hpp>
 #include <string>
 #include <string_view>
+
+#include <accdec/files/errors.hpp>
+#include <accdec/task/result.hpp>
 
 namespace accdec {
 

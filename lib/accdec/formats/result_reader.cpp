@@ -1,19 +1,19 @@
-#include <optional>
-
-#include <fmt/format.h>
-
-#include <accdec/io/json_position.hpp>
-#include <accdec/io/result_json.hpp>
-#include <accdec/io/suggestion.hpp>
-#include <accdec/io/task_keys.hpp>
-#include <accdec/io/task_tree.hpp>
-#include <accdec/io/text_file.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/files/json_position.hpp>
+#include <accdec/files/suggestion.hpp>
+#include <accdec/files/text_file.hpp>
+#include <accdec/formats/result_json.hpp>
+#include <accdec/formats/task_keys.hpp>
+#include <accdec/formats/task_tree.hpp>
 
 namespace accdec {
 namespace {
@@ -240,7 +240,8 @@ DesignResult read_members(const Value& top, const std::string& name) {
                    s["version"].text(),
                    s["claimed"].text(),
                    s["evaluations"].integer(0, std::numeric_limits<long>::max() / 4),
-                   s["wall_time_s"].number(), {}};
+                   s["wall_time_s"].number(),
+                   {}};
   result.message = top["message"].text();
   if (top.has("certificate")) result.certificate = top["certificate"].json().dump();
   return result;
@@ -263,7 +264,8 @@ std::string readable(const std::string& pointer) {
   return text.empty() ? "the result" : text;
 }
 
-/// Where brackets nest deeper than any result's; the JSON library recurses when it writes, and would overflow the stack.
+/// Where brackets nest deeper than any result's; the JSON library recurses when it writes, and would overflow the
+/// stack.
 std::optional<std::size_t> too_deep(std::string_view text) {
   constexpr int deepest = 64;
   int depth = 0;

@@ -1,14 +1,15 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <accdec/io/taps_export.hpp>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/formats/taps_export.hpp>
 
 namespace accdec {
 namespace {

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <accdec/design/result.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <accdec/task/result.hpp>
 
 namespace accdec {
 

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <accdec/design/task.hpp>
 #include <array>
 #include <numbers>
 #include <string_view>
+
+#include <accdec/task/task.hpp>
 
 // Internal to the room: the keys of task files and their units, shared by reader and writer so that neither can know a
 // key alone.

@@ -1,15 +1,16 @@
-#include <fmt/format.h>
-
-#include <accdec/io/task_keys.hpp>
-#include <accdec/io/task_reader.hpp>
-#include <accdec/io/task_tree.hpp>
-#include <accdec/io/text_file.hpp>
-#include <accdec/io/toml_table.hpp>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
 #include <vector>
+
+#include <fmt/format.h>
+
+#include <accdec/files/text_file.hpp>
+#include <accdec/files/toml_table.hpp>
+#include <accdec/formats/task_keys.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/formats/task_tree.hpp>
 
 namespace accdec {
 namespace {

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <accdec/design/task.hpp>
-#include <accdec/io/errors.hpp>
 #include <string>
 #include <string_view>
+
+#include <accdec/files/errors.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 

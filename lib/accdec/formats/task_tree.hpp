@@ -1,9 +1,10 @@
 #pragma once
 
+#include <string>
+
 #include <toml++/toml.h>
 
-#include <accdec/io/task_reader.hpp>
-#include <string>
+#include <accdec/formats/task_reader.hpp>
 
 // Internal to the room: the reader behind parse_task, for trees that come from elsewhere (the `task` of a result file).
 

@@ -1,11 +1,12 @@
-#include <fmt/format.h>
-
-#include <accdec/io/task_keys.hpp>
-#include <accdec/io/task_writer.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include <accdec/formats/task_keys.hpp>
+#include <accdec/formats/task_writer.hpp>
 
 namespace accdec {
 namespace {

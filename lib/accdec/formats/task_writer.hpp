@@ -1,8 +1,10 @@
 #pragma once
 
-#include <accdec/design/task.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 

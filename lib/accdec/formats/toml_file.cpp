@@ -1,14 +1,13 @@
-#include <accdec/io/toml_file.hpp>
-
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include <accdec/io/errors.hpp>
-#include <accdec/io/task_edit.hpp>
-#include <accdec/io/text_file.hpp>
+#include <accdec/files/errors.hpp>
+#include <accdec/files/text_file.hpp>
+#include <accdec/formats/task_edit.hpp>
+#include <accdec/formats/toml_file.hpp>
 
 namespace accdec::toml_input {
 
@@ -17,7 +16,8 @@ toml::table parse_file(const std::string& path) {
   try {
     return toml::parse(text, path);
   } catch (const toml::parse_error& error) {
-    throw InputError(path, error.source().begin.line, error.source().begin.column, fmt::format("not valid TOML: {}", error.description()));
+    throw InputError(path, error.source().begin.line, error.source().begin.column,
+                     fmt::format("not valid TOML: {}", error.description()));
   }
 }
 
@@ -26,7 +26,8 @@ std::vector<std::string> strings(const Table& table, const toml::table& raw, std
   if (!raw.contains(key)) return words;
   if (const auto word = raw[key].value<std::string>()) return {*word};
   const toml::array* list = raw[key].as_array();
-  if (!list || list->empty()) table.fail_at(key, fmt::format("`{}` must be a string or a list of strings, not empty", key));
+  if (!list || list->empty())
+    table.fail_at(key, fmt::format("`{}` must be a string or a list of strings, not empty", key));
   for (std::size_t i = 0; i < list->size(); ++i) {
     const auto word = list->get(i)->value<std::string>();
     if (!word) table.fail_at(key, i, fmt::format("`{}` must be a list of strings", key));
@@ -37,7 +38,8 @@ std::vector<std::string> strings(const Table& table, const toml::table& raw, std
 
 toml::table parse_task_beside(const Table& table, std::string_view key, const std::string& given, std::string& path) {
   path = (std::filesystem::path(table.file()).parent_path() / given).lexically_normal().string();
-  if (!std::filesystem::exists(path)) table.fail_at(key, fmt::format("{} does not exist; paths are relative to the file that names them", path));
+  if (!std::filesystem::exists(path))
+    table.fail_at(key, fmt::format("{} does not exist; paths are relative to the file that names them", path));
   return parse_file(path);
 }
 

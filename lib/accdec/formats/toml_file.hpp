@@ -1,14 +1,15 @@
 #pragma once
 
-#include <toml++/toml.h>
-
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <accdec/io/toml_table.hpp>
+#include <toml++/toml.h>
 
-// Internal to the room: what the readers of studies and suites share. Not for inclusion from other rooms (it needs toml++).
+#include <accdec/files/toml_table.hpp>
+
+// Internal to the room: what the readers of studies and suites share. Not for inclusion from other rooms (it needs
+// toml++).
 
 namespace accdec::toml_input {
 

@@ -22,7 +22,8 @@ struct Axis {
   double regeneration_max = unlimited;  ///< W, on -P (braking)
 };
 
-/// Residual vibration bound: |sum_i b_i exp(-2 pi j f i T)| <= residual_max for every f in [frequency_low, frequency_high].
+/// Residual vibration bound: |sum_i b_i exp(-2 pi j f i T)| <= residual_max for every f in [frequency_low,
+/// frequency_high].
 struct Mode {
   double frequency_low = 0.0;   ///< Hz, > 0
   double frequency_high = 0.0;  ///< Hz, >= frequency_low

@@ -1,5 +1,3 @@
-#include <accdec/machine/utilisation.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,6 +6,8 @@
 #include <vector>
 
 #include <fmt/format.h>
+
+#include <accdec/machine/utilisation.hpp>
 
 namespace accdec {
 
@@ -45,8 +45,8 @@ double utilisation_of(LimitKind kind, double value, double bound) {
 
 namespace {
 
-/// Speeds and taps of one axis during one event. The start is a blend out of rest, the stop a blend into rest, so all three
-/// are v = in (1 - B_k) + out B_{k-d}, with in or out zero.
+/// Speeds and taps of one axis during one event. The start is a blend out of rest, the stop a blend into rest, so all
+/// three are v = in (1 - B_k) + out B_{k-d}, with in or out zero.
 struct AxisEvent {
   Event event;
   double in, out;  ///< axis components of the two leg velocities, m/s
@@ -92,16 +92,16 @@ class Worst {
 std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corner, int delay, double sample_period,
                                        const Machine& machine, const std::string& corner_name) {
   if (corner.axes() != static_cast<Eigen::Index>(machine.axes.size())) {
-    throw std::invalid_argument(
-        fmt::format("corner has {} axes, the machine {}", corner.axes(), machine.axes.size()));
+    throw std::invalid_argument(fmt::format("corner has {} axes, the machine {}", corner.axes(), machine.axes.size()));
   }
   require_period(sample_period);
   std::vector<LimitUse> uses;
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
-    Worst velocity(LimitKind::velocity, axis.velocity_max), acceleration(LimitKind::acceleration, axis.acceleration_max),
-        jerk(LimitKind::jerk, axis.jerk_max), force(LimitKind::force, axis.force_max),
-        power(LimitKind::power, axis.power_max), regeneration(LimitKind::regeneration, axis.regeneration_max);
+    Worst velocity(LimitKind::velocity, axis.velocity_max),
+        acceleration(LimitKind::acceleration, axis.acceleration_max), jerk(LimitKind::jerk, axis.jerk_max),
+        force(LimitKind::force, axis.force_max), power(LimitKind::power, axis.power_max),
+        regeneration(LimitKind::regeneration, axis.regeneration_max);
     const auto index = static_cast<Eigen::Index>(a);
     const double in = corner.feed_in * corner.direction_in[index], out = corner.feed_out * corner.direction_out[index];
     for (const AxisEvent& e : {AxisEvent{Event::start, 0.0, in, 0}, AxisEvent{Event::blend, in, out, delay},
@@ -165,9 +165,9 @@ Response response(const Filter& filter, double frequency, double sample_period) 
   return {hr * hr + hi * hi, hr * gr + hi * gi};
 }
 
-/// Where |H|^2 is largest on a mode's band: branch and bound over intervals. Between two points at which value and slope are known, the
-/// cubic through them is off by at most h^4/384 times the fourth derivative, and that of a trigonometric polynomial of degree N with values
-/// up to 1 is at most (2 pi N T)^4 (Bernstein's inequality).
+/// Where |H|^2 is largest on a mode's band: branch and bound over intervals. Between two points at which value and
+/// slope are known, the cubic through them is off by at most h^4/384 times the fourth derivative, and that of a
+/// trigonometric polynomial of degree N with values up to 1 is at most (2 pi N T)^4 (Bernstein's inequality).
 double worst_frequency(const Filter& filter, const Mode& mode, double sample_period) {
   struct Point {
     double f;
@@ -190,7 +190,8 @@ double worst_frequency(const Filter& filter, const Mode& mode, double sample_per
     double largest = std::max(a.r.square, b.r.square);
     const double root = c2 * c2 - 3.0 * c3 * ma;
     if (root < 0.0) return largest;
-    for (const double x : {(-c2 - std::sqrt(root)) / (3.0 * c3), (-c2 + std::sqrt(root)) / (3.0 * c3), -0.5 * ma / c2}) {
+    for (const double x :
+         {(-c2 - std::sqrt(root)) / (3.0 * c3), (-c2 + std::sqrt(root)) / (3.0 * c3), -0.5 * ma / c2}) {
       if (x > 0.0 && x < 1.0) largest = std::max(largest, a.r.square + x * (ma + x * (c2 + x * c3)));
     }
     return largest;
@@ -204,8 +205,8 @@ double worst_frequency(const Filter& filter, const Mode& mode, double sample_per
     open.emplace_back(last, next);
     last = next;
   }
-  // Far below the bound nobody needs the last digits; nor anywhere a part in 1e12 of the square. The error term knows only that |H| <= 1
-  // somewhere, so bounds of 1e-5 and less end at the count.
+  // Far below the bound nobody needs the last digits; nor anywhere a part in 1e12 of the square. The error term knows
+  // only that |H| <= 1 somewhere, so bounds of 1e-5 and less end at the count.
   const double floor = 1e-10 * mode.residual_max * mode.residual_max;
   for (int left = 4096 + 64 * cells; !open.empty() && left > 0; --left) {
     const auto [a, b] = open.back();
@@ -226,7 +227,8 @@ std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_
   require_period(sample_period);
   std::vector<LimitUse> uses;
   for (const Mode& mode : machine.modes) {
-    if (!(mode.frequency_low > 0.0 && mode.frequency_high >= mode.frequency_low && std::isfinite(mode.frequency_high))) {
+    if (!(mode.frequency_low > 0.0 && mode.frequency_high >= mode.frequency_low &&
+          std::isfinite(mode.frequency_high))) {
       throw std::invalid_argument(fmt::format("mode needs 0 < frequency_low <= frequency_high, got {} to {} Hz",
                                               mode.frequency_low, mode.frequency_high));
     }

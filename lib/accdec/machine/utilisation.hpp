@@ -32,8 +32,8 @@ enum class Event {
 };
 std::string_view to_string(Event event);
 
-/// The worst use of one limit. `utilisation` = value/bound for upper bounds and bound/value for `speed_min`, so that > 1 always
-/// means violated; 0/0 counts as 0 and x/0 as infinity.
+/// The worst use of one limit. `utilisation` = value/bound for upper bounds and bound/value for `speed_min`, so that >
+/// 1 always means violated; 0/0 counts as 0 and x/0 as infinity.
 struct LimitUse {
   LimitKind kind{};
   std::string axis;    ///< empty where the limit belongs to no axis
@@ -58,8 +58,8 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
 /// Residual vibration of a filter at frequency f in Hz: |sum_i b_i exp(-2 pi j f i T)|, 0 .. 1.
 double residual_vibration(const Filter& filter, double frequency, double sample_period);
 
-/// The worst frequency of every mode's band: a grid finer than the response can wiggle, then bisection on its slope in every
-/// cell that holds a maximum worth it. O((N + 1) * grid), grid = 8 (N + 1) T (high - low).
+/// The worst frequency of every mode's band: a grid finer than the response can wiggle, then bisection on its slope in
+/// every cell that holds a maximum worth it. O((N + 1) * grid), grid = 8 (N + 1) T (high - low).
 /// @throws std::invalid_argument on a band or sample period out of range.
 std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine);
 

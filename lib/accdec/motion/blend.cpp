@@ -1,11 +1,10 @@
-#include <accdec/motion/blend.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include <accdec/motion/blend.hpp>
 #include <accdec/motion/leg_distance.hpp>
 
 namespace accdec {
@@ -54,11 +53,17 @@ Eigen::VectorXd Blend::acceleration(int k) const {
   return in * corner_.direction_in + out * corner_.direction_out;
 }
 
-Eigen::VectorXd Blend::jerk(int k) const { return (acceleration(k) - acceleration(k - 1)) / sample_period_; }
+Eigen::VectorXd Blend::jerk(int k) const {
+  return (acceleration(k) - acceleration(k - 1)) / sample_period_;
+}
 
-double Blend::distance(int k) const { return leg_distance(distance_in(k), distance_out(k), cos_interior_); }
+double Blend::distance(int k) const {
+  return leg_distance(distance_in(k), distance_out(k), cos_interior_);
+}
 
-double Blend::tangential_speed(int k) const { return leg_distance(speed_in(k), speed_out(k), -cos_interior_); }
+double Blend::tangential_speed(int k) const {
+  return leg_distance(speed_in(k), speed_out(k), -cos_interior_);
+}
 
 CornerMeasures measure(const Blend& blend) {
   const double c = blend.corner().cos_interior();
@@ -98,8 +103,8 @@ CornerMeasures measure(const Blend& blend) {
 }
 
 double corner_error(const Blend& blend) {
-  // The smallest k whose successor is no nearer. Equal neighbours occur only where the motion rests (exact stop), and there
-  // the distance is the minimum, 0.
+  // The smallest k whose successor is no nearer. Equal neighbours occur only where the motion rests (exact stop), and
+  // there the distance is the minimum, 0.
   int low = blend.first_sample(), high = blend.last_sample();
   while (low < high) {
     const int middle = low + (high - low) / 2;

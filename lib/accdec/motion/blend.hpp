@@ -7,15 +7,18 @@
 
 namespace accdec {
 
-/// The motion around one corner: leg 1 decelerates through `filter_in` while leg 2, commanded `delay` samples after leg 1's
-/// command ended, accelerates through `filter_out` (Eq. 19-29, for a pair of filters; the paper uses the same one twice).
+/// The motion around one corner: leg 1 decelerates through `filter_in` while leg 2, commanded `delay` samples after leg
+/// 1's command ended, accelerates through `filter_out` (Eq. 19-29, for a pair of filters; the paper uses the same one
+/// twice).
 ///
-/// Sample k counts from the last full-speed sample of leg 1. Position is the right-rectangle sum of Eq. (29) and linear in the taps:
+/// Sample k counts from the last full-speed sample of leg 1. Position is the right-rectangle sum of Eq. (29) and linear
+/// in the taps:
 ///   S[k] = -p(k) v1 T u1 + q(k - d) v2 T u2,  p = filter_in.remaining_moment, q = filter_out.elapsed_moment.
 /// Holds references: the filters and the corner must outlive it.
 class Blend {
  public:
-  /// @param delay          d in samples; may be negative for a pair of filters (leg 2's command starts before leg 1's ends)
+  /// @param delay          d in samples; may be negative for a pair of filters (leg 2's command starts before leg 1's
+  /// ends)
   /// @param sample_period  T in s, > 0
   Blend(const Filter& filter_in, const Filter& filter_out, const Corner& corner, int delay, double sample_period);
   Blend(const Filter& filter, const Corner& corner, int delay, double sample_period)
@@ -68,7 +71,8 @@ struct CornerMeasures {
 /// Measures a blend over its whole window. O(N + |d|).
 CornerMeasures measure(const Blend& blend);
 
-/// Corner error alone, by bisection: |S[k]| falls, then rises along the window, for the path is convex. O(log(N + |d|)).
+/// Corner error alone, by bisection: |S[k]| falls, then rises along the window, for the path is convex. O(log(N +
+/// |d|)).
 double corner_error(const Blend& blend);
 
 }  // namespace accdec

@@ -1,11 +1,11 @@
-#include <accdec/motion/corner.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include <accdec/motion/corner.hpp>
 
 namespace accdec {
 namespace {
@@ -26,7 +26,9 @@ Eigen::VectorXd unit(const Eigen::VectorXd& v) {
 
 }  // namespace
 
-double Corner::cos_interior() const { return std::clamp(-direction_in.dot(direction_out), -1.0, 1.0); }
+double Corner::cos_interior() const {
+  return std::clamp(-direction_in.dot(direction_out), -1.0, 1.0);
+}
 
 Corner make_corner(const Eigen::VectorXd& direction_in, const Eigen::VectorXd& direction_out, double feed_in,
                    double feed_out) {

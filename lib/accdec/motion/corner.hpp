@@ -19,8 +19,10 @@ struct Corner {
 };
 
 /// Corner from two direction vectors of any positive length and equal size (>= 1).
-/// @throws std::invalid_argument on a zero or non-finite vector, unequal sizes, or a feed that is not positive and finite.
-Corner make_corner(const Eigen::VectorXd& direction_in, const Eigen::VectorXd& direction_out, double feed_in, double feed_out);
+/// @throws std::invalid_argument on a zero or non-finite vector, unequal sizes, or a feed that is not positive and
+/// finite.
+Corner make_corner(const Eigen::VectorXd& direction_in, const Eigen::VectorXd& direction_out, double feed_in,
+                   double feed_out);
 
 /// Corner in the plane of the first two of `axes` axes (>= 2).
 /// @param interior_angle  rad, 0 < angle <= pi

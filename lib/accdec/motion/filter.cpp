@@ -1,9 +1,9 @@
-#include <accdec/motion/filter.hpp>
-
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include <accdec/motion/filter.hpp>
 
 namespace accdec {
 

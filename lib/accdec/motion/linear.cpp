@@ -1,10 +1,11 @@
-#include <fmt/format.h>
-
-#include <accdec/motion/linear.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/motion/linear.hpp>
 
 namespace accdec {
 namespace {

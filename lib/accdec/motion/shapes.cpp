@@ -1,5 +1,3 @@
-#include <accdec/motion/shapes.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,6 +5,8 @@
 #include <vector>
 
 #include <fmt/format.h>
+
+#include <accdec/motion/shapes.hpp>
 
 namespace accdec {
 namespace {
@@ -44,7 +44,8 @@ Filter boxcar(int order) {
 Filter trapezoid(int order, int ramp) {
   require_order("trapezoid", order, 0);
   if (ramp < 0 || ramp > order / 2) {
-    throw std::invalid_argument(fmt::format("trapezoid of order {} needs 0 <= ramp <= {}, got {}", order, order / 2, ramp));
+    throw std::invalid_argument(
+        fmt::format("trapezoid of order {} needs 0 <= ramp <= {}, got {}", order, order / 2, ramp));
   }
   return symmetric_filter(order, [=](int i) { return static_cast<double>(std::min(i, ramp) + 1); });
 }

@@ -1,8 +1,9 @@
-#include <accdec/motion/leg_distance.hpp>
-#include <accdec/motion/smallest_delay.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <accdec/motion/leg_distance.hpp>
+#include <accdec/motion/smallest_delay.hpp>
 
 namespace accdec {
 namespace {

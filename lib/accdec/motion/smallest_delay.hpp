@@ -1,7 +1,8 @@
 #pragma once
 
-#include <accdec/motion/filter.hpp>
 #include <vector>
+
+#include <accdec/motion/filter.hpp>
 
 namespace accdec {
 

@@ -1,5 +1,3 @@
-#include <accdec/nlp/derivative_check.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -7,6 +5,8 @@
 
 #include <Eigen/Core>
 #include <fmt/format.h>
+
+#include <accdec/nlp/derivative_check.hpp>
 
 namespace accdec::nlp {
 namespace {
@@ -16,7 +16,9 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using Point = std::vector<double>;
 
-std::span<double> view(Vector& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
+std::span<double> view(Vector& v) {
+  return {v.data(), static_cast<std::size_t>(v.size())};
+}
 
 class Checker {
  public:
@@ -24,14 +26,21 @@ class Checker {
       : problem_(problem), x_(x.begin(), x.end()), tolerance_(tolerance), step_(step) {}
 
   std::vector<WrongDerivative> run() {
-    compare(Kind::gradient, [&](const Point& x) { return Vector::Constant(1, problem_.objective(x)); }, gradient(x_).transpose());
-    if (problem_.num_rows() > 0) compare(Kind::jacobian, [&](const Point& x) { return rows(x); }, jacobian(x_));
-    if (problem_.num_residuals() > 0) compare(Kind::residual_jacobian, [&](const Point& x) { return residuals(x); }, residual_jacobian());
+    compare(
+        Kind::gradient, [&](const Point& x) { return Vector::Constant(1, problem_.objective(x)); },
+        gradient(x_).transpose());
+    if (problem_.num_rows() > 0)
+      compare(
+          Kind::jacobian, [&](const Point& x) { return rows(x); }, jacobian(x_));
+    if (problem_.num_residuals() > 0)
+      compare(
+          Kind::residual_jacobian, [&](const Point& x) { return residuals(x); }, residual_jacobian());
     if (problem_.has_hessian()) {
       // Irrational multipliers, so that errors of two rows do not cancel.
       multipliers_.resize(static_cast<std::size_t>(problem_.num_rows()));
       for (std::size_t r = 0; r < multipliers_.size(); ++r) multipliers_[r] = std::sin(1.0 + static_cast<double>(r));
-      compare(Kind::hessian, [&](const Point& x) { return lagrangian_gradient(x); }, hessian());
+      compare(
+          Kind::hessian, [&](const Point& x) { return lagrangian_gradient(x); }, hessian());
     }
     return std::move(found_);
   }
@@ -106,7 +115,8 @@ class Checker {
         if (kind == Kind::hessian && r < i) continue;
         const double a = analytic(r, i), error = std::abs(a - numeric[r]);
         if (error <= tolerance_ * std::max({1.0, std::abs(a), size})) continue;
-        found_.push_back({kind, kind == Kind::gradient ? -1 : static_cast<int>(r), i, a, numeric[r], words(kind, static_cast<int>(r), i, a, numeric[r])});
+        found_.push_back({kind, kind == Kind::gradient ? -1 : static_cast<int>(r), i, a, numeric[r],
+                          words(kind, static_cast<int>(r), i, a, numeric[r])});
       }
     }
   }
@@ -131,7 +141,8 @@ class Checker {
 
 }  // namespace
 
-std::vector<WrongDerivative> check_derivatives(const Problem& problem, std::span<const double> x, double tolerance, double step) {
+std::vector<WrongDerivative> check_derivatives(const Problem& problem, std::span<const double> x, double tolerance,
+                                               double step) {
   if (static_cast<int>(x.size()) != problem.num_variables()) {
     throw std::invalid_argument(fmt::format("{} values for {} variables", x.size(), problem.num_variables()));
   }

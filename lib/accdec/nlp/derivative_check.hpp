@@ -12,22 +12,22 @@ namespace accdec::nlp {
 struct WrongDerivative {
   enum class Kind { gradient, jacobian, hessian, residual_jacobian };
   Kind kind = Kind::gradient;
-  int row = -1;     ///< row of the Jacobian, residual, or first variable of a second derivative; -1 for the gradient
-  int column = 0;   ///< variable
+  int row = -1;    ///< row of the Jacobian, residual, or first variable of a second derivative; -1 for the gradient
+  int column = 0;  ///< variable
   double analytic = 0.0;
   double numeric = 0.0;
   /// For example "Jacobian of row force x by B_3: 2 given, 4 found".
   std::string text;
 };
 
-/// Compares every first and second derivative of a problem, entries outside the sparsity patterns included, with central differences
-/// extrapolated from two steps (error O(h^4)); Hessians with differences of the given first derivatives, at fixed pseudo-random
-/// multipliers. O(n) evaluations of everything.
+/// Compares every first and second derivative of a problem, entries outside the sparsity patterns included, with
+/// central differences extrapolated from two steps (error O(h^4)); Hessians with differences of the given first
+/// derivatives, at fixed pseudo-random multipliers. O(n) evaluations of everything.
 /// @param x          size n, in the interior of the domain by more than `step`
 /// @param tolerance  relative to the larger of 1, the entry, and the largest value of the function differentiated
 /// @param step       relative to max(1, |x_i|)
 /// @throws std::invalid_argument if x has the wrong size.
-std::vector<WrongDerivative> check_derivatives(const Problem& problem, std::span<const double> x, double tolerance = 1e-6,
-                                               double step = 1e-4);
+std::vector<WrongDerivative> check_derivatives(const Problem& problem, std::span<const double> x,
+                                               double tolerance = 1e-6, double step = 1e-4);
 
 }  // namespace accdec::nlp

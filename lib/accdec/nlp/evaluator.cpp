@@ -1,7 +1,7 @@
-#include <accdec/nlp/evaluator.hpp>
-
 #include <algorithm>
 #include <cmath>
+
+#include <accdec/nlp/evaluator.hpp>
 
 namespace accdec::nlp {
 
@@ -37,7 +37,9 @@ void Evaluator::guarded(std::int64_t& count, Call call) {
   poll();
   ++count;
   const auto before = Clock::now();
-  const auto clock_out = [&] { counts_.evaluation_time += std::chrono::duration<double>(Clock::now() - before).count(); };
+  const auto clock_out = [&] {
+    counts_.evaluation_time += std::chrono::duration<double>(Clock::now() - before).count();
+  };
   try {
     call();
   } catch (...) {
@@ -114,7 +116,8 @@ void Evaluator::consider() {
   }
   best_ = objective_point_;
   best_objective_ = objective_value_;
-  history_.push_back({std::max(counts_.objective, counts_.rows), std::chrono::duration<double>(Clock::now() - began_).count(), best_objective_});
+  history_.push_back({std::max(counts_.objective, counts_.rows),
+                      std::chrono::duration<double>(Clock::now() - began_).count(), best_objective_});
 }
 
 }  // namespace accdec::nlp

@@ -32,17 +32,18 @@ struct Improvement {
 /// Why an evaluator stopped a run.
 enum class Stop { none, invalid_number, evaluation_limit, time_limit, cancelled, exception };
 
-/// Thrown by the evaluator through a C++ solver, or caught by an adapter in front of a C one; `Evaluator::stop` says why.
+/// Thrown by the evaluator through a C++ solver, or caught by an adapter in front of a C one; `Evaluator::stop` says
+/// why.
 class StopRun : public std::runtime_error {
  public:
   StopRun() : std::runtime_error("run stopped by the evaluator") {}
 };
 
-/// A problem wrapped for one run: counts and times every call, refuses numbers that are not finite, keeps the problem's exceptions,
-/// enforces limits and cancellation, and remembers the best point seen that holds all bounds and rows.
+/// A problem wrapped for one run: counts and times every call, refuses numbers that are not finite, keeps the problem's
+/// exceptions, enforces limits and cancellation, and remembers the best point seen that holds all bounds and rows.
 ///
-/// Every function throws StopRun when the run must end; from then on every further call throws at once, so that no library can go on
-/// (some ignore their own limits when an evaluation is NaN). Not thread-safe: one evaluator a run.
+/// Every function throws StopRun when the run must end; from then on every further call throws at once, so that no
+/// library can go on (some ignore their own limits when an evaluation is NaN). Not thread-safe: one evaluator a run.
 class Evaluator {
  public:
   struct Limits {
@@ -59,7 +60,8 @@ class Evaluator {
   void gradient(std::span<const double> x, std::span<double> g);
   void rows(std::span<const double> x, std::span<double> c);
   void jacobian(std::span<const double> x, std::span<double> values);
-  void hessian(std::span<const double> x, double objective_factor, std::span<const double> multipliers, std::span<double> values);
+  void hessian(std::span<const double> x, double objective_factor, std::span<const double> multipliers,
+               std::span<double> values);
   void residuals(std::span<const double> x, std::span<double> r);
   void residual_jacobian(std::span<const double> x, std::span<double> values);
 

@@ -1,9 +1,11 @@
-#include <Eigen/IterativeLinearSolvers>
-#include <Eigen/SparseCore>
-#include <accdec/nlp/kkt.hpp>
-#include <accdec/nlp/nonnegative.hpp>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+
+#include <accdec/nlp/kkt.hpp>
+#include <accdec/nlp/nonnegative.hpp>
 
 namespace accdec::nlp {
 namespace {

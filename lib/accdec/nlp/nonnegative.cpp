@@ -1,12 +1,13 @@
-#include <accdec/nlp/nonnegative.hpp>
-
 #include <algorithm>
 
 #include <Eigen/QR>
 
+#include <accdec/nlp/nonnegative.hpp>
+
 namespace accdec::nlp {
 
-Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const std::vector<char>& signed_column) {
+Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
+                                          const std::vector<char>& signed_column) {
   const Eigen::Index n = a.cols();
   Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
   std::vector<char> passive(signed_column.size());

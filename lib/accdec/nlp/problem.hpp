@@ -31,9 +31,10 @@ struct Entry {
 /// A finite-dimensional optimisation problem
 ///   minimise f(x)  subject to  variable_bounds,  row_bounds.lower <= c(x) <= row_bounds.upper.
 ///
-/// n = num_variables(), m = num_rows(). Sparsity patterns are fixed for the life of the object; duplicates are not allowed.
-/// Evaluation functions are const and must be safe to call from several threads on the same object. They may throw; solvers'
-/// adapters carry the exception through the C library and rethrow it. They may return NaN; the guard turns that into a status.
+/// n = num_variables(), m = num_rows(). Sparsity patterns are fixed for the life of the object; duplicates are not
+/// allowed. Evaluation functions are const and must be safe to call from several threads on the same object. They may
+/// throw; solvers' adapters carry the exception through the C library and rethrow it. They may return NaN; the guard
+/// turns that into a status.
 class Problem {
  public:
   virtual ~Problem() = default;

@@ -6,7 +6,8 @@
 
 namespace accdec::nlp {
 
-/// Largest absolute violation of any variable's or row's bound at x, 0 where all hold; infinite where a variable or row is not finite.
+/// Largest absolute violation of any variable's or row's bound at x, 0 where all hold; infinite where a variable or row
+/// is not finite.
 /// @param x  size num_variables
 double largest_violation(const Problem& problem, std::span<const double> x);
 

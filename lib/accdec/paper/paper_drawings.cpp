@@ -1,11 +1,10 @@
-#include <accdec/io/paper_drawings.hpp>
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include <accdec/study/paper_case.hpp>
+#include <accdec/paper/paper_case.hpp>
+#include <accdec/paper/paper_drawings.hpp>
 
 namespace accdec::paper {
 namespace {
@@ -15,14 +14,15 @@ struct Curve {
 };
 
 /// Curves over one column, in styles 0, 1, ...
-Panel panel_of(const FigureData& data, const std::string& title, const std::string& x_column, const std::string& x_label,
-               const std::string& y_label, const std::vector<Curve>& curves) {
+Panel panel_of(const FigureData& data, const std::string& title, const std::string& x_column,
+               const std::string& x_label, const std::string& y_label, const std::vector<Curve>& curves) {
   Panel panel;
   panel.title = title;
   panel.x.label = x_label;
   panel.y.label = y_label;
   for (const Curve& curve : curves) {
-    panel.series.push_back({curve.label, data[x_column], data[curve.column], Mark::line, static_cast<int>(panel.series.size())});
+    panel.series.push_back(
+        {curve.label, data[x_column], data[curve.column], Mark::line, static_cast<int>(panel.series.size())});
   }
   panel.x.min = *std::min_element(data[x_column].begin(), data[x_column].end());
   panel.x.max = *std::max_element(data[x_column].begin(), data[x_column].end());
@@ -40,7 +40,8 @@ std::vector<Panel> component_panels(const FigureData& data, const std::string& s
                    {{name("vb"), "sum"}, {name("v1b"), "leg 1"}, {name("v2b"), "leg 2"}})};
 }
 
-Drawing make(const std::string& name, FigureData data, const std::string& title, std::vector<Panel> panels, int columns) {
+Drawing make(const std::string& name, FigureData data, const std::string& title, std::vector<Panel> panels,
+             int columns) {
   Drawing drawing{name, {std::move(data)}, {}};
   drawing.figure.title = title;
   drawing.figure.panels = std::move(panels);
@@ -51,10 +52,12 @@ Drawing make(const std::string& name, FigureData data, const std::string& title,
 Drawing draw9() {
   FigureData data = figure9();
   std::vector<Curve> curves;
-  for (const char* c : {"10", "5", "3", "2", "1.5", "1"}) curves.push_back({fmt::format("error_c{}_um", c), fmt::format("c = {}", c)});
+  for (const char* c : {"10", "5", "3", "2", "1.5", "1"})
+    curves.push_back({fmt::format("error_c{}_um", c), fmt::format("c = {}", c)});
   Panel panel = panel_of(data, "", "dT_ms", "command delay dT / ms", "corner error / BLU (1 BLU = 1 µm)", curves);
   panel.y.min = 0.0;
-  Drawing drawing = make("fig09", std::move(data), "Fig. 9: corner error of linear Acc/Dec, v₁ = 4·10⁵ BLU/s, θ = 95°", {panel}, 1);
+  Drawing drawing =
+      make("fig09", std::move(data), "Fig. 9: corner error of linear Acc/Dec, v₁ = 4·10⁵ BLU/s, θ = 95°", {panel}, 1);
   drawing.figure.panel_height = 380;
   return drawing;
 }
@@ -88,7 +91,8 @@ Drawing draw11() {
     }
     curves.series.push_back(series);
   }
-  Drawing drawing = make("fig11", std::move(data), "Fig. 11: normalised corner error of FIR Acc/Dec, N = 40, θ = 95°", {surface, curves}, 2);
+  Drawing drawing = make("fig11", std::move(data), "Fig. 11: normalised corner error of FIR Acc/Dec, N = 40, θ = 95°",
+                         {surface, curves}, 2);
   drawing.figure.panel_width = 520;
   drawing.figure.panel_height = 360;
   return drawing;
@@ -100,25 +104,34 @@ Drawing draw12() {
   path.title = "paths in the a-b frame; corner at (0, 0)";
   path.x.label = "a / mm";
   path.y.label = "b / mm";
-  const std::vector<Curve> curves{{"linear_d0", "1 linear"}, {"scurve_d0", "2 S-curve"}, {"fir_d0", "3 Blackman FIR"},
-                                  {"linear_d12", "4 linear, dT = 12 T"}, {"scurve_d4", "5 S-curve, dT = 4 T"}};
+  const std::vector<Curve> curves{{"linear_d0", "1 linear"},
+                                  {"scurve_d0", "2 S-curve"},
+                                  {"fir_d0", "3 Blackman FIR"},
+                                  {"linear_d12", "4 linear, dT = 12 T"},
+                                  {"scurve_d4", "5 S-curve, dT = 4 T"}};
   const double reach = 1.3, slope = std::cos(0.5 * angle) / std::sin(0.5 * angle);
   for (const Curve& curve : curves) {
-    path.series.push_back({curve.label, paths[curve.column + "_a_mm"], paths[curve.column + "_b_mm"],
-                           Mark::line, static_cast<int>(path.series.size())});
+    path.series.push_back({curve.label, paths[curve.column + "_a_mm"], paths[curve.column + "_b_mm"], Mark::line,
+                           static_cast<int>(path.series.size())});
   }
-  path.series.push_back({"programmed corner", {-reach, 0.0, reach}, {reach * slope, 0.0, reach * slope}, Mark::line, 5});
+  path.series.push_back(
+      {"programmed corner", {-reach, 0.0, reach}, {reach * slope, 0.0, reach * slope}, Mark::line, 5});
   path.circles.push_back({0.0, 0.0, figure12_error(Processor::fir, 0) * 1e3, "error of the FIR"});
   path.x.min = -0.95, path.x.max = 0.95, path.y.min = -0.45, path.y.max = 1.25;
   path.equal_aspect = true;
-  Panel error = panel_of(errors, "error at samples over the delay", "delay_samples", "delay dT / T", "corner error / µm",
-                         {{"linear_um", "linear"}, {"scurve_um", "S-curve"}, {"fir_um", "Blackman FIR"}});
+  Panel error =
+      panel_of(errors, "error at samples over the delay", "delay_samples", "delay dT / T", "corner error / µm",
+               {{"linear_um", "linear"}, {"scurve_um", "S-curve"}, {"fir_um", "Blackman FIR"}});
   error.limits.push_back({figure12_error(Processor::fir, 0) * 1e6, "FIR without delay"});
-  error.series.push_back({"linear: 12 T printed, 14 T needed", {12.0, 14.0},
-                          {figure12_error(Processor::linear, 12) * 1e6, figure12_error(Processor::linear, 14) * 1e6}, Mark::points, 1});
+  error.series.push_back({"linear: 12 T printed, 14 T needed",
+                          {12.0, 14.0},
+                          {figure12_error(Processor::linear, 12) * 1e6, figure12_error(Processor::linear, 14) * 1e6},
+                          Mark::points,
+                          1});
   error.series.push_back({"S-curve: 4 T", {4.0}, {figure12_error(Processor::s_curve, 4) * 1e6}, Mark::points, 2});
   error.x.max = 24.0, error.y.min = 0.0;
-  Drawing drawing = make("fig12", std::move(paths), "Fig. 12: Acc/Dec processors at v₁ = 100 mm/s, c = 2, θ = 95°", {path, error}, 1);
+  Drawing drawing =
+      make("fig12", std::move(paths), "Fig. 12: Acc/Dec processors at v₁ = 100 mm/s, c = 2, θ = 95°", {path, error}, 1);
   drawing.data.push_back(std::move(errors));
   drawing.figure.panel_width = 760;
   drawing.figure.panel_height = 420;

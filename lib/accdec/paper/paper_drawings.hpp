@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <accdec/io/figure.hpp>
-#include <accdec/study/paper_figures.hpp>
+#include <accdec/paper/paper_figures.hpp>
+#include <accdec/plot/figure.hpp>
 
 namespace accdec::paper {
 
@@ -18,7 +18,8 @@ struct Drawing {
 /// Fig. 5 to 12, in order.
 std::vector<Drawing> drawings();
 
-/// Comma-separated, a header line, six decimals, no negative zeros: enough for any drawing, and the same bytes on every machine.
+/// Comma-separated, a header line, six decimals, no negative zeros: enough for any drawing, and the same bytes on every
+/// machine.
 std::string to_csv(const FigureData& data);
 
 }  // namespace accdec::paper

@@ -1,5 +1,3 @@
-#include <accdec/study/paper_figures.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,10 +6,11 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/simulation.hpp>
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/linear.hpp>
-#include <accdec/study/paper_case.hpp>
+#include <accdec/paper/paper_case.hpp>
+#include <accdec/paper/paper_figures.hpp>
+#include <accdec/task/simulation.hpp>
 
 namespace accdec::paper {
 namespace {
@@ -21,7 +20,8 @@ const double sin_half = std::sin(0.5 * angle), cos_half = std::cos(0.5 * angle);
 
 /// Direction of a leg in the a-b frame: leg 1 runs down towards the a-axis, leg 2 up from it.
 Corner a_b_corner(double feed_in, double ratio) {
-  return make_corner(Eigen::Vector2d(sin_half, -cos_half), Eigen::Vector2d(sin_half, cos_half), feed_in, ratio * feed_in);
+  return make_corner(Eigen::Vector2d(sin_half, -cos_half), Eigen::Vector2d(sin_half, cos_half), feed_in,
+                     ratio * feed_in);
 }
 
 /// Appends the components of both legs and their sums, mm/s, over k = first .. last.
@@ -105,7 +105,8 @@ FigureData figure8() {
 
 FigureData figure10() {
   FigureData data{10, {sample_times(-margin, last_shown)}};
-  for (const int delay : {0, figure_delay}) add_components(data, fir(), delay, -margin, last_shown, fmt::format("_d{}", delay));
+  for (const int delay : {0, figure_delay})
+    add_components(data, fir(), delay, -margin, last_shown, fmt::format("_d{}", delay));
   return data;
 }
 
@@ -163,7 +164,8 @@ FigureData figure12_paths() {
     const LinearCorner exact = figure12_linear(delay);
     Column a{fmt::format("{}_d{}_a_mm", name, delay), {}}, b{fmt::format("{}_d{}_b_mm", name, delay), {}};
     for (int k = -margin; k <= last; ++k) {
-      const Eigen::Vector2d s = processor == Processor::linear ? exact.position(k * sample_period) : Eigen::Vector2d(blend.position(k));
+      const Eigen::Vector2d s =
+          processor == Processor::linear ? exact.position(k * sample_period) : Eigen::Vector2d(blend.position(k));
       a.values.push_back(s[0] / mm);
       b.values.push_back(s[1] / mm);
     }

@@ -24,8 +24,8 @@ struct FigureData {
 FigureData figure5();
 /// Fig. 6: speed around the corner without delay and with dT = 10 T.
 FigureData figure6();
-/// Fig. 7, 8 and 10: components of both legs and their sums along a and b around the corner; linear without delay, linear with
-/// dT = 10 T, FIR without and with dT = 10 T.
+/// Fig. 7, 8 and 10: components of both legs and their sums along a and b around the corner; linear without delay,
+/// linear with dT = 10 T, FIR without and with dT = 10 T.
 FigureData figure7();
 FigureData figure8();
 FigureData figure10();
@@ -38,12 +38,14 @@ FigureData figure12_paths();
 /// Corner errors of the three processors of Fig. 12 over the delay, um.
 FigureData figure12_errors();
 
-inline constexpr double figure_feed = 0.4;    ///< v1 of Fig. 5-10, m/s: 4e5 BLU/s; printed for Fig. 9, taken for the others
-inline constexpr int figure_delay = 10;       ///< dT/T of Fig. 6, 8 and 10; the paper prints none
+inline constexpr double figure_feed =
+    0.4;                                 ///< v1 of Fig. 5-10, m/s: 4e5 BLU/s; printed for Fig. 9, taken for the others
+inline constexpr int figure_delay = 10;  ///< dT/T of Fig. 6, 8 and 10; the paper prints none
 inline constexpr double figure12_feed = 0.1;  ///< m/s: the printed 6000 mm/sec must be mm/min
 inline constexpr double figure12_ratio = 2.0;
 
-/// The Acc/Dec processors of Fig. 12: linear in continuous time, sampled (as in Table 1), quintic S-curve, Blackman FIR.
+/// The Acc/Dec processors of Fig. 12: linear in continuous time, sampled (as in Table 1), quintic S-curve, Blackman
+/// FIR.
 enum class Processor { linear, s_curve, fir };
 /// Corner error at samples with a delay of `delay` samples, m.
 double figure12_error(Processor processor, int delay);
@@ -52,19 +54,20 @@ int figure12_delay(Processor processor);
 
 /// A comparison of two filters at equal limits instead of equal order.
 struct EqualLimits {
-  double tap_max = 0.0;          ///< largest tap of the FIR: peak acceleration over v/T
-  double step_max = 0.0;         ///< largest difference of neighbouring taps, both ends included: peak jerk over v/T^2
-  int least_order = 0;           ///< no filter within both has a smaller order
-  double least_sum = 0.0;        ///< sum of min(tap_max, (i+1) step_max, (N+1-i) step_max) at that order, >= 1
-  double envelope_mad = 0.0;     ///< mean absolute deviation of those taps divided by their sum, samples
+  double tap_max = 0.0;       ///< largest tap of the FIR: peak acceleration over v/T
+  double step_max = 0.0;      ///< largest difference of neighbouring taps, both ends included: peak jerk over v/T^2
+  int least_order = 0;        ///< no filter within both has a smaller order
+  double least_sum = 0.0;     ///< sum of min(tap_max, (i+1) step_max, (N+1-i) step_max) at that order, >= 1
+  double envelope_mad = 0.0;  ///< mean absolute deviation of those taps divided by their sum, samples
   int trapezoid_order = 0, trapezoid_ramp = 0;  ///< the shortest of `trapezoid(order, ramp)` within both
-  double trapezoid_mad = 0.0;    ///< samples
-  double fir_mad = 0.0;          ///< samples
-  int boxcar_order = 0;          ///< the shortest boxcar with no larger tap (jerk not limited)
-  double boxcar_mad = 0.0;       ///< samples
+  double trapezoid_mad = 0.0;                   ///< samples
+  double fir_mad = 0.0;                         ///< samples
+  int boxcar_order = 0;                         ///< the shortest boxcar with no larger tap (jerk not limited)
+  double boxcar_mad = 0.0;                      ///< samples
 };
-/// What "the FIR has the smallest corner error" becomes when acceleration and jerk, not the order, are equal. With equal feeds and a
-/// symmetric filter eps = v0 T cos(theta/2) MAD (Eq. 24), so that the MAD orders the errors at every corner.
+/// What "the FIR has the smallest corner error" becomes when acceleration and jerk, not the order, are equal. With
+/// equal feeds and a symmetric filter eps = v0 T cos(theta/2) MAD (Eq. 24), so that the MAD orders the errors at every
+/// corner.
 EqualLimits equal_limits();
 
 /// sum_i b_i |i - M|, samples.

@@ -1,5 +1,3 @@
-#include <accdec/io/paper_report.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,18 +6,24 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/io/paper_drawings.hpp>
-#include <accdec/io/process.hpp>
+#include <accdec/files/process.hpp>
 #include <accdec/motion/linear.hpp>
-#include <accdec/study/paper_case.hpp>
+#include <accdec/paper/paper_case.hpp>
+#include <accdec/paper/paper_drawings.hpp>
+#include <accdec/paper/paper_report.hpp>
 
 namespace accdec::paper {
 namespace {
 
-std::string cell(const Entry& e) { return fmt::format("{:.3f}", std::abs(e.formula) < 5e-4 ? 0.0 : e.formula); }
+std::string cell(const Entry& e) {
+  return fmt::format("{:.3f}", std::abs(e.formula) < 5e-4 ? 0.0 : e.formula);
+}
 
 std::string markdown(const Table& table) {
-  std::string text = fmt::format("### {}\n\nPrinted, and in brackets recomputed before rounding (formula; simulation agrees to the digits shown).\n\n", table.title);
+  std::string text = fmt::format(
+      "### {}\n\nPrinted, and in brackets recomputed before rounding (formula; simulation agrees to the digits "
+      "shown).\n\n",
+      table.title);
   text += "| v₁ | v₂ |";
   for (const int d : table.delays) text += d == 0 ? " dT = 0 |" : fmt::format(" dT = {} T |", d);
   text += "\n|--:|--:|";
@@ -93,41 +97,56 @@ std::string figure12_text() {
       "| processor | delay | corner error / µm |\n|---|--:|--:|\n"
       "| Blackman FIR | 0 | {:.1f} |\n| S-curve | 0 | {:.1f} |\n| S-curve | 4 T | {:.1f} |\n"
       "| linear | 0 | {:.1f} |\n| linear | 12 T (printed) | {:.1f} |\n| linear | 14 T | {:.1f} |\n\n"
-      "The paper delays the linear processor by 12 T and the S-curve by 4 T \"to achieve the same corner error\" as the FIR. For the S-curve "
-      "that holds: the smallest sufficient delay is {} T. For the linear processor it does not: 12 T leaves {:.1f} µm where the FIR has {:.1f}, and "
-      "the smallest sufficient delay is {} T. The discrepancy is the paper's; the figure shows the printed delays and marks both.\n\n",
-      um(Processor::fir, 0), um(Processor::s_curve, 0), um(Processor::s_curve, 4), um(Processor::linear, 0), um(Processor::linear, 12),
-      um(Processor::linear, 14), figure12_delay(Processor::s_curve), um(Processor::linear, 12), um(Processor::fir, 0),
-      figure12_delay(Processor::linear));
+      "The paper delays the linear processor by 12 T and the S-curve by 4 T \"to achieve the same corner error\" as "
+      "the FIR. For the S-curve "
+      "that holds: the smallest sufficient delay is {} T. For the linear processor it does not: 12 T leaves {:.1f} µm "
+      "where the FIR has {:.1f}, and "
+      "the smallest sufficient delay is {} T. The discrepancy is the paper's; the figure shows the printed delays and "
+      "marks both.\n\n",
+      um(Processor::fir, 0), um(Processor::s_curve, 0), um(Processor::s_curve, 4), um(Processor::linear, 0),
+      um(Processor::linear, 12), um(Processor::linear, 14), figure12_delay(Processor::s_curve),
+      um(Processor::linear, 12), um(Processor::fir, 0), figure12_delay(Processor::linear));
 }
 
 std::string claims_text() {
   const EqualLimits e = equal_limits();
   return fmt::format(
       "## What the paper claims and what holds\n\n"
-      "*\"The FIR Acc/Dec has the smallest corner error.\"* It holds at equal Acc/Dec time, as in Fig. 12. It does not hold at equal limits. For equal "
-      "feeds and symmetric taps the error is v0 T cos(theta/2) times the mean absolute deviation (MAD) of the taps (Eq. 24), so the MAD "
+      "*\"The FIR Acc/Dec has the smallest corner error.\"* It holds at equal Acc/Dec time, as in Fig. 12. It does not "
+      "hold at equal limits. For equal "
+      "feeds and symmetric taps the error is v0 T cos(theta/2) times the mean absolute deviation (MAD) of the taps "
+      "(Eq. 24), so the MAD "
       "ranks filters at every corner:\n\n"
       "| filter | order | MAD / samples |\n|---|--:|--:|\n"
       "| Blackman FIR of the paper | {} | {:.3f} |\n"
       "| trapezoid with both limits used up (ramps not a whole number of samples) | {} | {:.3f} |\n"
       "| shortest trapezoid with whole-sample ramps ({} taps a ramp) | {} | {:.3f} |\n"
       "| boxcar with the same peak acceleration, jerk not limited | {} | {:.3f} |\n\n"
-      "The limits are the FIR's own: largest tap {:.5f} (peak acceleration a T/v) and largest difference of neighbouring taps, both ends included, "
-      "{:.5f} (peak jerk j T²/v). No tap of any filter within them can exceed min({:.5f}, (i + 1) {:.5f}, (N + 1 - i) {:.5f}), and these add up to 1 "
-      "only from N = {} on (sum {:.4f}): no shorter filter exists, and scaled to sum 1 they are the trapezoid of the table. So at equal peak "
-      "acceleration and jerk a filter of order {} beats the FIR of order {} both in time and in corner error ({:.1f} % less). The Blackman shape pays "
+      "The limits are the FIR's own: largest tap {:.5f} (peak acceleration a T/v) and largest difference of "
+      "neighbouring taps, both ends included, "
+      "{:.5f} (peak jerk j T²/v). No tap of any filter within them can exceed min({:.5f}, (i + 1) {:.5f}, (N + 1 - i) "
+      "{:.5f}), and these add up to 1 "
+      "only from N = {} on (sum {:.4f}): no shorter filter exists, and scaled to sum 1 they are the trapezoid of the "
+      "table. So at equal peak "
+      "acceleration and jerk a filter of order {} beats the FIR of order {} both in time and in corner error ({:.1f} % "
+      "less). The Blackman shape pays "
       "where vibration, or a force or power limit that depends on speed, binds; comparisons belong at equal limits.\n\n"
-      "*\"It also provides the shortest machining time for the same accuracy.\"* Among the three processors of Fig. 12, with one and the same N, "
+      "*\"It also provides the shortest machining time for the same accuracy.\"* Among the three processors of Fig. "
+      "12, with one and the same N, "
       "yes: they need 0, {} and {} samples of delay. With the order free, no: see the table.\n\n"
-      "*\"Corner error is less affected with increasing c.\"* Holds (Fig. 9): the factor c/(c + 1) of Eq. (9) saturates.\n\n"
-      "*\"The corner error is proportional to the velocity.\"* Holds exactly for a fixed ratio c: all rows of both tables are multiples of the last.\n\n",
-      order, e.fir_mad, e.least_order, e.envelope_mad, e.trapezoid_ramp, e.trapezoid_order, e.trapezoid_mad, e.boxcar_order, e.boxcar_mad,
-      e.tap_max, e.step_max, e.tap_max, e.step_max, e.step_max, e.least_order, e.least_sum, e.least_order, order,
-      (1.0 - e.envelope_mad / e.fir_mad) * 100.0, figure12_delay(Processor::s_curve), figure12_delay(Processor::linear));
+      "*\"Corner error is less affected with increasing c.\"* Holds (Fig. 9): the factor c/(c + 1) of Eq. (9) "
+      "saturates.\n\n"
+      "*\"The corner error is proportional to the velocity.\"* Holds exactly for a fixed ratio c: all rows of both "
+      "tables are multiples of the last.\n\n",
+      order, e.fir_mad, e.least_order, e.envelope_mad, e.trapezoid_ramp, e.trapezoid_order, e.trapezoid_mad,
+      e.boxcar_order, e.boxcar_mad, e.tap_max, e.step_max, e.tap_max, e.step_max, e.step_max, e.least_order,
+      e.least_sum, e.least_order, order, (1.0 - e.envelope_mad / e.fir_mad) * 100.0, figure12_delay(Processor::s_curve),
+      figure12_delay(Processor::linear));
 }
 
-std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
 
 }  // namespace
 
@@ -148,8 +167,8 @@ std::string tables_text(const std::vector<Table>& tables) {
         text += '\n';
       }
     }
-    text += fmt::format("{} of {} entries agree after rounding to whole BLU\n\n", table.entries.size() - static_cast<std::size_t>(table.disagreements()),
-                        table.entries.size());
+    text += fmt::format("{} of {} entries agree after rounding to whole BLU\n\n",
+                        table.entries.size() - static_cast<std::size_t>(table.disagreements()), table.entries.size());
   }
   return text;
 }
@@ -159,8 +178,8 @@ std::string tables_csv(const Table& table) {
   for (const Entry& e : table.entries) {
     // The exact stop leaves rounding of either sign.
     const auto shown = [](double x) { return std::max(0.0, std::abs(x) < 5e-7 ? 0.0 : x); };
-    text += fmt::format("{},{},{},{},{:.6f},{:.6f},{}\n", e.feed_in, e.feed_out, e.delay, e.printed, shown(e.formula), shown(e.simulated),
-                        e.agrees() ? "yes" : "no");
+    text += fmt::format("{},{},{},{},{:.6f},{:.6f},{}\n", e.feed_in, e.feed_out, e.delay, e.printed, shown(e.formula),
+                        shown(e.simulated), e.agrees() ? "yes" : "no");
   }
   return text;
 }
@@ -168,7 +187,8 @@ std::string tables_csv(const Table& table) {
 std::string report(const std::vector<Table>& tables) {
   std::string text =
       "# Shih, Chen, Lee: \"Path Planning for CNC Contouring around a Corner\", recomputed\n\n"
-      "Written by `accdec paper`. Every number below is computed by that command, except those marked as printed in the paper.\n\n## Tables\n\n";
+      "Written by `accdec paper`. Every number below is computed by that command, except those marked as printed in "
+      "the paper.\n\n## Tables\n\n";
   std::size_t entries = 0;
   int wrong = 0;
   for (const Table& table : tables) {
@@ -178,12 +198,17 @@ std::string report(const std::vector<Table>& tables) {
   }
   const Entry& tie = nearest_tie(tables);
   text += fmt::format(
-      "{} of {} entries equal the printed ones after rounding to whole BLU, by the formulas and by plain convolution of the command stream alike. "
-      "No entry is a rounding tie; the nearest to one is {:.3f} BLU (v₁ = {}e5 BLU/s, dT = {} T), {:.3f} from it, printed {}.\n\n",
-      entries - static_cast<std::size_t>(wrong), entries, tie.formula, tie.feed_in, tie.delay, tie.tie_distance(), tie.printed);
+      "{} of {} entries equal the printed ones after rounding to whole BLU, by the formulas and by plain convolution "
+      "of the command stream alike. "
+      "No entry is a rounding tie; the nearest to one is {:.3f} BLU (v₁ = {}e5 BLU/s, dT = {} T), {:.3f} from it, "
+      "printed {}.\n\n",
+      entries - static_cast<std::size_t>(wrong), entries, tie.formula, tie.feed_in, tie.delay, tie.tie_distance(),
+      tie.printed);
   text += conditions + errata_text() + "## Figures\n\nNumbers in the CSV file of the same name.\n\n";
-  for (const char* name : {"fig05", "fig06", "fig07", "fig08", "fig09", "fig10", "fig11"}) text += fmt::format("![{0}]({0}.svg)\n\n", name);
-  text += figure12_text() + "![fig12](fig12.svg)\n\nErrors over the delay are in `fig12-errors.csv`.\n\n" + claims_text();
+  for (const char* name : {"fig05", "fig06", "fig07", "fig08", "fig09", "fig10", "fig11"})
+    text += fmt::format("![{0}]({0}.svg)\n\n", name);
+  text +=
+      figure12_text() + "![fig12](fig12.svg)\n\nErrors over the delay are in `fig12-errors.csv`.\n\n" + claims_text();
   while (text.ends_with("\n\n")) text.pop_back();
   return text;
 }
@@ -204,7 +229,8 @@ std::vector<std::pair<std::string, std::string>> files(const std::vector<Table>&
   manifest["command"] = command;
   manifest["versions"]["accdec"] = version;
   manifest["versions"]["compiler"] = __VERSION__;
-  manifest["versions"]["eigen"] = fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
+  manifest["versions"]["eigen"] =
+      fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
   manifest["versions"]["gnuplot"] = first_line(run_process({"gnuplot", "--version"}, "", "gnuplot-nox").output);
   for (const auto& [name, content] : out) manifest["files"].push_back(name);
   out.emplace_back("manifest.json", manifest.dump(2) + "\n");

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include <accdec/study/paper_tables.hpp>
+#include <accdec/paper/paper_tables.hpp>
 
 namespace accdec::paper {
 
@@ -12,10 +12,12 @@ namespace accdec::paper {
 std::string tables_text(const std::vector<Table>& tables);
 /// Both tables as CSV: table, v1, v2, dT, printed, recomputed by formula and by simulation, agreement.
 std::string tables_csv(const Table& table);
-/// The report in Markdown: tables, recovered conditions, errata, figures, Fig. 12's discrepancy, what the paper claims and what holds.
+/// The report in Markdown: tables, recovered conditions, errata, figures, Fig. 12's discrepancy, what the paper claims
+/// and what holds.
 std::string report(const std::vector<Table>& tables);
 
-/// Every file `accdec paper` writes: name and content. Needs gnuplot. `command` and `version` go into manifest.json alone.
+/// Every file `accdec paper` writes: name and content. Needs gnuplot. `command` and `version` go into manifest.json
+/// alone.
 std::vector<std::pair<std::string, std::string>> files(const std::vector<Table>& tables, const std::string& command,
                                                        const std::string& version);
 

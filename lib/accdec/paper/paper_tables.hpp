@@ -20,20 +20,22 @@ struct Entry {
 };
 
 struct Table {
-  std::string name;           ///< "table1", "table2"
+  std::string name;  ///< "table1", "table2"
   std::string title;
-  std::vector<int> delays;    ///< samples, one a column
-  std::vector<Entry> entries; ///< row by row: 5 feeds x 4 delays
+  std::vector<int> delays;     ///< samples, one a column
+  std::vector<Entry> entries;  ///< row by row: 5 feeds x 4 delays
   int disagreements() const;
 };
 
-/// Table 1: linear Acc/Dec. The error is the minimum over t = kT of the exact continuous motion; by simulation, 41 equal taps
-/// and the trapezoidal rule, which is exact for a speed that is linear between samples.
+/// Table 1: linear Acc/Dec. The error is the minimum over t = kT of the exact continuous motion; by simulation, 41
+/// equal taps and the trapezoidal rule, which is exact for a speed that is linear between samples.
 Table table1();
-/// Table 2: FIR Acc/Dec, the minimum over samples of the right-rectangle sum (Eq. 29). The delays of its header are not printed.
+/// Table 2: FIR Acc/Dec, the minimum over samples of the right-rectangle sum (Eq. 29). The delays of its header are not
+/// printed.
 Table table2();
 
-/// Largest difference between formula and simulation over a table, relative to the largest entry; rounding only, below 1e-12.
+/// Largest difference between formula and simulation over a table, relative to the largest entry; rounding only, below
+/// 1e-12.
 double formula_simulation_difference(const Table& table);
 
 }  // namespace accdec::paper

@@ -1,11 +1,10 @@
-#include <accdec/io/figure.hpp>
-#include <accdec/io/html.hpp>
-
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include <accdec/io/process.hpp>
+#include <accdec/files/process.hpp>
+#include <accdec/plot/figure.hpp>
+#include <accdec/plot/html.hpp>
 
 namespace accdec {
 namespace {
@@ -47,8 +46,10 @@ std::string clean_title(const std::string& text) {
       continue;
     }
     const auto c = static_cast<unsigned char>(text[i]);
-    if (length == 1 && (c < 0x20 || c == 0x7F)) out += ' ';
-    else out.append(text, i, length);
+    if (length == 1 && (c < 0x20 || c == 0x7F))
+      out += ' ';
+    else
+      out.append(text, i, length);
     i += length;
   }
   return out;
@@ -66,7 +67,8 @@ std::string convert_svg(const std::string& svg, const std::string& format, const
   if (format == "svg") return svg;
   if (format == "png") return run({"rsvg-convert", "--format=png", "--zoom=2"}, svg, "librsvg2-bin");
   if (format == "pdf") return run({"rsvg-convert", "--format=pdf"}, svg, "librsvg2-bin");
-  if (format != "html") throw std::invalid_argument(fmt::format("unknown figure format \"{}\"; allowed: svg, png, pdf, html", format));
+  if (format != "html")
+    throw std::invalid_argument(fmt::format("unknown figure format \"{}\"; allowed: svg, png, pdf, html", format));
   const std::size_t start = svg.find("<svg");
   if (start == std::string::npos) throw std::invalid_argument("not an SVG drawing");
   return fmt::format(
@@ -80,7 +82,8 @@ std::string figure_format(const std::string& path) {
   for (const char* format : {"svg", "png", "pdf", "html"}) {
     if (path.ends_with(std::string(".") + format)) return format;
   }
-  throw std::invalid_argument(fmt::format("{}: unknown extension; a figure is written as .svg, .png, .pdf or .html", path));
+  throw std::invalid_argument(
+      fmt::format("{}: unknown extension; a figure is written as .svg, .png, .pdf or .html", path));
 }
 
 }  // namespace accdec

@@ -10,10 +10,11 @@ namespace accdec {
 /// How many lines of a panel differ in style: more cannot be told apart.
 inline constexpr std::size_t most_lines = 24;
 
-/// How a series is drawn. Styles count up from 0 and differ in dash or symbol as well as in colour, so that they can be told apart in
-/// grey: the first 8 of plain lines, the first 15 of symbols, the first 16 (and many more) of marked lines.
-/// `steps` holds each value over the interval that ends at its x; `bars` stand on the axis, as wide as the x are apart; `marked_line` is a
-/// line with a few symbols evenly spaced across the panel, each style's at places of its own; its x must not decrease.
+/// How a series is drawn. Styles count up from 0 and differ in dash or symbol as well as in colour, so that they can be
+/// told apart in grey: the first 8 of plain lines, the first 15 of symbols, the first 16 (and many more) of marked
+/// lines. `steps` holds each value over the interval that ends at its x; `bars` stand on the axis, as wide as the x are
+/// apart; `marked_line` is a line with a few symbols evenly spaced across the panel, each style's at places of its own;
+/// its x must not decrease.
 enum class Mark { line, points, line_points, steps, impulses, bars, marked_line };
 
 struct Series {
@@ -36,8 +37,9 @@ struct Circle {
   double x = 0.0, y = 0.0, radius = 0.0;
   std::string label;
 };
-/// A value at each (x[i], y[j]), values[j * x.size() + i]; x and y rising, at least one each, positive where the panel's scale is
-/// logarithmic. A cell reaches half-way to its neighbours, as the scale measures; where a value is not finite the paper shows.
+/// A value at each (x[i], y[j]), values[j * x.size() + i]; x and y rising, at least one each, positive where the
+/// panel's scale is logarithmic. A cell reaches half-way to its neighbours, as the scale measures; where a value is not
+/// finite the paper shows.
 struct HeatMap {
   std::vector<double> x, y, values;
   std::string label;
@@ -70,8 +72,9 @@ struct Panel {
   bool equal_aspect = false;  ///< one unit of x as long as one of y; needs ranges or series to take them from
 };
 
-/// A page of panels, filled row by row. Legends stand to the right of each panel, outside its data, in one column. Panels grow beyond the
-/// size given where the legend needs it; titles are wrapped, labels too long for their place shortened in the middle.
+/// A page of panels, filled row by row. Legends stand to the right of each panel, outside its data, in one column.
+/// Panels grow beyond the size given where the legend needs it; titles are wrapped, labels too long for their place
+/// shortened in the middle.
 struct Figure {
   std::string title;
   std::vector<Panel> panels;
@@ -80,19 +83,22 @@ struct Figure {
   int panel_height = 300;  ///< px, at least
 };
 
-/// Whether there is anything to draw: of series, heat map, coloured lines and circles, a point that is finite, and positive where the scale
-/// is logarithmic. A panel that has none is drawn with the words "no data".
+/// Whether there is anything to draw: of series, heat map, coloured lines and circles, a point that is finite, and
+/// positive where the scale is logarithmic. A panel that has none is drawn with the words "no data".
 bool has_data(const Panel& panel);
 
-/// The figure as a gnuplot script for its SVG terminal. Titles are data: whatever they hold, gnuplot draws it and executes nothing.
-/// @throws std::invalid_argument if a series' or piece's x and y differ in length, a heat map has wrong sizes x or y that do not rise
+/// The figure as a gnuplot script for its SVG terminal. Titles are data: whatever they hold, gnuplot draws it and
+/// executes nothing.
+/// @throws std::invalid_argument if a series' or piece's x and y differ in length, a heat map has wrong sizes x or y
+/// that do not rise
 ///         or stands beside coloured lines, or there is no panel.
 std::string gnuplot_script(const Figure& figure);
 
 /// The figure as SVG, the same bytes for the same figure. @throws std::runtime_error if gnuplot is missing or fails.
 std::string render_svg(const Figure& figure);
 
-/// SVG to "png" or "pdf" by rsvg-convert, or to "html" (the drawing inline, nothing linked). "svg" returns it unchanged.
+/// SVG to "png" or "pdf" by rsvg-convert, or to "html" (the drawing inline, nothing linked). "svg" returns it
+/// unchanged.
 /// @throws std::invalid_argument on another format, std::runtime_error if rsvg-convert is missing or fails.
 std::string convert_svg(const std::string& svg, const std::string& format, const std::string& title = "");
 

@@ -1,11 +1,11 @@
-#include <accdec/io/figure_layout.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
 
 #include <fmt/format.h>
+
+#include <accdec/plot/figure_layout.hpp>
 
 namespace accdec {
 namespace {
@@ -54,7 +54,7 @@ double tick_overhang(const Panel& panel) {
   for (const LimitLine& limit : panel.limits) see(limit.y);
   if (panel.heat_map) std::for_each(panel.heat_map->y.begin(), panel.heat_map->y.end(), see);
   if (!(high > 0.0)) return 0.0;
-  double characters = std::floor(std::log10(high) + 1e-9) + 1.0;  // 14000 is five
+  double characters = std::floor(std::log10(high) + 1e-9) + 1.0;                                 // 14000 is five
   if (panel.y.log) characters = std::max(characters, 2.0 - std::floor(std::log10(low) + 1e-9));  // 0.001 is five
   constexpr double character = 8.0;
   return character * std::clamp(characters - 4.0, 0.0, 4.0);
@@ -78,7 +78,8 @@ double text_width(const std::string& text) {
 std::string shortened(const std::string& text, double width) {
   if (text_width(text) <= width) return text;
   std::vector<std::string> characters;
-  for (std::size_t i = 0; i < text.size(); i += characters.back().size()) characters.push_back(text.substr(i, character_length(text, i)));
+  for (std::size_t i = 0; i < text.size(); i += characters.back().size())
+    characters.push_back(text.substr(i, character_length(text, i)));
   std::string head, tail;
   double room = width - 12.0;
   for (std::size_t first = 0, last = characters.size(); first < last;) {
@@ -86,8 +87,10 @@ std::string shortened(const std::string& text, double width) {
     const std::string& next = characters[at_head ? first : last - 1];
     room -= text_width(next);
     if (room < 0.0) break;
-    if (at_head) head += next, ++first;
-    else tail.insert(0, next), --last;
+    if (at_head)
+      head += next, ++first;
+    else
+      tail.insert(0, next), --last;
   }
   return head + "…" + tail;
 }
@@ -133,10 +136,13 @@ std::vector<std::string> legend_labels(const Panel& panel) {
   return labels;
 }
 
-std::string legend_label(const std::string& label) { return shortened(clean_title(label), longest_label); }
+std::string legend_label(const std::string& label) {
+  return shortened(clean_title(label), longest_label);
+}
 
 bool has_marked_lines(const Panel& panel) {
-  return std::any_of(panel.series.begin(), panel.series.end(), [](const Series& s) { return s.mark == Mark::marked_line; });
+  return std::any_of(panel.series.begin(), panel.series.end(),
+                     [](const Series& s) { return s.mark == Mark::marked_line; });
 }
 
 std::vector<Tick> log_ticks(double low, double high, double pixels, double room) {
@@ -153,7 +159,9 @@ std::vector<Tick> log_ticks(double low, double high, double pixels, double room)
         for (const char digit : digits) {
           const double value = (digit - '0') * std::pow(10.0, exponent);
           if (value < low * (1.0 - slack) || value > high * (1.0 + slack)) continue;
-          const double needed = room > 0.0 ? room : 0.5 * text_width(plain(value)) + (ticks.empty() ? 0.0 : 0.5 * text_width(ticks.back().label)) + air;
+          const double needed = room > 0.0 ? room
+                                           : 0.5 * text_width(plain(value)) +
+                                                 (ticks.empty() ? 0.0 : 0.5 * text_width(ticks.back().label)) + air;
           fit = fit && (ticks.empty() || decade * std::log10(value / ticks.back().value) >= needed);
           ticks.push_back({value, plain(value)});
         }
@@ -163,10 +171,12 @@ std::vector<Tick> log_ticks(double low, double high, double pixels, double room)
     if (last < first) return {};
   }
   double widest = 0.0;
-  for (double e = first; e <= last; ++e) widest = std::max(widest, room > 0.0 ? room : text_width(plain(std::pow(10.0, e))) + air);
+  for (double e = first; e <= last; ++e)
+    widest = std::max(widest, room > 0.0 ? room : text_width(plain(std::pow(10.0, e))) + air);
   if (widest <= decade && last - first < 7.0 && first >= -4.0 && last <= 5.0) return {};
   widest = 0.0;
-  for (double e = first; e <= last; ++e) widest = std::max(widest, room > 0.0 ? room : text_width(power_of_ten(static_cast<int>(e))) + air);
+  for (double e = first; e <= last; ++e)
+    widest = std::max(widest, room > 0.0 ? room : text_width(power_of_ten(static_cast<int>(e))) + air);
   const int every = std::max(static_cast<int>(std::ceil(widest / decade)), 1);
   for (double e = first; e <= last; ++e) {
     const int exponent = static_cast<int>(e);
@@ -178,7 +188,8 @@ std::vector<Tick> log_ticks(double low, double high, double pixels, double room)
 std::vector<double> cell_edges(const std::vector<double>& values, bool log) {
   std::vector<double> at, edges;
   for (const double v : values) at.push_back(log ? std::log10(v) : v);
-  const double lone = log || at.front() == 0.0 ? 0.5 : 0.5 * std::abs(at.front());  // half the width of a cell without neighbours
+  const double lone =
+      log || at.front() == 0.0 ? 0.5 : 0.5 * std::abs(at.front());  // half the width of a cell without neighbours
   edges.push_back(at.size() > 1 ? 1.5 * at[0] - 0.5 * at[1] : at[0] - lone);
   for (std::size_t i = 1; i < at.size(); ++i) edges.push_back(0.5 * (at[i - 1] + at[i]));
   edges.push_back(2.0 * at.back() - edges.back());
@@ -200,17 +211,21 @@ bool has_data(const Panel& panel) {
   };
   if (any(panel.series) || !panel.circles.empty() || (panel.coloured && any(panel.coloured->pieces))) return true;
   if (!panel.heat_map) return false;
-  return std::any_of(panel.heat_map->values.begin(), panel.heat_map->values.end(), [](double v) { return std::isfinite(v); });
+  return std::any_of(panel.heat_map->values.begin(), panel.heat_map->values.end(),
+                     [](double v) { return std::isfinite(v); });
 }
 
 PageLayout layout(const Figure& figure) {
-  if (figure.panels.empty() || figure.columns < 1) throw std::invalid_argument("a figure needs at least one panel and one column");
-  const std::size_t count = figure.panels.size(), columns = std::min(static_cast<std::size_t>(figure.columns), count), rows = (count + columns - 1) / columns;
+  if (figure.panels.empty() || figure.columns < 1)
+    throw std::invalid_argument("a figure needs at least one panel and one column");
+  const std::size_t count = figure.panels.size(), columns = std::min(static_cast<std::size_t>(figure.columns), count),
+                    rows = (count + columns - 1) / columns;
   PageLayout page;
   std::vector<double> widths(columns, figure.panel_width), heights(rows, figure.panel_height);
   for (std::size_t i = 0; i < count; ++i) {
     const double beside = left + tick_overhang(figure.panels[i]) + right + legend_width(figure.panels[i]);
-    widths[i % columns] = std::max(widths[i % columns], beside + std::min(narrowest_plot, figure.panel_width - left - right));
+    widths[i % columns] =
+        std::max(widths[i % columns], beside + std::min(narrowest_plot, figure.panel_width - left - right));
   }
   for (const double w : widths) page.width += w;
   if (!figure.title.empty()) {
@@ -239,7 +254,8 @@ PageLayout layout(const Figure& figure) {
     }
     for (std::size_t i = begin; i < end; ++i) {
       const double lines = static_cast<double>(legend_labels(figure.panels[i]).size());
-      heights[row] = std::max({heights[row], top + titles + bottom + 60.0, top + titles + bottom + closest_lines * lines + line_height});
+      heights[row] = std::max(
+          {heights[row], top + titles + bottom + 60.0, top + titles + bottom + closest_lines * lines + line_height});
     }
     heights[row] = std::max(heights[row], figure.panel_height + titles);
     for (std::size_t i = begin; i < end; ++i) {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <accdec/io/figure.hpp>
+#include <accdec/plot/figure.hpp>
 
 namespace accdec {
 
@@ -13,7 +13,8 @@ double text_width(const std::string& text);
 /// Text that fits into `width` px: cut in the middle, with an ellipsis, if it must be. Valid UTF-8 in, valid UTF-8 out.
 std::string shortened(const std::string& text, double width);
 
-/// Text in lines of at most `width` px, broken at spaces, or inside a word that is longer than a line. At least one line.
+/// Text in lines of at most `width` px, broken at spaces, or inside a word that is longer than a line. At least one
+/// line.
 std::vector<std::string> wrapped(const std::string& text, double width);
 
 /// A label as the legend shows it: clean, and shortened to 420 px.
@@ -31,17 +32,17 @@ struct Tick {
   std::string label;  ///< empty: no label
 };
 
-/// Ticks of a logarithmic axis from `low` to `high` (0 < low < high) that is `pixels` long and whose labels need `room` px each at most
-/// along it (0: as wide as they are). None: gnuplot's, at every decade, fit.
+/// Ticks of a logarithmic axis from `low` to `high` (0 < low < high) that is `pixels` long and whose labels need `room`
+/// px each at most along it (0: as wide as they are). None: gnuplot's, at every decade, fit.
 std::vector<Tick> log_ticks(double low, double high, double pixels, double room);
 
-/// Edges of the cells around rising values: half-way between neighbours, in the logarithm if asked (then all > 0), and as far beyond the
-/// first and the last. One more than values, of which there is at least one.
+/// Edges of the cells around rising values: half-way between neighbours, in the logarithm if asked (then all > 0), and
+/// as far beyond the first and the last. One more than values, of which there is at least one.
 std::vector<double> cell_edges(const std::vector<double>& values, bool log);
 
 /// Where a panel's parts are, px from the page's top left corner.
 struct PanelLayout {
-  double x = 0.0, y = 0.0, width = 0.0, height = 0.0;   ///< panel with legend and labels
+  double x = 0.0, y = 0.0, width = 0.0, height = 0.0;  ///< panel with legend and labels
   double plot_left = 0.0, plot_top = 0.0, plot_width = 0.0, plot_height = 0.0;
   double key_spacing = 1.0;  ///< of legend lines, in units of 18 px
   std::vector<std::string> title;
@@ -52,8 +53,9 @@ struct PageLayout {
   std::vector<PanelLayout> panels;
 };
 
-/// Room for everything: columns widen and rows grow beyond the figure's panel size where legends need it, so that a legend of any size
-/// stands in one column beside its panel's data and ends before the next panel. @throws std::invalid_argument without panel or column
+/// Room for everything: columns widen and rows grow beyond the figure's panel size where legends need it, so that a
+/// legend of any size stands in one column beside its panel's data and ends before the next panel. @throws
+/// std::invalid_argument without panel or column
 PageLayout layout(const Figure& figure);
 
 }  // namespace accdec

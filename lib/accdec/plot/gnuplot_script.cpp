@@ -7,24 +7,27 @@
 
 #include <fmt/format.h>
 
-#include <accdec/io/figure_layout.hpp>
+#include <accdec/plot/figure_layout.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#2e7d32", "#7b3f98", "#8a6d00", "#b01060", "#00808a"};
-constexpr std::array<const char*, 8> dashes{"solid", "(9,4)", "(9,3,2,3)", "(2,3)", "(16,4)", "(12,3,2,3,2,3)", "(4,2)", "(1,4)"};
+constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#2e7d32",
+                                             "#7b3f98", "#8a6d00", "#b01060", "#00808a"};
+constexpr std::array<const char*, 8> dashes{"solid",  "(9,4)",          "(9,3,2,3)", "(2,3)",
+                                            "(16,4)", "(12,3,2,3,2,3)", "(4,2)",     "(1,4)"};
 constexpr std::array<int, 15> points{7, 6, 5, 4, 9, 8, 11, 12, 2, 13, 1, 10, 3, 15, 14};
 constexpr std::array<const char*, 3> widths{"1.7", "2.8", "1"};  // px, of the first eight styles, the next eight, ...
 static_assert(dashes.size() * widths.size() == most_lines);
 
-/// A double-quoted gnuplot string with everything it might act on (quotes, backslashes, backticks, ...) as octal codes. Single quotes
-/// would not do: gnuplot 5.4 ends ''''...' early.
+/// A double-quoted gnuplot string with everything it might act on (quotes, backslashes, backticks, ...) as octal codes.
+/// Single quotes would not do: gnuplot 5.4 ends ''''...' early.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : clean_title(text)) {
     const auto byte = static_cast<unsigned char>(c);
-    const bool harmless = byte >= 0x80 || std::isalnum(byte) != 0 || (c != '\0' && std::string_view(" .,:;=()/-+").find(c) != std::string_view::npos);
+    const bool harmless = byte >= 0x80 || std::isalnum(byte) != 0 ||
+                          (c != '\0' && std::string_view(" .,:;=()/-+").find(c) != std::string_view::npos);
     out += harmless ? std::string(1, c) : fmt::format("\\{:03o}", byte);
   }
   return out + "\"";
@@ -40,10 +43,14 @@ std::string quoted(const std::vector<std::string>& lines) {
   return out + "\"";
 }
 
-std::size_t style_index(int style) { return static_cast<std::size_t>(std::max(style, 0)); }
+std::size_t style_index(int style) {
+  return static_cast<std::size_t>(std::max(style, 0));
+}
 
 /// Ten significant digits: more than can be seen, fewer than rounding disturbs from one machine to the next.
-std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.10g}", x == 0.0 ? 0.0 : x) : "NaN"; }
+std::string number(double x) {
+  return std::isfinite(x) ? fmt::format("{:.10g}", x == 0.0 ? 0.0 : x) : "NaN";
+}
 
 struct Range {
   double low = INFINITY, high = -INFINITY;
@@ -85,7 +92,8 @@ std::pair<Range, Range> ranges(const Panel& panel) {
       // Flat data: as wide as its value, so that rounding is not blown up to a picture.
       const double size = std::max(std::abs(range.low), std::abs(range.high));
       double width = range.high - range.low;
-      if (width <= 1e-9 * size || width == 0.0) width = size > 0.0 ? size : 1.0, range.low -= 0.5 * width, range.high += 0.5 * width;
+      if (width <= 1e-9 * size || width == 0.0)
+        width = size > 0.0 ? size : 1.0, range.low -= 0.5 * width, range.high += 0.5 * width;
       range.low -= air * width;
       range.high += air * width;
     }
@@ -110,12 +118,14 @@ void equalise(Range& x, Range& y, double width, double height) {
 
 void check(const Panel& panel) {
   for (const Series& s : panel.series) {
-    if (s.x.size() != s.y.size()) throw std::invalid_argument(fmt::format("series \"{}\": {} x and {} y", s.label, s.x.size(), s.y.size()));
+    if (s.x.size() != s.y.size())
+      throw std::invalid_argument(fmt::format("series \"{}\": {} x and {} y", s.label, s.x.size(), s.y.size()));
   }
   if (panel.coloured) {
     if (panel.heat_map) throw std::invalid_argument("a panel has one colour bar: a heat map or coloured lines");
     for (const ColouredLines::Piece& piece : panel.coloured->pieces) {
-      if (piece.x.size() != piece.y.size()) throw std::invalid_argument(fmt::format("coloured lines: {} x and {} y", piece.x.size(), piece.y.size()));
+      if (piece.x.size() != piece.y.size())
+        throw std::invalid_argument(fmt::format("coloured lines: {} x and {} y", piece.x.size(), piece.y.size()));
     }
   }
   if (panel.heat_map) {
@@ -124,17 +134,23 @@ void check(const Panel& panel) {
       return !v.empty() && std::is_sorted(v.begin(), v.end(), std::less_equal<>()) && (!scale.log || v.front() > 0.0);
     };
     if (!fit(map.x, panel.x) || !fit(map.y, panel.y) || map.values.size() != map.x.size() * map.y.size()) {
-      throw std::invalid_argument("a heat map needs rising x and y, positive on a logarithmic scale, and a value for each pair");
+      throw std::invalid_argument(
+          "a heat map needs rising x and y, positive on a logarithmic scale, and a value for each pair");
     }
   }
 }
 
-const char* colour_of(const Series& s) { return colours[style_index(s.style) % colours.size()]; }
-int symbol_of(const Series& s) { return points[style_index(s.style) % points.size()]; }
+const char* colour_of(const Series& s) {
+  return colours[style_index(s.style) % colours.size()];
+}
+int symbol_of(const Series& s) {
+  return points[style_index(s.style) % points.size()];
+}
 
 std::string line_of(const Series& s) {
   const std::size_t i = style_index(s.style);
-  return fmt::format("lc rgb '{}' lw {} dt {}", colour_of(s), widths[i / dashes.size() % widths.size()], dashes[i % dashes.size()]);
+  return fmt::format("lc rgb '{}' lw {} dt {}", colour_of(s), widths[i / dashes.size() % widths.size()],
+                     dashes[i % dashes.size()]);
 }
 
 std::string with(const Series& s) {
@@ -153,11 +169,17 @@ std::string with(const Series& s) {
 }
 
 /// The symbols of a marked line, and its sample in the legend.
-std::string marks_with(const Series& s) { return fmt::format("points lc rgb '{}' lw 1.4 pt {} ps 0.8", colour_of(s), symbol_of(s)); }
-std::string sample_with(const Series& s) { return fmt::format("{} pt {} ps 0.8 pi -1", line_of(s), symbol_of(s)); }
+std::string marks_with(const Series& s) {
+  return fmt::format("points lc rgb '{}' lw 1.4 pt {} ps 0.8", colour_of(s), symbol_of(s));
+}
+std::string sample_with(const Series& s) {
+  return fmt::format("{} pt {} ps 0.8 pi -1", line_of(s), symbol_of(s));
+}
 
-/// Places of the symbols of a marked line: as far apart for every style, but shifted, so that of lines that coincide each shows its own.
-std::pair<std::vector<double>, std::vector<double>> marks(const Series& s, const Scale& x_scale, const Range& x, const Scale& y_scale) {
+/// Places of the symbols of a marked line: as far apart for every style, but shifted, so that of lines that coincide
+/// each shows its own.
+std::pair<std::vector<double>, std::vector<double>> marks(const Series& s, const Scale& x_scale, const Range& x,
+                                                          const Scale& y_scale) {
   constexpr int count = 6;
   constexpr double golden = 0.6180339887498949;
   const double shift = std::fmod(0.5 + golden * static_cast<double>(style_index(s.style)), 1.0);
@@ -170,7 +192,8 @@ std::pair<std::vector<double>, std::vector<double>> marks(const Series& s, const
     const auto after = std::upper_bound(s.x.begin(), s.x.end(), at) - s.x.begin();
     if (after == 0 || after == static_cast<std::ptrdiff_t>(s.x.size())) continue;
     const auto i = static_cast<std::size_t>(after);
-    const double a = scaled(x_scale, s.x[i - 1]), b = scaled(x_scale, s.x[i]), low = scaled(y_scale, s.y[i - 1]), high = scaled(y_scale, s.y[i]);
+    const double a = scaled(x_scale, s.x[i - 1]), b = scaled(x_scale, s.x[i]), low = scaled(y_scale, s.y[i - 1]),
+                 high = scaled(y_scale, s.y[i]);
     xs.push_back(at);
     ys.push_back(unscaled(y_scale, low + (high - low) * (scaled(x_scale, at) - a) / (b - a)));
   }
@@ -201,8 +224,9 @@ class Writer {
     line("set ylabel {} offset 0.6,0", quoted(shortened(clean_title(panel.y.label), place.height - 20.0)));
     scale('x', panel.x, x, place.plot_width, 0.0);
     scale('y', panel.y, y, place.plot_height, 18.0);
-    line("set key at screen {:.6f},{:.6f} left top Left reverse samplen {} spacing {:.3g} maxcols 1", (place.plot_left + place.plot_width + 8) / page.width,
-         1.0 - place.plot_top / page.height, has_marked_lines(panel) ? "5.6" : "2.6", place.key_spacing);
+    line("set key at screen {:.6f},{:.6f} left top Left reverse samplen {} spacing {:.3g} maxcols 1",
+         (place.plot_left + place.plot_width + 8) / page.width, 1.0 - place.plot_top / page.height,
+         has_marked_lines(panel) ? "5.6" : "2.6", place.key_spacing);
     line("unset object\nunset colorbox");
     plot(panel, x, y);
   }
@@ -221,8 +245,10 @@ class Writer {
     std::string ticks;
     if (scale.log) {
       for (const Tick& tick : log_ticks(range.low, range.high, pixels, room)) {
-        ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(tick.label),
-                             number(std::clamp(tick.value, range.low * (1.0 + 1e-9), range.high * (1.0 - 1e-9))));  // gnuplot leaves out ticks at the very end
+        ticks +=
+            fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(tick.label),
+                        number(std::clamp(tick.value, range.low * (1.0 + 1e-9),
+                                          range.high * (1.0 - 1e-9))));  // gnuplot leaves out ticks at the very end
       }
     }
     line("set {}tics {}", axis, ticks.empty() ? "autofreq" : fmt::format("({})", ticks));
@@ -242,7 +268,9 @@ class Writer {
       text += "END_OF_DATA\n";
       return name;
     };
-    const auto title = [](const std::string& label) { return label.empty() ? std::string("notitle") : "title " + quoted(legend_label(label)); };
+    const auto title = [](const std::string& label) {
+      return label.empty() ? std::string("notitle") : "title " + quoted(legend_label(label));
+    };
     if (panel.heat_map && has_data(panel)) items.push_back(heat(*panel.heat_map, panel.x.log, panel.y.log));
     if (panel.coloured) items.push_back(coloured(*panel.coloured));
     for (const Series& s : panel.series) {
@@ -256,7 +284,9 @@ class Writer {
       items.push_back(fmt::format("{} using 1:2 with {} notitle", data(s.x, s.y), with(s)));
       if (!xs.empty()) {
         const std::string at = data(xs, ys);
-        items.push_back(at + " using 1:2 with points lc rgb '#ffffff' pt 7 ps 0.9 notitle");  // clears the line away, or a wide one would hide crosses
+        items.push_back(at +
+                        " using 1:2 with points lc rgb '#ffffff' pt 7 ps 0.9 notitle");  // clears the line away, or a
+                                                                                         // wide one would hide crosses
         items.push_back(fmt::format("{} using 1:2 with {} notitle", at, marks_with(s)));
       }
       if (!s.label.empty()) items.push_back(fmt::format("NaN with linespoints {} {}", sample_with(s), title(s.label)));
@@ -267,7 +297,8 @@ class Writer {
     }
     for (const Circle& circle : panel.circles) items.push_back(round(circle, data, title));
     for (const Band& band : panel.bands) {
-      if (!band.label.empty()) items.push_back(fmt::format("NaN with lines lc rgb '#d4d4d4' lw 9 {}", title(band.label)));
+      if (!band.label.empty())
+        items.push_back(fmt::format("NaN with lines lc rgb '#d4d4d4' lw 9 {}", title(band.label)));
     }
     if (!has_data(panel)) line("set label 2 'no data' at graph 0.5,0.5 center font 'DejaVu Sans,15' tc rgb '#606060'");
     if (items.empty()) items.push_back(fmt::format("{} using 1:2 with dots notitle", data({x.low}, {y.low})));
@@ -283,7 +314,8 @@ class Writer {
       xs.push_back(circle.x + circle.radius * std::cos(turn));
       ys.push_back(circle.y + circle.radius * std::sin(turn));
     }
-    return fmt::format("{} using 1:2 with lines lc rgb '#606060' lw 1.3 dt (4,3) {}", data(xs, ys), title(circle.label));
+    return fmt::format("{} using 1:2 with lines lc rgb '#606060' lw 1.3 dt (4,3) {}", data(xs, ys),
+                       title(circle.label));
   }
 
   /// Rectangles rather than an image, which gnuplot would put into a file of its own.
@@ -293,12 +325,13 @@ class Writer {
     const std::vector<double> x = cell_edges(map.x, log_x), y = cell_edges(map.y, log_y);
     for (std::size_t j = 0; j < map.y.size(); ++j) {
       for (std::size_t i = 0; i < map.x.size(); ++i) {
-        text += fmt::format("{} {} {} {} {} {} {}\n", number(map.x[i]), number(map.y[j]), number(x[i]), number(x[i + 1]), number(y[j]), number(y[j + 1]),
-                            number(map.values[j * map.x.size() + i]));
+        text += fmt::format("{} {} {} {} {} {} {}\n", number(map.x[i]), number(map.y[j]), number(x[i]),
+                            number(x[i + 1]), number(y[j]), number(y[j + 1]), number(map.values[j * map.x.size() + i]));
       }
     }
     text += "END_OF_DATA\n";
-    // Light to dark, so that lightness alone carries the value, and at its lightest well off the paper, which means no value.
+    // Light to dark, so that lightness alone carries the value, and at its lightest well off the paper, which means no
+    // value.
     line("set palette defined (0 '#e6bd72', 0.35 '#dd8a4a', 0.65 '#a9443a', 1 '#2b0f3a')");
     line("set colorbox\nset cbrange [*:*]");
     line("set cblabel {} offset 0.4,0", quoted(map.label));
@@ -310,7 +343,8 @@ class Writer {
     const std::string name = fmt::format("$d{}", ++block_);
     text += name + " << END_OF_DATA\n";
     for (const ColouredLines::Piece& piece : lines.pieces) {
-      for (std::size_t i = 0; i < piece.x.size(); ++i) text += fmt::format("{:.7g} {:.7g} {:.4g}\n", piece.x[i], piece.y[i], piece.value);
+      for (std::size_t i = 0; i < piece.x.size(); ++i)
+        text += fmt::format("{:.7g} {:.7g} {:.4g}\n", piece.x[i], piece.y[i], piece.value);
       text += "\n";
     }
     text += "END_OF_DATA\n";
@@ -333,11 +367,13 @@ std::string gnuplot_script(const Figure& figure) {
       "set encoding utf8\n"
       "set terminal svg size {:.0f},{:.0f} noenhanced font 'DejaVu Sans,12' background '#ffffff' butt\n"
       "set output\n"
-      "set border lw 0.8\nset tics nomirror out scale 0.6\nset xtics offset 0,0.3\nset grid lc rgb '#dddddd' lw 0.6 dt solid\n"
+      "set border lw 0.8\nset tics nomirror out scale 0.6\nset xtics offset 0,0.3\nset grid lc rgb '#dddddd' lw 0.6 dt "
+      "solid\n"
       "set multiplot\n",
       page.width, page.height);
   if (!page.title.empty()) {
-    writer.text += fmt::format("set label 1 {} at screen 0.5,{:.6f} center font 'DejaVu Sans,15'\n", quoted(page.title), 1.0 - 20.0 / page.height);
+    writer.text += fmt::format("set label 1 {} at screen 0.5,{:.6f} center font 'DejaVu Sans,15'\n", quoted(page.title),
+                               1.0 - 20.0 / page.height);
   }
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     writer.panel(figure.panels[i], page.panels[i], page);

@@ -1,14 +1,15 @@
-#include <accdec/io/html.hpp>
-
 #include <cstdlib>
 
 #include <fmt/format.h>
+
+#include <accdec/plot/html.hpp>
 
 namespace accdec {
 namespace {
 
 constexpr std::string_view style =
-    "body{font:16px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1a1a;background:#fff}"
+    "body{font:16px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 "
+    "1rem;color:#1a1a1a;background:#fff}"
     "table{border-collapse:collapse;margin:1rem 0}td,th{border:1px solid #bbb;padding:.25rem .6rem;text-align:left}"
     "td.n{text-align:right}figure{margin:2rem 0}svg{max-width:100%;height:auto}";
 
@@ -36,7 +37,10 @@ std::string html_escaped(std::string_view text) {
 }
 
 std::string html_head(const std::string& title) {
-  return fmt::format("<!DOCTYPE html>\n<html lang=en><head><meta charset=utf-8><title>{0}</title><style>{1}</style></head><body>\n<h1>{0}</h1>\n", html_escaped(title), style);
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=en><head><meta "
+      "charset=utf-8><title>{0}</title><style>{1}</style></head><body>\n<h1>{0}</h1>\n",
+      html_escaped(title), style);
 }
 
 std::string html_figure(const std::string& name, const std::string& svg) {
@@ -50,32 +54,11 @@ std::string html_table(const std::vector<std::string>& head, const std::vector<s
   html += "</tr>\n";
   for (const auto& row : rows) {
     html += "<tr>";
-    for (const std::string& cell : row) html += fmt::format("<td{}>{}</td>", is_number(cell) ? " class=n" : "", html_escaped(cell));
+    for (const std::string& cell : row)
+      html += fmt::format("<td{}>{}</td>", is_number(cell) ? " class=n" : "", html_escaped(cell));
     html += "</tr>\n";
   }
   return html + "</table>\n";
-}
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string out(1, '"');
-  for (const char c : text) {
-    if (c == '"') out += c;
-    out += c;
-  }
-  out += '"';
-  return out;
-}
-
-std::string csv_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
-  std::string csv;
-  const auto line = [&](const std::vector<std::string>& cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i) csv.append(i > 0 ? "," : "").append(csv_field(cells[i]));
-    csv += '\n';
-  };
-  line(head);
-  for (const auto& row : rows) line(row);
-  return csv;
 }
 
 }  // namespace accdec

@@ -16,8 +16,4 @@ std::string html_figure(const std::string& name, const std::string& svg);
 /// A table; cells that are numbers stand to the right. All texts are escaped.
 std::string html_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
 
-/// RFC 4180.
-std::string csv_field(const std::string& text);
-std::string csv_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
-
 }  // namespace accdec

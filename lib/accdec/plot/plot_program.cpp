@@ -1,5 +1,3 @@
-#include <accdec/io/plot_program.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +5,8 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/verifier.hpp>
+#include <accdec/plot/plot_program.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -19,7 +18,9 @@ constexpr std::size_t points_max = 20000;
 constexpr double cell_pixels = 3.0;
 constexpr int colours = 20;
 
-bool rotary(std::size_t axis) { return axis >= 3 && axis < 6; }
+bool rotary(std::size_t axis) {
+  return axis >= 3 && axis < 6;
+}
 
 /// The projection: the two axes of the largest extent, linear ones first.
 struct View {
@@ -50,7 +51,8 @@ View view_of(const Toolpath& path) {
   view.low[0] = low[view.across], view.high[0] = high[view.across];
   view.low[1] = n > 1 ? low[view.up] : 0.0, view.high[1] = n > 1 ? high[view.up] : 0.0;
   view.pixel = std::max({(view.high[0] - view.low[0]) / plot_width, (view.high[1] - view.low[1]) / plot_height, 1e-9});
-  if (std::max({-view.low[0], view.high[0], -view.low[1], view.high[1]}) > 50.0) view.scale = 1.0;  // tics of six digits do not fit
+  if (std::max({-view.low[0], view.high[0], -view.low[1], view.high[1]}) > 50.0)
+    view.scale = 1.0;  // tics of six digits do not fit
   return view;
 }
 
@@ -137,7 +139,9 @@ std::vector<ColouredLines::Piece> raster_of(const std::vector<Half>& halves, con
       std::size_t end = i + 1;
       const int colour = cells[j * columns + i];
       while (end < columns && cells[j * columns + end] == colour) ++end;
-      const auto x = [&](std::size_t column) { return (view.low[0] + static_cast<double>(column) * cell) * view.scale; };
+      const auto x = [&](std::size_t column) {
+        return (view.low[0] + static_cast<double>(column) * cell) * view.scale;
+      };
       if (colour >= 0) pieces.push_back({{x(i), x(end)}, {y, y}, 100.0 * colour / colours});
       i = end;
     }
@@ -151,8 +155,9 @@ Panel path_panel(const ProgramResult& result) {
   Panel panel;
   panel.title = fmt::format("path, {} blocks", result.path.blocks());
   const auto label = [&](std::size_t dimension) {
-    return fmt::format("{} / {}", result.path.axis_name(dimension), rotary(result.path.axes[dimension]) ? (view.scale == 1.0 ? "1000 deg" : "deg")
-                                                                                 : (view.scale == 1.0 ? "m" : "mm"));
+    return fmt::format("{} / {}", result.path.axis_name(dimension),
+                       rotary(result.path.axes[dimension]) ? (view.scale == 1.0 ? "1000 deg" : "deg")
+                                                           : (view.scale == 1.0 ? "m" : "mm"));
   };
   panel.x.label = label(view.across);
   if (result.path.dimensions() > 1) panel.y.label = label(view.up);
@@ -178,7 +183,8 @@ Panel delay_panel(const ProgramResult& result) {
     if (path.joint[b] != Joint::straight || delay != 0) ++counts[delay];
   }
   Panel panel;
-  panel.title = fmt::format("delays of {} corners, {:.6g} s of the {:.6g} s", result.corners, result.delay_total, result.cycle_time);
+  panel.title = fmt::format("delays of {} corners, {:.6g} s of the {:.6g} s", result.corners, result.delay_total,
+                            result.cycle_time);
   panel.x.label = fmt::format("delay / samples of {:.6g} ms", result.sample_period * 1e3);
   panel.y.label = "corners";
   const int first = counts.empty() ? 0 : counts.begin()->first, last = counts.empty() ? 1 : counts.rbegin()->first;
@@ -187,7 +193,8 @@ Panel delay_panel(const ProgramResult& result) {
   double most = 1.0;
   for (int d = first; d <= last; d += width) {
     double sum = 0.0;
-    for (auto it = counts.lower_bound(d); it != counts.end() && it->first < d + width; ++it) sum += static_cast<double>(it->second);
+    for (auto it = counts.lower_bound(d); it != counts.end() && it->first < d + width; ++it)
+      sum += static_cast<double>(it->second);
     bars.x.push_back(d + 0.5 * (width - 1));
     bars.y.push_back(sum);
     most = std::max(most, sum);

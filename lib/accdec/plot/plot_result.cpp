@@ -1,5 +1,3 @@
-#include <accdec/io/plot_result.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,15 +5,17 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/simulation.hpp>
 #include <accdec/machine/utilisation.hpp>
+#include <accdec/plot/plot_result.hpp>
+#include <accdec/task/simulation.hpp>
 
 namespace accdec {
 namespace {
 
 /// One quantity of one axis over time; limits far beyond the curve are said in the title instead of flattening it.
-Panel motion_panel(const std::string& quantity, const std::string& unit, const std::string& axis, const std::vector<double>& time,
-                   const std::vector<double>& values, double low, double high, Mark mark) {
+Panel motion_panel(const std::string& quantity, const std::string& unit, const std::string& axis,
+                   const std::vector<double>& time, const std::vector<double>& values, double low, double high,
+                   Mark mark) {
   Panel panel;
   panel.title = fmt::format("{} {}", quantity, axis);
   panel.x.label = "time from the corner command / ms";
@@ -49,9 +49,10 @@ std::vector<double> column(const Eigen::MatrixXd& matrix, Eigen::Index axis, dou
 void add_axis(std::vector<Panel>& panels, const SampledMotion& motion, Eigen::Index index, const Axis& axis,
               const std::vector<double>& time) {
   const std::vector<double> v = column(motion.velocity, index, 1.0), a = column(motion.acceleration, index, 1.0);
-  panels.push_back(motion_panel("velocity", "(mm/s)", axis.name, time, column(motion.velocity, index, 1e3), -axis.velocity_max * 1e3,
-                                axis.velocity_max * 1e3, Mark::line));
-  panels.push_back(motion_panel("acceleration", "(m/s²)", axis.name, time, a, -axis.acceleration_max, axis.acceleration_max, Mark::steps));
+  panels.push_back(motion_panel("velocity", "(mm/s)", axis.name, time, column(motion.velocity, index, 1e3),
+                                -axis.velocity_max * 1e3, axis.velocity_max * 1e3, Mark::line));
+  panels.push_back(motion_panel("acceleration", "(m/s²)", axis.name, time, a, -axis.acceleration_max,
+                                axis.acceleration_max, Mark::steps));
   if (axis.mass == 0.0 && axis.damping == 0.0) return;  // no plant given: neither force nor power
   std::vector<double> force, power;
   for (std::size_t n = 0; n < v.size(); ++n) {
@@ -59,10 +60,12 @@ void add_axis(std::vector<Panel>& panels, const SampledMotion& motion, Eigen::In
     power.push_back(force.back() * v[n]);
   }
   panels.push_back(motion_panel("force", "N", axis.name, time, force, -axis.force_max, axis.force_max, Mark::steps));
-  panels.push_back(motion_panel("power", "W", axis.name, time, power, -axis.regeneration_max, axis.power_max, Mark::steps));
+  panels.push_back(
+      motion_panel("power", "W", axis.name, time, power, -axis.regeneration_max, axis.power_max, Mark::steps));
 }
 
-/// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, a along the motion, b halving the angle.
+/// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, a along the motion, b
+/// halving the angle.
 struct Plane {
   Eigen::VectorXd across, up;
   std::string across_name, up_name;
@@ -79,7 +82,8 @@ Plane plane_of(const Corner& corner, const Machine& machine) {
   return {unit(corner.direction_in + corner.direction_out), unit(corner.direction_out - corner.direction_in), "a", "b"};
 }
 
-Panel path_panel(const TaskCorner& task, const CornerResult& measures, const SampledMotion& motion, const Machine& machine) {
+Panel path_panel(const TaskCorner& task, const CornerResult& measures, const SampledMotion& motion,
+                 const Machine& machine) {
   const Corner& corner = task.geometry;
   const Plane plane = plane_of(corner, machine);
   // The window: a few errors around the corner, but no more than the blend itself.
@@ -96,8 +100,9 @@ Panel path_panel(const TaskCorner& task, const CornerResult& measures, const Sam
     path.y.push_back(s.dot(plane.up));
   }
   const double leg = 8.0 * reach * scale;
-  for (const Eigen::VectorXd& end : {Eigen::VectorXd(-leg * corner.direction_in), Eigen::VectorXd(0.0 * corner.direction_in),
-                                     Eigen::VectorXd(leg * corner.direction_out)}) {
+  for (const Eigen::VectorXd& end :
+       {Eigen::VectorXd(-leg * corner.direction_in), Eigen::VectorXd(0.0 * corner.direction_in),
+        Eigen::VectorXd(leg * corner.direction_out)}) {
     programmed.x.push_back(end.dot(plane.across));
     programmed.y.push_back(end.dot(plane.up));
   }
@@ -110,7 +115,8 @@ Panel path_panel(const TaskCorner& task, const CornerResult& measures, const Sam
   panel.x.min = panel.y.min = -reach * scale;
   panel.x.max = panel.y.max = reach * scale;
   if (measures.corner_error > 0.0) {
-    panel.circles.push_back({0.0, 0.0, measures.corner_error * scale, fmt::format("error {:.4g} {}", measures.corner_error * scale, unit)});
+    panel.circles.push_back(
+        {0.0, 0.0, measures.corner_error * scale, fmt::format("error {:.4g} {}", measures.corner_error * scale, unit)});
   }
   if (task.error_max && *task.error_max > 0.0) {
     Series tolerance{fmt::format("bound {:.4g} {}", *task.error_max * scale, unit), {}, {}, Mark::line, 2};
@@ -153,9 +159,11 @@ Panel response_panel(const Filter& filter, double sample_period, const std::vect
     const bool first = panel.bands.empty();
     panel.bands.push_back({mode.frequency_low, mode.frequency_high, first ? "mode" : ""});
     const double level = std::max(mode.residual_max, 1e-4);
-    const double half = std::max(0.0, 0.004 * top - 0.5 * (mode.frequency_high - mode.frequency_low));  // a line has to be seen
+    const double half =
+        std::max(0.0, 0.004 * top - 0.5 * (mode.frequency_high - mode.frequency_low));  // a line has to be seen
     panel.bands.back().from -= half, panel.bands.back().to += half;
-    panel.series.push_back({first ? "bound" : "", {mode.frequency_low - half, mode.frequency_high + half}, {level, level}, Mark::line, 2});
+    panel.series.push_back(
+        {first ? "bound" : "", {mode.frequency_low - half, mode.frequency_high + half}, {level, level}, Mark::line, 2});
   }
   Series response{"", {}, {}, Mark::line, 0};
   constexpr int points = 800;
@@ -176,7 +184,8 @@ std::size_t find_corner(const DesignResult& result, const std::string& name) {
     if (name.empty() || corners[i].name == name) return i;
     known += (known.empty() ? "" : ", ") + corners[i].name;
   }
-  throw std::invalid_argument(fmt::format("the result has no corner \"{}\"; it has: {}", name, known.empty() ? "none" : known));
+  throw std::invalid_argument(
+      fmt::format("the result has no corner \"{}\"; it has: {}", name, known.empty() ? "none" : known));
 }
 
 }  // namespace
@@ -184,7 +193,8 @@ std::size_t find_corner(const DesignResult& result, const std::string& name) {
 Figure plot_result(const DesignResult& result, const std::string& corner) {
   const std::size_t index = find_corner(result, corner);
   if (!result.filter || index >= result.corners.size()) {
-    throw std::runtime_error(fmt::format("the result holds no filter to draw ({}): {}", to_string(result.status), result.message));
+    throw std::runtime_error(
+        fmt::format("the result holds no filter to draw ({}): {}", to_string(result.status), result.message));
   }
   const Filter& filter = *result.filter;
   const TaskCorner& task = result.task.corners[index];
@@ -192,14 +202,17 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   const double period = result.task.sample_period;
   const SampledMotion motion = simulate_corner(filter, task.geometry, measures.delay, period);
   std::vector<double> time;
-  for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) time.push_back(static_cast<double>(n - motion.corner) * period * 1e3);
+  for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
+    time.push_back(static_cast<double>(n - motion.corner) * period * 1e3);
 
   Figure figure;
-  figure.title = fmt::format("{}: corner {}, delay {} samples", result.task.title.empty() ? "accdec" : result.task.title, task.name, measures.delay);
+  figure.title = fmt::format("{}: corner {}, delay {} samples",
+                             result.task.title.empty() ? "accdec" : result.task.title, task.name, measures.delay);
   figure.columns = 2;
   for (std::size_t axis = 0; axis < result.task.machine.axes.size(); ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
-    const bool moves = std::abs(task.geometry.direction_in[a]) > 1e-12 || std::abs(task.geometry.direction_out[a]) > 1e-12;
+    const bool moves =
+        std::abs(task.geometry.direction_in[a]) > 1e-12 || std::abs(task.geometry.direction_out[a]) > 1e-12;
     if (moves) add_axis(figure.panels, motion, a, result.task.machine.axes[axis], time);
   }
   figure.panels.push_back(path_panel(task, measures, motion, result.task.machine));

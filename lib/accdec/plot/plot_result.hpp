@@ -2,16 +2,17 @@
 
 #include <string>
 
-#include <accdec/design/result.hpp>
-#include <accdec/io/figure.hpp>
+#include <accdec/plot/figure.hpp>
+#include <accdec/task/result.hpp>
 
 namespace accdec {
 
-/// One corner of a result: velocity, acceleration, force and power of every moving axis from rest to rest with their limits, the path
-/// around the programmed corner with its error circle, the taps, and the frequency response with the mode bands. Motion is simulated from
-/// the result's taps and delay by plain convolution.
+/// One corner of a result: velocity, acceleration, force and power of every moving axis from rest to rest with their
+/// limits, the path around the programmed corner with its error circle, the taps, and the frequency response with the
+/// mode bands. Motion is simulated from the result's taps and delay by plain convolution.
 /// @param corner  name; empty: the first
-/// @throws std::invalid_argument if there is no such corner (naming those there are), std::runtime_error if the result holds no filter.
+/// @throws std::invalid_argument if there is no such corner (naming those there are), std::runtime_error if the result
+/// holds no filter.
 Figure plot_result(const DesignResult& result, const std::string& corner = "");
 
 }  // namespace accdec

@@ -1,9 +1,10 @@
 // Ceres 2.1: trust-region least squares within bounds, driven to constrained problems by an augmented Lagrangian.
 //
-// Rows enter as residuals sqrt(rho) (s - clamp(s, lower, upper)), s = c + y / rho, the usual augmented Lagrangian for equality and
-// inequality rows alike (Nocedal and Wright, Numerical Optimization, 2nd ed., section 17.4), multipliers y <- rho (s - clamp(s)).
-// An objective that is a sum of squares enters by its residuals. Any other enters as one residual f - target with a target below the
-// optimum: the square grows with f wherever f > target, and a run that comes down to its target starts again with a lower one.
+// Rows enter as residuals sqrt(rho) (s - clamp(s, lower, upper)), s = c + y / rho, the usual augmented Lagrangian for
+// equality and inequality rows alike (Nocedal and Wright, Numerical Optimization, 2nd ed., section 17.4), multipliers y
+// <- rho (s - clamp(s)). An objective that is a sum of squares enters by its residuals. Any other enters as one
+// residual f - target with a target below the optimum: the square grows with f wherever f > target, and a run that
+// comes down to its target starts again with a lower one.
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +37,11 @@ struct Shape {
 class Cost final : public ceres::CostFunction {
  public:
   Cost(Evaluator& evaluator, FreeVariables& free, const Shape& shape)
-      : evaluator_(evaluator), free_(free), shape_(shape), squares_(evaluator.problem().num_residuals()), objective_(std::max(1, squares_)) {
+      : evaluator_(evaluator),
+        free_(free),
+        shape_(shape),
+        squares_(evaluator.problem().num_residuals()),
+        objective_(std::max(1, squares_)) {
     const nlp::Problem& problem = evaluator.problem();
     set_num_residuals(objective_ + problem.num_rows());
     mutable_parameter_block_sizes()->push_back(static_cast<int>(free.size()));
@@ -45,8 +50,8 @@ class Cost final : public ceres::CostFunction {
     gradient_.resize(static_cast<std::size_t>(objective_ * problem.num_variables()));
   }
 
-  // Ceres reports a failed evaluation on standard error however silent it is asked to be: after a stop every call succeeds at once
-  // with zeros, and the callback below ends the run.
+  // Ceres reports a failed evaluation on standard error however silent it is asked to be: after a stop every call
+  // succeeds at once with zeros, and the callback below ends the run.
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     try {
       evaluate(free_.expand(parameters[0]), residuals, jacobians != nullptr ? jacobians[0] : nullptr);
@@ -73,13 +78,15 @@ class Cost final : public ceres::CostFunction {
     if (!rows_.empty()) evaluator_.rows(x, rows_);
     const double weight = std::sqrt(shape_.penalty);
     for (std::size_t r = 0; r < rows_.size(); ++r) {
-      residuals[static_cast<std::size_t>(objective_) + r] = weight * shape_.shifted(problem.row_bound(static_cast<int>(r)), rows_[r], r);
+      residuals[static_cast<std::size_t>(objective_) + r] =
+          weight * shape_.shifted(problem.row_bound(static_cast<int>(r)), rows_[r], r);
     }
     if (jacobian == nullptr) return;
     const std::size_t n = free_.size(), all = x.size();
     std::fill_n(jacobian, static_cast<std::size_t>(num_residuals()) * n, 0.0);
     squares_ > 0 ? evaluator_.residual_jacobian(x, gradient_) : evaluator_.gradient(x, gradient_);
-    for (std::size_t r = 0; r < static_cast<std::size_t>(objective_); ++r) free_.restrict({&gradient_[r * all], all}, jacobian + r * n);
+    for (std::size_t r = 0; r < static_cast<std::size_t>(objective_); ++r)
+      free_.restrict({&gradient_[r * all], all}, jacobian + r * n);
     if (rows_.empty()) return;
     evaluator_.jacobian(x, jacobian_);
     for (std::size_t e = 0; e < jacobian_.size(); ++e) {
@@ -87,7 +94,8 @@ class Cost final : public ceres::CostFunction {
       const auto r = static_cast<std::size_t>(entry.row);
       const int column = free_.position(entry.column);
       if (column < 0 || residuals[static_cast<std::size_t>(objective_) + r] == 0.0) continue;
-      jacobian[(static_cast<std::size_t>(objective_) + r) * n + static_cast<std::size_t>(column)] += weight * jacobian_[e];
+      jacobian[(static_cast<std::size_t>(objective_) + r) * n + static_cast<std::size_t>(column)] +=
+          weight * jacobian_[e];
     }
   }
 
@@ -172,7 +180,8 @@ class Run {
       // Multipliers of an unfinished minimisation would lead astray: go on from where it is.
       if (summary.termination_type == ceres::NO_CONVERGENCE) continue;
       const double moved = update();
-      const double scale = squares ? 1.0 : f - shape_.target;  // residual f - target scales the objective's gradient by itself
+      const double scale =
+          squares ? 1.0 : f - shape_.target;  // residual f - target scales the objective's gradient by itself
       if (violation_ <= 0.1 * options_.feasibility_tolerance && moved <= 1e-6 * (scale + largest())) {
         result_.claim = Claim::solved;
         result_.message = "Ceres: " + summary.message;
@@ -249,15 +258,16 @@ class CeresSolver final : public Solver {
   std::string library_version() const override { return "Ceres " CERES_VERSION_STRING; }
   Capabilities capabilities() const override { return {}; }
   std::string settings() const override {
-    return "augmented Lagrangian around it: penalty = 10, penalty_growth = 5; linear_solver_type = DENSE_QR, max_num_iterations = 500, "
+    return "augmented Lagrangian around it: penalty = 10, penalty_growth = 5; linear_solver_type = DENSE_QR, "
+           "max_num_iterations = 500, "
            "function_tolerance = 1e-16, gradient_tolerance = tolerance / 1000, parameter_tolerance = tolerance / 1e5";
   }
 
  protected:
   Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
     const NativeOptions native("Ceres", options.native,
-                               {"function_tolerance", "gradient_tolerance", "max_num_iterations", "outer_iterations", "parameter_tolerance",
-                                "penalty", "penalty_growth"});
+                               {"function_tolerance", "gradient_tolerance", "max_num_iterations", "outer_iterations",
+                                "parameter_tolerance", "penalty", "penalty_growth"});
     Evaluator evaluator(problem, limits_of(options));
     FreeVariables free(problem, start);
     Result result;
@@ -279,6 +289,8 @@ class CeresSolver final : public Solver {
 
 }  // namespace
 
-void add_ceres(SolverList& list) { list.push_back(std::make_unique<CeresSolver>()); }
+void add_ceres(SolverList& list) {
+  list.push_back(std::make_unique<CeresSolver>());
+}
 
 }  // namespace accdec::solvers

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <ClpConfig.h>
+
 #include <ClpEventHandler.hpp>
 #include <ClpSimplex.hpp>
 #include <CoinMessageHandler.hpp>
@@ -70,17 +71,21 @@ Linear read(Evaluator& evaluator, std::span<const double> at) {
     lower.push_back(std::isfinite(b.lower) ? b.lower - s : -COIN_DBL_MAX);
     upper.push_back(std::isfinite(b.upper) ? b.upper - s : COIN_DBL_MAX);
   };
-  for (std::size_t i = 0; i < n; ++i) push(problem.variable_bound(static_cast<int>(i)), 0.0, p.column_lower, p.column_upper);
+  for (std::size_t i = 0; i < n; ++i)
+    push(problem.variable_bound(static_cast<int>(i)), 0.0, p.column_lower, p.column_upper);
   for (std::size_t r = 0; r < m; ++r) push(problem.row_bound(static_cast<int>(r)), shift[r], p.row_lower, p.row_upper);
   return p;
 }
 
-/// Whether weights on the rows show that no point holds them all (Farkas): the weighted sum of the rows cannot reach, within the
-/// variables' bounds, any value the weighted row bounds allow. Recomputed here; Clp's word is not taken for it.
+/// Whether weights on the rows show that no point holds them all (Farkas): the weighted sum of the rows cannot reach,
+/// within the variables' bounds, any value the weighted row bounds allow. Recomputed here; Clp's word is not taken for
+/// it.
 bool refutes(const Linear& p, const std::vector<double>& weights) {
   const auto extend = [](double w, double lower, double upper, double& least, double& most) {
     if (w == 0.0) return;
-    const auto side = [&](double b) { return std::abs(b) >= COIN_DBL_MAX ? std::copysign(nlp::infinity, w * b) : w * b; };
+    const auto side = [&](double b) {
+      return std::abs(b) >= COIN_DBL_MAX ? std::copysign(nlp::infinity, w * b) : w * b;
+    };
     least += std::min(side(lower), side(upper));
     most += std::max(side(lower), side(upper));
   };
@@ -108,7 +113,9 @@ class ClpSolver final : public Solver {
  public:
   std::string name() const override { return "clp"; }
   std::string library_version() const override { return "Clp " CLP_VERSION; }
-  std::string settings() const override { return "primal tolerance = feasibility_tolerance / 10, dual tolerance = tolerance, scaling 3, dual simplex"; }
+  std::string settings() const override {
+    return "primal tolerance = feasibility_tolerance / 10, dual tolerance = tolerance, scaling 3, dual simplex";
+  }
   Capabilities capabilities() const override {
     Capabilities can;
     can.linear_only = true;
@@ -117,7 +124,8 @@ class ClpSolver final : public Solver {
 
  protected:
   Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
-    const NativeOptions native("Clp", options.native, {"dual_tolerance", "max_iterations", "primal_tolerance", "scaling"});
+    const NativeOptions native("Clp", options.native,
+                               {"dual_tolerance", "max_iterations", "primal_tolerance", "scaling"});
     Evaluator evaluator(problem, limits_of(options));
     Result result;
     result.x.assign(start.begin(), start.end());
@@ -132,8 +140,8 @@ class ClpSolver final : public Solver {
   }
 
  private:
-  static void run(const nlp::Problem& problem, const Linear& p, Evaluator& evaluator, const NativeOptions& native, const Options& options,
-                  Result& result) {
+  static void run(const nlp::Problem& problem, const Linear& p, Evaluator& evaluator, const NativeOptions& native,
+                  const Options& options, Result& result) {
     CoinMessageHandler quiet;
     quiet.setLogLevel(0);
     ClpSimplex model;
@@ -141,7 +149,8 @@ class ClpSolver final : public Solver {
     CoinPackedMatrix matrix(true, p.rows.data(), p.columns.data(), p.values.data(), static_cast<int>(p.values.size()));
     // Rows and columns behind the last nonzero exist too.
     matrix.setDimensions(problem.num_rows(), problem.num_variables());
-    model.loadProblem(matrix, p.column_lower.data(), p.column_upper.data(), p.cost.data(), p.row_lower.data(), p.row_upper.data());
+    model.loadProblem(matrix, p.column_lower.data(), p.column_upper.data(), p.cost.data(), p.row_lower.data(),
+                      p.row_upper.data());
     model.setPrimalTolerance(native.get("primal_tolerance", 0.1 * options.feasibility_tolerance));
     model.setDualTolerance(native.get("dual_tolerance", std::max(1e-10, options.tolerance)));
     model.scaling(static_cast<int>(native.get("scaling", 3.0)));
@@ -149,7 +158,8 @@ class ClpSolver final : public Solver {
     Watch watch(evaluator);
     model.passInEventHandler(&watch);
     model.dual();
-    if (model.status() == 0 || model.status() == 2) model.primal();  // cleans up scaled violations; makes the unbounded ray
+    if (model.status() == 0 || model.status() == 2)
+      model.primal();  // cleans up scaled violations; makes the unbounded ray
 
     result.x.assign(model.primalColumnSolution(), model.primalColumnSolution() + problem.num_variables());
     result.claimed_objective = model.objectiveValue() + p.constant;
@@ -171,8 +181,7 @@ class ClpSolver final : public Solver {
         result.claim = Claim::evaluation_limit;
         result.message = "Clp: iteration limit";
         break;
-      default:
-        result.message = fmt::format("Clp: status {}", model.status());
+      default: result.message = fmt::format("Clp: status {}", model.status());
     }
   }
 
@@ -191,6 +200,8 @@ class ClpSolver final : public Solver {
 
 }  // namespace
 
-void add_clp(SolverList& list) { list.push_back(std::make_unique<ClpSolver>()); }
+void add_clp(SolverList& list) {
+  list.push_back(std::make_unique<ClpSolver>());
+}
 
 }  // namespace accdec::solvers

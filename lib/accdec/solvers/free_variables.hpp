@@ -7,7 +7,8 @@
 
 namespace accdec::solvers {
 
-/// The variables whose bounds leave a choice. Several libraries mishandle or refuse lower == upper, so fixed variables never reach them.
+/// The variables whose bounds leave a choice. Several libraries mishandle or refuse lower == upper, so fixed variables
+/// never reach them.
 class FreeVariables {
  public:
   FreeVariables(const nlp::Problem& problem, std::span<const double> start) : full_(start.begin(), start.end()) {

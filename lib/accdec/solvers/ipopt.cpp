@@ -5,8 +5,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <IpIpoptApplication.hpp>
 #include <IpoptConfig.h>
+
+#include <IpIpoptApplication.hpp>
 #include <IpTNLP.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,19 +21,24 @@ namespace {
 using nlp::Evaluator;
 using nlp::StopRun;
 
-std::size_t at(Ipopt::Index i) { return static_cast<std::size_t>(i); }
+std::size_t at(Ipopt::Index i) {
+  return static_cast<std::size_t>(i);
+}
 
-/// Ipopt's view of a problem. StopRun never crosses Ipopt: a callback reports failure and the next intermediate callback ends the run.
+/// Ipopt's view of a problem. StopRun never crosses Ipopt: a callback reports failure and the next intermediate
+/// callback ends the run.
 class Adapter : public Ipopt::TNLP {
  public:
-  Adapter(Evaluator& evaluator, std::span<const double> start) : evaluator_(evaluator), x_(start.begin(), start.end()), start_(x_) {}
+  Adapter(Evaluator& evaluator, std::span<const double> start)
+      : evaluator_(evaluator), x_(start.begin(), start.end()), start_(x_) {}
 
   bool finished() const { return finished_; }
   std::vector<double>& x() { return x_; }
   std::vector<double>& multipliers() { return multipliers_; }
   double objective() const { return objective_; }
 
-  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian, IndexStyleEnum& style) override {
+  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian,
+                    IndexStyleEnum& style) override {
     n = problem().num_variables();
     m = problem().num_rows();
     jacobian = static_cast<Ipopt::Index>(problem().jacobian_pattern().size());
@@ -65,26 +71,27 @@ class Adapter : public Ipopt::TNLP {
   bool eval_g(Ipopt::Index n, const double* x, bool, Ipopt::Index m, double* c) override {
     return guarded([&] { evaluator_.rows({x, at(n)}, {c, at(m)}); });
   }
-  bool eval_jac_g(Ipopt::Index n, const double* x, bool, Ipopt::Index, Ipopt::Index count, Ipopt::Index* rows, Ipopt::Index* columns,
-                  double* values) override {
+  bool eval_jac_g(Ipopt::Index n, const double* x, bool, Ipopt::Index, Ipopt::Index count, Ipopt::Index* rows,
+                  Ipopt::Index* columns, double* values) override {
     if (values == nullptr) return copy_pattern(problem().jacobian_pattern(), rows, columns);
     return guarded([&] { evaluator_.jacobian({x, at(n)}, {values, at(count)}); });
   }
-  bool eval_h(Ipopt::Index n, const double* x, bool, double factor, Ipopt::Index m, const double* multipliers, bool, Ipopt::Index count,
-              Ipopt::Index* rows, Ipopt::Index* columns, double* values) override {
+  bool eval_h(Ipopt::Index n, const double* x, bool, double factor, Ipopt::Index m, const double* multipliers, bool,
+              Ipopt::Index count, Ipopt::Index* rows, Ipopt::Index* columns, double* values) override {
     if (values == nullptr) return copy_pattern(problem().hessian_pattern(), rows, columns);
     return guarded([&] { evaluator_.hessian({x, at(n)}, factor, {multipliers, at(m)}, {values, at(count)}); });
   }
 
   // Ipopt 3.11 knows only CPU time limits; wall clock and cancellation are polled here.
-  bool intermediate_callback(Ipopt::AlgorithmMode, Ipopt::Index, double, double, double, double, double, double, double, double,
-                             Ipopt::Index, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
+  bool intermediate_callback(Ipopt::AlgorithmMode, Ipopt::Index, double, double, double, double, double, double, double,
+                             double, Ipopt::Index, const Ipopt::IpoptData*,
+                             Ipopt::IpoptCalculatedQuantities*) override {
     return guarded([&] { evaluator_.poll(); });
   }
 
-  void finalize_solution(Ipopt::SolverReturn, Ipopt::Index n, const double* x, const double*, const double*, Ipopt::Index m, const double*,
-                         const double* multipliers, double objective, const Ipopt::IpoptData*,
-                         Ipopt::IpoptCalculatedQuantities*) override {
+  void finalize_solution(Ipopt::SolverReturn, Ipopt::Index n, const double* x, const double*, const double*,
+                         Ipopt::Index m, const double*, const double* multipliers, double objective,
+                         const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
     finished_ = true;
     x_.assign(x, x + n);
     multipliers_.assign(multipliers, multipliers + m);
@@ -125,7 +132,8 @@ std::vector<std::string> names_like(Ipopt::IpoptApplication& app, const std::str
     all.push_back(known);
     std::istringstream words(name);
     bool shares = false;
-    for (std::string word; std::getline(words, word, '_');) shares = shares || (word.size() > 2 && known.find(word) != std::string::npos);
+    for (std::string word; std::getline(words, word, '_');)
+      shares = shares || (word.size() > 2 && known.find(word) != std::string::npos);
     if (shares) like.push_back(known);
   }
   return like.empty() ? all : like;
@@ -134,7 +142,8 @@ std::vector<std::string> names_like(Ipopt::IpoptApplication& app, const std::str
 void set_native(Ipopt::IpoptApplication& app, const std::string& name, const std::string& value) {
   const Ipopt::SmartPtr<const Ipopt::RegisteredOption> option = app.RegOptions()->GetOption(name);
   if (!Ipopt::IsValid(option)) {
-    throw std::invalid_argument(fmt::format("Ipopt has no option \"{}\"; known are {}", name, fmt::join(names_like(app, name), ", ")));
+    throw std::invalid_argument(
+        fmt::format("Ipopt has no option \"{}\"; known are {}", name, fmt::join(names_like(app, name), ", ")));
   }
   bool ok = false;
   try {
@@ -188,14 +197,16 @@ std::mutex& one_at_a_time() {
 /// Other than Ipopt's defaults.
 constexpr std::pair<const char*, const char*> own_settings[] = {
     {"bound_relax_factor", "0"},
-    // The formulations' rows are scaled to a bound of 1 and dense in orders of magnitude only through second differences: dividing those
-    // by 1e6 and more, as the default does, leaves them below the arithmetic's precision. Measured at N = 4000: 3 s instead of 12 s.
+    // The formulations' rows are scaled to a bound of 1 and dense in orders of magnitude only through second
+    // differences: dividing those by 1e6 and more, as the default does, leaves them below the arithmetic's precision.
+    // Measured at N = 4000: 3 s instead of 12 s.
     {"nlp_scaling_max_gradient", "1e8"},
     // Measured at N = 1000: 40 iterations to the optimum, 184 to an acceptable point with the monotone barrier.
     {"mu_strategy", "adaptive"},
     // A search over orders and delays asks about many points that do not exist: heuristics that end those runs early.
     {"expect_infeasible_problem", "yes"},
-    // Approximate minimum degree orders the few dense rows of position sums last; the automatic choice fills the factors in.
+    // Approximate minimum degree orders the few dense rows of position sums last; the automatic choice fills the
+    // factors in.
     {"mumps_pivot_order", "0"},
 };
 
@@ -234,7 +245,8 @@ class IpoptSolver final : public Solver {
     Result result;
     // An empty name: no stray ipopt.opt in the working directory is read.
     Ipopt::ApplicationReturnStatus status = app->Initialize("");
-    if (status == Ipopt::Solve_Succeeded) status = app->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(adapter)));
+    if (status == Ipopt::Solve_Succeeded)
+      status = app->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(adapter)));
     result.x = adapter->x();
     // A multiplier of a stopped run belongs to no point of interest.
     if (adapter->finished()) result.row_multipliers = adapter->multipliers();

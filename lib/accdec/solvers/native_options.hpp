@@ -15,11 +15,14 @@ namespace accdec::solvers {
 /// Options passed to a library by name. All are numbers.
 class NativeOptions {
  public:
-  /// @throws std::invalid_argument for a name not in `known`, listing those, or a value that is no number from 0 to 1e15.
-  NativeOptions(const char* library, const std::map<std::string, std::string>& given, std::initializer_list<const char*> known) {
+  /// @throws std::invalid_argument for a name not in `known`, listing those, or a value that is no number from 0 to
+  /// 1e15.
+  NativeOptions(const char* library, const std::map<std::string, std::string>& given,
+                std::initializer_list<const char*> known) {
     for (const auto& [name, text] : given) {
       if (std::find(known.begin(), known.end(), name) == known.end()) {
-        throw std::invalid_argument(fmt::format("{} has no option \"{}\"; known are {}", library, name, fmt::join(known, ", ")));
+        throw std::invalid_argument(
+            fmt::format("{} has no option \"{}\"; known are {}", library, name, fmt::join(known, ", ")));
       }
       double value = 0.0;
       const char* end = text.data() + text.size();
@@ -27,7 +30,8 @@ class NativeOptions {
         throw std::invalid_argument(fmt::format("{} option \"{}\" needs a number, not \"{}\"", library, name, text));
       }
       if (!(value >= 0.0 && value < 1e15)) {
-        throw std::invalid_argument(fmt::format("{} option \"{}\" needs a number from 0 to 1e15, not \"{}\"", library, name, text));
+        throw std::invalid_argument(
+            fmt::format("{} option \"{}\" needs a number from 0 to 1e15, not \"{}\"", library, name, text));
       }
       values_[name] = value;
     }

@@ -85,14 +85,16 @@ Claim claim_of(nlopt_result code) {
   }
 }
 
-/// Takes the one option that is a word from the others, which are numbers: which algorithm, say "LD_CCSAQ", solves the dual of MMA's and
-/// CCSAQ's steps.
+/// Takes the one option that is a word from the others, which are numbers: which algorithm, say "LD_CCSAQ", solves the
+/// dual of MMA's and CCSAQ's steps.
 std::optional<nlopt_algorithm> take_dual_algorithm(std::map<std::string, std::string>& native) {
   const auto given = native.extract("dual_algorithm");
   if (!given) return std::nullopt;
   const nlopt_algorithm algorithm = nlopt_algorithm_from_string(given.mapped().c_str());
   if (algorithm < 0 || algorithm >= NLOPT_NUM_ALGORITHMS) {
-    throw std::invalid_argument(fmt::format("NLopt option \"dual_algorithm\" needs the name of an algorithm, as LD_MMA, LD_CCSAQ or LD_LBFGS, not \"{}\"", given.mapped()));
+    throw std::invalid_argument(fmt::format(
+        "NLopt option \"dual_algorithm\" needs the name of an algorithm, as LD_MMA, LD_CCSAQ or LD_LBFGS, not \"{}\"",
+        given.mapped()));
   }
   return algorithm;
 }
@@ -103,7 +105,8 @@ void configure(nlopt_opt opt, const NativeOptions& native, double xtol, double f
   if (native.has("xtol_abs")) nlopt_set_xtol_abs1(opt, native.get("xtol_abs", 0.0));
   nlopt_set_ftol_abs(opt, native.get("ftol_abs", 0.0));
   if (native.has("initial_step")) nlopt_set_initial_step1(opt, native.get("initial_step", 0.0));
-  if (native.has("vector_storage")) nlopt_set_vector_storage(opt, static_cast<unsigned>(native.get("vector_storage", 0.0)));
+  if (native.has("vector_storage"))
+    nlopt_set_vector_storage(opt, static_cast<unsigned>(native.get("vector_storage", 0.0)));
   if (native.has("population")) nlopt_set_population(opt, static_cast<unsigned>(native.get("population", 0.0)));
   for (const char* name : {"dual_maxeval", "inner_maxeval", "rho_init", "dual_ftol_rel"}) {
     if (native.has(name)) nlopt_set_param(opt, name, native.get(name, 0.0));
@@ -121,11 +124,14 @@ class NloptSolver final : public Solver {
   }
   Capabilities capabilities() const override { return algorithm_.can; }
   std::string settings() const override {
-    std::string all = fmt::format("xtol_rel = {:g} tolerance, ftol_rel = {}", xtol(1.0), conservative() ? "0" : "max(1e-15, xtol_rel / 1e6)");
+    std::string all = fmt::format("xtol_rel = {:g} tolerance, ftol_rel = {}", xtol(1.0),
+                                  conservative() ? "0" : "max(1e-15, xtol_rel / 1e6)");
     if (algorithm_.rows == NloptProblem::Rows::constraints) all += ", rows within feasibility_tolerance / 10";
-    if (algorithm_.rows == NloptProblem::Rows::ranking) all += ", rows by ranking points that break them behind all that hold them";
+    if (algorithm_.rows == NloptProblem::Rows::ranking)
+      all += ", rows by ranking points that break them behind all that hold them";
     if (conservative()) all += fmt::format(", dual_maxeval = {:g}", dual_maxeval);
-    if (algorithm_.inner != no_inner) all += "; of the method inside, xtol_rel = tolerance, ftol_rel = max(1e-15, xtol_rel / 1e6)";
+    if (algorithm_.inner != no_inner)
+      all += "; of the method inside, xtol_rel = tolerance, ftol_rel = max(1e-15, xtol_rel / 1e6)";
     if (may_compute_on(algorithm_.method)) all += "; in a thread of its own, which is watched";
     return all;
   }
@@ -134,9 +140,10 @@ class NloptSolver final : public Solver {
   Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
     std::map<std::string, std::string> numbers = options.native;
     const std::optional<nlopt_algorithm> dual = take_dual_algorithm(numbers);
-    const NativeOptions native("NLopt", numbers,
-                               {"dual_ftol_rel", "dual_maxeval", "ftol_abs", "ftol_rel", "initial_step", "inner_maxeval", "maxeval", "population",
-                                "rho_init", "vector_storage", "xtol_abs", "xtol_rel"});
+    const NativeOptions native(
+        "NLopt", numbers,
+        {"dual_ftol_rel", "dual_maxeval", "ftol_abs", "ftol_rel", "initial_step", "inner_maxeval", "maxeval",
+         "population", "rho_init", "vector_storage", "xtol_abs", "xtol_rel"});
     nlp::Evaluator evaluator(problem, limits_of(options));
     FreeVariables free(problem, start);
     Result result;
@@ -156,8 +163,8 @@ class NloptSolver final : public Solver {
       configure(inner.get(), native, options.tolerance, step_in_f(options.tolerance));
       nlopt_set_local_optimizer(opt.get(), inner.get());
     }
-    // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their answer.
-    // Multistart compares each new point with all before it: a tenth of that.
+    // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their
+    // answer. Multistart compares each new point with all before it: a tenth of that.
     const bool limited = algorithm_.can.global && options.own_budget;
     const double budget = !limited ? 0.0 : algorithm_.inner == no_inner ? 10'000.0 * (n + 1.0) : 1000.0 * (n + 1.0);
     nlopt_set_maxeval(opt.get(), static_cast<int>(std::min(2e9, native.get("maxeval", budget))));
@@ -174,7 +181,8 @@ class NloptSolver final : public Solver {
     if (code >= 0 && may_compute_on(algorithm_.method)) {
       WatchedCall watched;
       callbacks.report_to(&watched);
-      if (!watched.run(optimize, options.time_limit, options.cancel)) return abandoned(evaluator, options, std::move(result));
+      if (!watched.run(optimize, options.time_limit, options.cancel))
+        return abandoned(evaluator, options, std::move(result));
     } else if (code >= 0) {
       optimize();
     }
@@ -190,12 +198,15 @@ class NloptSolver final : public Solver {
  private:
   bool conservative() const { return algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ; }
 
-  /// Of MMA and CCSAQ: at NLopt's default of 100 000 the dual of a linear problem, which has no curvature, takes seconds a step.
+  /// Of MMA and CCSAQ: at NLopt's default of 100 000 the dual of a linear problem, which has no curvature, takes
+  /// seconds a step.
   static constexpr double dual_maxeval = 2000.0;
 
-  /// Relative steps in x decide, but small ones do not mean arrival for methods whose steps shrink by themselves. SLSQP's, and those of
-  /// L-BFGS in the augmented Lagrangian, too become small before they arrive where many rows are active; but with steps at rounding
-  /// (`xtol_rel` 1e-15) whole designs take SLSQP half as long again, and one of twelve shipped tasks is not designed within ten seconds.
+  /// Relative steps in x decide, but small ones do not mean arrival for methods whose steps shrink by themselves.
+  /// SLSQP's, and those of L-BFGS in the augmented Lagrangian, too become small before they arrive where many rows are
+  /// active; but with steps at rounding
+  /// (`xtol_rel` 1e-15) whole designs take SLSQP half as long again, and one of twelve shipped tasks is not designed
+  /// within ten seconds.
   double xtol(double tolerance) const { return algorithm_.can.global || conservative() ? 1e-2 * tolerance : tolerance; }
 
   /// Steps in f reach rounding long before a first-order method has arrived.
@@ -204,8 +215,8 @@ class NloptSolver final : public Solver {
   /// MMA and CCSAQ would stop where f did not change although rows are still broken.
   double ftol(double tolerance) const { return conservative() ? 0.0 : step_in_f(xtol(tolerance)); }
 
-  /// COBYLA may loop for ever; at a thousand variables and more SLSQP's dense subproblems take seconds, and so does ISRES' sorting of its
-  /// population of twenty times as many.
+  /// COBYLA may loop for ever; at a thousand variables and more SLSQP's dense subproblems take seconds, and so does
+  /// ISRES' sorting of its population of twenty times as many.
   static bool may_compute_on(nlopt_algorithm method) {
     return method == NLOPT_LN_COBYLA || method == NLOPT_LD_SLSQP || method == NLOPT_GN_ISRES;
   }

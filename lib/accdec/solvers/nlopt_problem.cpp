@@ -1,12 +1,13 @@
-#include <accdec/solvers/nlopt_problem.hpp>
-
 #include <algorithm>
+
+#include <accdec/solvers/nlopt_problem.hpp>
 
 namespace accdec::solvers {
 
 using nlp::StopRun;
 
-NloptProblem::NloptProblem(nlp::Evaluator& evaluator, FreeVariables& free, nlopt_opt opt, Rows rows, double row_tolerance)
+NloptProblem::NloptProblem(nlp::Evaluator& evaluator, FreeVariables& free, nlopt_opt opt, Rows rows,
+                           double row_tolerance)
     : evaluator_(evaluator), free_(free), opt_(opt), rows_(rows), tolerance_(row_tolerance) {
   const nlp::Problem& problem = evaluator.problem();
   gradient_.resize(static_cast<std::size_t>(problem.num_variables()));
@@ -123,7 +124,8 @@ double NloptProblem::ranked(double f, const std::vector<double>& x) {
   for (const Side& s : inequalities_) {
     violation = std::max(violation, s.sign * (values_[static_cast<std::size_t>(s.row)] - s.bound));
   }
-  for (const Side& s : equalities_) violation = std::max(violation, std::abs(values_[static_cast<std::size_t>(s.row)] - s.bound));
+  for (const Side& s : equalities_)
+    violation = std::max(violation, std::abs(values_[static_cast<std::size_t>(s.row)] - s.bound));
   // Monotone in f and within (-1, 1), so that every violation ranks behind without drowning in a large offset.
   return violation > tolerance_ ? 2.0 + violation : f / (1.0 + std::abs(f));
 }

@@ -12,15 +12,15 @@
 
 namespace accdec::solvers {
 
-/// A problem as NLopt's C callbacks see it. StopRun never crosses NLopt: the callback asks NLopt to stop and returns a harmless number
-/// (COBYLA loops for ever on NaN, and an exception would be lost in C).
+/// A problem as NLopt's C callbacks see it. StopRun never crosses NLopt: the callback asks NLopt to stop and returns a
+/// harmless number (COBYLA loops for ever on NaN, and an exception would be lost in C).
 class NloptProblem {
  public:
   /// How rows reach the algorithm.
   enum class Rows {
     constraints,  ///< as NLopt constraints c <= 0 and c = 0
-    ranking       ///< inside the objective, for algorithms that only compare its values: any point that holds all rows is better than
-                  ///< any that breaks one, the former ordered by the objective, the latter by the violation
+    ranking  ///< inside the objective, for algorithms that only compare its values: any point that holds all rows is
+             ///< better than any that breaks one, the former ordered by the objective, the latter by the violation
   };
 
   NloptProblem(nlp::Evaluator& evaluator, FreeVariables& free, nlopt_opt opt, Rows rows, double row_tolerance);

@@ -23,11 +23,14 @@ SolverList& solvers() {
 
 }  // namespace
 
-const SolverList& registry() { return solvers(); }
+const SolverList& registry() {
+  return solvers();
+}
 
 void register_solver(std::unique_ptr<Solver> solver) {
   for (const auto& known : solvers()) {
-    if (known->name() == solver->name()) throw std::invalid_argument(fmt::format("a solver \"{}\" exists already", solver->name()));
+    if (known->name() == solver->name())
+      throw std::invalid_argument(fmt::format("a solver \"{}\" exists already", solver->name()));
   }
   solvers().push_back(std::move(solver));
 }

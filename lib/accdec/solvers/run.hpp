@@ -11,9 +11,10 @@ inline nlp::Evaluator::Limits limits_of(const Options& options) {
   return {options.evaluation_limit, options.time_limit, options.cancel, options.feasibility_tolerance};
 }
 
-/// Where the library ended on its own at a point that breaks a row or bound although it had seen one that holds all, or at one that is worse
-/// than the best seen by more than rounding and tolerances explain: returns that. (NLopt remembers the best point by rows held to a
-/// tenth of the tolerance, and may hand back the start although it went on to points that hold within the tolerance.)
+/// Where the library ended on its own at a point that breaks a row or bound although it had seen one that holds all, or
+/// at one that is worse than the best seen by more than rounding and tolerances explain: returns that. (NLopt remembers
+/// the best point by rows held to a tenth of the tolerance, and may hand back the start although it went on to points
+/// that hold within the tolerance.)
 inline void prefer_best(const nlp::Evaluator& evaluator, Result& result) {
   if (evaluator.best_feasible().empty() || result.x == evaluator.best_feasible()) return;
   const bool broken = nlp::largest_violation(evaluator.problem(), result.x) > evaluator.feasibility_tolerance();
@@ -24,8 +25,9 @@ inline void prefer_best(const nlp::Evaluator& evaluator, Result& result) {
                            : "; ended at a worse point than the best feasible one seen, which is returned instead";
 }
 
-/// What every adapter does after its library returned: rethrows the problem's exception, turns the evaluator's stop into the claim,
-/// takes over the counts, and replaces the point by the best feasible one seen after a stop, if there is one, or if the library's is worse.
+/// What every adapter does after its library returned: rethrows the problem's exception, turns the evaluator's stop
+/// into the claim, takes over the counts, and replaces the point by the best feasible one seen after a stop, if there
+/// is one, or if the library's is worse.
 inline void conclude(const nlp::Evaluator& evaluator, Result& result) {
   result.counts = evaluator.counts();
   result.history = evaluator.history();

@@ -1,5 +1,3 @@
-#include <accdec/solvers/solver.hpp>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/nlp/kkt.hpp>
+#include <accdec/solvers/solver.hpp>
 
 namespace accdec::solvers {
 
@@ -38,9 +37,12 @@ std::string_view to_string(Verdict verdict) {
 
 std::string reason_to_refuse(const Solver& solver, const nlp::Problem& problem) {
   const Capabilities can = solver.capabilities();
-  const auto lacks = [&](const char* what) { return fmt::format("{} does not accept this problem: {}", solver.name(), what); };
+  const auto lacks = [&](const char* what) {
+    return fmt::format("{} does not accept this problem: {}", solver.name(), what);
+  };
   if (can.linear_only && problem.problem_class() != nlp::ProblemClass::linear) return lacks("it is not linear");
-  if (can.needs_residuals && problem.num_residuals() == 0 && problem.problem_class() == nlp::ProblemClass::least_squares) {
+  if (can.needs_residuals && problem.num_residuals() == 0 &&
+      problem.problem_class() == nlp::ProblemClass::least_squares) {
     return lacks("it has no residual form");
   }
   bool equality = false, inequality = false;
@@ -67,23 +69,30 @@ namespace {
 std::string malformed(const nlp::Problem& problem, std::span<const double> start) {
   const int n = problem.num_variables(), m = problem.num_rows();
   if (n < 0 || m < 0) return "negative size";
-  if (static_cast<int>(start.size()) != n) return fmt::format("the start has {} entries, the problem {} variables", start.size(), n);
-  const auto crossed = [](nlp::Bound b) { return !(b.lower <= b.upper) || b.lower == nlp::infinity || b.upper == -nlp::infinity; };
+  if (static_cast<int>(start.size()) != n)
+    return fmt::format("the start has {} entries, the problem {} variables", start.size(), n);
+  const auto crossed = [](nlp::Bound b) {
+    return !(b.lower <= b.upper) || b.lower == nlp::infinity || b.upper == -nlp::infinity;
+  };
   for (int i = 0; i < n; ++i) {
     const nlp::Bound b = problem.variable_bound(i);
-    if (crossed(b)) return fmt::format("bounds of variable {} are crossed: {} > {}", problem.variable_name(i), b.lower, b.upper);
+    if (crossed(b))
+      return fmt::format("bounds of variable {} are crossed: {} > {}", problem.variable_name(i), b.lower, b.upper);
   }
   for (int r = 0; r < m; ++r) {
     const nlp::Bound b = problem.row_bound(r);
     if (crossed(b)) return fmt::format("bounds of row {} are crossed: {} > {}", problem.row_name(r), b.lower, b.upper);
   }
-  const auto outside = [&](const nlp::Entry& e, int rows) { return e.row < 0 || e.row >= rows || e.column < 0 || e.column >= n; };
+  const auto outside = [&](const nlp::Entry& e, int rows) {
+    return e.row < 0 || e.row >= rows || e.column < 0 || e.column >= n;
+  };
   for (const nlp::Entry& e : problem.jacobian_pattern()) {
     if (outside(e, m)) return fmt::format("Jacobian entry ({}, {}) is outside {} x {}", e.row, e.column, m, n);
   }
   if (problem.has_hessian()) {
     for (const nlp::Entry& e : problem.hessian_pattern()) {
-      if (outside(e, n) || e.row < e.column) return fmt::format("Hessian entry ({}, {}) is not in the lower triangle", e.row, e.column);
+      if (outside(e, n) || e.row < e.column)
+        return fmt::format("Hessian entry ({}, {}) is not in the lower triangle", e.row, e.column);
     }
   }
   return {};
@@ -114,7 +123,8 @@ Result Solver::solve(const nlp::Problem& problem, std::span<const double> start,
   const auto ended = Clock::now();
   result.wall_time = std::chrono::duration<double>(ended - began).count();
   if (moved > 0) {
-    result.message += fmt::format("{}start projected into the bounds ({} variables)", result.message.empty() ? "" : "; ", moved);
+    result.message +=
+        fmt::format("{}start projected into the bounds ({} variables)", result.message.empty() ? "" : "; ", moved);
   }
 
   const nlp::KktReport kkt = nlp::check_kkt(problem, result.x, result.row_multipliers);

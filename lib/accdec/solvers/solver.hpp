@@ -17,10 +17,10 @@ namespace accdec::solvers {
 
 /// What one algorithm of one library accepts and is; printed by `accdec solvers`.
 struct Capabilities {
-  bool linear_only = false;     ///< accepts ProblemClass::linear alone
-  bool bounds = true;           ///< finite variable bounds
-  bool inequality_rows = true;  ///< rows with lower < upper
-  bool equality_rows = true;    ///< rows with lower == upper
+  bool linear_only = false;          ///< accepts ProblemClass::linear alone
+  bool bounds = true;                ///< finite variable bounds
+  bool inequality_rows = true;       ///< rows with lower < upper
+  bool equality_rows = true;         ///< rows with lower == upper
   bool needs_finite_bounds = false;  ///< every variable needs both bounds (global and population methods)
   bool needs_residuals = false;      ///< objective must have the residual form or be reducible to it
   bool uses_gradient = true;
@@ -32,16 +32,16 @@ struct Capabilities {
 
 /// What a library said about its own run (claimed), and what the verifier found on the point it returned (verified).
 enum class Claim {
-  solved,               ///< the library's own success
-  acceptable,           ///< success at a looser tolerance, or stopped by rounding
-  infeasible,           ///< infeasible: proved for linear problems, locally infeasible otherwise
-  unbounded,            ///< unbounded or diverged
+  solved,      ///< the library's own success
+  acceptable,  ///< success at a looser tolerance, or stopped by rounding
+  infeasible,  ///< infeasible: proved for linear problems, locally infeasible otherwise
+  unbounded,   ///< unbounded or diverged
   evaluation_limit,
   time_limit,
   cancelled,
-  invalid_number,       ///< NaN or infinity from an evaluation
-  failed,               ///< anything else the library reported
-  refused               ///< not run: capability, sizes or bounds; see message
+  invalid_number,  ///< NaN or infinity from an evaluation
+  failed,          ///< anything else the library reported
+  refused          ///< not run: capability, sizes or bounds; see message
 };
 std::string_view to_string(Claim claim);
 
@@ -59,34 +59,37 @@ struct Verification {
   double objective = 0.0;
   double row_violation = 0.0;
   double bound_violation = 0.0;
-  std::string worst;             ///< name of the worst row or variable, empty when nothing is violated
-  double stationarity = 0.0;     ///< scaled infinity norm of the projected Lagrangian gradient with the best multipliers found
+  std::string worst;  ///< name of the worst row or variable, empty when nothing is violated
+  double stationarity =
+      0.0;  ///< scaled infinity norm of the projected Lagrangian gradient with the best multipliers found
   double complementarity = 0.0;  ///< largest |multiplier * slack|
 };
 
 struct Options {
-  double tolerance = 1e-8;             ///< relative optimality tolerance asked of the library
-  double feasibility_tolerance = 1e-8; ///< absolute, on rows as posed; also the verifier's
-  double time_limit = 60.0;            ///< s, wall clock
+  double tolerance = 1e-8;                    ///< relative optimality tolerance asked of the library
+  double feasibility_tolerance = 1e-8;        ///< absolute, on rows as posed; also the verifier's
+  double time_limit = 60.0;                   ///< s, wall clock
   std::int64_t evaluation_limit = 1'000'000;  ///< objective evaluations
-  bool own_budget = true;              ///< a method may end sooner, at a budget of evaluations, iterations or rounds of its own
+  bool own_budget = true;  ///< a method may end sooner, at a budget of evaluations, iterations or rounds of its own
   std::uint64_t seed = 1;
-  std::function<void(const std::string&)> log;       ///< nothing is logged when empty
-  const std::atomic<bool>* cancel = nullptr;         ///< polled at every evaluation
-  std::map<std::string, std::string> native;         ///< the library's own options; an unknown name is an error
+  std::function<void(const std::string&)> log;  ///< nothing is logged when empty
+  const std::atomic<bool>* cancel = nullptr;    ///< polled at every evaluation
+  std::map<std::string, std::string> native;    ///< the library's own options; an unknown name is an error
 };
 
 /// Measured outside the library.
 using Counts = nlp::Counts;
 
 struct Result {
-  std::vector<double> x;  ///< the point returned; where limits or cancellation stopped the run, the best verified-feasible one seen
+  std::vector<double>
+      x;  ///< the point returned; where limits or cancellation stopped the run, the best verified-feasible one seen
   Claim claim = Claim::failed;
   Verification verification;
   std::vector<double> row_multipliers;  ///< as the library gave them, may be empty; sign: L = f + sum multipliers * c
   double claimed_objective = 0.0;
   Counts counts;
-  std::vector<nlp::Improvement> history;  ///< every new best point that held all bounds and rows within the feasibility tolerance
+  std::vector<nlp::Improvement>
+      history;             ///< every new best point that held all bounds and rows within the feasibility tolerance
   double wall_time = 0.0;  ///< s, the solve alone
   std::string message;     ///< the library's words, warnings, reasons for refusal
 };
@@ -98,11 +101,12 @@ class Solver {
   virtual std::string name() const = 0;             ///< registry name, e.g. "nlopt-slsqp"
   virtual std::string library_version() const = 0;  ///< e.g. "NLopt 2.7.1"
   virtual Capabilities capabilities() const = 0;
-  /// What it asks of its library beyond limits of time and evaluations, and other than the library's defaults: one line of its options.
+  /// What it asks of its library beyond limits of time and evaluations, and other than the library's defaults: one line
+  /// of its options.
   virtual std::string settings() const { return ""; }
 
-  /// Checks capability, sizes and bounds once (refusing with the reason and without an evaluation), projects the start into the
-  /// bounds and says so, guards and counts every evaluation, runs `do_solve`, and verifies what came back.
+  /// Checks capability, sizes and bounds once (refusing with the reason and without an evaluation), projects the start
+  /// into the bounds and says so, guards and counts every evaluation, runs `do_solve`, and verifies what came back.
   /// @throws std::invalid_argument for an unknown native option; whatever the problem's own functions threw.
   Result solve(const nlp::Problem& problem, std::span<const double> start, const Options& options = {}) const;
 

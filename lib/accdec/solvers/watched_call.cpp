@@ -1,13 +1,13 @@
-#include <accdec/solvers/watched_call.hpp>
-
 #include <system_error>
+
+#include <accdec/solvers/watched_call.hpp>
 
 namespace accdec::solvers {
 
 void* WatchedCall::enter(void* self) {
   auto& watched = *static_cast<WatchedCall*>(self);
-  // A loop without a callback has no cancellation point either. Cancelled is only who has been silent for a while, so no allocation is
-  // cut in two.
+  // A loop without a callback has no cancellation point either. Cancelled is only who has been silent for a while, so
+  // no allocation is cut in two.
   pthread_setcanceltype(PTHREAD_CANCEL_ASYNCHRONOUS, nullptr);
   (*watched.call_)();
   pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);
@@ -35,7 +35,8 @@ bool WatchedCall::run(const std::function<void()>& call, double time_limit, cons
       callbacks = count;
       heard = now;
     }
-    const bool over = std::chrono::duration<double>(now - began).count() > time_limit || (cancel != nullptr && cancel->load());
+    const bool over =
+        std::chrono::duration<double>(now - began).count() > time_limit || (cancel != nullptr && cancel->load());
     if (over && now - heard > patience) {
       pthread_cancel(thread);
       break;

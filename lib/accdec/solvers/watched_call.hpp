@@ -11,14 +11,16 @@
 
 namespace accdec::solvers {
 
-/// Runs a library call that may loop for ever between two callbacks, where neither its own limits nor the evaluator's can reach it
-/// (COBYLA does, on rounding). The call gets a thread of its own, which is cancelled when the time limit has passed, or cancellation
-/// was asked for, and no callback has come for `patience`. What the library had allocated by then is lost.
+/// Runs a library call that may loop for ever between two callbacks, where neither its own limits nor the evaluator's
+/// can reach it (COBYLA does, on rounding). The call gets a thread of its own, which is cancelled when the time limit
+/// has passed, or cancellation was asked for, and no callback has come for `patience`. What the library had allocated
+/// by then is lost.
 class WatchedCall {
  public:
   static constexpr std::chrono::milliseconds patience{500};
 
-  /// While one lives on the call's thread, the thread is not cancelled: to stand in every callback, around code that is ours.
+  /// While one lives on the call's thread, the thread is not cancelled: to stand in every callback, around code that is
+  /// ours.
   class Callback {
    public:
     explicit Callback(WatchedCall* call) : call_(call) {

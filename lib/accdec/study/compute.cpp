@@ -1,5 +1,3 @@
-#include <accdec/study/compute.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,9 +6,10 @@
 #include <fmt/format.h>
 
 #include <accdec/design/standard_shapes.hpp>
-#include <accdec/design/verifier.hpp>
 #include <accdec/motion/smallest_delay.hpp>
+#include <accdec/study/compute.hpp>
 #include <accdec/study/slow_down.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec::study {
 namespace {
@@ -62,8 +61,9 @@ void write_result(Writer& write, const DesignResult& result) {
   write("delay_samples", delays_of(result));
   write("error_um", number(1e6 * error));
   write("speed_min_mm_s", number(1e3 * speed));
-  const auto worst = std::max_element(result.limits.begin(), result.limits.end(),
-                                      [](const LimitUse& a, const LimitUse& b) { return a.utilisation < b.utilisation; });
+  const auto worst =
+      std::max_element(result.limits.begin(), result.limits.end(),
+                       [](const LimitUse& a, const LimitUse& b) { return a.utilisation < b.utilisation; });
   if (worst != result.limits.end()) write("tightest", std::string(to_string(worst->kind)));
 }
 
@@ -78,7 +78,8 @@ void write_peaks(Writer& write, const Task& task, const Filter& filter, const st
   for (Axis& axis : machine.axes) axis.acceleration_max = axis.jerk_max = 1e12;
   double acceleration = 0.0, jerk = 0.0;
   for (std::size_t j = 0; j < delays.size(); ++j) {
-    for (const LimitUse& use : axis_utilisation(filter, task.corners[j].geometry, delays[j], task.sample_period, machine)) {
+    for (const LimitUse& use :
+         axis_utilisation(filter, task.corners[j].geometry, delays[j], task.sample_period, machine)) {
       if (use.kind == LimitKind::acceleration) acceleration = std::max(acceleration, use.value);
       if (use.kind == LimitKind::jerk) jerk = std::max(jerk, use.value);
     }
@@ -150,7 +151,8 @@ bool needs_filter(std::string_view computation) {
 }
 
 std::vector<std::string> columns_of(std::string_view computation) {
-  std::vector<std::string_view> columns{"status", "cycle_time_ms", "order", "delay_samples", "error_um", "speed_min_mm_s", "tightest"};
+  std::vector<std::string_view> columns{"status",   "cycle_time_ms",  "order",   "delay_samples",
+                                        "error_um", "speed_min_mm_s", "tightest"};
   if (computation == "slow-down") columns = {"status", "cycle_time_ms", "factor"};
   if (computation == "trapezoid") columns.push_back("ramp");
   if (computation == "blackman-sinc") columns.push_back("cutoff");
@@ -173,8 +175,11 @@ void compute_into(Row& row, const Task& task, std::string_view computation, cons
   }
 }
 
-// The design's messages: "stopped before the proof was complete", "stopped early; the best verified design so far" and the like.
-bool cut_off(std::string_view message) { return message.starts_with("stopped "); }
+// The design's messages: "stopped before the proof was complete", "stopped early; the best verified design so far" and
+// the like.
+bool cut_off(std::string_view message) {
+  return message.starts_with("stopped ");
+}
 
 Row error_of(const Row& row, const std::vector<std::string>& computations) {
   const auto failed = [&](const std::string& name) { return row.at(name + ".status") == "error"; };

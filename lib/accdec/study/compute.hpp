@@ -7,20 +7,21 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/design/design.hpp>
-#include <accdec/design/task.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec::study {
 
-/// One line of a study's table. Members keep their order; numbers, strings, or null for what does not exist at this point.
+/// One line of a study's table. Members keep their order; numbers, strings, or null for what does not exist at this
+/// point.
 using Row = nlohmann::ordered_json;
 
 /// What a study can compute for each point, by the names study files use. A name's columns are "NAME.status" and so on:
 ///   optimum      filter, order and delays designed (design_task)
 ///   boxcar .. blackman-sinc   the best of that standard shape under the same limits (best_standard_shape)
 ///   delays       the task's filter, smallest delays
-///   given        the task's filter and delays (0 where it gives none), whatever they break, with peak acceleration and jerk
-///   exact-stop   the task's filter, every corner with the delay from which on nothing overlaps
-///   slow-down    the task's filter, no delay, feeds lowered at the corner (see slow_down.hpp)
+///   given        the task's filter and delays (0 where it gives none), whatever they break, with peak acceleration and
+///   jerk exact-stop   the task's filter, every corner with the delay from which on nothing overlaps slow-down    the
+///   task's filter, no delay, feeds lowered at the corner (see slow_down.hpp)
 /// "shapes" in a study file stands for all standard shapes.
 std::vector<std::string_view> computations();
 
@@ -33,10 +34,12 @@ std::vector<std::string> columns_of(std::string_view computation);
 /// Computes one name for a task into a row. Exceptions do not pass: they become status "error" and a message.
 void compute_into(Row& row, const Task& task, std::string_view computation, const DesignOptions& options);
 
-/// Whether a computation's `message` says that its time limit ended it early: with more time, or less beside it, it might have got further.
+/// Whether a computation's `message` says that its time limit ended it early: with more time, or less beside it, it
+/// might have got further.
 bool cut_off(std::string_view message);
 
-/// What went wrong, if every one of these computations ended with status "error" in a row (there is at least one); else null.
+/// What went wrong, if every one of these computations ended with status "error" in a row (there is at least one); else
+/// null.
 Row error_of(const Row& row, const std::vector<std::string>& computations);
 
 /// The standard shape of the least cycle time in a row ("boxcar"), all that tie joined by "=", or null if none holds.

@@ -1,5 +1,3 @@
-#include <accdec/study/journal.hpp>
-
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -12,6 +10,8 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+
+#include <accdec/study/journal.hpp>
 
 namespace accdec::study {
 namespace {
@@ -45,7 +45,10 @@ Content parse(const std::string& path, const std::string& text, const std::strin
   // A header torn by a kill is the beginning of ours and of nothing else.
   if (text.size() < header.size() && header.starts_with(text)) return content;
   if (!text.starts_with(magic)) throw JournalError(fmt::format("{}: not a study's journal; it is left as it is", path));
-  if (!text.starts_with(header)) throw JournalError(fmt::format("{}: the journal of another study, or of an earlier form of this one; choose another folder or delete this one", path));
+  if (!text.starts_with(header))
+    throw JournalError(fmt::format(
+        "{}: the journal of another study, or of an earlier form of this one; choose another folder or delete this one",
+        path));
   content.whole = header.size();
   while (true) {
     const std::size_t end = text.find('\n', content.whole);
@@ -98,7 +101,8 @@ Journal::Journal(std::string path, const std::string& study) : path_(std::move(p
   try {
     if (!lock(file_)) throw JournalError(fmt::format("{}: in use by another accdec study", path_));
     Content content = parse(path_, read_all(path_), study);
-    if (::ftruncate(file_, static_cast<off_t>(content.whole)) != 0) throw JournalError(fmt::format("{}: {}", path_, std::strerror(errno)));
+    if (::ftruncate(file_, static_cast<off_t>(content.whole)) != 0)
+      throw JournalError(fmt::format("{}: {}", path_, std::strerror(errno)));
     if (content.whole == 0) write_all(file_, path_, fmt::format("{}{}\n", magic, study));
     entries_ = std::move(content.entries);
     anew_ = content.anew;
@@ -108,7 +112,9 @@ Journal::Journal(std::string path, const std::string& study) : path_(std::move(p
   }
 }
 
-Journal::~Journal() { ::close(file_); }
+Journal::~Journal() {
+  ::close(file_);
+}
 
 void Journal::append(std::size_t index, const Entry& entry) {
   write_all(file_, path_, fmt::format("{} {} {}\n", index, entry.seconds, entry.row));

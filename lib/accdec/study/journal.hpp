@@ -18,13 +18,14 @@ struct Entry {
   std::string row;       ///< its line of rows.jsonl, without the line feed
 };
 
-/// Append-only record of the points of a study that are done. Every entry is one line, written with one system call as soon as it
-/// is there, so that whatever kills the process leaves whole lines and at most one torn one at the end, which the next opening cuts
-/// off. The file is locked while open: two processes cannot append to the same one. A run that computes all anew begins with a mark, and
-/// what stands before the last mark is void.
+/// Append-only record of the points of a study that are done. Every entry is one line, written with one system call as
+/// soon as it is there, so that whatever kills the process leaves whole lines and at most one torn one at the end,
+/// which the next opening cuts off. The file is locked while open: two processes cannot append to the same one. A run
+/// that computes all anew begins with a mark, and what stands before the last mark is void.
 class Journal {
  public:
-  /// Opens or creates. @param study  identifies what is computed (no line feeds); a journal begun for anything else is refused.
+  /// Opens or creates. @param study  identifies what is computed (no line feeds); a journal begun for anything else is
+  /// refused.
   /// @throws JournalError
   Journal(std::string path, const std::string& study);
   ~Journal();
@@ -49,7 +50,8 @@ class Journal {
   std::map<std::size_t, Entry> entries_;
 };
 
-/// The entries of a journal that another process wrote (a shard), without opening it for writing. A torn last line is skipped.
+/// The entries of a journal that another process wrote (a shard), without opening it for writing. A torn last line is
+/// skipped.
 /// @throws JournalError as the constructor does, and if the file does not exist.
 std::map<std::size_t, Entry> read_journal(const std::string& path, const std::string& study);
 

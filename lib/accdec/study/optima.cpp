@@ -1,9 +1,8 @@
-#include <accdec/study/optima.hpp>
-
 #include <chrono>
 #include <utility>
 
 #include <accdec/design/recheck.hpp>
+#include <accdec/study/optima.hpp>
 
 namespace accdec::study {
 

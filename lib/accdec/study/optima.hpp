@@ -13,13 +13,14 @@ namespace accdec::study {
 
 /// A task's proved optimum beside the best that every standard shape can do under the same limits.
 struct Optimum {
-  std::string name;                ///< as the table shall call the task
-  DesignResult design;             ///< of the exact method, without its certificate's text
-  bool accepted = false;           ///< by the independent recheck: limits in simulation, recorded numbers, proof
-  std::string objection;           ///< the first reason when not
-  double check_time = 0.0;         ///< s, the recheck alone
+  std::string name;         ///< as the table shall call the task
+  DesignResult design;      ///< of the exact method, without its certificate's text
+  bool accepted = false;    ///< by the independent recheck: limits in simulation, recorded numbers, proof
+  std::string objection;    ///< the first reason when not
+  double check_time = 0.0;  ///< s, the recheck alone
   std::size_t certificate_bytes = 0;
-  /// Cycle times (s) in the order of `standard_shapes`; nothing where no order within the task's bounds holds all limits.
+  /// Cycle times (s) in the order of `standard_shapes`; nothing where no order within the task's bounds holds all
+  /// limits.
   std::array<std::optional<double>, standard_shapes.size()> shapes;
 
   /// N + d of a single corner's design; for several, the mean over the weights. 0 without a design.
@@ -30,8 +31,8 @@ struct Optimum {
   std::optional<double> saving() const;
 };
 
-/// Designs a task by the exact method (its own filter, if any, is left aside), has the answer rechecked, and finds every standard
-/// shape's best.
+/// Designs a task by the exact method (its own filter, if any, is left aside), has the answer rechecked, and finds
+/// every standard shape's best.
 Optimum find_optimum(std::string name, Task task, const DesignOptions& options, bool with_shapes = true);
 
 }  // namespace accdec::study

@@ -1,5 +1,3 @@
-#include <accdec/io/optima_report.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,9 +5,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/io/figure.hpp>
-#include <accdec/io/html.hpp>
-#include <accdec/io/report.hpp>
+#include <accdec/files/csv_table.hpp>
+#include <accdec/formats/report.hpp>
+#include <accdec/plot/figure.hpp>
+#include <accdec/study/optima_report.hpp>
 
 namespace accdec {
 namespace {
@@ -19,7 +18,9 @@ using Cells = std::vector<std::string>;
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-std::string milliseconds(double seconds) { return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6); }
+std::string milliseconds(double seconds) {
+  return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6);
+}
 
 Cells header() {
   Cells cells{"task", "status", "N", "d", "optimum ms", "bound ms", "LPs", "time s", "proof"};
@@ -65,8 +66,17 @@ std::string markdown(const std::vector<Optimum>& optima) {
 }
 
 std::string csv(const std::vector<Optimum>& optima) {
-  Cells head{"task",     "status",            "order",  "delays",       "cycle_time_ms",     "lower_bound_ms",
-             "linear_programmes", "time_s", "check_time_s", "certificate_bytes", "proof"};
+  Cells head{"task",
+             "status",
+             "order",
+             "delays",
+             "cycle_time_ms",
+             "lower_bound_ms",
+             "linear_programmes",
+             "time_s",
+             "check_time_s",
+             "certificate_bytes",
+             "proof"};
   for (const Shape shape : standard_shapes) head.push_back(fmt::format("{}_ms", to_string(shape)));
   head.push_back("saving");
   std::vector<Cells> rows;
@@ -117,7 +127,9 @@ Figure growth_figure(const std::vector<Optimum>& growth) {
     Panel p;
     p.x = {"N + d / samples", true, {}, {}};
     p.y = {label, true, {}, {}};
-    const auto decade = [](double x, bool up) { return std::pow(10.0, up ? std::ceil(std::log10(x)) : std::floor(std::log10(x))); };
+    const auto decade = [](double x, bool up) {
+      return std::pow(10.0, up ? std::ceil(std::log10(x)) : std::floor(std::log10(x)));
+    };
     int style = 0;
     const auto add = [&](const auto& named) {
       Series series{named.first, {}, {}, Mark::line_points, style++};
@@ -138,26 +150,31 @@ Figure growth_figure(const std::vector<Optimum>& growth) {
   const auto named = [](const char* name, auto f) { return std::pair<std::string, decltype(f)>(name, f); };
   panel("Time / ms", named("design", [](const Optimum& o) { return 1e3 * o.design.solver.wall_time; }),
         named("recheck", [](const Optimum& o) { return 1e3 * o.check_time; }));
-  panel("Count", named("programmes", [](const Optimum& o) { return static_cast<double>(o.design.solver.evaluations); }));
-  panel("Size / kB", named("certificate", [](const Optimum& o) { return 1e-3 * static_cast<double>(o.certificate_bytes); }));
+  panel("Count",
+        named("programmes", [](const Optimum& o) { return static_cast<double>(o.design.solver.evaluations); }));
+  panel("Size / kB",
+        named("certificate", [](const Optimum& o) { return 1e-3 * static_cast<double>(o.certificate_bytes); }));
   figure.columns = 1;
   return figure;
 }
 
 std::string growth_csv(const std::vector<Optimum>& growth) {
-  std::string text = "sample_period_ms,order,delay,status,time_s,linear_programmes,check_time_s,certificate_bytes,proof\n";
+  std::string text =
+      "sample_period_ms,order,delay,status,time_s,linear_programmes,check_time_s,certificate_bytes,proof\n";
   for (const Optimum& o : growth) {
     const DesignResult& d = o.design;
-    text += fmt::format("{:g},{},{},{},{:.4g},{},{:.4g},{},{}\n", 1e3 * d.task.sample_period, d.filter ? d.filter->order() : -1,
-                        d.corners.empty() ? -1 : d.corners[0].delay, to_string(d.status), d.solver.wall_time, d.solver.evaluations,
-                        o.check_time, o.certificate_bytes, proof_of(o));
+    text +=
+        fmt::format("{:g},{},{},{},{:.4g},{},{:.4g},{},{}\n", 1e3 * d.task.sample_period,
+                    d.filter ? d.filter->order() : -1, d.corners.empty() ? -1 : d.corners[0].delay, to_string(d.status),
+                    d.solver.wall_time, d.solver.evaluations, o.check_time, o.certificate_bytes, proof_of(o));
   }
   return text;
 }
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> optima_documents(const std::vector<Optimum>& optima, const std::vector<Optimum>& growth) {
+std::vector<std::pair<std::string, std::string>> optima_documents(const std::vector<Optimum>& optima,
+                                                                  const std::vector<Optimum>& growth) {
   std::vector<std::pair<std::string, std::string>> documents;
   documents.emplace_back("optima.csv", csv(optima));
   documents.emplace_back("optima.md", markdown(optima));

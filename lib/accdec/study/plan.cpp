@@ -1,5 +1,3 @@
-#include <accdec/study/plan.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -9,16 +7,21 @@
 
 #include <fmt/format.h>
 
+#include <accdec/study/plan.hpp>
+
 namespace accdec::study {
 namespace {
 
 /// Uniform in [0, 1) from the 53 high bits: unlike the library's distributions the same with every standard library.
-double uniform(std::mt19937_64& rng) { return static_cast<double>(rng() >> 11) * 0x1p-53; }
+double uniform(std::mt19937_64& rng) {
+  return static_cast<double>(rng() >> 11) * 0x1p-53;
+}
 
 /// 0 .. size - 1 in random order (Fisher-Yates); what std::shuffle does is left to the library.
 void shuffle(std::vector<std::size_t>& order, std::mt19937_64& rng) {
   std::iota(order.begin(), order.end(), std::size_t{0});
-  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[static_cast<std::size_t>(uniform(rng) * static_cast<double>(i))]);
+  for (std::size_t i = order.size(); i > 1; --i)
+    std::swap(order[i - 1], order[static_cast<std::size_t>(uniform(rng) * static_cast<double>(i))]);
 }
 
 double between(const Variation& v, double t) {
@@ -34,7 +37,8 @@ Plan::Plan(std::vector<std::string> cases, std::vector<Variation> variations, Sa
   if (cases_.empty()) throw std::invalid_argument("a study needs at least one case");
   std::set<std::string> names;
   for (const Variation& v : variations_) {
-    if (v.keys.empty() || v.values.empty()) throw std::invalid_argument(fmt::format("variation `{}` has no values", v.name));
+    if (v.keys.empty() || v.values.empty())
+      throw std::invalid_argument(fmt::format("variation `{}` has no values", v.name));
     if (!names.insert(v.name).second) throw std::invalid_argument(fmt::format("two variations are named `{}`", v.name));
   }
   if (sampling == Sampling::latin_hypercube) {
@@ -91,7 +95,9 @@ std::vector<double> spread(double from, double to, std::size_t count, bool logar
 }
 
 std::vector<std::size_t> shard(std::size_t size, std::size_t number, std::size_t count) {
-  if (number < 1 || number > count) throw std::invalid_argument(fmt::format("shard {}/{} does not exist; allowed is 1/{} to {}/{}", number, count, count, count, count));
+  if (number < 1 || number > count)
+    throw std::invalid_argument(
+        fmt::format("shard {}/{} does not exist; allowed is 1/{} to {}/{}", number, count, count, count, count));
   std::vector<std::size_t> indices;
   std::mt19937_64 rng(1);
   std::vector<std::size_t> deal;

@@ -7,13 +7,14 @@
 
 namespace accdec::study {
 
-/// One axis of variation: a named quantity and the values it takes. The values are those of the task file, in its units.
+/// One axis of variation: a named quantity and the values it takes. The values are those of the task file, in its
+/// units.
 struct Variation {
   std::string name;               ///< of its column; the first key unless the study says otherwise
   std::vector<std::string> keys;  ///< dotted task keys that all take the same value, at least one
   std::vector<double> values;     ///< not empty; for a range the grid's points
-  bool range = false;             ///< values came from a range: Latin hypercube draws between `values.front()` and `.back()`
-  bool logarithmic = false;       ///< the range is even in the logarithm
+  bool range = false;        ///< values came from a range: Latin hypercube draws between `values.front()` and `.back()`
+  bool logarithmic = false;  ///< the range is even in the logarithm
 };
 
 enum class Sampling { grid, latin_hypercube };
@@ -24,12 +25,14 @@ struct Point {
   std::vector<double> values;  ///< one a variation
 };
 
-/// The points of a study: every case with every combination of values (the first variation slowest), or with a seeded Latin hypercube
-/// sample, the same for each case. What point i is depends on nothing but the plan, so any subset can be computed anywhere.
+/// The points of a study: every case with every combination of values (the first variation slowest), or with a seeded
+/// Latin hypercube sample, the same for each case. What point i is depends on nothing but the plan, so any subset can
+/// be computed anywhere.
 class Plan {
  public:
   /// @param samples  points a case of the hypercube; not used by the grid
-  /// @throws std::invalid_argument naming a variation without values, no case, two alike names, no samples, a size beyond 2^53.
+  /// @throws std::invalid_argument naming a variation without values, no case, two alike names, no samples, a size
+  /// beyond 2^53.
   Plan(std::vector<std::string> cases, std::vector<Variation> variations, Sampling sampling = Sampling::grid,
        std::size_t samples = 0, std::uint64_t seed = 0);
 
@@ -51,9 +54,10 @@ class Plan {
 /// @throws std::invalid_argument if count is 0, an end is not finite, or a logarithmic end is not positive.
 std::vector<double> spread(double from, double to, std::size_t count, bool logarithmic);
 
-/// The indices of shard `number` (1 .. count) of `size` points, ascending: of every `count` consecutive points each shard gets one, drawn by
-/// a generator of fixed seed. So every shard has its part of every region and of every value of each axis, which plain striping denies where
-/// the number of values and `count` have a common divisor. The same on every platform.
+/// The indices of shard `number` (1 .. count) of `size` points, ascending: of every `count` consecutive points each
+/// shard gets one, drawn by a generator of fixed seed. So every shard has its part of every region and of every value
+/// of each axis, which plain striping denies where the number of values and `count` have a common divisor. The same on
+/// every platform.
 /// @throws std::invalid_argument unless 1 <= number <= count.
 std::vector<std::size_t> shard(std::size_t size, std::size_t number, std::size_t count);
 

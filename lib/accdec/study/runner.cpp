@@ -1,5 +1,3 @@
-#include <accdec/study/runner.hpp>
-
 #include <algorithm>
 #include <chrono>
 #include <mutex>
@@ -10,7 +8,8 @@
 #include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
 
-#include <accdec/study/seconds_since.hpp>
+#include <accdec/files/seconds_since.hpp>
+#include <accdec/study/runner.hpp>
 #include <accdec/study/worker_process.hpp>
 
 namespace accdec::study {
@@ -21,8 +20,10 @@ using Clock = std::chrono::steady_clock;
 void run_threads(const std::vector<std::size_t>& indices, const std::function<std::string(std::size_t)>& compute,
                  const std::function<void(std::size_t, const Entry&)>& done, int workers) {
   std::mutex one_at_a_time;
-  // More workers than cores are allowed when asked for; without this oneTBB would complain on standard error and cap them.
-  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers));
+  // More workers than cores are allowed when asked for; without this oneTBB would complain on standard error and cap
+  // them.
+  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(workers));
   oneapi::tbb::task_arena arena(workers);
   arena.execute([&] {
     oneapi::tbb::parallel_for(
@@ -53,7 +54,8 @@ void run_points(const std::vector<std::size_t>& indices, const std::function<std
   if (options.isolation == Isolation::threads) {
     run_threads(indices, compute, done, workers);
   } else {
-    const auto kill_after = options.kill_after_of ? options.kill_after_of : [t = options.kill_after](std::size_t) { return t; };
+    const auto kill_after =
+        options.kill_after_of ? options.kill_after_of : [t = options.kill_after](std::size_t) { return t; };
     run_processes(indices, compute, lost, done, workers, kill_after, options.fresh_children);
   }
 }

@@ -23,9 +23,10 @@ struct RunOptions {
   bool fresh_children = false;  ///< a child for every point, so that none can leave anything behind for the next
 };
 
-/// Computes points, in no particular order, and hands each to `done` as soon as it is there; `done` is never called twice at once.
-/// Results depend on the index alone, never on the number of workers.
-/// @param compute  index -> row; called from many threads or in children; what it throws ends the run (or, in a child, the point)
+/// Computes points, in no particular order, and hands each to `done` as soon as it is there; `done` is never called
+/// twice at once. Results depend on the index alone, never on the number of workers.
+/// @param compute  index -> row; called from many threads or in children; what it throws ends the run (or, in a child,
+/// the point)
 /// @param lost     index, reason -> row of a point whose child died or was killed
 void run_points(const std::vector<std::size_t>& indices, const std::function<std::string(std::size_t)>& compute,
                 const std::function<std::string(std::size_t, const std::string&)>& lost,

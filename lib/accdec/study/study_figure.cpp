@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include <accdec/io/figure_layout.hpp>
-#include <accdec/io/study_figure_check.hpp>
-#include <accdec/io/study_report.hpp>
+#include <accdec/plot/figure_layout.hpp>
+#include <accdec/study/study_figure_check.hpp>
+#include <accdec/study/study_report.hpp>
 
 namespace accdec {
 namespace {
@@ -16,7 +16,8 @@ using Kind = StudyFigure::Kind;
 std::vector<std::size_t> rows_of(const StudyFigure& figure, const StudyTable& table) {
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < table.size(); ++i) {
-    const bool counts = std::all_of(figure.where.begin(), figure.where.end(), [&](const auto& w) { return table.texts(w.first)[i] == w.second; });
+    const bool counts = std::all_of(figure.where.begin(), figure.where.end(),
+                                    [&](const auto& w) { return table.texts(w.first)[i] == w.second; });
     if (counts) rows.push_back(i);
   }
   return rows;
@@ -41,23 +42,28 @@ std::string label_of(const StudyFigure& figure, std::size_t curve, const std::st
   return curve < figure.labels.size() ? figure.labels[curve] : otherwise;
 }
 
-void add_curves(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+void add_curves(Panel& panel, const StudyFigure& figure, const StudyTable& table,
+                const std::vector<std::size_t>& rows) {
   for (std::size_t c = 0; c < figure.y.size(); ++c) {
     std::vector<std::pair<double, double>> points;
     for (const std::size_t i : rows) points.emplace_back(table.numbers(figure.x)[i], table.numbers(figure.y[c])[i]);
-    panel.series.push_back(sorted_series(std::move(points), label_of(figure, c, figure.y.size() > 1 ? figure.y[c] : ""), static_cast<int>(c)));
+    panel.series.push_back(sorted_series(std::move(points), label_of(figure, c, figure.y.size() > 1 ? figure.y[c] : ""),
+                                         static_cast<int>(c)));
   }
 }
 
 /// Values of a family for the legend: six digits with the unit, more where six do not tell them apart.
-std::vector<std::string> member_labels(const StudyFigure& figure, const std::vector<std::string>& members, const std::vector<double>& numbers) {
+std::vector<std::string> member_labels(const StudyFigure& figure, const std::vector<std::string>& members,
+                                       const std::vector<double>& numbers) {
   const std::string& unit = figure.family_unit;
   std::vector<std::string> labels;
   for (const bool rounded : {true, false}) {
     labels.clear();
     for (std::size_t c = 0; c < members.size(); ++c) {
       std::string label = members[c];
-      if (std::isfinite(numbers[c])) label = fmt::format("{}{}{}", rounded ? fmt::format("{:.6g}", numbers[c]) : fmt::format("{}", numbers[c]), unit.empty() ? "" : " ", unit);
+      if (std::isfinite(numbers[c]))
+        label = fmt::format("{}{}{}", rounded ? fmt::format("{:.6g}", numbers[c]) : fmt::format("{}", numbers[c]),
+                            unit.empty() ? "" : " ", unit);
       labels.push_back(std::move(label));
     }
     if (std::set<std::string>(labels.begin(), labels.end()).size() == labels.size()) break;
@@ -65,7 +71,8 @@ std::vector<std::string> member_labels(const StudyFigure& figure, const std::vec
   return labels;
 }
 
-void add_family(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+void add_family(Panel& panel, const StudyFigure& figure, const StudyTable& table,
+                const std::vector<std::size_t>& rows) {
   std::vector<std::string> members = figure.members;
   const std::vector<std::string>& texts = table.texts(figure.family);
   if (members.empty()) {
@@ -84,17 +91,22 @@ void add_family(Panel& panel, const StudyFigure& figure, const StudyTable& table
   const std::vector<std::string> labels = member_labels(figure, members, numbers);
   // A computed column may have any number of values.
   const std::size_t every = (members.size() + most_lines - 1) / most_lines;
-  if (every > 1) panel.title = fmt::format("{} of {} values of {}", (members.size() + every - 1) / every, members.size(), figure.family);
+  if (every > 1)
+    panel.title =
+        fmt::format("{} of {} values of {}", (members.size() + every - 1) / every, members.size(), figure.family);
   for (std::size_t c = 0; c < members.size(); c += every) {
-    panel.series.push_back(sorted_series(std::move(points[c]), label_of(figure, c, labels[c]), static_cast<int>(c / every)));
+    panel.series.push_back(
+        sorted_series(std::move(points[c]), label_of(figure, c, labels[c]), static_cast<int>(c / every)));
   }
 }
 
-void add_fronts(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+void add_fronts(Panel& panel, const StudyFigure& figure, const StudyTable& table,
+                const std::vector<std::size_t>& rows) {
   for (std::size_t c = 0; c < figure.y.size(); ++c) {
     std::vector<std::pair<double, double>> points;
     for (const std::size_t i : rows) {
-      points.emplace_back(table.numbers(figure.y[c] + ".error_um")[i], table.numbers(figure.y[c] + ".cycle_time_ms")[i]);
+      points.emplace_back(table.numbers(figure.y[c] + ".error_um")[i],
+                          table.numbers(figure.y[c] + ".cycle_time_ms")[i]);
     }
     Series all = sorted_series(std::move(points), label_of(figure, c, figure.y[c]), static_cast<int>(c));
     Series front = all;
@@ -111,7 +123,8 @@ void add_fronts(Panel& panel, const StudyFigure& figure, const StudyTable& table
 }
 
 /// Words over a plane: a symbol a class, at the true positions, so that uneven and logarithmic axes are no matter.
-void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
+void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& table,
+                 const std::vector<std::size_t>& rows) {
   std::set<std::string> classes;
   for (const std::size_t i : rows) {
     if (!table.texts(figure.z)[i].empty()) classes.insert(table.texts(figure.z)[i]);
@@ -161,7 +174,8 @@ void add_heat(Panel& panel, const StudyFigure& figure, const StudyTable& table, 
   for (const std::size_t i : rows) {
     if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
     const auto column = std::distance(xs.begin(), xs.find(x[i])), line = std::distance(ys.begin(), ys.find(y[i]));
-    map.values[static_cast<std::size_t>(line) * map.x.size() + static_cast<std::size_t>(column)] = table.numbers(figure.z)[i];
+    map.values[static_cast<std::size_t>(line) * map.x.size() + static_cast<std::size_t>(column)] =
+        table.numbers(figure.z)[i];
   }
   panel.heat_map = std::move(map);
 }

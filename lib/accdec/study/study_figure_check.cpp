@@ -1,5 +1,3 @@
-#include <accdec/io/study_figure_check.hpp>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -9,8 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/io/figure.hpp>
+#include <accdec/plot/figure.hpp>
 #include <accdec/study/compute.hpp>
+#include <accdec/study/study_figure_check.hpp>
 
 namespace accdec {
 namespace {
@@ -66,11 +65,15 @@ const Varied* find_varied(const std::vector<Varied>& axes, const std::string& na
   return found == axes.end() ? nullptr : &*found;
 }
 
-std::string last_part(const std::string& column) { return column.substr(column.rfind('.') + 1); }
+std::string last_part(const std::string& column) {
+  return column.substr(column.rfind('.') + 1);
+}
 
 bool is_text(const std::string& column) {
-  constexpr std::array<std::string_view, 7> words{"case", "point", "reason", "best_shape", "status", "message", "tightest"};
-  return std::find(words.begin(), words.end(), column.find('.') == std::string::npos ? column : last_part(column)) != words.end();
+  constexpr std::array<std::string_view, 7> words{"case",   "point",   "reason",  "best_shape",
+                                                  "status", "message", "tightest"};
+  return std::find(words.begin(), words.end(), column.find('.') == std::string::npos ? column : last_part(column)) !=
+         words.end();
 }
 
 std::string values_text(const Varied& axis) {
@@ -78,13 +81,15 @@ std::string values_text(const Varied& axis) {
   constexpr std::size_t shown = 12;
   if (axis.numbers.size() <= shown) return fmt::format("{}", fmt::join(axis.numbers, ", "));
   const auto first = axis.numbers.begin();
-  return fmt::format("{}, ... {} ({} values)", fmt::join(first, first + shown, ", "), axis.numbers.back(), axis.numbers.size());
+  return fmt::format("{}, ... {} ({} values)", fmt::join(first, first + shown, ", "), axis.numbers.back(),
+                     axis.numbers.size());
 }
 
 /// Spells a condition on an axis as the table does.
 std::optional<FigureFault> check_condition(std::pair<std::string, std::string>& condition, const Varied& axis) {
   auto& [name, text] = condition;
-  if (axis.drawn) return FigureFault{"where", fmt::format("`{}` cannot be fixed: a Latin hypercube draws it at random", name)};
+  if (axis.drawn)
+    return FigureFault{"where", fmt::format("`{}` cannot be fixed: a Latin hypercube draws it at random", name)};
   if (axis.numbers.empty() && std::find(axis.texts.begin(), axis.texts.end(), text) != axis.texts.end()) return {};
   double wanted = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), wanted);
@@ -103,28 +108,36 @@ bool fixed(const StudyFigure& figure, const std::string& name) {
   return std::any_of(figure.where.begin(), figure.where.end(), [&](const auto& w) { return w.first == name; });
 }
 
-std::optional<FigureFault> check_scale(const char* key, const char* log_key, const std::string& column, bool log, const std::vector<Varied>& axes) {
-  if (is_text(column)) return FigureFault{key, fmt::format("`{}` is a text; the axis of a figure needs numbers", column)};
+std::optional<FigureFault> check_scale(const char* key, const char* log_key, const std::string& column, bool log,
+                                       const std::vector<Varied>& axes) {
+  if (is_text(column))
+    return FigureFault{key, fmt::format("`{}` is a text; the axis of a figure needs numbers", column)};
   const Varied* axis = find_varied(axes, column);
   if (!log || axis == nullptr) return {};
   const auto low = std::min_element(axis->numbers.begin(), axis->numbers.end());
   if (low == axis->numbers.end() || *low > 0.0) return {};
-  return FigureFault{log_key, fmt::format("`{}` takes the value {}, which a logarithmic axis does not have", column, *low)};
+  return FigureFault{log_key,
+                     fmt::format("`{}` takes the value {}, which a logarithmic axis does not have", column, *low)};
 }
 
 std::optional<FigureFault> check_labels(const StudyFigure& figure, std::size_t curves) {
   if (curves > most_lines) {
     const bool family = figure.kind == Kind::family;
-    return FigureFault{family ? "family" : "y", fmt::format("{} curves are too many to be told apart; a figure has at most {}{}", curves, most_lines,
-                                                            family ? fmt::format(": vary `{}` in fewer steps, or draw a heat map", figure.family) : "")};
+    return FigureFault{
+        family ? "family" : "y",
+        fmt::format("{} curves are too many to be told apart; a figure has at most {}{}", curves, most_lines,
+                    family ? fmt::format(": vary `{}` in fewer steps, or draw a heat map", figure.family) : "")};
   }
   if (figure.labels.empty() || figure.labels.size() == curves) return {};
-  return FigureFault{"labels", fmt::format("{} label{} for {} curve{}; give one each, or none", figure.labels.size(), figure.labels.size() == 1 ? "" : "s", curves, curves == 1 ? "" : "s")};
+  return FigureFault{"labels", fmt::format("{} label{} for {} curve{}; give one each, or none", figure.labels.size(),
+                                           figure.labels.size() == 1 ? "" : "s", curves, curves == 1 ? "" : "s")};
 }
 
 /// The suffix and unit of a column; null if it has none.
 const std::pair<std::string_view, std::string_view>* unit_suffix(const std::string& column) {
-  const auto found = std::find_if(units.begin(), units.end(), [&](const auto& u) { return column.size() > u.first.size() && column.ends_with(u.first); });
+  const auto found = std::find_if(units.begin(), units.end(), [&](const auto& u) {
+    return column.size() > u.first.size() && column.ends_with(u.first);
+  });
   return found == units.end() ? nullptr : &*found;
 }
 
@@ -149,13 +162,16 @@ std::string axis_title(const std::string& column, const std::string& unit) {
   std::replace(name.begin() + static_cast<std::ptrdiff_t>(begin), name.end(), '_', ' ');
   if (begin > 0) name = fmt::format("{}: {}", name.substr(0, dot), name.substr(begin));
   if (unit.empty()) return name;
-  return unit.find_first_of("/ ") == std::string::npos ? fmt::format("{} / {}", name, unit) : fmt::format("{} / ({})", name, unit);
+  return unit.find_first_of("/ ") == std::string::npos ? fmt::format("{} / {}", name, unit)
+                                                       : fmt::format("{} / ({})", name, unit);
 }
 
 std::string axis_title(const std::vector<std::string>& columns, const Study& study) {
   if (columns.empty()) return "";
-  const bool alike = std::all_of(columns.begin(), columns.end(), [&](const std::string& c) { return last_part(c) == last_part(columns.front()); });
-  return axis_title(alike && columns.size() > 1 ? last_part(columns.front()) : columns.front(), unit_in(columns.front(), study));
+  const bool alike = std::all_of(columns.begin(), columns.end(),
+                                 [&](const std::string& c) { return last_part(c) == last_part(columns.front()); });
+  return axis_title(alike && columns.size() > 1 ? last_part(columns.front()) : columns.front(),
+                    unit_in(columns.front(), study));
 }
 
 std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& study, bool grid) {
@@ -173,9 +189,14 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
   }
   if (heat && figure.y.size() > 1) return FigureFault{"y", "a heat map has one `y`"};
   if (heat && !words) {
-    if (!grid) return FigureFault{"kind", "a Latin hypercube has no grid, which a heat map of numbers needs; its points can be drawn as a curve, which draws no lines here"};
+    if (!grid)
+      return FigureFault{"kind",
+                         "a Latin hypercube has no grid, which a heat map of numbers needs; its points can be drawn as "
+                         "a curve, which draws no lines here"};
     for (const auto& [key, column] : {std::pair{"x", figure.x}, std::pair{"y", figure.y.front()}}) {
-      if (find_varied(axes, column) == nullptr) return FigureFault{key, fmt::format("`{}` is not varied; the axes of a heat map are two of the study's variations", column)};
+      if (find_varied(axes, column) == nullptr)
+        return FigureFault{
+            key, fmt::format("`{}` is not varied; the axes of a heat map are two of the study's variations", column)};
     }
   }
   if (heat && figure.x == figure.y.front()) return FigureFault{"y", "a heat map needs two different axes"};
@@ -184,7 +205,8 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
   const Varied* across = find_varied(axes, figure.x);
   std::vector<const Varied*> open;
   for (const Varied& axis : axes) {
-    const bool shown = axis.name == figure.x || (figure.kind == Kind::family && axis.name == figure.family) || (heat && axis.name == figure.y.front());
+    const bool shown = axis.name == figure.x || (figure.kind == Kind::family && axis.name == figure.family) ||
+                       (heat && axis.name == figure.y.front());
     if (axis.varies() && !shown && !fixed(figure, axis.name) && (grid || axis.name == "case")) open.push_back(&axis);
   }
   // No two rows have the same index. A computed column can stand for one variation: y over x, both as it goes.
@@ -192,9 +214,12 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
   if (across == nullptr && grid && !open.empty() && open.back()->name != "case") open.pop_back();
   if (!open.empty()) {
     const Varied& axis = *open.front();
-    const std::string example = axis.numbers.empty() ? fmt::format("\"{}\"", axis.texts.front()) : fmt::format("{}", axis.numbers.front());
-    return FigureFault{"where", fmt::format("`{0}` takes {1} values, but is neither on the figure nor fixed; fix it, as by where = {{ \"{0}\" = {2} }}{3}", axis.name,
-                                            axis.texts.size(), example, figure.kind == Kind::curve ? ", or draw a family over it" : "")};
+    const std::string example =
+        axis.numbers.empty() ? fmt::format("\"{}\"", axis.texts.front()) : fmt::format("{}", axis.numbers.front());
+    return FigureFault{"where", fmt::format("`{0}` takes {1} values, but is neither on the figure nor fixed; fix it, "
+                                            "as by where = {{ \"{0}\" = {2} }}{3}",
+                                            axis.name, axis.texts.size(), example,
+                                            figure.kind == Kind::curve ? ", or draw a family over it" : "")};
   }
   if (heat) {
     if (!figure.labels.empty()) return FigureFault{"labels", "labels name curves; a heat map has none"};
@@ -204,9 +229,13 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
   figure.family_unit = unit_in(figure.family, study);
   const Varied* family = find_varied(axes, figure.family);
   if (family == nullptr) return {};
-  if (family->drawn) return FigureFault{"family", fmt::format("`{}` is drawn at random from a range; a family needs a quantity of few values", family->name)};
+  if (family->drawn)
+    return FigureFault{
+        "family",
+        fmt::format("`{}` is drawn at random from a range; a family needs a quantity of few values", family->name)};
   for (const std::string& text : family->texts) {
-    const bool counts = std::none_of(figure.where.begin(), figure.where.end(), [&](const auto& w) { return w.first == family->name && w.second != text; });
+    const bool counts = std::none_of(figure.where.begin(), figure.where.end(),
+                                     [&](const auto& w) { return w.first == family->name && w.second != text; });
     if (counts) figure.members.push_back(text);
   }
   return check_labels(figure, figure.members.size());

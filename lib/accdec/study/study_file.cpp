@@ -1,21 +1,21 @@
-#include <accdec/io/study_file.hpp>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include <accdec/io/study_tasks.hpp>
-#include <accdec/io/task_tree.hpp>
+#include <accdec/formats/task_tree.hpp>
 #include <accdec/study/compute.hpp>
+#include <accdec/study/study_file.hpp>
+#include <accdec/study/study_tasks.hpp>
 
 namespace accdec {
 namespace {
 
 study::Row ratio(const study::Row& row, const StudyRatio& r) {
   const auto of = row.find(r.of), to = row.find(r.to);
-  if (of == row.end() || to == row.end() || !of->is_number() || !to->is_number() || to->get<double>() == 0.0) return nullptr;
+  if (of == row.end() || to == row.end() || !of->is_number() || !to->is_number() || to->get<double>() == 0.0)
+    return nullptr;
   const double value = of->get<double>() / to->get<double>();
   return r.excess ? value - 1.0 : value;
 }
@@ -78,7 +78,8 @@ std::string Study::row(std::size_t index, double* method_seconds) const {
     row["reason"] = nullptr;
     const auto began = std::chrono::steady_clock::now();
     for (const std::string& computation : computations) study::compute_into(row, point_task, computation, design);
-    if (method_seconds) *method_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    if (method_seconds)
+      *method_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     if (has_shapes(*this)) row["best_shape"] = study::best_shape_of(row);
     for (const StudyRatio& r : ratios) row[r.name] = ratio(row, r);
     if (const study::Row error = study::error_of(row, computations); !error.is_null()) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <accdec/design/design.hpp>
-#include <accdec/io/errors.hpp>
+#include <accdec/files/errors.hpp>
 #include <accdec/study/plan.hpp>
 #include <accdec/study/runner.hpp>
 
@@ -22,15 +22,15 @@ struct StudyRatio {
 /// A figure of a study's report, drawn from its table.
 struct StudyFigure {
   enum class Kind {
-    curve,  ///< y columns over x
-    family, ///< one y column over x, a curve for every value of another column
-    heat,   ///< z over a grid of x and y; words in z become classes
-    pareto  ///< cycle time (y) against corner error (x): only rows that no other row of the same curve beats in both
+    curve,   ///< y columns over x
+    family,  ///< one y column over x, a curve for every value of another column
+    heat,    ///< z over a grid of x and y; words in z become classes
+    pareto   ///< cycle time (y) against corner error (x): only rows that no other row of the same curve beats in both
   };
   std::string name, title;
   Kind kind = Kind::curve;
   std::string x, x_label, y_label, z_label, family, z;
-  std::vector<std::string> y, labels;  ///< labels: one a curve; else the columns' names
+  std::vector<std::string> y, labels;                      ///< labels: one a curve; else the columns' names
   std::vector<std::pair<std::string, std::string>> where;  ///< column = value (as in the CSV): rows that count
   bool log_x = false, log_y = false;
   std::vector<std::string> members;  ///< of a family over a varied quantity: its values in order, as in the CSV
@@ -45,8 +45,9 @@ class Study {
   std::vector<std::string> computations;  ///< "shapes" already spelt out
   std::vector<StudyRatio> ratios;
   std::vector<StudyFigure> figures;
-  /// Method and time limit of every optimum. Rows are the same on every machine and with any number of workers, but for optima that the
-  /// time limit ends early: these are the best design verified by then (status "feasible", message "stopped ...").
+  /// Method and time limit of every optimum. Rows are the same on every machine and with any number of workers, but for
+  /// optima that the time limit ends early: these are the best design verified by then (status "feasible", message
+  /// "stopped ...").
   DesignOptions design;
   study::Isolation isolation = study::Isolation::threads;
   /// What most of the points come from, and where it stands in the file: `samples`, a variation's values, or the cases.
@@ -60,8 +61,8 @@ class Study {
   std::vector<std::string> columns() const;
   /// The task of a point. @throws InputError when its values make no task
   Task task(std::size_t index) const;
-  /// A point's line of rows.jsonl. Never throws for a bad point: its column `point` is "bad" where the values make no task, "error" where
-  /// every computation broke off with an error, else "ok"; `reason` says what is wrong.
+  /// A point's line of rows.jsonl. Never throws for a bad point: its column `point` is "bad" where the values make no
+  /// task, "error" where every computation broke off with an error, else "ok"; `reason` says what is wrong.
   /// @param method_seconds  when not null, receives the time spent inside the computations alone
   std::string row(std::size_t index, double* method_seconds = nullptr) const;
   /// The row of a point whose process died or was killed: `point` is "lost".
@@ -80,11 +81,12 @@ class Study {
 inline constexpr std::size_t most_probed = 1000;
 
 /// Reads STUDY.toml (see README). Paths of tasks in it are relative to it.
-/// A point whose values make no task is a row of its own and no fault of the study. A study is refused only if, of one of its cases, none
-/// of up to `most_probed` points makes a task (all points, or as many spread over them) and the reason is the same place for all of them:
-/// the task file, the case's `set`, or one variation, at whose `key` the error then stands.
-/// @throws InputError with position: that, unknown keys and solvers with a suggestion, empty axes, columns and computations that do not
-/// exist, computations of a given filter where no case has one
+/// A point whose values make no task is a row of its own and no fault of the study. A study is refused only if, of one
+/// of its cases, none of up to `most_probed` points makes a task (all points, or as many spread over them) and the
+/// reason is the same place for all of them: the task file, the case's `set`, or one variation, at whose `key` the
+/// error then stands.
+/// @throws InputError with position: that, unknown keys and solvers with a suggestion, empty axes, columns and
+/// computations that do not exist, computations of a given filter where no case has one
 Study read_study(const std::string& path);
 
 }  // namespace accdec

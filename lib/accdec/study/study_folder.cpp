@@ -1,5 +1,3 @@
-#include <accdec/io/study_folder.hpp>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -11,12 +9,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/io/atomic_file.hpp>
-#include <accdec/io/manifest.hpp>
-#include <accdec/io/results_folder.hpp>
-#include <accdec/io/study_report.hpp>
+#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/results_folder.hpp>
+#include <accdec/files/seconds_since.hpp>
+#include <accdec/formats/manifest.hpp>
 #include <accdec/study/journal.hpp>
-#include <accdec/study/seconds_since.hpp>
+#include <accdec/study/study_folder.hpp>
+#include <accdec/study/study_report.hpp>
 
 namespace accdec {
 namespace {
@@ -40,18 +39,23 @@ study::Entry without_time(const study::Entry& entry) {
   return {row == 0 ? 0.0 : std::stod(entry.row.substr(0, row)), entry.row.substr(row)};
 }
 
-std::string identity(const Study& study) { return fmt::format("{} {}", study.hash(), study.plan().size()); }
+std::string identity(const Study& study) {
+  return fmt::format("{} {}", study.hash(), study.plan().size());
+}
 
 /// Drops what is no row of this study: damage costs the points it hit, which are then computed anew.
 void drop_damaged(Entries& entries, const Study& study) {
   std::erase_if(entries, [&](const auto& item) {
     const auto& [index, entry] = item;
-    return index >= study.plan().size() || !entry.row.starts_with(fmt::format(R"({{"index":{},)", index)) || !nlohmann::json::accept(entry.row);
+    return index >= study.plan().size() || !entry.row.starts_with(fmt::format(R"({{"index":{},)", index)) ||
+           !nlohmann::json::accept(entry.row);
   });
 }
 
 /// Whether the process that computed a point died: what killed it (memory, a signal) need not be there the next time.
-bool lost(const study::Entry& entry) { return entry.row.find(R"("point":"lost")") != std::string::npos; }
+bool lost(const study::Entry& entry) {
+  return entry.row.find(R"("point":"lost")") != std::string::npos;
+}
 
 void drop_lost(Entries& entries) {
   std::erase_if(entries, [](const auto& item) { return lost(item.second); });
@@ -69,12 +73,14 @@ Entries finished_rows(const fs::path& folder, const Study& study) {
 }
 
 /// @param summary  receives the wall time up to here but for the writing itself
-void write_results(const Study& study, const Entries& entries, const StudyRunOptions& options, Clock::time_point began, StudySummary& summary) {
+void write_results(const Study& study, const Entries& entries, const StudyRunOptions& options, Clock::time_point began,
+                   StudySummary& summary) {
   std::vector<std::string> lines;
   for (const auto& [index, entry] : entries) lines.push_back(entry.row);
   const fs::path folder = options.out;
   OutputFiles files;
-  for (auto& [name, content] : study_documents(study, lines, &summary.empty_figures)) files.add((folder / name).string(), std::move(content));
+  for (auto& [name, content] : study_documents(study, lines, &summary.empty_figures))
+    files.add((folder / name).string(), std::move(content));
   summary.wall_time = study::seconds_since(began);
   nlohmann::ordered_json manifest;
   manifest["schema"] = kind.schema;
@@ -84,12 +90,9 @@ void write_results(const Study& study, const Entries& entries, const StudyRunOpt
   manifest["points"] = study.plan().size();
   manifest["points_without_answer"] = summary.bad;
   manifest["command"] = options.command;
-  manifest["last_run"] = {{"points_computed", summary.computed},
-                          {"points_found", summary.found},
-                          {"workers", summary.workers},
-                          {"wall_time_s", summary.wall_time},
-                          {"method_time_s", summary.method_time},
-                          {"method_share", summary.method_share()}};
+  manifest["last_run"] = {{"points_computed", summary.computed},  {"points_found", summary.found},
+                          {"workers", summary.workers},           {"wall_time_s", summary.wall_time},
+                          {"method_time_s", summary.method_time}, {"method_share", summary.method_share()}};
   add_environment(manifest, options.version);
   files.add((folder / "manifest.json").string(), manifest.dump(2) + "\n");
   files.commit();
@@ -102,7 +105,8 @@ std::size_t count_bad(const Entries& entries) {
 }
 
 std::size_t count_lost(const Entries& entries) {
-  return static_cast<std::size_t>(std::count_if(entries.begin(), entries.end(), [](const auto& item) { return lost(item.second); }));
+  return static_cast<std::size_t>(
+      std::count_if(entries.begin(), entries.end(), [](const auto& item) { return lost(item.second); }));
 }
 
 Entries collect_shards(const Study& study, const std::vector<std::string>& folders) {
@@ -124,15 +128,17 @@ Entries collect_shards(const Study& study, const std::vector<std::string>& folde
   if (all.size() != study.plan().size()) {
     std::size_t first = 0;
     while (all.contains(first)) ++first;
-    throw std::invalid_argument(fmt::format("{} of {} points are missing from the shards, the first is {}; nothing was written", study.plan().size() - all.size(),
-                                            study.plan().size(), first));
+    throw std::invalid_argument(
+        fmt::format("{} of {} points are missing from the shards, the first is {}; nothing was written",
+                    study.plan().size() - all.size(), study.plan().size(), first));
   }
   return all;
 }
 
 StudySummary merge(const Study& study, const StudyRunOptions& options, Clock::time_point began) {
   const Entries all = collect_shards(study, options.merge);
-  StudySummary summary{.points = all.size(), .found = all.size(), .bad = count_bad(all), .lost = count_lost(all), .finished = true};
+  StudySummary summary{
+      .points = all.size(), .found = all.size(), .bad = count_bad(all), .lost = count_lost(all), .finished = true};
   create_results_folder(options.out);
   // Says whose folder this is until the manifest does, should a kill fall between.
   const std::string journal_path = (fs::path(options.out) / "study.journal").string();
@@ -150,7 +156,8 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   if (size > largest_study || (size > large_study && !options.large)) {
     throw InputError(study.path, study.origin.line, study.origin.column,
                      fmt::format("the study has {} points, most by {}; {}", size, study.origin.what,
-                                 size > largest_study ? fmt::format("allowed is up to {}", largest_study) : fmt::format("more than {} need --large", large_study)));
+                                 size > largest_study ? fmt::format("allowed is up to {}", largest_study)
+                                                      : fmt::format("more than {} need --large", large_study)));
   }
   const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
   check_results_folder(options.out, kind, study.hash());
@@ -158,7 +165,9 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
 
   const bool whole = options.shards == 1;
   const fs::path folder = options.out;
-  const std::string journal_path = (folder / (whole ? "study.journal" : fmt::format("shard-{}-of-{}.journal", options.shard, options.shards))).string();
+  const std::string journal_path =
+      (folder / (whole ? "study.journal" : fmt::format("shard-{}-of-{}.journal", options.shard, options.shards)))
+          .string();
   create_results_folder(options.out);
   study::Journal journal(journal_path, identity(study));
   if (options.fresh) journal.begin_anew();
@@ -178,7 +187,8 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   summary.workers = std::min(study::workers_of(run), std::max(1, static_cast<int>(missing.size())));
   StudyProgress progress{0, missing.size(), 0.0};
   study::run_points(
-      missing, [&](std::size_t i) { return timed_row(study, i); }, [&](std::size_t i, const std::string& why) { return study.lost_row(i, why); },
+      missing, [&](std::size_t i) { return timed_row(study, i); },
+      [&](std::size_t i, const std::string& why) { return study.lost_row(i, why); },
       [&](std::size_t i, const study::Entry& timed) {
         const study::Entry entry = without_time(timed);
         journal.append(i, entry);

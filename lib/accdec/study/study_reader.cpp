@@ -8,14 +8,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/io/study_figure_check.hpp>
-#include <accdec/io/study_file.hpp>
-#include <accdec/io/study_tasks.hpp>
-#include <accdec/io/suggestion.hpp>
-#include <accdec/io/task_tree.hpp>
-#include <accdec/io/toml_file.hpp>
+#include <accdec/files/suggestion.hpp>
+#include <accdec/formats/task_tree.hpp>
+#include <accdec/formats/toml_file.hpp>
 #include <accdec/solvers/solver.hpp>
 #include <accdec/study/compute.hpp>
+#include <accdec/study/study_figure_check.hpp>
+#include <accdec/study/study_file.hpp>
+#include <accdec/study/study_tasks.hpp>
 
 namespace accdec {
 
@@ -28,8 +28,8 @@ class StudyReader {
 
   Study read() {
     const Table top(tree_, path_, "the study (top level)", "",
-                    {"title", "notes", "task", "compute", "method", "solver", "time_limit_s", "isolation", "sampling", "samples", "seed",
-                     "case", "vary", "ratio", "figure"});
+                    {"title", "notes", "task", "compute", "method", "solver", "time_limit_s", "isolation", "sampling",
+                     "samples", "seed", "case", "vary", "ratio", "figure"});
     Study study;
     study.path = path_;
     study.title = top.text("title").value_or(path_);
@@ -53,13 +53,17 @@ class StudyReader {
   void read_methods(const Table& top, Study& study) {
     std::vector<std::string_view> known = study::computations();
     known.insert(known.begin() + 1, "shapes");
-    if (!top.has("compute")) top.fail("the study needs `compute`: a list of what to compute for each point, of " + fmt::format("{}", fmt::join(known, ", ")));
+    if (!top.has("compute"))
+      top.fail("the study needs `compute`: a list of what to compute for each point, of " +
+               fmt::format("{}", fmt::join(known, ", ")));
     for (const std::string& name : toml_input::strings(top, tree_, "compute")) {
-      if (std::find(known.begin(), known.end(), name) == known.end()) top.fail_at("compute", fmt::format("unknown computation `{}`; {}", name, suggest(name, known)));
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        top.fail_at("compute", fmt::format("unknown computation `{}`; {}", name, suggest(name, known)));
       std::vector<std::string> wanted{name};
       if (name == "shapes") wanted = {"boxcar", "trapezoid", "s-curve", "hann", "blackman", "blackman-sinc"};
       for (std::string& w : wanted) {
-        if (std::find(study.computations.begin(), study.computations.end(), w) == study.computations.end()) study.computations.push_back(std::move(w));
+        if (std::find(study.computations.begin(), study.computations.end(), w) == study.computations.end())
+          study.computations.push_back(std::move(w));
       }
     }
     constexpr std::string_view methods[] = {"exact", "nlp"}, isolations[] = {"threads", "processes"};
@@ -69,7 +73,8 @@ class StudyReader {
     study.design.time_limit = top.number("time_limit_s", {0.0, 1e6, true}).value_or(60.0);
     study.design.certificate = false;
     // A design may call Ipopt, whose linear solver keeps static state; everything else here is safe in threads.
-    const bool designs = std::find(study.computations.begin(), study.computations.end(), "optimum") != study.computations.end();
+    const bool designs =
+        std::find(study.computations.begin(), study.computations.end(), "optimum") != study.computations.end();
     const std::string isolation = top.word("isolation", isolations).value_or(designs ? "processes" : "threads");
     study.isolation = isolation == "threads" ? study::Isolation::threads : study::Isolation::processes;
   }
@@ -81,16 +86,22 @@ class StudyReader {
     for (const auto& solver : solvers::registry()) names.push_back(solver->name());
     if (std::find(names.begin(), names.end(), *given) != names.end()) return given;
     const std::string near = nearest(*given, std::vector<std::string_view>(names.begin(), names.end()));
-    top.fail_at("solver", fmt::format("unknown solver `{}`; {}known are {}", *given, near.empty() ? "" : fmt::format("did you mean `{}`? ", near), fmt::join(names, ", ")));
+    top.fail_at("solver",
+                fmt::format("unknown solver `{}`; {}known are {}", *given,
+                            near.empty() ? "" : fmt::format("did you mean `{}`? ", near), fmt::join(names, ", ")));
   }
 
   /// Computations of a given filter need one in at least one case, by its task, its `set` or a variation.
   static void check_filters(const Table& top, const Study& study, const Study::Tasks& tasks) {
-    if (std::any_of(tasks.cases.begin(), tasks.cases.end(), [](const auto& source) { return source.tree.contains("filter"); })) return;
+    if (std::any_of(tasks.cases.begin(), tasks.cases.end(),
+                    [](const auto& source) { return source.tree.contains("filter"); }))
+      return;
     for (const std::string& name : study.computations) {
       if (!study::needs_filter(name)) continue;
-      top.fail_at("compute", fmt::format("`{}` is of a given filter, and {} has no [filter]; add one there, or by the `set` of a case", name,
-                                         tasks.cases.size() == 1 ? tasks.cases.front().path : "no case"));
+      top.fail_at(
+          "compute",
+          fmt::format("`{}` is of a given filter, and {} has no [filter]; add one there, or by the `set` of a case",
+                      name, tasks.cases.size() == 1 ? tasks.cases.front().path : "no case"));
     }
   }
 
@@ -103,10 +114,12 @@ class StudyReader {
   void read_cases(const Table& top, Study::Tasks& tasks) {
     const auto base = top.text("task");
     for (const toml::table* raw : top.tables("case")) {
-      const Table table(*raw, path_, fmt::format("[[case]] {}", names_.size() + 1), fmt::format("/case/{}", names_.size()), {"name", "task", "set"});
+      const Table table(*raw, path_, fmt::format("[[case]] {}", names_.size() + 1),
+                        fmt::format("/case/{}", names_.size()), {"name", "task", "set"});
       const auto name = table.text("name");
       if (!name) table.fail("[[case]] needs a `name`");
-      if (std::find(names_.begin(), names_.end(), *name) != names_.end()) table.fail_at("name", fmt::format("the name \"{}\" is taken already", *name));
+      if (std::find(names_.begin(), names_.end(), *name) != names_.end())
+        table.fail_at("name", fmt::format("the name \"{}\" is taken already", *name));
       const auto own = table.text("task");
       if (!own && !base) table.fail("[[case]] needs a `task`, for the study has none");
       tasks.cases.push_back(own ? load(table, *own) : load(top, *base));
@@ -129,7 +142,8 @@ class StudyReader {
   void read_variations(const Table& top, Study::Tasks& tasks) {
     for (const toml::table* raw : top.tables("vary")) {
       const std::size_t i = variations_.size();
-      const Table table(*raw, path_, fmt::format("[[vary]] {}", i + 1), fmt::format("/vary/{}", i), {"name", "key", "values", "range"});
+      const Table table(*raw, path_, fmt::format("[[vary]] {}", i + 1), fmt::format("/vary/{}", i),
+                        {"name", "key", "values", "range"});
       study::Variation v;
       v.keys = toml_input::strings(table, *raw, "key");
       if (v.keys.empty()) table.fail("[[vary]] needs a `key`, or a list of keys that vary together");
@@ -139,15 +153,17 @@ class StudyReader {
       constexpr double most = 1e300;
       if (table.has("values")) {
         v.values = *table.numbers("values", {-most, most}, 0, 10'000'000);
-        if (v.values.empty()) table.fail_at("values", fmt::format("`values` of {} is empty; a study needs at least one value", v.name));
+        if (v.values.empty())
+          table.fail_at("values", fmt::format("`values` of {} is empty; a study needs at least one value", v.name));
       } else {
         const toml::table* inner = table.table("range");
         const Table range(*inner, path_, "range", fmt::format("/vary/{}/range", i), {"from", "to", "count", "log"});
         v.range = true;
         v.logarithmic = range.boolean("log").value_or(false);
         try {
-          v.values = study::spread(range.required_number("from", {-most, most}), range.required_number("to", {-most, most}),
-                                   static_cast<std::size_t>(range.integer("count", 1, 10'000'000).value_or(2)), v.logarithmic);
+          v.values =
+              study::spread(range.required_number("from", {-most, most}), range.required_number("to", {-most, most}),
+                            static_cast<std::size_t>(range.integer("count", 1, 10'000'000).value_or(2)), v.logarithmic);
         } catch (const std::invalid_argument& error) {
           table.fail_at("range", error.what());
         }
@@ -162,10 +178,13 @@ class StudyReader {
         }
       }
       for (const study::Variation& other : variations_) {
-        if (other.name == v.name) table.fail(fmt::format("two variations are named `{}`; give one of them another `name`", v.name));
+        if (other.name == v.name)
+          table.fail(fmt::format("two variations are named `{}`; give one of them another `name`", v.name));
       }
       for (std::size_t before = 0; before < i; ++before) {
-        if (collide(tasks, before)) table.fail_at("key", fmt::format("`{}` is set by the variation `{}` already", fmt::join(v.keys, "`, `"), variations_[before].name));
+        if (collide(tasks, before))
+          table.fail_at("key", fmt::format("`{}` is set by the variation `{}` already", fmt::join(v.keys, "`, `"),
+                                           variations_[before].name));
       }
       variations_.push_back(std::move(v));
     }
@@ -189,7 +208,8 @@ class StudyReader {
     std::vector<std::string> columns = study.columns();
     std::sort(columns.begin(), columns.end());
     const auto twice = std::adjacent_find(columns.begin(), columns.end());
-    if (twice != columns.end()) top.fail(fmt::format("no variation can be named `{}`: the table has a column of that name", *twice));
+    if (twice != columns.end())
+      top.fail(fmt::format("no variation can be named `{}`: the table has a column of that name", *twice));
   }
 
   void make_plan(const Table& top, Study& study) {
@@ -202,7 +222,8 @@ class StudyReader {
     const int seed = top.integer("seed", 0, 2'000'000'000).value_or(1);
     if (!grid && variations_.empty()) top.fail("a Latin hypercube needs at least one [[vary]]");
     try {
-      study.plan_ = std::make_shared<study::Plan>(names_, variations_, grid ? study::Sampling::grid : study::Sampling::latin_hypercube,
+      study.plan_ = std::make_shared<study::Plan>(names_, variations_,
+                                                  grid ? study::Sampling::grid : study::Sampling::latin_hypercube,
                                                   static_cast<std::size_t>(samples), static_cast<std::uint64_t>(seed));
     } catch (const std::invalid_argument& error) {
       top.fail(error.what());
@@ -218,23 +239,29 @@ class StudyReader {
       return Study::Origin{std::move(what), static_cast<long>(begin.line), static_cast<long>(begin.column)};
     };
     if (!grid) return at("`samples`", *tree_.get("samples"));
-    const auto most = std::max_element(variations_.begin(), variations_.end(), [](const auto& a, const auto& b) { return a.values.size() < b.values.size(); });
+    const auto most = std::max_element(variations_.begin(), variations_.end(),
+                                       [](const auto& a, const auto& b) { return a.values.size() < b.values.size(); });
     if (most == variations_.end() || most->values.size() < names_.size()) {
       const toml::node* cases = tree_.get("case");
       return cases ? at("the cases", *cases) : Study::Origin{};
     }
-    const toml::table& vary = *tree_["vary"].as_array()->get(static_cast<std::size_t>(most - variations_.begin()))->as_table();
-    return at(fmt::format("the {} values of `{}`", most->values.size(), most->name), *vary.get(vary.contains("values") ? "values" : "range"));
+    const toml::table& vary =
+        *tree_["vary"].as_array()->get(static_cast<std::size_t>(most - variations_.begin()))->as_table();
+    return at(fmt::format("the {} values of `{}`", most->values.size(), most->name),
+              *vary.get(vary.contains("values") ? "values" : "range"));
   }
 
   void read_ratios(const Table& top, Study& study) {
     for (const toml::table* raw : top.tables("ratio")) {
       const std::size_t i = study.ratios.size();
-      const Table table(*raw, path_, fmt::format("[[ratio]] {}", i + 1), fmt::format("/ratio/{}", i), {"name", "of", "to", "excess"});
-      StudyRatio r{table.text("name").value_or(""), table.text("of").value_or(""), table.text("to").value_or(""), table.boolean("excess").value_or(false)};
+      const Table table(*raw, path_, fmt::format("[[ratio]] {}", i + 1), fmt::format("/ratio/{}", i),
+                        {"name", "of", "to", "excess"});
+      StudyRatio r{table.text("name").value_or(""), table.text("of").value_or(""), table.text("to").value_or(""),
+                   table.boolean("excess").value_or(false)};
       if (r.name.empty()) table.fail("[[ratio]] needs a `name`");
       const auto columns = study.columns();
-      if (std::find(columns.begin(), columns.end(), r.name) != columns.end()) table.fail_at("name", fmt::format("there is a column `{}` already", r.name));
+      if (std::find(columns.begin(), columns.end(), r.name) != columns.end())
+        table.fail_at("name", fmt::format("there is a column `{}` already", r.name));
       check_column(table, "of", r.of, study);
       check_column(table, "to", r.to, study);
       study.ratios.push_back(std::move(r));
@@ -245,7 +272,8 @@ class StudyReader {
     const auto columns = study.columns();
     if (std::find(columns.begin(), columns.end(), name) != columns.end()) return;
     const std::vector<std::string_view> known(columns.begin(), columns.end());
-    const std::string message = name.empty() ? fmt::format("`{}` is missing: a column's name", key) : fmt::format("there is no column `{}`; {}", name, suggest(name, known));
+    const std::string message = name.empty() ? fmt::format("`{}` is missing: a column's name", key)
+                                             : fmt::format("there is no column `{}`; {}", name, suggest(name, known));
     table.has(key) ? table.fail_at(key, message) : table.fail(message);
   }
 
@@ -253,18 +281,23 @@ class StudyReader {
     for (const toml::table* raw : top.tables("figure")) {
       const std::size_t i = study.figures.size();
       const Table table(*raw, path_, fmt::format("[[figure]] {}", i + 1), fmt::format("/figure/{}", i),
-                        {"name", "title", "kind", "x", "y", "z", "family", "labels", "x_label", "y_label", "z_label", "log_x", "log_y", "where"});
+                        {"name", "title", "kind", "x", "y", "z", "family", "labels", "x_label", "y_label", "z_label",
+                         "log_x", "log_y", "where"});
       using Kind = StudyFigure::Kind;
       StudyFigure f;
       f.name = table.text("name").value_or(fmt::format("figure-{}", i + 1));
-      if (f.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos) table.fail_at("name", "a figure's `name` becomes a file's: small letters, digits, - and _ are allowed");
+      if (f.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos)
+        table.fail_at("name", "a figure's `name` becomes a file's: small letters, digits, - and _ are allowed");
       for (const StudyFigure& other : study.figures) {
         if (other.name == f.name) table.fail_at("name", fmt::format("two figures are named `{}`", f.name));
       }
       f.title = table.text("title", true).value_or("");
       constexpr std::string_view kinds[] = {"curve", "family", "heat", "pareto"};
       const std::string kind = table.word("kind", kinds).value_or("curve");
-      f.kind = kind == "family" ? Kind::family : kind == "heat" ? Kind::heat : kind == "pareto" ? Kind::pareto : Kind::curve;
+      f.kind = kind == "family"   ? Kind::family
+               : kind == "heat"   ? Kind::heat
+               : kind == "pareto" ? Kind::pareto
+                                  : Kind::curve;
       f.x = table.text("x").value_or("");
       f.y = toml_input::strings(table, *raw, "y");
       f.z = table.text("z").value_or("");
@@ -292,13 +325,17 @@ class StudyReader {
         for (const auto& [column, value] : *where) {
           check_column(table, "where", std::string(column.str()), study);
           std::string text;
-          if (const auto word = value.value_exact<std::string>()) text = *word;
-          else if (const auto number = value.value<double>()) text = study::Row(*number).dump();
-          else fail_node(value, "a condition is a number or a string");
+          if (const auto word = value.value_exact<std::string>())
+            text = *word;
+          else if (const auto number = value.value<double>())
+            text = study::Row(*number).dump();
+          else
+            fail_node(value, "a condition is a number or a string");
           f.where.emplace_back(column.str(), text);
         }
       }
-      if (const auto fault = check_study_figure(f, study, grid_)) table.has(fault->key) ? table.fail_at(fault->key, fault->message) : table.fail(fault->message);
+      if (const auto fault = check_study_figure(f, study, grid_))
+        table.has(fault->key) ? table.fail_at(fault->key, fault->message) : table.fail(fault->message);
       study.figures.push_back(std::move(f));
     }
   }
@@ -333,12 +370,16 @@ class StudyReader {
   void refuse_case(const Study& study, std::size_t c, const std::vector<InputError>& faults) const {
     const InputError& first = faults.front();
     const Study::Tasks::Source& source = study.tasks_->cases[c];
-    const auto same = [&](const std::optional<InputError>& other) { return other && other->message() == first.message(); };
+    const auto same = [&](const std::optional<InputError>& other) {
+      return other && other->message() == first.message();
+    };
     // Read once more, for copies of a tree know no line numbers.
     const auto own = fault_of([&] { task_from_tree(toml_input::parse_file(source.path), source.path, "", {}); });
     if (same(own)) throw *own;
     const auto with_settings = fault_of([&] { task_from_tree(bases_[c], source.path, "", {}); });
-    if (same(with_settings)) throw InputError(path_, settings_[c].line, settings_[c].column, fmt::format("`set` of case \"{}\" makes no task: {}", names_[c], first.message()));
+    if (same(with_settings))
+      throw InputError(path_, settings_[c].line, settings_[c].column,
+                       fmt::format("`set` of case \"{}\" makes no task: {}", names_[c], first.message()));
     std::map<std::string, std::optional<std::size_t>> known;
     std::optional<std::size_t> axis;
     for (const InputError& fault : faults) {
@@ -349,14 +390,19 @@ class StudyReader {
     }
     const study::Variation& v = variations_[*axis];
     throw InputError(path_, places_[*axis].line, places_[*axis].column,
-                     fmt::format("no value of `{}` makes a task{}: {}", fmt::join(v.keys, "`, `"), names_[c].empty() ? "" : fmt::format(" of case \"{}\"", names_[c]), first.message()));
+                     fmt::format("no value of `{}` makes a task{}: {}", fmt::join(v.keys, "`, `"),
+                                 names_[c].empty() ? "" : fmt::format(" of case \"{}\"", names_[c]), first.message()));
   }
 
   std::string hash(const Study& study, const Study::Tasks& tasks) const {
     std::ostringstream text;
-    text << sampling_ << '\n' << fmt::format("{}\n{} {} {}\n", fmt::join(study.computations, " "), static_cast<int>(study.design.method), study.design.solver, study.design.time_limit);
+    text << sampling_ << '\n'
+         << fmt::format("{}\n{} {} {}\n", fmt::join(study.computations, " "), static_cast<int>(study.design.method),
+                        study.design.solver, study.design.time_limit);
     for (std::size_t c = 0; c < names_.size(); ++c) text << names_[c] << '\n' << tasks.cases[c].tree << '\n';
-    for (const auto& v : variations_) text << fmt::format("{} {} {} {} {}\n", v.name, fmt::join(v.keys, " "), fmt::join(v.values, " "), v.range, v.logarithmic);
+    for (const auto& v : variations_)
+      text << fmt::format("{} {} {} {} {}\n", v.name, fmt::join(v.keys, " "), fmt::join(v.values, " "), v.range,
+                          v.logarithmic);
     for (const auto& r : study.ratios) text << fmt::format("{} {} {} {}\n", r.name, r.of, r.to, r.excess);
     return toml_input::hash_of(text.str());
   }
@@ -367,15 +413,17 @@ class StudyReader {
 
   std::string path_;
   toml::table tree_;
-  std::vector<std::string> names_;                ///< of the cases
-  std::vector<toml::table> bases_;                ///< their tasks before anything is varied
-  std::vector<toml::source_position> settings_;   ///< where their `set` stands
-  std::vector<toml::source_position> places_;     ///< where the variations' `key` stands
+  std::vector<std::string> names_;               ///< of the cases
+  std::vector<toml::table> bases_;               ///< their tasks before anything is varied
+  std::vector<toml::source_position> settings_;  ///< where their `set` stands
+  std::vector<toml::source_position> places_;    ///< where the variations' `key` stands
   std::vector<study::Variation> variations_;
   std::string sampling_;
   bool grid_ = true;
 };
 
-Study read_study(const std::string& path) { return StudyReader(path).read(); }
+Study read_study(const std::string& path) {
+  return StudyReader(path).read();
+}
 
 }  // namespace accdec

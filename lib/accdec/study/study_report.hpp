@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include <accdec/io/figure.hpp>
-#include <accdec/io/study_file.hpp>
+#include <accdec/plot/figure.hpp>
+#include <accdec/study/study_file.hpp>
 
 namespace accdec {
 
@@ -35,10 +35,12 @@ class StudyTable {
 /// One figure of a study as something to draw.
 Figure make_study_figure(const StudyFigure& figure, const StudyTable& table);
 
-/// Every file of a finished study but its manifest: rows.jsonl, rows.csv, NAME.svg and NAME.png of each figure, and report.html with the
-/// figures inside and nothing linked. A function of study and rows alone.
+/// Every file of a finished study but its manifest: rows.jsonl, rows.csv, NAME.svg and NAME.png of each figure, and
+/// report.html with the figures inside and nothing linked. A function of study and rows alone.
 /// @param empty  receives the names of figures that have nothing to draw, unless null
 /// @return file name and content
-std::vector<std::pair<std::string, std::string>> study_documents(const Study& study, const std::vector<std::string>& lines, std::vector<std::string>* empty = nullptr);
+std::vector<std::pair<std::string, std::string>> study_documents(const Study& study,
+                                                                 const std::vector<std::string>& lines,
+                                                                 std::vector<std::string>* empty = nullptr);
 
 }  // namespace accdec

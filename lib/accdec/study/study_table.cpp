@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <accdec/io/html.hpp>
-#include <accdec/io/study_report.hpp>
+#include <accdec/files/csv_table.hpp>
 #include <accdec/study/compute.hpp>
+#include <accdec/study/study_report.hpp>
 
 namespace accdec {
 namespace {
@@ -20,7 +20,8 @@ std::string plain(const study::Row& value) {
 StudyTable::StudyTable(const Study& study, const std::vector<std::string>& lines) : size_(lines.size()) {
   const std::vector<std::string> names = study.columns();
   for (const std::string& name : study.computations) {
-    for (const char* column : {"status", "cycle_time_ms", "error_um", "message"}) columns_[fmt::format("{}.{}", name, column)];
+    for (const char* column : {"status", "cycle_time_ms", "error_um", "message"})
+      columns_[fmt::format("{}.{}", name, column)];
   }
   columns_["point"];
   for (const StudyFigure& f : study.figures) {
@@ -44,7 +45,8 @@ StudyTable::StudyTable(const Study& study, const std::vector<std::string>& lines
       const auto wanted = columns_.find(name);
       if (wanted == columns_.end()) continue;
       wanted->second.texts.push_back(text);
-      wanted->second.numbers.push_back(found != row.end() && found->is_number() ? found->get<double>() : std::numeric_limits<double>::quiet_NaN());
+      wanted->second.numbers.push_back(
+          found != row.end() && found->is_number() ? found->get<double>() : std::numeric_limits<double>::quiet_NaN());
     }
     csv_ += '\n';
   }

@@ -5,8 +5,8 @@
 
 #include <toml++/toml.h>
 
-#include <accdec/io/study_file.hpp>
-#include <accdec/io/task_edit.hpp>
+#include <accdec/formats/task_edit.hpp>
+#include <accdec/study/study_file.hpp>
 
 // Internal to the room: what a Study keeps of its base tasks.
 

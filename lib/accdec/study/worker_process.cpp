@@ -1,5 +1,3 @@
-#include <accdec/study/worker_process.hpp>
-
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -16,6 +14,8 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+
+#include <accdec/study/worker_process.hpp>
 
 namespace accdec::study {
 namespace {
@@ -78,7 +78,8 @@ class Worker {
  public:
   Worker(const std::function<std::string(std::size_t)>& compute, const std::vector<std::unique_ptr<Worker>>& siblings) {
     int ends[2];
-    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw std::runtime_error(fmt::format("no socket for a worker: {}", std::strerror(errno)));
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+      throw std::runtime_error(fmt::format("no socket for a worker: {}", std::strerror(errno)));
     const pid_t parent = ::getpid();
     child_ = ::fork();
     if (child_ < 0) throw std::runtime_error(fmt::format("no worker process: {}", std::strerror(errno)));
@@ -118,13 +119,15 @@ class Worker {
     }
     dying_ = true;
     const int status = end();
-    reason = WIFSIGNALED(status) ? fmt::format("the process computing it was ended by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)))
+    reason = WIFSIGNALED(status) ? fmt::format("the process computing it was ended by signal {} ({})", WTERMSIG(status),
+                                               ::strsignal(WTERMSIG(status)))
                                  : "the process computing it ended early";
     return false;
   }
 
  private:
-  /// Ends and reaps the child, once; its wait status. One that closed its socket is about to end by itself: its own signal counts.
+  /// Ends and reaps the child, once; its wait status. One that closed its socket is about to end by itself: its own
+  /// signal counts.
   int end() {
     int status = 0;
     if (child_ <= 0) return status;
@@ -166,8 +169,10 @@ void run_processes(const std::vector<std::size_t>& indices, const std::function<
   while (!pool.empty()) {
     std::vector<pollfd> waiting;
     for (const auto& w : pool) waiting.push_back({w->socket(), POLLIN, 0});
-    const bool limited = std::any_of(pool.begin(), pool.end(), [&](const auto& w) { return kill_after(w->index()) > 0.0; });
-    if (::poll(waiting.data(), waiting.size(), limited ? 50 : -1) < 0 && errno != EINTR) throw std::runtime_error(fmt::format("poll: {}", std::strerror(errno)));
+    const bool limited =
+        std::any_of(pool.begin(), pool.end(), [&](const auto& w) { return kill_after(w->index()) > 0.0; });
+    if (::poll(waiting.data(), waiting.size(), limited ? 50 : -1) < 0 && errno != EINTR)
+      throw std::runtime_error(fmt::format("poll: {}", std::strerror(errno)));
     for (std::size_t w = pool.size(); w-- > 0;) {
       const std::size_t index = pool[w]->index();
       Entry entry;

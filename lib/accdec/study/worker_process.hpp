@@ -11,9 +11,9 @@
 
 namespace accdec::study {
 
-/// As run_points. Children are forked from this process, get one index at a time (or only one, if fresh) and send back one row; they die with
-/// their parent. A point that takes longer than kill_after(index) s, if > 0, is given up and its child killed.
-/// Must not be called while other threads of this process run.
+/// As run_points. Children are forked from this process, get one index at a time (or only one, if fresh) and send back
+/// one row; they die with their parent. A point that takes longer than kill_after(index) s, if > 0, is given up and its
+/// child killed. Must not be called while other threads of this process run.
 /// @throws std::runtime_error if the system gives no pipes or children
 void run_processes(const std::vector<std::size_t>& indices, const std::function<std::string(std::size_t)>& compute,
                    const std::function<std::string(std::size_t, const std::string&)>& lost,

@@ -1,10 +1,9 @@
-#include <accdec/design/delays_below.hpp>
-
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/design/verifier.hpp>
 #include <accdec/motion/smallest_delay.hpp>
+#include <accdec/task/delays_below.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -12,7 +11,8 @@ namespace {
 /// Slack for the choice alone: the simulated verification at the end has the last word with its own tolerance.
 constexpr double slack = 1.0 + 0.9 * verification_tolerance;
 
-/// Whether one axis holds its limits on a start to (or, mirrored in time, a stop from) `speed`, m/s: what no delay can change.
+/// Whether one axis holds its limits on a start to (or, mirrored in time, a stop from) `speed`, m/s: what no delay can
+/// change.
 bool ramp_holds(const Filter& filter, const Axis& axis, double speed, bool stop, double period) {
   double previous = 0.0;
   for (int k = 0; k <= filter.order() + 2; ++k) {
@@ -33,18 +33,22 @@ bool ramps_hold(const Filter& filter, const Task& task) {
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
       const auto i = static_cast<Eigen::Index>(a);
       const Corner& g = corner.geometry;
-      if (!ramp_holds(filter, task.machine.axes[a], g.feed_in * g.direction_in[i], false, task.sample_period)) return false;
-      if (!ramp_holds(filter, task.machine.axes[a], g.feed_out * g.direction_out[i], true, task.sample_period)) return false;
+      if (!ramp_holds(filter, task.machine.axes[a], g.feed_in * g.direction_in[i], false, task.sample_period))
+        return false;
+      if (!ramp_holds(filter, task.machine.axes[a], g.feed_out * g.direction_out[i], true, task.sample_period))
+        return false;
     }
   }
   return true;
 }
 
-/// The limits of one corner's blend, delay after delay. What failed at one delay most likely fails at the next at about the same sample,
-/// so that sample is looked at first and most delays that will not do cost O(axes) instead of O(axes N).
+/// The limits of one corner's blend, delay after delay. What failed at one delay most likely fails at the next at about
+/// the same sample, so that sample is looked at first and most delays that will not do cost O(axes) instead of O(axes
+/// N).
 class BlendCheck {
  public:
-  BlendCheck(const Filter& filter, const TaskCorner& corner, const Task& task) : filter_(filter), corner_(corner), task_(task) {
+  BlendCheck(const Filter& filter, const TaskCorner& corner, const Task& task)
+      : filter_(filter), corner_(corner), task_(task) {
     const Corner& g = corner.geometry;
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
       const auto i = static_cast<Eigen::Index>(a);
@@ -85,8 +89,10 @@ class BlendCheck {
       const double before = k > 0 ? tap_difference(legs_[a], k - 1, delay) / period : 0.0;
       const double force = axis.mass * acceleration + axis.damping * v, power = force * v;
       speed_squared += v * v;
-      if (std::abs(v) > axis.velocity_max * slack || std::abs(acceleration) > axis.acceleration_max * slack) return false;
-      if (std::abs(acceleration - before) / period > axis.jerk_max * slack || std::abs(force) > axis.force_max * slack) return false;
+      if (std::abs(v) > axis.velocity_max * slack || std::abs(acceleration) > axis.acceleration_max * slack)
+        return false;
+      if (std::abs(acceleration - before) / period > axis.jerk_max * slack || std::abs(force) > axis.force_max * slack)
+        return false;
       if (power > axis.power_max * slack || -power > axis.regeneration_max * slack) return false;
     }
     return corner_.speed_min <= std::sqrt(speed_squared) * slack;
@@ -106,14 +112,17 @@ std::optional<std::vector<int>> delays_below(const Filter& filter, const Task& t
   std::vector<int> delays;
   double cost = 0.0;
   for (const TaskCorner& corner : task.corners) {
-    const double step_in = corner.geometry.feed_in * task.sample_period, step_out = corner.geometry.feed_out * task.sample_period;
-    const int least = corner.error_max ? smallest(corner.geometry.cos_interior(), step_in, step_out, *corner.error_max * slack) : 0;
+    const double step_in = corner.geometry.feed_in * task.sample_period,
+                 step_out = corner.geometry.feed_out * task.sample_period;
+    const int least =
+        corner.error_max ? smallest(corner.geometry.cos_interior(), step_in, step_out, *corner.error_max * slack) : 0;
     delays.push_back(corner.delay.value_or(least));
     cost += corner.weight * (filter.order() + 1.0 + delays.back());
   }
   // The error bounds alone already say which filters are too slow, long before their limits have to be looked at.
   if (cost >= samples || !ramps_hold(filter, task)) return std::nullopt;
-  // Most filters that ring too much do so at an end or the middle of a band; only the others need the whole band searched.
+  // Most filters that ring too much do so at an end or the middle of a band; only the others need the whole band
+  // searched.
   for (const Mode& mode : task.machine.modes) {
     for (const double f : {mode.frequency_low, 0.5 * (mode.frequency_low + mode.frequency_high), mode.frequency_high}) {
       if (residual_vibration(filter, f, task.sample_period) > mode.residual_max * slack) return std::nullopt;

@@ -1,12 +1,11 @@
-#include <accdec/design/enumeration.hpp>
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include <accdec/design/simulation.hpp>
-#include <accdec/design/verifier.hpp>
+#include <accdec/task/enumeration.hpp>
+#include <accdec/task/simulation.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -36,7 +35,8 @@ bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int de
     const Eigen::VectorXd s = (legs.stop_position.row(in) + legs.start_position.row(m)).transpose();
     nearest = std::min(nearest, s.norm());
     if (k <= last - 1) slowest = std::min(slowest, v.norm());
-    const Eigen::VectorXd acceleration = k == 0 ? Eigen::VectorXd::Zero(axes).eval() : ((v - before_velocity) / period).eval();
+    const Eigen::VectorXd acceleration =
+        k == 0 ? Eigen::VectorXd::Zero(axes).eval() : ((v - before_velocity) / period).eval();
     for (Eigen::Index a = 0; a < axes; ++a) {
       const Axis& axis = task.machine.axes[static_cast<std::size_t>(a)];
       const double force = axis.mass * acceleration[a] + axis.damping * v[a];
@@ -63,7 +63,8 @@ std::string check_smallest_delays(const Task& task, const Filter& filter, const 
     const Legs legs = simulate_legs(filter, corner.geometry, task.sample_period);
     for (int d = 0; d < delays[j]; ++d) {
       if (!breaks(task, corner, legs, d)) {
-        return fmt::format("corner {}: delay {} is claimed to be the smallest, but {} holds every limit too", corner.name, delays[j], d);
+        return fmt::format("corner {}: delay {} is claimed to be the smallest, but {} holds every limit too",
+                           corner.name, delays[j], d);
       }
     }
   }

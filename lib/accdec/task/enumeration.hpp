@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
-#include <accdec/design/task.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 
-/// Checks the proof behind "smallest delays of a given filter": that at every corner whose delay the task leaves open, each smaller
-/// delay breaks a limit. The two legs are simulated once, apart from each other, by plain convolution; every delay is then their sum,
-/// shifted. Shares nothing with the search. O(axes (N^2 + d N)) a corner.
+/// Checks the proof behind "smallest delays of a given filter": that at every corner whose delay the task leaves open,
+/// each smaller delay breaks a limit. The two legs are simulated once, apart from each other, by plain convolution;
+/// every delay is then their sum, shifted. Shares nothing with the search. O(axes (N^2 + d N)) a corner.
 /// @param delays  the delays claimed to be smallest, one per corner
 /// @return empty when the claim holds, otherwise the reason it does not.
 std::string check_smallest_delays(const Task& task, const Filter& filter, const std::vector<int>& delays);

@@ -1,7 +1,7 @@
-#include <accdec/design/order_bound.hpp>
-
 #include <algorithm>
 #include <cmath>
+
+#include <accdec/task/order_bound.hpp>
 
 namespace accdec {
 namespace {

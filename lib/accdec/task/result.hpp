@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include <accdec/design/task.hpp>
 #include <accdec/machine/utilisation.hpp>
 #include <accdec/nlp/evaluator.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 
@@ -21,10 +21,10 @@ std::string_view to_string(Status status);
 
 struct CornerResult {
   std::string name;
-  int delay = 0;  ///< samples
+  int delay = 0;                                                             ///< samples
   double corner_error = 0.0, polyline_error = 0.0, contour_deviation = 0.0;  ///< m, see CornerMeasures
-  double speed_min = 0.0;    ///< m/s
-  double corner_time = 0.0;  ///< s
+  double speed_min = 0.0;                                                    ///< m/s
+  double corner_time = 0.0;                                                  ///< s
 };
 
 /// What the independent simulation found.
@@ -35,12 +35,12 @@ struct VerificationReport {
   double tolerance = 0.0;      ///< relative violation up to which `feasible` holds
   std::string worst;           ///< the limit in words: "force x: 97.1 % at k = 12 of the stop, corner A"
   bool certificate_checked = false;
-  std::string certificate;     ///< what the checker said of the lower bound
+  std::string certificate;  ///< what the checker said of the lower bound
 };
 
 struct SolverReport {
-  std::string method;   ///< "given", "exact", "nlp"
-  std::string name;     ///< "ipopt", "clp", ...; empty when nothing was solved
+  std::string method;  ///< "given", "exact", "nlp"
+  std::string name;    ///< "ipopt", "clp", ...; empty when nothing was solved
   std::string version;
   std::string claimed;
   long evaluations = 0;
@@ -48,16 +48,16 @@ struct SolverReport {
   nlp::Counts counts;      ///< of all single solves together; zero where the method has none
 };
 
-/// The answer to a task; `accdec.result/1` in JSON. A result that is neither optimal nor feasible carries no filter, except one
-/// made by `evaluate`, which reports a given filter whatever it breaks.
+/// The answer to a task; `accdec.result/1` in JSON. A result that is neither optimal nor feasible carries no filter,
+/// except one made by `evaluate`, which reports a given filter whatever it breaks.
 struct DesignResult {
   Task task;
   Status status = Status::failed;
   std::optional<Filter> filter;
   std::vector<CornerResult> corners;
-  double cycle_time = 0.0;             ///< s
-  std::optional<double> lower_bound;   ///< s, proved
-  std::optional<double> gap;           ///< (cycle_time - lower_bound)/cycle_time
+  double cycle_time = 0.0;            ///< s
+  std::optional<double> lower_bound;  ///< s, proved
+  std::optional<double> gap;          ///< (cycle_time - lower_bound)/cycle_time
   std::vector<LimitUse> limits;
   VerificationReport verification;
   SolverReport solver;

@@ -1,6 +1,6 @@
-#include <accdec/design/simulation.hpp>
-
 #include <algorithm>
+
+#include <accdec/task/simulation.hpp>
 
 namespace accdec {
 
@@ -26,8 +26,8 @@ SampledMotion simulate_corner(const Filter& filter, const Corner& corner, int de
   const auto taps = filter.taps();
   for (Eigen::Index a = 0; a < axes; ++a) {
     const double* const input = command.col(a).data();
-    // Extended precision: the path is metres long, the corner error micrometres. Starting from minus the commanded length of
-    // leg 1 makes the position relative to the corner point.
+    // Extended precision: the path is metres long, the corner error micrometres. Starting from minus the commanded
+    // length of leg 1 makes the position relative to the corner point.
     long double position = 0.0L;
     for (int k = 0; k <= motion.corner; ++k) position -= static_cast<long double>(input[k]) * sample_period;
     for (int k = 0; k < total; ++k) {

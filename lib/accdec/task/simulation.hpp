@@ -22,7 +22,8 @@ struct SampledMotion {
   int cruise_out = 0;            ///< a row at full speed on leg 2, between blend and stop
 };
 
-/// Plain convolution of the command stream (rest, leg 1, gap, leg 2, rest) with the taps; both legs long enough to reach full speed.
+/// Plain convolution of the command stream (rest, leg 1, gap, leg 2, rest) with the taps; both legs long enough to
+/// reach full speed.
 SampledMotion simulate_corner(const Filter& filter, const Corner& corner, int delay, double sample_period);
 
 }  // namespace accdec

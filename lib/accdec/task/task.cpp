@@ -1,11 +1,10 @@
-#include <accdec/design/task.hpp>
-
 #include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <utility>
 
 #include <accdec/motion/shapes.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 namespace {

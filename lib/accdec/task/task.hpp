@@ -40,7 +40,8 @@ struct TaskCorner {
   double angle = 0.0;    ///< rad, interior, 0 < angle <= pi
   double heading = 0.0;  ///< rad
   Turn turn = Turn::left;
-  std::vector<double> direction_in, direction_out;  ///< instead of angle, heading and turn, for any number of axes; else empty
+  std::vector<double> direction_in,
+      direction_out;                ///< instead of angle, heading and turn, for any number of axes; else empty
   double feed_in = 0.0;             ///< m/s
   double feed_out = 0.0;            ///< m/s
   std::optional<double> error_max;  ///< m; none: no bound

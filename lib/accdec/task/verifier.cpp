@@ -1,5 +1,3 @@
-#include <accdec/design/verifier.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -8,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/simulation.hpp>
+#include <accdec/task/simulation.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 
@@ -67,7 +66,8 @@ LimitUse make_use(LimitKind kind, const std::string& axis, const std::string& co
   return use;
 }
 
-void axis_limits(const SampledMotion& m, const Machine& machine, const std::string& corner, std::vector<LimitUse>& out) {
+void axis_limits(const SampledMotion& m, const Machine& machine, const std::string& corner,
+                 std::vector<LimitUse>& out) {
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
     const Axis& axis = machine.axes[i];
     const auto a = static_cast<Eigen::Index>(i);
@@ -142,7 +142,8 @@ CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, i
   return result;
 }
 
-/// Amplitude left in an undamped oscillator of frequency f that the taps hit one after another, 1 for a single hit of the whole sum.
+/// Amplitude left in an undamped oscillator of frequency f that the taps hit one after another, 1 for a single hit of
+/// the whole sum.
 double residual_amplitude(const Filter& filter, double frequency, double period) {
   const std::complex<double> rotation = std::polar(1.0, 2.0 * std::numbers::pi * frequency * period);
   std::complex<double> state = 0.0;
@@ -151,8 +152,8 @@ double residual_amplitude(const Filter& filter, double frequency, double period)
 }
 
 LimitUse vibration_limit(const Filter& filter, const Mode& mode, double period) {
-  // The response is band-limited to N T: between grid points a sixteenth of its shortest ripple apart, a parabola through three
-  // of them locates a peak far more closely than the amplitude can change.
+  // The response is band-limited to N T: between grid points a sixteenth of its shortest ripple apart, a parabola
+  // through three of them locates a peak far more closely than the amplitude can change.
   const double width = mode.frequency_high - mode.frequency_low;
   const int cells = width > 0.0 ? 16 + static_cast<int>(16.0 * width * period * (filter.order() + 1)) : 0;
   LimitUse use;
@@ -175,7 +176,8 @@ LimitUse vibration_limit(const Filter& filter, const Mode& mode, double period) 
       if (r[u] < r[u - 1] || r[u] < r[u + 1]) continue;
       double centre = mode.frequency_low + h * i, step = h;
       for (int refine = 0; refine < 12; ++refine) {
-        const double left = residual_amplitude(filter, centre - step, period), here = residual_amplitude(filter, centre, period),
+        const double left = residual_amplitude(filter, centre - step, period),
+                     here = residual_amplitude(filter, centre, period),
                      right = residual_amplitude(filter, centre + step, period);
         const double curvature = left - 2.0 * here + right;
         if (curvature < 0.0) centre += std::clamp(0.5 * step * (left - right) / curvature, -step, step);
@@ -201,18 +203,20 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
   std::vector<CornerResult> measured;
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
-    if (delays[j] < 0) throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delays[j]));
+    if (delays[j] < 0)
+      throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delays[j]));
     const SampledMotion motion = simulate_corner(filter, corner.geometry, delays[j], task.sample_period);
     axis_limits(motion, task.machine, corner.name, uses);
     int error_sample = 0, speed_sample = 0;
-    measured.push_back(measure_samples(motion, corner, delays[j], filter.order(), task.sample_period, &error_sample, &speed_sample));
+    measured.push_back(
+        measure_samples(motion, corner, delays[j], filter.order(), task.sample_period, &error_sample, &speed_sample));
     if (corner.error_max) {
       uses.push_back(make_use(LimitKind::corner_error, "", corner.name,
                               {measured.back().corner_error, Event::blend, error_sample}, *corner.error_max));
     }
     if (corner.speed_min > 0.0) {
-      uses.push_back(make_use(LimitKind::speed_min, "", corner.name, {measured.back().speed_min, Event::blend, speed_sample},
-                              corner.speed_min));
+      uses.push_back(make_use(LimitKind::speed_min, "", corner.name,
+                              {measured.back().speed_min, Event::blend, speed_sample}, corner.speed_min));
     }
   }
   for (const Mode& mode : task.machine.modes) uses.push_back(vibration_limit(filter, mode, task.sample_period));

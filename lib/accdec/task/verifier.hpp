@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <accdec/design/result.hpp>
-#include <accdec/design/task.hpp>
+#include <accdec/task/result.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 
@@ -13,19 +13,22 @@ inline constexpr double verification_tolerance = 1e-9;
 /// Distances below this are rounding of the simulated position, m; a corner error below it is reported as 0.
 inline constexpr double position_floor = 1e-12;
 
-/// Checks a filter and delays against every limit of a task by brute simulation: the command stream rest, leg 1, gap of d samples,
-/// leg 2, rest is sampled, convolved with the taps sample by sample, integrated and differenced, and everything is read off the
-/// samples. Nothing of the blend formulas, of the formulations or of their tables is used. O(axes N (N + d)) a corner.
+/// Checks a filter and delays against every limit of a task by brute simulation: the command stream rest, leg 1, gap of
+/// d samples, leg 2, rest is sampled, convolved with the taps sample by sample, integrated and differenced, and
+/// everything is read off the samples. Nothing of the blend formulas, of the formulations or of their tables is used.
+/// O(axes N (N + d)) a corner.
 /// @param delays   one per corner, >= 0
-/// @param limits   when not null, receives the worst use of every limit: per corner and axis, corner errors, speeds, vibration
+/// @param limits   when not null, receives the worst use of every limit: per corner and axis, corner errors, speeds,
+/// vibration
 /// @param corners  when not null, receives the measures of every corner
 /// @throws std::invalid_argument if the number of delays or their sign is wrong.
 VerificationReport verify_by_simulation(const Task& task, const Filter& filter, const std::vector<int>& delays,
                                         std::vector<LimitUse>* limits = nullptr,
                                         std::vector<CornerResult>* corners = nullptr);
 
-/// A result made of a filter and delays: simulated, measured, and `feasible` only if every limit holds. Otherwise `failed`, with the
-/// worst limit in the message; the filter stays in the result only if `keep_broken` (evaluation of a given filter).
+/// A result made of a filter and delays: simulated, measured, and `feasible` only if every limit holds. Otherwise
+/// `failed`, with the worst limit in the message; the filter stays in the result only if `keep_broken` (evaluation of a
+/// given filter).
 DesignResult assess(const Task& task, const Filter& filter, const std::vector<int>& delays, bool keep_broken);
 
 /// `accdec evaluate`: the task's own filter and delays.

@@ -1,6 +1,6 @@
 #include <accdec/design/design.hpp>
-#include <accdec/io/report.hpp>
-#include <accdec/io/task_reader.hpp>
+#include <accdec/formats/report.hpp>
+#include <accdec/formats/task_reader.hpp>
 
 int main() {
   const accdec::Task task = accdec::read_task("problems/corner/acceleration-jerk.toml");

@@ -2,27 +2,31 @@
 #include <cmath>
 
 #include <accdec/machine/utilisation.hpp>
-#include <accdec/program/joint_delays.hpp>
-#include <accdec/program/leg_filters.hpp>
+#include <accdec/program/plan/joint_delays.hpp>
+#include <accdec/program/simulate/leg_filters.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr double longest_part = 1.6;       // candidates up to this part of the given filter; longer ones gained nothing measurable
-constexpr double pairs_max = 1e6;          // pairs of filters tried, all corners together
-constexpr double smooth_max = 2e7;         // blocks times filters tried
+constexpr double longest_part =
+    1.6;  // candidates up to this part of the given filter; longer ones gained nothing measurable
+constexpr double pairs_max = 1e6;   // pairs of filters tried, all corners together
+constexpr double smooth_max = 2e7;  // blocks times filters tried
 constexpr std::int64_t impossible = 1'000'000'000;
 
 class LegChoice {
  public:
   LegChoice(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine, int order_max)
-      : path_(path), given_(static_cast<std::size_t>(filter.order())), family_(make_family(filter, order_max)),
+      : path_(path),
+        given_(static_cast<std::size_t>(filter.order())),
+        family_(make_family(filter, order_max)),
         joints_(path, family_, sample_period, machine) {
     Machine modes;
     modes.modes = machine.modes;
     for (const Filter& member : family_.filters()) {
       const std::vector<LimitUse> uses = vibration_utilisation(member, sample_period, modes);
-      allowed_.push_back(std::all_of(uses.begin(), uses.end(), [](const LimitUse& use) { return use.utilisation <= 1.0; }));
+      allowed_.push_back(
+          std::all_of(uses.begin(), uses.end(), [](const LimitUse& use) { return use.utilisation <= 1.0; }));
     }
     allowed_[given_] = true;
     for (std::size_t b = 0, first = 0; b < path.blocks(); ++b) {
@@ -36,7 +40,8 @@ class LegChoice {
     std::vector<std::size_t> best;
     for (const Leg& leg : legs_) best.push_back(leg.shortest);
     const double count = static_cast<double>(legs_.size());
-    const int choices = static_cast<int>(std::min({24.0, std::sqrt(pairs_max / count), smooth_max / static_cast<double>(path_.blocks())}));
+    const int choices = static_cast<int>(
+        std::min({24.0, std::sqrt(pairs_max / count), smooth_max / static_cast<double>(path_.blocks())}));
     if (choices >= 2) {
       // From the shortest to the longest, denser near the shortest; then what is near the best.
       std::vector<std::vector<std::size_t>> candidates;
@@ -45,7 +50,8 @@ class LegChoice {
         std::vector<std::size_t>& mine = candidates.emplace_back();
         for (int i = 0; i < choices; ++i) {
           const double part = static_cast<double>(i) / (choices - 1);
-          mine.push_back(leg.shortest + static_cast<std::size_t>(std::lround(part * part * static_cast<double>(longest - leg.shortest))));
+          mine.push_back(leg.shortest + static_cast<std::size_t>(
+                                            std::lround(part * part * static_cast<double>(longest - leg.shortest))));
         }
       }
       best = solve(std::move(candidates));
@@ -55,8 +61,8 @@ class LegChoice {
           std::vector<std::size_t>& mine = candidates.emplace_back();
           for (const int offset : {-5, -3, -2, -1, 0, 1, 2, 3, 5}) {
             const std::int64_t f = static_cast<std::int64_t>(best[i]) + (round == 0 ? offset : offset / 2);
-            mine.push_back(static_cast<std::size_t>(std::clamp<std::int64_t>(f, static_cast<std::int64_t>(legs_[i].shortest),
-                                                                             static_cast<std::int64_t>(longest))));
+            mine.push_back(static_cast<std::size_t>(std::clamp<std::int64_t>(
+                f, static_cast<std::int64_t>(legs_[i].shortest), static_cast<std::int64_t>(longest))));
           }
         }
         best = solve(std::move(candidates));
@@ -150,7 +156,8 @@ class LegChoice {
         at = static_cast<std::uint16_t>(filters.size());
         filters.push_back(family_.filters()[best[i]]);
       }
-      std::fill(of_block.begin() + static_cast<std::ptrdiff_t>(legs_[i].first), of_block.begin() + static_cast<std::ptrdiff_t>(legs_[i].last) + 1, at);
+      std::fill(of_block.begin() + static_cast<std::ptrdiff_t>(legs_[i].first),
+                of_block.begin() + static_cast<std::ptrdiff_t>(legs_[i].last) + 1, at);
     }
     return {std::move(filters), std::move(of_block)};
   }
@@ -165,7 +172,8 @@ class LegChoice {
 
 }  // namespace
 
-LegFilters choose_leg_filters(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine, int order_max) {
+LegFilters choose_leg_filters(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+                              int order_max) {
   return LegChoice(path, filter, sample_period, machine, order_max).choose();
 }
 

@@ -1,9 +1,8 @@
-#include <accdec/program/corner_limits.hpp>
-
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/design/verifier.hpp>
+#include <accdec/program/plan/corner_limits.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -52,7 +51,8 @@ double CornerLimits::start_factor(std::size_t f, const double* velocity, Binding
   return factor;
 }
 
-bool CornerLimits::any_delay_holds(std::size_t f_in, std::size_t f_out, const double* in, const double* out, int from) const {
+bool CornerLimits::any_delay_holds(std::size_t f_in, std::size_t f_out, const double* in, const double* out,
+                                   int from) const {
   const Peaks &p1 = peaks_[f_in], &p2 = peaks_[f_out];
   const bool same = f_in == f_out, merge = same && from == 0;  // without delay the steps of one filter merge
   for (const std::size_t a : limited_) {
@@ -66,15 +66,16 @@ bool CornerLimits::any_delay_holds(std::size_t f_in, std::size_t f_out, const do
     const double acceleration = (merge ? change * p1.tap : apart) / period_;
     const double jerk = (merge ? change * p1.step : v1 * p1.step + v2 * p2.step) / (period_ * period_);
     const double force = axis.mass * acceleration + axis.damping * v;
-    if (v > axis.velocity_max || acceleration > axis.acceleration_max || jerk > axis.jerk_max || force > axis.force_max ||
-        force * v > axis.power_max || force * v > axis.regeneration_max) {
+    if (v > axis.velocity_max || acceleration > axis.acceleration_max || jerk > axis.jerk_max ||
+        force > axis.force_max || force * v > axis.power_max || force * v > axis.regeneration_max) {
       return false;
     }
   }
   return true;
 }
 
-bool CornerLimits::holds(const Filter& filter_in, const Filter& filter_out, const double* in, const double* out, int delay) const {
+bool CornerLimits::holds(const Filter& filter_in, const Filter& filter_out, const double* in, const double* out,
+                         int delay) const {
   const int last = std::max(filter_in.order(), filter_out.order() + delay) + 2;
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
@@ -85,8 +86,9 @@ bool CornerLimits::holds(const Filter& filter_in, const Filter& filter_out, cons
       const double acceleration = (v2 * filter_out.tap(k - 1 - delay) - v1 * filter_in.tap(k - 1)) / period_;
       const double force = axis.mass * acceleration + axis.damping * v, power = force * v;
       if (std::abs(v) > axis.velocity_max * slack || std::abs(acceleration) > axis.acceleration_max * slack ||
-          std::abs(acceleration - before) > axis.jerk_max * period_ * slack || std::abs(force) > axis.force_max * slack ||
-          power > axis.power_max * slack || -power > axis.regeneration_max * slack) {
+          std::abs(acceleration - before) > axis.jerk_max * period_ * slack ||
+          std::abs(force) > axis.force_max * slack || power > axis.power_max * slack ||
+          -power > axis.regeneration_max * slack) {
         return false;
       }
       before = acceleration;
@@ -95,7 +97,8 @@ bool CornerLimits::holds(const Filter& filter_in, const Filter& filter_out, cons
   return true;
 }
 
-int CornerLimits::smallest(std::size_t f_in, std::size_t f_out, const double* in, const double* out, int from, bool& possible) const {
+int CornerLimits::smallest(std::size_t f_in, std::size_t f_out, const double* in, const double* out, int from,
+                           bool& possible) const {
   if (any_delay_holds(f_in, f_out, in, out, from)) return from;
   const Filter &filter_in = filters_.filters()[f_in], &filter_out = filters_.filters()[f_out];
   if (holds(filter_in, filter_out, in, out, from)) return from;

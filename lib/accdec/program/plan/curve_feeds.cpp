@@ -1,10 +1,9 @@
-#include <accdec/program/curve_feeds.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <accdec/machine/machine.hpp>
+#include <accdec/program/plan/curve_feeds.hpp>
 
 namespace accdec {
 namespace {
@@ -14,8 +13,14 @@ using Point = std::array<double, program_axis_count>;
 /// Deviation at the joints of one leg passed at constant speed.
 class SteadyError {
  public:
-  SteadyError(const Toolpath& path, const Filter& filter, std::size_t first, std::size_t last, std::span<const double> length)
-      : path_(path), filter_(filter), first_(first), last_(last), length_(length), command_(static_cast<std::size_t>(filter.order()) + 3) {}
+  SteadyError(const Toolpath& path, const Filter& filter, std::size_t first, std::size_t last,
+              std::span<const double> length)
+      : path_(path),
+        filter_(filter),
+        first_(first),
+        last_(last),
+        length_(length),
+        command_(static_cast<std::size_t>(filter.order()) + 3) {}
 
   /// Distance of joint b from the filtered path, m. @param step  v T, m
   double operator()(std::size_t b, double step) {
@@ -93,13 +98,14 @@ double sagitta(const Toolpath& path, std::size_t b, double in, double out) {
 
 }  // namespace
 
-CurveFeeds curve_feeds(const Toolpath& path, const LegFilters& filters, double sample_period, std::span<const int> delays,
-                       std::span<const double> planned, std::size_t joints_max) {
+CurveFeeds curve_feeds(const Toolpath& path, const LegFilters& filters, double sample_period,
+                       std::span<const int> delays, std::span<const double> planned, std::size_t joints_max) {
   const std::size_t blocks = path.blocks(), n = path.dimensions();
   const double reach = (filters.order_max() + 2) * sample_period;
-  const auto chosen = [&](std::size_t b) {  // whether the plan had to do something about the block or the joint at its end
-    return planned[b] > path.duration[b] * (1.0 + 1e-9) || (!ends_leg(path, b) && delays[b] > 0);
-  };
+  const auto chosen =
+      [&](std::size_t b) {  // whether the plan had to do something about the block or the joint at its end
+        return planned[b] > path.duration[b] * (1.0 + 1e-9) || (!ends_leg(path, b) && delays[b] > 0);
+      };
   std::vector<Curve> legs;
   std::size_t joints = 0;
   for (std::size_t first = 0, b = 0; b < blocks; first = ++b) {
@@ -126,7 +132,8 @@ CurveFeeds curve_feeds(const Toolpath& path, const LegFilters& filters, double s
       if (!adjust_in && !adjust_out) continue;
       const double bound = path.tolerance[b] > 0.0 ? path.tolerance[b] : sagitta(path, b, length[b], length[b + 1]);
       if (!(bound < unlimited) || bound < 1e-9) continue;
-      const double fastest = std::max(adjust_in ? length[b] / path.duration[b] : 0.0, adjust_out ? length[b + 1] / path.duration[b + 1] : 0.0);
+      const double fastest = std::max(adjust_in ? length[b] / path.duration[b] : 0.0,
+                                      adjust_out ? length[b + 1] / path.duration[b + 1] : 0.0);
       if (error(b, fastest * sample_period) <= bound) continue;
       double low = 0.0, high = fastest;
       while (high - low > 0.005 * high) {
@@ -155,7 +162,8 @@ CurveFeeds curve_feeds(const Toolpath& path, const LegFilters& filters, double s
   return result;
 }
 
-double curve_time(const Curve& curve, std::span<const double> duration, std::span<const int> delays, double sample_period) {
+double curve_time(const Curve& curve, std::span<const double> duration, std::span<const int> delays,
+                  double sample_period) {
   double time = 0.0;
   const std::size_t first = curve.first > 0 ? curve.first - 1 : 0, last = std::min(curve.last + 1, duration.size() - 1);
   for (std::size_t b = first; b <= last; ++b) time += duration[b];

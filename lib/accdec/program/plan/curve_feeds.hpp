@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include <accdec/program/leg_filters.hpp>
-#include <accdec/program/toolpath.hpp>
+#include <accdec/program/read/toolpath.hpp>
+#include <accdec/program/simulate/leg_filters.hpp>
 
 namespace accdec {
 
@@ -16,20 +16,23 @@ struct Curve {
 
 /// The curves of a program on which delays or lower feeds are a choice, and the feeds at which they need no delay.
 struct CurveFeeds {
-  std::vector<Curve> curves;      ///< ascending
-  std::vector<double> duration;   ///< s, of every block: at the feed below, at least the programmed one
+  std::vector<Curve> curves;     ///< ascending
+  std::vector<double> duration;  ///< s, of every block: at the feed below, at least the programmed one
 };
 
-/// A curve passed at constant speed v keeps the distance of its joints from the sum of points v T apart, weighted with the taps: of an
-/// arc of radius R about v^2 s^2 T^2/(2 R) with the second moment s^2 of the taps. The feed of a block is the largest, up to the programmed, at which this
-/// is within the tolerance at both its joints; found by bisection. Where nothing is tolerated (G61) the sagitta stands for the tolerance. Blocks longer than
-/// the filter keep their feeds: their joints are alone, and a delay there costs less.
-/// @param delays, planned  of a plan at the programmed feeds, whose durations s the path holds: what is delayed or was slowed there belongs to curves
+/// A curve passed at constant speed v keeps the distance of its joints from the sum of points v T apart, weighted with
+/// the taps: of an arc of radius R about v^2 s^2 T^2/(2 R) with the second moment s^2 of the taps. The feed of a block
+/// is the largest, up to the programmed, at which this is within the tolerance at both its joints; found by bisection.
+/// Where nothing is tolerated (G61) the sagitta stands for the tolerance. Blocks longer than the filter keep their
+/// feeds: their joints are alone, and a delay there costs less.
+/// @param delays, planned  of a plan at the programmed feeds, whose durations s the path holds: what is delayed or was
+/// slowed there belongs to curves
 /// @param joints_max       with more joints to look at nothing is returned
-CurveFeeds curve_feeds(const Toolpath& path, const LegFilters& filters, double sample_period, std::span<const int> delays,
-                       std::span<const double> planned, std::size_t joints_max);
+CurveFeeds curve_feeds(const Toolpath& path, const LegFilters& filters, double sample_period,
+                       std::span<const int> delays, std::span<const double> planned, std::size_t joints_max);
 
 /// s that a plan spends on a curve: on its blocks and their neighbours, and at rest in their joints.
-double curve_time(const Curve& curve, std::span<const double> duration, std::span<const int> delays, double sample_period);
+double curve_time(const Curve& curve, std::span<const double> duration, std::span<const int> delays,
+                  double sample_period);
 
 }  // namespace accdec

@@ -1,5 +1,3 @@
-#include <accdec/program/design_program.hpp>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -12,9 +10,10 @@
 
 #include <accdec/design/design.hpp>
 #include <accdec/design/standard_shapes.hpp>
-#include <accdec/design/verifier.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan.hpp>
+#include <accdec/program/plan/design_program.hpp>
+#include <accdec/program/plan/plan.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -24,7 +23,8 @@ Eigen::VectorXd leg(const Toolpath& path, std::size_t b) {
   return Eigen::Map<const Eigen::VectorXd>(path.point(b + 1), n) - Eigen::Map<const Eigen::VectorXd>(path.point(b), n);
 }
 
-TaskCorner task_corner(const std::string& name, const Eigen::VectorXd& in, const Eigen::VectorXd& out, double feed_in, double feed_out) {
+TaskCorner task_corner(const std::string& name, const Eigen::VectorXd& in, const Eigen::VectorXd& out, double feed_in,
+                       double feed_out) {
   TaskCorner corner;
   corner.name = name;
   corner.geometry = make_corner(in, out, feed_in, feed_out);
@@ -65,8 +65,9 @@ double planned_time(const Toolpath& path, const Filter& filter, const Task& task
   return plan.errors_hold ? static_cast<double>(plan.simulation.samples) * task.sample_period : unlimited;
 }
 
-/// Trapezoids judged by the whole program, which knows what a few corners do not: rapid moves, for instance, go faster with longer
-/// filters. A coarse grid of orders and ramps, then steps around the best that halve. At most `evaluations` programs are timed.
+/// Trapezoids judged by the whole program, which knows what a few corners do not: rapid moves, for instance, go faster
+/// with longer filters. A coarse grid of orders and ramps, then steps around the best that halve. At most `evaluations`
+/// programs are timed.
 class TrapezoidSearch {
  public:
   TrapezoidSearch(const Toolpath& path, const Task& task, const Machine& machine, long evaluations)
@@ -95,7 +96,8 @@ class TrapezoidSearch {
 
  private:
   void offer(int order, int ramp) {
-    if (left_ <= 0 || order < task_.design.order_min || order > task_.design.order_max || ramp < 0 || ramp > order / 2) return;
+    if (left_ <= 0 || order < task_.design.order_min || order > task_.design.order_max || ramp < 0 || ramp > order / 2)
+      return;
     --left_;
     ++used_;
     const Filter filter = trapezoid(order, ramp);
@@ -129,7 +131,9 @@ Task representative_task(const Toolpath& path, const Task& task, std::size_t cor
   std::map<std::array<int, 4>, Class> classes;
   std::vector<double> fastest(n, 0.0);
   std::vector<std::size_t> driver(n, 0);
-  const auto logarithm = [](double x) { return x > 0.0 ? static_cast<int>(std::floor(std::log(x) / std::log(1.5))) : -1000; };
+  const auto logarithm = [](double x) {
+    return x > 0.0 ? static_cast<int>(std::floor(std::log(x) / std::log(1.5))) : -1000;
+  };
   Eigen::VectorXd in, out = leg(path, 0);
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     in = out;
@@ -153,7 +157,8 @@ Task representative_task(const Toolpath& path, const Task& task, std::size_t cor
   for (const Class& c : frequent) {
     const std::size_t b = c.member;
     const Eigen::VectorXd u = leg(path, b), w = leg(path, b + 1);
-    TaskCorner corner = task_corner(fmt::format("line {}", path.line[b]), u, w, u.norm() / path.duration[b], w.norm() / path.duration[b + 1]);
+    TaskCorner corner = task_corner(fmt::format("line {}", path.line[b]), u, w, u.norm() / path.duration[b],
+                                    w.norm() / path.duration[b + 1]);
     corner.error_max = path.tolerance[b];
     corner.weight = static_cast<double>(c.count);
     result.corners.push_back(std::move(corner));
@@ -211,7 +216,8 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
   const DesignResult design = design_task(representative, options);
   offer(design, design.solver.name.empty() ? design.solver.method : design.solver.name);
   if (best.filter) {
-    // Where moves overlap, what each alone holds may not hold together, and repair costs time that a gentler filter saves.
+    // Where moves overlap, what each alone holds may not hold together, and repair costs time that a gentler filter
+    // saves.
     const Filter chosen = *best.filter;
     double shortest = planned_time(path, chosen, task, machine);
     for (double factor = 1.2; shortest > 1.005 * best_time && factor < 4.0; factor *= 1.2) {

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include <accdec/program/corner_limits.hpp>
-#include <accdec/program/plan.hpp>
+#include <accdec/program/plan/corner_limits.hpp>
+#include <accdec/program/plan/plan.hpp>
 
 namespace accdec {
 namespace {
@@ -25,7 +25,8 @@ class FeedLimiter {
         binding_(path.blocks()),
         reach_((filters.order_max() + 2) * sample_period) {}
 
-  /// Slows what lies within `reach` of the rest before block b (start) or after it (stop), inside its leg. True if anything was.
+  /// Slows what lies within `reach` of the rest before block b (start) or after it (stop), inside its leg. True if
+  /// anything was.
   /// @param reach  s
   bool slow(std::size_t b, End end, double reach) {
     bool slowed = false;
@@ -40,8 +41,8 @@ class FeedLimiter {
   /// What a filter lasts, and a sample, s.
   double reach() const { return reach_; }
 
-  /// Slows the faster block of every joint of the leg around joint b that its legs could not pass together, until the feed climbs and falls
-  /// by jumps that hold. True if anything was.
+  /// Slows the faster block of every joint of the leg around joint b that its legs could not pass together, until the
+  /// feed climbs and falls by jumps that hold. True if anything was.
   bool ramp(std::size_t b) {
     std::size_t first = b, last = b;
     while (first > 0 && !ends_leg(path_, first - 1)) --first;
@@ -58,7 +59,8 @@ class FeedLimiter {
       if (path_.duration[b] <= programmed_[b]) continue;
       const auto& [kind, axis] = binding_[b];
       const std::string name = fmt::format("{} {}", to_string(kind), machine_.axes[axis].name);
-      auto entry = std::find_if(result.begin(), result.end(), [&](const SlowedFeeds& other) { return other.limit == name; });
+      auto entry =
+          std::find_if(result.begin(), result.end(), [&](const SlowedFeeds& other) { return other.limit == name; });
       if (entry == result.end()) {
         result.push_back({name, 0, 1.0, 0});
         entry = result.end() - 1;
@@ -89,15 +91,19 @@ class FeedLimiter {
                              : limits_.holds(filter, filter, v.data(), rest.data(), 0);
   }
 
-  /// Slows `changed` until the limits hold where it meets its neighbour `kept` at full overlap, but not below the neighbour's speed.
+  /// Slows `changed` until the limits hold where it meets its neighbour `kept` at full overlap, but not below the
+  /// neighbour's speed.
   bool slow_jump(std::size_t kept, std::size_t changed) {
     const auto passes = [&](double factor) {
       const Velocity a = velocity(kept, 1.0), c = velocity(changed, factor);
       const bool forward = kept < changed;
-      return limits_.holds(filters_.of(std::min(kept, changed)), filters_.of(std::max(kept, changed)), (forward ? a : c).data(), (forward ? c : a).data(), 0);
+      return limits_.holds(filters_.of(std::min(kept, changed)), filters_.of(std::max(kept, changed)),
+                           (forward ? a : c).data(), (forward ? c : a).data(), 0);
     };
     if (passes(1.0)) return false;
-    const auto speed = [](const Velocity& v) { return std::sqrt(std::inner_product(v.begin(), v.end(), v.begin(), 0.0)); };
+    const auto speed = [](const Velocity& v) {
+      return std::sqrt(std::inner_product(v.begin(), v.end(), v.begin(), 0.0));
+    };
     double low = speed(velocity(kept, 1.0)) / speed(velocity(changed, 1.0)), high = 1.0;
     if (!(low < 1.0) || !passes(low)) return false;
     while (high - low > 1e-4 * low) {
@@ -112,7 +118,8 @@ class FeedLimiter {
 
   bool slow_block(std::size_t b, End end) {
     if (holds(b, end, 1.0)) return false;
-    // Sure, and with limits of velocity, acceleration and jerk exact; force and power may allow more, for their peaks do not coincide.
+    // Sure, and with limits of velocity, acceleration and jerk exact; force and power may allow more, for their peaks
+    // do not coincide.
     double low = limits_.start_factor(filters_.index(b), velocity(b, 1.0).data(), &binding_[b]), high = 1.0;
     if (holds(b, end, std::min(1.0, low * 1.001))) {
       while (high - low > 1e-4 * low) {
@@ -136,12 +143,12 @@ class FeedLimiter {
 
 }  // namespace
 
-std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
-                                     PairwiseDelays& delays, bool ramps) {
+std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const LegFilters& filters, double sample_period,
+                                     const Machine& machine, PairwiseDelays& delays, bool ramps) {
   if (machine.axes.empty()) return {};
   FeedLimiter limiter(path, filters, sample_period, machine);
-  // A shorter reach at a lower feed may leave the next block out, and legs that meet slower make others meet faster: a few rounds.
-  // Where ramps do not settle it, whole legs in the end.
+  // A shorter reach at a lower feed may leave the next block out, and legs that meet slower make others meet faster: a
+  // few rounds. Where ramps do not settle it, whole legs in the end.
   for (int round = 0; round < 12; ++round) {
     bool slowed = limiter.slow(0, End::start, limiter.reach());
     slowed = limiter.slow(path.blocks() - 1, End::stop, limiter.reach()) || slowed;

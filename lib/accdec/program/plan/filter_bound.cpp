@@ -1,13 +1,12 @@
-#include <accdec/program/filter_bound.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include <accdec/design/verifier.hpp>
-#include <accdec/program/command_stream.hpp>
-#include <accdec/program/leg_filters.hpp>
+#include <accdec/program/plan/filter_bound.hpp>
+#include <accdec/program/simulate/command_stream.hpp>
+#include <accdec/program/simulate/leg_filters.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -28,7 +27,9 @@ double mass(double p, double tap) {
 }
 
 /// Least p' - p for a p, 0 <= p.
-double lead(double p, double tap) { return moment(1.0 - tap - mass(p, tap), tap) - p; }
+double lead(double p, double tap) {
+  return moment(1.0 - tap - mass(p, tap), tap) - p;
+}
 
 /// Largest tap that starts block b within the acceleration limits.
 double largest_tap(const Toolpath& path, std::size_t b, const Machine& machine, double sample_period) {
@@ -37,14 +38,16 @@ double largest_tap(const Toolpath& path, std::size_t b, const Machine& machine, 
   double tap = 1.0;
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const double speed = std::abs(p[n + a] - p[a]) / path.duration[b];
-    if (speed > 0.0) tap = std::min(tap, machine.axes[a].acceleration_max * (1.0 + verification_tolerance) * sample_period / speed);
+    if (speed > 0.0)
+      tap = std::min(tap, machine.axes[a].acceleration_max * (1.0 + verification_tolerance) * sample_period / speed);
   }
   return tap;
 }
 
 }  // namespace
 
-double least_separation(double step_in, double step_out, double tap_in, double tap_out, double cos_interior, double error) {
+double least_separation(double step_in, double step_out, double tap_in, double tap_out, double cos_interior,
+                        double error) {
   constexpr double enough = 1e-3;
   // On the ellipse (P, Q) = r (cos, sin), r^2 (1 + sin(2 angle) cos_interior) = error^2.
   const auto radius = [&](double sine) { return error / std::sqrt(std::max(1e-12, 1.0 + sine * cos_interior)); };
@@ -86,7 +89,8 @@ double filter_lower_bound(const Toolpath& path, const Machine& machine, double s
   if (blocks == 0) return 0.0;
   const std::vector<int> none(blocks, 0);
   const CommandTiming timing(path, sample_period, none);
-  const double first_tap = largest_tap(path, 0, machine, sample_period), last_tap = largest_tap(path, blocks - 1, machine, sample_period);
+  const double first_tap = largest_tap(path, 0, machine, sample_period),
+               last_tap = largest_tap(path, blocks - 1, machine, sample_period);
   const auto command = static_cast<double>(timing.command_samples());  // delays only add runs, each rounded up
   double samples = command + moment(1.0 - first_tap, first_tap) + moment(1.0 - last_tap, last_tap) + 1.0;
   for (std::size_t b = 0; b + 1 < blocks; ++b) {
@@ -100,9 +104,10 @@ double filter_lower_bound(const Toolpath& path, const Machine& machine, double s
     }
     const double in = std::sqrt(in2), out = std::sqrt(out2);
     const double tolerance = path.joint[b] == Joint::stop ? 0.0 : path.tolerance[b];
-    samples += least_separation(in / path.duration[b] * sample_period, out / path.duration[b + 1] * sample_period,
-                                largest_tap(path, b, machine, sample_period), largest_tap(path, b + 1, machine, sample_period),
-                                std::clamp(-dot / (in * out), -1.0, 1.0), tolerance * (1.0 + verification_tolerance) + position_floor);
+    samples += least_separation(
+        in / path.duration[b] * sample_period, out / path.duration[b + 1] * sample_period,
+        largest_tap(path, b, machine, sample_period), largest_tap(path, b + 1, machine, sample_period),
+        std::clamp(-dot / (in * out), -1.0, 1.0), tolerance * (1.0 + verification_tolerance) + position_floor);
   }
   return std::max(samples, command + std::ceil(1.0 / last_tap - 1e-9)) * sample_period;
 }

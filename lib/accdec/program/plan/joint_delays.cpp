@@ -1,10 +1,9 @@
-#include <accdec/program/joint_delays.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include <accdec/program/plan.hpp>
+#include <accdec/program/plan/joint_delays.hpp>
+#include <accdec/program/plan/plan.hpp>
 
 namespace accdec {
 
@@ -14,14 +13,16 @@ JointDelays::JointDelays(const Toolpath& path, const LegFilters& filters, double
       period_(sample_period),
       limits_(filters, machine, sample_period),
       finders_(filters_.size() * filters_.size()) {
-  // Half the mean absolute deviation of the taps: a smooth joint passed without delay errs by it times |v2 u2 - v1 u1| T at most.
+  // Half the mean absolute deviation of the taps: a smooth joint passed without delay errs by it times |v2 u2 - v1 u1|
+  // T at most.
   for (const Filter& filter : filters_) {
     double& spread = spread_.emplace_back(0.0);
     for (int i = 0; i <= filter.order(); ++i) spread += filter.tap(i) * std::max(0.0, i - filter.mean_delay());
   }
 }
 
-void JointDelays::load(std::size_t block, double factor, std::array<double, program_axis_count>& velocity, double& speed) const {
+void JointDelays::load(std::size_t block, double factor, std::array<double, program_axis_count>& velocity,
+                       double& speed) const {
   const std::size_t n = path_.dimensions();
   const double* p = path_.point(block);
   const double scale = factor / path_.duration[block];
@@ -74,7 +75,8 @@ int JointDelays::smooth(std::size_t b, std::size_t f) {
   const double bound = path_.tolerance[b], spread = spread_[f] * period_;
   int delay = 0;
   if (spread * spread * change2 > bound * bound) {
-    delay = smallest_path_delay(filters_[f], cos_interior(), speed_in_ * period_, speed_out_ * period_, bound, exact_stop(f, f));
+    delay = smallest_path_delay(filters_[f], cos_interior(), speed_in_ * period_, speed_out_ * period_, bound,
+                                exact_stop(f, f));
   }
   return within_limits(f, f, delay);
 }

@@ -6,13 +6,14 @@
 #include <vector>
 
 #include <accdec/motion/smallest_delay.hpp>
-#include <accdec/program/corner_limits.hpp>
-#include <accdec/program/leg_filters.hpp>
-#include <accdec/program/toolpath.hpp>
+#include <accdec/program/plan/corner_limits.hpp>
+#include <accdec/program/read/toolpath.hpp>
+#include <accdec/program/simulate/leg_filters.hpp>
 
 namespace accdec {
 
-/// Smallest delays of single joints, as if each were alone, for any of a set of filters on either side. Keeps references.
+/// Smallest delays of single joints, as if each were alone, for any of a set of filters on either side. Keeps
+/// references.
 class JointDelays {
  public:
   JointDelays(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine);
@@ -42,8 +43,8 @@ class JointDelays {
   std::span<const Filter> filters_;
   double period_;
   CornerLimits limits_;
-  std::vector<std::unique_ptr<DelayFinder>> finders_;  // of every pair, made when first asked for
-  std::vector<double> spread_;                         // of every filter
+  std::vector<std::unique_ptr<DelayFinder>> finders_;    // of every pair, made when first asked for
+  std::vector<double> spread_;                           // of every filter
   std::array<double, program_axis_count> in_{}, out_{};  // velocities, m/s
   double speed_in_ = 0.0, speed_out_ = 0.0;
   bool possible_ = true;

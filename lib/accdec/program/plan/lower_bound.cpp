@@ -1,7 +1,7 @@
-#include <accdec/program/lower_bound.hpp>
-
 #include <algorithm>
 #include <cmath>
+
+#include <accdec/program/plan/lower_bound.hpp>
 
 namespace accdec {
 namespace {
@@ -21,7 +21,9 @@ double program_lower_bound(const Toolpath& path, const Machine& machine) {
   double any_direction2 = machine.axes.empty() ? unlimited : 0.0;
   for (const Axis& axis : machine.axes) any_direction2 += axis.acceleration_max * axis.acceleration_max;
   const double any_direction = std::sqrt(any_direction2);
-  const auto tolerance = [&](std::size_t joint) { return path.joint[joint] == Joint::stop ? 0.0 : path.tolerance[joint]; };
+  const auto tolerance = [&](std::size_t joint) {
+    return path.joint[joint] == Joint::stop ? 0.0 : path.tolerance[joint];
+  };
 
   double time = path.dwell_first;
   for (const auto& dwell : path.dwell) time += dwell.second;
@@ -34,7 +36,8 @@ double program_lower_bound(const Toolpath& path, const Machine& machine) {
       double length2 = 0.0;
       for (std::size_t a = 0; a < n; ++a) length2 += (p[n + a] - p[a]) * (p[n + a] - p[a]);
       const double length = std::sqrt(length2), speed = length / path.duration[b];
-      const double left = std::max(0.0, length - (b > first ? tolerance(b - 1) : 0.0) - (b < last ? tolerance(b) : 0.0));
+      const double left =
+          std::max(0.0, length - (b > first ? tolerance(b - 1) : 0.0) - (b < last ? tolerance(b) : 0.0));
       cruise += left / speed;
       way += left;
       fastest = std::max(fastest, speed);

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/program/joint_delays.hpp>
-#include <accdec/program/plan.hpp>
+#include <accdec/program/plan/joint_delays.hpp>
+#include <accdec/program/plan/plan.hpp>
 
 namespace accdec {
 namespace {
@@ -72,8 +72,8 @@ int smallest_path_delay(const Filter& filter, double cos_interior, double step_i
   return high;
 }
 
-PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
-                               DelayRule rule) {
+PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, double sample_period,
+                               const Machine& machine, DelayRule rule) {
   JointDelays joints(path, filters, sample_period, machine);
   const std::size_t blocks = path.blocks();
   PairwiseDelays result;
@@ -82,8 +82,8 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, 
   };
   std::vector<int>& delays = result.delays;
   delays.assign(blocks, 0);
-  // All but corners first, for delays of smooth joints decide where runs end and so by how much feeds are lowered. Unlowered feeds
-  // are the worse case.
+  // All but corners first, for delays of smooth joints decide where runs end and so by how much feeds are lowered.
+  // Unlowered feeds are the worse case.
   for (std::size_t b = 0; b + 1 < blocks; ++b) {
     if (path.joint[b] == Joint::stop || (rule == DelayRule::exact_stop && path.inside_arc[b] == 0)) {
       delays[b] = joints.stop(b, filters.index(b), filters.index(b + 1));

@@ -1,12 +1,11 @@
-#include <accdec/program/plan.hpp>
-
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/design/verifier.hpp>
-#include <accdec/program/corner_limits.hpp>
-#include <accdec/program/curve_feeds.hpp>
-#include <accdec/program/repair.hpp>
+#include <accdec/program/plan/corner_limits.hpp>
+#include <accdec/program/plan/curve_feeds.hpp>
+#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/repair.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -31,11 +30,14 @@ ProgramPlan simulate_plan(const Toolpath& path, const LegFilters& filters, doubl
 }  // namespace
 
 bool all_holds(const ProgramPlan& plan) {
-  return plan.errors_hold && std::all_of(plan.simulation.limits.begin(), plan.simulation.limits.end(),
-                                         [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
+  return plan.errors_hold &&
+         std::all_of(plan.simulation.limits.begin(), plan.simulation.limits.end(),
+                     [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
 }
 
-bool holds(double error, double bound) { return error <= bound * (1.0 + verification_tolerance) + position_floor; }
+bool holds(double error, double bound) {
+  return error <= bound * (1.0 + verification_tolerance) + position_floor;
+}
 
 void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
   if (machine.axes.empty()) return;
@@ -81,7 +83,8 @@ ProgramPlan check_program(const Toolpath& path, const LegFilters& filters, doubl
 
 namespace {
 
-ProgramPlan plan_with(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine, bool ramps) {
+ProgramPlan plan_with(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
+                      bool ramps) {
   PairwiseDelays pairwise = pairwise_delays(path, filters, sample_period, machine);
   std::vector<SlowedFeeds> too_fast = limit_feeds(path, filters, sample_period, machine, pairwise, ramps);
   const auto keep_given = [&] {
@@ -119,8 +122,9 @@ ProgramPlan plan_with(Toolpath& path, const LegFilters& filters, double sample_p
   return plan;
 }
 
-/// A plan that starts from the feeds the path has. Feeds too fast for the limits climb and fall by jumps, each of which holds by itself; where
-/// blocks are so short that several fall into one filter, that may not do, and every block gets a feed it can start and stop from.
+/// A plan that starts from the feeds the path has. Feeds too fast for the limits climb and fall by jumps, each of which
+/// holds by itself; where blocks are so short that several fall into one filter, that may not do, and every block gets
+/// a feed it can start and stop from.
 ProgramPlan plan_at_feeds(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
   const std::vector<double> before = path.duration;
   ProgramPlan plan = plan_with(path, filters, sample_period, machine, true);
@@ -133,14 +137,20 @@ ProgramPlan plan_at_feeds(Toolpath& path, const LegFilters& filters, double samp
   return plan;
 }
 
-/// Plans the curves of a program at other feeds, and keeps of every curve the fastest. Curves are tried together, a plan of the whole
-/// program for each step, since they hardly touch each other; what is kept has been planned and simulated as a whole.
+/// Plans the curves of a program at other feeds, and keeps of every curve the fastest. Curves are tried together, a
+/// plan of the whole program for each step, since they hardly touch each other; what is kept has been planned and
+/// simulated as a whole.
 class CurveTrials {
  public:
   CurveTrials(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine, ProgramPlan plan,
               std::vector<double> programmed)
-      : path_(path), filters_(filters), period_(sample_period), machine_(machine), programmed_(std::move(programmed)),
-        best_(std::move(plan)), best_duration_(path.duration) {
+      : path_(path),
+        filters_(filters),
+        period_(sample_period),
+        machine_(machine),
+        programmed_(std::move(programmed)),
+        best_(std::move(plan)),
+        best_duration_(path.duration) {
     path_.duration = programmed_;
     feeds_ = curve_feeds(path_, filters_, period_, best_.delays, best_duration_, joints_max);
     for (const Curve& curve : feeds_.curves) {

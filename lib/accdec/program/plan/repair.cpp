@@ -1,9 +1,8 @@
-#include <accdec/program/repair.hpp>
-
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/program/plan.hpp>
+#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/repair.hpp>
 
 namespace accdec {
 namespace {
@@ -28,8 +27,8 @@ void unique_ascending(RepairWork& work) {
 
 }  // namespace
 
-Repair::Repair(Toolpath& path, const LegFilters& filters, double sample_period, const Machine* machine, std::vector<int>& delays,
-               std::vector<double>& errors)
+Repair::Repair(Toolpath& path, const LegFilters& filters, double sample_period, const Machine* machine,
+               std::vector<int>& delays, std::vector<double>& errors)
     : path_(path),
       filters_(filters),
       machine_(machine),
@@ -45,8 +44,8 @@ bool Repair::slow_around(std::size_t joint, double factor, RepairWork& work) con
   const auto slow = [&](std::size_t b) {
     if (path_.duration[b] < apart_ * timing_.sample_period()) work.slow.push_back({b, factor});
   };
-  // What is commanded up to half a filter away acts there, but slowing all of it helps one joint and costs its neighbours more than
-  // they need; those that need it are slowed on their own behalf.
+  // What is commanded up to half a filter away acts there, but slowing all of it helps one joint and costs its
+  // neighbours more than they need; those that need it are slowed on their own behalf.
   const double reach = 0.06 * apart_ * timing_.sample_period();
   double time = 0.0;
   for (std::size_t b = joint + 1; b-- > 0 && time < reach;) {
@@ -102,8 +101,9 @@ RepairWork Repair::failing(std::span<const std::uint32_t> broken) const {
 }
 
 Repair::Range Repair::around(std::size_t joint) const {
-  // A delay that comes, goes or a block that slows moves the samples of the whole run on either side of the joint. Beyond these,
-  // a joint's window reaches from N samples before it to rest + N + 1 after it, rest <= N + 2; blocks take at least their duration.
+  // A delay that comes, goes or a block that slows moves the samples of the whole run on either side of the joint.
+  // Beyond these, a joint's window reaches from N samples before it to rest + N + 1 after it, rest <= N + 2; blocks
+  // take at least their duration.
   if (path_.blocks() == 1) return {0, 0, 0, 0};
   const double n = apart_, period = timing_.sample_period();
   Range range{timing_.run_begin(joint), timing_.run_end(joint + 1), 0, 0};
@@ -145,7 +145,8 @@ void Repair::judge(std::size_t first, std::size_t last, RepairWork& failing) con
 }
 
 void Repair::accept(std::size_t first, std::size_t last) {
-  std::copy(scratch_.begin() + static_cast<std::ptrdiff_t>(first), scratch_.begin() + static_cast<std::ptrdiff_t>(last) + 1,
+  std::copy(scratch_.begin() + static_cast<std::ptrdiff_t>(first),
+            scratch_.begin() + static_cast<std::ptrdiff_t>(last) + 1,
             errors_.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
@@ -162,7 +163,9 @@ RepairWork Repair::round(const RepairWork& work, int step) {
   for (std::size_t i = 0; i < joints.size();) {
     Range range = around(joints[i]);
     // A lone block may have to be slowed: there is no joint after it.
-    const auto end_of_runs = [&](std::size_t joint) { return joint + 1 < path_.blocks() ? timing_.run_end(joint + 1) : joint; };
+    const auto end_of_runs = [&](std::size_t joint) {
+      return joint + 1 < path_.blocks() ? timing_.run_end(joint + 1) : joint;
+    };
     std::size_t seen = end_of_runs(joints[i]);  // joints before this have both runs inside the range
     std::vector<std::pair<std::size_t, std::size_t>> spans{{range.eval_first, range.eval_last}};
     for (++i; i < joints.size(); ++i) {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include <accdec/program/leg_filters.hpp>
-#include <accdec/program/simulate.hpp>
+#include <accdec/program/simulate/leg_filters.hpp>
+#include <accdec/program/simulate/simulate.hpp>
 
 namespace accdec {
 
@@ -26,16 +26,18 @@ class Repair {
   /// @param machine  nullptr: limits are left alone
   /// @param path            durations of its blocks may grow
   /// @param delays, errors  of the whole program, kept by reference and kept up to date
-  Repair(Toolpath& path, const LegFilters& filters, double sample_period, const Machine* machine, std::vector<int>& delays,
-         std::vector<double>& errors);
+  Repair(Toolpath& path, const LegFilters& filters, double sample_period, const Machine* machine,
+         std::vector<int>& delays, std::vector<double>& errors);
 
-  /// A corner whose error breaks its bound is raised. Around a smooth joint that does, the feed is lowered: on curves the error goes with
-  /// the square of the feed, whereas a command that rests for a sample again and again wears the jerk limit out. For every block blamed
-  /// for a broken limit the corner before it is raised; if that is longer than the filter already, the nearest one before that still can
-  /// be; and inside curves the feed is lowered, too. Where there is neither, a block shorter than the filter breaks the limit by
-  /// itself, its start and its stop together: it is slowed. Joints that twenty rounds have not mended are raised, smooth ones, too.
+  /// A corner whose error breaks its bound is raised. Around a smooth joint that does, the feed is lowered: on curves
+  /// the error goes with the square of the feed, whereas a command that rests for a sample again and again wears the
+  /// jerk limit out. For every block blamed for a broken limit the corner before it is raised; if that is longer than
+  /// the filter already, the nearest one before that still can be; and inside curves the feed is lowered, too. Where
+  /// there is neither, a block shorter than the filter breaks the limit by itself, its start and its stop together: it
+  /// is slowed. Joints that twenty rounds have not mended are raised, smooth ones, too.
   RepairWork failing(std::span<const std::uint32_t> broken) const;
-  /// One round: changes, re-simulates around the changes, and returns what fails there now. @param step  samples to raise by
+  /// One round: changes, re-simulates around the changes, and returns what fails there now. @param step  samples to
+  /// raise by
   RepairWork round(const RepairWork& work, int step);
   /// Lowers the delay of a joint, not below `least`, as far as everything around it holds.
   void lower(std::size_t joint, int least);

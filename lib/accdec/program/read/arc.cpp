@@ -1,8 +1,8 @@
-#include <accdec/program/arc.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include <accdec/program/read/arc.hpp>
 
 namespace accdec {
 namespace {

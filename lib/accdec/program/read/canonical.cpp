@@ -1,20 +1,20 @@
-#include <accdec/program/reader.hpp>
-
 #include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 
-#include <accdec/program/canonical_call.hpp>
-#include <accdec/program/move_state.hpp>
-#include <accdec/program/number.hpp>
+#include <accdec/program/read/canonical_call.hpp>
+#include <accdec/program/read/move_state.hpp>
+#include <accdec/program/read/number.hpp>
+#include <accdec/program/read/reader.hpp>
 
 namespace accdec {
 
 namespace {
 
 constexpr const char* allowed =
-    "; allowed: STRAIGHT_TRAVERSE STRAIGHT_FEED ARC_FEED SET_FEED_RATE USE_LENGTH_UNITS SELECT_PLANE SET_MOTION_CONTROL_MODE DWELL "
+    "; allowed: STRAIGHT_TRAVERSE STRAIGHT_FEED ARC_FEED SET_FEED_RATE USE_LENGTH_UNITS SELECT_PLANE "
+    "SET_MOTION_CONTROL_MODE DWELL "
     "PROGRAM_STOP PROGRAM_END, and what rs274 -g prints for spindle, tools, coolant, comments and messages";
 
 class CanonicalReader {
@@ -49,7 +49,8 @@ class CanonicalReader {
     if (more != std::string_view::npos) source_.fail(more + 1, "text after the call: one call a line");
   }
   [[noreturn]] void bad_word(std::string_view words) const {
-    source_.fail(call_.arguments + 1, "unknown argument of " + std::string(call_.name) + ", allowed: " + std::string(words));
+    source_.fail(call_.arguments + 1,
+                 "unknown argument of " + std::string(call_.name) + ", allowed: " + std::string(words));
   }
   static double unit_of(std::size_t axis, double length) { return axis >= 3 && axis < 6 ? 1e-3 : length; }
   static ProgramPoint initial_units() {
@@ -69,7 +70,8 @@ class CanonicalReader {
   Plane plane_ = Plane::xy;
   std::string_view line_;
   CanonicalCall call_;
-  ProgramPoint printed_{}, printed_unit_ = initial_units();  // as the coordinates of the position were printed; m a unit
+  ProgramPoint printed_{},
+      printed_unit_ = initial_units();  // as the coordinates of the position were printed; m a unit
   std::array<double, 10> value_{};
   std::size_t count_ = 0;
 };
@@ -107,16 +109,23 @@ bool CanonicalReader::execute() {
   } else if (name == "USE_LENGTH_UNITS") {
     const std::string_view unit = text();
     const double old = state_.unit;
-    if (unit == "CANON_UNITS_MM") state_.unit = 1e-3;
-    else if (unit == "CANON_UNITS_INCHES") state_.unit = 0.0254;
-    else bad_word("CANON_UNITS_MM, CANON_UNITS_INCHES");
+    if (unit == "CANON_UNITS_MM")
+      state_.unit = 1e-3;
+    else if (unit == "CANON_UNITS_INCHES")
+      state_.unit = 0.0254;
+    else
+      bad_word("CANON_UNITS_MM, CANON_UNITS_INCHES");
     state_.feed *= old / state_.unit;
   } else if (name == "SELECT_PLANE") {
     const std::string_view plane = text();
-    if (plane == "CANON_PLANE_XY") plane_ = Plane::xy;
-    else if (plane == "CANON_PLANE_XZ") plane_ = Plane::zx;
-    else if (plane == "CANON_PLANE_YZ") plane_ = Plane::yz;
-    else bad_word("CANON_PLANE_XY, CANON_PLANE_XZ, CANON_PLANE_YZ");
+    if (plane == "CANON_PLANE_XY")
+      plane_ = Plane::xy;
+    else if (plane == "CANON_PLANE_XZ")
+      plane_ = Plane::zx;
+    else if (plane == "CANON_PLANE_YZ")
+      plane_ = Plane::yz;
+    else
+      bad_word("CANON_PLANE_XY, CANON_PLANE_XZ, CANON_PLANE_YZ");
   } else if (name == "SET_MOTION_CONTROL_MODE") {
     control();
   } else if (name == "DWELL") {
@@ -163,13 +172,14 @@ void CanonicalReader::other_call() {
 
 /// Calls that a written program keeps, as the words they came from. Arguments of the others are not looked at.
 void CanonicalReader::pass_call() {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 7> words{{{"START_SPINDLE_CLOCKWISE", "M3"},
-                                                                                      {"START_SPINDLE_COUNTERCLOCKWISE", "M4"},
-                                                                                      {"STOP_SPINDLE_TURNING", "M5"},
-                                                                                      {"MIST_ON", "M7"},
-                                                                                      {"FLOOD_ON", "M8"},
-                                                                                      {"MIST_OFF", "M9"},
-                                                                                      {"FLOOD_OFF", "M9"}}};
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 7> words{
+      {{"START_SPINDLE_CLOCKWISE", "M3"},
+       {"START_SPINDLE_COUNTERCLOCKWISE", "M4"},
+       {"STOP_SPINDLE_TURNING", "M5"},
+       {"MIST_ON", "M7"},
+       {"FLOOD_ON", "M8"},
+       {"MIST_OFF", "M9"},
+       {"FLOOD_OFF", "M9"}}};
   const std::string_view name = call_.name, arguments = text();
   for (const auto& [call, word] : words) {
     if (name == call) state_.pass(word);
@@ -196,8 +206,8 @@ void CanonicalReader::feed() {
   state_.feed = value_[0];  // 0 is what an interpreter prints before the first F word
 }
 
-/// Coordinates are printed with 4 decimals. One that has not moved prints alike, but differs by its rounding where the unit has
-/// changed in between: then it must not move, or full circles were lost and rotary moves counted as ones of X.
+/// Coordinates are printed with 4 decimals. One that has not moved prints alike, but differs by its rounding where the
+/// unit has changed in between: then it must not move, or full circles were lost and rotary moves counted as ones of X.
 double CanonicalReader::coordinate(std::size_t argument, std::size_t axis) {
   const double unit = unit_of(axis, state_.unit), value = value_[argument] * unit, old_unit = printed_unit_[axis];
   const bool same = unit == old_unit ? value_[argument] == printed_[axis]
@@ -237,10 +247,14 @@ void CanonicalReader::control() {
   const std::string_view arguments = text();
   const std::size_t comma = arguments.find(',');
   const std::string_view mode = arguments.substr(0, comma);
-  if (mode == "CANON_EXACT_STOP") state_.control = PathControl::exact_stop;
-  else if (mode == "CANON_EXACT_PATH") state_.control = PathControl::exact_path;
-  else if (mode == "CANON_CONTINUOUS") state_.control = PathControl::blend;
-  else bad_word("CANON_EXACT_STOP, CANON_EXACT_PATH, CANON_CONTINUOUS");
+  if (mode == "CANON_EXACT_STOP")
+    state_.control = PathControl::exact_stop;
+  else if (mode == "CANON_EXACT_PATH")
+    state_.control = PathControl::exact_path;
+  else if (mode == "CANON_CONTINUOUS")
+    state_.control = PathControl::blend;
+  else
+    bad_word("CANON_EXACT_STOP, CANON_EXACT_PATH, CANON_CONTINUOUS");
   if (state_.control != PathControl::blend) return;
   state_.tolerance = -1.0;
   if (comma == std::string_view::npos) return;

@@ -1,10 +1,9 @@
-#include <accdec/program/reader.hpp>
-
 #include <algorithm>
 #include <string>
 #include <vector>
 
-#include <accdec/program/number.hpp>
+#include <accdec/program/read/number.hpp>
+#include <accdec/program/read/reader.hpp>
 
 namespace accdec {
 namespace {
@@ -46,12 +45,14 @@ std::size_t read_names(std::string_view line, std::size_t start, Header& header)
     if (axis > feed_column || header.has(axis)) return start;
     header.columns.push_back(axis);
     start = end;
-    if (header.commas ? end == line.size() : line.find_first_not_of(separators, end) == std::string_view::npos) return std::string_view::npos;
+    if (header.commas ? end == line.size() : line.find_first_not_of(separators, end) == std::string_view::npos)
+      return std::string_view::npos;
     if (header.commas) ++start;
   }
 }
 
-/// The first line that is no comment, or a comment that holds names of columns and nothing else: so numpy's savetxt writes them.
+/// The first line that is no comment, or a comment that holds names of columns and nothing else: so numpy's savetxt
+/// writes them.
 bool find_header(LineSource& source, Header& header) {
   std::string_view line;
   while (source.next(line)) {
@@ -68,7 +69,8 @@ bool find_header(LineSource& source, Header& header) {
       for (const std::size_t axis : header.columns) {
         if (column_name(axis) == name) source.fail(wrong + 1, "column '" + name + "' twice");
       }
-      source.fail(wrong + 1, "unknown column '" + name + "', allowed: x_mm y_mm z_mm a_deg b_deg c_deg u_mm v_mm w_mm feed_mm_min");
+      source.fail(wrong + 1, "unknown column '" + name +
+                                 "', allowed: x_mm y_mm z_mm a_deg b_deg c_deg u_mm v_mm w_mm feed_mm_min");
     }
     if (!header.complete()) source.fail(1, "the table needs a column feed_mm_min and one of an axis");
     return true;
@@ -114,7 +116,8 @@ void read_csv(LineSource& source, const ReadOptions&, MoveSink& sink) {
       blanks();
       const bool separated = header.commas ? p != end && *p == ',' : p != end && p != behind;
       if (c + 1 < columns.size() ? !separated : p != end) {
-        source.fail(at(), "the row must have " + std::to_string(columns.size()) + " values" + (header.commas ? ", commas between them" : ""));
+        source.fail(at(), "the row must have " + std::to_string(columns.size()) + " values" +
+                              (header.commas ? ", commas between them" : ""));
       }
       if (p != end && header.commas) ++p;
     }

@@ -1,9 +1,8 @@
-#include <accdec/program/line_source.hpp>
-
 #include <cerrno>
 #include <cstring>
 
-#include <accdec/program/read_error.hpp>
+#include <accdec/program/read/line_source.hpp>
+#include <accdec/program/read/read_error.hpp>
 
 namespace accdec {
 namespace {
@@ -25,7 +24,8 @@ LineSource::LineSource(std::string name, std::string_view text)
 
 void LineSource::skip_byte_order_mark() {
   constexpr std::string_view mark = "\xef\xbb\xbf";
-  if (std::string_view(position_, static_cast<std::size_t>(end_ - position_)).starts_with(mark)) position_ += mark.size();
+  if (std::string_view(position_, static_cast<std::size_t>(end_ - position_)).starts_with(mark))
+    position_ += mark.size();
 }
 
 const void* LineSource::find_end() const {

@@ -10,11 +10,12 @@
 
 namespace accdec {
 
-/// The lines of a file or of a text in memory, one after the other through one buffer: memory does not grow with the file.
-/// The byte order mark that some editors put before UTF-8 is not part of the first line.
+/// The lines of a file or of a text in memory, one after the other through one buffer: memory does not grow with the
+/// file. The byte order mark that some editors put before UTF-8 is not part of the first line.
 class LineSource {
  public:
-  /// Longest line accepted, characters. Longer ones are an error, so that a file without line ends cannot fill the memory.
+  /// Longest line accepted, characters. Longer ones are an error, so that a file without line ends cannot fill the
+  /// memory.
   static constexpr std::size_t line_max = 65536;
 
   /// @throws std::invalid_argument "file: reason" if it cannot be opened.

@@ -1,6 +1,6 @@
-#include <accdec/program/move.hpp>
-
 #include <cmath>
+
+#include <accdec/program/read/move.hpp>
 
 namespace accdec {
 namespace {

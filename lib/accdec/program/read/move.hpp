@@ -6,8 +6,8 @@
 
 namespace accdec {
 
-/// The axes of a program, in this order. X Y Z U V W are linear, in m. A B C are rotary; a degree counts as a millimetre, as
-/// feed words in degrees per minute and tolerances in numeric controls do, so it is 1e-3 here.
+/// The axes of a program, in this order. X Y Z U V W are linear, in m. A B C are rotary; a degree counts as a
+/// millimetre, as feed words in degrees per minute and tolerances in numeric controls do, so it is 1e-3 here.
 inline constexpr std::string_view program_axes = "XYZABCUVW";
 inline constexpr std::size_t program_axis_count = 9;
 using ProgramPoint = std::array<double, program_axis_count>;
@@ -22,8 +22,8 @@ enum class PathControl : std::uint8_t {
 /// One straight move, from where the last one ended.
 struct Move {
   ProgramPoint to{};
-  double duration = 0.0;   ///< s at the programmed feed; 0 for a rapid move, whose time the axis limits set
-  double tolerance = -1.0; ///< m, G64 P in force; negative: the program gives none
+  double duration = 0.0;    ///< s at the programmed feed; 0 for a rapid move, whose time the axis limits set
+  double tolerance = -1.0;  ///< m, G64 P in force; negative: the program gives none
   PathControl control = PathControl::blend;
   bool rapid = false;
   bool inside_arc = false;  ///< a chord of an arc that the arc's next chord follows
@@ -39,7 +39,8 @@ class MoveSink {
   virtual void begin(const ProgramPoint& at) = 0;
   /// Moves of no length come, too: they carry no path but count as blocks.
   virtual void move(const Move& move) = 0;
-  /// The motion before this point must come to rest here, and stays for `dwell` s (G4) or until the operator goes on (0).
+  /// The motion before this point must come to rest here, and stays for `dwell` s (G4) or until the operator goes on
+  /// (0).
   virtual void stop(double dwell) = 0;
   /// Words at this point that are not about motion (spindle, tool, coolant, offsets, M0), as they would be written.
   virtual void pass(std::string_view /*words*/) {}

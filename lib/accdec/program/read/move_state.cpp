@@ -1,7 +1,7 @@
-#include <accdec/program/move_state.hpp>
-
 #include <cmath>
 #include <string>
+
+#include <accdec/program/read/move_state.hpp>
 
 namespace accdec {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <accdec/program/arc.hpp>
-#include <accdec/program/line_source.hpp>
-#include <accdec/program/move.hpp>
+#include <accdec/program/read/arc.hpp>
+#include <accdec/program/read/line_source.hpp>
+#include <accdec/program/read/move.hpp>
 
 namespace accdec {
 

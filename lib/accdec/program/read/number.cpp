@@ -1,10 +1,10 @@
-#include <accdec/program/number.hpp>
-
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 
 #include <fmt/format.h>
+
+#include <accdec/program/read/number.hpp>
 
 namespace accdec {
 namespace {
@@ -46,9 +46,11 @@ bool read_scientific(const char*& p, const char* end, double& value) {
   if (!read_number(p, end, value)) return false;
   if (p == end || (*p | 0x20) != 'e') return true;
   double result = 0.0;
-  const auto [behind, error] = std::from_chars(*start == '+' ? start + 1 : start, end, result, std::chars_format::general);
+  const auto [behind, error] =
+      std::from_chars(*start == '+' ? start + 1 : start, end, result, std::chars_format::general);
   // Numbers too small for a double count as 0. Without digits the e is left over, and so refused by what comes next.
-  if ((error != std::errc{} && !(error == std::errc::result_out_of_range && p + 1 != end && p[1] == '-')) || !(std::abs(result) <= number_max)) {
+  if ((error != std::errc{} && !(error == std::errc::result_out_of_range && p + 1 != end && p[1] == '-')) ||
+      !(std::abs(result) <= number_max)) {
     p = start;
     return false;
   }

@@ -11,7 +11,8 @@ bool read_number(const char*& p, const char* end, double& value);
 bool read_scientific(const char*& p, const char* end, double& value);
 inline constexpr double number_max = 1e12;
 
-/// A finite number as programs write it: without exponent, at most `decimals` of them, no zeros behind the last that counts.
+/// A finite number as programs write it: without exponent, at most `decimals` of them, no zeros behind the last that
+/// counts.
 std::string plain_number(double value, int decimals);
 
 }  // namespace accdec

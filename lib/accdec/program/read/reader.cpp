@@ -1,6 +1,5 @@
-#include <accdec/program/reader.hpp>
-
-#include <accdec/program/canonical_call.hpp>
+#include <accdec/program/read/canonical_call.hpp>
+#include <accdec/program/read/reader.hpp>
 
 namespace accdec {
 
@@ -13,8 +12,8 @@ ProgramFormat read_program(LineSource& source, const ReadOptions& options, MoveS
   while (source.next(line)) {
     if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
     source.again();
-    // Words before a comment look like a call, T1M6(DRILL), so only the names decide; no word has a '_', so that a misspelt
-    // call is reported as one.
+    // Words before a comment look like a call, T1M6(DRILL), so only the names decide; no word has a '_', so that a
+    // misspelt call is reported as one.
     const std::string_view name = find_call(line).name;
     if (call_kind(name) == CallKind::unknown && name.find('_') == std::string_view::npos) break;
     read_canonical(source, options, sink);

@@ -1,41 +1,75 @@
-#include <accdec/program/reader.hpp>
-
 #include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
-#include <accdec/program/move_state.hpp>
-#include <accdec/program/number.hpp>
-#include <accdec/program/words.hpp>
+#include <accdec/program/read/move_state.hpp>
+#include <accdec/program/read/number.hpp>
+#include <accdec/program/read/reader.hpp>
+#include <accdec/program/read/words.hpp>
 
 namespace accdec {
 namespace {
 
 /// Modal groups of G codes, as far as they are understood.
 enum Group : int {
-  g_motion, g_plane, g_distance, g_arc_distance, g_units, g_path, g_dwell, g_cancel_cycle,
-  g_cutter, g_tool_length, g_coordinates, g_feed_mode, g_spindle_mode, g_return, g_unknown
+  g_motion,
+  g_plane,
+  g_distance,
+  g_arc_distance,
+  g_units,
+  g_path,
+  g_dwell,
+  g_cancel_cycle,
+  g_cutter,
+  g_tool_length,
+  g_coordinates,
+  g_feed_mode,
+  g_spindle_mode,
+  g_return,
+  g_unknown
 };
 constexpr const char* g_allowed =
-    "; supported: G0 G1 G2 G3 G4 G17 G18 G19 G20 G21 G40 G43 G49 G54 to G59.3 G61 G61.1 G64 G80 G90 G90.1 G91 G91.1 G94 G96 to G99";
+    "; supported: G0 G1 G2 G3 G4 G17 G18 G19 G20 G21 G40 G43 G49 G54 to G59.3 G61 G61.1 G64 G80 G90 G90.1 G91 G91.1 "
+    "G94 G96 to G99";
 
 Group classify(int tenths) {
   switch (tenths) {
-    case 0: case 10: case 20: case 30: return g_motion;
+    case 0:
+    case 10:
+    case 20:
+    case 30: return g_motion;
     case 40: return g_dwell;
-    case 170: case 180: case 190: return g_plane;
-    case 200: case 210: return g_units;
+    case 170:
+    case 180:
+    case 190: return g_plane;
+    case 200:
+    case 210: return g_units;
     case 400: return g_cutter;
-    case 430: case 490: return g_tool_length;
-    case 540: case 550: case 560: case 570: case 580: case 590: case 591: case 592: case 593: return g_coordinates;
-    case 610: case 611: case 640: return g_path;
+    case 430:
+    case 490: return g_tool_length;
+    case 540:
+    case 550:
+    case 560:
+    case 570:
+    case 580:
+    case 590:
+    case 591:
+    case 592:
+    case 593: return g_coordinates;
+    case 610:
+    case 611:
+    case 640: return g_path;
     case 800: return g_cancel_cycle;
-    case 900: case 910: return g_distance;
-    case 901: case 911: return g_arc_distance;
+    case 900:
+    case 910: return g_distance;
+    case 901:
+    case 911: return g_arc_distance;
     case 940: return g_feed_mode;
-    case 960: case 970: return g_spindle_mode;
-    case 980: case 990: return g_return;
+    case 960:
+    case 970: return g_spindle_mode;
+    case 980:
+    case 990: return g_return;
     default: return g_unknown;
   }
 }
@@ -46,17 +80,26 @@ constexpr const char* m_allowed = "; supported: M0 to M9, M30, M48, M49";
 
 MGroup classify_m(int tenths) {
   switch (tenths) {
-    case 0: case 10: case 20: case 300: return m_stop;
+    case 0:
+    case 10:
+    case 20:
+    case 300: return m_stop;
     case 60: return m_tool;
-    case 30: case 40: case 50: return m_spindle;
-    case 70: case 80: case 90: return m_coolant;
-    case 480: case 490: return m_override;
+    case 30:
+    case 40:
+    case 50: return m_spindle;
+    case 70:
+    case 80:
+    case 90: return m_coolant;
+    case 480:
+    case 490: return m_override;
     default: return m_unknown;
   }
 }
 
 std::string name(char letter, int tenths) {
-  return tenths % 10 == 0 ? fmt::format("{}{}", letter, tenths / 10) : fmt::format("{}{}.{}", letter, tenths / 10, tenths % 10);
+  return tenths % 10 == 0 ? fmt::format("{}{}", letter, tenths / 10)
+                          : fmt::format("{}{}.{}", letter, tenths / 10, tenths % 10);
 }
 
 class Interpreter {
@@ -169,7 +212,8 @@ void Interpreter::check_numbers() const {
     const double value = words_[letter];
     const bool whole = letter == 'T' || letter == 'H';
     if (value < 0.0 || (whole && value != std::floor(value))) {
-      source_.fail(words_.column(letter), fmt::format("{} must be {} that is not negative", letter, whole ? "a whole number" : "a number"));
+      source_.fail(words_.column(letter),
+                   fmt::format("{} must be {} that is not negative", letter, whole ? "a whole number" : "a number"));
     }
   }
 }
@@ -199,7 +243,8 @@ bool Interpreter::modal_codes() {
       case g_arc_distance: absolute_center_ = g.tenths == 901; break;
       case g_units: {
         const double unit = g.tenths == 200 ? 0.0254 : 1e-3;
-        // F is executed before the units change, so its number is one of the old unit, be it of this block or of one before.
+        // F is executed before the units change, so its number is one of the old unit, be it of this block or of one
+        // before.
         state_.feed *= state_.unit / unit;
         state_.unit = unit;
         break;
@@ -210,7 +255,8 @@ bool Interpreter::modal_codes() {
     }
   }
   if (dwell && arc != nullptr) {
-    source_.fail(arc->column, "G4 cannot stand in one block with G2 or G3, which both use P: write them in separate blocks");
+    source_.fail(arc->column,
+                 "G4 cannot stand in one block with G2 or G3, which both use P: write them in separate blocks");
   }
   if (dwell && path != nullptr && path->tenths == 640 && words_.has('P')) {
     source_.fail(words_.column('P'), "P could belong to G4 or to G64: write them in separate blocks");
@@ -251,7 +297,8 @@ void Interpreter::move() {
   switch (motion_) {
     case 0: state_.straight(to, true, column); return;
     case 10: state_.straight(to, false, column); return;
-    case 20: case 30: arc_move(to, column); return;
+    case 20:
+    case 30: arc_move(to, column); return;
     default: source_.fail(column, "axis word without a motion: G0, G1, G2 or G3 must come first");
   }
 }

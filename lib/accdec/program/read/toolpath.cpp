@@ -1,13 +1,12 @@
-#include <accdec/program/toolpath.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include <accdec/program/number.hpp>
-#include <accdec/program/read_error.hpp>
+#include <accdec/program/read/number.hpp>
+#include <accdec/program/read/read_error.hpp>
+#include <accdec/program/read/toolpath.hpp>
 
 namespace accdec {
 namespace {
@@ -34,7 +33,9 @@ class Builder : public MoveSink {
   Toolpath finish();
 
  private:
-  void keep(std::string words, bool dwell) { path_.passed.push_back({static_cast<std::uint32_t>(path_.blocks()), std::move(words), dwell}); }
+  void keep(std::string words, bool dwell) {
+    path_.passed.push_back({static_cast<std::uint32_t>(path_.blocks()), std::move(words), dwell});
+  }
   void add_axes(unsigned moving);
   double rapid_duration(const Move& move) const;
   void check_feed(const Move& move) const;
@@ -120,10 +121,12 @@ Joint Builder::classify(const double* in, const double* out) const {
   return sine < std::sin(smooth_turn) * scale ? Joint::smooth : Joint::corner;
 }
 
-/// Makes what dwells there are at the end of block b one delay of its joint; what is left to write back goes without them.
+/// Makes what dwells there are at the end of block b one delay of its joint; what is left to write back goes without
+/// them.
 void Builder::give_delay(std::size_t b) {
   double delay = 0.0;
-  for (; !path_.dwell.empty() && path_.dwell.back().first == b; path_.dwell.pop_back()) delay += path_.dwell.back().second;
+  for (; !path_.dwell.empty() && path_.dwell.back().first == b; path_.dwell.pop_back())
+    delay += path_.dwell.back().second;
   if (delay == 0.0) return;
   path_.given.emplace_back(b, delay);
   auto& passed = path_.passed;
@@ -142,8 +145,8 @@ void Builder::close_joint(const Move& next) {
     out[i] = p[2 * n + i] - p[n + i];
   }
   Joint joint = classify(in.data(), out.data());
-  const bool stop = stopped_ || last_.control == PathControl::exact_stop ||
-                    (options_.rapid_stops && last_.rapid != next.rapid);
+  const bool stop =
+      stopped_ || last_.control == PathControl::exact_stop || (options_.rapid_stops && last_.rapid != next.rapid);
   double tolerance = unlimited;
   if (stop) {
     joint = Joint::stop;
@@ -152,7 +155,9 @@ void Builder::close_joint(const Move& next) {
     if (tolerance < 0.0 && options_.error_max) tolerance = *options_.error_max;
     if (tolerance < 0.0 && joint == Joint::straight) tolerance = unlimited;
     if (tolerance < 0.0) {
-      fail(last_, "the corner at the end of this move has no tolerance: G64 P in the program or [program] error_max_um in the task");
+      fail(last_,
+           "the corner at the end of this move has no tolerance: G64 P in the program or [program] error_max_um in the "
+           "task");
     }
   }
   if (options_.dwells_before_filter && !stop) give_delay(b);

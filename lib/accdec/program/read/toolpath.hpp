@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <accdec/machine/machine.hpp>
-#include <accdec/program/line_source.hpp>
-#include <accdec/program/move.hpp>
-#include <accdec/program/reader.hpp>
+#include <accdec/program/read/line_source.hpp>
+#include <accdec/program/read/move.hpp>
+#include <accdec/program/read/reader.hpp>
 
 namespace accdec {
 
@@ -20,32 +20,34 @@ enum class Joint : std::uint8_t {
   straight,  ///< no turn: as smooth, but needs no tolerance
   stop       ///< at rest
 };
-/// Largest turn of a smooth joint, rad: chords of arcs and of finely sampled curves turn less, corners more. At speed the samples
-/// lie farther apart than usual tolerances, so that the sampled error of a path that goes almost straight on says little.
+/// Largest turn of a smooth joint, rad: chords of arcs and of finely sampled curves turn less, corners more. At speed
+/// the samples lie farther apart than usual tolerances, so that the sampled error of a path that goes almost straight
+/// on says little.
 inline constexpr double smooth_turn = 0.34906585039886592;  // 20 degrees
 
-/// The straight moves of a program in the order of execution; block b leads from point b to point b + 1, and joint b is the
-/// one at its end. Moves of no length are not kept. About 45 bytes a block for two axes.
+/// The straight moves of a program in the order of execution; block b leads from point b to point b + 1, and joint b is
+/// the one at its end. Moves of no length are not kept. About 45 bytes a block for two axes.
 struct Toolpath {
-  std::vector<std::size_t> axes;        ///< which of `program_axes` move, ascending: the columns of the points
-  std::vector<double> points;           ///< (blocks + 1) rows, m; see `program_axes` for rotary axes
-  std::vector<double> duration;         ///< s a block, > 0
-  std::vector<double> tolerance;        ///< m, of every joint; unlimited where it has none
-  std::vector<Joint> joint;             ///< one a block; the last is `stop`
-  std::vector<std::uint32_t> line;      ///< of every block
-  std::vector<std::uint8_t> rapid;      ///< whether a block is a rapid move: its duration is what the velocity limits allow
-  std::vector<std::uint8_t> inside_arc; ///< whether the joint lies between two chords of one arc
+  std::vector<std::size_t> axes;    ///< which of `program_axes` move, ascending: the columns of the points
+  std::vector<double> points;       ///< (blocks + 1) rows, m; see `program_axes` for rotary axes
+  std::vector<double> duration;     ///< s a block, > 0
+  std::vector<double> tolerance;    ///< m, of every joint; unlimited where it has none
+  std::vector<Joint> joint;         ///< one a block; the last is `stop`
+  std::vector<std::uint32_t> line;  ///< of every block
+  std::vector<std::uint8_t> rapid;  ///< whether a block is a rapid move: its duration is what the velocity limits allow
+  std::vector<std::uint8_t> inside_arc;                 ///< whether the joint lies between two chords of one arc
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
-  double dwell_first = 0.0;             ///< before the first block, s
-  ProgramPoint begin{};                 ///< where the program begins, m, axes that never move included
-  std::vector<std::pair<std::uint32_t, double>> given;  ///< delays that the program brings along: at the end of which block, s; ascending
+  double dwell_first = 0.0;                             ///< before the first block, s
+  ProgramPoint begin{};                                 ///< where the program begins, m, axes that never move included
+  std::vector<std::pair<std::uint32_t, double>>
+      given;  ///< delays that the program brings along: at the end of which block, s; ascending
   struct Passed {
     std::uint32_t block = 0;  ///< before which one
     std::string words;        ///< as to be written
     bool dwell = false;       ///< a dwell of the program; `dwell` above has its time
   };
-  std::vector<Passed> passed;  ///< dwells, and words that are not about motion, in their order
-  std::int64_t empty_moves = 0;         ///< moves of no length that were left out
+  std::vector<Passed> passed;    ///< dwells, and words that are not about motion, in their order
+  std::int64_t empty_moves = 0;  ///< moves of no length that were left out
 
   std::size_t blocks() const { return duration.size(); }
   std::size_t dimensions() const { return axes.size(); }
@@ -57,17 +59,19 @@ struct ToolpathOptions {
   ReadOptions read;
   std::optional<double> error_max;  ///< m, tolerance where the program gives none
   bool rapid_stops = false;         ///< stop wherever rapid and feed moves meet
-  bool dwells_before_filter = false;  ///< G4 holds the command back and asks for no stop: a given delay, where the program does not stop anyway
+  bool dwells_before_filter =
+      false;  ///< G4 holds the command back and asks for no stop: a given delay, where the program does not stop anyway
 };
 
-/// The task's axis that moves a program axis: the one of its name in either case; a task with a single axis gives its limits to
-/// every axis, one without any axis limits nothing. nullptr if there is none of that name.
+/// The task's axis that moves a program axis: the one of its name in either case; a task with a single axis gives its
+/// limits to every axis, one without any axis limits nothing. nullptr if there is none of that name.
 const Axis* find_axis(const Machine& machine, std::size_t program_axis);
 /// The machine with one axis a column of the path.
 Machine program_machine(const Machine& machine, const Toolpath& path);
 
 /// Reads a whole program.
-/// @throws ReadError, besides the reader's, for an axis the machine does not have, a feed above an axis' velocity limit, a rapid
+/// @throws ReadError, besides the reader's, for an axis the machine does not have, a feed above an axis' velocity
+/// limit, a rapid
 ///         move of an axis without velocity limit, and a corner without tolerance.
 Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options);
 

@@ -1,11 +1,10 @@
-#include <accdec/program/words.hpp>
-
 #include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
-#include <accdec/program/number.hpp>
+#include <accdec/program/read/number.hpp>
+#include <accdec/program/read/words.hpp>
 
 namespace accdec {
 namespace {
@@ -19,19 +18,34 @@ std::string printable(char c) {
   switch (c) {
     case '#': source.fail(column, "parameters (#) are not supported: give the interpreter's canonical output instead");
     case '[':
-    case ']': source.fail(column, "expressions ([ ]) are not supported: give the interpreter's canonical output instead");
+    case ']':
+      source.fail(column, "expressions ([ ]) are not supported: give the interpreter's canonical output instead");
     case ')': source.fail(column, "')' without its '('");
     case '/': source.fail(column, "'/' deletes a block only as its first character");
     case '%': source.fail(column, "'%' must stand alone on its line");
-    case '-': case '+': case '.':
-    case '0': case '1': case '2': case '3': case '4': case '5': case '6': case '7': case '8': case '9':
-      source.fail(column, "a number without its letter");
+    case '-':
+    case '+':
+    case '.':
+    case '0':
+    case '1':
+    case '2':
+    case '3':
+    case '4':
+    case '5':
+    case '6':
+    case '7':
+    case '8':
+    case '9': source.fail(column, "a number without its letter");
     default: source.fail(column, printable(c) + " is no word of a program");
   }
 }
 
-bool blank(char c) { return c == ' ' || c == '\t'; }
-bool of_number(char c) { return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-'; }
+bool blank(char c) {
+  return c == ' ' || c == '\t';
+}
+bool of_number(char c) {
+  return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-';
+}
 
 /// The number at p with blanks in it, moves p behind it.
 bool read_spaced_number(const char*& p, const char* end, double& value) {
@@ -120,7 +134,8 @@ LineKind scan_words(LineSource& source, std::string_view line, Words& words) {
       }
       std::size_t& count = letter == 'G' ? words.g_count_ : words.m_count_;
       if (count == Words::codes_max) source.fail(column(word), "more than 16 codes in a block");
-      (letter == 'G' ? words.g_ : words.m_)[count++] = {static_cast<int>(tenths), static_cast<std::uint32_t>(column(word))};
+      (letter == 'G' ? words.g_ : words.m_)[count++] = {static_cast<int>(tenths),
+                                                        static_cast<std::uint32_t>(column(word))};
       continue;
     }
     const std::uint32_t bit = letter_bit(letter);

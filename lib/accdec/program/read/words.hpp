@@ -4,13 +4,15 @@
 #include <cstdint>
 #include <span>
 
-#include <accdec/program/line_source.hpp>
+#include <accdec/program/read/line_source.hpp>
 
 namespace accdec {
 
 enum class LineKind { empty, words, percent };
 
-constexpr std::uint32_t letter_bit(char letter) { return 1U << (letter - 'A'); }
+constexpr std::uint32_t letter_bit(char letter) {
+  return 1U << (letter - 'A');
+}
 
 /// The words of one RS-274 block.
 class Words {
@@ -26,8 +28,8 @@ class Words {
                                         letter_bit('W');
   static constexpr std::uint32_t arc_centers = letter_bit('I') | letter_bit('J') | letter_bit('K') | letter_bit('R');
   /// Numbers of lines, tools and spindle speeds.
-  static constexpr std::uint32_t passed_over = letter_bit('N') | letter_bit('S') | letter_bit('T') |
-                                               letter_bit('H') | letter_bit('D');
+  static constexpr std::uint32_t passed_over =
+      letter_bit('N') | letter_bit('S') | letter_bit('T') | letter_bit('H') | letter_bit('D');
   static constexpr std::size_t codes_max = 16;
 
   bool has(char letter) const { return (present_ & letter_bit(letter)) != 0U; }
@@ -54,8 +56,8 @@ class Words {
   std::size_t g_count_ = 0, m_count_ = 0;
 };
 
-/// Splits a line into words; comments vanish, a deleted block (/) counts as empty. Letters of either case, blanks anywhere
-/// but in comments mean nothing, as in the language: X1 0.5 is X10.5.
+/// Splits a line into words; comments vanish, a deleted block (/) counts as empty. Letters of either case, blanks
+/// anywhere but in comments mean nothing, as in the language: X1 0.5 is X10.5.
 /// @throws ReadError on anything that is no word, or a letter given twice.
 LineKind scan_words(LineSource& source, std::string_view line, Words& words);
 

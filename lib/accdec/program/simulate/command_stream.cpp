@@ -1,4 +1,4 @@
-#include <accdec/program/command_stream.hpp>
+#include <accdec/program/simulate/command_stream.hpp>
 
 namespace accdec {
 

@@ -6,20 +6,23 @@
 #include <cstdint>
 #include <span>
 
-#include <accdec/program/toolpath.hpp>
+#include <accdec/program/read/toolpath.hpp>
 
 namespace accdec {
 
-/// How a program becomes a stream of command samples; the definition that the time model, the simulation and the planner share.
+/// How a program becomes a stream of command samples; the definition that the time model, the simulation and the
+/// planner share.
 ///
-/// A *run* is a maximal sequence of blocks joined by smooth or straight joints without delay. Its blocks take D = sum L_i/(v_i T)
-/// samples at their feeds; the run is commanded in n = ceil(D) whole samples, all its feeds lowered by D/n, so that it begins and
-/// ends exactly on a sample. Within a run a joint may fall between two samples: the command position at a sample is the point of
-/// the path reached at that time. After a run the command rests for the delay of its last joint (and the dwell, in whole samples).
-/// After the last sample of the command the filter needs N + 1 more to come to rest.
+/// A *run* is a maximal sequence of blocks joined by smooth or straight joints without delay. Its blocks take D = sum
+/// L_i/(v_i T) samples at their feeds; the run is commanded in n = ceil(D) whole samples, all its feeds lowered by D/n,
+/// so that it begins and ends exactly on a sample. Within a run a joint may fall between two samples: the command
+/// position at a sample is the point of the path reached at that time. After a run the command rests for the delay of
+/// its last joint (and the dwell, in whole samples). After the last sample of the command the filter needs N + 1 more
+/// to come to rest.
 class CommandTiming {
  public:
-  /// @param delays  samples, one a block (of the joint at its end; that of the last block is not used); kept by reference
+  /// @param delays  samples, one a block (of the joint at its end; that of the last block is not used); kept by
+  /// reference
   CommandTiming(const Toolpath& path, double sample_period, std::span<const int> delays)
       : path_(path), sample_period_(sample_period), delays_(delays) {}
 
@@ -51,7 +54,9 @@ class CommandTiming {
   static std::int64_t run_samples(double length) {
     return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(length - 1e-9)));
   }
-  std::int64_t dwell_samples(double dwell) const { return static_cast<std::int64_t>(std::ceil(dwell / sample_period_ - 1e-9)); }
+  std::int64_t dwell_samples(double dwell) const {
+    return static_cast<std::int64_t>(std::ceil(dwell / sample_period_ - 1e-9));
+  }
 
   const Toolpath& path() const { return path_; }
   double sample_period() const { return sample_period_; }
@@ -73,9 +78,11 @@ template <std::size_t axes>
 using AxisRow = std::array<double, (axes > 0 ? axes : program_axis_count)>;
 
 /// Emits the command samples of blocks first .. last, which must begin and end with runs, to
-///   sink.command(u0, u, count, end)  `count` samples, the first moving by u0, the others by u (m, AxisRow), the last reaching `end`
-///   sink.joint(b, time, rest)        joint b is reached `time` samples after the beginning, where the command then rests for `rest`
-/// joint comes after the command that reaches it, and before anything later. The joint of the last block is not emitted.
+///   sink.command(u0, u, count, end)  `count` samples, the first moving by u0, the others by u (m, AxisRow), the last
+///   reaching `end` sink.joint(b, time, rest)        joint b is reached `time` samples after the beginning, where the
+///   command then rests for `rest`
+/// joint comes after the command that reaches it, and before anything later. The joint of the last block is not
+/// emitted.
 template <std::size_t axes = 0, class Sink>
 void emit_commands(const CommandTiming& timing, std::size_t first, std::size_t last, Sink& sink) {
   const Toolpath& path = timing.path();

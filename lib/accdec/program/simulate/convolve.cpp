@@ -1,6 +1,5 @@
-#include <accdec/program/convolve.hpp>
-
-#include <accdec/program/lanes.hpp>
+#include <accdec/program/simulate/convolve.hpp>
+#include <accdec/program/simulate/lanes.hpp>
 
 namespace accdec {
 namespace {
@@ -16,7 +15,8 @@ ACCDEC_KERNEL void add_scaled_body(double* y, double a, const double* x, std::in
 
 /// @tparam rows  of lanes full of sums that are kept in registers while the taps go by
 template <class Width, int rows = 8>
-ACCDEC_KERNEL void add_convolved_body(double* y, const double* x, std::int64_t n, const double* taps, std::int64_t count) {
+ACCDEC_KERNEL void add_convolved_body(double* y, const double* x, std::int64_t n, const double* taps,
+                                      std::int64_t count) {
   using Lanes = typename Width::Lanes;
   constexpr std::int64_t lanes = lane_count<Width>;
   static_assert(rows * lanes <= convolve_margin);
@@ -58,18 +58,28 @@ using Scale = void (*)(double*, double, const double*, std::int64_t);
 using Convolve = void (*)(double*, const double*, std::int64_t, const double*, std::int64_t);
 using Find = void (*)(const double*, std::int64_t, double*, std::uint8_t*);
 
-void scale_plain(double* y, double a, const double* x, std::int64_t n) { add_scaled_body<Two>(y, a, x, n); }
+void scale_plain(double* y, double a, const double* x, std::int64_t n) {
+  add_scaled_body<Two>(y, a, x, n);
+}
 void convolve_plain(double* y, const double* x, std::int64_t n, const double* taps, std::int64_t count) {
   add_convolved_body<Two>(y, x, n, taps, count);
 }
-void find_plain(const double* u, std::int64_t n, double* change, std::uint8_t* changes) { find_changes_body<Two>(u, n, change, changes); }
+void find_plain(const double* u, std::int64_t n, double* change, std::uint8_t* changes) {
+  find_changes_body<Two>(u, n, change, changes);
+}
 #if defined(__x86_64__)
-ACCDEC_TARGET_AVX2 void scale_avx2(double* y, double a, const double* x, std::int64_t n) { add_scaled_body<Four>(y, a, x, n); }
-ACCDEC_TARGET_AVX2 void convolve_avx2(double* y, const double* x, std::int64_t n, const double* taps, std::int64_t count) {
+ACCDEC_TARGET_AVX2 void scale_avx2(double* y, double a, const double* x, std::int64_t n) {
+  add_scaled_body<Four>(y, a, x, n);
+}
+ACCDEC_TARGET_AVX2 void convolve_avx2(double* y, const double* x, std::int64_t n, const double* taps,
+                                      std::int64_t count) {
   add_convolved_body<Four>(y, x, n, taps, count);
 }
-ACCDEC_TARGET_AVX512 void scale_avx512(double* y, double a, const double* x, std::int64_t n) { add_scaled_body<Eight>(y, a, x, n); }
-ACCDEC_TARGET_AVX512 void convolve_avx512(double* y, const double* x, std::int64_t n, const double* taps, std::int64_t count) {
+ACCDEC_TARGET_AVX512 void scale_avx512(double* y, double a, const double* x, std::int64_t n) {
+  add_scaled_body<Eight>(y, a, x, n);
+}
+ACCDEC_TARGET_AVX512 void convolve_avx512(double* y, const double* x, std::int64_t n, const double* taps,
+                                          std::int64_t count) {
   add_convolved_body<Eight>(y, x, n, taps, count);
 }
 ACCDEC_TARGET_AVX2 void find_avx2(const double* u, std::int64_t n, double* change, std::uint8_t* changes) {
@@ -89,9 +99,13 @@ constexpr Convolve convolve = convolve_plain;
 
 }  // namespace
 
-void add_scaled(double* y, double a, const double* x, std::int64_t n) { scale(y, a, x, n); }
+void add_scaled(double* y, double a, const double* x, std::int64_t n) {
+  scale(y, a, x, n);
+}
 
-void find_changes(const double* u, std::int64_t n, double* change, std::uint8_t* changes) { find(u, n, change, changes); }
+void find_changes(const double* u, std::int64_t n, double* change, std::uint8_t* changes) {
+  find(u, n, change, changes);
+}
 
 void add_convolved(double* y, const double* x, std::int64_t n, const double* taps, std::int64_t count) {
   convolve(y, x, n, taps, count);

@@ -1,8 +1,7 @@
-#include <accdec/program/extremes.hpp>
-
 #include <algorithm>
 
-#include <accdec/program/lanes.hpp>
+#include <accdec/program/simulate/extremes.hpp>
+#include <accdec/program/simulate/lanes.hpp>
 
 namespace accdec {
 namespace {
@@ -20,7 +19,8 @@ ACCDEC_KERNEL double largest_of(const typename Width::Lanes& lanes) {
 }
 
 template <class Width>
-ACCDEC_KERNEL void extremes_body(const double* v, const double* a, std::int64_t n, double m, double c, bool loads, MotionExtremes* result) {
+ACCDEC_KERNEL void extremes_body(const double* v, const double* a, std::int64_t n, double m, double c, bool loads,
+                                 MotionExtremes* result) {
   using Lanes = typename Width::Lanes;
   constexpr std::int64_t lanes = lane_count<Width>;
   Lanes velocity = {}, acceleration = {}, jerk = {}, force = {}, power = {}, regeneration = {};
@@ -49,19 +49,23 @@ ACCDEC_KERNEL void extremes_body(const double* v, const double* a, std::int64_t 
     }
     take(rest_v, rest_a, rest_before);
   }
-  *result = {largest_of<Width>(velocity), largest_of<Width>(acceleration), largest_of<Width>(jerk), largest_of<Width>(force), largest_of<Width>(power), largest_of<Width>(regeneration)};
+  *result = {largest_of<Width>(velocity), largest_of<Width>(acceleration), largest_of<Width>(jerk),
+             largest_of<Width>(force),    largest_of<Width>(power),        largest_of<Width>(regeneration)};
 }
 
 using Extremes = void (*)(const double*, const double*, std::int64_t, double, double, bool, MotionExtremes*);
 
-void extremes_plain(const double* v, const double* a, std::int64_t n, double m, double c, bool loads, MotionExtremes* result) {
+void extremes_plain(const double* v, const double* a, std::int64_t n, double m, double c, bool loads,
+                    MotionExtremes* result) {
   extremes_body<Two>(v, a, n, m, c, loads, result);
 }
 #if defined(__x86_64__)
-ACCDEC_TARGET_AVX2 void extremes_avx2(const double* v, const double* a, std::int64_t n, double m, double c, bool loads, MotionExtremes* result) {
+ACCDEC_TARGET_AVX2 void extremes_avx2(const double* v, const double* a, std::int64_t n, double m, double c, bool loads,
+                                      MotionExtremes* result) {
   extremes_body<Four>(v, a, n, m, c, loads, result);
 }
-ACCDEC_TARGET_AVX512 void extremes_avx512(const double* v, const double* a, std::int64_t n, double m, double c, bool loads, MotionExtremes* result) {
+ACCDEC_TARGET_AVX512 void extremes_avx512(const double* v, const double* a, std::int64_t n, double m, double c,
+                                          bool loads, MotionExtremes* result) {
   extremes_body<Eight>(v, a, n, m, c, loads, result);
 }
 const Extremes extremes = for_this_processor<Extremes>(extremes_plain, extremes_avx2, extremes_avx512);

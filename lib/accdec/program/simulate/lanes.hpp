@@ -4,11 +4,12 @@
 
 namespace accdec {
 
-/// Two, four or eight doubles that are worked on side by side: GCC's and Clang's vector types, as wide as the registers of an instruction
-/// set. Never passed or returned by value, for how that is done depends on the instruction set; members of types of their own, since
-/// a template argument loses its attributes.
+/// Two, four or eight doubles that are worked on side by side: GCC's and Clang's vector types, as wide as the registers
+/// of an instruction set. Never passed or returned by value, for how that is done depends on the instruction set;
+/// members of types of their own, since a template argument loses its attributes.
 struct Two {
-  typedef double Lanes __attribute__((vector_size(16), aligned(8), may_alias));  // NOLINT: an alias cannot have these attributes
+  typedef double Lanes
+      __attribute__((vector_size(16), aligned(8), may_alias));  // NOLINT: an alias cannot have these attributes
 };
 struct Four {
   typedef double Lanes __attribute__((vector_size(32), aligned(8), may_alias));  // NOLINT
@@ -19,8 +20,8 @@ struct Eight {
 template <class Width>
 inline constexpr std::int64_t lane_count = sizeof(typename Width::Lanes) / sizeof(double);
 
-// The body of a kernel is a template of its width, always inlined, and compiled for each instruction set by a function that does nothing but
-// call it.
+// The body of a kernel is a template of its width, always inlined, and compiled for each instruction set by a function
+// that does nothing but call it.
 #define ACCDEC_KERNEL [[gnu::always_inline]] inline
 #if defined(__x86_64__)
 #define ACCDEC_TARGET_AVX512 __attribute__((target("avx512f,avx512dq,avx2,fma")))

@@ -1,7 +1,7 @@
-#include <accdec/program/leg_filters.hpp>
-
 #include <algorithm>
 #include <cmath>
+
+#include <accdec/program/simulate/leg_filters.hpp>
 
 namespace accdec {
 

@@ -1,13 +1,12 @@
-#include <accdec/program/limit_watch.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include <fmt/format.h>
 
-#include <accdec/design/verifier.hpp>
-#include <accdec/program/extremes.hpp>
+#include <accdec/program/simulate/extremes.hpp>
+#include <accdec/program/simulate/limit_watch.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 
@@ -46,13 +45,15 @@ void LimitWatch::look(const MotionBuffer& motion, std::size_t block) {
   MotionExtremes extremes;
   std::size_t seen_axis = program_axis_count;
   for (Worst& worst : worst_) {
-    const auto v = motion.velocity(worst.axis), a = motion.acceleration(worst.axis), b = motion.acceleration_before(worst.axis);
+    const auto v = motion.velocity(worst.axis), a = motion.acceleration(worst.axis),
+               b = motion.acceleration_before(worst.axis);
     if (v.size() == 0) break;
     // The largest of this stretch first; where it is only if it is the worst so far.
     if (worst.axis != seen_axis) {
       const Axis& axis = machine_->axes[worst.axis];
       const bool loads = axis.force_max < unlimited || axis.power_max < unlimited || axis.regeneration_max < unlimited;
-      extremes = motion_extremes(v.data(), a.data(), v.size(), axis.mass / (period_ * period_), axis.damping / period_, loads);
+      extremes =
+          motion_extremes(v.data(), a.data(), v.size(), axis.mass / (period_ * period_), axis.damping / period_, loads);
       seen_axis = worst.axis;
     }
     double largest = 0.0;

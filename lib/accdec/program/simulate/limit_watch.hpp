@@ -4,8 +4,8 @@
 #include <vector>
 
 #include <accdec/machine/utilisation.hpp>
-#include <accdec/program/motion_buffer.hpp>
-#include <accdec/program/toolpath.hpp>
+#include <accdec/program/read/toolpath.hpp>
+#include <accdec/program/simulate/motion_buffer.hpp>
 
 namespace accdec {
 

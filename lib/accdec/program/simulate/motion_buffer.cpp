@@ -1,15 +1,15 @@
-#include <accdec/program/motion_buffer.hpp>
-
 #include <algorithm>
 #include <array>
 
-#include <accdec/program/convolve.hpp>
-#include <accdec/program/move.hpp>
-#include <accdec/program/nearest.hpp>
+#include <accdec/program/read/move.hpp>
+#include <accdec/program/simulate/convolve.hpp>
+#include <accdec/program/simulate/motion_buffer.hpp>
+#include <accdec/program/simulate/nearest.hpp>
 
 namespace accdec {
 namespace {
-constexpr std::int64_t chunk = 2048;  // samples between two shifts; three arrays a few axes long stay in the first-level cache
+constexpr std::int64_t chunk =
+    2048;                // samples between two shifts; three arrays a few axes long stay in the first-level cache
 constexpr int many = 6;  // changes in a window from which on they are filtered as a whole, not one by one
 }  // namespace
 
@@ -51,7 +51,8 @@ void MotionBuffer::apply(AxisMotion& axis, std::int64_t from, std::int64_t to, s
   std::int64_t begin = 0, end = 0;
   const auto convolve = [&] {
     if (end <= begin) return;
-    add_convolved(axis.acceleration.data() + from + begin, change + begin, end - begin + order, taps_[f].data(), order + 1);
+    add_convolved(axis.acceleration.data() + from + begin, change + begin, end - begin + order, taps_[f].data(),
+                  order + 1);
     settled_ = std::max(settled_, number(from + end - 1) + order);
   };
   for (std::int64_t k = 0; k < count; k += change_window) {
@@ -64,7 +65,8 @@ void MotionBuffer::apply(AxisMotion& axis, std::int64_t from, std::int64_t to, s
         std::fill(change + begin, change + std::max(begin, end), 0.0);
         begin = k;
       }
-      for (end = last; change[end - 1] == 0.0; --end) {}
+      for (end = last; change[end - 1] == 0.0; --end) {
+      }
     } else if (changes > 0) {
       for (std::int64_t i = k; i < last; ++i) {
         if (change[i] != 0.0) step(axis, from + i, change[i], f);
@@ -145,7 +147,8 @@ void MotionBuffer::shift(const double* at) {
   const std::int64_t from = pos_ - keep_;
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     AxisMotion& axis = axes_[a];
-    // Velocity and position of the last sample straight from the command: V = sum b_i u[k-i], S = c[k] - sum_i B'_i u[k-i].
+    // Velocity and position of the last sample straight from the command: V = sum b_i u[k-i], S = c[k] - sum_i B'_i
+    // u[k-i].
     double v = 0.0, lag = 0.0;
     const double* u = axis.command.data() + pos_ - 1;
     for (int i = 0; i <= order_; ++i) {

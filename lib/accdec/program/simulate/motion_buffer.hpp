@@ -7,12 +7,13 @@
 
 #include <Eigen/Core>
 
-#include <accdec/program/leg_filters.hpp>
-#include <accdec/program/simulate.hpp>
+#include <accdec/program/simulate/leg_filters.hpp>
+#include <accdec/program/simulate/simulate.hpp>
 
 namespace accdec {
 
-/// The filtered motion of a window of samples. All in m and samples: velocity in m a sample, acceleration in m a sample squared.
+/// The filtered motion of a window of samples. All in m and samples: velocity in m a sample, acceleration in m a sample
+/// squared.
 class MotionBuffer {
  public:
   /// At rest in `start`, which is sample 0. Keeps a reference to the filters.
@@ -27,8 +28,8 @@ class MotionBuffer {
   std::int64_t number(std::int64_t index) const { return base_ + index; }
   void seen() { seen_ = pos_; }
 
-  /// Adds `count` <= room() samples, in the first of which the command moves by u0, in the others by u, through filter f; where the filter
-  /// changes, what moved before stops through its own. They can be read after make().
+  /// Adds `count` <= room() samples, in the first of which the command moves by u0, in the others by u, through filter
+  /// f; where the filter changes, what moved before stops through its own. They can be read after make().
   /// @tparam axes  their number; 0: only known at run time
   template <std::size_t axes>
   void append(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count, std::size_t f) {
@@ -44,12 +45,13 @@ class MotionBuffer {
     }
     pos_ += count;
   }
-  /// Makes the motion of the samples added. Best done for thousands of samples at a time: then changes of the command that
-  /// follow each other closely are filtered as a whole, and the sums of all axes run side by side.
+  /// Makes the motion of the samples added. Best done for thousands of samples at a time: then changes of the command
+  /// that follow each other closely are filtered as a whole, and the sums of all axes run side by side.
   void make();
   /// The motion is settled where it is not changed further after sample settled(); known of what has been made.
   std::int64_t settled() const { return settled_; }
-  /// Passes over `count` samples of steady motion by u, after which `left` remain to `end`. What is in the buffer is lost.
+  /// Passes over `count` samples of steady motion by u, after which `left` remain to `end`. What is in the buffer is
+  /// lost.
   void pass_over(std::int64_t count, const double* u, const double* end, std::int64_t left);
   /// Makes room; the last 2 N + 8 samples stay. @param at  where the command has come to, one value an axis
   void shift(const double* at);
@@ -61,7 +63,9 @@ class MotionBuffer {
   /// Values of the new samples, with `before` more in front.
   Eigen::Map<const Eigen::ArrayXd> velocity(std::size_t axis) const { return view(axes_[axis].velocity, 0); }
   Eigen::Map<const Eigen::ArrayXd> acceleration(std::size_t axis) const { return view(axes_[axis].acceleration, 0); }
-  Eigen::Map<const Eigen::ArrayXd> acceleration_before(std::size_t axis) const { return view(axes_[axis].acceleration, 1); }
+  Eigen::Map<const Eigen::ArrayXd> acceleration_before(std::size_t axis) const {
+    return view(axes_[axis].acceleration, 1);
+  }
 
  private:
   static constexpr int overrun = 4;

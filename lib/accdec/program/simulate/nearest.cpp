@@ -1,9 +1,8 @@
-#include <accdec/program/nearest.hpp>
-
 #include <algorithm>
 
-#include <accdec/program/lanes.hpp>
-#include <accdec/program/move.hpp>
+#include <accdec/program/read/move.hpp>
+#include <accdec/program/simulate/lanes.hpp>
+#include <accdec/program/simulate/nearest.hpp>
 
 namespace accdec {
 namespace {
@@ -13,7 +12,8 @@ constexpr std::int64_t places = 8;  // looked at for every joint
 
 /// @tparam axes  their number; 0: n
 template <class Width, std::size_t axes>
-ACCDEC_KERNEL void samples_squared(double* squared, const double* const* position, std::size_t n, const double* corner, std::int64_t k) {
+ACCDEC_KERNEL void samples_squared(double* squared, const double* const* position, std::size_t n, const double* corner,
+                                   std::int64_t k) {
   using Lanes = typename Width::Lanes;
   Lanes sum = {};
   for (std::size_t a = 0; a < (axes > 0 ? axes : n); ++a) {
@@ -25,7 +25,8 @@ ACCDEC_KERNEL void samples_squared(double* squared, const double* const* positio
 
 /// Of the segments from sample k + i to k + i + 1.
 template <class Width, std::size_t axes>
-ACCDEC_KERNEL void segments_squared(double* squared, const double* const* position, std::size_t n, const double* corner, std::int64_t k) {
+ACCDEC_KERNEL void segments_squared(double* squared, const double* const* position, std::size_t n, const double* corner,
+                                    std::int64_t k) {
   using Lanes = typename Width::Lanes;
   const Lanes zero = {}, one = zero + 1.0;
   Lanes ab2 = zero + 1e-300, dot = {};
@@ -49,8 +50,8 @@ ACCDEC_KERNEL void segments_squared(double* squared, const double* const* positi
 }
 
 template <class Width, std::size_t axes>
-ACCDEC_KERNEL void nearest_body(const double* const* position, std::size_t n, const double* points, const JointWindow* joints,
-                                std::size_t count, double* squared) {
+ACCDEC_KERNEL void nearest_body(const double* const* position, std::size_t n, const double* points,
+                                const JointWindow* joints, std::size_t count, double* squared) {
   const double* of_axis[program_axis_count];
   for (std::size_t a = 0; a < (axes > 0 ? axes : n); ++a) of_axis[a] = position[a];
   for (std::size_t j = 0; j < count; ++j) {
@@ -76,12 +77,12 @@ ACCDEC_KERNEL void nearest_body(const double* const* position, std::size_t n, co
 
 using Nearest = void (*)(const double* const*, std::size_t, const double*, const JointWindow*, std::size_t, double*);
 
-#define ACCDEC_NEAREST(name, target, Width)                                                                                          \
-  target void name(const double* const* position, std::size_t n, const double* points, const JointWindow* joints, std::size_t count, \
-                   double* squared) {                                                                                                \
-    if (n == 2) return nearest_body<Width, 2>(position, n, points, joints, count, squared);                                                 \
-    if (n == 3) return nearest_body<Width, 3>(position, n, points, joints, count, squared);                                                 \
-    return nearest_body<Width, 0>(position, n, points, joints, count, squared);                                                             \
+#define ACCDEC_NEAREST(name, target, Width)                                                                       \
+  target void name(const double* const* position, std::size_t n, const double* points, const JointWindow* joints, \
+                   std::size_t count, double* squared) {                                                          \
+    if (n == 2) return nearest_body<Width, 2>(position, n, points, joints, count, squared);                       \
+    if (n == 3) return nearest_body<Width, 3>(position, n, points, joints, count, squared);                       \
+    return nearest_body<Width, 0>(position, n, points, joints, count, squared);                                   \
   }
 ACCDEC_NEAREST(nearest_plain, , Two)
 #if defined(__x86_64__)
@@ -94,8 +95,8 @@ constexpr Nearest nearest = nearest_plain;
 
 }  // namespace
 
-void nearest_squared(const double* const* position, std::size_t n, const double* points, const JointWindow* joints, std::size_t count,
-                     double* squared) {
+void nearest_squared(const double* const* position, std::size_t n, const double* points, const JointWindow* joints,
+                     std::size_t count, double* squared) {
   nearest(position, n, points, joints, count, squared);
 }
 

@@ -1,12 +1,11 @@
-#include <accdec/program/simulate.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include <accdec/program/limit_watch.hpp>
-#include <accdec/program/motion_buffer.hpp>
-#include <accdec/program/nearest.hpp>
+#include <accdec/program/simulate/limit_watch.hpp>
+#include <accdec/program/simulate/motion_buffer.hpp>
+#include <accdec/program/simulate/nearest.hpp>
+#include <accdec/program/simulate/simulate.hpp>
 
 namespace accdec {
 namespace {
@@ -47,7 +46,8 @@ class Simulator {
     // A rest longer than the filter adds only samples that stand still in the joint.
     const Filter &in = filters_.of(b), &out = filters_.of(b + 1);
     const std::int64_t seen = std::min<std::int64_t>(rest, in.order() + 1);
-    const std::int64_t window = (time > static_cast<double>(reached) ? 1 : 0) + std::max<std::int64_t>(in.order(), seen + out.order()) + 1;
+    const std::int64_t window =
+        (time > static_cast<double>(reached) ? 1 : 0) + std::max<std::int64_t>(in.order(), seen + out.order()) + 1;
     const double guess = time + 0.5 * (static_cast<double>(seen) + in.mean_delay() + out.mean_delay());
     pending_.push_back({b, reached, reached + window, static_cast<std::int64_t>(guess), !ends_leg(path_, b)});
     watched_until_ = std::max(watched_until_, reached + window + 1);
@@ -70,7 +70,8 @@ class Simulator {
  private:
   static constexpr std::int64_t steady_min = 16;
 
-  [[gnu::noinline]] void long_command(AxisRow<axes> u0, const AxisRow<axes>& u, std::int64_t count, const AxisRow<axes>& end) {
+  [[gnu::noinline]] void long_command(AxisRow<axes> u0, const AxisRow<axes>& u, std::int64_t count,
+                                      const AxisRow<axes>& end) {
     watched_until_ = std::max(watched_until_, motion_.sample() + order_ + 3);
     while (count > 0) {
       // Steady motion is passed over, except for the last two samples, where the window of the next joint begins.
@@ -92,12 +93,14 @@ class Simulator {
   }
 
   /// @param left  samples of the command still to come, these included, up to its end point
-  void advance(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count, std::int64_t left, const AxisRow<axes>& end) {
+  void advance(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count, std::int64_t left,
+               const AxisRow<axes>& end) {
     for (bool first = true; count > 0; first = false) {
       if (motion_.room() == 0) {
         flush();
         AxisRow<axes> at = end;
-        for (std::size_t a = 0; a < dimensions(); ++a) at[a] -= static_cast<double>(first ? left - 1 : left) * u[a] + (first ? u0[a] : 0.0);
+        for (std::size_t a = 0; a < dimensions(); ++a)
+          at[a] -= static_cast<double>(first ? left - 1 : left) * u[a] + (first ? u0[a] : 0.0);
         motion_.shift(at.data());
       }
       const std::int64_t now = std::min(count, motion_.room());
@@ -149,7 +152,7 @@ class Simulator {
   LimitWatch watch_;
   std::vector<JointWindow> pending_;  // joints whose windows are not yet over
   std::vector<double> squared_;
-  std::vector<JointWindow> parts_;  // of one window
+  std::vector<JointWindow> parts_;                            // of one window
   std::array<const double*, program_axis_count> position_{};  // of every axis by sample number
   std::int64_t begin_ = 0;
   std::int64_t watched_until_ = 0;  // no sample before this is passed over
@@ -208,8 +211,8 @@ double Simulator<axes>::searched_error_of(const JointWindow& joint) const {
     }
     return std::sqrt(best);
   };
-  // Downhill from where an even motion would be nearest; that the nearest sample is within the bound is all that must be known, so
-  // the whole window is searched only if the bound is not met.
+  // Downhill from where an even motion would be nearest; that the nearest sample is within the bound is all that must
+  // be known, so the whole window is searched only if the bound is not met.
   std::int64_t k = std::clamp(joint.guess, joint.first, joint.last);
   double best = distance2(k);
   for (const int step : {1, -1}) {

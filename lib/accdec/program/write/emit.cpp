@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <accdec/program/corner_limits.hpp>
-#include <accdec/program/number.hpp>
-#include <accdec/program/report.hpp>
+#include <accdec/program/plan/corner_limits.hpp>
+#include <accdec/program/read/number.hpp>
+#include <accdec/program/write/report.hpp>
 
 namespace accdec {
 namespace {
@@ -54,12 +54,15 @@ class Emission {
     } else {
       line("(planned for a filter a leg at T = {} ms)", plain_number(period, 6));
     }
-    line("(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to rest)");
+    line(
+        "(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to "
+        "rest)");
     line("G21 G17 G90 G94");
     position();
   }
 
-  /// To where the program begins: at rest there, rapidly where every axis has a limit of velocity, else at the first feed.
+  /// To where the program begins: at rest there, rapidly where every axis has a limit of velocity, else at the first
+  /// feed.
   void position() {
     std::string to;
     bool limited = true;
@@ -85,7 +88,8 @@ class Emission {
     }
   }
 
-  /// Axes that do not move are left out: they may stand elsewhere than the program knows, with another offset or not yet positioned.
+  /// Axes that do not move are left out: they may stand elsewhere than the program knows, with another offset or not
+  /// yet positioned.
   std::string words(const double* point) {
     std::string text;
     for (std::size_t a = 0; a < n_; ++a) {
@@ -98,16 +102,20 @@ class Emission {
   }
 
   void passed(std::size_t b) {
-    for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_) line("{}", path_.passed[next_passed_].words);
+    for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_)
+      line("{}", path_.passed[next_passed_].words);
   }
 
   /// How the joint at the block's end is to be passed.
   void path_mode(std::size_t b) {
     if (b + 1 == path_.blocks()) return;
     std::string mode = "G64";
-    if (path_.joint[b] == Joint::stop) mode = "G61.1";
-    else if (path_.tolerance[b] == 0.0) mode = "G61";
-    else if (path_.tolerance[b] < unlimited) mode = "G64 P" + plain_number(path_.tolerance[b] * 1e3, 9);
+    if (path_.joint[b] == Joint::stop)
+      mode = "G61.1";
+    else if (path_.tolerance[b] == 0.0)
+      mode = "G61";
+    else if (path_.tolerance[b] < unlimited)
+      mode = "G64 P" + plain_number(path_.tolerance[b] * 1e3, 9);
     // Straight on with any tolerance or none; as written, coordinates may turn it by their rounding.
     if (path_.joint[b] == Joint::straight && (mode == "G64" || mode == "G61")) {
       if (mode_.starts_with("G64 P")) return;
@@ -160,7 +168,8 @@ class Emission {
     return plain_number(feed_duration(from, end, 1.0) / path_.duration[b] * 60e3, 6);
   }
 
-  /// Delays of stops are the exact stop's own; of all other joints, a dwell. Dwells of the program come with what it passes on.
+  /// Delays of stops are the exact stop's own; of all other joints, a dwell. Dwells of the program come with what it
+  /// passes on.
   void rest(std::size_t b) {
     const bool last = b + 1 == path_.blocks();
     if (!last && path_.joint[b] != Joint::stop && result_.plan.delays[b] > 0) {
@@ -180,6 +189,8 @@ class Emission {
 
 }  // namespace
 
-void emit_program(const ProgramResult& result, std::ostream& out) { Emission(result, out).write(); }
+void emit_program(const ProgramResult& result, std::ostream& out) {
+  Emission(result, out).write();
+}
 
 }  // namespace accdec

@@ -1,5 +1,3 @@
-#include <accdec/program/generate.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,15 +9,18 @@
 
 #include <fmt/format.h>
 
+#include <accdec/program/write/generate.hpp>
+
 namespace accdec {
 namespace {
 
-constexpr std::array<std::pair<GeneratedProgram, std::string_view>, 6> names{{{GeneratedProgram::pocket, "pocket"},
-                                                                               {GeneratedProgram::zigzag, "zigzag"},
-                                                                               {GeneratedProgram::trochoid, "trochoid"},
-                                                                               {GeneratedProgram::engraving, "engraving"},
-                                                                               {GeneratedProgram::raster, "raster"},
-                                                                               {GeneratedProgram::star, "star"}}};
+constexpr std::array<std::pair<GeneratedProgram, std::string_view>, 6> names{
+    {{GeneratedProgram::pocket, "pocket"},
+     {GeneratedProgram::zigzag, "zigzag"},
+     {GeneratedProgram::trochoid, "trochoid"},
+     {GeneratedProgram::engraving, "engraving"},
+     {GeneratedProgram::raster, "raster"},
+     {GeneratedProgram::star, "star"}}};
 constexpr double degree = std::numbers::pi / 180.0;
 
 /// Writes lines and counts the moves among them.
@@ -180,7 +181,8 @@ std::optional<GeneratedProgram> generated_program_from_string(std::string_view n
 
 void generate_program(GeneratedProgram kind, const GenerateOptions& options, std::ostream& out) {
   if (options.blocks < 10) throw std::invalid_argument("a generated program has at least 10 blocks");
-  if (!(options.feed > 0.0 && options.feed < 1e9)) throw std::invalid_argument("the feed of a generated program must be positive");
+  if (!(options.feed > 0.0 && options.feed < 1e9))
+    throw std::invalid_argument("the feed of a generated program must be positive");
   if (!(options.tolerance > 0.0 && options.tolerance < 1e6)) {
     throw std::invalid_argument("the tolerance of a generated program must be positive");
   }

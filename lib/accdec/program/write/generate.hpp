@@ -20,9 +20,9 @@ std::string_view to_string(GeneratedProgram kind);
 std::optional<GeneratedProgram> generated_program_from_string(std::string_view name);
 
 struct GenerateOptions {
-  long blocks = 1000;        ///< about how many, >= 10; the pattern is continued until there are that many
-  double feed = 3000.0;      ///< mm/min, > 0
-  double tolerance = 0.05;   ///< mm, of G64 P, > 0
+  long blocks = 1000;       ///< about how many, >= 10; the pattern is continued until there are that many
+  double feed = 3000.0;     ///< mm/min, > 0
+  double tolerance = 0.05;  ///< mm, of G64 P, > 0
 };
 
 /// Writes a program, the same one for the same options. Nothing is kept in memory.

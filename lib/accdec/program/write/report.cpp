@@ -1,5 +1,3 @@
-#include <accdec/program/report.hpp>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,9 +6,10 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/verifier.hpp>
-#include <accdec/program/filter_bound.hpp>
-#include <accdec/program/lower_bound.hpp>
+#include <accdec/program/plan/filter_bound.hpp>
+#include <accdec/program/plan/lower_bound.hpp>
+#include <accdec/program/write/report.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -38,16 +37,17 @@ void judge_limits(ProgramResult& result, const Machine& machine) {
     worst = use.utilisation;
     report.worst = use.kind == LimitKind::vibration
                        ? fmt::format("vibration: {:.1f} % at {:.6g} Hz", 100.0 * use.utilisation, use.frequency)
-                       : fmt::format("{} {}: {:.1f} % at sample {}, {}", to_string(use.kind), use.axis, 100.0 * use.utilisation,
-                                     use.sample, use.corner);
+                       : fmt::format("{} {}: {:.1f} % at sample {}, {}", to_string(use.kind), use.axis,
+                                     100.0 * use.utilisation, use.sample, use.corner);
   }
   if (result.worst_utilisation > worst) {
     worst = result.worst_utilisation;
     report.worst = fmt::format("corner error: {:.1f} % of its tolerance, line {}", 100.0 * worst, result.worst_line);
   }
   report.max_violation = std::max(0.0, worst - 1.0);
-  const bool limits_hold = std::all_of(limits.begin(), limits.end(),
-                                       [](const LimitUse& use) { return use.utilisation <= 1.0 + verification_tolerance; });
+  const bool limits_hold = std::all_of(limits.begin(), limits.end(), [](const LimitUse& use) {
+    return use.utilisation <= 1.0 + verification_tolerance;
+  });
   report.feasible = result.plan.errors_hold && limits_hold;
   result.status = report.feasible ? Status::feasible : Status::failed;
   if (!report.feasible) result.message = "a limit is broken: " + report.worst;
@@ -61,7 +61,8 @@ void count_joints(ProgramResult& result) {
     if (path.joint[b] == Joint::straight && delay == 0) continue;
     ++result.corners;
     if (delay > 0) ++result.delayed;
-    const int stop_delay = std::max(1, result.legs.of(b).last_nonzero_tap() - result.legs.of(b + 1).first_nonzero_tap());
+    const int stop_delay =
+        std::max(1, result.legs.of(b).last_nonzero_tap() - result.legs.of(b + 1).first_nonzero_tap());
     if (path.joint[b] == Joint::stop || delay >= stop_delay) ++result.exact_stops;
     if (!(path.tolerance[b] < unlimited)) continue;
     const double error = result.plan.errors[b] <= position_floor ? 0.0 : result.plan.errors[b];
@@ -94,7 +95,9 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   snap_durations(path, filter, task.sample_period, machine);
   result.path = path;
   result.plan = plan_program(result.path, filter, task.sample_period, machine);
-  const auto cycle_time = [&](const ProgramPlan& plan) { return static_cast<double>(plan.simulation.samples) * task.sample_period; };
+  const auto cycle_time = [&](const ProgramPlan& plan) {
+    return static_cast<double>(plan.simulation.samples) * task.sample_period;
+  };
   result.cycle_time_one_filter = cycle_time(result.plan);
   if (per_leg) {
     LegFilters legs = choose_leg_filters(path, filter, task.sample_period, machine, task.design.order_max);
@@ -109,12 +112,13 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   // For the plan it was enough that each joint holds; what is reported is the least distance.
   SimulationOptions whole;
   whole.whole_windows = true;
-  simulate_program(CommandTiming(result.path, task.sample_period, result.plan.delays), result.legs, 0, result.path.blocks() - 1,
-                   result.plan.errors, whole);
+  simulate_program(CommandTiming(result.path, task.sample_period, result.plan.delays), result.legs, 0,
+                   result.path.blocks() - 1, result.plan.errors, whole);
 
   const auto time_by_rule = [&](DelayRule rule) {
     const std::vector<int> delays = pairwise_delays(result.path, result.legs, task.sample_period, machine, rule).delays;
-    return static_cast<double>(motion_samples(CommandTiming(result.path, task.sample_period, delays), result.legs)) * task.sample_period;
+    return static_cast<double>(motion_samples(CommandTiming(result.path, task.sample_period, delays), result.legs)) *
+           task.sample_period;
   };
   result.cycle_time_no_delay = time_by_rule(DelayRule::none);
   result.cycle_time_exact_stop = time_by_rule(DelayRule::exact_stop);
@@ -168,13 +172,15 @@ std::string program_summary(const ProgramResult& result) {
   fmt::memory_buffer text;
   const auto put = std::back_inserter(text);
   const ProgramPlan& plan = result.plan;
-  fmt::format_to(put, "{}: {} blocks, {} corners, {} delayed, {} exact stops\n", result.program, result.path.blocks(), result.corners,
-                 result.delayed, result.exact_stops);
+  fmt::format_to(put, "{}: {} blocks, {} corners, {} delayed, {} exact stops\n", result.program, result.path.blocks(),
+                 result.corners, result.delayed, result.exact_stops);
   std::string taps = fmt::format("filter of {} taps", result.filter.order() + 1);
   if (!result.legs.single()) {
-    const auto [least, most] = std::minmax_element(result.legs.filters().begin(), result.legs.filters().end(),
-                                                   [](const Filter& a, const Filter& b) { return a.order() < b.order(); });
-    taps = fmt::format("{} filters of {} to {} taps, one a leg", result.legs.filters().size(), least->order() + 1, most->order() + 1);
+    const auto [least, most] =
+        std::minmax_element(result.legs.filters().begin(), result.legs.filters().end(),
+                            [](const Filter& a, const Filter& b) { return a.order() < b.order(); });
+    taps = fmt::format("{} filters of {} to {} taps, one a leg", result.legs.filters().size(), least->order() + 1,
+                       most->order() + 1);
   }
   fmt::format_to(put, "{}, T = {:.6g} ms, {} samples\n\n", taps, result.sample_period * 1e3, plan.simulation.samples);
   const auto row = [&](std::string_view what, double time) {
@@ -187,13 +193,13 @@ std::string program_summary(const ProgramResult& result) {
   row("no delay at any corner", result.cycle_time_no_delay);
   row("bound, continuous motion", result.lower_bound);
   if (result.filter_bound) row("bound, filters and delays", *result.filter_bound);
-  fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n", result.worst_error * 1e6,
-                 100.0 * result.worst_utilisation, result.worst_line);
+  fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n",
+                 result.worst_error * 1e6, 100.0 * result.worst_utilisation, result.worst_line);
   if (const std::vector<CornerUse> worst = worst_corners(result, result.worst_shown); !worst.empty()) {
     fmt::format_to(put, "\n  {:<14}{:>12}{:>14}{:>10}{:>9}\n", "worst corners", "error", "tolerance", "use", "delay");
     for (const CornerUse& corner : worst) {
-      fmt::format_to(put, "  {:<14}{:>9.3f} um{:>11.3f} um{:>8.1f} %{:>9}\n", fmt::format("line {}", corner.line), corner.error * 1e6,
-                     corner.tolerance * 1e6, 100.0 * corner.utilisation, corner.delay);
+      fmt::format_to(put, "  {:<14}{:>9.3f} um{:>11.3f} um{:>8.1f} %{:>9}\n", fmt::format("line {}", corner.line),
+                     corner.error * 1e6, corner.tolerance * 1e6, 100.0 * corner.utilisation, corner.delay);
     }
     fmt::format_to(put, "\n");
   }
@@ -203,22 +209,25 @@ std::string program_summary(const ProgramResult& result) {
   std::size_t too_fast = 0;
   for (const SlowedFeeds& slowed : plan.too_fast) {
     too_fast += slowed.blocks;
-    fmt::format_to(put, "  {} blocks slowed to start and stop within {}, most in line {} to {:.1f} % of its feed\n", slowed.blocks,
-                   slowed.limit, slowed.line, 100.0 * slowed.factor);
+    fmt::format_to(put, "  {} blocks slowed to start and stop within {}, most in line {} to {:.1f} % of its feed\n",
+                   slowed.blocks, slowed.limit, slowed.line, 100.0 * slowed.factor);
   }
   if (plan.slowed > too_fast) {
     fmt::format_to(put, "  {} blocks slowed, on curves or too short for their feed\n", plan.slowed - too_fast);
   }
-  if (!plan.simulation.limits.empty()) fmt::format_to(put, "\n  {:<14}{:<6}{:>12}{:>10}  {}\n", "limit", "axis", "bound", "use", "where");
+  if (!plan.simulation.limits.empty())
+    fmt::format_to(put, "\n  {:<14}{:<6}{:>12}{:>10}  {}\n", "limit", "axis", "bound", "use", "where");
   for (const LimitUse& use : plan.simulation.limits) {
-    fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>8.1f} %  {}\n", to_string(use.kind), use.axis, use.bound, 100.0 * use.utilisation,
+    fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>8.1f} %  {}\n", to_string(use.kind), use.axis, use.bound,
+                   100.0 * use.utilisation,
                    use.kind == LimitKind::vibration ? fmt::format("{:.6g} Hz", use.frequency) : use.corner);
   }
   if (result.peak_memory > 0) {
     fmt::format_to(put, "\n  planned and verified in {:.3g} s, at most {:.0f} MB of memory\n", result.solver.wall_time,
                    static_cast<double>(result.peak_memory) * 1e-6);
   }
-  fmt::format_to(put, "\n  {}{}{}\n", result.verification.feasible ? "verified: every sample simulated, all bounds hold" : "NOT verified",
+  fmt::format_to(put, "\n  {}{}{}\n",
+                 result.verification.feasible ? "verified: every sample simulated, all bounds hold" : "NOT verified",
                  result.message.empty() ? "" : ": ", result.message);
   return fmt::to_string(text);
 }
@@ -239,7 +248,8 @@ void write_samples(const ProgramResult& result, std::ostream& out) {
   const CommandTiming timing(path, result.sample_period, result.plan.delays);
   std::vector<double> errors(path.blocks());
   SimulationOptions options;
-  options.samples = [&](std::int64_t first, std::int64_t count, const double* const* position, const double* const* velocity) {
+  options.samples = [&](std::int64_t first, std::int64_t count, const double* const* position,
+                        const double* const* velocity) {
     count = std::min(count, result.plan.simulation.samples + 1 - first);
     for (std::int64_t k = 0; k < count; ++k) {
       fmt::format_to(put, "{:.9g}", static_cast<double>(first + k) * result.sample_period);

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include <accdec/design/result.hpp>
-#include <accdec/design/task.hpp>
-#include <accdec/program/leg_filters.hpp>
-#include <accdec/program/plan.hpp>
-#include <accdec/program/toolpath.hpp>
+#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/read/toolpath.hpp>
+#include <accdec/program/simulate/leg_filters.hpp>
+#include <accdec/task/result.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 
@@ -19,15 +19,15 @@ namespace accdec {
 struct ProgramResult {
   std::string program;  ///< the file
   Status status = Status::failed;
-  Filter filter{{1.0}};               ///< the given or designed one
-  LegFilters legs{Filter{{1.0}}};     ///< those the legs pass through: `filter` alone, or its shape in several lengths
-  double sample_period = 0.0;  ///< s
-  Machine task_machine;        ///< the task's
-  Toolpath path;                ///< with lowered feeds, where the plan lowered any
+  Filter filter{{1.0}};            ///< the given or designed one
+  LegFilters legs{Filter{{1.0}}};  ///< those the legs pass through: `filter` alone, or its shape in several lengths
+  double sample_period = 0.0;      ///< s
+  Machine task_machine;            ///< the task's
+  Toolpath path;                   ///< with lowered feeds, where the plan lowered any
   ProgramPlan plan;
-  std::size_t corners = 0;      ///< joints that turn or stop
-  std::size_t delayed = 0;      ///< of these with a delay
-  std::size_t exact_stops = 0;  ///< of these with the delay of an exact stop
+  std::size_t corners = 0;         ///< joints that turn or stop
+  std::size_t delayed = 0;         ///< of these with a delay
+  std::size_t exact_stops = 0;     ///< of these with the delay of an exact stop
   double worst_error = 0.0;        ///< m, over joints that have a tolerance
   double worst_utilisation = 0.0;  ///< error/tolerance, and its line
   std::uint32_t worst_line = 0;
@@ -36,7 +36,8 @@ struct ProgramResult {
   double cycle_time_one_filter = 0.0;  ///< s, planned with `filter` for every leg
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
-  double lower_bound = 0.0;            ///< s, see program_lower_bound; at the programmed feeds, rapid moves at their axes' largest velocity
+  double lower_bound =
+      0.0;  ///< s, see program_lower_bound; at the programmed feeds, rapid moves at their axes' largest velocity
   std::optional<double> filter_bound;  ///< s, see filter_lower_bound; at the programmed feeds, where asked for
   std::int64_t peak_memory = 0;        ///< bytes of the process, by whoever runs it; 0: not asked for
   double delay_total = 0.0;            ///< s, delays of this plan
@@ -45,10 +46,11 @@ struct ProgramResult {
   std::string message;
 };
 
-/// Plans and verifies a program with a given filter, or, where that is faster, with one of its shape for every leg. `feasible` only if every joint holds its tolerance and every axis limit and
-/// vibration bound is held over the whole program, else `failed` with the worst in the message.
-ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task, bool per_leg = false,
-                          bool filter_bound = false);
+/// Plans and verifies a program with a given filter, or, where that is faster, with one of its shape for every leg.
+/// `feasible` only if every joint holds its tolerance and every axis limit and vibration bound is held over the whole
+/// program, else `failed` with the worst in the message.
+ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
+                          bool per_leg = false, bool filter_bound = false);
 
 /// A joint and how much of its tolerance it uses.
 struct CornerUse {
@@ -58,26 +60,27 @@ struct CornerUse {
   double utilisation = 0.0;  ///< of the tolerance
   int delay = 0;             ///< samples
 };
-/// The joints with the largest errors against their tolerances, worst first, at most `count`; in the order of the program where equal.
-/// Of the chords of an arc, and whatever else ends in one line after another, the worst only.
+/// The joints with the largest errors against their tolerances, worst first, at most `count`; in the order of the
+/// program where equal. Of the chords of an arc, and whatever else ends in one line after another, the worst only.
 std::vector<CornerUse> worst_corners(const ProgramResult& result, std::size_t count);
 
 /// Ends with a line feed.
 std::string program_to_json(const ProgramResult& result);
-/// line,delay_samples,corner_error_m,error_max_m; one row a joint that turns, stops or has a delay. The last is empty without bound.
+/// line,delay_samples,corner_error_m,error_max_m; one row a joint that turns, stops or has a delay. The last is empty
+/// without bound.
 std::string delays_to_csv(const ProgramResult& result);
 /// The table for people.
 std::string program_summary(const ProgramResult& result);
 
-/// time_s and position of every axis in its own unit and velocity (x_mm, x_mm_s, .. or a_deg, a_deg_s, ..), from the first sample to
-/// the first at rest, written as it is made.
+/// time_s and position of every axis in its own unit and velocity (x_mm, x_mm_s, .. or a_deg, a_deg_s, ..), from the
+/// first sample to the first at rest, written as it is made.
 void write_samples(const ProgramResult& result, std::ostream& out);
 
-/// The program with what realises the plan on a controller that filters its commands: after a delayed joint a dwell of the delay (G4 P,
-/// seconds), which must act before the filter and without an exact stop; feeds where the plan lowered them; the path mode of every joint
-/// (G61.1, G61, G64 P). Arcs are written as their chords, in mm and absolute. Words of the program that are not about motion, its stops and
-/// dwells are kept in place. Read again with ToolpathOptions::dwells_before_filter it plans to the same motion, but for the way to where
-/// it begins.
+/// The program with what realises the plan on a controller that filters its commands: after a delayed joint a dwell of
+/// the delay (G4 P, seconds), which must act before the filter and without an exact stop; feeds where the plan lowered
+/// them; the path mode of every joint (G61.1, G61, G64 P). Arcs are written as their chords, in mm and absolute. Words
+/// of the program that are not about motion, its stops and dwells are kept in place. Read again with
+/// ToolpathOptions::dwells_before_filter it plans to the same motion, but for the way to where it begins.
 void emit_program(const ProgramResult& result, std::ostream& out);
 
 }  // namespace accdec

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <accdec/program/report.hpp>
+#include <accdec/program/write/report.hpp>
 
 namespace accdec {
 namespace {
@@ -12,19 +12,17 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// null for what JSON cannot say.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 Json limits_json(const ProgramResult& result) {
   Json list = Json::array();
   const Simulation& simulation = result.plan.simulation;
   for (std::size_t i = 0; i < simulation.limits.size(); ++i) {
     const LimitUse& use = simulation.limits[i];
-    Json item{{"kind", to_string(use.kind)},
-              {"axis", use.axis},
-              {"line", simulation.limit_lines[i]},
-              {"value", number(use.value)},
-              {"bound", number(use.bound)},
-              {"utilisation", number(use.utilisation)},
+    Json item{{"kind", to_string(use.kind)}, {"axis", use.axis},           {"line", simulation.limit_lines[i]},
+              {"value", number(use.value)},  {"bound", number(use.bound)}, {"utilisation", number(use.utilisation)},
               {"sample", use.sample}};
     if (use.kind == LimitKind::vibration) item["frequency_Hz"] = number(use.frequency);
     list.push_back(std::move(item));
@@ -48,7 +46,8 @@ std::string program_to_json(const ProgramResult& result) {
     std::vector<std::size_t> blocks(filters.size(), 0), order(filters.size());
     for (std::size_t b = 0; b < result.path.blocks(); ++b) ++blocks[result.legs.index(b)];
     std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return filters[a].order() < filters[b].order(); });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return filters[a].order() < filters[b].order(); });
     Json list = Json::array();
     for (const std::size_t i : order) {
       list.push_back({{"order", filters[i].order()},
@@ -77,7 +76,8 @@ std::string program_to_json(const ProgramResult& result) {
   json["worst_corners"] = std::move(worst);
   Json too_fast = Json::array();
   for (const SlowedFeeds& slowed : result.plan.too_fast) {
-    too_fast.push_back({{"limit", slowed.limit}, {"blocks", slowed.blocks}, {"factor", slowed.factor}, {"line", slowed.line}});
+    too_fast.push_back(
+        {{"limit", slowed.limit}, {"blocks", slowed.blocks}, {"factor", slowed.factor}, {"line", slowed.line}});
   }
   json["feeds_slowed"] = std::move(too_fast);
   json["samples"] = result.plan.simulation.samples;
@@ -95,8 +95,8 @@ std::string program_to_json(const ProgramResult& result) {
                           {"max_violation", number(result.verification.max_violation)},
                           {"tolerance", result.verification.tolerance},
                           {"worst", result.verification.worst}};
-  json["solver"] = {{"method", result.solver.method},   {"name", result.solver.name},
-                    {"version", result.solver.version}, {"claimed", result.solver.claimed},
+  json["solver"] = {{"method", result.solver.method},           {"name", result.solver.name},
+                    {"version", result.solver.version},         {"claimed", result.solver.claimed},
                     {"evaluations", result.solver.evaluations}, {"wall_time_s", result.solver.wall_time}};
   json["message"] = result.message;
   return json.dump(2) + "\n";

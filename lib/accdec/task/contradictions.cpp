@@ -1,0 +1,48 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/task/contradictions.hpp>
+
+namespace accdec {
+
+std::vector<std::string> contradictions(const Task& task) {
+  std::vector<std::string> found;
+  for (const TaskCorner& corner : task.corners) {
+    for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
+      const Axis& axis = task.machine.axes[i];
+      const auto a = static_cast<Eigen::Index>(i);
+      const double speed = std::max(std::abs(corner.geometry.feed_in * corner.geometry.direction_in[a]),
+                                    std::abs(corner.geometry.feed_out * corner.geometry.direction_out[a]));
+      const double friction = axis.damping * speed;
+      const auto tell = [&](const char* limit, const char* unit, double needed, double bound) {
+        if (needed <= bound * (1.0 + 1e-12)) return;
+        found.push_back(fmt::format("{} {}: corner {} needs {:.6g} {} at constant feed, the limit is {:.6g} {}", limit,
+                                    axis.name, corner.name, needed, unit, bound, unit));
+      };
+      tell("velocity", "m/s", speed, axis.velocity_max);
+      tell("force", "N", friction, axis.force_max);
+      tell("power", "W", friction * speed, axis.power_max);
+    }
+    const double feed = std::min(corner.geometry.feed_in, corner.geometry.feed_out);
+    if (corner.speed_min > feed * (1.0 + 1e-12)) {
+      found.push_back(
+          fmt::format("speed_min: corner {} asks for at least {:.6g} m/s, its slower leg runs at {:.6g} m/s",
+                      corner.name, corner.speed_min, feed));
+    }
+  }
+  for (const Mode& mode : task.machine.modes) {
+    // Sampled, a whole number of cycles per period cannot be told from 0 Hz, where every filter passes everything.
+    const double alias = std::ceil(mode.frequency_low * task.sample_period - 1e-12);
+    if (mode.residual_max < 1.0 && alias >= 1.0 && alias <= mode.frequency_high * task.sample_period + 1e-12) {
+      found.push_back(fmt::format(
+          "vibration: the band {:g} to {:g} Hz contains {:g} Hz, a multiple of the sample rate, where no filter "
+          "reduces anything",
+          mode.frequency_low, mode.frequency_high, alias / task.sample_period));
+    }
+  }
+  return found;
+}
+
+}  // namespace accdec
