@@ -1,0 +1,135 @@
+#include <accdec/program/profiles/check.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <accdec/design/verifier.hpp>
+#include <accdec/program/plan.hpp>
+
+namespace accdec {
+
+double segment_distance2(const double* a, const double* b, const double* point, std::size_t n) {
+  double along = 0.0, length2 = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double d = b[i] - a[i];
+    along += (point[i] - a[i]) * d;
+    length2 += d * d;
+  }
+  const double t = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
+  double distance2 = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double d = a[i] + t * (b[i] - a[i]) - point[i];
+    distance2 += d * d;
+  }
+  return distance2;
+}
+
+SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors, Broken broken)
+    : path_(path), machine_(machine), period_(sample_period), n_(path.dimensions()), errors_(errors), broken_(std::move(broken)),
+      before_(path.point(0), path.point(0) + path.dimensions()), now_(before_), velocity_(n_), acceleration_(n_), jerk_(n_), largest_(n_) {
+  std::fill(errors.begin(), errors.end(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < path.points.size(); ++i) largest_[i % n_] = std::max(largest_[i % n_], std::abs(path.points[i]));
+  for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+    const Axis& axis = machine.axes[a];
+    const auto add = [&](LimitKind kind, double bound) {
+      if (bound < unlimited) worst_.push_back({kind, a, bound, 0.0, 0, 0});
+    };
+    add(LimitKind::velocity, axis.velocity_max);
+    add(LimitKind::acceleration, axis.acceleration_max);
+    add(LimitKind::jerk, axis.jerk_max);
+    add(LimitKind::force, axis.force_max);
+    add(LimitKind::power, axis.power_max);
+    add(LimitKind::regeneration, axis.regeneration_max);
+  }
+}
+
+double SampleChecker::value_of(const Worst& worst) const {
+  const Axis& axis = machine_.axes[worst.axis];
+  const double v = velocity_[worst.axis], a = acceleration_[worst.axis];
+  // Half a unit in the last place of every position that a difference of first, second or third order takes.
+  const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * largest_[worst.axis];
+  const double dv = 2.0 * rounding / period_, da = 4.0 * rounding / (period_ * period_);
+  const double force = axis.mass * a + axis.damping * v, df = axis.mass * da + axis.damping * dv;
+  switch (worst.kind) {
+    case LimitKind::velocity: return std::abs(v) - dv;
+    case LimitKind::acceleration: return std::abs(a) - da;
+    case LimitKind::jerk: return std::abs(jerk_[worst.axis]) - 8.0 * rounding / (period_ * period_ * period_);
+    case LimitKind::force: return std::abs(force) - df;
+    case LimitKind::power: return force * v - df * std::abs(v) - dv * std::abs(force);
+    case LimitKind::regeneration: return -force * v - df * std::abs(v) - dv * std::abs(force);
+    default: return 0.0;
+  }
+}
+
+void SampleChecker::look_limits(std::int64_t place_first, std::int64_t place_last) {
+  for (Worst& worst : worst_) {
+    const double value = value_of(worst);
+    if (broken_ && value > worst.bound * (1.0 + verification_tolerance)) {
+      broken_(std::min(places_[2], place_first), place_last, worst.kind, value / worst.bound);
+    }
+    if (!(value > worst.value)) continue;
+    worst.value = value;
+    worst.sample = sample_;
+    worst.place = place_last;
+  }
+}
+
+/// The segment to this sample against every joint whose legs its samples may lie on.
+void SampleChecker::look_joints(std::int64_t place_first, std::int64_t place_last) {
+  const std::int64_t last = static_cast<std::int64_t>(path_.blocks()) - 1;
+  const std::int64_t from = std::max<std::int64_t>(1, (std::min(places_[0], place_first) + 1) / 2), to = std::min(last, place_last / 2 + 1);
+  for (std::int64_t c = from; c <= to; ++c) {
+    double& error = errors_[static_cast<std::size_t>(c - 1)];
+    error = std::min(error, segment_distance2(before_.data(), now_.data(), path_.point(static_cast<std::size_t>(c)), n_));
+  }
+}
+
+void SampleChecker::look(const double* position, std::int64_t place_first, std::int64_t place_last) {
+  ++sample_;
+  for (std::size_t a = 0; a < n_; ++a) {
+    before_[a] = now_[a];
+    now_[a] = position[a];
+    const double v = (now_[a] - before_[a]) / period_, acceleration = (v - velocity_[a]) / period_;
+    jerk_[a] = (acceleration - acceleration_[a]) / period_;
+    acceleration_[a] = acceleration;
+    velocity_[a] = v;
+  }
+  look_limits(place_first, place_last);
+  look_joints(place_first, place_last);
+  places_[2] = places_[1];
+  places_[1] = places_[0];
+  places_[0] = place_first;
+}
+
+SampleCheck SampleChecker::finish() {
+  SampleCheck check;
+  check.samples = sample_ + 1;
+  // At rest for as long as a difference of third order reaches back.
+  const std::vector<double> end = now_;
+  for (int i = 0; i < 3; ++i) look(end.data(), places_[0], 2 * static_cast<std::int64_t>(path_.blocks()) - 1);
+  for (double& error : errors_) error = std::isfinite(error) ? std::sqrt(error) : 0.0;
+  for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
+    if (path_.joint[b] == Joint::stop) errors_[b] = std::min(errors_[b], path_.tolerance[b]);
+    check.errors_hold = check.errors_hold && holds(errors_[b], path_.tolerance[b]);
+  }
+  for (const Worst& worst : worst_) {
+    const std::size_t block = std::min(static_cast<std::size_t>(worst.place / 2), path_.blocks() - 1);
+    LimitUse use;
+    use.kind = worst.kind;
+    use.axis = path_.axis_name(worst.axis);
+    use.corner = fmt::format("line {}", path_.line[block]);
+    use.value = worst.value;
+    use.bound = worst.bound;
+    use.utilisation = utilisation_of(worst.kind, worst.value, worst.bound);
+    use.sample = static_cast<int>(std::min<std::int64_t>(worst.sample, INT32_MAX));
+    check.limits_hold = check.limits_hold && use.utilisation <= 1.0 + verification_tolerance;
+    check.limits.push_back(use);
+    check.limit_lines.push_back(path_.line[block]);
+  }
+  return check;
+}
+
+}  // namespace accdec

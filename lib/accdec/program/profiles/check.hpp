@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <accdec/machine/utilisation.hpp>
+#include <accdec/program/toolpath.hpp>
+
+namespace accdec {
+
+/// What the samples of a motion say about it.
+struct SampleCheck {
+  std::int64_t samples = 0;           ///< from the last at rest to the first at rest (the first whose velocity is 0 again)
+  std::vector<LimitUse> limits;       ///< worst use of every finite limit of every axis
+  std::vector<std::uint32_t> limit_lines;  ///< the line of the block where it occurred, one a limit
+  bool limits_hold = true;
+  bool errors_hold = true;
+};
+
+/// Follows a motion by its positions alone, which no planner's formula enters.
+///
+/// Velocity, acceleration and jerk of an axis are the first three differences of its samples over T, T^2, T^3; force, power and regeneration follow
+/// from the first two, as for every other plan. What rounding of a position of that size to a double may add is taken off first.
+/// The error of a joint is the distance of the polyline through the samples from the joint, while the motion is on the legs beside it.
+class SampleChecker {
+ public:
+  /// A limit used `ratio` > 1 times by samples that lie between two places (see ProfileMotion).
+  using Broken = std::function<void(std::int64_t place_first, std::int64_t place_last, LimitKind kind, double ratio)>;
+
+  /// @param machine  as many axes as the path, or none  @param errors  of every block, see ProgramPlan; written
+  SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors, Broken broken);
+
+  /// The next sample after the start, m. The places say which joints it may be measured against.
+  void look(const double* position, std::int64_t place_first, std::int64_t place_last);
+  SampleCheck finish();
+
+ private:
+  struct Worst {
+    LimitKind kind{};
+    std::size_t axis = 0;
+    double bound = 0.0, value = 0.0;
+    std::int64_t sample = 0, place = 0;
+  };
+  void look_limits(std::int64_t place_first, std::int64_t place_last);
+  void look_joints(std::int64_t place_first, std::int64_t place_last);
+  double value_of(const Worst& worst) const;
+
+  const Toolpath& path_;
+  const Machine& machine_;
+  const double period_;
+  const std::size_t n_;
+  std::span<double> errors_;
+  Broken broken_;
+  std::vector<Worst> worst_;
+  std::vector<double> before_, now_, velocity_, acceleration_, jerk_, largest_;
+  std::int64_t sample_ = 0;
+  std::int64_t places_[3] = {0, 0, 0};  // first places of the last samples
+};
+
+/// Distance of a point from the segment a to b, all of n values, squared.
+double segment_distance2(const double* a, const double* b, const double* point, std::size_t n);
+
+}  // namespace accdec

@@ -1,0 +1,125 @@
+#include <accdec/program/profiles/corner.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace accdec {
+namespace {
+
+/// tau/v that the axes' accelerations ask for at speed v.
+double stretch_at(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs, double v) {
+  double stretch = 0.0;
+  for (std::size_t a = 0; a < dimensions; ++a) {
+    const double step = std::abs(legs.out[a] - legs.in[a]);
+    if (step == 0.0) continue;
+    const double speed = v * std::max(std::abs(legs.in[a]), std::abs(legs.out[a]));
+    stretch = std::max(stretch, step / (legs.scale * available.of_axis(a, speed)));
+  }
+  return stretch;
+}
+
+/// How long the motion must be steady on both sides, so that no axis changes its acceleration by more than its swing within the window: braking
+/// into the corner and speeding up after it.
+double least_coast(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs, double stretch) {
+  bool beside = false, across = false;
+  for (std::size_t a = 0; a < dimensions; ++a) {
+    const double swing = available.swing(a) * (1.0 + 1e-9);
+    if (!(swing < unlimited)) continue;
+    const double before = -legs.ramp_in * legs.in[a], after = legs.ramp_out * legs.out[a];
+    const double inside = stretch > 0.0 ? (legs.out[a] - legs.in[a]) / stretch : 0.0;
+    beside = beside || std::abs(inside - before) > swing || std::abs(after - inside) > swing;
+    across = across || std::abs(after - before) > swing;
+  }
+  return beside ? available.window() : across ? 0.5 * available.window() : 0.0;
+}
+
+/// The corner at the largest speed with which it holds its tolerance; none if not even at rest.
+class Search {
+ public:
+  Search(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs, double n)
+      : available_(available), dimensions_(dimensions), legs_(legs), n_(n), ramp_(std::max(legs.ramp_in, legs.ramp_out)) {}
+
+  double stretch(double v) const { return stretch_at(available_, dimensions_, legs_, v); }
+  double tolerance(double stretch) const {
+    return legs_.tolerance - n_ / stretch * available_.period() * available_.period() / 8.0;
+  }
+  bool holds(double v, double stretch, double coast) const {
+    return corner_distance(n_, v, stretch * v, available_.window(), ramp_, coast) <= tolerance(stretch);
+  }
+  std::optional<CornerPass> with_coast(double coast) const {
+    CornerPass pass{legs_.feed, stretch(legs_.feed), coast};
+    if (holds(pass.speed_max, pass.stretch, coast)) return pass;
+    if (!holds(0.0, pass.stretch, coast)) return std::nullopt;
+    if (!available_.depends_on_speed() && available_.window() == 0.0) {
+      pass.speed_max = std::sqrt(std::max(0.0, 8.0 * tolerance(pass.stretch) / (n_ * pass.stretch)));
+      return pass;
+    }
+    double low = 0.0, high = legs_.feed;
+    for (int i = 0; i < 30; ++i) {
+      const double middle = 0.5 * (low + high);
+      (holds(middle, stretch(middle), coast) ? low : high) = middle;
+    }
+    return CornerPass{low, stretch(low), coast};
+  }
+  /// Time that the corner costs beside passing it at `feed`, s.
+  double lost(const CornerPass& pass, double feed) const {
+    const double v = std::min(pass.speed_max, feed);
+    return (feed - v) * (feed - v) / (ramp_ * feed) + (pass.stretch * v + 2.0 * pass.coast) * (1.0 - v / feed);
+  }
+  double ramp() const { return ramp_; }
+
+ private:
+  const AvailableAcceleration& available_;
+  std::size_t dimensions_;
+  const CornerLegs& legs_;
+  double n_, ramp_;
+};
+
+}  // namespace
+
+double corner_distance(double n, double v, double tau, double window, double ramp, double coast) {
+  const double p = std::max(tau, window), q = std::min(tau, window);
+  if (p == 0.0) return 0.0;
+  const double ramps = 0.5 * (window - tau) - coast;
+  return n * v * (p / 8.0 + q * q / (24.0 * p)) + (ramps > 0.0 ? n * ramp * ramps * ramps * ramps / (6.0 * window) : 0.0);
+}
+
+CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs) {
+  CornerPass pass;
+  double n = 0.0;
+  for (std::size_t a = 0; a < dimensions; ++a) n += (legs.out[a] - legs.in[a]) * (legs.out[a] - legs.in[a]);
+  n = std::sqrt(n);
+  pass.speed_max = legs.feed;
+  if (n < 1e-9) return pass;
+  const Search search(available, dimensions, legs, n);
+  pass.stretch = search.stretch(legs.feed);
+  const double window = available.window();
+  const double reached = std::min(legs.feed, std::sqrt(search.ramp() * legs.room));
+  double least = window > 0.0 ? least_coast(available, dimensions, legs, pass.stretch) : 0.0;
+  // Where the legs are too short to coast on, the acceleration is lowered instead where it turns out to change too fast.
+  if (4.0 * least * reached > legs.room) least = 0.0;
+  // Coasting longer keeps the ramps out of the last boxcar, which lets the corner be faster; at rest it is the delay between both legs.
+  const double most = 0.5 * window;
+  const auto waits = [&](double coast) { return search.holds(0.0, pass.stretch, coast); };
+  if (least < most && !waits(least) && waits(most)) {
+    double low = least;
+    least = most;
+    for (int i = 0; i < 20; ++i) {
+      const double middle = 0.5 * (low + least);
+      (waits(middle) ? least : low) = middle;
+    }
+  }
+  constexpr int steps = 4;
+  std::optional<CornerPass> best;
+  for (int i = 0; i <= (least < most ? steps : 0); ++i) {
+    const std::optional<CornerPass> candidate = search.with_coast(least + (most - least) * i / steps);
+    if (candidate && (!best || search.lost(*candidate, reached) < search.lost(*best, reached))) best = candidate;
+    if (candidate && candidate->speed_max >= reached) break;
+  }
+  // A tolerance of the size of what a sample misses: to rest, which is timed to a sample.
+  if (!best || search.tolerance(best->stretch) <= 0.05 * legs.tolerance) return {0.0, pass.stretch, 0.0};
+  return *best;
+}
+
+}  // namespace accdec
