@@ -62,12 +62,13 @@ class Search {
     }
     return CornerPass{low, stretch(low), coast};
   }
-  /// Time that the corner costs beside passing it at `feed`, s.
-  double lost(const CornerPass& pass, double feed) const {
-    const double v = std::min(pass.speed_max, feed);
+  /// Time that the corner costs beside passing it at the speed that the legs reach, s.
+  double lost(const CornerPass& pass) const {
+    const double feed = reached(), v = std::min(pass.speed_max, feed);
     return (feed - v) * (feed - v) / (ramp_ * feed) + (pass.stretch * v + 2.0 * pass.coast) * (1.0 - v / feed);
   }
-  double ramp() const { return ramp_; }
+  /// About the speed that the legs reach.
+  double reached() const { return std::min(legs_.feed, std::sqrt(ramp_ * legs_.room)); }
 
  private:
   const AvailableAcceleration& available_;
@@ -75,6 +76,33 @@ class Search {
   const CornerLegs& legs_;
   double n_, ramp_;
 };
+
+/// The fastest of several lengths of coasting, from the least that the swing allows.
+std::optional<CornerPass> best_coast(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs,
+                                     const Search& search, double window) {
+  const double stretch = search.stretch(legs.feed), most = 0.5 * window;
+  double least = window > 0.0 ? least_coast(available, dimensions, legs, stretch) : 0.0;
+  // Where the legs are too short to coast on, the acceleration is lowered instead where it turns out to change too fast.
+  if (4.0 * least * search.reached() > legs.room) least = 0.0;
+  // Coasting longer keeps the ramps out of the last boxcar, which lets the corner be faster; at rest it is the delay between both legs.
+  const auto waits = [&](double coast) { return search.holds(0.0, stretch, coast); };
+  if (least < most && !waits(least) && waits(most)) {
+    double low = least;
+    least = most;
+    for (int i = 0; i < 20; ++i) {
+      const double middle = 0.5 * (low + least);
+      (waits(middle) ? least : low) = middle;
+    }
+  }
+  constexpr int steps = 4;
+  std::optional<CornerPass> best;
+  for (int i = 0; i <= (least < most ? steps : 0); ++i) {
+    const std::optional<CornerPass> candidate = search.with_coast(least + (most - least) * i / steps);
+    if (candidate && (!best || search.lost(*candidate) < search.lost(*best))) best = candidate;
+    if (candidate && candidate->speed_max >= search.reached()) break;
+  }
+  return best;
+}
 
 }  // namespace
 
@@ -92,33 +120,21 @@ CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimen
   n = std::sqrt(n);
   pass.speed_max = legs.feed;
   if (n < 1e-9) return pass;
-  const Search search(available, dimensions, legs, n);
-  pass.stretch = search.stretch(legs.feed);
   const double window = available.window();
-  const double reached = std::min(legs.feed, std::sqrt(search.ramp() * legs.room));
-  double least = window > 0.0 ? least_coast(available, dimensions, legs, pass.stretch) : 0.0;
-  // Where the legs are too short to coast on, the acceleration is lowered instead where it turns out to change too fast.
-  if (4.0 * least * reached > legs.room) least = 0.0;
-  // Coasting longer keeps the ramps out of the last boxcar, which lets the corner be faster; at rest it is the delay between both legs.
-  const double most = 0.5 * window;
-  const auto waits = [&](double coast) { return search.holds(0.0, pass.stretch, coast); };
-  if (least < most && !waits(least) && waits(most)) {
-    double low = least;
-    least = most;
-    for (int i = 0; i < 20; ++i) {
-      const double middle = 0.5 * (low + least);
-      (waits(middle) ? least : low) = middle;
+  const Search search(available, dimensions, legs, n);
+  std::optional<CornerPass> best = best_coast(available, dimensions, legs, search, window);
+  // A gentler acceleration inside the corner may change little enough to need no coasting.
+  if (best && best->coast > 0.0) {
+    for (const double gentler : {0.7, 0.45, 0.25}) {
+      CornerLegs scaled = legs;
+      scaled.scale *= gentler;
+      const Search other(available, dimensions, scaled, n);
+      const std::optional<CornerPass> candidate = best_coast(available, dimensions, scaled, other, window);
+      if (candidate && search.lost(*candidate) < search.lost(*best)) best = candidate;
     }
   }
-  constexpr int steps = 4;
-  std::optional<CornerPass> best;
-  for (int i = 0; i <= (least < most ? steps : 0); ++i) {
-    const std::optional<CornerPass> candidate = search.with_coast(least + (most - least) * i / steps);
-    if (candidate && (!best || search.lost(*candidate, reached) < search.lost(*best, reached))) best = candidate;
-    if (candidate && candidate->speed_max >= reached) break;
-  }
   // A tolerance of the size of what a sample misses: to rest, which is timed to a sample.
-  if (!best || search.tolerance(best->stretch) <= 0.05 * legs.tolerance) return {0.0, pass.stretch, 0.0};
+  if (!best || search.tolerance(best->stretch) <= 0.05 * legs.tolerance) return {0.0, search.stretch(legs.feed), 0.0};
   return *best;
 }
 

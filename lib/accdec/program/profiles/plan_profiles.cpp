@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include <accdec/program/plan.hpp>
@@ -20,73 +21,94 @@ struct Shares {
   explicit Shares(std::size_t blocks) : acceleration(2 * blocks, 1.0F), speed(blocks + 1, 1.0F) {}
 };
 
-void fill_legs(ProfileChain& chain, const Toolpath& path, const AvailableAcceleration& available, const Shares& shares,
-               std::vector<double>& units) {
-  const std::size_t n = path.dimensions(), blocks = path.blocks();
-  const auto levels = static_cast<std::size_t>(chain.levels);
-  chain.length.resize(blocks);
-  chain.feed.resize(blocks);
-  chain.ramp.resize(blocks * levels);
-  units.resize(blocks * n);
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const double* p = path.point(b);
-    double length2 = 0.0;
-    for (std::size_t a = 0; a < n; ++a) length2 += (p[n + a] - p[a]) * (p[n + a] - p[a]);
-    const double length = std::sqrt(length2);
-    double* u = units.data() + b * n;
-    for (std::size_t a = 0; a < n; ++a) u[a] = (p[n + a] - p[a]) / length;
-    chain.length[b] = length;
-    chain.feed[b] = available.feed(u, n, length / path.duration[b]);
-    for (std::size_t k = 0; k < levels; ++k) {
-      const double speed = chain.feed[b] * static_cast<double>(k + 1) / static_cast<double>(levels);
-      chain.ramp[b * levels + k] = static_cast<double>(shares.acceleration[2 * b]) * available.along(u, n, speed);
+/// Makes the chain of a path, and makes it again where shares have changed.
+class ChainMaker {
+ public:
+  ChainMaker(const Toolpath& path, const AvailableAcceleration& available) : path_(path), available_(available), n_(path.dimensions()) {
+    const std::size_t blocks = path.blocks();
+    chain_.levels = available.depends_on_speed() ? 16 : 1;
+    chain_.length.resize(blocks);
+    chain_.feed.resize(blocks);
+    chain_.ramp.resize(blocks * levels());
+    chain_.speed_max.assign(blocks + 1, 0.0);
+    chain_.stretch.assign(blocks + 1, 0.0);
+    chain_.coast.assign(blocks + 1, 0.0);
+    units_.resize(blocks * n_);
+    for (std::size_t b = 0; b < blocks; ++b) measure(b);
+    // Between speeding up and braking an axis would change its acceleration by twice what it has.
+    for (std::size_t a = 0; a < n_; ++a) {
+      if (2.0 * available.of_axis(a, 0.0) > available.swing(a) * (1.0 + 1e-9)) chain_.peak_coast = available.window();
     }
   }
-}
 
-void fill_corners(ProfileChain& chain, const Toolpath& path, const AvailableAcceleration& available, const Shares& shares,
-                  const std::vector<double>& units) {
-  const std::size_t n = path.dimensions(), blocks = path.blocks(), levels = static_cast<std::size_t>(chain.levels);
-  chain.speed_max.assign(blocks + 1, 0.0);
-  chain.stretch.assign(blocks + 1, 0.0);
-  chain.coast.assign(blocks + 1, 0.0);
-  for (std::size_t c = 1; c < blocks; ++c) {
-    if (path.joint[c - 1] == Joint::stop) continue;
+  const ProfileChain& make(const Shares& shares) {
+    const std::size_t blocks = path_.blocks();
+    const auto changed = [&](std::size_t place) { return !made_ || made_->acceleration[place] != shares.acceleration[place]; };
+    for (std::size_t b = 0; b < blocks; ++b) {
+      if (changed(2 * b)) set_ramp(b, static_cast<double>(shares.acceleration[2 * b]));
+    }
+    for (std::size_t c = 1; c < blocks; ++c) {
+      if (path_.joint[c - 1] == Joint::stop) continue;
+      if (changed(2 * c - 2) || changed(2 * c - 1) || changed(2 * c) || made_->speed[c] != shares.speed[c]) {
+        set_corner(c, static_cast<double>(shares.acceleration[2 * c - 1]), static_cast<double>(shares.speed[c]));
+      }
+    }
+    made_ = shares;
+    look_ahead(chain_);
+    return chain_;
+  }
+  ProfileChain take() { return std::move(chain_); }
+
+ private:
+  std::size_t levels() const { return static_cast<std::size_t>(chain_.levels); }
+  const double* unit(std::size_t b) const { return units_.data() + b * n_; }
+
+  void measure(std::size_t b) {
+    const double* p = path_.point(b);
+    double length2 = 0.0;
+    for (std::size_t a = 0; a < n_; ++a) length2 += (p[n_ + a] - p[a]) * (p[n_ + a] - p[a]);
+    const double length = std::sqrt(length2);
+    for (std::size_t a = 0; a < n_; ++a) units_[b * n_ + a] = (p[n_ + a] - p[a]) / length;
+    chain_.length[b] = length;
+    chain_.feed[b] = available_.feed(unit(b), n_, length / path_.duration[b]);
+  }
+
+  void set_ramp(std::size_t b, double share) {
+    for (std::size_t k = 0; k < levels(); ++k) {
+      const double speed = chain_.feed[b] * static_cast<double>(k + 1) / chain_.levels;
+      chain_.ramp[b * levels() + k] = share * available_.along(unit(b), n_, speed);
+    }
+  }
+
+  void set_corner(std::size_t c, double acceleration, double speed) {
     CornerLegs legs;
-    legs.in = units.data() + (c - 1) * n;
-    legs.out = units.data() + c * n;
-    legs.ramp_in = chain.ramp[(c - 1) * levels];
-    legs.ramp_out = chain.ramp[c * levels];
-    legs.feed = std::min(chain.feed[c - 1], chain.feed[c]);
-    legs.room = std::min(chain.length[c - 1], chain.length[c]);
-    legs.tolerance = path.tolerance[c - 1];
-    legs.scale = static_cast<double>(shares.acceleration[2 * c - 1]);
-    const CornerPass pass = corner_pass(available, n, legs);
-    chain.speed_max[c] = pass.speed_max * static_cast<double>(shares.speed[c]);
-    chain.stretch[c] = pass.stretch;
-    chain.coast[c] = pass.coast;
+    legs.in = unit(c - 1);
+    legs.out = unit(c);
+    legs.ramp_in = chain_.ramp[(c - 1) * levels()];
+    legs.ramp_out = chain_.ramp[c * levels()];
+    legs.feed = std::min(chain_.feed[c - 1], chain_.feed[c]);
+    legs.room = std::min(chain_.length[c - 1], chain_.length[c]);
+    legs.tolerance = path_.tolerance[c - 1];
+    legs.scale = acceleration;
+    const CornerPass pass = corner_pass(available_, n_, legs);
+    chain_.speed_max[c] = pass.speed_max * speed;
+    chain_.stretch[c] = pass.stretch;
+    chain_.coast[c] = pass.coast;
   }
-}
 
-ProfileChain make_chain(const Toolpath& path, const AvailableAcceleration& available, const Shares& shares) {
-  ProfileChain chain;
-  chain.levels = available.depends_on_speed() ? 16 : 1;
-  std::vector<double> units;
-  fill_legs(chain, path, available, shares, units);
-  // Between speeding up and braking an axis would change its acceleration by twice what it has.
-  for (std::size_t a = 0; a < path.dimensions(); ++a) {
-    if (2.0 * available.of_axis(a, 0.0) > available.swing(a) * (1.0 + 1e-9)) chain.peak_coast = available.window();
-  }
-  fill_corners(chain, path, available, shares, units);
-  look_ahead(chain);
-  return chain;
-}
+  const Toolpath& path_;
+  const AvailableAcceleration& available_;
+  const std::size_t n_;
+  ProfileChain chain_;
+  std::vector<double> units_;
+  std::optional<Shares> made_;
+};
 
 /// Lowers the shares where samples broke something.
 class Repair {
  public:
-  Repair(const Toolpath& path, const AvailableAcceleration& available, Shares& shares)
-      : path_(path), available_(available), shares_(shares), old_(shares) {
+  Repair(const Toolpath& path, const AvailableAcceleration& available, Shares& shares, int round)
+      : path_(path), available_(available), shares_(shares), old_(shares), round_(round) {
     for (std::size_t a = 0; a < path.dimensions() && available.any(); ++a) {
       const double swing = available.swing(a);
       if (swing < unlimited) jerk_floor_ = std::min(jerk_floor_, 0.5 * swing / available.of_axis(a, 0.0));
@@ -95,7 +117,8 @@ class Repair {
 
   void limit(std::int64_t first, std::int64_t last, LimitKind kind, double ratio) {
     const auto most = static_cast<std::int64_t>(shares_.acceleration.size()) - 1;
-    const double factor = std::max(0.6, 0.995 / ratio);
+    // Where the same place breaks a limit again and again, because its neighbours change, too, by more each time.
+    const double factor = round_ < patience ? std::clamp(std::pow(0.995 / ratio, 1.0 + 0.5 * round_), 0.5, 0.98) : 0.5;
     // With half the swing no change can be too large.
     const double floor = kind == LimitKind::jerk ? std::min(1.0, jerk_floor_) : 0.0;
     for (std::int64_t p = std::clamp<std::int64_t>(first, 0, most); p <= std::min(last, most); ++p) {
@@ -138,6 +161,8 @@ class Repair {
   const AvailableAcceleration& available_;
   Shares& shares_;
   const Shares old_;
+  const int round_;
+  static constexpr int patience = 6;
   double jerk_floor_ = unlimited;
 };
 
@@ -147,18 +172,21 @@ ProfilePlan plan_with_taps(const Toolpath& path, const Machine& machine, double 
   ProfilePlan plan;
   plan.taps = taps;
   plan.errors.resize(path.blocks());
-  constexpr int rounds_max = 60;
+  ChainMaker maker(path, available);
+  constexpr int rounds_max = 100;
   for (plan.rounds = 0;; ++plan.rounds) {
-    plan.chain = make_chain(path, available, shares);
-    Repair repair(path, available, shares);
+    const ProfileChain& chain = maker.make(shares);
+    Repair repair(path, available, shares, plan.rounds);
     SampleChecker checker(path, machine, sample_period, plan.errors,
                           [&](std::int64_t first, std::int64_t last, LimitKind kind, double ratio) { repair.limit(first, last, kind, ratio); });
-    ProfileMotion motion(path, plan.chain, sample_period, taps);
+    ProfileMotion motion(path, chain, sample_period, taps);
     while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
     plan.check = checker.finish();
-    if (plan.holds() || plan.rounds == rounds_max) return plan;
-    if (!plan.check.errors_hold) repair.errors(plan.chain, plan.errors);
+    if (plan.holds() || plan.rounds == rounds_max) break;
+    if (!plan.check.errors_hold) repair.errors(chain, plan.errors);
   }
+  plan.chain = maker.take();
+  return plan;
 }
 
 /// Lengths of the last boxcar to try, taps.
@@ -166,7 +194,7 @@ std::vector<int> boxcars(const Machine& machine, double sample_period) {
   const std::optional<double> jerk_time = longest_jerk_time(machine);
   if (!jerk_time) return {1};
   std::vector<int> taps;
-  for (const double factor : {0.35, 0.5, 0.7, 1.0, 1.4, 2.0}) {
+  for (const double factor : {0.35, 0.5, 0.7, 0.85, 1.0, 1.15, 1.3, 1.5, 2.0}) {
     const double count = std::ceil(*jerk_time * factor / sample_period - 1e-6);
     taps.push_back(static_cast<int>(std::clamp(count, 1.0, 100'000.0)));
   }
@@ -181,7 +209,8 @@ ProfilePlan plan_profiles(const Toolpath& path, const Machine& machine, double s
   std::vector<std::pair<double, int>> candidates;
   for (const int taps : boxcars(machine, sample_period)) {
     const AvailableAcceleration available(machine, sample_period, taps);
-    const ProfileChain chain = make_chain(path, available, Shares(path.blocks()));
+    ChainMaker maker(path, available);
+    const ProfileChain& chain = maker.make(Shares(path.blocks()));
     double time = chain_time(chain);
     for (std::size_t c = 1; c <= path.blocks(); ++c) time += chain.stops(c) ? taps * sample_period : 0.0;
     candidates.emplace_back(time, taps);
