@@ -1,10 +1,9 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <accdec/program/profiles/corner.hpp>
 #include <accdec/program/profiles/motion.hpp>
@@ -40,10 +39,11 @@ std::vector<std::vector<double>> samples_of(const Toolpath& path, const ProfileP
   return rows;
 }
 
-/// What a motion of rows of positions does, by brute force: differences in long double of the whole sequence, at rest at both ends; the distance of
-/// every joint from every segment of the motion, in the order of the program.
+/// What a motion of rows of positions does, by brute force: differences in long double of the whole sequence, at rest
+/// at both ends; the distance of every joint from every segment of the motion, in the order of the program.
 struct Brute {
-  explicit Brute(std::vector<std::vector<double>> rows, const Toolpath& path, const Machine& m, double period) : rows_(std::move(rows)) {
+  explicit Brute(std::vector<std::vector<double>> rows, const Toolpath& path, const Machine& m, double period)
+      : rows_(std::move(rows)) {
     const std::size_t n = path.dimensions();
     rows_.insert(rows_.begin(), 3, rows_.front());
     rows_.insert(rows_.end(), 3, rows_.back());
@@ -55,7 +55,9 @@ struct Brute {
         const long double jerk = (x(0) - 3 * x(1) + 3 * x(2) - x(3)) / (T * T * T);
         const Axis& axis = m.axes[a];
         const long double force = axis.mass * acc + axis.damping * v;
-        const auto use = [&](long double value, double bound) { worst = std::max(worst, static_cast<double>(value / bound)); };
+        const auto use = [&](long double value, double bound) {
+          worst = std::max(worst, static_cast<double>(value / bound));
+        };
         use(std::abs(v), axis.velocity_max);
         use(std::abs(acc), axis.acceleration_max);
         use(std::abs(jerk), axis.jerk_max);
@@ -78,7 +80,8 @@ struct Brute {
     return std::sqrt(sum);
   }
 
-  /// Whether the motion passes every joint within its tolerance plus `more`, one after the other: each as early as it can.
+  /// Whether the motion passes every joint within its tolerance plus `more`, one after the other: each as early as it
+  /// can.
   bool passes(const Toolpath& path, double more) const {
     std::size_t at = 0;
     for (std::size_t b = 0; b < path.blocks(); ++b) {
@@ -99,7 +102,8 @@ TEST(ProfileCorner, IsAParabolaOfTheSpeedThatItsToleranceAllows) {
   const Machine m = machine(a, unlimited, 0.2, 2);
   const AvailableAcceleration available(m, period, 1);
   for (const double turn : {5.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0}) {
-    const double in[] = {1.0, 0.0}, out[] = {std::cos(turn * std::numbers::pi / 180.0), std::sin(turn * std::numbers::pi / 180.0)};
+    const double in[] = {1.0, 0.0},
+                 out[] = {std::cos(turn * std::numbers::pi / 180.0), std::sin(turn * std::numbers::pi / 180.0)};
     CornerLegs legs;
     legs.in = in;
     legs.out = out;
@@ -108,16 +112,20 @@ TEST(ProfileCorner, IsAParabolaOfTheSpeedThatItsToleranceAllows) {
     legs.room = 1.0;
     legs.tolerance = e;
     const CornerPass pass = corner_pass(available, 2, legs);
-    const double n = std::hypot(out[0] - in[0], out[1] - in[1]), largest = std::max(std::abs(out[0] - in[0]), std::abs(out[1] - in[1]));
-    // 1e-6: the sagitta a T^2/8 that the tolerance is lowered by is 1e-9 of it, the margin of the acceleration as small.
+    const double n = std::hypot(out[0] - in[0], out[1] - in[1]),
+                 largest = std::max(std::abs(out[0] - in[0]), std::abs(out[1] - in[1]));
+    // 1e-6: the sagitta a T^2/8 that the tolerance is lowered by is 1e-9 of it, the margin of the acceleration as
+    // small.
     EXPECT_NEAR(pass.speed_max, std::sqrt(8.0 * a * e / (largest * n)), 1e-6 * pass.speed_max) << turn;
     EXPECT_NEAR(pass.stretch, largest / a, 1e-8 * largest) << turn;
   }
 }
 
-/// Distance of the corner from the mean, over a window, of a corner passed at v with a boxcar of tau and ramps of `ramp` beyond `coast`: by summing.
+/// Distance of the corner from the mean, over a window, of a corner passed at v with a boxcar of tau and ramps of
+/// `ramp` beyond `coast`: by summing.
 double distance_by_sums(double n, double v, double tau, double window, double ramp, double coast) {
-  // In the direction of u2 - u1: half of n v |t| without the boxcar of the corner, whose mean is taken first; the ramps add n ramp t'^2/4.
+  // In the direction of u2 - u1: half of n v |t| without the boxcar of the corner, whose mean is taken first; the ramps
+  // add n ramp t'^2/4.
   constexpr int count = 2000;
   double sum = 0.0;
   for (int i = 0; i < count; ++i) {
@@ -141,7 +149,8 @@ TEST(ProfileCorner, DistanceThroughBothBoxcarsIsTheirMean) {
     for (const double window : {0.01, 0.02, 0.06}) {
       for (const double coast : {0.0, 0.004, 0.1}) {
         const double expected = distance_by_sums(n, v, tau, window, ramp, coast);
-        EXPECT_NEAR(corner_distance(n, v, tau, window, ramp, coast), expected, 2e-5 * expected) << tau << " " << window << " " << coast;
+        EXPECT_NEAR(corner_distance(n, v, tau, window, ramp, coast), expected, 2e-5 * expected)
+            << tau << " " << window << " " << coast;
       }
     }
   }
@@ -167,13 +176,14 @@ TEST(Profiles, OneLegWithAJerkLimitTakesTheTimeOfAnSCurve) {
   const Toolpath path = path_of(fmt::format("G64 P0.05 F{}\nG1 X{}\nM2\n", v * 60e3, length * 1e3));
   const ProfilePlan plan = plan_profiles(path, machine(a, j, 0.2, 1), period);
   EXPECT_TRUE(plan.holds());
-  // L/v + v/a + a/j = 0.5 + 0.1 + 0.02; a boxcar of 20 taps lengthens by 19 samples, one more until the velocity is 0, one of rounding.
+  // L/v + v/a + a/j = 0.5 + 0.1 + 0.02; a boxcar of 20 taps lengthens by 19 samples, one more until the velocity is 0,
+  // one of rounding.
   EXPECT_NEAR(static_cast<double>(plan.check.samples) * period, 0.62, 1.01 * period);
 }
 
 TEST(Profiles, RightAnglesOfLongLegsLoseWhatTheParabolaLoses) {
-  // Corner of 90 degrees along the axes, a = 1 m/s^2, F = 100 mm/s, e = 0.05 mm: v_c^2 = 8 a e/sqrt(2). Beside passing it at F the ramps lose
-  // (F - v_c)^2/(a F) and the corner itself (1 - v_c/F) v_c/a.
+  // Corner of 90 degrees along the axes, a = 1 m/s^2, F = 100 mm/s, e = 0.05 mm: v_c^2 = 8 a e/sqrt(2). Beside passing
+  // it at F the ramps lose (F - v_c)^2/(a F) and the corner itself (1 - v_c/F) v_c/a.
   const double a = 1.0, F = 0.1, e = 5e-5, v = std::sqrt(8.0 * a * e / std::numbers::sqrt2);
   const Toolpath path = path_of("G64 P0.05 F6000\nG1 X50\nG1 Y50\nM2\n");
   const ProfilePlan plan = plan_profiles(path, machine(a, unlimited, 0.2, 2), 1e-3);
@@ -185,8 +195,9 @@ TEST(Profiles, RightAnglesOfLongLegsLoseWhatTheParabolaLoses) {
 }
 
 TEST(Profiles, CirclesGoAsFastAsTheAxesAllow) {
-  // Where the circle of radius R crosses an axis direction, the centripetal acceleration v^2/R is one axis' alone: v = sqrt(a R) there, never more; on the
-  // diagonals both axes share it, at most 2^(1/4) of that. So a turn takes between 2^(-1/4) and 1 of 2 pi R/sqrt(a R), plus start and stop.
+  // Where the circle of radius R crosses an axis direction, the centripetal acceleration v^2/R is one axis' alone: v =
+  // sqrt(a R) there, never more; on the diagonals both axes share it, at most 2^(1/4) of that. So a turn takes between
+  // 2^(-1/4) and 1 of 2 pi R/sqrt(a R), plus start and stop.
   const double a = 1.0, R = 4e-3, turns = 10.0, slow = 2.0 * std::numbers::pi * std::sqrt(R / a);
   std::string text = "G64 P0.02 F60000\nG0 X4\n";
   for (int i = 0; i < turns; ++i) text += "G3 X4 Y0 I-4 J0\n";
@@ -209,7 +220,8 @@ TEST(Profiles, StopsAndDwellsAreKept) {
     ASSERT_TRUE(plan.holds());
     const auto rows = samples_of(path, plan, 1e-3);
     int resting = 0;
-    for (std::size_t k = 1; k < rows.size(); ++k) resting += rows[k] == rows[k - 1] && std::abs(rows[k][0] - 0.01) < 1e-12 && rows[k][1] == 0.0;
+    for (std::size_t k = 1; k < rows.size(); ++k)
+      resting += rows[k] == rows[k - 1] && std::abs(rows[k][0] - 0.01) < 1e-12 && rows[k][1] == 0.0;
     EXPECT_GE(resting, 250);
     EXPECT_LE(resting, 260);
     EXPECT_TRUE(Brute(rows, path, m, 1e-3).passes(path, 1e-9));
@@ -233,10 +245,12 @@ TEST(Profiles, ShortBlocksAreLookedAheadOver) {
 
 TEST(Profiles, LinuxCncsZigZagIsFasterThanLinuxCnc) {
   // LinuxCNC's times, problems/program/linuxcnc/README.md.
-  const std::pair<const char*, double> measured[] = {{"p0.01", 19.036}, {"p0.05", 18.699}, {"p0.1", 18.410}, {"p0.5", 16.847}};
+  const std::pair<const char*, double> measured[] = {
+      {"p0.01", 19.036}, {"p0.05", 18.699}, {"p0.1", 18.410}, {"p0.5", 16.847}};
   const Machine m = machine(1.0, unlimited, 0.2, 2);
   for (const auto& [name, time] : measured) {
-    LineSource source{std::filesystem::path(fmt::format("{}/problems/program/linuxcnc/zigzag-{}.ngc", ACCDEC_SOURCE_DIR, name))};
+    LineSource source{
+        std::filesystem::path(fmt::format("{}/problems/program/linuxcnc/zigzag-{}.ngc", ACCDEC_SOURCE_DIR, name))};
     const Toolpath path = read_toolpath(source, m, {});
     const ProfilePlan plan = plan_profiles(path, m, 1e-3);
     EXPECT_TRUE(plan.holds());
@@ -251,13 +265,16 @@ TEST(Profiles, VibrationBoundsAreRefused) {
   EXPECT_THROW(plan_profiles(path_of("G64 P0.05 F6000\nG1 X10\nG1 Y10\nM2\n"), m, 1e-3), std::invalid_argument);
 }
 
-/// Random programs on random machines: whatever is said to hold, brute force finds to hold; and plans without force limits hold always.
+/// Random programs on random machines: whatever is said to hold, brute force finds to hold; and plans without force
+/// limits hold always.
 class RandomProfiles : public ::testing::TestWithParam<unsigned> {};
 
 TEST_P(RandomProfiles, HoldByBruteForce) {
   const unsigned seed = GetParam();
   std::mt19937 random(seed);
-  const auto between = [&](double low, double high) { return low * std::pow(high / low, std::uniform_real_distribution<double>(0.0, 1.0)(random)); };
+  const auto between = [&](double low, double high) {
+    return low * std::pow(high / low, std::uniform_real_distribution<double>(0.0, 1.0)(random));
+  };
   Machine m = machine(1.0);
   const bool jerk = seed % 2 == 1, force = seed % 3 == 2;
   for (Axis& axis : m.axes) {
@@ -278,7 +295,8 @@ TEST_P(RandomProfiles, HoldByBruteForce) {
   EXPECT_EQ(static_cast<std::int64_t>(rows.size()), plan.check.samples);
   const Brute brute(rows, path, m, period);
   // Rounding: the program's own check takes off what rounding of positions can add, at most 8 half units over T^3.
-  const double largest = *std::max_element(path.points.begin(), path.points.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const double largest = *std::max_element(path.points.begin(), path.points.end(),
+                                           [](double a, double b) { return std::abs(a) < std::abs(b); });
   double rounding = 0.0;
   for (const Axis& axis : m.axes) {
     rounding = std::max(rounding, 8.0 * 1.2e-16 * std::abs(largest) / std::pow(period, 3) / axis.jerk_max);

@@ -1,7 +1,7 @@
-#include <accdec/program/profiles/available.hpp>
-
 #include <algorithm>
 #include <cmath>
+
+#include <accdec/program/profiles/available.hpp>
 
 namespace accdec {
 namespace {
@@ -14,7 +14,8 @@ double at_speed(const Axis& axis, double v) {
   if (v > 0.0) {
     if (axis.power_max < unlimited) force = std::min(force, axis.power_max / v - axis.damping * v);
     if (axis.regeneration_max < unlimited) {
-      force = std::min(force, std::max(axis.regeneration_max / v, 2.0 * std::sqrt(axis.regeneration_max * axis.damping)));
+      force =
+          std::min(force, std::max(axis.regeneration_max / v, 2.0 * std::sqrt(axis.regeneration_max * axis.damping)));
     }
   }
   double acceleration = std::min(axis.acceleration_max, no_machine);
@@ -28,7 +29,8 @@ double at_speed(const Axis& axis, double v) {
 AvailableAcceleration::AvailableAcceleration(const Machine& machine, double period, int taps)
     : machine_(machine), period_(period), window_(period * taps), blur_(0.5 * window_ + period), taps_(taps) {
   for (const Axis& axis : machine.axes) {
-    depends_ = depends_ || axis.force_max < unlimited || axis.power_max < unlimited || axis.regeneration_max < unlimited;
+    depends_ =
+        depends_ || axis.force_max < unlimited || axis.power_max < unlimited || axis.regeneration_max < unlimited;
   }
 }
 
@@ -78,7 +80,8 @@ std::optional<double> longest_jerk_time(const Machine& machine) {
 std::string profiles_refusal(const Machine& machine) {
   for (const Mode& mode : machine.modes) {
     if (mode.residual_max < 1.0) {
-      return "plan profiles cannot hold vibration bounds ([[mode]]): they judge the frequency response of one filter, and here every corner "
+      return "plan profiles cannot hold vibration bounds ([[mode]]): they judge the frequency response of one filter, "
+             "and here every corner "
              "has its own; use --plan fixed";
     }
   }

@@ -15,11 +15,14 @@ class AvailableAcceleration {
  public:
   /// @param machine  one axis a dimension of the path, or none; the reference is kept
   /// @param period   s, the sample period T
-  /// @param taps     >= 1, of the boxcar that the sampled motion passes last. Its jerk is the change of the acceleration within `taps` T over
-  ///                 that time, so an axis with a jerk limit may change its acceleration by `swing` within that time, and has no more than that
+  /// @param taps     >= 1, of the boxcar that the sampled motion passes last. Its jerk is the change of the
+  /// acceleration within `taps` T over
+  ///                 that time, so an axis with a jerk limit may change its acceleration by `swing` within that time,
+  ///                 and has no more than that
   AvailableAcceleration(const Machine& machine, double period, int taps);
 
-  /// m/s^2 of an axis at `speed` >= 0 m/s of that axis; `unlimited` if nothing limits it, 0 if the speed cannot be held.
+  /// m/s^2 of an axis at `speed` >= 0 m/s of that axis; `unlimited` if nothing limits it, 0 if the speed cannot be
+  /// held.
   double of_axis(std::size_t axis, double speed) const;
   /// m/s^2 along the unit vector `u` at `speed` of the path.
   double along(const double* u, std::size_t dimensions, double speed) const;
@@ -29,7 +32,9 @@ class AvailableAcceleration {
   bool depends_on_speed() const { return depends_; }
   bool any() const { return !machine_.axes.empty(); }
   /// m/s^2: j_max taps T; `unlimited` without a jerk limit.
-  double swing(std::size_t axis) const { return machine_.axes.empty() ? unlimited : machine_.axes[axis].jerk_max * window_ * jerk_margin; }
+  double swing(std::size_t axis) const {
+    return machine_.axes.empty() ? unlimited : machine_.axes[axis].jerk_max * window_ * jerk_margin;
+  }
   /// s: taps T if there is more than one tap, else 0.
   double window() const { return taps_ > 1 ? window_ : 0.0; }
   int taps() const { return taps_; }
@@ -48,8 +53,8 @@ class AvailableAcceleration {
 /// The longest a_max/j_max of the axes with a jerk limit, s; none without such an axis.
 std::optional<double> longest_jerk_time(const Machine& machine);
 
-/// Why plan `profiles` cannot take a task; empty if it can. Vibration bounds are refused: they judge one filter's frequency response, and here
-/// every corner has its own.
+/// Why plan `profiles` cannot take a task; empty if it can. Vibration bounds are refused: they judge one filter's
+/// frequency response, and here every corner has its own.
 std::string profiles_refusal(const Machine& machine);
 
 }  // namespace accdec

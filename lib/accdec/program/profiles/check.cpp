@@ -1,13 +1,12 @@
-#include <accdec/program/profiles/check.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
-#include <accdec/design/verifier.hpp>
-#include <accdec/program/plan.hpp>
+#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/profiles/check.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 
@@ -27,11 +26,23 @@ double segment_distance2(const double* a, const double* b, const double* point, 
   return distance2;
 }
 
-SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors, Broken broken)
-    : path_(path), machine_(machine), period_(sample_period), n_(path.dimensions()), errors_(errors), broken_(std::move(broken)),
-      before_(path.point(0), path.point(0) + path.dimensions()), now_(before_), velocity_(n_), acceleration_(n_), jerk_(n_), largest_(n_) {
+SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, double sample_period,
+                             std::span<double> errors, Broken broken)
+    : path_(path),
+      machine_(machine),
+      period_(sample_period),
+      n_(path.dimensions()),
+      errors_(errors),
+      broken_(std::move(broken)),
+      before_(path.point(0), path.point(0) + path.dimensions()),
+      now_(before_),
+      velocity_(n_),
+      acceleration_(n_),
+      jerk_(n_),
+      largest_(n_) {
   std::fill(errors.begin(), errors.end(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < path.points.size(); ++i) largest_[i % n_] = std::max(largest_[i % n_], std::abs(path.points[i]));
+  for (std::size_t i = 0; i < path.points.size(); ++i)
+    largest_[i % n_] = std::max(largest_[i % n_], std::abs(path.points[i]));
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
     const auto add = [&](LimitKind kind, double bound) {
@@ -80,10 +91,12 @@ void SampleChecker::look_limits(std::int64_t place_first, std::int64_t place_las
 /// The segment to this sample against every joint whose legs its samples may lie on.
 void SampleChecker::look_joints(std::int64_t place_first, std::int64_t place_last) {
   const std::int64_t last = static_cast<std::int64_t>(path_.blocks()) - 1;
-  const std::int64_t from = std::max<std::int64_t>(1, (std::min(places_[0], place_first) + 1) / 2), to = std::min(last, place_last / 2 + 1);
+  const std::int64_t from = std::max<std::int64_t>(1, (std::min(places_[0], place_first) + 1) / 2),
+                     to = std::min(last, place_last / 2 + 1);
   for (std::int64_t c = from; c <= to; ++c) {
     double& error = errors_[static_cast<std::size_t>(c - 1)];
-    error = std::min(error, segment_distance2(before_.data(), now_.data(), path_.point(static_cast<std::size_t>(c)), n_));
+    error =
+        std::min(error, segment_distance2(before_.data(), now_.data(), path_.point(static_cast<std::size_t>(c)), n_));
   }
 }
 

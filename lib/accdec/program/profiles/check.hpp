@@ -6,14 +6,14 @@
 #include <vector>
 
 #include <accdec/machine/utilisation.hpp>
-#include <accdec/program/toolpath.hpp>
+#include <accdec/program/read/toolpath.hpp>
 
 namespace accdec {
 
 /// What the samples of a motion say about it.
 struct SampleCheck {
-  std::int64_t samples = 0;           ///< from the last at rest to the first at rest (the first whose velocity is 0 again)
-  std::vector<LimitUse> limits;       ///< worst use of every finite limit of every axis
+  std::int64_t samples = 0;      ///< from the last at rest to the first at rest (the first whose velocity is 0 again)
+  std::vector<LimitUse> limits;  ///< worst use of every finite limit of every axis
   std::vector<std::uint32_t> limit_lines;  ///< the line of the block where it occurred, one a limit
   bool limits_hold = true;
   bool errors_hold = true;
@@ -21,16 +21,18 @@ struct SampleCheck {
 
 /// Follows a motion by its positions alone, which no planner's formula enters.
 ///
-/// Velocity, acceleration and jerk of an axis are the first three differences of its samples over T, T^2, T^3; force, power and regeneration follow
-/// from the first two, as for every other plan. What rounding of a position of that size to a double may add is taken off first.
-/// The error of a joint is the distance of the polyline through the samples from the joint, while the motion is on the legs beside it.
+/// Velocity, acceleration and jerk of an axis are the first three differences of its samples over T, T^2, T^3; force,
+/// power and regeneration follow from the first two, as for every other plan. What rounding of a position of that size
+/// to a double may add is taken off first. The error of a joint is the distance of the polyline through the samples
+/// from the joint, while the motion is on the legs beside it.
 class SampleChecker {
  public:
   /// A limit used `ratio` > 1 times by samples that lie between two places (see ProfileMotion).
   using Broken = std::function<void(std::int64_t place_first, std::int64_t place_last, LimitKind kind, double ratio)>;
 
   /// @param machine  as many axes as the path, or none  @param errors  of every block, see ProgramPlan; written
-  SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors, Broken broken);
+  SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors,
+                Broken broken);
 
   /// The next sample after the start, m. The places say which joints it may be measured against.
   void look(const double* position, std::int64_t place_first, std::int64_t place_last);

@@ -1,8 +1,8 @@
-#include <accdec/program/profiles/corner.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
+
+#include <accdec/program/profiles/corner.hpp>
 
 namespace accdec {
 namespace {
@@ -19,9 +19,10 @@ double stretch_at(const AvailableAcceleration& available, std::size_t dimensions
   return stretch;
 }
 
-/// How long the motion must be steady on both sides, so that no axis changes its acceleration by more than its swing within the window: braking
-/// into the corner and speeding up after it.
-double least_coast(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs, double stretch) {
+/// How long the motion must be steady on both sides, so that no axis changes its acceleration by more than its swing
+/// within the window: braking into the corner and speeding up after it.
+double least_coast(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs,
+                   double stretch) {
   bool beside = false, across = false;
   for (std::size_t a = 0; a < dimensions; ++a) {
     const double swing = available.swing(a) * (1.0 + 1e-9);
@@ -38,7 +39,11 @@ double least_coast(const AvailableAcceleration& available, std::size_t dimension
 class Search {
  public:
   Search(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs, double n)
-      : available_(available), dimensions_(dimensions), legs_(legs), n_(n), ramp_(std::max(legs.ramp_in, legs.ramp_out)) {}
+      : available_(available),
+        dimensions_(dimensions),
+        legs_(legs),
+        n_(n),
+        ramp_(std::max(legs.ramp_in, legs.ramp_out)) {}
 
   double stretch(double v) const { return stretch_at(available_, dimensions_, legs_, v); }
   double tolerance(double stretch) const {
@@ -78,13 +83,15 @@ class Search {
 };
 
 /// The fastest of several lengths of coasting, from the least that the swing allows.
-std::optional<CornerPass> best_coast(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs,
-                                     const Search& search, double window) {
+std::optional<CornerPass> best_coast(const AvailableAcceleration& available, std::size_t dimensions,
+                                     const CornerLegs& legs, const Search& search, double window) {
   const double stretch = search.stretch(legs.feed), most = 0.5 * window;
   double least = window > 0.0 ? least_coast(available, dimensions, legs, stretch) : 0.0;
-  // Where the legs are too short to coast on, the acceleration is lowered instead where it turns out to change too fast.
+  // Where the legs are too short to coast on, the acceleration is lowered instead where it turns out to change too
+  // fast.
   if (4.0 * least * search.reached() > legs.room) least = 0.0;
-  // Coasting longer keeps the ramps out of the last boxcar, which lets the corner be faster; at rest it is the delay between both legs.
+  // Coasting longer keeps the ramps out of the last boxcar, which lets the corner be faster; at rest it is the delay
+  // between both legs.
   const auto waits = [&](double coast) { return search.holds(0.0, stretch, coast); };
   if (least < most && !waits(least) && waits(most)) {
     double low = least;
@@ -110,7 +117,8 @@ double corner_distance(double n, double v, double tau, double window, double ram
   const double p = std::max(tau, window), q = std::min(tau, window);
   if (p == 0.0) return 0.0;
   const double ramps = 0.5 * (window - tau) - coast;
-  return n * v * (p / 8.0 + q * q / (24.0 * p)) + (ramps > 0.0 ? n * ramp * ramps * ramps * ramps / (6.0 * window) : 0.0);
+  return n * v * (p / 8.0 + q * q / (24.0 * p)) +
+         (ramps > 0.0 ? n * ramp * ramps * ramps * ramps / (6.0 * window) : 0.0);
 }
 
 CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs) {

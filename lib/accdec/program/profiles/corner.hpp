@@ -6,8 +6,9 @@
 
 namespace accdec {
 
-/// A corner between two legs passed at one speed v: its step of the command, (u2 - u1) v, goes through a boxcar of tau = stretch v seconds.
-/// The acceleration meanwhile is (u2 - u1)/stretch, the path a parabola that takes v tau/2 of each leg.
+/// A corner between two legs passed at one speed v: its step of the command, (u2 - u1) v, goes through a boxcar of tau
+/// = stretch v seconds. The acceleration meanwhile is (u2 - u1)/stretch, the path a parabola that takes v tau/2 of each
+/// leg.
 struct CornerPass {
   double speed_max = 0.0;  ///< m/s; 0: the motion has to come to rest
   double stretch = 0.0;    ///< s^2/m
@@ -15,21 +16,23 @@ struct CornerPass {
 };
 
 struct CornerLegs {
-  const double* in = nullptr;   ///< unit vectors
+  const double* in = nullptr;  ///< unit vectors
   const double* out = nullptr;
   double ramp_in = 0.0, ramp_out = 0.0;  ///< m/s^2, largest acceleration along each leg near the corner
-  double feed = 0.0;       ///< m/s, the lower of both legs
-  double room = 0.0;       ///< m, the shorter of both legs
-  double tolerance = 0.0;  ///< m, >= 0
-  double scale = 1.0;      ///< share of the available acceleration to be used, in (0, 1]
+  double feed = 0.0;                     ///< m/s, the lower of both legs
+  double room = 0.0;                     ///< m, the shorter of both legs
+  double tolerance = 0.0;                ///< m, >= 0
+  double scale = 1.0;                    ///< share of the available acceleration to be used, in (0, 1]
 };
 
 /// The fastest pass within the tolerance and what acceleration the axes have.
 ///
-/// Distance of the path from the corner: by symmetry the boxcars of the corner (tau) and of the whole motion (w) commute; with n = |u2 - u1|
+/// Distance of the path from the corner: by symmetry the boxcars of the corner (tau) and of the whole motion (w)
+/// commute; with n = |u2 - u1|
 ///   n v (p/8 + q^2/(24 p)),   p = max(tau, w), q = min(tau, w),
-/// for w = 0 the parabola's n v tau/8. Ramps at both ends, a along the leg, add n a ((w - tau)/2 - coast)^3/(6 w) where that is positive.
-/// The tolerance is held by the polyline through the samples, which is up to |A| T^2/8 inside the path.
+/// for w = 0 the parabola's n v tau/8. Ramps at both ends, a along the leg, add n a ((w - tau)/2 - coast)^3/(6 w) where
+/// that is positive. The tolerance is held by the polyline through the samples, which is up to |A| T^2/8 inside the
+/// path.
 CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs);
 
 /// The distance above, m.

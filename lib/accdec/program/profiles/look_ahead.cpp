@@ -6,7 +6,9 @@ namespace accdec {
 namespace {
 
 /// Largest v >= 0 with a v^2 + b v <= c; a, b >= 0, a > 0.
-double root(double a, double b, double c) { return c <= 0.0 ? 0.0 : 2.0 * c / (b + std::sqrt(b * b + 4.0 * a * c)); }
+double root(double a, double b, double c) {
+  return c <= 0.0 ? 0.0 : 2.0 * c / (b + std::sqrt(b * b + 4.0 * a * c));
+}
 
 /// Largest v in [low, high] for which `fits`, which holds at `low` and, once it fails, stays false.
 template <class Fits>
@@ -28,7 +30,8 @@ double reach(const ProfileChain& chain, std::size_t b, std::size_t c, std::size_
   return largest(std::min(other, cap), cap, [&](double v) { return chain.taken(c, v) + chain.way(b, v) <= room; });
 }
 
-/// Where the corners of a leg together would take more than the leg, both are lowered to the same speed; one that is slower keeps its own.
+/// Where the corners of a leg together would take more than the leg, both are lowered to the same speed; one that is
+/// slower keeps its own.
 void share_legs(ProfileChain& chain) {
   for (std::size_t b = 0; b < chain.legs(); ++b) {
     double& first = chain.speed[b];
@@ -59,7 +62,8 @@ double allowed(const ProfileChain& chain, std::size_t b, std::size_t c, std::siz
 
 /// Whether leg b can be driven between the speeds of its ends.
 bool drivable(const ProfileChain& chain, std::size_t b, double first, double second) {
-  return chain.taken(b, first) + chain.taken(b + 1, second) + std::abs(chain.way(b, second) - chain.way(b, first)) <= chain.length[b];
+  return chain.taken(b, first) + chain.taken(b + 1, second) + std::abs(chain.way(b, second) - chain.way(b, first)) <=
+         chain.length[b];
 }
 
 /// Raises corners one by one as far as both their legs allow.
@@ -70,8 +74,11 @@ void raise(ProfileChain& chain, std::size_t c) {
   cap = std::min(cap, allowed(chain, c, c, c + 1, cap));
   const double now = chain.speed[c];
   if (cap <= now * (1.0 + 1e-6)) return;
-  const auto fits = [&](double v) { return drivable(chain, c - 1, chain.speed[c - 1], v) && drivable(chain, c, v, chain.speed[c + 1]); };
-  // Below a neighbour's speed, raising one's own may both help (less to ramp) and hurt (more taken): tried from the top.
+  const auto fits = [&](double v) {
+    return drivable(chain, c - 1, chain.speed[c - 1], v) && drivable(chain, c, v, chain.speed[c + 1]);
+  };
+  // Below a neighbour's speed, raising one's own may both help (less to ramp) and hurt (more taken): tried from the
+  // top.
   for (double v = cap, step = 0; step < 8 && v > now; ++step, v = now + 0.5 * (v - now)) {
     if (!fits(v)) continue;
     chain.speed[c] = v;
@@ -81,7 +88,8 @@ void raise(ProfileChain& chain, std::size_t c) {
 
 double peak_of(const ProfileChain& chain, std::size_t b) {
   const double first = chain.speed[b], second = chain.speed[b + 1], base = std::max(first, second);
-  const double room = chain.length[b] - chain.taken(b, first) - chain.taken(b + 1, second) + chain.way(b, first) + chain.way(b, second);
+  const double room =
+      chain.length[b] - chain.taken(b, first) - chain.taken(b + 1, second) + chain.way(b, first) + chain.way(b, second);
   const double feed = std::max(chain.feed[b], base);
   const auto fits = [&](double v) { return 2.0 * chain.way(b, v) + chain.peak_coast * v <= room; };
   if (!fits(base)) return base;
@@ -96,10 +104,12 @@ void look_ahead(ProfileChain& chain) {
   chain.speed = chain.speed_max;
   share_legs(chain);
   for (std::size_t b = n; b-- > 0;) {
-    if (chain.speed[b] > chain.speed[b + 1]) chain.speed[b] = reach(chain, b, b, b + 1, chain.speed[b + 1], chain.speed[b]);
+    if (chain.speed[b] > chain.speed[b + 1])
+      chain.speed[b] = reach(chain, b, b, b + 1, chain.speed[b + 1], chain.speed[b]);
   }
   for (std::size_t b = 0; b < n; ++b) {
-    if (chain.speed[b + 1] > chain.speed[b]) chain.speed[b + 1] = reach(chain, b, b + 1, b, chain.speed[b], chain.speed[b + 1]);
+    if (chain.speed[b + 1] > chain.speed[b])
+      chain.speed[b + 1] = reach(chain, b, b + 1, b, chain.speed[b], chain.speed[b + 1]);
   }
   for (int round = 0; round < 2; ++round) {
     for (std::size_t c = 1; c < n; ++c) raise(chain, c);

@@ -1,12 +1,13 @@
-#include <accdec/program/profiles/motion.hpp>
-
 #include <algorithm>
 #include <cmath>
+
+#include <accdec/program/profiles/motion.hpp>
 
 namespace accdec {
 namespace {
 
-/// Of a sample: what may be missing when the motion counts as arrived. So close to rest that is less than the rounding of a position.
+/// Of a sample: what may be missing when the motion counts as arrived. So close to rest that is less than the rounding
+/// of a position.
 constexpr double almost = 1e-5;
 
 }  // namespace
@@ -31,7 +32,8 @@ void ProfileMotion::direction(std::size_t b, double* u) const {
   for (std::size_t a = 0; a < n_; ++a) u[a] = (p[n_ + a] - p[a]) / chain_.length[b];
 }
 
-void ProfileMotion::leg_piece(std::size_t b, double& way, double speed, double acceleration, double duration, const double* u) {
+void ProfileMotion::leg_piece(std::size_t b, double& way, double speed, double acceleration, double duration,
+                              const double* u) {
   if (!(duration > 0.0)) return;
   Piece& piece = pieces_.emplace_back();
   piece.duration = duration;
@@ -48,7 +50,8 @@ void ProfileMotion::ramp_pieces(std::size_t b, double from, double to, double& w
   const double width = chain_.feed[b] / chain_.levels, low = std::min(from, to), high = std::max(from, to);
   for (int i = 0; i < chain_.levels; ++i) {
     const int k = from < to ? i : chain_.levels - 1 - i;
-    const double bottom = std::max(low, k * width), top = k + 1 == chain_.levels ? high : std::min(high, (k + 1) * width);
+    const double bottom = std::max(low, k * width),
+                 top = k + 1 == chain_.levels ? high : std::min(high, (k + 1) * width);
     if (!(top > bottom)) continue;
     const double rate = chain_.ramp[b * static_cast<std::size_t>(chain_.levels) + static_cast<std::size_t>(k)];
     leg_piece(b, way, from < to ? bottom : top, from < to ? rate : -rate, (top - bottom) / rate, u);
@@ -99,7 +102,9 @@ void ProfileMotion::arrive(std::size_t c) {
 }
 
 /// Whether the piece driven is the last one before a stop.
-bool ProfileMotion::ends_at_stop() const { return piece_ + 1 == pieces_.size() && !in_corner_ && chain_.stops(leg_ + 1); }
+bool ProfileMotion::ends_at_stop() const {
+  return piece_ + 1 == pieces_.size() && !in_corner_ && chain_.stops(leg_ + 1);
+}
 
 /// The next sample of the motion before the boxcar, into raw_.
 bool ProfileMotion::raw() {

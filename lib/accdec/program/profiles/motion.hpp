@@ -5,25 +5,28 @@
 #include <vector>
 
 #include <accdec/program/profiles/chain.hpp>
-#include <accdec/program/toolpath.hpp>
+#include <accdec/program/read/toolpath.hpp>
 
 namespace accdec {
 
 /// The motion of a chain along a toolpath, sample by sample, as a controller would ask for it: O(1) memory beside both.
 ///
-/// In continuous time every leg is steady motion and constant accelerations, every corner a constant acceleration; it is sampled at T. Only where it
-/// comes to rest it waits for the next sample. Sampling keeps limits: the second difference of the samples over T^2 is a weighted mean of
-/// the acceleration, the third over T^3 one of the jerk. At last the samples pass a boxcar of `taps` taps; at rest they wait until it is empty.
+/// In continuous time every leg is steady motion and constant accelerations, every corner a constant acceleration; it
+/// is sampled at T. Only where it comes to rest it waits for the next sample. Sampling keeps limits: the second
+/// difference of the samples over T^2 is a weighted mean of the acceleration, the third over T^3 one of the jerk. At
+/// last the samples pass a boxcar of `taps` taps; at rest they wait until it is empty.
 class ProfileMotion {
  public:
   /// References are kept.
   ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, int taps);
 
-  /// Moves on by one sample; false if the motion is at rest at its end. The first call gives the first sample after the start.
+  /// Moves on by one sample; false if the motion is at rest at its end. The first call gives the first sample after the
+  /// start.
   bool next();
   /// m, one value a dimension.
   const double* position() const { return out_.data(); }
-  /// What the sample lies on: 2 b for leg b, 2 b + 1 for the corner after it; of the samples inside the boxcar the first and the last.
+  /// What the sample lies on: 2 b for leg b, 2 b + 1 for the corner after it; of the samples inside the boxcar the
+  /// first and the last.
   std::int64_t place_first() const { return taps_ == 1 ? place_ : places_[slot_]; }
   std::int64_t place_last() const { return place_; }
 
@@ -48,18 +51,18 @@ class ProfileMotion {
   const double period_;
   const int taps_;
   const std::size_t n_;
-  std::vector<Piece> pieces_;    // of the leg or corner being driven
+  std::vector<Piece> pieces_;  // of the leg or corner being driven
   std::size_t piece_ = 0;
-  std::size_t leg_ = 0;          // being driven, or before the corner being driven
+  std::size_t leg_ = 0;  // being driven, or before the corner being driven
   bool in_corner_ = false;
   bool done_ = false;
-  double time_ = 0.0;            // since the beginning of the piece, of the next sample
-  std::int64_t rest_ = 0;        // samples still to rest
+  double time_ = 0.0;      // since the beginning of the piece, of the next sample
+  std::int64_t rest_ = 0;  // samples still to rest
   std::int64_t place_ = 0;
-  std::size_t dwell_ = 0;        // next entry of the path's dwells
+  std::size_t dwell_ = 0;  // next entry of the path's dwells
   std::array<double, program_axis_count> raw_{}, out_{};
   // the boxcar
-  std::vector<double> ring_;         // taps rows
+  std::vector<double> ring_;  // taps rows
   std::vector<std::int64_t> places_;
   std::size_t slot_ = 0;
   std::array<long double, program_axis_count> sum_{};

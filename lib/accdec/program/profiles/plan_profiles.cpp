@@ -1,15 +1,14 @@
-#include <accdec/program/profiles/plan_profiles.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 
-#include <accdec/program/plan.hpp>
+#include <accdec/program/plan/plan.hpp>
 #include <accdec/program/profiles/available.hpp>
 #include <accdec/program/profiles/corner.hpp>
 #include <accdec/program/profiles/motion.hpp>
+#include <accdec/program/profiles/plan_profiles.hpp>
 
 namespace accdec {
 namespace {
@@ -24,7 +23,8 @@ struct Shares {
 /// Makes the chain of a path, and makes it again where shares have changed.
 class ChainMaker {
  public:
-  ChainMaker(const Toolpath& path, const AvailableAcceleration& available) : path_(path), available_(available), n_(path.dimensions()) {
+  ChainMaker(const Toolpath& path, const AvailableAcceleration& available)
+      : path_(path), available_(available), n_(path.dimensions()) {
     const std::size_t blocks = path.blocks();
     chain_.levels = available.depends_on_speed() ? 16 : 1;
     chain_.length.resize(blocks);
@@ -43,7 +43,9 @@ class ChainMaker {
 
   const ProfileChain& make(const Shares& shares) {
     const std::size_t blocks = path_.blocks();
-    const auto changed = [&](std::size_t place) { return !made_ || made_->acceleration[place] != shares.acceleration[place]; };
+    const auto changed = [&](std::size_t place) {
+      return !made_ || made_->acceleration[place] != shares.acceleration[place];
+    };
     for (std::size_t b = 0; b < blocks; ++b) {
       if (changed(2 * b)) set_ramp(b, static_cast<double>(shares.acceleration[2 * b]));
     }
@@ -153,7 +155,8 @@ class Repair {
   void lower_speed(const ProfileChain& chain, std::size_t c, double factor) {
     if (!(chain.speed_max[c] > 0.0)) return;
     // From the speed driven, which may be below what the corner alone allows.
-    const double share = static_cast<double>(old_.speed[c]) * factor * std::min(1.0, chain.speed[c] / chain.speed_max[c]);
+    const double share =
+        static_cast<double>(old_.speed[c]) * factor * std::min(1.0, chain.speed[c] / chain.speed_max[c]);
     shares_.speed[c] = std::min(shares_.speed[c], static_cast<float>(share));
   }
 
@@ -178,7 +181,9 @@ ProfilePlan plan_with_taps(const Toolpath& path, const Machine& machine, double 
     const ProfileChain& chain = maker.make(shares);
     Repair repair(path, available, shares, plan.rounds);
     SampleChecker checker(path, machine, sample_period, plan.errors,
-                          [&](std::int64_t first, std::int64_t last, LimitKind kind, double ratio) { repair.limit(first, last, kind, ratio); });
+                          [&](std::int64_t first, std::int64_t last, LimitKind kind, double ratio) {
+                            repair.limit(first, last, kind, ratio);
+                          });
     ProfileMotion motion(path, chain, sample_period, taps);
     while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
     plan.check = checker.finish();
