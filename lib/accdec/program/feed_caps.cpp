@@ -1,0 +1,235 @@
+#include <accdec/program/feed_caps.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace accdec {
+namespace {
+
+constexpr double slowest = 1e-3;  // of the feed: no joint is passed slower, a delay does the rest
+
+double norm2(const double* v, std::size_t n) {
+  double sum = 0.0;
+  for (std::size_t a = 0; a < n; ++a) sum += v[a] * v[a];
+  return sum;
+}
+
+}  // namespace
+
+FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window, double sample_period)
+    : path_(path), feeds_(feeds), filter_(filter), window_(window), period_(sample_period), finder_(filter), acceleration_(path.blocks(), unlimited) {
+  const std::size_t n = feeds.dimensions;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    for (std::size_t a = 0; a < n; ++a) {
+      const double u = std::abs(feeds.direction[b * n + a]);
+      if (u > 0.0) acceleration_[b] = std::min(acceleration_[b], window.acceleration_change(a) / (window.tau1() * u));
+    }
+  }
+}
+
+double FeedCaps::largest(std::size_t b, double v_max, bool apart, bool together) const {
+  const std::size_t n = feeds_.dimensions;
+  const double *u = feeds_.direction.data() + b * n, *w = u + n;
+  const double margin = std::min(feeds_.margin[b], feeds_.margin[b + 1]);
+  double v = v_max;
+  for (int round = 0; round < 3; ++round) {  // loads allow more at lower speeds
+    double next = v_max;
+    for (std::size_t a = 0; a < n; ++a) {
+      const double in = std::abs(u[a]), out = std::abs(w[a]), turn = std::abs(w[a] - u[a]);
+      const double most = std::max(apart ? std::max(in, out) : 0.0, together ? turn : 0.0);
+      if (most <= 0.0) continue;
+      const double allowed = margin * std::min({window_.step(a), window_.change(a, v * in, 0.0, false), window_.change(a, v * out, 0.0, true)});
+      next = std::min(next, allowed / most);
+    }
+    if (!window_.loads()) return next;
+    v = std::min(v, next);
+  }
+  return v;
+}
+
+double FeedCaps::ramp_time(std::size_t b, double v) const {
+  const double a = acceleration_[b];
+  const double top = std::min(feed(b), std::sqrt(v * v + a * feeds_.length[b]));
+  return top > v ? (top - v) * (top - v) / (2.0 * a * top) : 0.0;
+}
+
+CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
+  const std::size_t n = feeds_.dimensions;
+  const double *u = feeds_.direction.data() + b * n, *w = u + n;
+  double dot = 0.0;
+  for (std::size_t a = 0; a < n; ++a) dot += u[a] * w[a];
+  const double cosine = std::clamp(-dot, -1.0, 1.0);
+  const double feed_max = std::min(feed(b), feed(b + 1));
+  const int stop = finder_.exact_stop_delay();
+  // In the plane where a circle of this radius would be seen at the corner, the error is in proportion to the speed.
+  const auto delay_at = [&](double v) {
+    return path_.joint[b] == Joint::stop ? stop : finder_(cosine, v * period_, v * period_, tolerance);
+  };
+  CornerFeed best{std::max(slowest * feed_max, largest(b, feed_max, true, false)), stop};
+  double least = stop * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
+  if (path_.joint[b] == Joint::stop || !(tolerance > 0.0)) return best;
+  const double no_delay = largest(b, feed_max, false, true), overlap = largest(b, feed_max, true, true);
+  const auto offer = [&](double v) {
+    const int delay = delay_at(v);
+    if (v > (delay > 0 ? overlap : no_delay) * (1.0 + 1e-9)) return;
+    const double time = delay * period_ + ramp_time(b, v) + ramp_time(b + 1, v);
+    if (time >= least) return;
+    least = time;
+    best = {v, delay};
+  };
+  // The largest speed without delay: the error at the samples grows with the speed.
+  double low = 0.0, high = no_delay;
+  if (delay_at(high) == 0) {
+    low = high;
+  } else {
+    for (int k = 0; k < 12; ++k) {
+      const double middle = 0.5 * (low + high);
+      (delay_at(middle) == 0 ? low : high) = middle;
+    }
+  }
+  if (low > slowest * feed_max) offer(low);
+  for (double v = overlap; v > low && v > slowest * feed_max; v *= 0.85) offer(v);
+  return best;
+}
+
+std::size_t FeedCaps::walk(std::size_t b, double distance) const {
+  if (distance >= 0.0) {
+    for (++b; b + 1 < feeds_.blocks() && distance > feeds_.length[b] && path_.joint[b] != Joint::corner && path_.joint[b] != Joint::stop; ++b) distance -= feeds_.length[b];
+    return b;
+  }
+  for (distance = -distance; b > 0 && distance > feeds_.length[b] && path_.joint[b - 1] != Joint::corner && path_.joint[b - 1] != Joint::stop; --b) distance -= feeds_.length[b];
+  return b;
+}
+
+double FeedCaps::steady_change(std::size_t b, double v) const {
+  const std::size_t n = feeds_.dimensions;
+  const double way = v * window_.tau1();
+  double use = 0.0;
+  const auto pair = [&](std::size_t from, std::size_t to) {
+    const double *u = feeds_.direction.data() + from * n, *w = feeds_.direction.data() + to * n;
+    const double margin = std::min(feeds_.margin[from], feeds_.margin[to]);
+    for (std::size_t a = 0; a < n; ++a) {
+      const double change = v * std::abs(w[a] - u[a]);
+      if (change > 0.0) use = std::max(use, change / (margin * window_.change(a, v * w[a], v * u[a], false)));
+    }
+  };
+  pair(walk(b, -way), b + 1);
+  pair(b, walk(b, way));
+  return use;
+}
+
+double FeedCaps::steady_error(std::size_t b, double v) const {
+  const std::size_t n = feeds_.dimensions;
+  const double* joint = path_.point(b + 1);
+  const double mean = filter_.mean_delay(), step = v * period_;
+  std::array<double, program_axis_count> sum{};
+  // Taps before the mean see the path beyond the joint, those after it the path before.
+  std::size_t block = b + 1;
+  double from = 0.0;
+  for (int i = static_cast<int>(std::floor(mean)); i >= filter_.first_nonzero_tap(); --i) {
+    const double s = (mean - i) * step;
+    while (block + 1 < feeds_.blocks() && from + feeds_.length[block] < s && path_.joint[block] != Joint::stop && path_.joint[block] != Joint::corner) from += feeds_.length[block++];
+    const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
+    const double *p = path_.point(block), *u = feeds_.direction.data() + block * n;
+    for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] + x * u[a] - joint[a]);
+  }
+  block = b;
+  from = 0.0;
+  for (int i = static_cast<int>(std::floor(mean)) + 1; i <= filter_.last_nonzero_tap(); ++i) {
+    const double s = (i - mean) * step;
+    while (block > 0 && from + feeds_.length[block] < s && path_.joint[block - 1] != Joint::stop && path_.joint[block - 1] != Joint::corner) from += feeds_.length[block--];
+    const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
+    const double *p = path_.point(block + 1), *u = feeds_.direction.data() + block * n;
+    for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] - x * u[a] - joint[a]);
+  }
+  // What lies along the path costs nothing.
+  std::array<double, program_axis_count> along{};
+  for (std::size_t a = 0; a < n; ++a) along[a] = feeds_.direction[b * n + a] + feeds_.direction[(b + 1) * n + a];
+  const double length2 = norm2(along.data(), n);
+  double dot = 0.0;
+  for (std::size_t a = 0; a < n; ++a) dot += sum[a] * along[a];
+  for (std::size_t a = 0; a < n; ++a) sum[a] -= dot / std::max(length2, 1e-300) * along[a];
+  return std::sqrt(norm2(sum.data(), n));
+}
+
+double FeedCaps::smooth(std::size_t b, double tolerance) const {
+  const double top = std::max(feed(b), feed(b + 1));
+  double v = top;
+  // On a curve the change goes with the square of the speed, in a lone joint with the speed.
+  for (int k = 0; k < 12; ++k) {
+    const double use = steady_change(b, v);
+    if (use <= 1.0 + 1e-9) break;
+    v /= k < 6 && use > 1.005 ? std::sqrt(use) : std::max(use, 1.001);
+  }
+  if (!(tolerance < unlimited) || path_.joint[b] == Joint::straight) return v;
+  if (steady_error(b, v) <= tolerance) return v;
+  double low = 0.0, high = v;
+  for (int k = 0; k < 10 && high - low > 0.01 * high; ++k) {
+    const double middle = 0.5 * (low + high);
+    (steady_error(b, middle) <= tolerance ? low : high) = middle;
+  }
+  return std::max(low, slowest * top);
+}
+
+std::vector<FeedPiece> FeedCaps::pieces(const std::vector<double>& speed, const std::vector<int>& delay) const {
+  const std::size_t blocks = feeds_.blocks();
+  struct Zone {
+    double length = 0.0, speed = unlimited;
+    void add(double l, double v) {
+      length = std::max(length, l);
+      speed = std::min(speed, v);
+    }
+  };
+  std::vector<Zone> begin(blocks), end(blocks);
+  std::vector<double> cap(blocks);
+  for (std::size_t b = 0; b < blocks; ++b) cap[b] = feed(b);
+  for (std::size_t b = 0; b + 1 < blocks; ++b) {
+    const bool corner = path_.joint[b] == Joint::corner || path_.joint[b] == Joint::stop;
+    const double v = speed[b];
+    if (!(v < unlimited) || (v >= cap[b] && v >= cap[b + 1])) continue;
+    const double hold = std::max(v * period_, v * (window_.half() - 0.5 * delay[b] * period_));
+    double left = hold;
+    for (std::size_t i = b;; --i) {
+      if (left < feeds_.length[i] * 0.9) {
+        end[i].add(left, v);
+        break;
+      }
+      cap[i] = std::min(cap[i], v);
+      left -= feeds_.length[i];
+      if (corner || i == 0 || left <= 0.0 || path_.joint[i - 1] == Joint::corner || path_.joint[i - 1] == Joint::stop) break;
+    }
+    left = hold;
+    for (std::size_t i = b + 1;; ++i) {
+      if (left < feeds_.length[i] * 0.9) {
+        begin[i].add(left, v);
+        break;
+      }
+      cap[i] = std::min(cap[i], v);
+      left -= feeds_.length[i];
+      if (corner || i + 1 == blocks || left <= 0.0 || path_.joint[i] == Joint::corner || path_.joint[i] == Joint::stop) break;
+    }
+  }
+  std::vector<FeedPiece> pieces;
+  pieces.reserve(blocks + blocks / 2);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const double length = feeds_.length[b];
+    Zone first = begin[b], last = end[b];
+    if (first.speed >= cap[b]) first.length = 0.0;
+    if (last.speed >= cap[b]) last.length = 0.0;
+    if (first.length + last.length > 0.98 * length) {
+      const double scale = length / (first.length + last.length);
+      first.length *= scale;
+      last.length = length - first.length;
+    }
+    const double middle = length - first.length - last.length;
+    const auto block = static_cast<std::uint32_t>(b);
+    if (first.length > 0.0) pieces.push_back({block, first.length, first.speed, 0.0});
+    if (middle > 0.0) pieces.push_back({block, middle, cap[b], 0.0});
+    if (last.length > 0.0) pieces.push_back({block, last.length, last.speed, 0.0});
+    if (b + 1 < blocks) pieces.back().rest = delay[b] * period_;
+  }
+  return pieces;
+}
+
+}  // namespace accdec

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include <accdec/motion/filter.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/program/feed_march.hpp>
+#include <accdec/program/feed_window.hpp>
+#include <accdec/program/toolpath.hpp>
+
+namespace accdec {
+
+/// How corners and stops are passed: the speed they are reached and left with, and the rest of the command in them.
+struct CornerFeed {
+  double speed = unlimited;  ///< m/s
+  int delay = 0;             ///< samples
+};
+
+/// The largest speeds of a path, and what its joints ask for.
+class FeedCaps {
+ public:
+  /// References are kept.
+  FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window, double sample_period);
+
+  /// Speed and delay of the corner or stop at the end of block b: of those on a grid of speeds the one that costs least time with
+  /// the ramps to the neighbours' feeds at constant acceleration. @param tolerance  m
+  CornerFeed corner(std::size_t b, double tolerance) const;
+  /// Largest constant speed with which the smooth joint at the end of block b is passed within its tolerance, the window ending or
+  /// beginning there within the limits.
+  double smooth(std::size_t b, double tolerance) const;
+  /// Speed of block b: that of the program.
+  double feed(std::size_t b) const { return feeds_.length[b] / path_.duration[b]; }
+
+  /// Pieces of the whole path with these speeds.
+  /// @param speed  of every joint  @param delay  of every joint, samples
+  std::vector<FeedPiece> pieces(const std::vector<double>& speed, const std::vector<int>& delay) const;
+
+ private:
+  double largest(std::size_t b, double v_max, bool apart, bool together) const;
+  double ramp_time(std::size_t b, double v) const;
+  double steady_error(std::size_t b, double v) const;
+  double steady_change(std::size_t b, double v) const;
+  std::size_t walk(std::size_t b, double distance) const;
+
+  const Toolpath& path_;
+  const FeedPath& feeds_;
+  const Filter& filter_;
+  const FeedWindow& window_;
+  double period_;
+  DelayFinder finder_;
+  std::vector<double> acceleration_;  // along every block, m/s^2
+};
+
+}  // namespace accdec
