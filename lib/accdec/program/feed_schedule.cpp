@@ -102,7 +102,9 @@ ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double 
   const FeedWindow window(filter, machine, sample_period, path.dimensions());
   const std::size_t blocks = path.blocks();
   std::vector<double> tolerance = path.tolerance, speed(blocks, unlimited);
-  std::vector<int> delay(blocks, 0);
+  std::vector<int> delay(blocks, 0), extra(blocks, 0);
+  std::vector<std::uint8_t> hits(blocks, 0), limit_hits(blocks, 0);
+  const int apart = filter.order() + 2;  // from this delay on a joint is passed at rest
   const LegFilters filters(filter);
   ScheduledPlan best;
   std::vector<bool> change(blocks, true);
@@ -116,7 +118,9 @@ ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double 
         delay[b] = corner.delay;
       } else {
         speed[b] = caps.smooth(b, tolerance[b]);
+        delay[b] = 0;
       }
+      delay[b] = std::min(std::max(apart, delay[b]), delay[b] + extra[b]);
       change[b] = false;
     }
     const std::vector<FeedPiece> limits = caps.pieces(speed, delay);
@@ -144,6 +148,9 @@ ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double 
       ++off;
       tolerance[b] *= std::clamp(path.tolerance[b] / plan.plan.errors[i], 0.5, 0.97);
       change[b] = true;
+      // Where joints act on each other, slower alone may not do; at rest always does.
+      hits[b] = static_cast<std::uint8_t>(std::min(hits[b] + 1, 100));
+      if (hits[b] > (ends_leg(path, b) ? 2 : 6)) extra[b] += 1 + filter.order() / 8;
     }
     std::vector<std::uint32_t> broken;
     for (const std::uint32_t i : plan.plan.simulation.broken) {
@@ -163,7 +170,8 @@ ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double 
       // What is commanded within the filter's length before acts, too.
       double back = 0.0;
       for (std::size_t i = b + 1; i-- > 0 && back < window.reach();) {
-        feeds.margin[i] = std::max(0.05F, feeds.margin[i] * 0.97F);
+        if (i == b) limit_hits[i] = static_cast<std::uint8_t>(std::min(limit_hits[i] + 1, 100));
+        feeds.margin[i] = std::max(0.02F, feeds.margin[i] * (limit_hits[b] > 8 ? 0.8F : limit_hits[b] > 4 ? 0.92F : 0.97F));
         change[i] = true;
         if (i > 0) change[i - 1] = true;
         back += path.duration[i];
