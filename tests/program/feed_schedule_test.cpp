@@ -1,11 +1,11 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <random>
 
+#include <gtest/gtest.h>
+
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/feed_schedule.hpp>
-#include <accdec/program/feed_search.hpp>
+#include <accdec/program/plan/feed_schedule.hpp>
+#include <accdec/program/plan/feed_search.hpp>
 
 #include "reference.hpp"
 
@@ -43,7 +43,8 @@ double worst_use(const Reference& reference, const Machine& machine) {
       const Axis& axis = machine.axes[a];
       const double v = (at(k, a) - at(k - 1, a)) / period;
       const double acceleration = (at(k, a) - 2.0 * at(k - 1, a) + at(k - 2, a)) / (period * period);
-      const double jerk = (at(k, a) - 3.0 * at(k - 1, a) + 3.0 * at(k - 2, a) - at(k - 3, a)) / (period * period * period);
+      const double jerk =
+          (at(k, a) - 3.0 * at(k - 1, a) + 3.0 * at(k - 2, a) - at(k - 3, a)) / (period * period * period);
       const double force = axis.mass * acceleration + axis.damping * v;
       worst = std::max({worst, std::abs(v) / axis.velocity_max, std::abs(acceleration) / axis.acceleration_max,
                         std::abs(jerk) / axis.jerk_max, std::abs(force) / axis.force_max, force * v / axis.power_max,
@@ -53,13 +54,15 @@ double worst_use(const Reference& reference, const Machine& machine) {
   return worst;
 }
 
-/// Everything a schedule promises, by a second computation. Rounding: positions of some 0.1 m to 1e-17, thrice differenced over 1e-9 s^3.
+/// Everything a schedule promises, by a second computation. Rounding: positions of some 0.1 m to 1e-17, thrice
+/// differenced over 1e-9 s^3.
 void expect_holds(const ScheduledPlan& plan, const Filter& filter, const Machine& machine, const std::string& what) {
   ASSERT_TRUE(all_holds(plan.plan)) << what;
   const Reference reference(plan.path, filter, period, plan.plan.delays);
   EXPECT_LE(worst_use(reference, machine), 1.0 + 1e-6) << what;
   for (std::size_t b = 0; b + 1 < plan.path.blocks(); ++b) {
-    ASSERT_LE(reference.error(plan.path, filter.order(), b), plan.path.tolerance[b] * (1.0 + 1e-9) + 1e-12) << what << " joint " << b;
+    ASSERT_LE(reference.error(plan.path, filter.order(), b), plan.path.tolerance[b] * (1.0 + 1e-9) + 1e-12)
+        << what << " joint " << b;
   }
   EXPECT_EQ(static_cast<long>(reference.position.size()) - 1, plan.plan.simulation.samples) << what;
 }
@@ -86,10 +89,13 @@ TEST(FeedSchedule, RandomProgramsHoldByPlainConvolution) {
 TEST(FeedSchedule, ReversalsDoubledPointsAndTinyBlocksHold) {
   const Machine machine = machine_of(0.2, 1.0);
   std::string text = "G64 P0.02\nG1 F6000 X10\nX0\nX0\nX10 Y0.001\nX0 Y0.002\n";
-  for (int i = 0; i < 60; ++i) text += "X" + std::to_string(0.003 * i) + " Y" + std::to_string(i % 2 == 0 ? 0.002 : 0.006) + "\n";
+  for (int i = 0; i < 60; ++i)
+    text += "X" + std::to_string(0.003 * i) + " Y" + std::to_string(i % 2 == 0 ? 0.002 : 0.006) + "\n";
   text += "G61 X5 Y5\nX6\nG61.1 X7\nY8\nG64 P0.01\nG2 X17 Y8 R5\nG3 X7 Y8 R5\nG0 X100 Y100 Z-3\nG4 P0.05\nG1 X0 Y0\n";
   const Toolpath path = path_of(text, machine);
-  for (const int order : {8, 17, 40}) expect_holds(schedule_feeds(path, boxcar(order), period, machine), boxcar(order), machine, "order " + std::to_string(order));
+  for (const int order : {8, 17, 40})
+    expect_holds(schedule_feeds(path, boxcar(order), period, machine), boxcar(order), machine,
+                 "order " + std::to_string(order));
 }
 
 TEST(FeedSchedule, AStraightBlockStartsAndStopsAtTheWholeAcceleration) {
@@ -132,7 +138,8 @@ TEST(FeedSchedule, ACircleIsCutByItsFiltersVariance) {
   }
   ASSERT_GT(seen, 0U);
   const double w = feed * period / radius;
-  // Errors are distances from the path through the samples, which cuts each sample's arc by (v T)^2/(8 R); chords lie within 1e-8 m.
+  // Errors are distances from the path through the samples, which cuts each sample's arc by (v T)^2/(8 R); chords lie
+  // within 1e-8 m.
   const double cut = feed * feed * period * period / (8.0 * radius) + 2e-8;
   EXPECT_NEAR(error, radius * (1.0 - std::sin(n * w / 2.0) / (n * std::sin(w / 2.0))), cut);
 }
@@ -145,7 +152,8 @@ TEST(FeedSchedule, ShortBlocksAreNotBoundByTheTimeTheirFeedWouldTakeToReach) {
   const Toolpath path = path_of(text, machine);
   const ScheduledPlan plan = schedule_feeds(path, boxcar(16), period, program_machine(machine, path));
   expect_holds(plan, boxcar(16), machine, "staircase");
-  // With parabolic corners of v_c = sqrt(8 a e/(m n)) = 16.8 mm/s in 16.8 ms and constant acceleration between: 2 (sqrt(v_c^2 + a L') - v_c)/a
+  // With parabolic corners of v_c = sqrt(8 a e/(m n)) = 16.8 mm/s in 16.8 ms and constant acceleration between: 2
+  // (sqrt(v_c^2 + a L') - v_c)/a
   // + 16.8 ms a block, L' = 1.44 mm less the corner's halves; a filter of 17 ms is as good but for its steps.
   const double corner = std::sqrt(8.0 * 1.0 * 50e-6 / std::sqrt(2.0)), left = 1.44e-3 - corner * corner;
   const double block = 2.0 * (std::sqrt(corner * corner + left) - corner) + corner;
@@ -179,7 +187,8 @@ TEST(FeedWindow, BrakingAndSpeedingUpHaveTheirOwnPower) {
   machine.axes[0].power_max = 5.0;
   machine.axes[0].regeneration_max = 2.0;
   const FeedWindow window(boxcar(9), machine, period, 1);
-  // From 0.4 to 0.5 m/s within 10 ms: (m a + c v) v = 5 at v = 0.5 gives a = 0; from 0.5 down to 0.4 m a v = 2 gives 0.4 m/s^2.
+  // From 0.4 to 0.5 m/s within 10 ms: (m a + c v) v = 5 at v = 0.5 gives a = 0; from 0.5 down to 0.4 m a v = 2 gives
+  // 0.4 m/s^2.
   EXPECT_NEAR(window.change(0, 0.5, 0.4, false), 0.0, 1e-12);
   EXPECT_NEAR(window.change(0, 0.4, 0.5, false), 0.4 * 0.01, 1e-7);
   EXPECT_NEAR(window.change(0, 0.5, 0.4, true), 0.4 * 0.01, 1e-7);

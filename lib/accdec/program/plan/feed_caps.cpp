@@ -1,8 +1,8 @@
-#include <accdec/program/feed_caps.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include <accdec/program/plan/feed_caps.hpp>
 
 namespace accdec {
 namespace {
@@ -17,8 +17,15 @@ double norm2(const double* v, std::size_t n) {
 
 }  // namespace
 
-FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window, double sample_period)
-    : path_(path), feeds_(feeds), filter_(filter), window_(window), period_(sample_period), finder_(filter), acceleration_(path.blocks(), unlimited) {
+FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window,
+                   double sample_period)
+    : path_(path),
+      feeds_(feeds),
+      filter_(filter),
+      window_(window),
+      period_(sample_period),
+      finder_(filter),
+      acceleration_(path.blocks(), unlimited) {
   const std::size_t n = feeds.dimensions;
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     for (std::size_t a = 0; a < n; ++a) {
@@ -39,7 +46,8 @@ double FeedCaps::largest(std::size_t b, double v_max, bool apart, bool together)
       const double in = std::abs(u[a]), out = std::abs(w[a]), turn = std::abs(w[a] - u[a]);
       const double most = std::max(apart ? std::max(in, out) : 0.0, together ? turn : 0.0);
       if (most <= 0.0) continue;
-      const double allowed = margin * std::min({window_.step(a), window_.change(a, v * in, 0.0, false), window_.change(a, v * out, 0.0, true)});
+      const double allowed = margin * std::min({window_.step(a), window_.change(a, v * in, 0.0, false),
+                                                window_.change(a, v * out, 0.0, true)});
       next = std::min(next, allowed / most);
     }
     if (!window_.loads()) return next;
@@ -95,10 +103,16 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
 
 std::size_t FeedCaps::walk(std::size_t b, double distance) const {
   if (distance >= 0.0) {
-    for (++b; b + 1 < feeds_.blocks() && distance > feeds_.length[b] && path_.joint[b] != Joint::corner && path_.joint[b] != Joint::stop; ++b) distance -= feeds_.length[b];
+    for (++b; b + 1 < feeds_.blocks() && distance > feeds_.length[b] && path_.joint[b] != Joint::corner &&
+              path_.joint[b] != Joint::stop;
+         ++b)
+      distance -= feeds_.length[b];
     return b;
   }
-  for (distance = -distance; b > 0 && distance > feeds_.length[b] && path_.joint[b - 1] != Joint::corner && path_.joint[b - 1] != Joint::stop; --b) distance -= feeds_.length[b];
+  for (distance = -distance;
+       b > 0 && distance > feeds_.length[b] && path_.joint[b - 1] != Joint::corner && path_.joint[b - 1] != Joint::stop;
+       --b)
+    distance -= feeds_.length[b];
   return b;
 }
 
@@ -129,7 +143,9 @@ double FeedCaps::steady_error(std::size_t b, double v) const {
   double from = 0.0;
   for (int i = static_cast<int>(std::floor(mean)); i >= filter_.first_nonzero_tap(); --i) {
     const double s = (mean - i) * step;
-    while (block + 1 < feeds_.blocks() && from + feeds_.length[block] < s && path_.joint[block] != Joint::stop && path_.joint[block] != Joint::corner) from += feeds_.length[block++];
+    while (block + 1 < feeds_.blocks() && from + feeds_.length[block] < s && path_.joint[block] != Joint::stop &&
+           path_.joint[block] != Joint::corner)
+      from += feeds_.length[block++];
     const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
     const double *p = path_.point(block), *u = feeds_.direction.data() + block * n;
     for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] + x * u[a] - joint[a]);
@@ -138,7 +154,9 @@ double FeedCaps::steady_error(std::size_t b, double v) const {
   from = 0.0;
   for (int i = static_cast<int>(std::floor(mean)) + 1; i <= filter_.last_nonzero_tap(); ++i) {
     const double s = (i - mean) * step;
-    while (block > 0 && from + feeds_.length[block] < s && path_.joint[block - 1] != Joint::stop && path_.joint[block - 1] != Joint::corner) from += feeds_.length[block--];
+    while (block > 0 && from + feeds_.length[block] < s && path_.joint[block - 1] != Joint::stop &&
+           path_.joint[block - 1] != Joint::corner)
+      from += feeds_.length[block--];
     const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
     const double *p = path_.point(block + 1), *u = feeds_.direction.data() + block * n;
     for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] - x * u[a] - joint[a]);
@@ -197,7 +215,8 @@ std::vector<FeedPiece> FeedCaps::pieces(const std::vector<double>& speed, const 
       }
       cap[i] = std::min(cap[i], v);
       left -= feeds_.length[i];
-      if (corner || i == 0 || left <= 0.0 || path_.joint[i - 1] == Joint::corner || path_.joint[i - 1] == Joint::stop) break;
+      if (corner || i == 0 || left <= 0.0 || path_.joint[i - 1] == Joint::corner || path_.joint[i - 1] == Joint::stop)
+        break;
     }
     left = hold;
     for (std::size_t i = b + 1;; ++i) {
@@ -207,7 +226,8 @@ std::vector<FeedPiece> FeedCaps::pieces(const std::vector<double>& speed, const 
       }
       cap[i] = std::min(cap[i], v);
       left -= feeds_.length[i];
-      if (corner || i + 1 == blocks || left <= 0.0 || path_.joint[i] == Joint::corner || path_.joint[i] == Joint::stop) break;
+      if (corner || i + 1 == blocks || left <= 0.0 || path_.joint[i] == Joint::corner || path_.joint[i] == Joint::stop)
+        break;
     }
   }
   std::vector<FeedPiece> pieces;

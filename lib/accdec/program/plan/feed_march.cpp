@@ -1,16 +1,15 @@
-#include <accdec/program/feed_march.hpp>
-
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/program/command_stream.hpp>
+#include <accdec/program/plan/feed_march.hpp>
+#include <accdec/program/simulate/command_stream.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr double slack = 1e-6;        // relative; sums of times and lengths differ by rounding
-constexpr double worth = 0.01;        // smallest rise of the speed that is worth a step
-constexpr double eps_time = 1e-9;     // s
+constexpr double slack = 1e-6;     // relative; sums of times and lengths differ by rounding
+constexpr double worth = 0.01;     // smallest rise of the speed that is worth a step
+constexpr double eps_time = 1e-9;  // s
 
 template <std::size_t axes>
 class March {
@@ -114,7 +113,7 @@ class March {
   }
 
   struct Verdict {
-    double use = 0.0;      // largest part of what is allowed
+    double use = 0.0;       // largest part of what is allowed
     double try_next = 0.0;  // a lower speed that may do; 0: unknown
   };
 
@@ -137,7 +136,8 @@ class March {
     if (lower > 0.0 && lower < v) verdict.try_next = verdict.try_next > 0.0 ? std::min(verdict.try_next, lower) : lower;
   }
 
-  void jerk(const Segment& at, const Segment& one, const Segment& two, const Segment& both, double v, Verdict& verdict) const {
+  void jerk(const Segment& at, const Segment& one, const Segment& two, const Segment& both, double v,
+            Verdict& verdict) const {
     const auto scale = [&](const Segment& s) { return backward_ && s.speed > at.speed ? at.speed / s.speed : 1.0; };
     const double s1 = scale(one), s2 = scale(two), s3 = scale(both);
     for (std::size_t a = 0; a < n(); ++a) {
@@ -234,7 +234,8 @@ class March {
 
 }  // namespace
 
-std::vector<FeedPiece> march_feeds(const FeedPath& path, const FeedWindow& window, std::span<const FeedPiece> caps, Walk walk) {
+std::vector<FeedPiece> march_feeds(const FeedPath& path, const FeedWindow& window, std::span<const FeedPiece> caps,
+                                   Walk walk) {
   switch (path.dimensions) {
     case 2: return March<2>(path, window, caps, walk).run();
     case 3: return March<3>(path, window, caps, walk).run();

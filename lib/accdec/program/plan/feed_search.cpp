@@ -1,5 +1,3 @@
-#include <accdec/program/feed_search.hpp>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,8 +6,9 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/verifier.hpp>
 #include <accdec/motion/shapes.hpp>
+#include <accdec/program/plan/feed_search.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -21,7 +20,9 @@ constexpr int rounds_to_judge = 3;
 Toolpath stretch_of(const Toolpath& path, std::size_t first, std::size_t count) {
   const auto n = static_cast<std::ptrdiff_t>(path.dimensions());
   const auto from = static_cast<std::ptrdiff_t>(first), to = from + static_cast<std::ptrdiff_t>(count);
-  const auto part = [&](const auto& values) { return std::remove_cvref_t<decltype(values)>(values.begin() + from, values.begin() + to); };
+  const auto part = [&](const auto& values) {
+    return std::remove_cvref_t<decltype(values)>(values.begin() + from, values.begin() + to);
+  };
   Toolpath out;
   out.axes = path.axes;
   out.points.assign(path.points.begin() + from * n, path.points.begin() + (to + 1) * n);
@@ -45,7 +46,11 @@ std::vector<Toolpath> stretches(const Toolpath& path) {
 class Search {
  public:
   Search(const Toolpath& path, double sample_period, const Machine& machine, const FilterSearchOptions& options)
-      : parts_(stretches(path)), period_(sample_period), machine_(machine), options_(options), start_(std::chrono::steady_clock::now()) {
+      : parts_(stretches(path)),
+        period_(sample_period),
+        machine_(machine),
+        options_(options),
+        start_(std::chrono::steady_clock::now()) {
     double top = 0.0;
     for (const Toolpath& part : parts_) {
       for (std::size_t b = 0; b < part.blocks(); ++b) {
@@ -55,17 +60,20 @@ class Search {
       }
     }
     for (std::size_t a = 0; a < machine.axes.size(); ++a) {
-      if (machine.axes[a].jerk_max < unlimited) ramp_ = std::max(ramp_, acceleration(a) / (machine.axes[a].jerk_max * period_));
+      if (machine.axes[a].jerk_max < unlimited)
+        ramp_ = std::max(ramp_, acceleration(a) / (machine.axes[a].jerk_max * period_));
     }
     // A filter longer than the fastest block's start would only ever lose time, or hold a jerk limit that binds alone.
-    longest_ = std::clamp(static_cast<int>(std::ceil(1.1 * top / period_ + 2.0 * std::min(ramp_, 400.0))) + 2, 4, options.order_max + 1);
+    longest_ = std::clamp(static_cast<int>(std::ceil(1.1 * top / period_ + 2.0 * std::min(ramp_, 400.0))) + 2, 4,
+                          options.order_max + 1);
   }
 
   FilterSearch run() {
     // Outwards from a guess, until longer or shorter ones only lose.
     for (const double factor : {1.25, 0.8}) {
       int losses = 0;
-      for (double n = std::min<double>(guess(), longest_); n >= 1.5 && n <= longest_ && losses < 3 && !late(); n *= factor) {
+      for (double n = std::min<double>(guess(), longest_); n >= 1.5 && n <= longest_ && losses < 3 && !late();
+           n *= factor) {
         const double before = time_;
         for (const int shorter : ramps(static_cast<int>(n))) offer(static_cast<int>(n), shorter);
         losses = time_ < before ? 0 : losses + (found() ? 1 : 0);
@@ -174,7 +182,8 @@ class Search {
 
 }  // namespace
 
-FilterSearch search_filter(const Toolpath& path, double sample_period, const Machine& machine, const FilterSearchOptions& options) {
+FilterSearch search_filter(const Toolpath& path, double sample_period, const Machine& machine,
+                           const FilterSearchOptions& options) {
   return Search(path, sample_period, machine, options).run();
 }
 

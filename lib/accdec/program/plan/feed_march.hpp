@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <accdec/program/feed_window.hpp>
+#include <accdec/program/plan/feed_window.hpp>
 
 namespace accdec {
 
@@ -31,12 +31,13 @@ enum class Walk {
   forward    ///< both speeding up and slowing down are
 };
 
-/// Walks along a path as fast as its caps and the window allow. At the beginning of each piece, and whenever an earlier change of the
-/// command leaves the window, the speed is the largest with which everything up to the window's reach ahead holds, going on at that
-/// speed or at the caps where those are lower. On a straight leg that gives steps of tau1 a_max every tau1.
-/// Where nothing holds, what breaks least is taken: simulation has to find it.
+/// Walks along a path as fast as its caps and the window allow. At the beginning of each piece, and whenever an earlier
+/// change of the command leaves the window, the speed is the largest with which everything up to the window's reach
+/// ahead holds, going on at that speed or at the caps where those are lower. On a straight leg that gives steps of tau1
+/// a_max every tau1. Where nothing holds, what breaks least is taken: simulation has to find it.
 /// @param caps  pieces that cover the path in the order of its blocks, with the largest speeds
 /// @return pieces that cover it, at most as fast as the caps
-std::vector<FeedPiece> march_feeds(const FeedPath& path, const FeedWindow& window, std::span<const FeedPiece> caps, Walk walk);
+std::vector<FeedPiece> march_feeds(const FeedPath& path, const FeedWindow& window, std::span<const FeedPiece> caps,
+                                   Walk walk);
 
 }  // namespace accdec

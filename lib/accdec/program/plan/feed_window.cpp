@@ -1,7 +1,7 @@
-#include <accdec/program/feed_window.hpp>
-
 #include <algorithm>
 #include <cmath>
+
+#include <accdec/program/plan/feed_window.hpp>
 
 namespace accdec {
 namespace {

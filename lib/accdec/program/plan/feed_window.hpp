@@ -6,7 +6,7 @@
 
 #include <accdec/machine/machine.hpp>
 #include <accdec/motion/filter.hpp>
-#include <accdec/program/move.hpp>
+#include <accdec/program/read/move.hpp>
 
 namespace accdec {
 
@@ -16,11 +16,11 @@ namespace accdec {
 /// (V(t) - V(t - tau1))/tau1, V the commanded velocity of an axis; the second averages that, which breaks no limit. So
 ///   |V(t) - V(t - tau1)| <= tau1 a_max                                             holds the acceleration limit, and
 ///   |V(t) - V(t - tau1) - V(t - tau2) + V(t - tau1 - tau2)| <= tau1 tau2 j_max     the jerk limit,
-/// for every t and whatever V does in between; sampling at T averages once more. Steps of tau1 a_max every tau1 keep the acceleration at
-/// its limit without interruption. Other taps are taken as tau1 = T/max b_i, whose largest acceleration is that of a step, with the jerk
-/// of a single step: a guess that simulation has to confirm.
-/// Limits of force, power and regeneration bound the first difference at the larger of the two speeds, V = max(|V(t)|, |V(t - tau1)|):
-/// m a + c V <= F, (m a + c V) V <= P while speeding up, m a <= F, (m a - c V) V <= P_regen while braking.
+/// for every t and whatever V does in between; sampling at T averages once more. Steps of tau1 a_max every tau1 keep
+/// the acceleration at its limit without interruption. Other taps are taken as tau1 = T/max b_i, whose largest
+/// acceleration is that of a step, with the jerk of a single step: a guess that simulation has to confirm. Limits of
+/// force, power and regeneration bound the first difference at the larger of the two speeds, V = max(|V(t)|, |V(t -
+/// tau1)|): m a + c V <= F, (m a + c V) V <= P while speeding up, m a <= F, (m a - c V) V <= P_regen while braking.
 class FeedWindow {
  public:
   /// @param machine   as many axes as the path, or none: nothing is limited
@@ -35,7 +35,8 @@ class FeedWindow {
   bool loads() const { return loads_; }
   bool jerk() const { return tau2_ > 0.0; }
 
-  /// Largest change of velocity over tau1 of an axis that acceleration and force allow at rest, and that a single step keeps jerk with, m/s.
+  /// Largest change of velocity over tau1 of an axis that acceleration and force allow at rest, and that a single step
+  /// keeps jerk with, m/s.
   double step(std::size_t axis) const { return axes_[axis].step; }
   double acceleration_change(std::size_t axis) const { return axes_[axis].change; }
   double jerk_change(std::size_t axis) const { return axes_[axis].jerk; }
@@ -53,7 +54,8 @@ class FeedWindow {
   std::vector<Axis> machine_;
 };
 
-/// The two lengths, in samples, of the moving averages that make a trapezoid of taps, the longer first; {0, 0} if the taps are none.
+/// The two lengths, in samples, of the moving averages that make a trapezoid of taps, the longer first; {0, 0} if the
+/// taps are none.
 std::array<int, 2> moving_averages(const Filter& filter);
 
 }  // namespace accdec

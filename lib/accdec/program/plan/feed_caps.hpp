@@ -4,9 +4,9 @@
 
 #include <accdec/motion/filter.hpp>
 #include <accdec/motion/smallest_delay.hpp>
-#include <accdec/program/feed_march.hpp>
-#include <accdec/program/feed_window.hpp>
-#include <accdec/program/toolpath.hpp>
+#include <accdec/program/plan/feed_march.hpp>
+#include <accdec/program/plan/feed_window.hpp>
+#include <accdec/program/read/toolpath.hpp>
 
 namespace accdec {
 
@@ -20,13 +20,14 @@ struct CornerFeed {
 class FeedCaps {
  public:
   /// References are kept.
-  FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window, double sample_period);
+  FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window,
+           double sample_period);
 
-  /// Speed and delay of the corner or stop at the end of block b: of those on a grid of speeds the one that costs least time with
-  /// the ramps to the neighbours' feeds at constant acceleration. @param tolerance  m
+  /// Speed and delay of the corner or stop at the end of block b: of those on a grid of speeds the one that costs least
+  /// time with the ramps to the neighbours' feeds at constant acceleration. @param tolerance  m
   CornerFeed corner(std::size_t b, double tolerance) const;
-  /// Largest constant speed with which the smooth joint at the end of block b is passed within its tolerance, the window ending or
-  /// beginning there within the limits.
+  /// Largest constant speed with which the smooth joint at the end of block b is passed within its tolerance, the
+  /// window ending or beginning there within the limits.
   double smooth(std::size_t b, double tolerance) const;
   /// Speed of block b: that of the program.
   double feed(std::size_t b) const { return feeds_.length[b] / path_.duration[b]; }
