@@ -28,6 +28,7 @@ class Checker {
 
   std::size_t run() {
     CheckedBox root;
+    root.order_most = task_.design.order_max;
     for (const TaskCorner& c : task_.corners) {
       // Nothing changes from d = N + 2 on, nor from k = N + d + 1 on.
       const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2);
@@ -42,19 +43,24 @@ class Checker {
   int least_order() const { return std::max(task_.design.order_min, 0); }
 
   /// Largest order with which a design in the box can be shorter than the target; cuts delays that cannot. -1: none.
-  int largest_order(std::vector<CheckedRange>& box) const {
-    if (std::isinf(target_)) return task_.design.order_max;
+  int largest_order(CheckedBox& whole) const {
+    std::vector<CheckedRange>& box = whole.corners;
+    whole.budget.reset();
+    const int least = std::max(least_order(), whole.order_least);
+    if (std::isinf(target_)) return whole.order_most < least ? -1 : whole.order_most;
     const double limit = target_ * (1.0 - 1e-9);
     double weights = 0.0, value = 0.0;
     for (std::size_t j = 0; j < box.size(); ++j)
       weights += task_.corners[j].weight, value += task_.corners[j].weight * box[j].d1;
     const int order =
-        static_cast<int>(std::min<double>(task_.design.order_max, std::ceil((limit - value) / weights - 1.0) - 1.0));
-    if (order < least_order()) return -1;
+        static_cast<int>(std::min<double>(whole.order_most, std::ceil((limit - value) / weights - 1.0) - 1.0));
+    if (order < least) return -1;
     for (std::size_t j = 0; j < box.size(); ++j) {
-      const double room = (limit - value - weights * (least_order() + 1)) / task_.corners[j].weight;
+      const double room = (limit - value - weights * (least + 1)) / task_.corners[j].weight;
       box[j].d2 = std::min(box[j].d2, box[j].d1 + static_cast<int>(std::clamp(room, 0.0, 1e8)));
     }
+    // A little more than rounding can have taken away.
+    whole.budget = (limit - value - weights * (least + 1)) + 1e-12 * limit;
     return order;
   }
 
@@ -67,7 +73,7 @@ class Checker {
   void node(CheckedBox box, int depth) {
     const json& entry = next(depth);
     const CheckedBox whole = box;
-    box.order = largest_order(box.corners);
+    box.order = largest_order(box);
     if (box.order >= 0) {
       for (CheckedRange& r : box.corners) r.k2 = std::min(r.k2, box.order + r.d2 + 1);
     }
@@ -87,6 +93,15 @@ class Checker {
       node(second, depth + 1);
     } else if (entry.is_array() && entry.size() == 3 && entry[1].is_string()) {
       split(entry, whole, depth);
+    } else if (entry.is_array() && entry.size() == 2 && entry[0] == "N") {
+      const int at = entry[1].get<int>();
+      if (at < std::max(least_order(), whole.order_least) || at >= whole.order_most)
+        throw Rejected("the tree splits outside the box");
+      CheckedBox shorter = whole, longer = whole;
+      shorter.order_most = at;
+      longer.order_least = at + 1;
+      node(shorter, depth + 1);
+      node(longer, depth + 1);
     } else if (entry.is_array() && entry.size() == 2 && task_.design.symmetric) {
       require_one_delay(box);
       for (const json& index : entry) {
@@ -175,6 +190,8 @@ class Checker {
       throw Rejected("the tree names multipliers that are not there");
     ++leaves_;
     CheckedSum sum(box.order);
+    sum.delays.resize(box.corners.size());
+    sum.samples.resize(box.corners.size());
     for (const json& row : multipliers_[static_cast<std::size_t>(index)]) rows_.add(row, box, sum);
     if (box.nothing_left) return;
     Interval suffix(0.0);
@@ -202,6 +219,11 @@ class Checker {
       if (c < lambda) bound = bound + Interval(tap_max) * (Interval(c) - Interval(lambda));
     }
     bound = bound - sum.rhs;
+    for (std::size_t j = 0; j < box.corners.size(); ++j) {
+      const CheckedRange& r = box.corners[j];
+      if (sum.delays[j].lo < 0.0) bound = bound + Interval(sum.delays[j].lo) * static_cast<double>(r.d2 - r.d1);
+      if (sum.samples[j].lo < 0.0) bound = bound + Interval(sum.samples[j].lo) * static_cast<double>(r.k2 - r.k1);
+    }
     if (!(bound.lo > 0.0)) {
       throw Rejected(fmt::format("{} is not refuted by its multipliers (margin {:.3g})", describe(box), bound.lo));
     }

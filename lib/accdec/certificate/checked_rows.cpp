@@ -94,6 +94,10 @@ void CheckedRows::add(const json& row, CheckedBox& box, CheckedSum& sum) const {
     if (!start) sum.rhs = sum.rhs + scale * Interval(x.damping);
   } else if (kind == "error") {
     add_error(row, weight, box, sum);
+  } else if (kind == "range error") {
+    add_range_error(row, weight, box, sum);
+  } else if (kind == "budget") {
+    add_budget(weight, box, sum);
   } else if (kind == "vibration") {
     add_vibration(row, weight, sum);
   } else if (!add_chord(kind, row, weight, box, sum)) {

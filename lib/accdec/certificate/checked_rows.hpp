@@ -25,13 +25,17 @@ struct CheckedBox {
   std::vector<CheckedRange> corners;
   std::vector<CheckedCut> cuts;
   int order = -1;
-  std::optional<CheckedTube> tube;  ///< only if a row asks for it
-  bool nothing_left = false;        ///< the tube turned out empty: no filter is in the box
+  int order_least = 0, order_most = -1;  ///< from splits on the order
+  std::optional<double> budget;          ///< at least what the target leaves of sum_j w_j (d_j - d1_j)
+  std::optional<CheckedTube> tube;       ///< only if a row asks for it
+  bool nothing_left = false;             ///< the tube turned out empty: no filter is in the box
 };
 
-/// sum_i c_i b_i + sum_k e_k B_k > rhs has to hold for every filter.
+/// sum_i c_i b_i + sum_k e_k B_k + sum_j (f_j (d_j - d1_j) + g_j (k_j - k1_j)) > rhs has to hold for every filter and
+/// all delays and samples in the box.
 struct CheckedSum {
   std::vector<Interval> taps, cumulative;  // c_i, e_k
+  std::vector<Interval> delays, samples;   // f_j, g_j; empty: zero
   Interval rhs;
   explicit CheckedSum(int order)
       : taps(static_cast<std::size_t>(order) + 1), cumulative(static_cast<std::size_t>(order) + 2) {}
@@ -67,6 +71,9 @@ class CheckedRows {
   const TaskCorner& corner(int j) const;
   const Axis& axis(int a) const;
   void add_error(const nlohmann::json& row, const Interval& weight, const CheckedBox& box, CheckedSum& sum) const;
+  /// A cut over ranges of delays and samples, see checked_ranges.cpp.
+  void add_range_error(const nlohmann::json& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_budget(const Interval& weight, const CheckedBox& box, CheckedSum& sum) const;
   void add_vibration(const nlohmann::json& row, const Interval& weight, CheckedSum& sum) const;
   void add_blend(const std::string& kind, const nlohmann::json& row, const Interval& weight, const CheckedBox& box,
                  CheckedSum& sum) const;

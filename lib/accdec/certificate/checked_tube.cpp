@@ -60,8 +60,8 @@ double lowest_before(const CheckedPlant& p, double low, double high) {
 
 }  // namespace
 
-std::optional<CheckedTube> checked_tube(const std::vector<CheckedPlant>& plants, double tap_max, int order,
-                                        const std::vector<CheckedCut>& cuts) {
+std::optional<CheckedTube> checked_tube(const std::vector<CheckedPlant>& plants, double tap_max, double jerk_max,
+                                        int order, const std::vector<CheckedCut>& cuts) {
   const auto last = static_cast<std::size_t>(order) + 1;
   CheckedTube tube;
   tube.low.assign(last + 1, 0.0);
@@ -74,6 +74,13 @@ std::optional<CheckedTube> checked_tube(const std::vector<CheckedPlant>& plants,
       tube.high[k] = std::min(tube.high[k], cut.level);
     else
       tube.low[k] = std::max(tube.low[k], cut.level);
+  }
+  // Tap i is at most (i + 1) jerk_max, and as much from the other end.
+  Interval sum(0.0);
+  for (std::size_t k = 1; k < last && sum.hi < 1.0; ++k) {
+    sum = sum + Interval(std::min(tap_max, (Interval(jerk_max) * static_cast<double>(k)).hi));
+    tube.high[k] = std::min(tube.high[k], sum.hi);
+    tube.low[last - k] = std::max(tube.low[last - k], (Interval(1.0) - sum).lo);
   }
   for (int sweep = 0; sweep < 40; ++sweep) {
     double change = 0.0;

@@ -36,7 +36,8 @@ struct CheckedPlant {
 /// Bounds that every filter of order N or less within the cuts obeys, by what one tap can add to the response: its
 /// largest value after the largest response before it, its smallest before the smallest after it. None if no filter is
 /// left.
-std::optional<CheckedTube> checked_tube(const std::vector<CheckedPlant>& plants, double tap_max, int order,
-                                        const std::vector<CheckedCut>& cuts);
+/// @param jerk_max  bound on the difference of neighbouring taps, those before the first and after the last being 0
+std::optional<CheckedTube> checked_tube(const std::vector<CheckedPlant>& plants, double tap_max, double jerk_max,
+                                        int order, const std::vector<CheckedCut>& cuts);
 
 }  // namespace accdec

@@ -37,6 +37,13 @@ void offer_shapes(const Task& task, exact::Search& search, int least, const std:
   }
 }
 
+double next_target(double low, double high) {
+  for (const double part : {0.8, 0.9, 0.95, 0.97, 0.985}) {
+    if (part * high > low * (1.0 + 1e-3)) return part * high;
+  }
+  return high;
+}
+
 }  // namespace
 
 DesignResult design_exact(const Task& task, const ExactOptions& options) {
@@ -83,6 +90,8 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
       target = trial >= longest ? infinity : trial;
     } else if (high - low > step) {
       target = trial > low && trial < high && low < 0.9 * trial ? trial : 0.5 * (low + high);
+      // With several corners a proof grows fast with its target, and a better design ends it: in large steps.
+      if (task.corners.size() > 1) target = next_target(low, high);
       if (weights == std::floor(weights)) target = std::floor(target) + 0.0;
       if (target <= low || target >= high) target = high;
     }

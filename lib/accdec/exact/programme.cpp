@@ -20,7 +20,8 @@ constexpr double inside = 1e-12;
 Programme::Programme(const LimitModel& model, int order, const std::function<bool()>& stop, double margin)
     : model_(model),
       largest_(order),
-      columns_(order + 2 + (model.has_sums() ? order + 1 : 0)),
+      columns_(order + 2 + (model.has_sums() ? order + 1 : 0) +
+               (model.corners() > 1 ? 2 * static_cast<int>(model.corners()) : 0)),
       slack_(margin > 0.0 ? -margin : slack) {
   lp_.setLogLevel(0);
   if (const StopHandler handler(stop); stop) lp_.passInEventHandler(&handler);
@@ -171,6 +172,10 @@ bool Programme::cut_cones(const Filter& filter, const Box& box, double allowed) 
   bool added = false;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     if (!model_.cone(j) || box.only_angle) continue;
+    if (shared(j, box)) {
+      cut_ranges(j, filter, box, allowed, added);
+      continue;
+    }
     double p = 0.0, q = 0.0;
     for (int i = 0; i <= filter.order(); ++i) {
       p += filter.tap(i) * box.weight_in(j, i);
@@ -184,12 +189,11 @@ bool Programme::cut_cones(const Filter& filter, const Box& box, double allowed) 
       angle = std::clamp(angle, theta - 0.5 * std::numbers::pi + inside, 0.5 * std::numbers::pi - inside);
     const double value = p * std::cos(angle) + q * std::cos(theta - angle);
     if (value <= model_.error_bound(j) * (1.0 + broken()) + 1e-13 + std::max(allowed, 0.0) * (1.0 + slack)) continue;
-    for (std::size_t r = static_cast<std::size_t>(base_rows_); r < ids_.size(); ++r) {
-      if (ids_[r].kind == RowKind::cone && ids_[r].corner == static_cast<int>(j) &&
-          std::abs(ids_[r].angle - angle) < 1e-11)
-        angle = 10.0;
-    }
-    if (angle > 9.0) continue;  // the programme's own tolerance
+    RowId id;
+    id.kind = RowKind::cone;
+    id.corner = static_cast<int>(j);
+    id.angle = angle;
+    if (known_cone(id)) continue;  // the programme's own tolerance
     add_cone(j, angle, box);
     added = true;
   }
@@ -250,13 +254,14 @@ void Programme::add_vibration(const RowId& id) {
 /// Rows of the last box go; its cuts come again at their angles in the new box.
 void Programme::prepare(const Box& box, bool symmetric) {
   std::vector<std::pair<std::size_t, double>> angles;
-  std::vector<RowId> chords;
+  std::vector<RowId> chords, ranges;
   std::vector<int> old;
   for (int r = base_rows_; r < lp_.numberRows(); ++r) {
     const RowId& id = ids_[static_cast<std::size_t>(r)];
     if (id.kind == RowKind::cone && id.corner >= 0 && lp_.getRowStatus(r) != ClpSimplex::basic) {
       angles.emplace_back(static_cast<std::size_t>(id.corner), id.angle);
     }
+    if (id.kind == RowKind::range_cone && lp_.getRowStatus(r) != ClpSimplex::basic) ranges.push_back(id);
     if (id.kind >= RowKind::power_start && lp_.getRowStatus(r) != ClpSimplex::basic &&
         std::none_of(chords.begin(), chords.end(), [&](const RowId& c) { return same_limit(c, id); }))
       chords.push_back(id);
@@ -279,14 +284,15 @@ void Programme::prepare(const Box& box, bool symmetric) {
     if (!model_.single_delay(id, box)) continue;
     if (const auto chord = model_.chord(id, box)) add_row(*chord, model_.row(*chord, box), false);
   }
+  if (model_.corners() > 1) prepare_ranges(box, ranges);
   if (box.only_angle) angles.clear();
   for (const auto& [j, angle] : angles) {
     const bool grows = std::cos(angle) >= 0.0 && std::cos(model_.theta(j) - angle) >= 0.0;
-    if (grows || !box.loose(j)) add_cone(j, angle, box);
+    if ((grows || !box.loose(j)) && !shared(j, box)) add_cone(j, angle, box);
   }
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const bool kept = std::any_of(angles.begin(), angles.end(), [&](const auto& a) { return a.first == j; });
-    if (model_.cone(j) && !kept) add_cone(j, box.only_angle.value_or(0.5 * model_.theta(j)), box);
+    if (model_.cone(j) && !kept && !shared(j, box)) add_cone(j, box.only_angle.value_or(0.5 * model_.theta(j)), box);
   }
   if (vibration_.size() > most_vibration_rows) {
     vibration_.erase(vibration_.begin(),
@@ -301,7 +307,7 @@ void Programme::prepare(const Box& box, bool symmetric) {
 
 Multipliers Programme::multipliers(const double* dual, double sign, const Box& box) {
   Multipliers y;
-  if (!box.tube.low.empty()) {
+  if (!model_.convex() && !box.tube.low.empty()) {
     // What the rows leave on a cumulative response, its own bounds have to carry.
     std::vector<double> left(static_cast<std::size_t>(columns_), 0.0);
     lp_.transposeTimes(-sign, dual, left.data());

@@ -36,6 +36,9 @@ class Programme {
   Multipliers multipliers(const double* dual, double sign, const Box& box);
   /// Duals of the least sum by which the rows have to be broken; empty if that cannot be solved.
   std::vector<double> least_infeasibility() const;
+  /// Of the current solution and corner j: d - d1, and k - k1 in the same units.
+  double delay(std::size_t j) const { return lp_.primalColumnSolution()[delay_column(j)]; }
+  double sample(std::size_t j) const { return lp_.primalColumnSolution()[delay_column(j) + 1]; }
   const LimitModel& model() const { return model_; }
   ClpSimplex& lp() { return lp_; }
 
@@ -50,6 +53,12 @@ class Programme {
   void add_row(const RowId& id, const SparseRow& row, bool both, bool soft = false);
   bool add_sparse(const RowId& id, const Box& box);
   void add_cone(std::size_t j, double angle, const Box& box);
+  void add_range_cone(const RowId& id, const Box& box);
+  void prepare_ranges(const Box& box, const std::vector<RowId>& old);
+  void cut_ranges(std::size_t j, const Filter& filter, const Box& box, double allowed, bool& added);
+  bool known_cone(const RowId& id) const;
+  bool shared(std::size_t j, const Box& box) const { return box.budget && box.ranges(j); }
+  int delay_column(std::size_t j) const { return columns_ - 2 * static_cast<int>(model_.corners() - j); }
   void add_vibration(const RowId& id);
   bool cut_cones(const Filter& filter, const Box& box, double allowed);
   bool cut_vibration(const Filter& filter, const Box& box);

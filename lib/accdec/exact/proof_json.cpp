@@ -16,6 +16,10 @@ nlohmann::json row_json(const RowId& id, double y) {
     case RowKind::blend_jerk: return {"blend jerk", id.corner, id.axis, id.sample, id.sign, y};
     case RowKind::blend_force: return {"blend force", id.corner, id.axis, id.sample, id.sign, y};
     case RowKind::cone: return {"error", id.corner, id.angle, y};
+    case RowKind::range_cone:
+      return {"range error", id.corner, id.angle,     id.in.at,    id.in.after,
+              id.in.high,    id.out.at, id.out.after, id.out.high, y};
+    case RowKind::budget: return {"budget", y};
     case RowKind::vibration: return {"vibration", id.mode, id.frequency, id.angle, y};
     case RowKind::power_start: return {"power start", id.axis, id.sample, id.low, id.high, y};
     case RowKind::regeneration_stop: return {"regeneration stop", id.axis, id.sample, id.low, id.high, y};
@@ -34,15 +38,25 @@ std::string to_json(const Proof& proof) {
   nlohmann::json out{{"schema", "accdec.certificate/1"}, {"kind", "branch and bound"}};
   out["bound_samples"] = std::isfinite(proof.target) ? nlohmann::json(proof.target) : nlohmann::json(nullptr);
   out["multipliers"] = nlohmann::json::array();
-  for (const Multipliers& y : proof.multipliers) {
+  // Splits that were tried and not taken leave multipliers behind that no leaf uses.
+  std::vector<int> number(proof.multipliers.size(), -1);
+  const auto used = [&](int index) {
+    if (index < 0) return index;
+    int& n = number[static_cast<std::size_t>(index)];
+    if (n >= 0) return n;
     nlohmann::json rows = nlohmann::json::array();
-    for (const auto& [id, value] : y) rows.push_back(row_json(id, value));
+    for (const auto& [id, value] : proof.multipliers[static_cast<std::size_t>(index)])
+      rows.push_back(row_json(id, value));
     out["multipliers"].push_back(std::move(rows));
-  }
+    n = static_cast<int>(out["multipliers"].size()) - 1;
+    return n;
+  };
   nlohmann::json tree = nlohmann::json::array();
   for (const Proof::Node& node : proof.tree) {
     if (node.kind == Proof::Node::split)
       tree.push_back({node.corner, node.on_delay ? "d" : "k", node.at});
+    else if (node.kind == Proof::Node::order_split)
+      tree.push_back({"N", node.at});
     else if (node.kind == Proof::Node::sum_split)
       tree.push_back({node.at, "B", node.level});
     else if (node.kind == Proof::Node::unreachable)
@@ -52,9 +66,9 @@ std::string to_json(const Proof& proof) {
     else if (node.kind == Proof::Node::too_long)
       tree.push_back(nullptr);
     else if (node.shorter == -1)
-      tree.push_back(node.multipliers);
+      tree.push_back(used(node.multipliers));
     else
-      tree.push_back({node.multipliers, node.shorter});
+      tree.push_back({used(node.multipliers), used(node.shorter)});
   }
   out["tree"] = std::move(tree);
   return out.dump();

@@ -79,6 +79,8 @@ class Relaxation::Impl {
       if (!programme_.cut(filter, box, refuting ? 0.0 : lp_.objectiveValue())) {
         if (by > 0.0) return outcome;
         outcome.filter = std::move(filter);
+        for (std::size_t j = 0; j < box.corners.size() && model_.corners() > 1; ++j)
+          outcome.delays.push_back(programme_.delay(j)), outcome.samples.push_back(programme_.sample(j));
         outcome.kind = Outcome::feasible;
         return outcome;
       }

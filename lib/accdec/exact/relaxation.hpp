@@ -11,8 +11,9 @@ namespace accdec::exact {
 /// What the linear programme says of a box.
 struct Outcome {
   enum Kind { refuted, feasible, unresolved } kind = unresolved;
-  Multipliers multipliers;       ///< refuted
-  double excess = 0.0;           ///< of the last programme over the cones; their own where it is below 0
+  Multipliers multipliers;              ///< refuted
+  double excess = 0.0;                  ///< of the last programme over the cones; their own where it is below 0
+  std::vector<double> delays, samples;  ///< feasible: d - d1 and k - k1 of each corner, where it is a range
   std::optional<Filter> filter;  ///< feasible: holds all convex limits of the relaxed box, and the chords of the others
 };
 

@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include <accdec/exact/range_cut.hpp>
 #include <accdec/exact/rows.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -181,6 +182,7 @@ double refutation(const LimitModel& model, const Multipliers& y, const Box& box,
   const auto size = static_cast<std::size_t>(n) + 1;
   std::vector<double> c(size, 0.0), on_sum(size + 1, 0.0);
   double rhs = 0.0, magnitude = 0.0;
+  std::vector<double> on_delay(box.corners.size(), 0.0), on_sample(box.corners.size(), 0.0);
   Box exact_box = box;
   exact_box.order = n;
   for (const auto& [id, value] : y) {
@@ -191,6 +193,19 @@ double refutation(const LimitModel& model, const Multipliers& y, const Box& box,
       for (int i = 0; i <= n; ++i)
         c[static_cast<std::size_t>(i)] += wp * box.weight_in(j, i) + wq * box.weight_out(j, i);
       rhs += value * model.error_bound(j);
+    } else if (id.kind == RowKind::range_cone) {
+      const auto j = static_cast<std::size_t>(id.corner);
+      const double wp = value * model.weight_in(j, id.angle), wq = value * model.weight_out(j, id.angle);
+      if (!box.budget || wp < 0.0 || wq < 0.0) return -infinity;
+      const RangeRow row = range_row(exact_box, j, id.in, id.out, wp, wq);
+      for (std::size_t i = 0; i < size; ++i) c[i] += row.taps[i];
+      on_delay[j] += row.on_delay;
+      on_sample[j] += row.on_sample;
+      rhs += value * model.error_bound(j) - row.constant;
+    } else if (id.kind == RowKind::budget) {
+      if (!box.budget) return -infinity;
+      for (std::size_t j = 0; j < box.corners.size(); ++j) on_delay[j] += value * model.task().corners[j].weight;
+      rhs += value * *box.budget;
     } else if (id.kind == RowKind::vibration) {
       for (int i = 0; i <= n; ++i) c[static_cast<std::size_t>(i)] += value * model.vibration_coefficient(id, i);
       rhs += value * model.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
@@ -228,7 +243,11 @@ double refutation(const LimitModel& model, const Multipliers& y, const Box& box,
   double least = 0.0;
   for (std::size_t i = 0; i < full; ++i) least += u * c[i];
   least += (1.0 - u * static_cast<double>(full)) * c[full];
-  return least - rhs - 1e-13 * (magnitude + std::abs(rhs));
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const CornerBox& b = box.corners[j];
+    least += std::min(0.0, on_delay[j]) * (b.d2 - b.d1) + std::min(0.0, on_sample[j]) * (b.k2 - b.k1);
+  }
+  return least - rhs - (box.budget ? 1e-11 : 1e-13) * (magnitude + std::abs(rhs));
 }
 
 bool tighten(const Task& task, double target, Box& box) {
@@ -237,19 +256,22 @@ bool tighten(const Task& task, double target, Box& box) {
     weights += task.corners[j].weight;
     value += task.corners[j].weight * box.corners[j].d1;
   }
-  box.order = task.design.order_max;
+  const int least = std::max({task.design.order_min, 0, box.order_least});
+  box.order = std::min(task.design.order_max, box.order_most);
+  box.budget.reset();
   const double limit = target * (1.0 - 1e-9);
   if (target < infinity) {
     const double most = std::ceil((limit - value) / weights - 1.0) - 1.0;  // weights (N + 1) + value < limit
     box.order = static_cast<int>(std::min<double>(box.order, std::max(most, -1.0)));
+    const double room = limit - value - weights * (least + 1);
+    if (room <= 0.0) return false;
+    if (box.corners.size() > 1) box.budget = room;
     for (std::size_t j = 0; j < box.corners.size(); ++j) {
-      const double w = task.corners[j].weight,
-                   room = limit - value - weights * (std::max(task.design.order_min, 0) + 1);
-      if (room <= 0.0) return false;
+      const double w = task.corners[j].weight;
       box.corners[j].d2 = std::min(box.corners[j].d2, box.corners[j].d1 + static_cast<int>(std::min(1e8, room / w)));
     }
   }
-  return box.order >= std::max(task.design.order_min, 0);
+  return box.order >= least;
 }
 
 }  // namespace accdec::exact

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -20,6 +21,8 @@ enum class RowKind {
   blend_force,
   cone,
   vibration,
+  range_cone,  ///< of a corner whose delay and sample are ranges, see range_cut.hpp
+  budget,      ///< what the target leaves of all delays together
   // Chords of limits outside the convex class, over the range of speeds or directions the box leaves.
   power_start,
   regeneration_stop,
@@ -29,6 +32,13 @@ enum class RowKind {
   tube  ///< a bound of the box itself on B_sample
 };
 
+/// Where a range cut touches p or q, see range_cut.hpp.
+struct Tangent {
+  int at = 0;          ///< sample a
+  bool after = false;  ///< slope at a + 1 instead of a
+  bool high = false;   ///< the product by the upper bound on the slope, else by the lower one
+};
+
 /// One row "form(b) <= bound" by what it limits; together with a box it says all about its coefficients.
 struct RowId {
   RowKind kind{};
@@ -36,6 +46,7 @@ struct RowId {
   int axis = -1, corner = -1, mode = -1;
   int sample = 0;
   double angle = 0.0;            ///< rad, direction of a tangent cut
+  Tangent in{}, out{};           ///< range_cone
   double frequency = 0.0;        ///< Hz, vibration
   double low = 0.0, high = 0.0;  ///< ends of a chord: m/s, or rad from leg 1's direction (speed)
 };
@@ -68,11 +79,14 @@ struct Box {
   int order = 0;  ///< largest order in the box; shorter filters are this one with zero taps
   std::vector<CornerBox> corners;
   std::vector<SumBound> path{};  ///< splits on cumulative responses
-  Tube tube{};                   ///< what they and the limits leave; empty where every limit is convex
+  Tube tube{};                   ///< what they and the limits leave; empty where no row needs it
+  /// At most sum_j w_j (d_j - d1_j), from the target; only where there are several corners.
+  std::optional<double> budget{};
   /// One per corner, instead of those at the whole delays and samples of `corners`; empty: those. Only cuts that grow
   /// with both distances are then drawn.
   std::vector<Distances> distances{};
-  std::optional<double> only_angle{};  ///< rad: the one cut that stands for each cone
+  std::optional<double> only_angle{};                                 ///< rad: the one cut that stands for each cone
+  int order_least = 0, order_most = std::numeric_limits<int>::max();  ///< from splits on the order
 
   /// Weights of tap i in the least leg distances of corner j.
   double weight_in(std::size_t j, int i) const {
@@ -83,9 +97,8 @@ struct Box {
                              : distances[j].out[static_cast<std::size_t>(i)];
   }
   /// Whether more than one delay or sample is in it, or distances in place of both.
-  bool loose(std::size_t j) const {
-    return !distances.empty() || corners[j].k1 < corners[j].k2 || corners[j].d1 < corners[j].d2;
-  }
+  bool ranges(std::size_t j) const { return corners[j].k1 < corners[j].k2 || corners[j].d1 < corners[j].d2; }
+  bool loose(std::size_t j) const { return !distances.empty() || ranges(j); }
 };
 
 /// Sum of taps, sums (coefficients of B_k) and constant, all <= 1.
@@ -184,7 +197,7 @@ class LimitModel {
 /// @param symmetric_order  >= 0: over symmetric filters of exactly this order
 double refutation(const LimitModel& model, const Multipliers& y, const Box& box, int symmetric_order = -1);
 
-/// Orders and delays still shorter than `target` (in samples): false when none is.
+/// Orders and delays still shorter than `target` (in samples), and what it leaves of the delays: false when none is.
 bool tighten(const Task& task, double target, Box& box);
 
 }  // namespace accdec::exact

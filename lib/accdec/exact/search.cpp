@@ -22,6 +22,22 @@ bool single(const LimitModel& model, const Box& box) {
   return true;
 }
 
+Proof::Node widest_split(const LimitModel& model, const Box& box) {
+  Proof::Node node;
+  node.kind = Proof::Node::split;
+  int widest = -1;
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const CornerBox& b = box.corners[j];
+    if (2 * (b.d2 - b.d1) > widest && b.d1 < b.d2)
+      widest = 2 * (b.d2 - b.d1), node.corner = static_cast<int>(j), node.on_delay = true;
+    if (model.cone(j) && b.k2 - b.k1 > widest && b.k1 < b.k2)
+      widest = b.k2 - b.k1, node.corner = static_cast<int>(j), node.on_delay = false;
+  }
+  const CornerBox& b = box.corners[static_cast<std::size_t>(node.corner)];
+  node.at = node.on_delay ? b.d1 + (b.d2 - b.d1) / 2 : b.k1 + (b.k2 - b.k1) / 2;
+  return node;
+}
+
 }  // namespace
 
 Filter trimmed(const Filter& filter, const DesignBounds& bounds) {
@@ -134,6 +150,7 @@ Search::Answer Search::below(double target) {
   current_ = Proof{};
   current_.target = target;
   recent_.clear();
+  in_tree_.clear();
   Box box = root();
   if (tighten(task_, target, box)) size_for(box.order);
   switch (refute(root())) {
@@ -143,114 +160,117 @@ Search::Answer Search::below(double target) {
   }
 }
 
-Search::State Search::refute(Box box) {
-  using Node = Proof::Node;
-  if (stop_()) return State::stopped;
-  const Box untightened = box;
-  if (!tighten(task_, target_, box)) {
-    current_.tree.push_back(Node{});
-    return State::closed;
-  }
+Search::State Search::leave(Proof::Node::Kind kind) {
+  Proof::Node leaf;
+  leaf.kind = kind;
+  current_.tree.push_back(leaf);
+  return State::closed;
+}
+
+int Search::keep(Multipliers y) {
+  current_.multipliers.push_back(std::move(y));
+  in_tree_.push_back(false);
+  return static_cast<int>(current_.multipliers.size()) - 1;
+}
+
+void Search::remember(int multipliers) {
+  const std::size_t most = task_.corners.size() > 1 ? 60 : 8;
+  const auto old = std::find(recent_.begin(), recent_.end(), multipliers);
+  if (old != recent_.end()) recent_.erase(old);
+  recent_.insert(recent_.begin(), multipliers);
+  if (recent_.size() <= most) return;
+  // Of a split that was tried and not taken: nobody will ask for it again.
+  const auto last = static_cast<std::size_t>(recent_.back());
+  if (!in_tree_[last]) current_.multipliers[last] = {};
+  recent_.pop_back();
+}
+
+int Search::refuted_before(const Box& box) {
+  const auto refutes = [&](int y) {
+    return refutation(model_, current_.multipliers[static_cast<std::size_t>(y)], box) > 0.0;
+  };
+  const auto found = std::find_if(recent_.begin(), recent_.end(), refutes);
+  return found == recent_.end() ? -1 : *found;
+}
+
+Search::State Search::close_by(int multipliers) {
+  Proof::Node leaf;
+  leaf.kind = Proof::Node::refuted;
+  leaf.multipliers = multipliers;
+  current_.tree.push_back(leaf);
+  in_tree_[static_cast<std::size_t>(multipliers)] = true;
+  remember(multipliers);
+  return State::closed;
+}
+
+bool Search::narrow(Box& box, Proof::Node::Kind* why) {
+  if (why) *why = Proof::Node::too_long;
+  if (!tighten(task_, target_, box)) return false;
   for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
   for (const CornerBox& b : box.corners) {
-    if (b.k1 > b.k2) {
-      current_.tree.push_back(Node{});
-      return State::closed;
-    }
+    if (b.k1 > b.k2) return false;
   }
-  if (!model_.convex() && !model_.shrink(box)) {
-    Node leaf;
-    leaf.kind = Node::unreachable;
-    current_.tree.push_back(leaf);
-    return State::closed;
-  }
-  const auto close = [&](int y, int shorter) {
-    Node leaf;
-    leaf.kind = Node::refuted;
-    leaf.multipliers = y;
-    leaf.shorter = shorter;
-    current_.tree.push_back(leaf);
-    const auto old = std::find(recent_.begin(), recent_.end(), y);
-    if (old != recent_.end()) recent_.erase(old);
-    recent_.insert(recent_.begin(), y);
-    if (recent_.size() > 8) recent_.pop_back();
-    return State::closed;
-  };
-  for (const int y : recent_) {
-    if (refutation(model_, current_.multipliers[static_cast<std::size_t>(y)], box) > 0.0) return close(y, -1);
-  }
-  const auto keep = [&](Multipliers y) {
-    current_.multipliers.push_back(std::move(y));
-    return static_cast<int>(current_.multipliers.size()) - 1;
-  };
+  if (why) *why = Proof::Node::unreachable;
+  return (model_.convex() && !box.budget) || model_.shrink(box);
+}
+
+Search::State Search::refute(Box box) {
+  if (stop_()) return State::stopped;
+  const Box whole = box;
+  Proof::Node::Kind why;
+  if (!narrow(box, &why)) return leave(why);
+  if (const int y = refuted_before(box); y >= 0) return close_by(y);
   Outcome outcome = relaxation_->solve(box, false);
-  if (outcome.kind == Outcome::refuted) return close(keep(std::move(outcome.multipliers)), -1);
-  if (single(model_, box) && !model_.convex()) {
+  if (outcome.kind == Outcome::refuted) return close_by(keep(std::move(outcome.multipliers)));
+  if (single(model_, box)) return refute_single(std::move(box), std::move(outcome));
+  if (outcome.filter) offer(*outcome.filter);
+  const auto found = [&] { return best && best->value < target_ * (1.0 - 1e-9); };
+  if (found()) return State::found;
+  const Proof::Node node = task_.corners.size() > 1 ? choose_split(whole, box, outcome) : widest_split(model_, box);
+  if (found()) return State::found;
+  current_.tree.push_back(node);
+  const auto [first, second] = parts(whole, node);
+  const State state = refute(first);
+  return state == State::closed ? refute(second) : state;
+}
+
+/// A box of one delay and one sample for every corner.
+Search::State Search::refute_single(Box box, Outcome outcome) {
+  if (!model_.convex()) {
     if (!task_.design.symmetric) return refute_sums(std::move(box), false, 0);
-    Node node;
-    node.kind = Node::symmetric;
-    current_.tree.push_back(node);
+    leave(Proof::Node::symmetric);
     const State state = refute_sums(box, true, 0);
     if (state != State::closed || box.order - 1 < std::max(task_.design.order_min, 0)) return state;
     --box.order;
     return refute_sums(std::move(box), true, 0);
   }
-  if (single(model_, box)) {
-    std::vector<int> delays;
-    for (const CornerBox& b : box.corners) delays.push_back(b.d1);
-    const auto found = [&](const Filter& filter, const Box& of) {
-      const Filter shorter = trimmed(mended(filter, of, task_.design.symmetric, delays), task_.design);
-      const double value = value_of(task_, shorter.order(), delays);
-      consider(shorter, delays);
-      if (!relaxed || value < relaxed->value) relaxed = Candidate{shorter, delays, value, false};
-      return State::found;
-    };
-    if (!task_.design.symmetric) {
-      if (outcome.kind != Outcome::feasible) return State::stopped;
-      return found(*outcome.filter, box);
-    }
-    int leaf[2] = {-1, -1};
-    for (int less = 0; less < 2; ++less) {
-      Box exact_order = box;
-      exact_order.order -= less;
-      if (exact_order.order < std::max(task_.design.order_min, 0)) continue;
-      outcome = relaxation_->solve(exact_order, true);
-      if (outcome.kind == Outcome::feasible) return found(*outcome.filter, exact_order);
-      if (outcome.kind != Outcome::refuted) return State::stopped;
-      leaf[less] = keep(std::move(outcome.multipliers));
-    }
-    Node node;
-    node.kind = Node::refuted;
-    node.multipliers = leaf[0];
-    node.shorter = leaf[1] >= 0 ? leaf[1] : -2;
-    current_.tree.push_back(node);
-    return State::closed;
+  std::vector<int> delays;
+  for (const CornerBox& b : box.corners) delays.push_back(b.d1);
+  const auto found = [&](const Filter& filter, const Box& of) {
+    const Filter shorter = trimmed(mended(filter, of, task_.design.symmetric, delays), task_.design);
+    const double value = value_of(task_, shorter.order(), delays);
+    consider(shorter, delays);
+    if (!relaxed || value < relaxed->value) relaxed = Candidate{shorter, delays, value, false};
+    return State::found;
+  };
+  if (!task_.design.symmetric) {
+    if (outcome.kind != Outcome::feasible) return State::stopped;
+    return found(*outcome.filter, box);
   }
-  if (outcome.filter) {
-    offer(*outcome.filter);
-    if (best && best->value < target_ * (1.0 - 1e-9)) return State::found;
+  int leaf[2] = {-1, -1};
+  for (int less = 0; less < 2; ++less) {
+    Box exact_order = box;
+    exact_order.order -= less;
+    if (exact_order.order < std::max(task_.design.order_min, 0)) continue;
+    outcome = relaxation_->solve(exact_order, true);
+    if (outcome.kind == Outcome::feasible) return found(*outcome.filter, exact_order);
+    if (outcome.kind != Outcome::refuted) return State::stopped;
+    leaf[less] = keep(std::move(outcome.multipliers));
   }
-  Node node;
-  node.kind = Node::split;
-  int widest = -1;
-  for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    const CornerBox& b = box.corners[j];
-    if (2 * (b.d2 - b.d1) > widest && b.d1 < b.d2)
-      widest = 2 * (b.d2 - b.d1), node.corner = static_cast<int>(j), node.on_delay = true;
-    if (model_.cone(j) && b.k2 - b.k1 > widest && b.k1 < b.k2)
-      widest = b.k2 - b.k1, node.corner = static_cast<int>(j), node.on_delay = false;
-  }
-  const auto j = static_cast<std::size_t>(node.corner);
-  const CornerBox& b = box.corners[j];
-  node.at = node.on_delay ? b.d1 + (b.d2 - b.d1) / 2 : b.k1 + (b.k2 - b.k1) / 2;
-  current_.tree.push_back(node);
-  Box first = untightened, second = untightened;
-  if (node.on_delay)
-    first.corners[j].d2 = node.at, second.corners[j].d1 = node.at + 1;
-  else
-    first.corners[j].k2 = node.at, second.corners[j].k1 = node.at + 1;
-  const State state = refute(first);
-  return state == State::closed ? refute(second) : state;
+  leave(Proof::Node::refuted);
+  current_.tree.back().multipliers = leaf[0];
+  current_.tree.back().shorter = leaf[1] >= 0 ? leaf[1] : -2;
+  return State::closed;
 }
 
 }  // namespace accdec::exact

@@ -15,10 +15,10 @@ namespace accdec::exact {
 struct Proof {
   struct Node {
     /// symmetric: the two parts are the box's order and the next smaller one, the latter only if the task allows it
-    enum Kind { split, refuted, too_long, sum_split, unreachable, symmetric } kind = too_long;
+    enum Kind { split, refuted, too_long, sum_split, unreachable, symmetric, order_split } kind = too_long;
     int corner = 0;         ///< split
     bool on_delay = false;  ///< split on the delay, else on the sample
-    int at = 0;             ///< split: first part <= at, second > at; sum_split: k
+    int at = 0;             ///< split, order_split: first part <= at, second > at; sum_split: k
     double level = 0.0;     ///< sum_split: B_k <= level in the first part, >= in the second
     int multipliers = -1;   ///< refuted: index
     int shorter = -1;       ///< symmetric filters: of the next smaller order; -1 where `multipliers` holds for all
@@ -45,6 +45,9 @@ Filter trimmed(const Filter& filter, const DesignBounds& bounds);
 /// nothing is left to split.
 std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filter, const Box& box);
 
+/// Both parts of a split on a delay, a sample or the order.
+std::pair<Box, Box> parts(const Box& box, const Proof::Node& node);
+
 /// Looks for something shorter than a target, or proves that there is nothing.
 class Search {
  public:
@@ -70,6 +73,19 @@ class Search {
   State refute_sums(Box box, bool symmetric, int depth);
   State split_sum(const Box& box, const SumBound& at, bool symmetric, int depth);
   State close(Multipliers y);
+  State close_by(int multipliers);
+  State leave(Proof::Node::Kind kind);
+  int keep(Multipliers y);
+  void remember(int multipliers);
+  /// Multipliers used lately that refute the box, too; -1: none.
+  int refuted_before(const Box& box);
+  /// Cuts the box by the target and shrinks its tube where it is needed. False: nothing is left.
+  bool narrow(Box& box, Proof::Node::Kind* why = nullptr);
+  State refute_single(Box box, Outcome outcome);
+  /// The split of the box, of which `whole` is what it was before the target cut it, that promises most.
+  Proof::Node choose_split(const Box& whole, const Box& box, const Outcome& outcome);
+  /// By how much the programme of a box misses the corner errors; none: it is refuted.
+  std::optional<double> try_part(Box box);
   Box root() const;
   void size_for(int order);
   /// The filter, or where only rounding keeps it from verifying another of the box, asked for with a margin.
@@ -85,6 +101,7 @@ class Search {
   double target_ = 0.0;
   Proof current_;
   std::vector<int> recent_;
+  std::vector<bool> in_tree_;  ///< of the multipliers: whether a leaf of the proof uses them
 };
 
 }  // namespace accdec::exact

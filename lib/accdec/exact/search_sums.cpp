@@ -41,11 +41,8 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
 }
 
 Search::State Search::close(Multipliers y) {
-  Proof::Node leaf;
-  leaf.kind = Proof::Node::refuted;
-  leaf.multipliers = static_cast<int>(current_.multipliers.size());
-  current_.multipliers.push_back(std::move(y));
-  current_.tree.push_back(leaf);
+  leave(Proof::Node::refuted);
+  current_.tree.back().multipliers = keep(std::move(y));
   return State::closed;
 }
 

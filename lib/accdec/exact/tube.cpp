@@ -66,6 +66,15 @@ bool LimitModel::shrink(Box& box) const {
     double& end = b.upper ? tube.high[k] : tube.low[k];
     end = b.upper ? std::min(end, b.level) : std::max(end, b.level);
   }
+  // Jerk bounds the taps' growth from either end.
+  double tap = 0.0, sum = 0.0;
+  for (std::size_t k = 1; k + 1 < tube.low.size() && sum < 1.0; ++k) {
+    tap = std::min(tap_max_, tap + jerk_max_);
+    sum += tap;
+    tube.high[k] = std::min(tube.high[k], sum * (1.0 + 1e-12));
+    double& low = tube.low[tube.low.size() - 1 - k];
+    low = std::max(low, 1.0 - sum * (1.0 + 1e-12));
+  }
   std::vector<Plant> plants;
   for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
     const Axis& axis = task_.machine.axes[a];

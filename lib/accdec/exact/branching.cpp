@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <accdec/exact/search.hpp>
+
+// Where a box of several corners is split. With one corner the widest range will do; with several most ranges do not
+// matter, and trying a few splits before choosing one ("strong branching") saves more boxes than it costs.
+
+namespace accdec::exact {
+namespace {
+
+constexpr std::size_t most_tried = 8;
+constexpr double refuted_gain = 1e3;
+
+/// The delay and sample that a filter needs of a corner within its ranges: d2 + 1 if none will do.
+int needed_delay(const LimitModel& model, const Filter& filter, std::size_t j, const CornerBox& c, int order) {
+  if (!model.cone(j)) return c.d1;
+  const double cosine = std::cos(model.theta(j)), bound = model.error_bound(j) * (1.0 + 1e-9) + 1e-12;
+  for (int d = c.d1; d <= c.d2; ++d) {
+    for (int k = c.k1; k <= std::min(c.k2, order + d + 1); ++k) {
+      const double p = model.scale_in(j) * filter.remaining_moment(k),
+                   q = model.scale_out(j) * filter.elapsed_moment(k - d);
+      if (p * p + q * q + 2.0 * p * q * cosine <= bound * bound) return d;
+    }
+  }
+  return c.d2 + 1;
+}
+
+/// A level of a range at which both parts keep at least a fifth.
+int inside(double at, int first, int last) {
+  const int margin = (last - first) / 5;
+  return std::clamp(static_cast<int>(std::floor(at)), first + margin, last - 1 - margin);
+}
+
+struct Scored {
+  Proof::Node node;
+  double score;
+};
+
+Proof::Node split_node(std::size_t corner, bool on_delay, int at) {
+  Proof::Node node;
+  node.kind = Proof::Node::split;
+  node.corner = static_cast<int>(corner);
+  node.on_delay = on_delay;
+  node.at = at;
+  return node;
+}
+
+/// Splits by how much delay the programme's filter lacks, weighted.
+std::vector<Scored> candidates(const LimitModel& model, const Box& box, const Outcome& outcome) {
+  std::vector<Scored> found;
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const CornerBox& c = box.corners[j];
+    if (!box.ranges(j) || !outcome.filter) continue;
+    const double weight = model.task().corners[j].weight, delay = c.d1 + outcome.delays[j];
+    const int needed = needed_delay(model, *outcome.filter, j, c, box.order);
+    if (needed <= delay + 1e-6) continue;
+    const double lacking = weight * (needed - delay);
+    if (c.d1 < c.d2) {
+      const double half = std::floor(0.5 * (delay + needed) - 1e-9);
+      found.push_back({split_node(j, true, std::clamp(static_cast<int>(half), c.d1, c.d2 - 1)), lacking});
+    }
+    // The sample first: it bounds both distances.
+    if (c.k1 < c.k2)
+      found.push_back({split_node(j, false, inside(c.k1 + outcome.samples[j], c.k1, c.k2)), 1.01 * lacking});
+  }
+  if (!found.empty()) return found;
+  // Errors hold, other limits of the blend do not: they ask for single delays.
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const CornerBox& c = box.corners[j];
+    if (c.d1 < c.d2) found.push_back({split_node(j, true, c.d1 + (c.d2 - c.d1) / 2), 2.0 * (c.d2 - c.d1)});
+    if (model.cone(j) && c.k1 < c.k2)
+      found.push_back({split_node(j, false, c.k1 + (c.k2 - c.k1) / 2), static_cast<double>(c.k2 - c.k1)});
+  }
+  return found;
+}
+
+}  // namespace
+
+std::pair<Box, Box> parts(const Box& box, const Proof::Node& node) {
+  std::pair<Box, Box> both{box, box};
+  if (node.kind == Proof::Node::order_split) {
+    both.first.order_most = node.at;
+    both.second.order_least = node.at + 1;
+    return both;
+  }
+  const auto j = static_cast<std::size_t>(node.corner);
+  CornerBox &first = both.first.corners[j], &second = both.second.corners[j];
+  (node.on_delay ? first.d2 : first.k2) = node.at;
+  (node.on_delay ? second.d1 : second.k1) = node.at + 1;
+  return both;
+}
+
+std::optional<double> Search::try_part(Box box) {
+  if (!narrow(box, nullptr) || stop_()) return std::nullopt;
+  if (refuted_before(box) >= 0) return std::nullopt;
+  Outcome outcome = relaxation_->solve(box, false);
+  if (outcome.kind == Outcome::refuted) {
+    remember(keep(std::move(outcome.multipliers)));
+    return std::nullopt;
+  }
+  if (outcome.filter) offer(*outcome.filter);
+  return outcome.excess;
+}
+
+Proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome& outcome) {
+  std::vector<Scored> tried = candidates(model_, box, outcome);
+  const int least = std::max({task_.design.order_min, 0, box.order_least});
+  if (least < box.order) {
+    Proof::Node node;
+    node.kind = Proof::Node::order_split;
+    node.at = least + (box.order - least) / 2;
+    tried.push_back({node, std::numeric_limits<double>::infinity()});
+  }
+  std::sort(tried.begin(), tried.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  if (tried.size() > most_tried) tried.resize(most_tried);
+  std::size_t chosen = 0;
+  double most = -1.0;
+  for (std::size_t i = 0; i < tried.size() && tried.size() > 1; ++i) {
+    const auto [first, second] = parts(whole, tried[i].node);
+    const auto gain = [&](const Box& part) {
+      const auto excess = try_part(part);
+      return excess ? std::max(0.0, *excess - outcome.excess) : refuted_gain;
+    };
+    const double a = gain(first), b = gain(second);
+    if (stop_() || (best && best->value < target_ * (1.0 - 1e-9))) break;
+    const double product = (a + 1e-6) * (b + 1e-6);
+    if (product > most) most = product, chosen = i;
+    if (a == refuted_gain && b == refuted_gain) break;
+  }
+  return tried[chosen].node;
+}
+
+}  // namespace accdec::exact
