@@ -10,6 +10,7 @@
 #include <accdec/program/profiles/plan_profiles.hpp>
 
 #include "reference.hpp"
+#include "support/paths.hpp"
 
 namespace accdec {
 namespace {
@@ -249,8 +250,8 @@ TEST(Profiles, LinuxCncsZigZagIsFasterThanLinuxCnc) {
       {"p0.01", 19.036}, {"p0.05", 18.699}, {"p0.1", 18.410}, {"p0.5", 16.847}};
   const Machine m = machine(1.0, unlimited, 0.2, 2);
   for (const auto& [name, time] : measured) {
-    LineSource source{
-        std::filesystem::path(fmt::format("{}/problems/program/linuxcnc/zigzag-{}.ngc", ACCDEC_SOURCE_DIR, name))};
+    LineSource source{std::filesystem::path(
+        fmt::format("{}/problems/program/linuxcnc/zigzag-{}.ngc", test_support::source_folder(), name))};
     const Toolpath path = read_toolpath(source, m, {});
     const ProfilePlan plan = plan_profiles(path, m, 1e-3);
     EXPECT_TRUE(plan.holds());
