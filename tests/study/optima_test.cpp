@@ -70,8 +70,8 @@ TEST(OptimaReport, TellsWhatIsMissing) {
     }
     return std::string("no such file");
   };
-  EXPECT_THAT(text("optima.md"), HasSubstr("| 1 | impossible | infeasible | - | - | - | - | 0 | 0 | accepted |"));
-  EXPECT_THAT(text("optima.csv"), HasSubstr("\nrejected,failed,,,,,0,0,0,0,REJECTED,,,,,,,\n"));
+  EXPECT_THAT(text("optima.md"), HasSubstr("| 1 | impossible | infeasible | - | - | - | - | - | 0 | 0 | accepted |"));
+  EXPECT_THAT(text("optima.csv"), HasSubstr("\nrejected,failed,,,,,,0,0,0,0,REJECTED,,,,,,,\n"));
   EXPECT_EQ(text("growth.csv"), "no such file");
 }
 

@@ -49,18 +49,21 @@ class Checker {
     const int least = std::max(least_order(), whole.order_least);
     if (std::isinf(target_)) return whole.order_most < least ? -1 : whole.order_most;
     const double limit = target_ * (1.0 - 1e-9);
-    double weights = 0.0, value = 0.0;
-    for (std::size_t j = 0; j < box.size(); ++j)
-      weights += task_.corners[j].weight, value += task_.corners[j].weight * box[j].d1;
+    // Machine time pays the filter once a run, the corners' own times once a corner.
+    double filter = task_.design.objective == Objective::cycle ? task_.design.runs : 0.0, value = 0.0;
+    for (std::size_t j = 0; j < box.size(); ++j) {
+      if (task_.design.objective == Objective::corner) filter += task_.corners[j].weight;
+      value += task_.corners[j].weight * box[j].d1;
+    }
     const int order =
-        static_cast<int>(std::min<double>(whole.order_most, std::ceil((limit - value) / weights - 1.0) - 1.0));
+        static_cast<int>(std::min<double>(whole.order_most, std::ceil((limit - value) / filter - 1.0) - 1.0));
     if (order < least) return -1;
     for (std::size_t j = 0; j < box.size(); ++j) {
-      const double room = (limit - value - weights * (least + 1)) / task_.corners[j].weight;
+      const double room = (limit - value - filter * (least + 1)) / task_.corners[j].weight;
       box[j].d2 = std::min(box[j].d2, box[j].d1 + static_cast<int>(std::clamp(room, 0.0, 1e8)));
     }
     // A little more than rounding can have taken away.
-    whole.budget = (limit - value - weights * (least + 1)) + 1e-12 * limit;
+    whole.budget = (limit - value - filter * (least + 1)) + 1e-12 * limit;
     return order;
   }
 
@@ -237,6 +240,18 @@ class Checker {
   std::size_t next_ = 0, leaves_ = 0;
 };
 
+/// What is wrong with the objective a certificate names; empty when it is the task's.
+std::string other_objective(const Task& task, const json& certificate) {
+  const bool cycle = task.design.objective == Objective::cycle;
+  const std::string asked = cycle ? "cycle" : "corner", named = certificate.value("objective", "");
+  if (named != asked)
+    return fmt::format("the certificate is about the objective \"{}\", the task's is \"{}\"", named, asked);
+  if (!cycle) return {};
+  const double runs = certificate.value("runs", 0.0);
+  if (runs == task.design.runs) return {};
+  return fmt::format("the certificate is about {} runs, the task asks for {}", runs, task.design.runs);
+}
+
 }  // namespace
 
 CheckReport check_certificate(const Task& task, const DesignResult& result) {
@@ -255,15 +270,16 @@ CheckReport check_certificate(const Task& task, const DesignResult& result) {
       return {true, found.front()};
     }
     if (kind != "branch and bound") return {false, "the certificate's kind is unknown: " + kind};
+    if (const std::string other = other_objective(task, certificate); !other.empty()) return {false, other};
     double target = unlimited;
     if (result.status == Status::infeasible) {
       if (!certificate.at("bound_samples").is_null())
         return {false, "the certificate proves a bound, not that nothing exists"};
     } else {
       if (!result.lower_bound) return {false, "the result claims no lower bound"};
-      const double claimed = result.status == Status::optimal ? result.cycle_time : *result.lower_bound;
+      const double claimed = result.status == Status::optimal ? result.objective() : *result.lower_bound;
       target = claimed / task.sample_period;
-      if (result.status == Status::optimal && *result.lower_bound < result.cycle_time * (1.0 - 1e-9)) {
+      if (result.status == Status::optimal && *result.lower_bound < result.objective() * (1.0 - 1e-9)) {
         return {false, "the status is optimal, but the lower bound is below the cycle time"};
       }
       if (!certificate.at("bound_samples").is_null()) {
@@ -276,8 +292,9 @@ CheckReport check_certificate(const Task& task, const DesignResult& result) {
     const std::size_t leaves = Checker(task, certificate, target).run();
     return {true, std::isinf(target)
                       ? fmt::format("{} parts refuted: nothing holds all limits", leaves)
-                      : fmt::format("{} parts refuted: under the limits as written nothing is shorter than {:.9g} s",
-                                    leaves, target * task.sample_period)};
+                      : fmt::format("{} parts refuted: under the limits as written no {} time is shorter than {:.9g} s",
+                                    leaves, task.design.objective == Objective::cycle ? "cycle" : "corner",
+                                    target * task.sample_period)};
   } catch (const Rejected& e) {
     return {false, e.what()};
   } catch (const json::exception& e) {

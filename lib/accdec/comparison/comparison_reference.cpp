@@ -259,7 +259,7 @@ Reference design_reference(const CaseSpec& spec, double time_limit) {
   Reference reference{Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, infinity, "exact bound"};
   if (result.status != Status::optimal) return reference;
   reference.proof = Reference::Proof::optimal;
-  reference.lower = reference.upper = result.cycle_time / period;
+  reference.lower = reference.upper = result.objective() / period;
   reference.method = "exact design at this order";
   return reference;
 }

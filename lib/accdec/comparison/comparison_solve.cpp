@@ -130,9 +130,9 @@ void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
   options.reduced = competitor.wants_reduced(settings_.reduced);
   const auto began = Clock::now();
   std::vector<nlp::Improvement> history;
-  options.improved = [&](double cycle_time, const nlp::Counts& so_far) {
+  options.improved = [&](double objective, const nlp::Counts& so_far) {
     history.push_back({std::max(so_far.objective, so_far.rows), seconds_since(began) - so_far.verification_time,
-                       cycle_time / task.sample_period});
+                       objective / task.sample_period});
   };
   DesignResult result;
   try {
@@ -150,7 +150,7 @@ void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
   row["claim"] = late ? to_string(solvers::Claim::time_limit) : found ? to_string(solvers::Claim::solved) : "no design";
   if (entry.repeat == 0) row["message"] = result.message;
   row["verdict"] = found ? "feasible" : "none";
-  if (found) row["objective"] = number(result.cycle_time / task.sample_period);
+  if (found) row["objective"] = number(result.objective() / task.sample_period);
   row["evaluations"] = counts_row(result.solver.counts);
   row["wall_time_s"] = seconds(wall);
   row["evaluation_time_s"] = seconds(result.solver.counts.evaluation_time);

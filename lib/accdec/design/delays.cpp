@@ -79,7 +79,7 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
       result.message = "this filter breaks a limit whatever the delays: " + result.verification.worst;
     } else {
       result.status = Status::optimal;
-      result.lower_bound = result.cycle_time;
+      result.lower_bound = result.objective();
       result.gap = 0.0;
       result.certificate = R"({"kind":"enumeration"})";
     }

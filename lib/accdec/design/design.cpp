@@ -44,10 +44,10 @@ DesignResult combine(DesignResult design, const DesignResult& bound) {
   design.solver.evaluations += bound.solver.evaluations;
   design.solver.wall_time += bound.solver.wall_time;
   if (design.lower_bound) {
-    design.gap = std::max(0.0, (design.cycle_time - *design.lower_bound) / design.cycle_time);
-    if (*design.lower_bound >= design.cycle_time * (1.0 - 1e-9)) {
+    design.gap = std::max(0.0, (design.objective() - *design.lower_bound) / design.objective());
+    if (*design.lower_bound >= design.objective() * (1.0 - 1e-9)) {
       design.status = Status::optimal;
-      design.lower_bound = design.cycle_time;
+      design.lower_bound = design.objective();
       design.gap = 0.0;
       design.message.clear();
     }
@@ -76,7 +76,7 @@ DesignResult exact_then_local(const Task& task, const DesignOptions& options) {
     exact.message += "; " + nlp.message;
     return exact;
   }
-  if (!has_design(nlp) || (has_design(exact) && exact.cycle_time <= nlp.cycle_time)) return exact;
+  if (!has_design(nlp) || (has_design(exact) && exact.objective() <= nlp.objective())) return exact;
   return combine(nlp, exact);
 }
 
@@ -97,7 +97,7 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
     // Whatever limits the local search blamed, they are not in conflict.
     nlp.message = fmt::format("{} found no design{}; there is one: the exact method has {:g} ms", options.solver,
                               nlp.solver.claimed.empty() ? "" : fmt::format(" (last claim: {})", nlp.solver.claimed),
-                              1e3 * proof.cycle_time);
+                              1e3 * proof.objective());
   }
   return nlp;
 }

@@ -24,7 +24,7 @@ struct DesignOptions {
   const std::atomic<bool>* cancel = nullptr;         ///< ends the search early with the best verified design so far
   std::function<void(const std::string&)> progress;  ///< one line a step; nothing is told when empty
   /// Method::nlp: told of every verified design that is shorter than the one before, with the calls so far.
-  std::function<void(double cycle_time, const nlp::Counts& so_far)> improved;
+  std::function<void(double objective, const nlp::Counts& so_far)> improved;
   std::optional<Filter> start;  ///< Method::nlp: where to start from at its order; else, and elsewhere, a trapezoid
   std::optional<bool>
       reduced;              ///< Method::nlp: positions substituted into their bounds; else where the solver needs it

@@ -7,6 +7,7 @@
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
+#include <accdec/task/objective.hpp>
 
 namespace accdec {
 namespace {
@@ -34,8 +35,8 @@ Filter guess(int order) {
 FixedOrderDesigner::FixedOrderDesigner(const Task& task, const DesignOptions& options)
     : task_(task), options_(options), solver_(solvers::find_solver(options.solver)) {
   reduced_ = options.reduced.value_or(false) || !solver_.capabilities().equality_rows;
+  filter_cost_ = cost_of(task).filter;
   for (const TaskCorner& corner : task.corners) {
-    weight_ += corner.weight;
     const auto& in = corner.geometry.direction_in;
     const auto& out = corner.geometry.direction_out;
     coupled_ = coupled_ || corner.speed_min > 0.0 || (in.array() * out.array() != 0.0).any();
@@ -138,7 +139,7 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
       parted = true;
       continue;
     }
-    Relaxed next_relaxed{weight_ * (order + 1.0), problem.delays(result.x), problem.instants(result.x),
+    Relaxed next_relaxed{filter_cost_ * (order + 1.0), problem.delays(result.x), problem.instants(result.x),
                          filter_from(result.x, order), parted};
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
       next_relaxed.cost += task_.corners[j].weight * (parted ? blend[j] : next_relaxed.delays[j]);

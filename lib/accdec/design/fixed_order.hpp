@@ -20,7 +20,7 @@ class FixedOrderDesigner {
  public:
   /// Problem (b): delays, instants and filter at one order.
   struct Relaxed {
-    double cost = 0.0;                     ///< weighted sum of N + 1 + d_j, samples
+    double cost = 0.0;                     ///< the task's objective, samples
     std::vector<double> delays, instants;  ///< per corner; instant -1 without an error bound
     std::optional<Filter> filter;
     /// Limits on the blend held only at parted legs: `cost` then counts delays of N + 1, `delays` are what the errors
@@ -48,7 +48,7 @@ class FixedOrderDesigner {
   void tell(const std::string& line) const {
     if (options_.progress) options_.progress(line);
   }
-  double weight() const { return weight_; }  ///< sum of the corners' weights
+  double filter_cost() const { return filter_cost_; }  ///< of each of the N + 1 taps, see LinearCost
   const std::string& last_message() const { return last_message_; }
   const nlp::Counts& counts() const { return counts_; }  ///< of all solves so far
   SolverReport report() const;
@@ -65,7 +65,7 @@ class FixedOrderDesigner {
   const solvers::Solver& solver_;
   Clock::time_point began_ = Clock::now();
   bool reduced_ = false, coupled_ = false;
-  double weight_ = 0.0;
+  double filter_cost_ = 0.0;
   std::map<int, std::optional<Relaxed>> relaxed_;
   std::vector<std::vector<double>> extra_frequencies_;  // per mode
   nlp::Counts counts_;

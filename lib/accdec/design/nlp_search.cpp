@@ -11,6 +11,7 @@
 #include <accdec/design/design.hpp>
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/motion/shapes.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -67,7 +68,7 @@ class Search {
   };
 
   /// Whether an order could beat the incumbent if its delays cost nothing.
-  bool worth(int order) const { return !incumbent_ || at_.weight() * (order + 1.0) < incumbent_->cost; }
+  bool worth(int order) const { return !incumbent_ || at_.filter_cost() * (order + 1.0) < incumbent_->cost; }
 
   void design_around(int best, int low) {
     // The relaxation differs from the integer problem by about a sample, so its neighbours get their chance too,
@@ -92,7 +93,7 @@ class Search {
   double optimistic_cost(int order) {
     const auto& r = at_.relaxed(order);
     if (!r) return nlp::infinity;
-    double cost = at_.weight() * (order + 1.0);
+    double cost = at_.filter_cost() * (order + 1.0);
     // The B-spline path keeps up to an eighth of a second difference farther off than the samples: at most about one
     // sample of delay.
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
@@ -125,7 +126,7 @@ class Search {
   int best_order(int low) {
     double least = nlp::infinity;
     int best = low;
-    const auto ceiling = [&] { return static_cast<int>(std::min(least / at_.weight(), 1e9)); };
+    const auto ceiling = [&] { return static_cast<int>(std::min(least / at_.filter_cost(), 1e9)); };
     const auto cost = [&](int order) {
       const double c = relaxed_cost(order);
       if (c < least) least = c, best = order;
@@ -220,11 +221,12 @@ class Search {
       last_message_ = result.message;
       return false;
     }
-    const double cost = result.cycle_time / task_.sample_period;
+    const double cost = result.objective() / task_.sample_period;
     if (!incumbent_ || cost < incumbent_->cost - 1e-9) {
       incumbent_ = Candidate{cost, delays, *filter};
-      if (options_.improved) options_.improved(result.cycle_time, at_.counts());
-      at_.tell(fmt::format("N = {}: verified cycle time {:.3f} ms", order, result.cycle_time * 1e3));
+      if (options_.improved) options_.improved(result.objective(), at_.counts());
+      at_.tell(fmt::format("N = {}: verified {} time {:.3f} ms", order, to_string(task_.design.objective),
+                           result.objective() * 1e3));
     }
     return true;
   }

@@ -61,6 +61,7 @@ void compare_choice(const DesignResult& result, std::vector<std::string>& reason
 void compare_numbers(const DesignResult& recorded, const DesignResult& found, std::vector<std::string>& reasons) {
   Comparison compare(reasons);
   compare.number("cycle_time_s", recorded.cycle_time, found.cycle_time, 0.0);
+  compare.number("corner_time_s", recorded.corner_time, found.corner_time, 0.0);
   if (recorded.verification.feasible != found.verification.feasible)
     reasons.push_back("verification.feasible is recorded wrongly");
   compare.number("verification.tolerance", recorded.verification.tolerance, found.verification.tolerance, 0.0);
@@ -107,7 +108,7 @@ void check_proof(const DesignResult& result, Recheck& report) {
   const auto reject = [&](std::string reason) { report.reasons.push_back(std::move(reason)); };
   if (result.gap && !result.lower_bound) reject("a gap is recorded without a lower bound");
   if (result.lower_bound) {
-    const double gap = (result.cycle_time - *result.lower_bound) / result.cycle_time;
+    const double gap = (result.objective() - *result.lower_bound) / result.objective();
     if (gap < -tolerance) reject("the lower bound exceeds the cycle time");
     if (result.gap && std::abs(*result.gap - gap) > tolerance)
       reject(fmt::format("gap is recorded as {:.12g}, found {:.12g}", *result.gap, gap));

@@ -9,6 +9,7 @@
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/delays_below.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -47,22 +48,20 @@ StandardShapeResult best_standard_shape(const Task& task, Shape shape) {
   const auto began = std::chrono::steady_clock::now();
   StandardShapeResult answer;
   std::vector<int> best_delays;
-  double best = unlimited, weights = 0.0;  // best in samples, not counting the period
+  double best = unlimited;  // samples
   long tried = 0;
-  for (const TaskCorner& corner : task.corners) weights += corner.weight;
-  double fixed = 0.0;
-  for (const TaskCorner& corner : task.corners) fixed += corner.weight * corner.delay.value_or(0);
+  const LinearCost cost = cost_of(task);
+  const double fixed = cost.given_delays(task);
 
   std::string message;
   if (const auto impossible = contradictions(task); !impossible.empty()) message = impossible.front();
   for (int order = task.design.order_min; message.empty() && order <= task.design.order_max; ++order) {
-    if (weights * (order + 1.0) + fixed >= best) break;
+    if (cost.filter * (order + 1.0) + fixed >= best) break;
     for (const FilterSpec& spec : members(shape, order)) {
       ++tried;
       const auto delays = delays_below(make_filter(spec), task, best);
       if (!delays) continue;
-      best = 0.0;
-      for (std::size_t j = 0; j < delays->size(); ++j) best += task.corners[j].weight * (order + 1.0 + (*delays)[j]);
+      best = cost(order, *delays);
       best_delays = *delays;
       answer.spec = spec;
     }

@@ -10,6 +10,7 @@
 #include <accdec/exact/search.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/contradictions.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -27,9 +28,10 @@ bool convex(const Task& task) {
 
 /// Designs that hold limits outside the convex class, where the search itself has none to offer.
 void offer_shapes(const Task& task, exact::Search& search, int least, const std::function<bool()>& stop) {
+  const LinearCost cost = cost_of(task);
   if (const auto taps = saturating_start(task, task.design.order_max); !taps.empty()) search.offer(Filter(taps));
   for (int n = std::max(least, 2); n <= task.design.order_max && !stop(); ++n) {
-    const double shortest = cycle_time(task, n, std::vector<int>(task.corners.size(), 0)) / task.sample_period;
+    const double shortest = cost(n, std::vector<int>(task.corners.size(), 0));
     if (search.best && shortest >= search.best->value) break;
     search.offer(boxcar(n));
     for (int ramp = 1; ramp <= n / 2; ramp += std::max(1, n / 16)) search.offer(trapezoid(n, ramp));
@@ -70,19 +72,22 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
   const int least = search.smallest_order();
   const bool is_convex = convex(task);
   if (!is_convex) offer_shapes(task, search, least, stop);
-  double weights = 0.0, fixed = 0.0;
-  for (const TaskCorner& c : task.corners) weights += c.weight, fixed += c.weight * c.delay.value_or(0);
-  double low = weights * (std::max(task.design.order_min, 0) + 1) + fixed;  // proved by nothing but the task's bounds
+  const LinearCost cost = cost_of(task);
+  const double fixed = cost.given_delays(task);
+  double weights = 0.0;
+  for (const double w : cost.delay) weights += w;
+  // Proved by nothing but the task's bounds.
+  double low = cost.filter * (std::max(task.design.order_min, 0) + 1) + fixed;
   double high = search.best ? search.best->value : infinity;  // the shortest known to hold the convex limits
-  double trial = std::max(low, weights * (least + 1) + fixed);
-  const double longest = weights * (2.0 * task.design.order_max + 3.0) + fixed;
+  double trial = std::max(low, cost.filter * (least + 1) + fixed);
+  const double longest = cost.filter * (task.design.order_max + 1.0) + weights * (task.design.order_max + 2.0) + fixed;
   bool proved = false, infeasible = false;
   const auto tell = [&] {
     if (!options.progress) return;
     const double incumbent = search.best ? search.best->value * period : infinity;
     options.progress({low * period, incumbent, search.best ? (incumbent - low * period) / incumbent : 1.0});
   };
-  const double step = std::max(1.5 * weights, 0.0);
+  const double step = 1.5 * weights;
   while (!stop()) {
     double target = high;
     if (high == infinity) {
@@ -92,7 +97,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
       target = trial > low && trial < high && low < 0.9 * trial ? trial : 0.5 * (low + high);
       // With several corners a proof grows fast with its target, and a better design ends it: in large steps.
       if (task.corners.size() > 1) target = next_target(low, high);
-      if (weights == std::floor(weights)) target = std::floor(target) + 0.0;
+      if (cost.whole()) target = std::floor(target) + 0.0;
       if (target <= low || target >= high) target = high;
     }
     const auto answer = search.below(target);
@@ -121,7 +126,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
       result.solver.name = "clp";
       result.solver.version = "1.17.6";
       result.lower_bound = std::min(low, claimed) * period;
-      result.gap = std::max(0.0, (result.cycle_time - *result.lower_bound) / result.cycle_time);
+      result.gap = std::max(0.0, (result.objective() - *result.lower_bound) / result.objective());
       if (result.status == Status::feasible && low >= claimed * (1.0 - 1e-9)) result.status = Status::optimal;
     } else {
       result.status = Status::failed;
@@ -134,7 +139,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
           stop() ? "stopped before the proof was complete" : "rounding decides whether anything is shorter";
     }
   }
-  if (options.certificate && search.proof.target > 0.0) result.certificate = exact::to_json(search.proof);
+  if (options.certificate && search.proof.target > 0.0) result.certificate = exact::to_json(search.proof, task.design);
   result.solver.evaluations = search.programmes();
   result.solver.wall_time = elapsed();
   return result;

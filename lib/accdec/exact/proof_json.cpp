@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/exact/search.hpp>
+#include <accdec/task/objective.hpp>
 
 namespace accdec::exact {
 namespace {
@@ -34,8 +35,10 @@ nlohmann::json row_json(const RowId& id, double y) {
 
 }  // namespace
 
-std::string to_json(const Proof& proof) {
+std::string to_json(const Proof& proof, const DesignBounds& design) {
   nlohmann::json out{{"schema", "accdec.certificate/1"}, {"kind", "branch and bound"}};
+  out["objective"] = to_string(design.objective);
+  if (design.objective == Objective::cycle) out["runs"] = design.runs;
   out["bound_samples"] = std::isfinite(proof.target) ? nlohmann::json(proof.target) : nlohmann::json(nullptr);
   out["multipliers"] = nlohmann::json::array();
   // Splits that were tried and not taken leave multipliers behind that no leaf uses.

@@ -5,6 +5,7 @@
 
 #include <accdec/exact/range_cut.hpp>
 #include <accdec/exact/rows.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec::exact {
@@ -251,24 +252,22 @@ double refutation(const LimitModel& model, const Multipliers& y, const Box& box,
 }
 
 bool tighten(const Task& task, double target, Box& box) {
-  double weights = 0.0, value = 0.0;
-  for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    weights += task.corners[j].weight;
-    value += task.corners[j].weight * box.corners[j].d1;
-  }
+  const LinearCost cost = cost_of(task);
+  double value = 0.0;
+  for (std::size_t j = 0; j < box.corners.size(); ++j) value += cost.delay[j] * box.corners[j].d1;
   const int least = std::max({task.design.order_min, 0, box.order_least});
   box.order = std::min(task.design.order_max, box.order_most);
   box.budget.reset();
   const double limit = target * (1.0 - 1e-9);
   if (target < infinity) {
-    const double most = std::ceil((limit - value) / weights - 1.0) - 1.0;  // weights (N + 1) + value < limit
+    const double most = std::ceil((limit - value) / cost.filter - 1.0) - 1.0;  // filter (N + 1) + value < limit
     box.order = static_cast<int>(std::min<double>(box.order, std::max(most, -1.0)));
-    const double room = limit - value - weights * (least + 1);
+    const double room = limit - value - cost.filter * (least + 1);
     if (room <= 0.0) return false;
     if (box.corners.size() > 1) box.budget = room;
     for (std::size_t j = 0; j < box.corners.size(); ++j) {
-      const double w = task.corners[j].weight;
-      box.corners[j].d2 = std::min(box.corners[j].d2, box.corners[j].d1 + static_cast<int>(std::min(1e8, room / w)));
+      const int more = static_cast<int>(std::min(1e8, room / cost.delay[j]));
+      box.corners[j].d2 = std::min(box.corners[j].d2, box.corners[j].d1 + more);
     }
   }
   return box.order >= least;

@@ -4,6 +4,7 @@
 
 #include <accdec/exact/search.hpp>
 #include <accdec/task/delays_below.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -11,7 +12,7 @@ namespace accdec::exact {
 namespace {
 
 double value_of(const Task& task, int order, const std::vector<int>& delays) {
-  return cycle_time(task, order, delays) / task.sample_period;
+  return cost_of(task)(order, delays);
 }
 
 bool single(const LimitModel& model, const Box& box) {

@@ -23,17 +23,17 @@ struct Proof {
     int multipliers = -1;   ///< refuted: index
     int shorter = -1;       ///< symmetric filters: of the next smaller order; -1 where `multipliers` holds for all
   };
-  double target = 0.0;  ///< in samples, sum_j w_j (N + 1 + d_j); infinite: nothing at all
+  double target = 0.0;  ///< in samples of the task's objective (objective.hpp); infinite: nothing at all
   std::vector<Node> tree;
   std::vector<Multipliers> multipliers;
 };
-/// "accdec.certificate/1" as JSON.
-std::string to_json(const Proof& proof);
+/// "accdec.certificate/1" as JSON, with the objective it is about.
+std::string to_json(const Proof& proof, const DesignBounds& design);
 
 struct Candidate {
   Filter filter;
   std::vector<int> delays;
-  double value;   ///< sum_j w_j (N + 1 + d_j)
+  double value;   ///< the task's objective, samples
   bool verified;  ///< else it holds the convex limits only
 };
 

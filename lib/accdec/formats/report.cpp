@@ -120,6 +120,10 @@ std::string result_text(const DesignResult& result) {
                         result.filter->order(), result.filter->order() + 1, 1e3 * result.task.sample_period,
                         1e3 * result.task.sample_period * result.filter->mean_delay());
     text += fmt::format("cycle time  {:.6g} ms", 1e3 * result.cycle_time);
+    if (result.corners.size() > 1 || result.cycle_time != result.corner_time) {
+      text += fmt::format(", corners by themselves {:.6g} ms", 1e3 * result.corner_time);
+      if (result.task.design.objective == Objective::corner) text += " (minimised)";
+    }
     if (result.lower_bound) text += fmt::format(", proved not below {:.6g} ms", 1e3 * *result.lower_bound);
     if (result.gap) text += fmt::format(" (gap {:.3g} %)", 100.0 * *result.gap);
     text += "\n";

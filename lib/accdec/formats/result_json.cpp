@@ -57,6 +57,7 @@ std::string result_to_json(const DesignResult& result) {
   json["corners"] = Json::array();
   for (const CornerResult& corner : result.corners) json["corners"].push_back(corner_json(corner));
   json["cycle_time_s"] = number(result.cycle_time);
+  json["corner_time_s"] = number(result.corner_time);
   json["lower_bound_s"] = number(result.lower_bound);
   json["gap"] = number(result.gap);
   json["limits"] = Json::array();

@@ -195,8 +195,8 @@ DesignResult read_members(const Value& top, const std::string& name) {
     top["schema"].fail(
         fmt::format("\"{}\" is another kind of file; allowed is \"accdec.result/1\"", top["schema"].text()));
   }
-  top.members({"schema", "task", "status", "sample_period_s", "filter", "corners", "cycle_time_s", "limits",
-               "verification", "solver", "message"},
+  top.members({"schema", "task", "status", "sample_period_s", "filter", "corners", "cycle_time_s", "corner_time_s",
+               "limits", "verification", "solver", "message"},
               {"lower_bound_s", "gap", "certificate"});
   DesignResult result;
   if (!top["task"].json().is_object()) top["task"].wrong_type("an object");
@@ -220,6 +220,7 @@ DesignResult read_members(const Value& top, const std::string& name) {
     }
   }
   result.cycle_time = top["cycle_time_s"].number();
+  result.corner_time = top["corner_time_s"].number();
   if (top.has("lower_bound_s")) result.lower_bound = top["lower_bound_s"].number();
   if (top.has("gap")) result.gap = top["gap"].number();
   for (const Value& limit : top["limits"].elements()) result.limits.push_back(read_limit(limit));

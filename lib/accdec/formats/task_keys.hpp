@@ -58,6 +58,7 @@ inline constexpr NumberKey feed_in{"feed_in_mm_min", from_mm_min, 0.0, 1e7, true
 inline constexpr NumberKey feed_out{"feed_out_mm_min", from_mm_min, 0.0, 1e7, true};
 inline constexpr NumberKey error_max{"error_max_um", from_micro, 0.0, 1e7, false};
 inline constexpr NumberKey speed_min{"speed_min_mm_s", from_milli, 0.0, 1e6, false};
+inline constexpr NumberKey runs{"runs", same, 0.0, 1e9, true};
 inline constexpr NumberKey weight{"weight", same, 0.0, 1e9, true};
 inline constexpr NumberKey frequency{"frequency_Hz", same, 0.0, 1e6, true};
 inline constexpr NumberKey residual_max{"residual_max", same, 0.0, 1.0, false};

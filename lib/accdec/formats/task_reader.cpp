@@ -52,6 +52,8 @@ std::string other_table(std::string_view key) {
                                                                   {"order_min", "in [design]"},
                                                                   {"order_max", "in [design]"},
                                                                   {"symmetric", "in [design]"},
+                                                                  {"objective", "in [design]"},
+                                                                  {"runs", "in [design]"},
                                                                   {"angle_deg", "in [[corner]]"},
                                                                   {"heading_deg", "in [[corner]]"},
                                                                   {"turn", "in [[corner]]"},
@@ -120,12 +122,17 @@ FilterSpec read_filter(const toml::table& source, const Table& top) {
 }
 
 DesignBounds read_design(const toml::table& source, const Table& top) {
-  const Table table(source, top.file(), "[design]", top.pointer() + "/design", {"order_min", "order_max", "symmetric"},
-                    other_table);
+  const Table table(source, top.file(), "[design]", top.pointer() + "/design",
+                    {"order_min", "order_max", "symmetric", "objective", "runs"}, other_table);
   DesignBounds bounds;
   bounds.order_min = table.integer("order_min", 0, task_keys::order_limit).value_or(bounds.order_min);
   bounds.order_max = table.integer("order_max", 0, task_keys::order_limit).value_or(bounds.order_max);
   bounds.symmetric = table.boolean("symmetric").value_or(bounds.symmetric);
+  constexpr std::string_view objectives[] = {"cycle", "corner"};
+  if (const auto name = table.word("objective", objectives)) {
+    bounds.objective = *name == "cycle" ? Objective::cycle : Objective::corner;
+  }
+  bounds.runs = optional(table, task_keys::runs).value_or(bounds.runs);
   if (bounds.order_min > bounds.order_max) {
     table.fail_at(
         table.has("order_min") ? "order_min" : "order_max",

@@ -7,6 +7,7 @@
 
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/formats/task_writer.hpp>
+#include <accdec/task/objective.hpp>
 
 namespace accdec {
 namespace {
@@ -93,6 +94,8 @@ nlohmann::ordered_json task_to_json(const Task& task) {
   json["design"]["order_min"] = task.design.order_min;
   json["design"]["order_max"] = task.design.order_max;
   json["design"]["symmetric"] = task.design.symmetric;
+  json["design"]["objective"] = to_string(task.design.objective);
+  put(json["design"], task_keys::runs, task.design.runs);
   for (const Axis& axis : task.machine.axes) json["axis"].push_back(axis_json(axis));
   for (const TaskCorner& corner : task.corners) json["corner"].push_back(corner_json(corner));
   for (const Mode& mode : task.machine.modes) {

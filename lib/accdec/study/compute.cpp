@@ -9,6 +9,7 @@
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/study/compute.hpp>
 #include <accdec/study/slow_down.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec::study {
@@ -57,6 +58,7 @@ void write_result(Writer& write, const DesignResult& result) {
     speed = std::min(speed, corner.speed_min);
   }
   write("cycle_time_ms", number(1e3 * result.cycle_time));
+  write("corner_time_ms", number(1e3 * result.corner_time));
   write("order", result.filter->order());
   write("delay_samples", delays_of(result));
   write("error_um", number(1e6 * error));
@@ -90,14 +92,16 @@ void write_peaks(Writer& write, const Task& task, const Filter& filter, const st
 
 void write_slow_down(Writer& write, const Task& task) {
   const Filter filter = make_filter(filter_of(task));
-  double time = 0.0, least = 1.0;
+  double lost = 0.0, least = 1.0;
   for (const TaskCorner& corner : task.corners) {
     const SlowDown s = slow_down(filter, corner.geometry, task.sample_period, corner.error_max.value_or(unlimited));
-    time += corner.weight * ((filter.order() + 1) * task.sample_period + s.lost_time);
+    lost += corner.weight * s.lost_time;
     least = std::min(least, s.factor);
   }
   write("status", "feasible");
-  write("cycle_time_ms", number(1e3 * time));
+  const std::vector<int> none(task.corners.size(), 0);
+  write("cycle_time_ms", number(1e3 * (cycle_time(task, filter.order(), none) + lost)));
+  write("corner_time_ms", number(1e3 * (corner_time(task, filter.order(), none) + lost)));
   write("factor", number(least));
 }
 
@@ -151,9 +155,9 @@ bool needs_filter(std::string_view computation) {
 }
 
 std::vector<std::string> columns_of(std::string_view computation) {
-  std::vector<std::string_view> columns{"status",   "cycle_time_ms",  "order",   "delay_samples",
-                                        "error_um", "speed_min_mm_s", "tightest"};
-  if (computation == "slow-down") columns = {"status", "cycle_time_ms", "factor"};
+  std::vector<std::string_view> columns{"status",        "cycle_time_ms", "corner_time_ms", "order",
+                                        "delay_samples", "error_um",      "speed_min_mm_s", "tightest"};
+  if (computation == "slow-down") columns = {"status", "cycle_time_ms", "corner_time_ms", "factor"};
   if (computation == "trapezoid") columns.push_back("ramp");
   if (computation == "blackman-sinc") columns.push_back("cutoff");
   if (computation == "given") columns.insert(columns.end(), {"peak_acceleration_mm_s2", "peak_jerk_mm_s3"});

@@ -27,7 +27,7 @@ std::optional<std::size_t> Optimum::best_shape() const {
 std::optional<double> Optimum::saving() const {
   const auto best = best_shape();
   if (!best || !design.filter) return std::nullopt;
-  return 1.0 - design.cycle_time / *shapes[*best];
+  return 1.0 - design.objective() / *shapes[*best];
 }
 
 Optimum find_optimum(std::string name, Task task, const DesignOptions& options, bool with_shapes) {
@@ -44,7 +44,7 @@ Optimum find_optimum(std::string name, Task task, const DesignOptions& options, 
   found.design.certificate.clear();
   for (std::size_t i = 0; with_shapes && i < standard_shapes.size(); ++i) {
     const StandardShapeResult shape = best_standard_shape(task, standard_shapes[i]);
-    if (shape.result.filter) found.shapes[i] = shape.result.cycle_time;
+    if (shape.result.filter) found.shapes[i] = shape.result.objective();
   }
   return found;
 }

@@ -23,7 +23,7 @@ std::string milliseconds(double seconds) {
 }
 
 Cells header() {
-  Cells cells{"task", "status", "N", "d", "optimum ms", "bound ms", "LPs", "time s", "proof"};
+  Cells cells{"task", "status", "N", "d", "cycle ms", "corners ms", "bound ms", "LPs", "time s", "proof"};
   for (const Shape shape : standard_shapes) cells.push_back(std::string(to_string(shape)));
   cells.push_back("saved %");
   return cells;
@@ -43,6 +43,7 @@ Cells cells_of(const Optimum& o) {
               d.filter ? std::to_string(d.filter->order()) : "-",
               delays.empty() ? "-" : fmt::format("{}", fmt::join(delays, " ")),
               d.filter ? milliseconds(d.cycle_time) : "-",
+              d.filter ? milliseconds(d.corner_time) : "-",
               d.lower_bound ? milliseconds(*d.lower_bound) : "-",
               std::to_string(d.solver.evaluations),
               fmt::format("{:.2g}", d.solver.wall_time),
@@ -71,6 +72,7 @@ std::string csv(const std::vector<Optimum>& optima) {
              "order",
              "delays",
              "cycle_time_ms",
+             "corner_time_ms",
              "lower_bound_ms",
              "linear_programmes",
              "time_s",
@@ -83,8 +85,8 @@ std::string csv(const std::vector<Optimum>& optima) {
   for (const Optimum& o : optima) {
     Cells cells = cells_of(o);
     std::replace(cells.begin(), cells.end(), std::string("-"), std::string());
-    cells[7] = fmt::format("{:.4g}", o.design.solver.wall_time);
-    cells.insert(cells.begin() + 8, {fmt::format("{:.4g}", o.check_time), std::to_string(o.certificate_bytes)});
+    cells[8] = fmt::format("{:.4g}", o.design.solver.wall_time);
+    cells.insert(cells.begin() + 9, {fmt::format("{:.4g}", o.check_time), std::to_string(o.certificate_bytes)});
     cells.back() = o.saving() ? fmt::format("{:.6f}", *o.saving()) : "";
     rows.push_back(std::move(cells));
   }
@@ -109,7 +111,7 @@ Figure shapes_figure(const std::vector<Optimum>& optima) {
       if (!o.shapes[i] || !o.design.filter) continue;
       // Side by side within the row: shapes often tie.
       series.x.push_back(static_cast<double>(row) + 1.0 + 0.08 * (static_cast<double>(i) - 2.5));
-      series.y.push_back(*o.shapes[i] / o.design.cycle_time);
+      series.y.push_back(*o.shapes[i] / o.design.objective());
     }
     panel.series.push_back(std::move(series));
   }

@@ -3,6 +3,7 @@
 
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/delays_below.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -110,15 +111,15 @@ class BlendCheck {
 std::optional<std::vector<int>> delays_below(const Filter& filter, const Task& task, double samples) {
   const DelayFinder smallest(filter);
   std::vector<int> delays;
-  double cost = 0.0;
+  const LinearCost linear = cost_of(task);
   for (const TaskCorner& corner : task.corners) {
     const double step_in = corner.geometry.feed_in * task.sample_period,
                  step_out = corner.geometry.feed_out * task.sample_period;
     const int least =
         corner.error_max ? smallest(corner.geometry.cos_interior(), step_in, step_out, *corner.error_max * slack) : 0;
     delays.push_back(corner.delay.value_or(least));
-    cost += corner.weight * (filter.order() + 1.0 + delays.back());
   }
+  double cost = linear(filter.order(), delays);
   // The error bounds alone already say which filters are too slow, long before their limits have to be looked at.
   if (cost >= samples || !ramps_hold(filter, task)) return std::nullopt;
   // Most filters that ring too much do so at an end or the middle of a band; only the others need the whole band
@@ -137,7 +138,7 @@ std::optional<std::vector<int>> delays_below(const Filter& filter, const Task& t
     const int last = corner.delay.value_or(std::max(delays[j], filter.order() + 2));
     BlendCheck check(filter, corner, task);
     while (!check.holds(delays[j])) {
-      cost += corner.weight;
+      cost += linear.delay[j];
       if (++delays[j] > last || cost >= samples) return std::nullopt;
     }
   }

@@ -43,12 +43,4 @@ Filter make_filter(const FilterSpec& spec) {
   throw std::invalid_argument("unknown filter shape");
 }
 
-double cycle_time(const Task& task, int order, const std::vector<int>& delays) {
-  double samples = 0.0;
-  for (std::size_t j = 0; j < task.corners.size(); ++j) {
-    samples += task.corners[j].weight * (order + 1.0 + delays[j]);
-  }
-  return samples * task.sample_period;
-}
-
 }  // namespace accdec

@@ -27,11 +27,16 @@ struct FilterSpec {
 /// @throws std::invalid_argument as the shapes do.
 Filter make_filter(const FilterSpec& spec);
 
-/// Bounds on what the design may choose.
+/// What a design minimises: see objective.hpp.
+enum class Objective { cycle, corner };
+
+/// Bounds on what the design may choose, and what it is to minimise.
 struct DesignBounds {
   int order_min = 1;
   int order_max = 400;
   bool symmetric = false;
+  Objective objective = Objective::cycle;
+  double runs = 1.0;  ///< > 0; from rest to rest, together they pass every corner as often as its weight says
 };
 
 /// One corner of a task. Angles are kept as given, so that a result can state them.
@@ -62,8 +67,5 @@ struct Task {
   std::vector<TaskCorner> corners;
   std::optional<double> program_error_max;  ///< m, [program] error_max_um
 };
-
-/// sum_j w_j (N + 1 + d_j) T, s. `delays` has one entry per corner.
-double cycle_time(const Task& task, int order, const std::vector<int>& delays);
 
 }  // namespace accdec

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/task/objective.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -243,12 +244,13 @@ DesignResult assess(const Task& task, const Filter& filter, const std::vector<in
   result.task = task;
   result.verification = verify_by_simulation(task, filter, delays, &result.limits, &result.corners);
   result.cycle_time = cycle_time(task, filter.order(), delays);
+  result.corner_time = corner_time(task, filter.order(), delays);
   result.status = result.verification.feasible ? Status::feasible : Status::failed;
   if (!result.verification.feasible) {
     result.message = "a limit is broken: " + result.verification.worst;
     if (!keep_broken) {
       result.corners.clear();
-      result.cycle_time = 0.0;
+      result.cycle_time = result.corner_time = 0.0;
       return result;
     }
   }
