@@ -16,10 +16,13 @@ void add_generate(CLI::App& app, Context&) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("generate", "Write a test program of any length");
-  command->add_option("kind", options->kind, "pocket | zigzag | trochoid | engraving | raster | star")
+  command
+      ->add_option("kind", options->kind,
+                   "pocket | zigzag | trochoid | engraving | raster | star | hilbert | relief | spiral")
       ->required()
       ->type_name("KIND")
-      ->check(CLI::IsMember({"pocket", "zigzag", "trochoid", "engraving", "raster", "star"}));
+      ->check(CLI::IsMember(
+          {"pocket", "zigzag", "trochoid", "engraving", "raster", "star", "hilbert", "relief", "spiral"}));
   command->add_option("--blocks", options->generate.blocks, "About how many blocks")
       ->check(CLI::Range(10L, 1000000000L))
       ->capture_default_str();

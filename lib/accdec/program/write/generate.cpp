@@ -14,13 +14,16 @@
 namespace accdec {
 namespace {
 
-constexpr std::array<std::pair<GeneratedProgram, std::string_view>, 6> names{
+constexpr std::array<std::pair<GeneratedProgram, std::string_view>, 9> names{
     {{GeneratedProgram::pocket, "pocket"},
      {GeneratedProgram::zigzag, "zigzag"},
      {GeneratedProgram::trochoid, "trochoid"},
      {GeneratedProgram::engraving, "engraving"},
      {GeneratedProgram::raster, "raster"},
-     {GeneratedProgram::star, "star"}}};
+     {GeneratedProgram::star, "star"},
+     {GeneratedProgram::hilbert, "hilbert"},
+     {GeneratedProgram::relief, "relief"},
+     {GeneratedProgram::spiral, "spiral"}}};
 constexpr double degree = std::numbers::pi / 180.0;
 
 /// Writes lines and counts the moves among them.
@@ -166,6 +169,50 @@ void star(Writer& w, long blocks) {
   w.move("G1 X0 Y0");
 }
 
+/// Point i of Hilbert's curve through a square of 4^order points, 1 mm apart.
+void hilbert(Writer& w, long blocks) {
+  int order = 1;
+  while ((1L << (2 * order)) <= blocks) ++order;
+  for (long i = 1; w.moves() < blocks; ++i) {
+    long x = 0, y = 0, rest = i;
+    for (long side = 1; side < (1L << order); side *= 2, rest /= 4) {
+      const long right = 1 & (rest / 2), up = 1 & (rest ^ right);
+      if (up == 0) {
+        if (right == 1) {
+          x = side - 1 - x;
+          y = side - 1 - y;
+        }
+        std::swap(x, y);
+      }
+      x += side * right;
+      y += side * up;
+    }
+    w.move("G1 X{} Y{}", x, y);
+  }
+}
+
+void relief(Writer& w, long blocks) {
+  // Rows of 60 mm, 1 mm apart along x; ridges across and a round hill.
+  constexpr long columns = 60;
+  for (long row = 0; w.moves() < blocks; ++row) {
+    const double y = 0.5 * static_cast<double>(row);
+    for (long i = row == 0 ? 1 : 0; i <= columns && w.moves() < blocks; ++i) {
+      const double x = static_cast<double>(row % 2 == 0 ? i : columns - i);
+      const double hill = 6.0 * std::exp(-((x - 30.0) * (x - 30.0) + (y - 12.0) * (y - 12.0)) / 120.0);
+      w.move("G1 X{:.4f} Y{:.4f} Z{:.4f}", x, y, hill + 0.8 * std::sin(0.9 * x + 0.4 * y) + 0.3 * std::sin(2.3 * x));
+    }
+  }
+}
+
+void spiral(Writer& w, long blocks) {
+  // Archimedes: 1.5 mm a turn; the angle goes on by what a chord of 1 mm takes at the radius reached.
+  constexpr double pitch = 1.5 / (2.0 * std::numbers::pi);
+  for (double angle = 0.0; w.moves() < blocks;) {
+    angle += 1.0 / std::max(1.0, pitch * angle);
+    w.move("G1 X{:.5f} Y{:.5f}", pitch * angle * std::cos(angle), pitch * angle * std::sin(angle));
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(GeneratedProgram kind) {
@@ -198,6 +245,9 @@ void generate_program(GeneratedProgram kind, const GenerateOptions& options, std
     case GeneratedProgram::engraving: engraving(w, options.blocks); break;
     case GeneratedProgram::raster: raster(w, options.blocks); break;
     case GeneratedProgram::star: star(w, options.blocks); break;
+    case GeneratedProgram::hilbert: hilbert(w, options.blocks); break;
+    case GeneratedProgram::relief: relief(w, options.blocks); break;
+    case GeneratedProgram::spiral: spiral(w, options.blocks); break;
   }
   w.line("M2");
   w.flush();

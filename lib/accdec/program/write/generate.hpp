@@ -13,9 +13,12 @@ enum class GeneratedProgram {
   trochoid,   ///< a slot milled in circles that advance
   engraving,  ///< text in strokes, with rapid moves between them
   raster,     ///< rows of short segments over a wavy surface
-  star        ///< a closed fan that meets every angle from 1 to 179 degrees
+  star,       ///< a closed fan that meets every angle from 1 to 179 degrees
+  hilbert,    ///< a plane-filling curve in blocks of 1 mm
+  relief,     ///< rows over a carved surface in three dimensions, blocks of about 1 mm
+  spiral      ///< from the middle outwards in chords of about 1 mm
 };
-/// "pocket", "zigzag", "trochoid", "engraving", "raster", "star".
+/// "pocket", "zigzag", "trochoid", "engraving", "raster", "star", "hilbert", "relief", "spiral".
 std::string_view to_string(GeneratedProgram kind);
 std::optional<GeneratedProgram> generated_program_from_string(std::string_view name);
 
