@@ -19,6 +19,9 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// As many programmes make a short proof.
+constexpr long shortly = 2000;
+
 bool convex(const Task& task) {
   for (const Axis& axis : task.machine.axes) {
     if (axis.power_max < unlimited || axis.regeneration_max < unlimited) return false;
@@ -57,8 +60,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
   DesignResult result;
   result.task = task;
   result.solver.method = "exact";
-  result.solver.name = "clp";
-  result.solver.version = "1.17.6";
+  result.solver.name = "dual simplex", result.solver.version = "accdec";
   const double period = task.sample_period;
   if (const auto impossible = contradictions(task); !impossible.empty()) {
     result.status = Status::infeasible;
@@ -88,7 +90,16 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     options.progress({low * period, incumbent, search.best ? (incumbent - low * period) / incumbent : 1.0});
   };
   const double step = 1.5 * weights;
-  while (!stop()) {
+  // A proof that is short goes for the best design at once; a long one moves its bound target by target.
+  auto answer = search.best && task.corners.size() == 1 ? exact::Search::Answer::found : exact::Search::Answer::unknown;
+  while (!stop() && answer == exact::Search::Answer::found) {
+    answer = search.minimise(high, shortly - search.programmes());
+    high = std::min(high, search.best->value);
+    if (search.relaxed) high = std::min(high, search.relaxed->value);
+    if (answer == exact::Search::Answer::proved) low = search.proof.target, proved = low >= high;
+    tell();
+  }
+  while (!stop() && !proved) {
     double target = high;
     if (high == infinity) {
       trial = std::max(trial + step, 1.3 * trial);
@@ -100,7 +111,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
       if (cost.whole()) target = std::floor(target) + 0.0;
       if (target <= low || target >= high) target = high;
     }
-    const auto answer = search.below(target);
+    answer = search.below(target);
     if (answer == exact::Search::Answer::unknown) break;
     if (search.best) high = std::min(high, search.best->value);
     if (search.relaxed) high = std::min(high, search.relaxed->value);
@@ -123,8 +134,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
       const double claimed = best.value;
       result = assess(task, best.filter, best.delays, false);
       result.solver.method = "exact";
-      result.solver.name = "clp";
-      result.solver.version = "1.17.6";
+      result.solver.name = "dual simplex", result.solver.version = "accdec";
       result.lower_bound = std::min(low, claimed) * period;
       result.gap = std::max(0.0, (result.objective() - *result.lower_bound) / result.objective());
       if (result.status == Status::feasible && low >= claimed * (1.0 - 1e-9)) result.status = Status::optimal;

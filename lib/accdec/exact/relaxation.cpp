@@ -24,7 +24,7 @@ class Relaxation::Impl {
   /// over these limits and the cones falls (convex-concave procedure).
   std::optional<Filter> repair(const Box& box, bool symmetric, Filter at) {
     std::vector<RowId> close;
-    double before = COIN_DBL_MAX;
+    double before = DualSimplex::infinity;
     for (int round = 0; round < 30; ++round) {
       const double worst = model_.gather_close(at, box, close);
       if (round > 0 && before <= 1e-10 && worst <= 1.0 + 3.0 * slack) return at;
@@ -32,8 +32,8 @@ class Relaxation::Impl {
       programme_.soften(close, at, box);
       const Outcome outcome = cut(box, symmetric, false, false);
       if (!outcome.filter) return std::nullopt;
-      if (lp_.objectiveValue() > std::max(1e-10, 0.95 * before)) return std::nullopt;
-      before = lp_.objectiveValue();
+      if (outcome.excess > std::max(1e-10, 0.95 * before)) return std::nullopt;
+      before = outcome.excess;
       at = *outcome.filter;
     }
     return std::nullopt;
@@ -47,8 +47,8 @@ class Relaxation::Impl {
   Outcome cut(const Box& box, bool symmetric, bool refuting, bool strongest) {
     Outcome outcome;
     double by = 0.0;
-    const auto refuted = [&](const double* dual, double sign) {
-      Multipliers y = programme_.multipliers(dual, sign, box);
+    const auto refuted = [&] {
+      Multipliers y = programme_.multipliers();
       const double value = refutation(model_, y, box, symmetric ? box.order : -1);
       if (!(value > by)) return false;
       by = value;
@@ -58,25 +58,20 @@ class Relaxation::Impl {
     };
     for (int round = 0; round < 200; ++round) {
       ++solved_;
-      lp_.dual();
-      if (lp_.status() != 0 && lp_.status() != 1 && lp_.status() != 5) lp_.primal();
-      if (lp_.status() == 1) {
-        if (!refuting) return outcome;
-        const std::unique_ptr<double[]> ray(lp_.infeasibilityRay());
-        if (ray && (refuted(ray.get(), 1.0) || refuted(ray.get(), -1.0))) return outcome;
-        // Clp knows that there is no solution but not always a ray that says why.
-        if (const auto dual = programme_.least_infeasibility(); !dual.empty()) refuted(dual.data(), 1.0);
+      const LpSolution& solution = programme_.solve();
+      if (solution.status == DualSimplex::Status::infeasible) {
+        if (refuting) refuted();
         return outcome;
       }
-      if (lp_.status() != 0) return outcome;
-      outcome.excess = lp_.objectiveValue();
+      if (solution.status != DualSimplex::Status::optimal) return outcome;
+      outcome.excess = solution.objective;
       if (refuting && outcome.excess > 0.0) {
         const double before = by;
-        refuted(lp_.dualRowSolution(), 1.0);
+        refuted();
         if (by > 0.0 && (!strongest || by <= 1.05 * before)) return outcome;
       }
       Filter filter = programme_.filter(box, symmetric);
-      if (!programme_.cut(filter, box, refuting ? 0.0 : lp_.objectiveValue())) {
+      if (!programme_.cut(filter, box, refuting ? 0.0 : outcome.excess)) {
         if (by > 0.0) return outcome;
         outcome.filter = std::move(filter);
         for (std::size_t j = 0; j < box.corners.size() && model_.corners() > 1; ++j)
@@ -90,7 +85,6 @@ class Relaxation::Impl {
 
   const LimitModel& model_;
   Programme programme_;
-  ClpSimplex& lp_ = programme_.lp();
   long solved_ = 0;
 };
 

@@ -147,18 +147,47 @@ int Search::smallest_order() {
 }
 
 Search::Answer Search::below(double target) {
+  going_on_ = false;
+  return search(target);
+}
+
+Search::Answer Search::minimise(double target, long budget) {
+  going_on_ = model_.convex() && !task_.design.symmetric && task_.corners.size() == 1;
+  budget_end_ = programmes() + budget;
+  const Answer answer = search(target);
+  budget_end_ = std::numeric_limits<long>::max();
+  return answer;
+}
+
+Search::Answer Search::search(double target) {
   target_ = target;
   current_ = Proof{};
-  current_.target = target;
   recent_.clear();
   in_tree_.clear();
   Box box = root();
   if (tighten(task_, target, box)) size_for(box.order);
-  switch (refute(root())) {
-    case State::closed: proof = std::move(current_); return Answer::proved;
-    case State::found: return Answer::found;
-    default: return Answer::unknown;
+  const State state = refute(root());
+  if (state == State::found) return Answer::found;
+  if (state != State::closed) return Answer::unknown;
+  current_.target = target_;
+  if (target_ < target) {
+    auto shorter = pruned(model_, root(), current_);
+    if (!shorter) return below(target_);
+    current_ = std::move(*shorter);
   }
+  proof = std::move(current_);
+  return Answer::proved;
+}
+
+/// After something was found in a box: lowers the target to it and looks at the box again.
+Search::State Search::go_on(State state, const Box& box) {
+  if (state != State::found || !going_on_) return state;
+  double shortest = target_;
+  if (best) shortest = std::min(shortest, best->value);
+  if (relaxed) shortest = std::min(shortest, relaxed->value);
+  if (!(shortest < target_)) return state;
+  target_ = shortest;
+  return refute(box);
 }
 
 Search::State Search::leave(Proof::Node::Kind kind) {
@@ -216,17 +245,17 @@ bool Search::narrow(Box& box, Proof::Node::Kind* why) {
 }
 
 Search::State Search::refute(Box box) {
-  if (stop_()) return State::stopped;
+  if (stopped()) return State::stopped;
   const Box whole = box;
   Proof::Node::Kind why;
   if (!narrow(box, &why)) return leave(why);
   if (const int y = refuted_before(box); y >= 0) return close_by(y);
   Outcome outcome = relaxation_->solve(box, false);
   if (outcome.kind == Outcome::refuted) return close_by(keep(std::move(outcome.multipliers)));
-  if (single(model_, box)) return refute_single(std::move(box), std::move(outcome));
+  if (single(model_, box)) return go_on(refute_single(std::move(box), std::move(outcome)), whole);
   if (outcome.filter) offer(*outcome.filter);
   const auto found = [&] { return best && best->value < target_ * (1.0 - 1e-9); };
-  if (found()) return State::found;
+  if (found()) return go_on(State::found, whole);
   const Proof::Node node = task_.corners.size() > 1 ? choose_split(whole, box, outcome) : widest_split(model_, box);
   if (found()) return State::found;
   current_.tree.push_back(node);

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +28,9 @@ struct Proof {
   std::vector<Node> tree;
   std::vector<Multipliers> multipliers;
 };
+/// A proof of one corner's convex limits for a target lower than the one it was begun with: leaves out what is too long
+/// by now, and multipliers no leaf needs. None if a part is not refuted any more, as rounding may have it.
+std::optional<Proof> pruned(const LimitModel& model, const Box& root, const Proof& proof);
 /// "accdec.certificate/1" as JSON, with the objective it is about.
 std::string to_json(const Proof& proof, const DesignBounds& design);
 
@@ -56,6 +60,10 @@ class Search {
   enum class Answer { proved, found, unknown };
   /// found: `best` or `relaxed` is shorter than target. unknown: stopped, or rounding decides.
   Answer below(double target);
+  /// Goes on with a lower target whenever something shorter is found. proved: nothing is shorter than `proof.target`.
+  /// unknown: also after `budget` programmes. One tree serves all targets; for symmetric filters and outside the convex
+  /// class, where leaves belong to one order, and for several corners this is `below`.
+  Answer minimise(double target, long budget);
   /// The smallest order that holds the limits not tied to a tolerance, or order_max + 1; leaves a first design in
   /// `best` if it can.
   int smallest_order();
@@ -69,6 +77,9 @@ class Search {
 
  private:
   enum class State { closed, found, stopped };
+  Answer search(double target);
+  bool stopped() const { return stop_() || programmes() > budget_end_; }
+  State go_on(State state, const Box& box);
   State refute(Box box);
   State refute_sums(Box box, bool symmetric, int depth);
   State split_sum(const Box& box, const SumBound& at, bool symmetric, int depth);
@@ -99,6 +110,8 @@ class Search {
   int sized_ = -1;
   long programmes_ = 0;
   double target_ = 0.0;
+  bool going_on_ = false;
+  long budget_end_ = std::numeric_limits<long>::max();
   Proof current_;
   std::vector<int> recent_;
   std::vector<bool> in_tree_;  ///< of the multipliers: whether a leaf of the proof uses them

@@ -62,7 +62,7 @@ Search::State Search::split_sum(const Box& box, const SumBound& at, bool symmetr
 
 /// A box of single delays and samples, of symmetric filters of exactly its order or of all up to it.
 Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
-  if (stop_() || depth > deepest) return State::stopped;
+  if (stopped() || depth > deepest) return State::stopped;
   if (!model_.shrink(box)) {
     Proof::Node node;
     node.kind = Proof::Node::unreachable;

@@ -1,0 +1,299 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/exact/dual_simplex.hpp>
+
+// The iterations of the dual simplex method.
+
+namespace accdec::exact {
+namespace {
+
+constexpr double dual_tolerance = 1e-9;
+constexpr double smallest_entry = 1e-11;  ///< entries of a pivot row below this are rounding
+constexpr double smallest_pivot = 1e-8;
+constexpr double far = 1e7;  ///< stands for an infinite bound until the basis is dual feasible
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+}  // namespace
+
+DualSimplex::Status DualSimplex::solve() {
+  for (int j = 0; j < static_cast<int>(low_.size()); ++j) {
+    if (low_[at(j)] <= high_[at(j)]) continue;
+    multipliers_.assign(at(rows()), 0.0);
+    if (j >= columns_)
+      multipliers_[at(j - columns_)] = 1.0;  // both sides of one row: no ray of this form tells them apart
+    return Status::trouble;
+  }
+  Status status = attempt();
+  if (status != Status::trouble) return status;
+  refactor();
+  status = attempt();
+  if (status != Status::trouble) return status;
+  start_cold();
+  return attempt();
+}
+
+DualSimplex::Status DualSimplex::attempt() {
+  moved_ = false;
+  compute_duals();
+  settle_nonbasics();
+  compute_basics();
+  for (int round = 0; round < 6; ++round) {
+    const Status status = iterate();
+    if (status != Status::optimal) return status;
+    if (!moved_) break;
+    // Reduced costs that were moved out of the way are put back; bounded variables flip where their sign is wrong.
+    moved_ = false;
+    compute_duals();
+    if (dual_feasible()) break;
+    if (round == 5) return Status::trouble;
+    settle_nonbasics();
+    compute_basics();
+  }
+  for (int j = 0; j < columns_; ++j) {
+    const At state = at_[at(nonbasic_[at(j)])];
+    if (state < far_below) continue;
+    return std::abs(dual_[at(j)]) > dual_tolerance ? Status::unbounded : Status::trouble;
+  }
+  return take_point() ? Status::optimal : Status::trouble;
+}
+
+void DualSimplex::compute_duals() {
+  std::fill(dual_.begin(), dual_.end(), 0.0);
+  for (int j = 0; j < columns_; ++j) {
+    if (nonbasic_[at(j)] < columns_) dual_[at(j)] = cost_[at(nonbasic_[at(j)])];
+  }
+  for (std::size_t i = 0; i < basic_.size(); ++i) {
+    if (basic_[i] >= columns_ || cost_[at(basic_[i])] == 0.0) continue;
+    const double c = cost_[at(basic_[i])];
+    const double* row = tableau_row(static_cast<int>(i));
+    for (std::size_t j = 0; j < stride_; ++j) dual_[j] += c * row[j];
+  }
+}
+
+bool DualSimplex::dual_feasible() {
+  for (int j = 0; j < columns_; ++j) {
+    const int v = nonbasic_[at(j)];
+    if (low_[at(v)] == high_[at(v)]) continue;
+    const double d = dual_[at(j)];
+    if ((d > dual_tolerance && at_[at(v)] != lower) || (d < -dual_tolerance && at_[at(v)] != upper)) return false;
+  }
+  return true;
+}
+
+/// Every nonbasic variable to the bound its reduced cost asks for.
+void DualSimplex::settle_nonbasics() {
+  for (int j = 0; j < columns_; ++j) {
+    const auto v = at(nonbasic_[at(j)]);
+    const double d = dual_[at(j)], low = low_[v], high = high_[v];
+    const bool has_low = low > -infinity, has_high = high < infinity;
+    // Without the bound it asks for, a reduced cost this small is taken for rounding.
+    const bool rounding = std::abs(d) < 1e-7;
+    if (has_low && (d > dual_tolerance || !has_high || (d >= -dual_tolerance && value_[v] - low <= high - value_[v])) &&
+        (d >= -dual_tolerance || rounding || has_high)) {
+      at_[v] = lower;
+    } else if (has_high && (d < dual_tolerance || rounding)) {
+      at_[v] = upper;
+    } else if (!has_low && !has_high && rounding) {
+      at_[v] = free;
+    } else {
+      at_[v] = d > 0.0 ? far_below : far_above;
+    }
+    switch (at_[v]) {
+      case lower: value_[v] = low; break;
+      case upper: value_[v] = high; break;
+      case free: value_[v] = 0.0; break;
+      case far_below: value_[v] = least_activity(static_cast<int>(v)); break;
+      case far_above: value_[v] = most_activity(static_cast<int>(v)); break;
+    }
+  }
+}
+
+/// What the columns' bounds imply, and a little less: no solution is there.
+double DualSimplex::least_activity(int variable) const {
+  double sum = 0.0;
+  if (variable < columns_) return std::min(high_[at(variable)], 0.0) - far;
+  const Row& row = rows_[at(variable - columns_)];
+  for (std::size_t e = 0; e < row.columns.size(); ++e) {
+    const double a = row.values[e], side = a > 0.0 ? low_[at(row.columns[e])] : high_[at(row.columns[e])];
+    if (a != 0.0) sum += a * side;
+  }
+  return std::max(sum, std::min(high_[at(variable)], 0.0) - far) - 1.0;
+}
+
+double DualSimplex::most_activity(int variable) const {
+  double sum = 0.0;
+  if (variable < columns_) return std::max(low_[at(variable)], 0.0) + far;
+  const Row& row = rows_[at(variable - columns_)];
+  for (std::size_t e = 0; e < row.columns.size(); ++e) {
+    const double a = row.values[e], side = a > 0.0 ? high_[at(row.columns[e])] : low_[at(row.columns[e])];
+    if (a != 0.0) sum += a * side;
+  }
+  return std::min(sum, std::max(low_[at(variable)], 0.0) + far) + 1.0;
+}
+
+void DualSimplex::compute_basics() {
+  std::vector<double>& x = scratch_values_;
+  x.assign(stride_, 0.0);
+  for (int j = 0; j < columns_; ++j) x[at(j)] = value_[at(nonbasic_[at(j)])];
+  for (std::size_t i = 0; i < basic_.size(); ++i) {
+    const double* row = tableau_row(static_cast<int>(i));
+    double sum = 0.0;
+    for (std::size_t j = 0; j < stride_; ++j) sum += row[j] * x[j];
+    value_[at(basic_[i])] = sum;
+  }
+}
+
+DualSimplex::Status DualSimplex::iterate() {
+  const int most = 200 + 30 * (columns_ + rows());
+  for (int count = 1; count <= most; ++count) {
+    if (count % 16 == 0 && stop_ && stop_()) return Status::stopped;
+    // Long without an end: perhaps in circles.
+    if (count % (5 * (columns_ + rows()) + 50) == 0) perturb();
+    const int i = leaving_row();
+    if (i < 0) return Status::optimal;
+    const int v = basic_[at(i)];
+    const double above = value_[at(v)] - high_[at(v)], below = low_[at(v)] - value_[at(v)];
+    const double sigma = above > below ? 1.0 : -1.0;
+    const int position = entering_position(i, sigma, std::max(above, below));
+    if (position < 0) return take_ray(i, sigma) ? Status::infeasible : Status::trouble;
+    if (std::abs(tableau_row(i)[position]) < smallest_pivot) return Status::trouble;
+    step(i, position, sigma);
+  }
+  return Status::trouble;
+}
+
+/// Largest infeasibility in the norm of the row of the basis' inverse.
+int DualSimplex::leaving_row() const {
+  int best = -1;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < basic_.size(); ++i) {
+    const int v = basic_[i];
+    const double x = value_[at(v)], infeasibility = std::max(x - high_[at(v)], low_[at(v)] - x);
+    if (!(infeasibility > primal_tolerance)) continue;
+    const double* row = tableau_row(static_cast<int>(i));
+    double weight = v >= columns_ ? 1.0 : 1e-6;
+    for (std::size_t j = 0; j < stride_; ++j) weight += is_row_[j] * row[j] * row[j];
+    const double rate = infeasibility * infeasibility / weight;
+    if (rate > largest) largest = rate, best = static_cast<int>(i);
+  }
+  return best;
+}
+
+/// Passes bounded variables over to their other bounds as long as the leaving one stays outside of its own; `flips_`
+/// are these.
+/// @return -1 if even all of them do not bring it back
+int DualSimplex::entering_position(int i, double sigma, double infeasibility) {
+  candidates_.clear();
+  group_end_.clear();
+  flips_.clear();
+  const double* row = tableau_row(i);
+  for (int j = 0; j < columns_; ++j) {
+    const double a = sigma * row[j];
+    if (std::abs(a) < smallest_entry) continue;
+    const auto v = at(nonbasic_[at(j)]);
+    if (low_[v] == high_[v]) continue;
+    const At state = at_[v];
+    const bool rises = state == lower || state == far_below || state == free;
+    const bool falls = state == upper || state == far_above || state == free;
+    if ((a < 0.0 && rises) || (a > 0.0 && falls)) {
+      const double d = state == free ? 0.0 : std::max(0.0, falls ? -dual_[at(j)] : dual_[at(j)]);
+      candidates_.push_back({j, d, std::abs(a)});
+    }
+  }
+  if (candidates_.empty()) return -1;
+  double slope = infeasibility;
+  std::size_t begin = 0;
+  while (begin < candidates_.size()) {
+    // Harris: all whose ratio is below the least ratio with the tolerance added.
+    double least = infinity;
+    for (std::size_t c = begin; c < candidates_.size(); ++c)
+      least = std::min(least, (candidates_[c].dual + dual_tolerance) / candidates_[c].size);
+    const auto middle = std::partition(candidates_.begin() + static_cast<std::ptrdiff_t>(begin), candidates_.end(),
+                                       [&](const Candidate& c) { return c.dual <= least * c.size; });
+    const auto end = static_cast<std::size_t>(middle - candidates_.begin());
+    for (std::size_t c = begin; c < end; ++c) {
+      const auto v = at(nonbasic_[at(candidates_[c].position)]);
+      slope -= at_[v] >= free ? infinity : candidates_[c].size * (high_[v] - low_[v]);
+    }
+    group_end_.push_back(end);
+    begin = end;
+    if (slope <= primal_tolerance) break;
+  }
+  if (slope > primal_tolerance) return -1;
+  // Of the last group; a group before if that has only pivots too small to trust.
+  auto group = static_cast<int>(group_end_.size()) - 1;
+  int best = -1;
+  for (; group >= 0; --group) {
+    const std::size_t first = group > 0 ? group_end_[at(group) - 1] : 0;
+    const int here = best_of_group(first, group_end_[at(group)]);
+    if (best < 0 || candidates_[at(here)].size > 1e3 * candidates_[at(best)].size) {
+      best = here;
+      begin = first;
+    }
+    if (candidates_[at(best)].size > 1e-5) break;
+  }
+  for (std::size_t c = 0; c < begin; ++c) flips_.push_back(candidates_[c].position);
+  return candidates_[at(best)].position;
+}
+
+int DualSimplex::best_of_group(std::size_t begin, std::size_t end) const {
+  std::size_t best = begin;
+  for (std::size_t c = begin; c < end; ++c) {
+    if (candidates_[c].size > candidates_[best].size) best = c;
+  }
+  return static_cast<int>(best);
+}
+
+void DualSimplex::step(int i, int position, double sigma) {
+  const double* row = tableau_row(i);
+  // Reduced costs.
+  const double a = sigma * row[position];
+  const double t = std::max(0.0, -dual_[at(position)] / a);
+  const int leaving = basic_[at(i)];
+  for (int j = 0; j < columns_; ++j) dual_[at(j)] += t * sigma * row[j];
+  dual_[at(position)] = -sigma * t;
+  for (const int j : flips_) {
+    const auto v = at(nonbasic_[at(j)]);
+    const double move = at_[v] == lower ? high_[v] - low_[v] : low_[v] - high_[v];
+    value_[v] = at_[v] == lower ? high_[v] : low_[v];
+    at_[v] = at_[v] == lower ? upper : lower;
+    for (std::size_t k = 0; k < basic_.size(); ++k) value_[at(basic_[k])] += tableau_[k * stride_ + at(j)] * move;
+  }
+  // Values.
+  const double bound = sigma > 0.0 ? high_[at(leaving)] : low_[at(leaving)];
+  const double move = (bound - value_[at(leaving)]) / row[position];
+  for (std::size_t k = 0; k < basic_.size(); ++k) value_[at(basic_[k])] += tableau_[k * stride_ + at(position)] * move;
+  const int entering = nonbasic_[at(position)];
+  value_[at(entering)] += move;
+  value_[at(leaving)] = bound;
+  at_[at(leaving)] = sigma > 0.0 ? upper : lower;
+  exchange(i, position);
+  // What the tolerance let pass on the wrong side.
+  for (int j = 0; j < columns_; ++j) {
+    const At state = at_[at(nonbasic_[at(j)])];
+    double& d = dual_[at(j)];
+    const bool wrong =
+        ((state == lower || state == far_below) && d < 0.0) || ((state == upper || state == far_above) && d > 0.0);
+    if (!wrong) continue;
+    if (std::abs(d) > 1e-12) moved_ = true;
+    d = 0.0;
+  }
+}
+
+/// Moves the reduced costs away from zero, each by another amount, so that ties end.
+void DualSimplex::perturb() {
+  moved_ = true;
+  for (int j = 0; j < columns_; ++j) {
+    random_ = random_ * 1664525u + 1013904223u;
+    const double by = 1e-7 * (1.0 + static_cast<double>(random_ >> 8) / 16777216.0);
+    const At state = at_[at(nonbasic_[at(j)])];
+    if (state == lower) dual_[at(j)] += by;
+    if (state == upper) dual_[at(j)] -= by;
+  }
+}
+
+}  // namespace accdec::exact

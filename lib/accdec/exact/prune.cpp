@@ -1,0 +1,93 @@
+#include <map>
+
+#include <accdec/exact/search.hpp>
+
+namespace accdec::exact {
+namespace {
+
+class Pruner {
+ public:
+  Pruner(const LimitModel& model, const Proof& proof) : model_(model), from_(proof) { to_.target = proof.target; }
+
+  std::optional<Proof> run(const Box& root) {
+    copy(root);
+    if (!holds_) return std::nullopt;
+    for (std::size_t i = 0; i < to_.multipliers.size(); ++i) {
+      Multipliers& y = to_.multipliers[i];
+      std::size_t row = 0;
+      std::erase_if(y, [&](const auto&) { return used_[i][row++] == 0; });
+    }
+    return std::move(to_);
+  }
+
+ private:
+  using Node = Proof::Node;
+
+  void copy(const Box& whole) {
+    Box box = whole;
+    if (!tighten(model_.task(), from_.target, box)) {
+      skip();
+      to_.tree.push_back(Node{});
+      return;
+    }
+    Node node = from_.tree[next_++];
+    if (node.kind == Node::refuted) {
+      leaf(node, box);
+      return;
+    }
+    to_.tree.push_back(node);
+    if (node.kind == Node::too_long) return;
+    const auto [first, second] = parts(whole, node);
+    copy(first);
+    copy(second);
+  }
+
+  void leaf(Node node, Box box) {
+    for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
+    holds_ = holds_ && refutation(model_, from_.multipliers[static_cast<std::size_t>(node.multipliers)], box) > 0.0;
+    node.multipliers = kept(node.multipliers, box);
+    to_.tree.push_back(node);
+  }
+
+  /// Past one node and all below it.
+  void skip() {
+    if (from_.tree[next_++].kind != Node::split) return;
+    skip();
+    skip();
+  }
+
+  /// Its number in the new proof; marks the rows that say something in the box.
+  int kept(int index, const Box& box) {
+    const Multipliers& y = from_.multipliers[static_cast<std::size_t>(index)];
+    const auto [at, added] = index_.emplace(index, static_cast<int>(to_.multipliers.size()));
+    if (added) to_.multipliers.push_back(y), used_.emplace_back(y.size(), 0);
+    std::vector<char>& used = used_[static_cast<std::size_t>(at->second)];
+    for (std::size_t r = 0; r < y.size(); ++r) {
+      if (used[r] == 0 && has_terms(y[r].first, box)) used[r] = 1;
+    }
+    return at->second;
+  }
+
+  /// Rows at samples past the end of a shorter filter have none left.
+  bool has_terms(const RowId& id, const Box& box) const {
+    if (id.kind == RowKind::cone || id.kind == RowKind::vibration) return true;
+    const SparseRow row = model_.row(id, box);
+    return !row.taps.empty() || !row.sums.empty() || row.constant > 1.0;
+  }
+
+  const LimitModel& model_;
+  const Proof& from_;
+  Proof to_;
+  std::size_t next_ = 0;
+  std::map<int, int> index_;
+  std::vector<std::vector<char>> used_;  // by multipliers of the new proof and row
+  bool holds_ = true;
+};
+
+}  // namespace
+
+std::optional<Proof> pruned(const LimitModel& model, const Box& root, const Proof& proof) {
+  return Pruner(model, proof).run(root);
+}
+
+}  // namespace accdec::exact
