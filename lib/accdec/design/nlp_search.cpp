@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/design/conflict.hpp>
+#include <accdec/task/conflict.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/motion/shapes.hpp>

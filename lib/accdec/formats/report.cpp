@@ -14,25 +14,6 @@ std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-struct DisplayUnit {
-  const char* name;
-  double factor;
-};
-DisplayUnit display_unit(LimitKind kind) {
-  switch (kind) {
-    case LimitKind::velocity:
-    case LimitKind::speed_min: return {"mm/s", 1e3};
-    case LimitKind::acceleration: return {"mm/s^2", 1e3};
-    case LimitKind::jerk: return {"mm/s^3", 1e3};
-    case LimitKind::force: return {"N", 1.0};
-    case LimitKind::power:
-    case LimitKind::regeneration: return {"W", 1.0};
-    case LimitKind::vibration: return {"%", 1e2};
-    case LimitKind::corner_error: return {"um", 1e6};
-  }
-  return {"", 1.0};
-}
-
 std::string corner_table(const DesignResult& result) {
   TextTable table(
       {"corner", "delay", "error um", "allowed um", "polyline um", "contour um", "least speed mm/s", "time ms"});
@@ -66,7 +47,7 @@ std::string limit_table(const DesignResult& result) {
   table.left(5);
   table.left(6);
   for (const LimitUse* use : worst) {
-    const auto [unit, factor] = display_unit(use->kind);
+    const LimitName& name = limit_name(use->kind);
     std::string kind(to_string(use->kind));
     std::replace(kind.begin(), kind.end(), '_', ' ');
     std::string where = use->kind == LimitKind::vibration
@@ -74,7 +55,8 @@ std::string limit_table(const DesignResult& result) {
                             : fmt::format("{} {}, k = {}", use->corner, to_string(use->event), use->sample);
     if (use->utilisation > 1.0 + result.verification.tolerance) where += "  BROKEN";
     table.add({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),
-               fmt::format("{:.6g}", factor * use->value), fmt::format("{:.6g}", factor * use->bound), unit, where});
+               fmt::format("{:.6g}", name.per_si * use->value), fmt::format("{:.6g}", name.per_si * use->bound),
+               std::string(name.unit), where});
   }
   return table.empty() ? "" : fmt::format("\n{}", table.str());
 }

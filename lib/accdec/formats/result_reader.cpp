@@ -86,6 +86,10 @@ class Value {
   /// The enumerator whose `to_string` is the text.
   template <class Enum>
   Enum word(std::initializer_list<Enum> all) const {
+    return word(std::span<const Enum>(all.begin(), all.size()));
+  }
+  template <class Enum>
+  Enum word(std::span<const Enum> all) const {
     const std::string given = text();
     std::string known;
     for (const Enum e : all) {
@@ -160,9 +164,9 @@ CornerResult read_corner(const Value& value) {
 LimitUse read_limit(const Value& value) {
   value.members({"kind", "axis", "corner", "event", "value", "bound", "utilisation", "sample"}, {"frequency_Hz"});
   LimitUse use;
-  use.kind = value["kind"].word({LimitKind::velocity, LimitKind::acceleration, LimitKind::jerk, LimitKind::force,
-                                 LimitKind::power, LimitKind::regeneration, LimitKind::vibration,
-                                 LimitKind::corner_error, LimitKind::speed_min});
+  std::array<LimitKind, limit_names.size()> kinds{};
+  std::transform(limit_names.begin(), limit_names.end(), kinds.begin(), [](const LimitName& l) { return l.kind; });
+  use.kind = value["kind"].word(std::span<const LimitKind>(kinds));
   use.axis = value["axis"].text();
   use.corner = value["corner"].text();
   use.event = value["event"].word({Event::start, Event::blend, Event::stop, Event::none});

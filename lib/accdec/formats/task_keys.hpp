@@ -4,6 +4,7 @@
 #include <numbers>
 #include <string_view>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/task.hpp>
 
 // Internal to the room: the keys of task files and their units, shared by reader and writer so that neither can know a
@@ -39,16 +40,24 @@ struct NumberKey {
 struct AxisKey : NumberKey {
   double Axis::*member;
 };
-inline constexpr std::array<AxisKey, 8> axis_keys{{
-    {{"velocity_max_mm_s", from_milli, 0.0, 1e6, true}, &Axis::velocity_max},
-    {{"acceleration_max_mm_s2", from_milli, 0.0, 1e8, true}, &Axis::acceleration_max},
-    {{"jerk_max_mm_s3", from_milli, 0.0, 1e12, true}, &Axis::jerk_max},
-    {{"mass_kg", same, 0.0, 1e6, false}, &Axis::mass},
-    {{"damping_N_s_m", same, 0.0, 1e8, false}, &Axis::damping},
-    {{"force_max_N", same, 0.0, 1e8, true}, &Axis::force_max},
-    {{"power_max_W", same, 0.0, 1e8, true}, &Axis::power_max},
-    {{"regeneration_max_W", same, 0.0, 1e8, true}, &Axis::regeneration_max},
-}};
+/// The limits of the one table, with the plant between those that need it and those that do not.
+constexpr auto make_axis_keys() {
+  std::array<AxisKey, axis_limits.size() + 2> keys{};
+  std::size_t n = 0;
+  const auto add_limits = [&](bool load) {
+    for (const AxisLimit& limit : axis_limits) {
+      if (limit.load != load) continue;
+      keys[n++] = {{limit.key, limit_name(limit.kind).per_si == 1e3 ? from_milli : same, 0.0, limit.key_max, true},
+                   limit.bound};
+    }
+  };
+  add_limits(false);
+  keys[n++] = {{"mass_kg", same, 0.0, 1e6, false}, &Axis::mass};
+  keys[n++] = {{"damping_N_s_m", same, 0.0, 1e8, false}, &Axis::damping};
+  add_limits(true);
+  return keys;
+}
+inline constexpr auto axis_keys = make_axis_keys();
 
 inline constexpr NumberKey sample_period{"sample_period_ms", from_milli, 1e-4, 1e3, false};
 inline constexpr NumberKey cutoff{"cutoff", same, 0.0, 1.0, true};

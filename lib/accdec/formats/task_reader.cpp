@@ -148,13 +148,11 @@ Axis read_axis(const Table& table) {
   for (const auto& field : task_keys::axis_keys) {
     if (const auto value = optional(table, field)) axis.*field.member = *value;
   }
-  for (const std::string_view key : {"force_max_N", "power_max_W", "regeneration_max_W"}) {
-    if (table.has(key) && axis.mass == 0.0 && axis.damping == 0.0) {
-      table.fail_at(
-          key,
-          fmt::format(
-              "`{}` can never bind: force is mass * acceleration + damping * velocity; give mass_kg or damping_N_s_m",
-              key));
+  for (const AxisLimit& limit : axis_limits) {
+    if (limit.load && table.has(limit.key) && axis.mass == 0.0 && axis.damping == 0.0) {
+      table.fail_at(limit.key, fmt::format("`{}` can never bind: force is mass * acceleration + damping * velocity; "
+                                           "give mass_kg or damping_N_s_m",
+                                           limit.key));
     }
   }
   return axis;

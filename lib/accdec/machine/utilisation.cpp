@@ -11,19 +11,11 @@
 
 namespace accdec {
 
-std::string_view to_string(LimitKind kind) {
-  switch (kind) {
-    case LimitKind::velocity: return "velocity";
-    case LimitKind::acceleration: return "acceleration";
-    case LimitKind::jerk: return "jerk";
-    case LimitKind::force: return "force";
-    case LimitKind::power: return "power";
-    case LimitKind::regeneration: return "regeneration";
-    case LimitKind::vibration: return "vibration";
-    case LimitKind::corner_error: return "corner_error";
-    case LimitKind::speed_min: return "speed_min";
+std::optional<LimitKind> limit_from_string(std::string_view name) {
+  for (const LimitName& limit : limit_names) {
+    if (limit.name == name) return limit.kind;
   }
-  return "?";
+  return std::nullopt;
 }
 
 std::string_view to_string(Event event) {
@@ -98,10 +90,8 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
   std::vector<LimitUse> uses;
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
-    Worst velocity(LimitKind::velocity, axis.velocity_max),
-        acceleration(LimitKind::acceleration, axis.acceleration_max), jerk(LimitKind::jerk, axis.jerk_max),
-        force(LimitKind::force, axis.force_max), power(LimitKind::power, axis.power_max),
-        regeneration(LimitKind::regeneration, axis.regeneration_max);
+    std::vector<Worst> worst;
+    for (const AxisLimit& limit : axis_limits) worst.emplace_back(limit.kind, axis.*limit.bound);
     const auto index = static_cast<Eigen::Index>(a);
     const double in = corner.feed_in * corner.direction_in[index], out = corner.feed_out * corner.direction_out[index];
     for (const AxisEvent& e : {AxisEvent{Event::start, 0.0, in, 0}, AxisEvent{Event::blend, in, out, delay},
@@ -111,18 +101,13 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
       for (int k = std::min(0, e.delay); k <= last; ++k) {
         const double v = e.in * filter.remaining(k) + e.out * filter.cumulative(k - e.delay);
         const double acc = (e.out * filter.tap(k - 1 - e.delay) - e.in * filter.tap(k - 1)) / sample_period;
-        const double f = axis.mass * acc + axis.damping * v;
-        velocity.offer(std::abs(v), e.event, k);
-        acceleration.offer(std::abs(acc), e.event, k);
-        jerk.offer(std::abs(acc - previous) / sample_period, e.event, k);
-        force.offer(std::abs(f), e.event, k);
-        power.offer(f * v, e.event, k);
-        regeneration.offer(-f * v, e.event, k);
+        const AxisState state = axis_state(axis, v, acc, (acc - previous) / sample_period);
+        for (std::size_t i = 0; i < axis_limits.size(); ++i) worst[i].offer(axis_limits[i].value(state), e.event, k);
         previous = acc;
       }
     }
-    for (Worst* worst : {&velocity, &acceleration, &jerk, &force, &power, &regeneration}) {
-      if (worst->wanted()) uses.push_back(worst->finish(axis.name, corner_name));
+    for (Worst& w : worst) {
+      if (w.wanted()) uses.push_back(w.finish(axis.name, corner_name));
     }
   }
   return uses;

@@ -4,24 +4,10 @@
 #include <string_view>
 #include <vector>
 
-#include <accdec/machine/machine.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/motion/blend.hpp>
 
 namespace accdec {
-
-/// Names in result files are those of `to_string`.
-enum class LimitKind {
-  velocity,      ///< m/s
-  acceleration,  ///< m/s^2
-  jerk,          ///< m/s^3
-  force,         ///< N
-  power,         ///< W, motoring
-  regeneration,  ///< W, braking
-  vibration,     ///< residual amplitude, 0 .. 1
-  corner_error,  ///< m
-  speed_min      ///< m/s, a lower bound
-};
-std::string_view to_string(LimitKind kind);
 
 /// The three events of every corner on which the axis limits hold; k counts from the last sample before each begins.
 enum class Event {

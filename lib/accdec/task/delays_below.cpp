@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/delays_below.hpp>
 #include <accdec/task/objective.hpp>
@@ -19,11 +20,7 @@ bool ramp_holds(const Filter& filter, const Axis& axis, double speed, bool stop,
   for (int k = 0; k <= filter.order() + 2; ++k) {
     const double v = speed * (stop ? filter.remaining(k) : filter.cumulative(k));
     const double acceleration = (stop ? -speed : speed) * filter.tap(k - 1) / period;
-    const double force = axis.mass * acceleration + axis.damping * v, power = force * v;
-    if (std::abs(acceleration) > axis.acceleration_max * slack) return false;
-    if (std::abs(acceleration - previous) / period > axis.jerk_max * slack) return false;
-    if (std::abs(force) > axis.force_max * slack || power > axis.power_max * slack) return false;
-    if (-power > axis.regeneration_max * slack) return false;
+    if (!holds(axis, axis_state(axis, v, acceleration, (acceleration - previous) / period), slack)) return false;
     previous = acceleration;
   }
   return true;
@@ -88,13 +85,10 @@ class BlendCheck {
       const double v = legs_[a].in * remaining + legs_[a].out * gone;
       const double acceleration = tap_difference(legs_[a], k, delay) / period;
       const double before = k > 0 ? tap_difference(legs_[a], k - 1, delay) / period : 0.0;
-      const double force = axis.mass * acceleration + axis.damping * v, power = force * v;
       speed_squared += v * v;
-      if (std::abs(v) > axis.velocity_max * slack || std::abs(acceleration) > axis.acceleration_max * slack)
+      // The member function of this class hides the function of the table.
+      if (!accdec::holds(axis, axis_state(axis, v, acceleration, (acceleration - before) / period), slack))
         return false;
-      if (std::abs(acceleration - before) / period > axis.jerk_max * slack || std::abs(force) > axis.force_max * slack)
-        return false;
-      if (power > axis.power_max * slack || -power > axis.regeneration_max * slack) return false;
     }
     return corner_.speed_min <= std::sqrt(speed_squared) * slack;
   }

@@ -19,11 +19,7 @@ CornerLimits::CornerLimits(const LegFilters& filters, const Machine& machine, do
     }
   }
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
-    const Axis& axis = machine.axes[a];
-    if (std::min({axis.velocity_max, axis.acceleration_max, axis.jerk_max, axis.force_max, axis.power_max,
-                  axis.regeneration_max}) < unlimited) {
-      limited_.push_back(a);
-    }
+    if (limited(machine.axes[a])) limited_.push_back(a);
   }
 }
 
@@ -34,19 +30,16 @@ double CornerLimits::start_factor(std::size_t f, const double* velocity, Binding
     const Axis& axis = machine_.axes[a];
     const double v = std::abs(velocity[a]), acceleration = v * peaks.tap / period_;
     if (v == 0.0) continue;
-    const double jerk = v * peaks.step / (period_ * period_), force = axis.mass * acceleration + axis.damping * v;
-    const auto limit = [&](LimitKind kind, double allowed) {
-      if (allowed >= factor) return;
+    AxisState peak = axis_state(axis, v, acceleration, v * peaks.step / (period_ * period_));
+    peak.braking = peak.motoring;  // a stop brakes as a start drives
+    for (const AxisLimit& limit : axis_limits) {
+      const double value = limit.value(peak);
+      if (!(value > 0.0)) continue;
+      const double allowed = limit.degree == 2 ? std::sqrt(axis.*limit.bound / value) : axis.*limit.bound / value;
+      if (allowed >= factor) continue;
       factor = allowed;
-      if (binding != nullptr) *binding = {kind, a};
-    };
-    limit(LimitKind::velocity, axis.velocity_max / v);
-    limit(LimitKind::acceleration, axis.acceleration_max / acceleration);
-    limit(LimitKind::jerk, axis.jerk_max / jerk);
-    if (!(force > 0.0)) continue;
-    limit(LimitKind::force, axis.force_max / force);
-    limit(LimitKind::power, std::sqrt(axis.power_max / (force * v)));
-    limit(LimitKind::regeneration, std::sqrt(axis.regeneration_max / (force * v)));
+      if (binding != nullptr) *binding = {limit.kind, a};
+    }
   }
   return factor;
 }
@@ -65,11 +58,9 @@ bool CornerLimits::any_delay_holds(std::size_t f_in, std::size_t f_out, const do
     const double apart = reverses ? v1 * p1.tap + v2 * p2.tap : std::max(v1 * p1.tap, v2 * p2.tap);
     const double acceleration = (merge ? change * p1.tap : apart) / period_;
     const double jerk = (merge ? change * p1.step : v1 * p1.step + v2 * p2.step) / (period_ * period_);
-    const double force = axis.mass * acceleration + axis.damping * v;
-    if (v > axis.velocity_max || acceleration > axis.acceleration_max || jerk > axis.jerk_max ||
-        force > axis.force_max || force * v > axis.power_max || force * v > axis.regeneration_max) {
-      return false;
-    }
+    AxisState peak = axis_state(axis, v, acceleration, jerk);
+    peak.braking = peak.motoring;
+    if (!accdec::holds(axis, peak, 1.0)) return false;
   }
   return true;
 }
@@ -84,13 +75,8 @@ bool CornerLimits::holds(const Filter& filter_in, const Filter& filter_out, cons
     for (int k = 0; k <= last; ++k) {
       const double v = v1 * filter_in.remaining(k) + v2 * filter_out.cumulative(k - delay);
       const double acceleration = (v2 * filter_out.tap(k - 1 - delay) - v1 * filter_in.tap(k - 1)) / period_;
-      const double force = axis.mass * acceleration + axis.damping * v, power = force * v;
-      if (std::abs(v) > axis.velocity_max * slack || std::abs(acceleration) > axis.acceleration_max * slack ||
-          std::abs(acceleration - before) > axis.jerk_max * period_ * slack ||
-          std::abs(force) > axis.force_max * slack || power > axis.power_max * slack ||
-          -power > axis.regeneration_max * slack) {
+      if (!accdec::holds(axis, axis_state(axis, v, acceleration, (acceleration - before) / period_), slack))
         return false;
-      }
       before = acceleration;
     }
   }

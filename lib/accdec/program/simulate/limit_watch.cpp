@@ -14,31 +14,16 @@ LimitWatch::LimitWatch(const Machine* machine, std::size_t dimensions, double sa
     : machine_(machine), period_(sample_period), blame_(blame) {
   for (std::size_t a = 0; machine_ != nullptr && a < dimensions; ++a) {
     const Axis& axis = machine_->axes[a];
-    const auto add = [&](LimitKind kind, double bound) {
-      if (bound < unlimited) worst_.push_back({kind, a, bound, 0.0, 0, 0});
-    };
-    add(LimitKind::velocity, axis.velocity_max);
-    add(LimitKind::acceleration, axis.acceleration_max);
-    add(LimitKind::jerk, axis.jerk_max);
-    add(LimitKind::force, axis.force_max);
-    add(LimitKind::power, axis.power_max);
-    add(LimitKind::regeneration, axis.regeneration_max);
+    for (const AxisLimit& limit : axis_limits) {
+      if (axis.*limit.bound < unlimited) worst_.push_back({&limit, a, axis.*limit.bound, 0.0, 0, 0});
+    }
   }
 }
 
 double LimitWatch::value_at(const Worst& worst, double velocity, double acceleration, double jerk) const {
   const Axis& axis = machine_->axes[worst.axis];
   const double v = velocity / period_, a = acceleration / (period_ * period_);
-  const double force = axis.mass * a + axis.damping * v;
-  switch (worst.kind) {
-    case LimitKind::velocity: return std::abs(v);
-    case LimitKind::acceleration: return std::abs(a);
-    case LimitKind::jerk: return std::abs(jerk) / (period_ * period_ * period_);
-    case LimitKind::force: return std::abs(force);
-    case LimitKind::power: return force * v;
-    case LimitKind::regeneration: return -force * v;
-    default: return 0.0;
-  }
+  return worst.limit->value(axis_state(axis, v, a, jerk / (period_ * period_ * period_)));
 }
 
 void LimitWatch::look(const MotionBuffer& motion, std::size_t block) {
@@ -56,15 +41,12 @@ void LimitWatch::look(const MotionBuffer& motion, std::size_t block) {
           motion_extremes(v.data(), a.data(), v.size(), axis.mass / (period_ * period_), axis.damping / period_, loads);
       seen_axis = worst.axis;
     }
-    double largest = 0.0;
-    switch (worst.kind) {
-      case LimitKind::velocity: largest = extremes.velocity / period_; break;
-      case LimitKind::acceleration: largest = extremes.acceleration / (period_ * period_); break;
-      case LimitKind::jerk: largest = extremes.jerk / (period_ * period_ * period_); break;
-      case LimitKind::force: largest = extremes.force; break;
-      case LimitKind::power: largest = extremes.power / period_; break;
-      default: largest = extremes.regeneration / period_; break;
-    }
+    const double largest = worst.limit->value({.velocity = extremes.velocity / period_,
+                                               .acceleration = extremes.acceleration / (period_ * period_),
+                                               .jerk = extremes.jerk / (period_ * period_ * period_),
+                                               .force = extremes.force,
+                                               .motoring = extremes.power / period_,
+                                               .braking = extremes.regeneration / period_});
     const double broken = worst.bound * (1.0 + verification_tolerance);
     const bool blame = blame_ && largest > broken;
     if (!blame && !(largest > worst.value * (1.0 + 1e-12))) continue;
@@ -105,12 +87,12 @@ void LimitWatch::finish(std::vector<LimitUse>& limits, std::vector<std::uint32_t
   for (const Worst& worst : worst_) {
     const std::uint32_t line = path.line[std::min(worst.block, path.blocks() - 1)];
     LimitUse use;
-    use.kind = worst.kind;
+    use.kind = worst.limit->kind;
     use.axis = path.axis_name(worst.axis);
     use.corner = fmt::format("line {}", line);
     use.value = worst.value;
     use.bound = worst.bound;
-    use.utilisation = utilisation_of(worst.kind, worst.value, worst.bound);
+    use.utilisation = utilisation_of(worst.limit->kind, worst.value, worst.bound);
     use.sample = static_cast<int>(std::min<std::int64_t>(worst.sample, INT32_MAX));
     limits.push_back(use);
     lines.push_back(line);

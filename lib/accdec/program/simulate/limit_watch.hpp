@@ -29,7 +29,7 @@ class LimitWatch {
 
  private:
   struct Worst {
-    LimitKind kind{};
+    const AxisLimit* limit = nullptr;
     std::size_t axis = 0;
     double bound = 0.0;
     double value = 0.0;

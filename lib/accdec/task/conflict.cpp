@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
-#include <accdec/design/conflict.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/task/conflict.hpp>
 
 namespace accdec {
 namespace {
@@ -12,19 +13,16 @@ struct Limit {
 
 std::vector<Limit> limits_of(const Task& task) {
   std::vector<Limit> limits;
-  const auto axis_limit = [&](const char* name, double Axis::*bound) {
-    bool present = false;
-    for (const Axis& axis : task.machine.axes) present = present || axis.*bound < unlimited;
-    if (!present) return;
-    limits.push_back({name, [bound](Task& t) {
-                        for (Axis& axis : t.machine.axes) axis.*bound = unlimited;
-                      }});
-  };
-  axis_limit("acceleration", &Axis::acceleration_max);
-  axis_limit("jerk", &Axis::jerk_max);
-  axis_limit("force", &Axis::force_max);
-  axis_limit("power", &Axis::power_max);
-  axis_limit("regeneration", &Axis::regeneration_max);
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    const Axis& axis = task.machine.axes[a];
+    for (const AxisLimit& limit : axis_limits) {
+      // A blend is never faster than the faster leg: a velocity limit that a task contradicts is a contradiction by
+      // itself.
+      if (limit.kind == LimitKind::velocity || !(axis.*limit.bound < unlimited)) continue;
+      limits.push_back({fmt::format("{} {}", to_string(limit.kind), axis.name),
+                        [a, bound = limit.bound](Task& t) { t.machine.axes[a].*bound = unlimited; }});
+    }
+  }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     if (corner.error_max)
@@ -35,7 +33,7 @@ std::vector<Limit> limits_of(const Task& task) {
   }
   for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
     const Mode& mode = task.machine.modes[i];
-    limits.push_back({fmt::format("vibration {:g} to {:g} Hz", mode.frequency_low, mode.frequency_high),
+    limits.push_back({fmt::format("vibration {:.6g} to {:.6g} Hz", mode.frequency_low, mode.frequency_high),
                       [i](Task& t) { t.machine.modes[i].residual_max = 1.0; }});
   }
   if (task.design.symmetric) limits.push_back({"symmetry", [](Task& t) { t.design.symmetric = false; }});

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <accdec/machine/machine.hpp>
+
+namespace accdec {
+
+enum class LimitKind { velocity, acceleration, jerk, force, power, regeneration, vibration, corner_error, speed_min };
+
+/// What every kind of limit is called and measured in. Tasks, results and tables all take it from here.
+struct LimitName {
+  LimitKind kind;
+  std::string_view name;  ///< in result files
+  std::string_view unit;  ///< for people
+  double per_si;          ///< value in `unit` = per_si * value in SI
+};
+inline constexpr std::array<LimitName, 9> limit_names{{
+    {LimitKind::velocity, "velocity", "mm/s", 1e3},
+    {LimitKind::acceleration, "acceleration", "mm/s^2", 1e3},
+    {LimitKind::jerk, "jerk", "mm/s^3", 1e3},
+    {LimitKind::force, "force", "N", 1.0},
+    {LimitKind::power, "power", "W", 1.0},                ///< motoring
+    {LimitKind::regeneration, "regeneration", "W", 1.0},  ///< braking
+    {LimitKind::vibration, "vibration", "%", 1e2},        ///< residual amplitude, 0 .. 1
+    {LimitKind::corner_error, "corner_error", "um", 1e6},
+    {LimitKind::speed_min, "speed_min", "mm/s", 1e3},  ///< a lower bound
+}};
+constexpr const LimitName& limit_name(LimitKind kind) {
+  return limit_names[static_cast<std::size_t>(kind)];
+}
+constexpr std::string_view to_string(LimitKind kind) {
+  return limit_name(kind).name;
+}
+std::optional<LimitKind> limit_from_string(std::string_view name);
+
+/// What one axis does at one sample, SI.
+struct AxisState {
+  double velocity = 0.0, acceleration = 0.0, jerk = 0.0;  ///< m/s, m/s^2, m/s^3
+  double force = 0.0;                                     ///< N, m a + c v
+  double motoring = 0.0, braking = 0.0;                   ///< W, F v and -F v
+};
+inline AxisState axis_state(const Axis& axis, double velocity, double acceleration, double jerk) {
+  const double force = axis.mass * acceleration + axis.damping * velocity, power = force * velocity;
+  return {velocity, acceleration, jerk, force, power, -power};
+}
+
+/// A limit of an axis: where its bound stands and what is compared with it. To add one, add a line here; see the recipe
+/// in lib/accdec/README.md for who repeats the formula on purpose.
+struct AxisLimit {
+  LimitKind kind;
+  std::string_view key;                 ///< of task files, in the unit of `limit_name`
+  double key_max;                       ///< largest value of the key
+  double Axis::*bound;                  ///< SI; `unlimited` where there is none
+  double (*value)(const AxisState& s);  ///< what must not exceed the bound
+  bool load;                            ///< depends on mass and damping
+  int degree;                           ///< a motion at c times the speed has c^degree times the value
+};
+// clang-format off
+inline constexpr std::array<AxisLimit, 6> axis_limits{{
+    {LimitKind::velocity, "velocity_max_mm_s", 1e6, &Axis::velocity_max,
+     [](const AxisState& s) { return std::abs(s.velocity); }, false, 1},
+    {LimitKind::acceleration, "acceleration_max_mm_s2", 1e8, &Axis::acceleration_max,
+     [](const AxisState& s) { return std::abs(s.acceleration); }, false, 1},
+    {LimitKind::jerk, "jerk_max_mm_s3", 1e12, &Axis::jerk_max,
+     [](const AxisState& s) { return std::abs(s.jerk); }, false, 1},
+    {LimitKind::force, "force_max_N", 1e8, &Axis::force_max,
+     [](const AxisState& s) { return std::abs(s.force); }, true, 1},
+    {LimitKind::power, "power_max_W", 1e8, &Axis::power_max,
+     [](const AxisState& s) { return s.motoring; }, true, 2},
+    {LimitKind::regeneration, "regeneration_max_W", 1e8, &Axis::regeneration_max,
+     [](const AxisState& s) { return s.braking; }, true, 2},
+}};
+// clang-format on
+
+/// Whether a sample holds every limit of its axis. @param slack  factor on all bounds
+inline bool holds(const Axis& axis, const AxisState& state, double slack) {
+  return [&]<std::size_t... i>(std::index_sequence<i...>) {
+    return (!(axis_limits[i].value(state) > axis.*axis_limits[i].bound * slack) && ...);
+  }
+  (std::make_index_sequence<axis_limits.size()>{});
+}
+
+/// Whether the axis has any limit at all.
+inline bool limited(const Axis& axis) {
+  for (const AxisLimit& limit : axis_limits) {
+    if (axis.*limit.bound < unlimited) return true;
+  }
+  return false;
+}
+
+}  // namespace accdec
