@@ -258,7 +258,7 @@ class Search {
       in_time = in_time && quiet.time_limit > 0.0;
       return in_time && Search(task, quiet).has_relaxed_design();
     };
-    const std::vector<std::string> conflict = limits_in_conflict(task_, has_design);
+    const std::vector<std::string> conflict = limits_in_conflict(task_, false, has_design);
     in_time = in_time && at_.elapsed() < options_.time_limit;
     if (in_time && !conflict.empty())
       message += fmt::format("; limits in conflict (by local search, not proved): {}", fmt::join(conflict, ", "));

@@ -11,17 +11,24 @@ struct Limit {
   std::function<void(Task&)> leave_out;
 };
 
-std::vector<Limit> limits_of(const Task& task) {
+std::vector<Limit> limits_of(const Task& task, bool each_axis) {
   std::vector<Limit> limits;
-  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
-    const Axis& axis = task.machine.axes[a];
-    for (const AxisLimit& limit : axis_limits) {
-      // A blend is never faster than the faster leg: a velocity limit that a task contradicts is a contradiction by
-      // itself.
-      if (limit.kind == LimitKind::velocity || !(axis.*limit.bound < unlimited)) continue;
-      limits.push_back({fmt::format("{} {}", to_string(limit.kind), axis.name),
-                        [a, bound = limit.bound](Task& t) { t.machine.axes[a].*bound = unlimited; }});
-    }
+  const std::size_t axes = task.machine.axes.size();
+  const auto axis_limit = [&](const AxisLimit& limit, std::size_t first, std::size_t last, std::string name) {
+    bool present = false;
+    for (std::size_t a = first; a < last; ++a) present = present || task.machine.axes[a].*limit.bound < unlimited;
+    if (!present) return;
+    limits.push_back({std::move(name), [=, bound = limit.bound](Task& t) {
+                        for (std::size_t a = first; a < last; ++a) t.machine.axes[a].*bound = unlimited;
+                      }});
+  };
+  for (const AxisLimit& limit : axis_limits) {
+    // A blend is never faster than its faster leg: a velocity limit that cannot be held is a contradiction by itself.
+    if (limit.kind == LimitKind::velocity) continue;
+    const std::string kind(to_string(limit.kind));
+    if (!each_axis) axis_limit(limit, 0, axes, kind);
+    for (std::size_t a = 0; each_axis && a < axes; ++a)
+      axis_limit(limit, a, a + 1, kind + " " + task.machine.axes[a].name);
   }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
@@ -29,7 +36,8 @@ std::vector<Limit> limits_of(const Task& task) {
       limits.push_back({"corner error " + corner.name, [j](Task& t) { t.corners[j].error_max.reset(); }});
     if (corner.speed_min > 0.0)
       limits.push_back({"smallest speed " + corner.name, [j](Task& t) { t.corners[j].speed_min = 0.0; }});
-    if (corner.delay) limits.push_back({"given delay " + corner.name, [j](Task& t) { t.corners[j].delay.reset(); }});
+    if (corner.delay)
+      limits.push_back({"delay of corner " + corner.name, [j](Task& t) { t.corners[j].delay.reset(); }});
   }
   for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
     const Mode& mode = task.machine.modes[i];
@@ -42,10 +50,11 @@ std::vector<Limit> limits_of(const Task& task) {
 
 }  // namespace
 
-std::vector<std::string> limits_in_conflict(const Task& task, const std::function<bool(const Task&)>& has_design) {
+std::vector<std::string> limits_in_conflict(const Task& task, bool each_axis,
+                                            const std::function<bool(const Task&)>& has_design) {
   Task reduced = task;
   std::vector<std::string> needed;
-  for (const Limit& limit : limits_of(task)) {
+  for (const Limit& limit : limits_of(task, each_axis)) {
     Task trial = reduced;
     limit.leave_out(trial);
     if (has_design(trial)) {

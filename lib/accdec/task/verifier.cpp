@@ -67,7 +67,7 @@ LimitUse make_use(LimitKind kind, const std::string& axis, const std::string& co
   return use;
 }
 
-void axis_limits(const SampledMotion& m, const Machine& machine, const std::string& corner,
+void axis_uses(const SampledMotion& m, const Machine& machine, const std::string& corner,
                  std::vector<LimitUse>& out) {
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
     const Axis& axis = machine.axes[i];
@@ -207,7 +207,7 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
     if (delays[j] < 0)
       throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delays[j]));
     const SampledMotion motion = simulate_corner(filter, corner.geometry, delays[j], task.sample_period);
-    axis_limits(motion, task.machine, corner.name, uses);
+    axis_uses(motion, task.machine, corner.name, uses);
     int error_sample = 0, speed_sample = 0;
     measured.push_back(
         measure_samples(motion, corner, delays[j], filter.order(), task.sample_period, &error_sample, &speed_sample));
