@@ -1,3 +1,4 @@
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -14,9 +15,14 @@ void add_verify(CLI::App& app, Context& context) {
   auto path = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("verify", "Independent recheck of a result and of its certificate");
   command->add_option("result", *path, "Result file of evaluate or design")->required()->type_name("RESULT.json");
-  command->callback([path, &context] {
+  auto limit = std::make_shared<double>(60.0);
+  command->add_option("--time-limit", *limit, "Seconds for checking a proof; one that takes longer is rejected")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->callback([path, limit, &context] {
     const DesignResult result = read_result(*path);
-    const Recheck check = recheck(result);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(*limit);
+    const Recheck check = recheck(result, [end] { return std::chrono::steady_clock::now() > end; });
     if (check.accepted) {
       if (context.quiet) return;
       if (!check.verification.performed) {

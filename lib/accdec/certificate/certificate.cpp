@@ -9,7 +9,7 @@
 
 #include <accdec/certificate/certificate.hpp>
 #include <accdec/certificate/checked_rows.hpp>
-#include <accdec/task/contradictions.hpp>
+#include <accdec/certificate/constant_feed.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -19,12 +19,13 @@ using nlohmann::json;
 
 class Checker {
  public:
-  Checker(const Task& task, const json& certificate, double target)
+  Checker(const Task& task, const json& certificate, double target, const std::function<bool()>& stop)
       : task_(task),
         rows_(task),
         tree_(certificate.at("tree")),
         multipliers_(certificate.at("multipliers")),
-        target_(target) {}
+        target_(target),
+        stop_(stop) {}
 
   std::size_t run() {
     CheckedBox root;
@@ -70,6 +71,7 @@ class Checker {
   const json& next(int depth) {
     if (next_ >= tree_.size()) throw Rejected("the tree is cut off: not every pair of order and delay is refuted");
     if (depth > 1000) throw Rejected("the tree is too deep");
+    if (stop_ && stop_()) throw Rejected("it could not be checked in the time allowed");
     return tree_[next_++];
   }
 
@@ -195,7 +197,10 @@ class Checker {
     CheckedSum sum(box.order);
     sum.delays.resize(box.corners.size());
     sum.samples.resize(box.corners.size());
-    for (const json& row : multipliers_[static_cast<std::size_t>(index)]) rows_.add(row, box, sum);
+    for (const json& row : multipliers_[static_cast<std::size_t>(index)]) {
+      if (stop_ && stop_()) throw Rejected("it could not be checked in the time allowed");
+      rows_.add(row, box, sum);
+    }
     if (box.nothing_left) return;
     Interval suffix(0.0);
     for (std::size_t i = sum.taps.size(); i-- > 0;) {
@@ -237,6 +242,7 @@ class Checker {
   const json& tree_;
   const json& multipliers_;
   double target_;
+  const std::function<bool()>& stop_;
   std::size_t next_ = 0, leaves_ = 0;
 };
 
@@ -254,7 +260,7 @@ std::string other_objective(const Task& task, const json& certificate) {
 
 }  // namespace
 
-CheckReport check_certificate(const Task& task, const DesignResult& result) {
+CheckReport check_certificate(const Task& task, const DesignResult& result, const std::function<bool()>& stop) {
   try {
     if (result.certificate.empty()) return {false, "there is no certificate"};
     const json certificate = json::parse(result.certificate);
@@ -265,9 +271,9 @@ CheckReport check_certificate(const Task& task, const DesignResult& result) {
     if (kind == "constant feed") {
       if (result.status != Status::infeasible)
         return {false, "the certificate is one of infeasibility, the status is not"};
-      const auto found = contradictions(task);
-      if (found.empty()) return {false, "no limit is broken at constant feed"};
-      return {true, found.front()};
+      const std::string broken = broken_at_constant_feed(task);
+      if (broken.empty()) return {false, "no limit is broken at constant feed"};
+      return {true, broken};
     }
     if (kind != "branch and bound") return {false, "the certificate's kind is unknown: " + kind};
     if (const std::string other = other_objective(task, certificate); !other.empty()) return {false, other};
@@ -289,7 +295,7 @@ CheckReport check_certificate(const Task& task, const DesignResult& result) {
         target = proved;
       }
     }
-    const std::size_t leaves = Checker(task, certificate, target).run();
+    const std::size_t leaves = Checker(task, certificate, target, stop).run();
     return {true, std::isinf(target)
                       ? fmt::format("{} parts refuted: nothing holds all limits", leaves)
                       : fmt::format("{} parts refuted: under the limits as written no {} time is shorter than {:.9g} s",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include <accdec/task/result.hpp>
@@ -17,6 +18,7 @@ struct CheckReport {
 /// (row_r - bound_r) > 0 for all filters in the box, whatever the multipliers y >= 0 (weak duality; Neumaier and
 /// Shcherbina, Math. Program. 99, 2004). The tree has to cover every order, delay and sample. Designs themselves are
 /// checked by `verify_by_simulation`.
-CheckReport check_certificate(const Task& task, const DesignResult& result);
+/// @param stop  polled; true ends the check, which then has accepted nothing
+CheckReport check_certificate(const Task& task, const DesignResult& result, const std::function<bool()>& stop = {});
 
 }  // namespace accdec

@@ -104,7 +104,21 @@ void compare_numbers(const DesignResult& recorded, const DesignResult& found, st
   }
 }
 
-void check_proof(const DesignResult& result, Recheck& report) {
+/// What an infeasible result must not carry: nobody could say what it means.
+void check_nothing_besides(const DesignResult& result, std::vector<std::string>& reasons) {
+  const auto refuse = [&](bool there, const char* what) {
+    if (there) reasons.push_back(fmt::format("the result is infeasible, but records {}", what));
+  };
+  refuse(result.lower_bound.has_value(), "a lower bound");
+  refuse(result.gap.has_value(), "a gap");
+  refuse(result.filter.has_value(), "a filter");
+  refuse(!result.corners.empty(), "corners");
+  refuse(!result.limits.empty(), "limits");
+  refuse(result.cycle_time != 0.0, "a cycle time");
+  refuse(result.verification.performed || result.verification.feasible, "a verified design");
+}
+
+void check_proof(const DesignResult& result, Recheck& report, const std::function<bool()>& stop) {
   const auto reject = [&](std::string reason) { report.reasons.push_back(std::move(reason)); };
   if (result.gap && !result.lower_bound) reject("a gap is recorded without a lower bound");
   if (result.lower_bound) {
@@ -123,7 +137,7 @@ void check_proof(const DesignResult& result, Recheck& report) {
     return;
   }
   if (!result.task.filter) {
-    const CheckReport check = check_certificate(result.task, result);
+    const CheckReport check = check_certificate(result.task, result, stop);
     if (!check.accepted) reject("the certificate does not hold: " + check.reason);
     report.proof = check.reason;
     return;
@@ -137,13 +151,14 @@ void check_proof(const DesignResult& result, Recheck& report) {
 
 }  // namespace
 
-Recheck recheck(const DesignResult& result) {
+Recheck recheck(const DesignResult& result, const std::function<bool()>& stop) {
   Recheck report;
   if (result.status == Status::infeasible && !result.certificate.empty() && !result.task.filter) {
-    const CheckReport check = check_certificate(result.task, result);
-    report.accepted = check.accepted;
+    const CheckReport check = check_certificate(result.task, result, stop);
     report.proof = check.reason;
     if (!check.accepted) report.reasons.push_back("the certificate does not hold: " + check.reason);
+    check_nothing_besides(result, report.reasons);
+    report.accepted = report.reasons.empty();
     return report;
   }
   const bool has_design = result.status == Status::optimal || result.status == Status::feasible;
@@ -168,7 +183,7 @@ Recheck recheck(const DesignResult& result) {
   if (!found.verification.feasible) report.reasons.push_back("a limit is broken: " + found.verification.worst);
   compare_choice(result, report.reasons);
   compare_numbers(result, found, report.reasons);
-  check_proof(result, report);
+  check_proof(result, report, stop);
   report.accepted = report.reasons.empty();
   return report;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct Recheck {
 /// Rechecks a result from its task, taps and delays alone: every limit by simulation, every recorded number against
 /// what is found now (relative 1e-9), order and symmetry against the task's bounds, given filter and delays against
 /// those used, and the proof behind `optimal` or a lower bound.
-Recheck recheck(const DesignResult& result);
+/// An infeasible result carries nothing besides: no bound, gap, filter, corner or limit.
+/// @param stop  polled while a proof is checked; true rejects it
+Recheck recheck(const DesignResult& result, const std::function<bool()>& stop = {});
 
 }  // namespace accdec

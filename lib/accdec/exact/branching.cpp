@@ -92,6 +92,17 @@ std::pair<Box, Box> parts(const Box& box, const Proof::Node& node) {
   return both;
 }
 
+std::optional<Proof::Node> Search::split_of_long_orders(const Box& box) const {
+  if (!box.budget) return std::nullopt;
+  const int least = std::max({task_.design.order_min, 0, box.order_least, smallest_order_});
+  const int at = least + std::max(2, least / 6);
+  if (box.order <= at + at / 6) return std::nullopt;
+  Proof::Node node;
+  node.kind = Proof::Node::order_split;
+  node.at = at;
+  return node;
+}
+
 std::optional<double> Search::try_part(Box box) {
   if (!narrow(box, nullptr) || stop_()) return std::nullopt;
   if (refuted_before(box) >= 0) return std::nullopt;

@@ -73,7 +73,12 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
   exact::Search search(task, stop);
   const int least = search.smallest_order();
   const bool is_convex = convex(task);
-  if (!is_convex) offer_shapes(task, search, least, stop);
+  const bool several = task.corners.size() > 1;
+  if (!is_convex || several) offer_shapes(task, search, least, stop);
+  if (several) {
+    search.sweep_orders(least);
+    search.improve();
+  }
   const LinearCost cost = cost_of(task);
   const double fixed = cost.given_delays(task);
   double weights = 0.0;
@@ -107,12 +112,13 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     } else if (high - low > step) {
       target = trial > low && trial < high && low < 0.9 * trial ? trial : 0.5 * (low + high);
       // With several corners a proof grows fast with its target, and a better design ends it: in large steps.
-      if (task.corners.size() > 1) target = next_target(low, high);
+      if (several) target = next_target(low, high);
       if (cost.whole()) target = std::floor(target) + 0.0;
       if (target <= low || target >= high) target = high;
     }
     answer = search.below(target);
     if (answer == exact::Search::Answer::unknown) break;
+    if (several && answer == exact::Search::Answer::found) search.improve();
     if (search.best) high = std::min(high, search.best->value);
     if (search.relaxed) high = std::min(high, search.relaxed->value);
     if (answer == exact::Search::Answer::proved) {

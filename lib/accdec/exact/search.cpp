@@ -143,7 +143,7 @@ int Search::smallest_order() {
     const int mid = (low + high) / 2;
     (holds(mid) ? high : low) = mid;
   }
-  return high;
+  return smallest_order_ = high;
 }
 
 Search::Answer Search::below(double target) {
@@ -249,6 +249,12 @@ Search::State Search::refute(Box box) {
   const Box whole = box;
   Proof::Node::Kind why;
   if (!narrow(box, &why)) return leave(why);
+  if (const auto node = split_of_long_orders(box)) {
+    current_.tree.push_back(*node);
+    const auto [shorter, longer] = parts(whole, *node);
+    const State state = refute(shorter);
+    return state == State::closed ? refute(longer) : state;
+  }
   if (const int y = refuted_before(box); y >= 0) return close_by(y);
   Outcome outcome = relaxation_->solve(box, false);
   if (outcome.kind == Outcome::refuted) return close_by(keep(std::move(outcome.multipliers)));
@@ -256,7 +262,7 @@ Search::State Search::refute(Box box) {
   if (outcome.filter) offer(*outcome.filter);
   const auto found = [&] { return best && best->value < target_ * (1.0 - 1e-9); };
   if (found()) return go_on(State::found, whole);
-  const Proof::Node node = task_.corners.size() > 1 ? choose_split(whole, box, outcome) : widest_split(model_, box);
+  const Proof::Node node = box.budget ? choose_split(whole, box, outcome) : widest_split(model_, box);
   if (found()) return State::found;
   current_.tree.push_back(node);
   const auto [first, second] = parts(whole, node);

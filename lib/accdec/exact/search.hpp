@@ -67,6 +67,11 @@ class Search {
   /// The smallest order that holds the limits not tied to a tolerance, or order_max + 1; leaves a first design in
   /// `best` if it can.
   int smallest_order();
+  /// Several corners: offers the filters of one programme an order, from `least` on.
+  void sweep_orders(int least);
+  /// Several corners: looks for something shorter near `best`, with as many boxes at most as take about a second.
+  /// Whether it found any.
+  bool improve();
   /// Offers a filter with the delays it needs.
   void offer(Filter filter);
 
@@ -80,6 +85,9 @@ class Search {
   Answer search(double target);
   bool stopped() const { return stop_() || programmes() > budget_end_; }
   State go_on(State state, const Box& box);
+  void aim(double target);
+  /// Several corners: orders far apart are split before any programme is solved; a long one's is expensive.
+  std::optional<Proof::Node> split_of_long_orders(const Box& box) const;
   State refute(Box box);
   State refute_sums(Box box, bool symmetric, int depth);
   State split_sum(const Box& box, const SumBound& at, bool symmetric, int depth);
@@ -113,6 +121,7 @@ class Search {
   bool going_on_ = false;
   long budget_end_ = std::numeric_limits<long>::max();
   Proof current_;
+  int smallest_order_ = 0;
   std::vector<int> recent_;
   std::vector<bool> in_tree_;  ///< of the multipliers: whether a leaf of the proof uses them
 };

@@ -1,0 +1,59 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/certificate/constant_feed.hpp>
+#include <accdec/certificate/interval.hpp>
+
+namespace accdec {
+namespace {
+
+/// One leg at its feed: nothing accelerates, so the force is friction alone.
+std::string broken_on_leg(const Axis& axis, const Interval& component) {
+  const Interval speed = component.magnitude(), force = Interval(axis.damping) * speed, power = force * speed;
+  if (speed.lo > axis.velocity_max) return fmt::format("velocity {} is above its limit", axis.name);
+  if (force.lo > axis.force_max) return fmt::format("friction alone takes more than force {}", axis.name);
+  if (power.lo > axis.power_max) return fmt::format("friction alone takes more than power {}", axis.name);
+  return {};
+}
+
+/// A frequency n/T that a mode's band holds: sum_i b_i exp(-2 pi j n i) is 1 for every filter.
+std::string broken_by_sampling(const Mode& mode, double period) {
+  if (!(mode.residual_max < 1.0)) return {};
+  const Interval low = Interval(mode.frequency_low) * Interval(period),
+                 high = Interval(mode.frequency_high) * Interval(period);
+  const double cycles = std::max(1.0, std::round(high.lo - 0.5 * (high.lo - low.hi)));
+  for (double n = std::max(1.0, cycles - 1.0); n <= cycles + 1.0; n += 1.0) {
+    // At the very edge of a band the product rounds: as much as that counts as inside.
+    if (low.lo <= n * (1.0 + 1e-12) && n * (1.0 - 1e-12) <= high.hi)
+      return fmt::format("vibration: the band {:g} to {:g} Hz holds a multiple of the sample rate", mode.frequency_low,
+                         mode.frequency_high);
+  }
+  // A band wider than the sample rate holds one wherever it lies.
+  if (high.lo - low.hi > 1.0) return "vibration: a band is wider than the sample rate";
+  return {};
+}
+
+}  // namespace
+
+std::string broken_at_constant_feed(const Task& task) {
+  for (const TaskCorner& corner : task.corners) {
+    for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
+      const auto a = static_cast<Eigen::Index>(i);
+      const Axis& axis = task.machine.axes[i];
+      for (const Interval& leg : {Interval(corner.geometry.feed_in) * Interval(corner.geometry.direction_in[a]),
+                                  Interval(corner.geometry.feed_out) * Interval(corner.geometry.direction_out[a])}) {
+        const std::string broken = broken_on_leg(axis, leg);
+        if (!broken.empty()) return fmt::format("corner {}: {} at constant feed", corner.name, broken);
+      }
+    }
+    if (corner.speed_min > corner.geometry.feed_in || corner.speed_min > corner.geometry.feed_out)
+      return fmt::format("corner {}: the smallest speed allowed is above the feed of a leg", corner.name);
+  }
+  for (const Mode& mode : task.machine.modes) {
+    if (std::string broken = broken_by_sampling(mode, task.sample_period); !broken.empty()) return broken;
+  }
+  return {};
+}
+
+}  // namespace accdec
