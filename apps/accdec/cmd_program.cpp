@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -12,24 +14,81 @@
 #include <accdec/plot/figure.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/program/plan/design_program.hpp>
+#include <accdec/program/read/interpreter.hpp>
+#include <accdec/program/read/read_error.hpp>
 #include <accdec/program/write/report.hpp>
 
 #include "command.hpp"
+#include "program_profiles.hpp"
 
 namespace accdec::cli {
 namespace {
 
 struct Options {
-  std::string program, task, json, delays, samples, emit, figure;
-  double arc_tolerance_um = 2.0, time_limit = 60.0;
+  std::string program, task, json, delays, samples, emit, figure, stream;
+  std::string plan = "fixed", feeds = "choose", tool_table;
+  double arc_tolerance_um = 2.0;
+  std::optional<double> time_limit;
   std::size_t worst = 5;
   bool rapid_stops = false, dwells_before_filter = false, per_leg = false, filter_bound = false;
 };
 
+/// By our own reader, or where only an interpreter of the whole language understands the program, through rs274.
+Toolpath read(const Options& options, const Task& task, const ToolpathOptions& reading) {
+  try {
+    LineSource source{std::filesystem::path(options.program)};
+    Toolpath path = read_toolpath(source, task.machine, reading);
+    if (source.byte_order_mark()) {
+      std::fprintf(stderr, "%s: begins with a byte order mark, which is passed over\n", options.program.c_str());
+    }
+    return path;
+  } catch (const NeedsInterpreter& reason) {
+    std::string calls;
+    try {
+      calls = interpreted(options.program, options.tool_table);
+    } catch (const std::invalid_argument& refused) {
+      throw std::invalid_argument(std::string(reason.what()) + "\n" + refused.what());
+    }
+    std::fprintf(stderr, "%s: run by rs274; lines are those of its output\n", reason.what());
+    LineSource source(options.program + " (rs274 -g)", calls);
+    return read_toolpath(source, task.machine, reading);
+  }
+}
+
+ProgramFilter choose_filter(const Options& options, const Context& context, const Toolpath& path, const Task& task,
+                            Feeds feeds) {
+  if (task.filter) {
+    ProgramFilter given;
+    given.filter = make_filter(*task.filter);
+    given.solver.method = "given";
+    return given;
+  }
+  const auto progress = [&](const std::string& line) {
+    if (!context.quiet) std::fprintf(stderr, "%s\n", line.c_str());
+  };
+  // Small programs are not worth a minute.
+  const double limit = options.time_limit.value_or(std::min(60.0, 2.0 + 5e-3 * static_cast<double>(path.blocks())));
+  return feeds == Feeds::keep ? design_program_filter(path, task, options.time_limit.value_or(60.0), progress)
+                              : design_filter_for_feeds(path, task, limit, progress);
+}
+
+void check_outputs(const Options& options) {
+  const bool profiles = options.plan == "profiles";
+  const auto refuse = [&](const std::string& value, bool belongs, const char* name, const char* which) {
+    if (!value.empty() && !belongs) throw std::invalid_argument(std::string(name) + " needs --plan " + which);
+  };
+  refuse(options.delays, !profiles, "--delays", "fixed or per-leg");
+  refuse(options.emit, !profiles, "--emit", "fixed or per-leg");
+  refuse(options.figure, !profiles, "--figure", "fixed or per-leg");
+  refuse(options.stream, profiles, "--stream", "profiles");
+}
+
 void run(const Options& options, Context& context) {
+  check_outputs(options);
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
-  for (const std::string& path : {options.json, options.delays, options.samples, options.emit, options.figure}) {
+  for (const std::string& path :
+       {options.json, options.delays, options.samples, options.emit, options.figure, options.stream}) {
     if (path.empty()) continue;
     std::error_code none;
     for (const std::string& input : {options.program, options.task}) {
@@ -39,33 +98,33 @@ void run(const Options& options, Context& context) {
     }
     require_writable(path);
   }
-  LineSource source{std::filesystem::path(options.program)};
+  const bool per_leg = options.per_leg || options.plan == "per-leg";
+  const Feeds feeds = options.feeds == "keep" ? Feeds::keep : Feeds::choose;
   ToolpathOptions reading;
   reading.read.arc_tolerance = options.arc_tolerance_um * 1e-6;
   reading.error_max = task.program_error_max;
+  reading.clamp_feeds = feeds == Feeds::choose;
   reading.rapid_stops = options.rapid_stops;
   reading.dwells_before_filter = options.dwells_before_filter;
-  Toolpath path = read_toolpath(source, task.machine, reading);
-
-  ProgramFilter choice;
-  if (task.filter) {
-    choice.filter = make_filter(*task.filter);
-    choice.solver.method = "given";
-  } else {
-    choice = design_program_filter(path, task, options.time_limit, [&](const std::string& line) {
-      if (!context.quiet) std::fprintf(stderr, "%s\n", line.c_str());
-    });
-    if (!choice.filter) {
-      std::fprintf(stderr, "%s\n", choice.message.c_str());
-      context.exit_code = exit_no_answer;
-      return;
-    }
+  Toolpath path = read(options, task, reading);
+  if (options.plan == "profiles") {
+    constexpr double bound_time = 10.0;  // s, for the bound by linear programmes
+    write_profiles(run_profiles(options.program, std::move(path), task, bound_time),
+                   {options.json, options.samples, options.stream}, context);
+    return;
+  }
+  const ProgramFilter choice = choose_filter(options, context, path, task, feeds);
+  if (!choice.filter) {
+    std::fprintf(stderr, "%s\n", choice.message.c_str());
+    context.exit_code = exit_no_answer;
+    return;
   }
   ProgramResult result =
-      run_program(options.program, std::move(path), *choice.filter, task, options.per_leg, options.filter_bound);
+      run_program(options.program, std::move(path), *choice.filter, task, per_leg, options.filter_bound, feeds);
   result.worst_shown = options.worst;
-  choice.solver.wall_time += result.solver.wall_time;
+  const double planning = result.solver.wall_time;
   result.solver = choice.solver;
+  result.solver.wall_time += planning;
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) == 0) result.peak_memory = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
   // The large ones first, beside their targets; everything gets its name only when all is written.
@@ -128,18 +187,36 @@ void add_program(CLI::App& app, Context& context) {
       ->type_name("UM")
       ->check(CLI::Range(1e-3, 1e4))
       ->capture_default_str();
-  command->add_option("--time-limit", options->time_limit, "s, for the design of a filter where the task has none")
-      ->check(CLI::PositiveNumber)
+  command
+      ->add_option("--time-limit", options->time_limit,
+                   "s, for the design of a filter where the task has none; default 2 s and 5 ms a block, at most 60 "
+                   "(60 with --feeds keep)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--plan", options->plan,
+                   "fixed: one filter for the whole program; per-leg: the filter of each leg follows what the limits "
+                   "allow in its direction, where that is faster; profiles: every corner its own filter and speed, for "
+                   "controllers that take a position every cycle (--samples, --stream)")
+      ->check(CLI::IsMember({"fixed", "per-leg", "profiles"}))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--feeds", options->feeds,
+          "choose: F is an upper bound, feeds and steps of feed inside blocks are chosen; keep: every block at "
+          "its programmed feed")
+      ->check(CLI::IsMember({"choose", "keep"}))
+      ->capture_default_str();
+  command
+      ->add_option("--stream", options->stream,
+                   "With --plan profiles: one line a cycle of positions, - for standard output")
+      ->type_name("FILE");
+  command->add_option("--tool-table", options->tool_table, "LinuxCNC's, for programs that rs274 has to run")
+      ->type_name("FILE");
   command->add_option("--worst", options->worst, "How many corners to list by the use of their tolerance")
       ->check(CLI::Range(0, 10000))
       ->type_name("N")
       ->capture_default_str();
-  command->add_flag(
-      "--per-leg", options->per_leg,
-      "Let the filter of each leg follow what the axis limits allow in its direction: the given or designed filter's "
-      "shape, for "
-      "every leg in the length that makes the program shortest; where one filter for all is as fast, that is kept");
+  command->add_flag("--per-leg", options->per_leg, "The same as --plan per-leg");
   command->add_flag(
       "--dwells-before-filter", options->dwells_before_filter,
       "Read G4 as --emit writes it: a delay of the command, without an exact stop unless G61.1 or M0 asks for one");

@@ -160,8 +160,14 @@ TEST(Reader, NamesTheErrorAndItsPlace) {
   expect_error("G1 F100 X\n", "1:9", "word X has no number");
   expect_error("G1 F100 Xnan\n", "1:9", "word X has no number");
   expect_error("G1 F100\n X1 X2\n", "2:5", "twice");
-  expect_error("G1 F-5 X1\n", "1:4", "positive");
-  expect_error("G1 F0 X1\n", "1:4", "positive");
+  expect_error("G1 F-5 X1\n", "1:4", "negative");
+  // As in rs274: no feed may be set, but nothing moves with it, and G94 forgets the feed.
+  expect_error("G1 F0 X1\n", "1:7", "no feed");
+  expect_error("F600\nG94\nG1 X1\n", "3:4", "no feed");
+  EXPECT_EQ(read("G94 F600\nG1 X1\nF0\nG0 X2\n").moves.size(), 2U);
+  expect_error("G1 N5 F600 X1\n", "1:4", "first word");
+  expect_error("G33 Z-1 K1\n", "1:1", "spindle");
+  expect_error("G1 F600 X1\nG95 F0.1\n", "2:1", "spindle");
   expect_error("G1 F1 X1e400\n", "1:9", "word E");
   expect_error("G1 F1 X" + std::string(400, '9') + "\n", "1:7", "word X has no number");
   expect_error("X1\n", "1:1", "without a motion");

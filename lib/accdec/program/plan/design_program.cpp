@@ -12,6 +12,7 @@
 #include <accdec/design/standard_shapes.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/design_program.hpp>
+#include <accdec/program/plan/feed_search.hpp>
 #include <accdec/program/plan/plan.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -234,6 +235,39 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
   best.solver.method = "representative corners";
   best.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!best.filter) best.message = "no filter within the task's bounds holds the limits: " + reason;
+  return best;
+}
+
+ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, double time_limit,
+                                      const std::function<void(const std::string&)>& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const Machine machine = program_machine(task.machine, path);
+  FilterSearchOptions options;
+  options.order_min = std::max(0, task.design.order_min);
+  options.order_max = task.design.order_max;
+  options.time_limit = time_limit;
+  options.progress = progress;
+  const FilterSearch search = search_filter(path, task.sample_period, machine, options);
+  const bool loads = std::any_of(machine.axes.begin(), machine.axes.end(), [](const Axis& axis) {
+    return axis.force_max < unlimited || axis.power_max < unlimited || axis.regeneration_max < unlimited;
+  });
+  ProgramFilter best;
+  if (!search.filter || loads || !machine.modes.empty()) {
+    best = design_program_filter(path, task, time_limit, progress);
+    if (!best.filter) best.message = best.message.empty() ? "no filter holds the limits" : best.message;
+  }
+  const auto samples = [&](const Filter& filter) {
+    const ScheduledPlan plan = schedule_feeds(path, filter, task.sample_period, machine, 3);
+    return all_holds(plan.plan) ? plan.plan.simulation.samples : INT64_MAX;
+  };
+  if (search.filter && (!best.filter || samples(*search.filter) <= samples(*best.filter))) {
+    best.filter = search.filter;
+    best.solver.name = "trapezoid";
+    best.message.clear();
+  }
+  best.solver.method = "filter and feeds together";
+  best.solver.evaluations += search.evaluations;
+  best.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return best;
 }
 

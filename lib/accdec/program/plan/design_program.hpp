@@ -28,4 +28,11 @@ struct ProgramFilter {
 ProgramFilter design_program_filter(const Toolpath& path, const Task& task, double time_limit,
                                     const std::function<void(const std::string&)>& progress);
 
+/// The filter for a program whose feeds are chosen: the best trapezoid by search_filter; where none holds, or where
+/// vibration bounds, force or power may favour other taps, that of design_program_filter, if it is faster by a schedule
+/// of the program.
+/// @param time_limit  s; a fraction of it for the search
+ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, double time_limit,
+                                      const std::function<void(const std::string&)>& progress);
+
 }  // namespace accdec

@@ -53,27 +53,43 @@ void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, co
   }
 }
 
-void snap_durations(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
-  constexpr double most = 1e-6;
-  const LegFilters filters(filter);
-  const CornerLimits limits(filters, machine, sample_period);
-  const std::size_t n = path.dimensions();
-  std::vector<double> velocity(n);
+namespace {
+
+/// Calls act(first, last, factor) for every leg that takes at most the part `most` of itself more than whole samples.
+template <class Act>
+void for_snapped_legs(const Toolpath& path, double sample_period, double most, const Act& act) {
   for (std::size_t first = 0, b = 0; b < path.blocks(); first = ++b) {
     while (!ends_leg(path, b) && b + 1 < path.blocks()) ++b;
     double duration = 0.0;
     for (std::size_t i = first; i <= b; ++i) duration += path.duration[i];
     const double samples = duration / sample_period, whole = std::floor(samples);
     if (whole < 1.0 || samples - whole <= 1e-9 || samples - whole > most * samples) continue;
-    const double factor = whole / samples;
+    act(first, b, whole / samples);
+  }
+}
+
+}  // namespace
+
+void snap_legs(Toolpath& path, double sample_period) {
+  for_snapped_legs(path, sample_period, 1e-7, [&](std::size_t first, std::size_t last, double factor) {
+    for (std::size_t i = first; i <= last; ++i) path.duration[i] *= factor;
+  });
+}
+
+void snap_durations(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
+  const LegFilters filters(filter);
+  const CornerLimits limits(filters, machine, sample_period);
+  const std::size_t n = path.dimensions();
+  std::vector<double> velocity(n);
+  for_snapped_legs(path, sample_period, 1e-6, [&](std::size_t first, std::size_t last, double factor) {
     bool held = true;
-    for (std::size_t i = first; i <= b && held; ++i) {
+    for (std::size_t i = first; i <= last && held; ++i) {
       const double* p = path.point(i);
       for (std::size_t a = 0; a < n; ++a) velocity[a] = (p[n + a] - p[a]) / (path.duration[i] * factor);
       held = limits.start_factor(0, velocity.data()) >= 1.0;
     }
-    for (std::size_t i = first; i <= b && held; ++i) path.duration[i] *= factor;
-  }
+    for (std::size_t i = first; i <= last && held; ++i) path.duration[i] *= factor;
+  });
 }
 
 ProgramPlan check_program(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
@@ -222,10 +238,13 @@ class CurveTrials {
 
 }  // namespace
 
-ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine) {
+ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
+                         bool tune_curves) {
   const std::vector<double> programmed = path.duration;
   ProgramPlan plan = plan_at_feeds(path, filters, sample_period, machine);
-  plan = CurveTrials(path, filters, sample_period, machine, std::move(plan), programmed).run();
+  if (tune_curves) {
+    plan = CurveTrials(path, filters, sample_period, machine, std::move(plan), programmed).run();
+  }
   for (std::size_t b = 0; b < path.blocks(); ++b) plan.slowed += path.duration[b] > programmed[b] ? 1 : 0;
   return plan;
 }

@@ -74,7 +74,9 @@ bool all_holds(const ProgramPlan& plan);
 /// would need neither (curve_feeds), and each keeps what is fastest; the whole plan is never slower than the first.
 /// @param path     durations of blocks that have to be slowed grow
 /// @param machine  as many axes as the path, or without axes
-ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine);
+/// @param tune_curves  whether curves are planned again and again
+ProgramPlan plan_program(Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
+                         bool tune_curves = true);
 
 /// Slows rapid moves to speeds that the filter starts from rest and stops within the axis limits; programmed feeds are
 /// left alone.
@@ -89,6 +91,10 @@ void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, co
 /// @return one entry a limit
 std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const LegFilters& filters, double sample_period,
                                      const Machine& machine, PairwiseDelays& delays, bool ramps);
+
+/// Lowers by at most 1e-7 the durations of whole legs that exceed whole samples by no more, whatever the limits: the
+/// plan has to be simulated. More would move steps of the feed that just follow each other into each other's window.
+void snap_legs(Toolpath& path, double sample_period);
 
 /// Lowers by at most 1e-6 the durations that exceed whole samples by no more: coordinates rounded by whoever wrote the
 /// program would else cost every leg a sample. Only where that keeps the axis limits.

@@ -34,6 +34,9 @@ Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces
   out.dwell_first = path.dwell_first;
   out.begin = path.begin;
   out.empty_moves = path.empty_moves;
+  out.clamped = path.clamped;
+  out.percent = path.percent;
+  out.end = path.end;
   reserve(out, count);
   std::vector<std::uint32_t> last(path.blocks());  // piece of every block
   out.points.insert(out.points.end(), path.point(0), path.point(0) + n);

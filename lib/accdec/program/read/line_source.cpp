@@ -24,8 +24,8 @@ LineSource::LineSource(std::string name, std::string_view text)
 
 void LineSource::skip_byte_order_mark() {
   constexpr std::string_view mark = "\xef\xbb\xbf";
-  if (std::string_view(position_, static_cast<std::size_t>(end_ - position_)).starts_with(mark))
-    position_ += mark.size();
+  mark_ = std::string_view(position_, static_cast<std::size_t>(end_ - position_)).starts_with(mark);
+  if (mark_) position_ += mark.size();
 }
 
 const void* LineSource::find_end() const {

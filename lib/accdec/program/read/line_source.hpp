@@ -39,6 +39,8 @@ class LineSource {
     --line_number_;
   }
 
+  /// Whether the text began with one, as far as it has been read.
+  bool byte_order_mark() const { return mark_; }
   std::int64_t line_number() const { return line_number_; }
   const std::string& name() const { return name_; }
   /// @param column  from 1  @throws ReadError always
@@ -68,6 +70,7 @@ class LineSource {
   const char* end_ = nullptr;
   const char* start_of_last_ = nullptr;
   std::int64_t line_number_ = 0;
+  bool mark_ = false;
   bool started_ = false;  // reading the file
 };
 

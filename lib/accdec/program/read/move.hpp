@@ -44,6 +44,8 @@ class MoveSink {
   virtual void stop(double dwell) = 0;
   /// Words at this point that are not about motion (spindle, tool, coolant, offsets, M0), as they would be written.
   virtual void pass(std::string_view /*words*/) {}
+  /// Whether the program stands between two %, and the word that ended it (M2, M30; empty: the end of the file).
+  virtual void frame(bool /*percent*/, std::string_view /*end*/) {}
 };
 
 /// Duration of a straight move: the feed is that of X Y Z if any of them moves, else of U V W, else of A B C.

@@ -4,6 +4,12 @@
 #include <accdec/program/read/move_state.hpp>
 
 namespace accdec {
+namespace {
+
+constexpr const char* no_feed =
+    "no feed: an F word must come before this move, and after a G94, which forgets the feed before it";
+
+}  // namespace
 
 void MoveState::send(const ProgramPoint& to, bool rapid, bool inside_arc, std::size_t column) {
   Move move;
@@ -28,12 +34,12 @@ void MoveState::send(const ProgramPoint& to, bool rapid, bool inside_arc, std::s
 }
 
 void MoveState::straight(const ProgramPoint& to, bool rapid, std::size_t column) {
-  if (!rapid && feed <= 0.0) source_.fail(column, "no feed: an F word must come before the first feed move");
+  if (!rapid && feed <= 0.0) source_.fail(column, no_feed);
   send(to, rapid, false, column);
 }
 
 void MoveState::arc(Arc arc, bool clockwise, int turns, const double* radius, Plane plane, std::size_t column) {
-  if (feed <= 0.0) source_.fail(column, "no feed: an F word must come before the first feed move");
+  if (feed <= 0.0) source_.fail(column, no_feed);
   arc.from = position;
   arc.first = first_axis(plane);
   arc.second = second_axis(plane);

@@ -26,6 +26,7 @@ class MoveState {
   void arc(Arc arc, bool clockwise, int turns, const double* radius, Plane plane, std::size_t column);
   void stop(double dwell) { sink_.stop(dwell); }
   void pass(std::string_view words) { sink_.pass(words); }
+  void frame(bool percent, std::string_view end) { sink_.frame(percent, end); }
 
   /// Axes of a plane, in the order in which angles turn positively.
   static std::size_t first_axis(Plane plane) { return plane == Plane::xy ? 0 : plane == Plane::zx ? 2 : 1; }

@@ -21,4 +21,10 @@ class ReadError : public std::invalid_argument {
   std::size_t column_;
 };
 
+/// What only an interpreter of the whole language understands: parameters, expressions, O words.
+class NeedsInterpreter : public ReadError {
+ public:
+  using ReadError::ReadError;
+};
+
 }  // namespace accdec

@@ -97,6 +97,14 @@ MGroup classify_m(int tenths) {
   }
 }
 
+/// Threads, rigid tapping, feed a revolution: G33 G33.1 G74 G76 G84 G95.
+bool spindle_synchronised(int tenths) {
+  for (const int g : {330, 331, 740, 760, 840, 950}) {
+    if (tenths == g) return true;
+  }
+  return false;
+}
+
 std::string name(char letter, int tenths) {
   return tenths % 10 == 0 ? fmt::format("{}{}", letter, tenths / 10)
                           : fmt::format("{}{}.{}", letter, tenths / 10, tenths % 10);
@@ -111,20 +119,29 @@ class Interpreter {
     std::string_view line;
     bool opened = false;
     while (source_.next(line)) {
-      switch (scan_words(source_, line, words_)) {
+      const LineKind kind = scan_words(source_, line, words_);
+      pass_notes();
+      switch (kind) {
         case LineKind::empty: break;
         case LineKind::percent:
-          if (opened) return;
-          opened = true;
+          if (opened) return finish();
+          opened = percent_ = true;
           break;
         case LineKind::words:
           opened = true;
-          if (!execute()) return;
+          if (!execute()) return finish();
       }
     }
+    finish();
   }
 
  private:
+  void finish() { state_.frame(percent_, end_); }
+  /// Numbers of lines and comments, where they stand.
+  void pass_notes() {
+    if (words_.has('N')) state_.pass("N" + plain_number(words_['N'], 6));
+    for (const std::string_view comment : words_.comments()) state_.pass(comment);
+  }
   bool execute();
   bool modal_codes();
   void check_numbers() const;
@@ -147,14 +164,18 @@ class Interpreter {
   std::uint32_t used_ = 0;
   int motion_ = -1;  // tenths; -1: none yet, 800: cancelled
   Plane plane_ = Plane::xy;
-  bool absolute_ = true, absolute_center_ = false;
+  bool absolute_ = true, absolute_center_ = false, percent_ = false;
+  std::string end_;
 };
 
 bool Interpreter::execute() {
   used_ = Words::passed_over;
+  for (const Words::Item& g : words_.g_codes()) {
+    if (g.tenths == 940) state_.feed = 0.0;  // sets the mode and forgets the feed; F of the same block counts after it
+  }
   if (take('F')) {
     state_.feed = words_['F'];
-    if (!(state_.feed > 0.0)) source_.fail(words_.column('F'), "the feed must be positive");
+    if (!(state_.feed >= 0.0)) source_.fail(words_.column('F'), "the feed cannot be negative");
   }
   if ((words_.present() & Words::passed_over) != 0U) check_numbers();
   bool stop = false, end = false;
@@ -167,6 +188,7 @@ bool Interpreter::execute() {
     }
     seen |= 1U << group;
     if (group == m_stop) (m.tenths <= 10 ? stop : end) = true;
+    if (group == m_stop && end) end_ = name('M', m.tenths);
   }
   const bool dwell = words_.g_codes().empty() ? false : modal_codes();
   if (dwell) {
@@ -225,6 +247,9 @@ bool Interpreter::modal_codes() {
   const Words::Item *path = nullptr, *arc = nullptr;
   for (const Words::Item& g : words_.g_codes()) {
     const Group group = classify(g.tenths);
+    if (spindle_synchronised(g.tenths)) {
+      source_.fail(g.column, name('G', g.tenths) + " moves with the spindle: such moves cannot be planned by time");
+    }
     if (group == g_unknown) source_.fail(g.column, name('G', g.tenths) + " is not supported" + g_allowed);
     if ((seen & (1U << group)) != 0U) {
       source_.fail(g.column, name('G', g.tenths) + " contradicts another G word of its group in this block");

@@ -30,6 +30,10 @@ class Builder : public MoveSink {
     if (dwell > 0.0 && path_.blocks() > 0) path_.dwell.emplace_back(path_.blocks() - 1, dwell);
   }
   void pass(std::string_view words) override { keep(std::string(words), false); }
+  void frame(bool percent, std::string_view end) override {
+    path_.percent = percent;
+    path_.end = end;
+  }
   Toolpath finish();
 
  private:
@@ -38,7 +42,7 @@ class Builder : public MoveSink {
   }
   void add_axes(unsigned moving);
   double rapid_duration(const Move& move) const;
-  void check_feed(const Move& move) const;
+  double limited_duration(const Move& move);
   void close_joint(const Move& next);
   void give_delay(std::size_t b);
   [[noreturn]] void fail(const Move& move, const std::string& message) const {
@@ -92,14 +96,23 @@ double Builder::rapid_duration(const Move& move) const {
   return duration;
 }
 
-void Builder::check_feed(const Move& move) const {
+/// Of a feed move: that of its feed, or where this is clamped, what the velocity limits allow.
+double Builder::limited_duration(const Move& move) {
+  double duration = move.duration;
   for (std::size_t a = 0; a < program_axis_count; ++a) {
     if (limits_[a] == nullptr) continue;
-    const double speed = std::abs(move.to[a] - position_[a]) / move.duration;
-    if (speed <= limits_[a]->velocity_max * (1.0 + 1e-9)) continue;
-    fail(move, fmt::format("the feed moves axis {} at {:.6g} mm/s, its limit is {:.6g}", program_axes[a], speed * 1e3,
-                           limits_[a]->velocity_max * 1e3));
+    const double distance = std::abs(move.to[a] - position_[a]), least = distance / limits_[a]->velocity_max;
+    if (move.duration * (1.0 + 1e-9) >= least) continue;
+    if (!options_.clamp_feeds) {
+      fail(move, fmt::format("the feed moves axis {} at {:.6g} mm/s, its limit is {:.6g}", program_axes[a],
+                             distance / move.duration * 1e3, limits_[a]->velocity_max * 1e3));
+    }
+    duration = std::max(duration, least);
   }
+  const auto line = static_cast<std::uint32_t>(move.line);
+  if (duration > move.duration && (path_.clamped.empty() || path_.clamped.back() != line))
+    path_.clamped.push_back(line);
+  return duration;
 }
 
 Joint Builder::classify(const double* in, const double* out) const {
@@ -156,8 +169,8 @@ void Builder::close_joint(const Move& next) {
     if (tolerance < 0.0 && joint == Joint::straight) tolerance = unlimited;
     if (tolerance < 0.0) {
       fail(last_,
-           "the corner at the end of this move has no tolerance: G64 P in the program or [program] error_max_um in the "
-           "task");
+           "the corner at the end of this move has no tolerance; write, in the program before it,\n  G64 P0.01\nor in "
+           "the task\n  [program]\n  error_max_um = 10\n(10 um here: the largest error you accept)");
     }
   }
   if (options_.dwells_before_filter && !stop) give_delay(b);
@@ -188,9 +201,8 @@ void Builder::move(const Move& move) {
     add_axes(moving);
   }
   if (path_.blocks() == UINT32_MAX || move.line > UINT32_MAX) fail(move, "more than 4294967295 blocks or lines");
-  const double duration = move.rapid ? rapid_duration(move) : move.duration;
+  const double duration = move.rapid ? rapid_duration(move) : limited_duration(move);
   if (!(duration > 0.0 && duration < 1e9)) fail(move, "the move takes more than 1e9 s or no time at all");
-  if (!move.rapid) check_feed(move);
   for (const std::size_t a : path_.axes) path_.points.push_back(move.to[a]);
   if (path_.blocks() > 0) close_joint(move);
   path_.duration.push_back(duration);

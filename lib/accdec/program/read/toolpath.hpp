@@ -46,8 +46,11 @@ struct Toolpath {
     std::string words;        ///< as to be written
     bool dwell = false;       ///< a dwell of the program; `dwell` above has its time
   };
-  std::vector<Passed> passed;    ///< dwells, and words that are not about motion, in their order
-  std::int64_t empty_moves = 0;  ///< moves of no length that were left out
+  std::vector<Passed> passed;          ///< dwells, and words that are not about motion, in their order
+  std::vector<std::uint32_t> clamped;  ///< lines of feeds above an axis' velocity limit, lowered to it; ascending
+  bool percent = false;                ///< the program stands between two %
+  std::string end;                     ///< its last word, M2 or M30; empty: the end of the file
+  std::int64_t empty_moves = 0;        ///< moves of no length that were left out
 
   std::size_t blocks() const { return duration.size(); }
   std::size_t dimensions() const { return axes.size(); }
@@ -58,6 +61,7 @@ struct Toolpath {
 struct ToolpathOptions {
   ReadOptions read;
   std::optional<double> error_max;  ///< m, tolerance where the program gives none
+  bool clamp_feeds = false;         ///< feeds above an axis' velocity limit are lowered to it, else they are an error
   bool rapid_stops = false;         ///< stop wherever rapid and feed moves meet
   bool dwells_before_filter =
       false;  ///< G4 holds the command back and asks for no stop: a given delay, where the program does not stop anyway

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/program/read/number.hpp>
+#include <accdec/program/read/read_error.hpp>
 #include <accdec/program/read/words.hpp>
 
 namespace accdec {
@@ -14,12 +15,16 @@ std::string printable(char c) {
   return fmt::format("byte {:#04x}", static_cast<unsigned char>(c));
 }
 
+[[noreturn]] void needs_interpreter(const LineSource& source, std::size_t column, const std::string& what) {
+  throw NeedsInterpreter(source.name(), source.line_number(), column,
+                         what + " are not supported: give the interpreter's canonical output instead");
+}
+
 [[noreturn]] void refuse(const LineSource& source, char c, std::size_t column) {
   switch (c) {
-    case '#': source.fail(column, "parameters (#) are not supported: give the interpreter's canonical output instead");
+    case '#': needs_interpreter(source, column, "parameters (#)");
     case '[':
-    case ']':
-      source.fail(column, "expressions ([ ]) are not supported: give the interpreter's canonical output instead");
+    case ']': needs_interpreter(source, column, "expressions ([ ])");
     case ')': source.fail(column, "')' without its '('");
     case '/': source.fail(column, "'/' deletes a block only as its first character");
     case '%': source.fail(column, "'%' must stand alone on its line");
@@ -98,12 +103,17 @@ LineKind scan_words(LineSource& source, std::string_view line, Words& words) {
     }
     const char letter = static_cast<char>(c & ~0x20);
     if (letter < 'A' || letter > 'Z') {
-      if (c == ';') break;
+      if (c == ';') {
+        words.comments_.push_back(line.substr(static_cast<std::size_t>(p - begin)));
+        break;
+      }
       if (c == '(') {
         const char* q = p + 1;
         while (q != end && *q != ')' && *q != '(') ++q;
         if (q == end) source.fail(column(p), "comment without its ')'");
         if (*q == '(') source.fail(column(q), "'(' inside a comment");
+        words.comments_.push_back(
+            line.substr(static_cast<std::size_t>(p - begin), static_cast<std::size_t>(q + 1 - p)));
         p = q + 1;
         first = false;
         continue;
@@ -116,11 +126,12 @@ LineKind scan_words(LineSource& source, std::string_view line, Words& words) {
       }
       refuse(source, c, column(p));
     }
+    if (letter == 'N' && !first) source.fail(column(p), "N numbers a line: it must be its first word");
     first = false;
     const char* const word = p++;
     while (p != end && (*p == ' ' || *p == '\t')) ++p;
     if (letter == 'O') {
-      source.fail(column(word), "O words are not supported: give the interpreter's canonical output instead");
+      needs_interpreter(source, column(word), "O words");
     }
     double value = 0.0;
     if (!read_word_number(p, end, value)) {

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include <accdec/program/read/line_source.hpp>
 
@@ -41,12 +43,15 @@ class Words {
   std::size_t first_column(std::uint32_t letters) const;
   std::span<const Item> g_codes() const { return {g_.data(), g_count_}; }
   std::span<const Item> m_codes() const { return {m_.data(), m_count_}; }
+  /// As written, with their brackets or semicolon; they hold until the next line.
+  const std::vector<std::string_view>& comments() const { return comments_; }
 
  private:
   friend LineKind scan_words(LineSource& source, std::string_view line, Words& words);
   void clear() {
     present_ = 0;
     g_count_ = m_count_ = 0;
+    comments_.clear();
   }
 
   std::uint32_t present_ = 0;  ///< all letters but G and M
@@ -54,11 +59,13 @@ class Words {
   std::array<std::uint32_t, 26> column_{};
   std::array<Item, codes_max> g_{}, m_{};
   std::size_t g_count_ = 0, m_count_ = 0;
+  std::vector<std::string_view> comments_;
 };
 
-/// Splits a line into words; comments vanish, a deleted block (/) counts as empty. Letters of either case, blanks
+/// Splits a line into words and comments; a deleted block (/) counts as empty. Letters of either case, blanks
 /// anywhere but in comments mean nothing, as in the language: X1 0.5 is X10.5.
-/// @throws ReadError on anything that is no word, or a letter given twice.
+/// @throws ReadError on anything that is no word, a letter given twice, or N that is not the first word;
+///         NeedsInterpreter on parameters, expressions and O words
 LineKind scan_words(LineSource& source, std::string_view line, Words& words);
 
 }  // namespace accdec

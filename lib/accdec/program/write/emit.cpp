@@ -32,7 +32,8 @@ class Emission {
       if (text_.size() > 60000) flush();
     }
     passed(path_.blocks());
-    line("M2");
+    line("{}", path_.end.empty() ? "M2" : path_.end);
+    if (path_.percent) line("%");
     flush();
   }
 
@@ -48,6 +49,7 @@ class Emission {
   }
 
   void header() {
+    if (path_.percent) line("%");
     const double period = result_.sample_period * 1e3;
     if (result_.legs.single()) {
       line("(planned for a filter of {} taps at T = {} ms)", result_.filter.order() + 1, plain_number(period, 6));
@@ -68,7 +70,7 @@ class Emission {
     bool limited = true;
     for (std::size_t a = 0; a < program_axis_count; ++a) {
       if (path_.begin[a] == 0.0) continue;
-      const std::string value = plain_number(path_.begin[a] * 1e3, 6);
+      const std::string value = plain_number(path_.begin[a] * 1e3, decimals());
       to.append(1, ' ').append(1, program_axes[a]).append(value);
       const Axis* axis = find_axis(result_.task_machine, a);
       limited = limited && axis != nullptr && axis->velocity_max < unlimited;
@@ -88,12 +90,16 @@ class Emission {
     }
   }
 
+  /// Of coordinates in mm. A millionth is plenty for blocks as programmed; where they were split, so that each of their
+  /// parts takes the time that it was given, a thousandth of that.
+  int decimals() const { return result_.feeds_chosen ? 9 : 6; }
+
   /// Axes that do not move are left out: they may stand elsewhere than the program knows, with another offset or not
   /// yet positioned.
   std::string words(const double* point) {
     std::string text;
     for (std::size_t a = 0; a < n_; ++a) {
-      std::string value = plain_number(point[a] * 1e3, 6);
+      std::string value = plain_number(point[a] * 1e3, decimals());
       if (value == written_[a]) continue;
       text.append(1, ' ').append(1, program_axes[path_.axes[a]]).append(value);
       written_[a] = std::move(value);
@@ -102,8 +108,25 @@ class Emission {
   }
 
   void passed(std::size_t b) {
-    for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_)
-      line("{}", path_.passed[next_passed_].words);
+    for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_) {
+      const std::string& words = path_.passed[next_passed_].words;
+      // A program written here and read again does not collect its own remarks.
+      bool own = false;
+      for (const char* remark :
+           {"(planned for a filter", "(G4 without an exact stop", "(to where the program begins)", "(filter of "}) {
+        own = own || words.starts_with(remark);
+      }
+      if (!own) line("{}", words);
+    }
+  }
+
+  /// Of the next joint within whose tolerance a corner is rounded: where a block was split near one, the motion passes
+  /// its parts' joint no nearer. 0.0001 where there is none. mm
+  double next_tolerance(std::size_t b) const {
+    for (; b < path_.blocks() && path_.joint[b] != Joint::stop; ++b) {
+      if (path_.tolerance[b] > 0.0 && path_.tolerance[b] < unlimited) return path_.tolerance[b] * 1e3;
+    }
+    return 0.0001;
   }
 
   /// How the joint at the block's end is to be passed.
@@ -119,7 +142,7 @@ class Emission {
     // Straight on with any tolerance or none; as written, coordinates may turn it by their rounding.
     if (path_.joint[b] == Joint::straight && (mode == "G64" || mode == "G61")) {
       if (mode_.starts_with("G64 P")) return;
-      mode = "G64 P0.0001";
+      mode = "G64 P" + plain_number(next_tolerance(b), 9);
     }
     if (mode == mode_) return;
     mode_ = mode;
@@ -139,6 +162,7 @@ class Emission {
     if (!(duration > 0.0)) return false;
     std::vector<double> velocity(n_);
     for (std::size_t a = 0; a < n_; ++a) velocity[a] = (p[n_ + a] - p[a]) / duration;
+    if (result_.feeds_chosen) return path_.duration[b] <= duration * (1.0 + 1e-9);
     return path_.duration[b] <= duration / limits.start_factor(0, velocity.data()) * (1.0 + 1e-6);
   }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/program/plan/feed_schedule.hpp>
 #include <accdec/program/plan/filter_bound.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/write/report.hpp>
@@ -77,8 +78,93 @@ void count_joints(ProgramResult& result) {
 
 }  // namespace
 
+namespace {
+
+/// Programs of more blocks are not planned at their programmed feeds, too: they would be planned many times over.
+constexpr std::size_t kept_max = 200'000;
+/// And of these only the shorter ones with every curve tried at several feeds.
+constexpr std::size_t tuned_max = 2'000;
+
+/// Makes the plan of the result: the fastest of those asked for that hold.
+class Planning {
+ public:
+  Planning(ProgramResult& result, const Task& task, const Machine& machine)
+      : result_(result), task_(task), machine_(machine) {}
+
+  /// At the programmed feeds, rapid moves as fast as the filter starts and stops them.
+  /// @param tune_curves  see plan_program
+  void keep(const Toolpath& path, bool tune_curves) {
+    slowed_ = path;
+    limit_rapids(slowed_, result_.filter, task_.sample_period, machine_);
+    snap_durations(slowed_, result_.filter, task_.sample_period, machine_);
+    base_ = slowed_;
+    ProgramPlan plan = plan_program(base_, result_.filter, task_.sample_period, machine_, tune_curves);
+    result_.cycle_time_one_filter = seconds(plan);
+    result_.cycle_time_kept = seconds(plan);
+    offer({base_, std::move(plan)}, result_.filter, false);
+  }
+  void choose(const Toolpath& path) {
+    if (path.blocks() <= kept_max || !path.given.empty()) as_commanded(path);
+    ScheduledPlan plan = schedule_feeds(path, result_.filter, task_.sample_period, machine_);
+    if (!result_.cycle_time_kept && !all_holds(plan.plan) && !all_holds(result_.plan)) keep(path, false);
+    offer(std::move(plan), result_.filter, true);
+    result_.cycle_time_one_filter = seconds(result_.plan);
+  }
+  void per_leg() {
+    LegFilters legs =
+        choose_leg_filters(slowed_, result_.filter, task_.sample_period, machine_, task_.design.order_max);
+    ProgramPlan plan = plan_program(slowed_, legs, task_.sample_period, machine_);
+    offer({std::move(slowed_), std::move(plan)}, std::move(legs), false);
+  }
+
+  /// The time of another rule of delays at the programmed feeds, or with those of the plan where it alone was made.
+  double by_rule(DelayRule rule) const {
+    const Toolpath& path = result_.feeds_chosen && result_.cycle_time_kept ? base_ : result_.path;
+    const std::vector<int> delays = pairwise_delays(path, result_.legs, task_.sample_period, machine_, rule).delays;
+    return static_cast<double>(motion_samples(CommandTiming(path, task_.sample_period, delays), result_.legs)) *
+           task_.sample_period;
+  }
+
+ private:
+  /// With the feeds and delays of the program, unchanged: what a plan wrote holds as it is.
+  void as_commanded(const Toolpath& path) {
+    ScheduledPlan plan{path, {}};
+    snap_legs(plan.path, task_.sample_period);
+    std::vector<int> delays(path.blocks(), 0);
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      if (path.joint[b] == Joint::stop)
+        delays[b] = result_.filter.last_nonzero_tap() - result_.filter.first_nonzero_tap();
+    }
+    for (const auto& [block, delay] : path.given) {
+      delays[block] = static_cast<int>(std::lround(std::min(delay / task_.sample_period, 1e9)));
+    }
+    plan.plan = check_program(plan.path, result_.filter, task_.sample_period, machine_, std::move(delays));
+    if (all_holds(plan.plan)) offer(std::move(plan), result_.filter, true);
+  }
+  double seconds(const ProgramPlan& plan) const {
+    return static_cast<double>(plan.simulation.samples) * task_.sample_period;
+  }
+  void offer(ScheduledPlan plan, LegFilters legs, bool feeds_chosen) {
+    const bool first = result_.plan.delays.empty();
+    const bool better = all_holds(plan.plan) &&
+                        (!all_holds(result_.plan) || plan.plan.simulation.samples < result_.plan.simulation.samples);
+    if (!first && !better) return;
+    result_.path = std::move(plan.path);
+    result_.plan = std::move(plan.plan);
+    result_.legs = std::move(legs);
+    result_.feeds_chosen = feeds_chosen;
+  }
+
+  ProgramResult& result_;
+  const Task& task_;
+  const Machine& machine_;
+  Toolpath slowed_, base_;  // with rapid moves slowed; and planned at these feeds
+};
+
+}  // namespace
+
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task, bool per_leg,
-                          bool filter_bound) {
+                          bool filter_bound, Feeds feeds) {
   const auto start = std::chrono::steady_clock::now();
   ProgramResult result;
   result.program = name;
@@ -86,42 +172,27 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   result.legs = LegFilters(filter);
   result.sample_period = task.sample_period;
   result.task_machine = task.machine;
+  result.programmed_blocks = path.blocks();
   const Machine machine = program_machine(task.machine, path);
   // Before any move is slowed to suit this filter: the bounds are for all.
   snap_durations(path, filter, task.sample_period, machine);
   result.lower_bound = program_lower_bound(path, machine);
   if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
-  limit_rapids(path, filter, task.sample_period, machine);
-  snap_durations(path, filter, task.sample_period, machine);
-  result.path = path;
-  result.plan = plan_program(result.path, filter, task.sample_period, machine);
-  const auto cycle_time = [&](const ProgramPlan& plan) {
-    return static_cast<double>(plan.simulation.samples) * task.sample_period;
-  };
-  result.cycle_time_one_filter = cycle_time(result.plan);
-  if (per_leg) {
-    LegFilters legs = choose_leg_filters(path, filter, task.sample_period, machine, task.design.order_max);
-    ProgramPlan plan = plan_program(path, legs, task.sample_period, machine);
-    if (all_holds(plan) && (!all_holds(result.plan) || plan.simulation.samples < result.plan.simulation.samples)) {
-      result.legs = std::move(legs);
-      result.plan = std::move(plan);
-      result.path = std::move(path);
-    }
+  Planning planning(result, task, machine);
+  if (feeds == Feeds::keep || per_leg || path.blocks() <= kept_max) {
+    planning.keep(path, feeds == Feeds::keep || path.blocks() <= tuned_max);
   }
-  result.cycle_time = cycle_time(result.plan);
+  if (feeds == Feeds::choose) planning.choose(path);
+  if (per_leg) planning.per_leg();
+  result.cycle_time = static_cast<double>(result.plan.simulation.samples) * task.sample_period;
+  path = {};
   // For the plan it was enough that each joint holds; what is reported is the least distance.
   SimulationOptions whole;
   whole.whole_windows = true;
   simulate_program(CommandTiming(result.path, task.sample_period, result.plan.delays), result.legs, 0,
                    result.path.blocks() - 1, result.plan.errors, whole);
-
-  const auto time_by_rule = [&](DelayRule rule) {
-    const std::vector<int> delays = pairwise_delays(result.path, result.legs, task.sample_period, machine, rule).delays;
-    return static_cast<double>(motion_samples(CommandTiming(result.path, task.sample_period, delays), result.legs)) *
-           task.sample_period;
-  };
-  result.cycle_time_no_delay = time_by_rule(DelayRule::none);
-  result.cycle_time_exact_stop = time_by_rule(DelayRule::exact_stop);
+  result.cycle_time_no_delay = planning.by_rule(DelayRule::none);
+  result.cycle_time_exact_stop = planning.by_rule(DelayRule::exact_stop);
   count_joints(result);
   judge_limits(result, machine);
   result.solver.method = "given";
@@ -172,8 +243,8 @@ std::string program_summary(const ProgramResult& result) {
   fmt::memory_buffer text;
   const auto put = std::back_inserter(text);
   const ProgramPlan& plan = result.plan;
-  fmt::format_to(put, "{}: {} blocks, {} corners, {} delayed, {} exact stops\n", result.program, result.path.blocks(),
-                 result.corners, result.delayed, result.exact_stops);
+  fmt::format_to(put, "{}: {} blocks, {} corners, {} delayed, {} exact stops\n", result.program,
+                 result.programmed_blocks, result.corners, result.delayed, result.exact_stops);
   std::string taps = fmt::format("filter of {} taps", result.filter.order() + 1);
   if (!result.legs.single()) {
     const auto [least, most] =
@@ -189,6 +260,7 @@ std::string program_summary(const ProgramResult& result) {
   row("cycle time", result.cycle_time);
   row("  of it delays", result.delay_total);
   if (!result.legs.single()) row("one filter for all legs", result.cycle_time_one_filter);
+  if (result.feeds_chosen && result.cycle_time_kept) row("feeds as programmed", *result.cycle_time_kept);
   row("exact stop at every corner", result.cycle_time_exact_stop);
   row("no delay at any corner", result.cycle_time_no_delay);
   row("bound, continuous motion", result.lower_bound);
@@ -202,6 +274,14 @@ std::string program_summary(const ProgramResult& result) {
                      corner.error * 1e6, corner.tolerance * 1e6, 100.0 * corner.utilisation, corner.delay);
     }
     fmt::format_to(put, "\n");
+  }
+  if (result.feeds_chosen) {
+    fmt::format_to(put, "  feeds chosen, in {} steps inside {} blocks\n",
+                   result.path.blocks() - result.programmed_blocks, result.programmed_blocks);
+  }
+  if (!result.path.clamped.empty()) {
+    fmt::format_to(put, "  feeds above an axis' velocity limit lowered to it in {} lines, the first {}\n",
+                   result.path.clamped.size(), result.path.clamped.front());
   }
   if (plan.raised > 0) {
     fmt::format_to(put, "  {} delays raised because moves overlap, in {} rounds\n", plan.raised, plan.rounds);

@@ -15,15 +15,23 @@
 
 namespace accdec {
 
+/// What becomes of programmed feeds.
+enum class Feeds {
+  keep,   ///< commanded as they are, but for blocks that would break a limit
+  choose  ///< upper bounds: feeds and steps of feed inside blocks are chosen, see schedule_feeds
+};
+
 /// What `accdec program` answers; `accdec.program/1` in JSON.
 struct ProgramResult {
   std::string program;  ///< the file
   Status status = Status::failed;
-  Filter filter{{1.0}};            ///< the given or designed one
-  LegFilters legs{Filter{{1.0}}};  ///< those the legs pass through: `filter` alone, or its shape in several lengths
-  double sample_period = 0.0;      ///< s
-  Machine task_machine;            ///< the task's
-  Toolpath path;                   ///< with lowered feeds, where the plan lowered any
+  Filter filter{{1.0}};               ///< the given or designed one
+  LegFilters legs{Filter{{1.0}}};     ///< those the legs pass through: `filter` alone, or its shape in several lengths
+  double sample_period = 0.0;         ///< s
+  Machine task_machine;               ///< the task's
+  std::size_t programmed_blocks = 0;  ///< of the program; those of the path are more where it steps its feeds
+  bool feeds_chosen = false;          ///< the plan chose feeds and steps of feed
+  Toolpath path;                      ///< with lowered feeds, where the plan lowered any
   ProgramPlan plan;
   std::size_t corners = 0;         ///< joints that turn or stop
   std::size_t delayed = 0;         ///< of these with a delay
@@ -31,8 +39,10 @@ struct ProgramResult {
   double worst_error = 0.0;        ///< m, over joints that have a tolerance
   double worst_utilisation = 0.0;  ///< error/tolerance, and its line
   std::uint32_t worst_line = 0;
-  std::size_t worst_shown = 5;         ///< corners that JSON and the summary list, see worst_corners
-  double cycle_time = 0.0;             ///< s, samples of the simulation times T
+  std::size_t worst_shown = 5;  ///< corners that JSON and the summary list, see worst_corners
+  double cycle_time = 0.0;      ///< s, samples of the simulation times T
+  std::optional<double>
+      cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000 blocks
   double cycle_time_one_filter = 0.0;  ///< s, planned with `filter` for every leg
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
@@ -49,8 +59,9 @@ struct ProgramResult {
 /// Plans and verifies a program with a given filter, or, where that is faster, with one of its shape for every leg.
 /// `feasible` only if every joint holds its tolerance and every axis limit and vibration bound is held over the whole
 /// program, else `failed` with the worst in the message.
+/// With Feeds::choose the plan at the programmed feeds is a candidate, so that what comes is never slower than it.
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
-                          bool per_leg = false, bool filter_bound = false);
+                          bool per_leg = false, bool filter_bound = false, Feeds feeds = Feeds::keep);
 
 /// A joint and how much of its tolerance it uses.
 struct CornerUse {

@@ -56,7 +56,11 @@ std::string program_to_json(const ProgramResult& result) {
     }
     json["leg_filters"] = std::move(list);
   }
-  json["blocks"] = result.path.blocks();
+  json["plan"] = result.legs.single() ? "fixed" : "per-leg";
+  json["feeds"] = result.feeds_chosen ? "chosen" : "programmed";
+  json["blocks"] = result.programmed_blocks;
+  json["commanded_blocks"] = result.path.blocks();
+  json["feeds_clamped"] = result.path.clamped.size();
   json["corners"] = {{"count", result.corners},
                      {"delayed", result.delayed},
                      {"exact_stops", result.exact_stops},
@@ -83,6 +87,7 @@ std::string program_to_json(const ProgramResult& result) {
   json["samples"] = result.plan.simulation.samples;
   json["cycle_time_s"] = result.cycle_time;
   if (!result.legs.single()) json["cycle_time_one_filter_s"] = result.cycle_time_one_filter;
+  if (result.feeds_chosen && result.cycle_time_kept) json["cycle_time_kept_feeds_s"] = *result.cycle_time_kept;
   json["cycle_time_exact_stop_s"] = result.cycle_time_exact_stop;
   json["cycle_time_no_delay_s"] = result.cycle_time_no_delay;
   json["lower_bound_s"] = result.lower_bound;

@@ -1,0 +1,27 @@
+#include <stdexcept>
+#include <vector>
+
+#include <accdec/files/process.hpp>
+#include <accdec/program/read/interpreter.hpp>
+
+namespace accdec {
+
+std::string interpreted(const std::filesystem::path& program, const std::filesystem::path& tool_table) {
+  std::vector<std::string> arguments{"rs274", "-g"};
+  if (!tool_table.empty()) arguments.insert(arguments.end(), {"-t", tool_table.string()});
+  arguments.push_back(program.string());
+  ProcessOutput done;
+  try {
+    done = run_process(arguments, "", "linuxcnc-uspace");
+  } catch (const std::runtime_error& missing) {
+    throw std::invalid_argument(
+        program.string() + ": uses parameters, expressions or O words, which LinuxCNC's rs274 runs: " + missing.what() +
+        "; apt-get install linuxcnc-uspace");
+  }
+  if (done.exit_code != 0 || done.output.find("PROGRAM_END") == std::string::npos) {
+    throw std::invalid_argument(program.string() + ": refused by rs274: " + done.errors);
+  }
+  return std::move(done.output);
+}
+
+}  // namespace accdec
