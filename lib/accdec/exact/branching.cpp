@@ -125,9 +125,11 @@ Proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
     tried.push_back({node, std::numeric_limits<double>::infinity()});
   }
   std::sort(tried.begin(), tried.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
-  if (tried.size() > most_tried) tried.resize(most_tried);
+  // Long filters' programmes cost most and refute much the same wherever they are split.
+  const std::size_t most = 3 * box.order > 4 * smallest_order_ + 12 ? 2 : most_tried;
+  if (tried.size() > most) tried.resize(most);
   std::size_t chosen = 0;
-  double most = -1.0;
+  double promise = -1.0;
   for (std::size_t i = 0; i < tried.size() && tried.size() > 1; ++i) {
     const auto [first, second] = parts(whole, tried[i].node);
     const auto gain = [&](const Box& part) {
@@ -137,7 +139,7 @@ Proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
     const double a = gain(first), b = gain(second);
     if (stop_() || (best && best->value < target_ * (1.0 - 1e-9))) break;
     const double product = (a + 1e-6) * (b + 1e-6);
-    if (product > most) most = product, chosen = i;
+    if (product > promise) promise = product, chosen = i;
     if (a == refuted_gain && b == refuted_gain) break;
   }
   return tried[chosen].node;

@@ -38,7 +38,7 @@ void Search::aim(double target) {
 
 void Search::sweep_orders(int least) {
   // Longer filters than these only help where hardly anything is paid for them; the search itself sees to that.
-  const int last = std::min(task_.design.order_max, 2 * least + 8), step = std::max(1, least / 16);
+  const int last = std::min(task_.design.order_max, least + least / 2 + 4), step = std::max(1, least / 16);
   for (int order = least; order <= last && !stop_(); order += step) {
     aim(best ? best->value : std::numeric_limits<double>::infinity());
     Box box = root();
@@ -56,24 +56,22 @@ void Search::sweep_orders(int least) {
 
 bool Search::improve() {
   going_on_ = false;
-  // The last pass is over all designs: a search that is cut short still passes many filters.
+  // The last pass is over all delays and shorter filters: a search that is cut short still passes many filters.
   constexpr int everywhere = 4;
   bool improved = false;
   for (int reach = 1; reach <= everywhere; ++reach) {
     for (bool again = true; again && best && !stop_();) {
       aim(best->value);
       Box box = root();
-      if (reach < everywhere) {
-        box.order_least = std::max(0, best->filter.order() - 2 * reach);
-        box.order_most = best->filter.order() + 2 * reach;
-      }
+      box.order_least = reach < everywhere ? std::max(0, best->filter.order() - 2 * reach) : 0;
+      box.order_most = best->filter.order() + 2 * reach;
       for (std::size_t j = 0; j < box.corners.size() && reach < everywhere; ++j) {
         CornerBox& c = box.corners[j];
         const int delay = best->delays[j], k = closest_sample(model_, best->filter, j, delay);
         c.d1 = std::max(c.d1, delay - 2 * reach), c.d2 = std::min(c.d2, delay + 2 * reach);
         if (model_.cone(j)) c.k1 = std::max(0, k - 2 * reach), c.k2 = k + 2 * reach;
       }
-      budget_end_ = programmes() + 500L * reach;
+      budget_end_ = programmes() + 300L * reach;
       const double before = best->value;
       again = refute(box) == State::found && best->value < before;
       budget_end_ = std::numeric_limits<long>::max();
