@@ -83,6 +83,16 @@ void check_outputs(const Options& options) {
   refuse(options.stream, profiles, "--stream", "profiles");
 }
 
+/// The path may be off a chord's end by the tolerance, and the chord off its arc by more: room for that.
+void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
+  const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    const double tolerance = path.tolerance[b];
+    const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
+    if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
+  }
+}
+
 void run(const Options& options, Context& context) {
   check_outputs(options);
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
@@ -108,6 +118,7 @@ void run(const Options& options, Context& context) {
   reading.dwells_before_filter = options.dwells_before_filter;
   Toolpath path = read(options, task, reading);
   if (options.plan == "profiles") {
+    leave_room_for_arcs(path, reading.read.arc_tolerance);
     constexpr double bound_time = 10.0;  // s, for the bound by linear programmes
     write_profiles(run_profiles(options.program, std::move(path), task, bound_time),
                    {options.json, options.samples, options.stream}, context);

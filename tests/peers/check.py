@@ -64,7 +64,8 @@ def check(motion, points, tolerances, kinds, acceleration, velocity, jerk):
         result["jerk_" + axis] = float(np.abs(j[:, i]).max())
         result["velocity_" + axis] = float(np.abs(v[:, i]).max())
     broken = []
-    if result["excess_max_mm"] > 5e-4:
+    # A polyline through samples cuts a curve by up to |A| T^2/8, |A| at most sqrt(2) of one axis' for two of them.
+    if result["excess_max_mm"] > 3e-4 + 1.5 * acceleration * T * T / 8:
         broken.append("tolerance by %.1f um" % (1e3 * result["excess_max_mm"]))
     for what, bound in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
         most = max(result[what + "_" + axis] for axis in "xyz")

@@ -119,8 +119,7 @@ class Repair {
 
   void limit(std::int64_t first, std::int64_t last, LimitKind kind, double ratio) {
     const auto most = static_cast<std::int64_t>(shares_.acceleration.size()) - 1;
-    // Where the same place breaks a limit again and again, because its neighbours change, too, by more each time.
-    const double factor = round_ < patience ? std::clamp(std::pow(0.995 / ratio, 1.0 + 0.5 * round_), 0.5, 0.98) : 0.5;
+    const double factor = lowering(ratio);
     // With half the swing no change can be too large.
     const double floor = kind == LimitKind::jerk ? std::min(1.0, jerk_floor_) : 0.0;
     for (std::int64_t p = std::clamp<std::int64_t>(first, 0, most); p <= std::min(last, most); ++p) {
@@ -152,6 +151,14 @@ class Repair {
   }
 
  private:
+  /// Little by little where rounds are cheap; where the same place breaks a limit again and again, because its
+  /// neighbours change, too, by more.
+  double lowering(double ratio) const {
+    const bool large = path_.blocks() > 50'000;
+    if (round_ >= (large ? 6 : 60)) return 0.5;
+    if (large) return std::clamp(std::pow(0.995 / ratio, 1.0 + 0.5 * round_), 0.5, 0.98);
+    return std::clamp(0.995 / ratio, 0.6, 0.995);
+  }
   void lower_speed(const ProfileChain& chain, std::size_t c, double factor) {
     if (!(chain.speed_max[c] > 0.0)) return;
     // From the speed driven, which may be below what the corner alone allows.
@@ -165,7 +172,6 @@ class Repair {
   Shares& shares_;
   const Shares old_;
   const int round_;
-  static constexpr int patience = 6;
   double jerk_floor_ = unlimited;
 };
 
