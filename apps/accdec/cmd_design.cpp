@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/design.hpp>
-#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/formats/task_reader.hpp>
 
 #include "output.hpp"
@@ -37,7 +37,7 @@ struct Arguments {
 
 void run(const Arguments& arguments, Context& context) {
   const Task task = read_task(arguments.task);
-  if (!arguments.json.empty()) require_writable(arguments.json);
+  require_outputs({arguments.json}, {arguments.task});
 
   DesignOptions options;
   // Naming a solver is asking for it.
@@ -67,9 +67,9 @@ void run(const Arguments& arguments, Context& context) {
 
   // The first Ctrl-C asks for the best verified design so far, the second ends the program.
   options.cancel = &interrupted;
-  std::signal(SIGINT, ask_to_stop);
+  const auto before = std::signal(SIGINT, ask_to_stop);
   const DesignResult result = design_task(task, options);
-  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGINT, before);
 
   context.exit_code = deliver(result, arguments.json, context);
 }

@@ -1,6 +1,6 @@
 #include <memory>
 
-#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -20,7 +20,7 @@ void add_evaluate(CLI::App& app, Context& context) {
   add_json_option(*command, options->json);
   command->callback([options, &context] {
     const Task task = read_task(options->task, {.require_choices = true});
-    if (!options->json.empty()) require_writable(options->json);
+    require_outputs({options->json}, {options->task});
     context.exit_code = deliver(evaluate_task(task), options->json, context);
   });
 }

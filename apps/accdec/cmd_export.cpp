@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/taps_export.hpp>
 
-#include "command.hpp"
+#include "output.hpp"
 
 namespace accdec::cli {
 
@@ -24,7 +24,7 @@ void add_export(CLI::App& app, Context& context) {
   command->add_option("--format", arguments->format, "csv, c, json, npy, or cascade (lengths of moving averages)")
       ->required()
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(taps_formats), std::end(taps_formats))));
-  command->add_option("--out", arguments->out, "Write to FILE; - is standard output, the default")->type_name("FILE");
+  add_output_option(*command, "--out", arguments->out, "Write to FILE; - is standard output, the default");
   command->callback([arguments, &context] {
     const DesignResult result = read_result(arguments->result);
     if (!result.filter) {
@@ -33,6 +33,7 @@ void add_export(CLI::App& app, Context& context) {
       context.exit_code = exit_no_answer;
       return;
     }
+    require_outputs({arguments->out}, {arguments->result});
     write_file(arguments->out, export_taps(result, arguments->format));
   });
 }

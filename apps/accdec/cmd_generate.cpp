@@ -2,10 +2,10 @@
 #include <memory>
 #include <string>
 
-#include <accdec/files/stream_file.hpp>
+#include <accdec/files/output_file.hpp>
 #include <accdec/program/write/generate.hpp>
 
-#include "command.hpp"
+#include "output.hpp"
 
 namespace accdec::cli {
 
@@ -30,14 +30,10 @@ void add_generate(CLI::App& app, Context&) {
   command->add_option("--tolerance", options->generate.tolerance, "mm, of G64 P")
       ->check(CLI::Range(1e-6, 1e3))
       ->capture_default_str();
-  command->add_option("--out", options->out, "File to write, - for standard output")
-      ->type_name("FILE")
-      ->capture_default_str();
+  add_output_option(*command, "--out", options->out, "File to write, - for standard output")->capture_default_str();
   command->callback([options] {
-    StreamFile file;
-    file.open(options->out);
+    OutputFile file(options->out);
     generate_program(*generated_program_from_string(options->kind), options->generate, file.stream());
-    file.close();
     file.commit();
   });
 }

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
 #include <accdec/formats/manifest.hpp>
 #include <accdec/formats/task_reader.hpp>
@@ -59,10 +59,15 @@ void run(const Arguments& arguments, Context& context) {
   manifest["command"] = command;
   add_environment(manifest, ACCDEC_VERSION);
   OutputFiles output;
+  std::vector<std::string> names{(std::filesystem::path(arguments.out) / "manifest.json").string()},
+      inputs = arguments.tasks;
+  inputs.push_back(arguments.growth);
   for (auto& [name, content] : optima_documents(optima, growth)) {
-    output.add((std::filesystem::path(arguments.out) / name).string(), std::move(content));
+    names.push_back((std::filesystem::path(arguments.out) / name).string());
+    output.add(names.back(), std::move(content));
   }
-  output.add((std::filesystem::path(arguments.out) / "manifest.json").string(), manifest.dump(2) + "\n");
+  require_outputs(names, inputs);
+  output.add(names.front(), manifest.dump(2) + "\n");
   output.commit();
 
   if (!context.quiet) std::fputs(optima_text(optima).c_str(), stdout);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
 #include <accdec/paper/paper_report.hpp>
 #include <accdec/paper/paper_tables.hpp>

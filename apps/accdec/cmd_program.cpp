@@ -5,11 +5,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <sys/resource.h>
 
-#include <accdec/files/atomic_file.hpp>
-#include <accdec/files/stream_file.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/plot/plot_program.hpp>
@@ -18,7 +18,7 @@
 #include <accdec/program/read/read_error.hpp>
 #include <accdec/program/write/report.hpp>
 
-#include "command.hpp"
+#include "output.hpp"
 #include "program_profiles.hpp"
 
 namespace accdec::cli {
@@ -97,17 +97,8 @@ void run(const Options& options, Context& context) {
   check_outputs(options);
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
-  for (const std::string& path :
-       {options.json, options.delays, options.samples, options.emit, options.figure, options.stream}) {
-    if (path.empty()) continue;
-    std::error_code none;
-    for (const std::string& input : {options.program, options.task}) {
-      // Everything is written beside its target first.
-      if (std::filesystem::equivalent(path, input, none) || std::filesystem::equivalent(path + ".part", input, none))
-        throw std::invalid_argument(path + " is an input: write to another file");
-    }
-    require_writable(path);
-  }
+  require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},
+                  {options.program, options.task, options.tool_table});
   const bool per_leg = options.per_leg || options.plan == "per-leg";
   const Feeds feeds = options.feeds == "keep" ? Feeds::keep : Feeds::choose;
   ToolpathOptions reading;
@@ -139,16 +130,14 @@ void run(const Options& options, Context& context) {
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) == 0) result.peak_memory = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
   // The large ones first, beside their targets; everything gets its name only when all is written.
-  StreamFile samples, emitted;
+  std::vector<OutputFile> large;
   if (!options.samples.empty()) {
-    samples.open(options.samples);
-    write_samples(result, samples.stream());
-    samples.close();
+    write_samples(result, large.emplace_back(options.samples).stream());
+    large.back().close();
   }
   if (!options.emit.empty()) {
-    emitted.open(options.emit);
-    emit_program(result, emitted.stream());
-    emitted.close();
+    emit_program(result, large.emplace_back(options.emit).stream());
+    large.back().close();
   }
   OutputFiles files;
   if (!options.json.empty()) files.add(options.json, program_to_json(result));
@@ -158,8 +147,7 @@ void run(const Options& options, Context& context) {
     files.add(options.figure, convert_svg(render_svg(figure), figure_type, figure.title));
   }
   files.commit();
-  samples.commit();
-  emitted.commit();
+  for (OutputFile& file : large) file.commit();
 
   const bool stdout_taken =
       options.json == "-" || options.delays == "-" || options.samples == "-" || options.emit == "-";
@@ -181,19 +169,14 @@ void add_program(CLI::App& app, Context& context) {
                    "Task with the sample period, the axes and the filter; without filter one is designed")
       ->required()
       ->type_name("TASK.toml");
-  command->add_option("--json", options->json, "Write the result to FILE, - for standard output")->type_name("FILE");
-  command->add_option("--delays", options->delays, "Write the delay and error of every corner as CSV")
-      ->type_name("FILE");
-  command->add_option("--samples", options->samples, "Write the sampled motion as CSV")->type_name("FILE");
-  command
-      ->add_option("--emit", options->emit,
-                   "Write the program back with the feeds, dwells and path modes that realise the plan; its G4 must "
-                   "act before the filter")
-      ->type_name("FILE");
-  command
-      ->add_option("--figure", options->figure,
-                   "Draw the path by its errors and a histogram of the delays, .svg, .png, .pdf or .html")
-      ->type_name("FILE");
+  add_output_option(*command, "--json", options->json, "Write the result to FILE, - for standard output");
+  add_output_option(*command, "--delays", options->delays, "Write the delay and error of every corner as CSV");
+  add_output_option(*command, "--samples", options->samples, "Write the sampled motion as CSV");
+  add_output_option(*command, "--emit", options->emit,
+                    "Write the program back with the feeds, dwells and path modes that realise the plan; its G4 must "
+                    "act before the filter");
+  add_output_option(*command, "--figure", options->figure,
+                    "Draw the path by its errors and a histogram of the delays, .svg, .png, .pdf or .html");
   command->add_option("--arc-tolerance-um", options->arc_tolerance_um, "Largest distance of a chord from its arc")
       ->type_name("UM")
       ->check(CLI::Range(1e-3, 1e4))
@@ -217,10 +200,8 @@ void add_program(CLI::App& app, Context& context) {
           "its programmed feed")
       ->check(CLI::IsMember({"choose", "keep"}))
       ->capture_default_str();
-  command
-      ->add_option("--stream", options->stream,
-                   "With --plan profiles: one line a cycle of positions, - for standard output")
-      ->type_name("FILE");
+  add_output_option(*command, "--stream", options->stream,
+                    "With --plan profiles: one line a cycle of positions, - for standard output");
   command->add_option("--tool-table", options->tool_table, "LinuxCNC's, for programs that rs274 has to run")
       ->type_name("FILE");
   command->add_option("--worst", options->worst, "How many corners to list by the use of their tolerance")

@@ -1,10 +1,12 @@
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <stdexcept>
 
 #include <malloc.h>
 
 #include <accdec/files/errors.hpp>
+#include <accdec/files/temporaries.hpp>
 
 #include "command.hpp"
 
@@ -34,7 +36,9 @@ int run(int argc, char** argv) {
   app.add_flag("-q,--quiet", context.quiet, "No tables, progress or notes; results go to files and the exit code only");
   app.require_subcommand(1);
   app.fallthrough();
-  app.footer("Exit code 0: done and verified; 1: no acceptable answer; 2: bad usage or input, nothing written.");
+  app.footer(
+      "Exit code 0: done and verified; 1: no acceptable answer; 2: bad usage or input, or an output that cannot be "
+      "written.");
   add_commands(app, context);
   try {
     app.parse(argc, argv);
@@ -62,8 +66,15 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", what);
     return code;
   };
+  // What was printed has arrived, or the command failed.
+  const auto printed = [&](int code) {
+    std::cout.flush();
+    const bool arrived = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
+    return arrived ? code : complain("standard output: cannot be written", cli::exit_bad_input);
+  };
+  remove_temporaries_on_signals();
   try {
-    return cli::run(argc, argv);
+    return printed(cli::run(argc, argv));
   } catch (const InputError& error) {
     return complain(error.what(), cli::exit_bad_input);
   } catch (const OutputError& error) {

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/formats/report.hpp>
 #include <accdec/formats/result_json.hpp>
 

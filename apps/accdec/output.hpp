@@ -8,10 +8,18 @@
 
 namespace accdec::cli {
 
+/// An option that names a file to write; an empty name is bad usage rather than no output.
+inline CLI::Option* add_output_option(CLI::App& command, const std::string& name, std::string& path,
+                                      const std::string& description) {
+  return command.add_option(name, path, description)->type_name("FILE")->check([](const std::string& text) {
+    return text.empty() ? std::string("needs the name of a file, got an empty one") : std::string();
+  });
+}
+
 /// The option --json FILE of commands that write a result.
 inline void add_json_option(CLI::App& command, std::string& path) {
-  command.add_option("--json", path, "Write the result to FILE, - for standard output (then no table is printed)")
-      ->type_name("FILE");
+  add_output_option(command, "--json", path,
+                    "Write the result to FILE, - for standard output (then no table is printed)");
 }
 
 /// Writes the result to `json_path` unless that is empty, prints the table unless quiet or standard output carries

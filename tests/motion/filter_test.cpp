@@ -18,6 +18,16 @@ using test::integer;
 using test::Random;
 using test::random_filter;
 
+// A result is written, read and verified: its taps must come back to the last bit.
+TEST(Filter, NormalisingTwiceChangesNothing) {
+  Random random(5);
+  for (int i = 0; i < 2000; ++i) {
+    const Filter once = random_filter(random, 300);
+    const Filter twice(std::vector<double>(once.taps().begin(), once.taps().end()));
+    EXPECT_TRUE(std::equal(once.taps().begin(), once.taps().end(), twice.taps().begin(), twice.taps().end())) << i;
+  }
+}
+
 TEST(Filter, SequencesEqualTheirDefinitions) {
   Random random(1);
   for (int i = 0; i < 300; ++i) {

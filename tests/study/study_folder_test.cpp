@@ -112,6 +112,15 @@ TEST_F(StudyCommand, ResultsOfAnotherStudyAreLeftAlone) {
   EXPECT_EQ(mine.exit_code, 2);
   EXPECT_THAT(mine.output, HasSubstr("holds no study"));
   EXPECT_EQ(std::distance(fs::directory_iterator(home_ / "mine"), fs::directory_iterator()), 1);
+  // A journal is no passport: somebody else's report stays.
+  write(home_ / "mine/other.journal", "diary");
+  write(home_ / "mine/report.html", "years of work");
+  EXPECT_EQ(run("study study.toml --out mine").exit_code, 2);
+  EXPECT_EQ(content(home_ / "mine/report.html"), "years of work");
+  // The marker of another study is none of this one.
+  fs::create_directories(home_ / "marked");
+  write(home_ / "marked/accdec-folder.json", R"({"schema": "accdec.study/1", "study_hash": "other"})");
+  EXPECT_EQ(run("study study.toml --out marked").exit_code, 2);
   // The base task is part of the study: changing a limit in it must not mix old rows with new.
   ASSERT_EQ(run("study study.toml --out two").exit_code, 0);
   std::string task = content(home_ / "task.toml");

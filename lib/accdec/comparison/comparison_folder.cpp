@@ -10,7 +10,7 @@
 
 #include <accdec/comparison/comparison_folder.hpp>
 #include <accdec/comparison/comparison_report.hpp>
-#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
 #include <accdec/files/seconds_since.hpp>
 #include <accdec/files/text_file.hpp>
@@ -94,10 +94,9 @@ void write_results(const Suite& suite, const std::vector<std::string>& lines, co
 
 ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions& options) try {
   const auto began = Clock::now();
-  check_results_folder(options.out, kind, suite.hash);
+  claim_results_folder(options.out, kind, suite.hash);
   const study::Comparison comparison(suite.settings, suite.cases);
   const fs::path folder = options.out;
-  create_results_folder(options.out);
   const std::string identity = fmt::format("comparison {} {}", suite.hash, comparison.size());
   auto journal = std::make_unique<study::Journal>((folder / "comparison.journal").string(), identity);
   Row session;

@@ -4,43 +4,74 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/files/atomic_file.hpp>
 #include <accdec/files/errors.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
 
 namespace accdec {
 
 namespace fs = std::filesystem;
 
-std::string results_hash(const std::string& folder, const ResultsKind& kind) {
-  const fs::path path = fs::path(folder) / "manifest.json";
+namespace {
+
+/// Which study or suite a manifest or marker names; empty if it is not there, "?" if it is of another kind.
+std::string hash_in(const fs::path& path, const ResultsKind& kind) {
   if (!fs::exists(path)) return "";
   std::ifstream in(path, std::ios::binary);
   const auto json = nlohmann::json::parse(in, nullptr, false);
-  const bool ours = json.is_object() && json.value("schema", "") == kind.schema && json.contains(kind.hash_key) &&
-                    json[kind.hash_key].is_string();
+  const bool ours = json.is_object() && json.contains("schema") && json["schema"] == kind.schema &&
+                    json.contains(kind.hash_key) && json[kind.hash_key].is_string();
   return ours ? json[kind.hash_key].get<std::string>() : "?";
 }
 
-void check_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash) {
-  if (!fs::exists(folder)) return;
-  if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: not a folder", folder));
-  const std::string found = results_hash(folder, kind);
-  if (!found.empty() && found != hash) {
-    throw OutputError(
-        fmt::format("{}: holds the results of another {}, or of an earlier form of this one; nothing was changed. "
-                    "Choose another --out or remove it",
-                    folder, kind.what));
-  }
-  bool journal = false, other = false;
+constexpr const char* marker_name = "accdec-folder.json";
+
+/// Whose a folder is by its marker; empty without one, "?" if the marker is of another kind.
+std::string marked_hash(const fs::path& folder, const ResultsKind& kind) {
+  return hash_in(folder / marker_name, kind);
+}
+
+/// Whether anything is in a folder but what a kill left of the making of its marker.
+bool holds_anything(const fs::path& folder) {
   for (const auto& item : fs::directory_iterator(folder)) {
-    journal = journal || item.path().extension() == ".journal";
-    other = other || item.path().extension() != ".journal";
+    const std::string name = item.path().filename().string();
+    if (!(name.starts_with(marker_name) && name.ends_with(".part"))) return true;
   }
-  if (found.empty() && other && !journal) {
-    throw OutputError(
-        fmt::format("{}: is not empty and holds no {}; nothing was changed. Choose another --out", folder, kind.what));
+  return false;
+}
+
+}  // namespace
+
+std::string results_hash(const std::string& folder, const ResultsKind& kind) {
+  return hash_in(fs::path(folder) / "manifest.json", kind);
+}
+
+void claim_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash) {
+  if (fs::exists(folder)) {
+    if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: not a folder", folder));
+    const std::string finished = results_hash(folder, kind), marked = marked_hash(folder, kind);
+    for (const std::string& found : {finished, marked}) {
+      if (found.empty() || found == hash) continue;
+      throw OutputError(
+          fmt::format("{}: holds the results of another {}, or of an earlier form of this one; nothing was changed. "
+                      "Choose another --out or remove it",
+                      folder, kind.what));
+    }
+    if (!marked.empty()) return;
+    if (finished.empty() && holds_anything(folder)) {
+      throw OutputError(
+          fmt::format("{}: is not empty and holds no {}; nothing was changed. Choose another --out (folders of results "
+                      "are told by their {})",
+                      folder, kind.what, marker_name));
+    }
   }
+  create_results_folder(folder);
+  nlohmann::ordered_json marker;
+  marker["schema"] = kind.schema;
+  marker[kind.hash_key] = hash;
+  marker["note"] =
+      fmt::format("accdec keeps the results of this {} here and replaces them; keep nothing else here", kind.what);
+  write_file((fs::path(folder) / marker_name).string(), marker.dump(2) + "\n");
 }
 
 void create_results_folder(const std::string& folder) {

@@ -14,9 +14,11 @@ struct ResultsKind {
 /// Hash that a folder's manifest names; empty without a manifest, "?" for one of another kind.
 std::string results_hash(const std::string& folder, const ResultsKind& kind);
 
-/// Refuses a folder that holds anything but these results or their journal, before anything in it is touched.
+/// Makes a folder these results' own before anything in it is touched: one that is not there or empty gets a marker,
+/// accdec-folder.json, with the schema and the hash; one that has the marker, or a manifest with both, is kept; any
+/// other is refused.
 /// @throws OutputError
-void check_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash);
+void claim_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash);
 
 /// Makes a folder for results, with those it lies in, unless it is there already. @throws OutputError
 void create_results_folder(const std::string& folder);

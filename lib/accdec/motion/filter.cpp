@@ -6,6 +6,31 @@
 #include <accdec/motion/filter.hpp>
 
 namespace accdec {
+namespace {
+
+/// Sum with the rounding of every addition added up beside it (Neumaier): exact but for the last bit.
+double sum_of(const std::vector<double>& terms) {
+  double sum = 0.0, lost = 0.0;
+  for (const double term : terms) {
+    const double next = sum + term;
+    lost += std::abs(sum) >= std::abs(term) ? (sum - next) + term : (term - next) + sum;
+    sum = next;
+  }
+  return sum + lost;
+}
+
+/// To sum 1. Taps that were normalised before stay as they are to the last bit, so that a filter written and read again
+/// is the same.
+void normalise(std::vector<double>& taps, double largest) {
+  constexpr double rounding = 4.5e-16;  // each tap was rounded once, by half of 2.2e-16 of itself, and so was the sum
+  if (largest <= 1.0 && std::abs(sum_of(taps) - 1.0) <= rounding) return;
+  // Scaling by the largest tap first keeps the sum finite for taps near the ends of the double range.
+  for (double& b : taps) b /= largest;
+  const double sum = sum_of(taps);
+  for (double& b : taps) b /= sum;
+}
+
+}  // namespace
 
 Filter::Filter(std::vector<double> taps) : taps_(std::move(taps)) {
   if (taps_.empty()) throw std::invalid_argument("a filter needs at least one tap");
@@ -20,10 +45,7 @@ Filter::Filter(std::vector<double> taps) : taps_(std::move(taps)) {
   }
   if (largest == 0.0) throw std::invalid_argument("all taps are zero; their sum must be positive");
 
-  // Scaling by the largest tap first keeps the sum finite for taps near the ends of the double range.
-  double sum = 0.0;
-  for (double& b : taps_) sum += (b /= largest);
-  for (double& b : taps_) b /= sum;
+  normalise(taps_, largest);
 
   const std::size_t n = taps_.size();
   cumulative_.resize(n + 1);

@@ -96,7 +96,7 @@ void write_all(int file, const std::string& path, std::string_view text) {
 }  // namespace
 
 Journal::Journal(std::string path, const std::string& study) : path_(std::move(path)) {
-  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0644);
   if (file_ < 0) throw JournalError(fmt::format("{}: {}", path_, std::strerror(errno)));
   try {
     if (!lock(file_)) throw JournalError(fmt::format("{}: in use by another accdec study", path_));

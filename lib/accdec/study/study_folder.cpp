@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/files/atomic_file.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
 #include <accdec/files/seconds_since.hpp>
 #include <accdec/formats/manifest.hpp>
@@ -139,12 +139,8 @@ StudySummary merge(const Study& study, const StudyRunOptions& options, Clock::ti
   const Entries all = collect_shards(study, options.merge);
   StudySummary summary{
       .points = all.size(), .found = all.size(), .bad = count_bad(all), .lost = count_lost(all), .finished = true};
-  create_results_folder(options.out);
-  // Says whose folder this is until the manifest does, should a kill fall between.
-  const std::string journal_path = (fs::path(options.out) / "study.journal").string();
-  const study::Journal journal(journal_path, identity(study));
+  claim_results_folder(options.out, kind, study.hash());
   write_results(study, all, options, began, summary);
-  fs::remove(journal_path);
   return summary;
 }
 
@@ -160,15 +156,14 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
                                                       : fmt::format("more than {} need --large", large_study)));
   }
   const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
-  check_results_folder(options.out, kind, study.hash());
   if (!options.merge.empty()) return merge(study, options, began);
+  claim_results_folder(options.out, kind, study.hash());
 
   const bool whole = options.shards == 1;
   const fs::path folder = options.out;
   const std::string journal_path =
       (folder / (whole ? "study.journal" : fmt::format("shard-{}-of-{}.journal", options.shard, options.shards)))
           .string();
-  create_results_folder(options.out);
   study::Journal journal(journal_path, identity(study));
   if (options.fresh) journal.begin_anew();
   Entries entries = journal.entries();

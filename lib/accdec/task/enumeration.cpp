@@ -71,4 +71,21 @@ std::string check_smallest_delays(const Task& task, const Filter& filter, const 
   return {};
 }
 
+std::string check_no_delays(const Task& task, const Filter& filter) {
+  Task part = task;
+  part.corners.clear();
+  if (!verify_by_simulation(part, filter, {}).feasible) return {};  // vibration, in which delays have no part
+  part.machine.modes.clear();
+  // With d = N + 1 the legs no longer overlap, but the jerk spans both; from N + 2 on nothing changes any more.
+  const auto holds = [&](int delay) { return verify_by_simulation(part, filter, {delay}).feasible; };
+  for (const TaskCorner& corner : task.corners) {
+    part.corners = {corner};
+    const int last = corner.delay.value_or(filter.order() + 2);
+    int delay = corner.delay.value_or(0);
+    while (delay <= last && !holds(delay)) ++delay;
+    if (delay > last) return {};
+  }
+  return "every corner holds its limits with some delay of this filter";
+}
+
 }  // namespace accdec

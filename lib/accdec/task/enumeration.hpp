@@ -14,4 +14,9 @@ namespace accdec {
 /// @return empty when the claim holds, otherwise the reason it does not.
 std::string check_smallest_delays(const Task& task, const Filter& filter, const std::vector<int>& delays);
 
+/// Checks that a filter has no delays: that it rings more than a mode allows, or that one corner breaks a limit at
+/// every delay it may have. Every delay is simulated. O(axes N^2) a corner.
+/// @return empty when the claim holds, otherwise the reason it does not.
+std::string check_no_delays(const Task& task, const Filter& filter);
+
 }  // namespace accdec

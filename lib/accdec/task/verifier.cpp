@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -67,21 +68,35 @@ LimitUse make_use(LimitKind kind, const std::string& axis, const std::string& co
   return use;
 }
 
-void axis_uses(const SampledMotion& m, const Machine& machine, const std::string& corner,
-                 std::vector<LimitUse>& out) {
+/// What an axis limit bounds, at one row.
+double axis_quantity(LimitKind kind, const SampledMotion& m, const Axis& axis, Eigen::Index a, int row) {
+  const double force = axis.mass * m.acceleration(row, a) + axis.damping * m.velocity(row, a);
+  switch (kind) {
+    case LimitKind::velocity: return std::abs(m.velocity(row, a));
+    case LimitKind::acceleration: return std::abs(m.acceleration(row, a));
+    case LimitKind::jerk: return std::abs(m.jerk(row, a));
+    case LimitKind::force: return std::abs(force);
+    case LimitKind::power: return force * m.velocity(row, a);
+    case LimitKind::regeneration: return -force * m.velocity(row, a);
+    default: return 0.0;
+  }
+}
+
+void axis_uses(const SampledMotion& m, const Machine& machine, const std::string& corner, std::vector<LimitUse>& out) {
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
     const Axis& axis = machine.axes[i];
     const auto a = static_cast<Eigen::Index>(i);
-    const auto force = [&](int n) { return axis.mass * m.acceleration(n, a) + axis.damping * m.velocity(n, a); };
-    const auto add = [&](LimitKind kind, double bound, auto quantity) {
-      if (bound < unlimited) out.push_back(make_use(kind, axis.name, corner, peak_over_events(m, quantity), bound));
+    const auto add = [&]<LimitKind kind>(double bound) {
+      if (bound >= unlimited) return;
+      out.push_back(make_use(kind, axis.name, corner,
+                             peak_over_events(m, [&](int n) { return axis_quantity(kind, m, axis, a, n); }), bound));
     };
-    add(LimitKind::velocity, axis.velocity_max, [&](int n) { return std::abs(m.velocity(n, a)); });
-    add(LimitKind::acceleration, axis.acceleration_max, [&](int n) { return std::abs(m.acceleration(n, a)); });
-    add(LimitKind::jerk, axis.jerk_max, [&](int n) { return std::abs(m.jerk(n, a)); });
-    add(LimitKind::force, axis.force_max, [&](int n) { return std::abs(force(n)); });
-    add(LimitKind::power, axis.power_max, [&](int n) { return force(n) * m.velocity(n, a); });
-    add(LimitKind::regeneration, axis.regeneration_max, [&](int n) { return -force(n) * m.velocity(n, a); });
+    add.template operator()<LimitKind::velocity>(axis.velocity_max);
+    add.template operator()<LimitKind::acceleration>(axis.acceleration_max);
+    add.template operator()<LimitKind::jerk>(axis.jerk_max);
+    add.template operator()<LimitKind::force>(axis.force_max);
+    add.template operator()<LimitKind::power>(axis.power_max);
+    add.template operator()<LimitKind::regeneration>(axis.regeneration_max);
   }
 }
 
@@ -237,6 +252,24 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
   if (limits != nullptr) *limits = std::move(uses);
   if (corners != nullptr) *corners = std::move(measured);
   return report;
+}
+
+double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use) {
+  if (use.kind == LimitKind::vibration) return residual_amplitude(filter, use.frequency, task.sample_period);
+  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+    if (task.corners[j].name != use.corner) continue;
+    const SampledMotion m = simulate_corner(filter, task.corners[j].geometry, delays[j], task.sample_period);
+    const int zero = use.event == Event::start ? m.start : use.event == Event::blend ? m.corner : m.stop;
+    const int row = zero + use.sample;
+    if (use.event == Event::none || row < 0 || row >= m.velocity.rows()) break;
+    if (use.kind == LimitKind::corner_error) return m.position.row(row).norm();
+    if (use.kind == LimitKind::speed_min) return m.velocity.row(row).norm();
+    for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+      const Axis& axis = task.machine.axes[a];
+      if (axis.name == use.axis) return axis_quantity(use.kind, m, axis, static_cast<Eigen::Index>(a), row);
+    }
+  }
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 DesignResult assess(const Task& task, const Filter& filter, const std::vector<int>& delays, bool keep_broken) {

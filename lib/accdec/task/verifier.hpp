@@ -35,6 +35,11 @@ DesignResult assess(const Task& task, const Filter& filter, const std::vector<in
 /// @throws std::invalid_argument when the filter or a delay is left open.
 DesignResult evaluate_task(const Task& task);
 
+/// The value of a limit at the event and sample (or the frequency) that `use` names; not a number if there is no such
+/// place.
+/// @param delays  one per corner, >= 0
+double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use);
+
 /// "force x: 97.1 % at k = 12 of the stop, corner A".
 std::string describe(const LimitUse& use);
 

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <accdec/files/output_file.hpp>
+
+namespace accdec {
+
+/// Writes a whole file or nothing, as `OutputFile` describes. @throws OutputError naming the path
+void write_file(const std::string& path, std::string_view content);
+
+/// Several outputs of one command, written all or none: `commit` first writes every file beside its target, and only
+/// when all are on the disk gives them their names. Standard output, pipes and devices come last.
+class OutputFiles {
+ public:
+  OutputFiles() = default;
+  OutputFiles(const OutputFiles&) = delete;
+  OutputFiles& operator=(const OutputFiles&) = delete;
+
+  /// Adds one; an existing file is replaced. @throws OutputError if a file is given twice
+  void add(const std::string& path, std::string content);
+  /// @throws OutputError naming the path that failed; then no file has been changed
+  void commit();
+
+ private:
+  std::vector<std::pair<std::string, std::string>> files_;
+};
+
+/// For the beginning of a command, before it computes: throws OutputError unless every output could be written now, is
+/// none of the inputs and no other output. Files are compared by what they are, not by their names: links and other
+/// spellings are found out. Empty names stand for outputs that are not wanted.
+void require_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
+
+/// Whether two names lead to one file: one that is there, or one that would be made.
+bool same_file(const std::string& a, const std::string& b);
+
+}  // namespace accdec
