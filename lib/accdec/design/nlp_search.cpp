@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/task/conflict.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/motion/shapes.hpp>
+#include <accdec/task/conflict.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/task/verifier.hpp>
