@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -29,11 +30,25 @@ extern "C" void ask_to_stop(int) {
 struct Arguments {
   std::string task, json, method, solver;
   double time_limit = 600.0;
+  std::string gap = "0 %";
   std::uint64_t seed = 1;
   bool solver_given = false;
   std::vector<std::string> native;
   bool no_certificate = false;
 };
+
+/// "1%", "1 %" or "0.01" as a fraction; none if it is neither, or not from 0 to less than 1.
+std::optional<double> fraction(const std::string& text) {
+  std::string number = text;
+  const bool percent = !number.empty() && number.back() == '%';
+  if (percent) number.pop_back();
+  while (!number.empty() && number.back() == ' ') number.pop_back();
+  double value = 0.0;
+  if (!CLI::detail::lexical_cast(number, value)) return std::nullopt;
+  if (percent) value /= 100.0;
+  if (!(value >= 0.0 && value < 1.0)) return std::nullopt;
+  return value;
+}
 
 void run(const Arguments& arguments, Context& context) {
   const Task task = read_task(arguments.task);
@@ -55,6 +70,10 @@ void run(const Arguments& arguments, Context& context) {
     fmt::print(stderr, "the filter is given: its delays are enumerated, {} is not used\n", options.solver);
   }
   options.time_limit = arguments.time_limit;
+  options.gap = fraction(arguments.gap).value_or(0.0);
+  if (options.gap > 0.0 && options.method == Method::nlp) {
+    throw std::invalid_argument("--gap goes with the exact method: no other proves a bound");
+  }
   options.solver_options.seed = arguments.seed;
   options.certificate = !arguments.no_certificate;
   for (const std::string& pair : arguments.native) {
@@ -93,6 +112,12 @@ void add_design(CLI::App& app, Context& context) {
         double seconds = 0.0;
         const bool number = CLI::detail::lexical_cast(text, seconds) && std::isfinite(seconds) && seconds > 0.0;
         return number ? std::string() : "must be a number of seconds > 0, got " + text;
+      });
+  command
+      ->add_option("--gap", arguments->gap,
+                   "end once the design is proved to be within this of the shortest, 1% or 0.01 (default 0)")
+      ->check([](const std::string& text) {
+        return fraction(text) ? std::string() : "must be from 0 to less than 100 %, as 1% or 0.01, got " + text;
       });
   command->add_option("--seed", arguments->seed, "seed of solvers that draw random numbers")
       ->check([](const std::string& text) {

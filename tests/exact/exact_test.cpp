@@ -2,6 +2,7 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <accdec/certificate/certificate.hpp>
 #include <accdec/design/design.hpp>
@@ -230,6 +231,65 @@ TEST(Exact, DesignsThatRoundingKeepsFromVerifyingAreAskedForWithAMargin) {
     task.machine.modes = {{38.0, 46.0, residual}};
     expect_proved(task, design_exact(task));
   }
+}
+
+// A residual this small is more than the programme's own tolerance of it, and took the proof of an earlier version
+// down.
+TEST(Exact, ResidualsOfAThousandthAreProved) {
+  Axis axis;
+  axis.acceleration_max = 8.0;
+  axis.jerk_max = 1000.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 100e-6);
+  task.machine.modes = {{38.0, 46.0, 0.001}};
+  expect_proved(task, design_exact(task));
+}
+
+// Force rows of two axes, power and two bands: some of its parts have programmes on the edge of being feasible.
+TEST(Exact, PartsOnTheEdgeDoNotEndTheProof) {
+  Axis x, y;
+  x.name = "x0", y.name = "x1";
+  x.acceleration_max = 4.525166988835355, x.jerk_max = 691.6727155025087;
+  x.mass = 17.96361797525657, x.damping = 76.02906621765264, x.force_max = 90.18430250683483;
+  x.power_max = 7.243153710716426;
+  y.mass = 25.444405982247034, y.damping = 756.8663256936246, y.force_max = 213.71076968617967;
+  y.power_max = 18.862239266895934;
+  Task task = plane_task(x, plane_corner("A", 142.22706155045682, 180, 0.11700698, 0.06662119), 183.01961e-6);
+  task.machine.axes = {x, y};
+  task.sample_period = 2e-3;
+  task.machine.modes = {{19.61374606757834, 19.972084116457452, 0.01}, {55.93239487751842, 61.525634365270264, 0.1}};
+  expect_proved(task, design_exact(task));
+}
+
+TEST(Exact, EndsAtTheGapAskedFor) {
+  Axis axis;
+  axis.acceleration_max = 6.0;
+  axis.jerk_max = 500.0;
+  const Task task = plane_task(axis, plane_corner("A", 95, 0, 0.1, 0.1), 50e-6);
+  const DesignResult best = design_exact(task);
+  for (const double gap : {0.02, 0.1, 0.3}) {
+    ExactOptions options;
+    options.gap = gap;
+    const DesignResult result = design_exact(task, options);
+    ASSERT_TRUE(result.gap && result.lower_bound);
+    EXPECT_LE(*result.gap, gap);
+    EXPECT_LE(*result.lower_bound, best.objective() * (1.0 + 1e-12));
+    EXPECT_GE(result.objective(), best.objective() * (1.0 - 1e-12));
+    EXPECT_TRUE(check_certificate(task, result).accepted);
+  }
+}
+
+TEST(Exact, CertificatesOfInfeasibilityNameTheLimitsInConflict) {
+  Axis axis;
+  axis.acceleration_max = 1.0;
+  axis.jerk_max = 1000.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 100e-6);
+  task.design.order_max = 40;  // 100 samples of acceleration are needed
+  const DesignResult result = design_exact(task);
+  ASSERT_EQ(result.status, Status::infeasible);
+  const auto certificate = nlohmann::json::parse(result.certificate);
+  ASSERT_EQ(certificate.at("conflict").size(), 1u);
+  EXPECT_NE(certificate.at("conflict")[0].get<std::string>().find("acceleration"), std::string::npos);
+  EXPECT_TRUE(check_certificate(task, result).accepted);
 }
 
 TEST(Exact, AMarginIsHeld) {

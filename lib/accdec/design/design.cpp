@@ -14,6 +14,7 @@ namespace {
 ExactOptions exact_options(const DesignOptions& options) {
   ExactOptions exact;
   exact.time_limit = options.time_limit;
+  exact.gap = options.gap;
   exact.cancel = options.cancel;
   exact.certificate = options.certificate;
   if (options.progress) {
@@ -69,6 +70,7 @@ DesignResult exact_then_local(const Task& task, const DesignOptions& options) {
     exact.gap.reset();
   }
   if (exact.status == Status::optimal || exact.status == Status::infeasible) return exact;
+  if (options.gap > 0.0 && exact.gap && *exact.gap <= options.gap) return exact;
   DesignOptions local = options;
   local.time_limit -= std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const bool cancelled = options.cancel != nullptr && options.cancel->load();

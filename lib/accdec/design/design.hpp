@@ -21,6 +21,7 @@ struct DesignOptions {
   std::string solver = "ipopt";                      ///< registry name, for Method::nlp
   solvers::Options solver_options;                   ///< tolerance, seed, native options of every single solve
   double time_limit = 600.0;                         ///< s, for the whole design
+  double gap = 0.0;                                  ///< exact: ends once (best - bound)/best is at most this
   const std::atomic<bool>* cancel = nullptr;         ///< ends the search early with the best verified design so far
   std::function<void(const std::string&)> progress;  ///< one line a step; nothing is told when empty
   /// Method::nlp: told of every verified design that is shorter than the one before, with the calls so far.

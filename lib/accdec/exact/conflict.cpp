@@ -9,15 +9,19 @@
 
 namespace accdec::exact {
 
-std::string conflict_message(const Task& task, const std::function<bool()>& stop) {
-  bool minimal = true;
+Conflict find_conflict(const Task& task, const std::function<bool()>& stop) {
+  Conflict conflict;
   const auto may_have_design = [&](const Task& without) {
-    if (stop()) minimal = false;
+    if (stop()) conflict.minimal = false;
     return stop() || Search(without, stop).below(std::numeric_limits<double>::infinity()) != Search::Answer::proved;
   };
-  const std::vector<std::string> conflict = limits_in_conflict(task, true, may_have_design);
+  conflict.limits = limits_in_conflict(task, true, may_have_design);
+  return conflict;
+}
+
+std::string to_message(const Conflict& conflict, const Task& task) {
   return fmt::format("no filter of order {} or less holds together: {}{}", task.design.order_max,
-                     fmt::join(conflict, ", "), minimal ? "" : " (perhaps not all of them needed)");
+                     fmt::join(conflict.limits, ", "), conflict.minimal ? "" : " (perhaps not all of them needed)");
 }
 
 }  // namespace accdec::exact

@@ -42,6 +42,7 @@ void offer_shapes(const Task& task, exact::Search& search, int least, const std:
   }
 }
 
+/// The next target between a bound and what is known to be open or found above it.
 double next_target(double low, double high) {
   for (const double part : {0.8, 0.9, 0.95, 0.97, 0.985}) {
     if (part * high > low * (1.0 + 1e-3)) return part * high;
@@ -96,17 +97,30 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
   };
   const double step = 1.5 * weights;
   // A proof that is short goes for the best design at once; a long one moves its bound target by target.
-  auto answer = search.best && task.corners.size() == 1 ? exact::Search::Answer::found : exact::Search::Answer::unknown;
+  const bool straight = search.best && task.corners.size() == 1 && options.gap == 0.0;
+  auto answer = straight ? exact::Search::Answer::found : exact::Search::Answer::unknown;
+  double open = infinity;  // the least target with a part in which rounding decides
   while (!stop() && answer == exact::Search::Answer::found) {
     answer = search.minimise(high, shortly - search.programmes());
+    if (answer == exact::Search::Answer::open) open = std::min(open, high);
     high = std::min(high, search.best->value);
-    if (search.relaxed) high = std::min(high, search.relaxed->value);
     if (answer == exact::Search::Answer::proved) low = search.proof.target, proved = low >= high;
     tell();
   }
-  while (!stop() && !proved) {
-    double target = high;
-    if (high == infinity) {
+  const auto close_enough = [&] {
+    return options.gap > 0.0 && search.proof.target > 0.0 && search.best && high - low <= options.gap * high;
+  };
+  while (!stop() && !proved && !close_enough()) {
+    double target = std::min(high, open);
+    if (open <= high && high < infinity) {
+      // The bound can still rise to where the open part begins.
+      target = 0.5 * (low + open);
+      if (cost.whole()) target = std::floor(target);
+      if (target <= low || open - low <= 1e-3 * open) break;
+    } else if (options.gap > 0.0 && high < infinity) {
+      target = std::max(0.5 * (low + high), (1.0 - options.gap) * high);
+      if (cost.whole()) target = std::ceil(target);
+    } else if (high == infinity) {
       trial = std::max(trial + step, 1.3 * trial);
       target = trial >= longest ? infinity : trial;
     } else if (high - low > step) {
@@ -119,8 +133,9 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     answer = search.below(target);
     if (answer == exact::Search::Answer::unknown) break;
     if (several && answer == exact::Search::Answer::found) search.improve();
+    if (answer == exact::Search::Answer::open) open = std::min(open, target);
+    if (open == infinity && answer == exact::Search::Answer::open) break;
     if (search.best) high = std::min(high, search.best->value);
-    if (search.relaxed) high = std::min(high, search.relaxed->value);
     if (answer == exact::Search::Answer::proved) {
       low = std::max(low, target);
       if (target == infinity) infeasible = true;
@@ -133,7 +148,9 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
 
   if (infeasible) {
     result.status = Status::infeasible;
-    result.message = exact::conflict_message(task, stop);
+    const exact::Conflict conflict = exact::find_conflict(task, stop);
+    result.message = exact::to_message(conflict, task);
+    search.proof.conflict = conflict.limits;
   } else {
     if (search.best) {
       const exact::Candidate& best = *search.best;
@@ -147,12 +164,14 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     } else {
       result.status = Status::failed;
       result.lower_bound = low * period;
-      result.message = stop() ? "stopped before a design was found"
-                              : "no design was found that holds the limits outside the convex class";
+      result.message = stop()      ? "stopped before a design was found"
+                       : is_convex ? "rounding decides whether there is a design"
+                                   : "no design was found that holds the limits outside the convex class";
     }
     if (result.status == Status::feasible) {
-      result.message =
-          stop() ? "stopped before the proof was complete" : "rounding decides whether anything is shorter";
+      result.message = stop()           ? "stopped before the proof was complete"
+                       : close_enough() ? "stopped at the gap asked for"
+                                        : "rounding decides whether anything is shorter";
     }
   }
   if (options.certificate && search.proof.target > 0.0) result.certificate = exact::to_json(search.proof, task.design);

@@ -17,6 +17,7 @@ struct ExactProgress {
 
 struct ExactOptions {
   double time_limit = 600.0;  ///< s
+  double gap = 0.0;           ///< ends once (best - bound)/best is at most this
   std::function<void(const ExactProgress&)> progress;
   const std::atomic<bool>* cancel = nullptr;
   bool certificate = true;  ///< keep the proof in the result

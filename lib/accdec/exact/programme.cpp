@@ -38,6 +38,7 @@ Programme::Programme(const LimitModel& model, int order, const std::function<boo
 }
 
 const LpSolution& Programme::solve() {
+  if (clp_alone_) return solution_ = solve_by_clp(lp_, stop_);
   solution_.status = lp_.solve();
   if (solution_.status == DualSimplex::Status::trouble) return solution_ = solve_by_clp(lp_, stop_);
   solution_.objective = lp_.objective();

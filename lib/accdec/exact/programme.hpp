@@ -26,6 +26,8 @@ class Programme {
   void prepare(const Box& box, bool symmetric);
   /// Forgets basis and cuts: rounding piles up from one warm start to the next.
   void start_cold();
+  /// From now on by Clp alone, or by the dense dual simplex first.
+  void use_clp_alone(bool alone) { clp_alone_ = alone; }
   /// After `prepare`: asks for no margin of the cones, and adds tangents that the excess may break.
   void soften(const std::vector<RowId>& close, const Filter& at, const Box& box);
   /// Solves it as it stands: by the dense dual simplex, or by Clp where that loses its digits.
@@ -78,6 +80,7 @@ class Programme {
   double slack_;
   double least_ = 0.0;  // no more margin than this is asked of the cones
   std::function<bool()> stop_;
+  bool clp_alone_ = false;
   DualSimplex lp_;
   LpSolution solution_;
   std::vector<RowId> ids_;

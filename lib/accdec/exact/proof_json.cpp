@@ -40,6 +40,7 @@ std::string to_json(const Proof& proof, const DesignBounds& design) {
   out["objective"] = to_string(design.objective);
   if (design.objective == Objective::cycle) out["runs"] = design.runs;
   out["bound_samples"] = std::isfinite(proof.target) ? nlohmann::json(proof.target) : nlohmann::json(nullptr);
+  if (!proof.conflict.empty()) out["conflict"] = proof.conflict;
   out["multipliers"] = nlohmann::json::array();
   // Splits that were tried and not taken leave multipliers behind that no leaf uses.
   std::vector<int> number(proof.multipliers.size(), -1);

@@ -9,15 +9,22 @@ namespace accdec::exact {
 class Relaxation::Impl {
  public:
   Impl(const LimitModel& model, int order, const std::function<bool()>& stop, double margin)
-      : model_(model), programme_(model, order, stop, margin) {}
+      : model_(model), stop_(stop), programme_(model, order, stop, margin) {}
 
   Outcome solve(const Box& box, bool symmetric, bool strongest) {
     programme_.prepare(box, symmetric);
     Outcome outcome = cut(box, symmetric, true, strongest);
     if (outcome.kind != Outcome::unresolved) return outcome;
-    programme_.start_cold();
-    programme_.prepare(box, symmetric);
-    return cut(box, symmetric, true, strongest);
+    // Once more from the start, and then by another's arithmetic.
+    for (const bool clp : {false, true}) {
+      if (outcome.kind != Outcome::unresolved || (stop_ && stop_())) break;
+      programme_.start_cold();
+      programme_.prepare(box, symmetric);
+      programme_.use_clp_alone(clp);
+      outcome = cut(box, symmetric, true, strongest);
+    }
+    programme_.use_clp_alone(false);
+    return outcome;
   }
 
   /// A limit outside the convex class holds where its tangent at a known point holds; from point to point the excess
@@ -84,6 +91,7 @@ class Relaxation::Impl {
   }
 
   const LimitModel& model_;
+  std::function<bool()> stop_;
   Programme programme_;
   long solved_ = 0;
 };

@@ -79,7 +79,7 @@ void Search::size_for(int order) {
 void Search::consider(Filter filter, const std::vector<int>& delays) {
   const double value = value_of(task_, filter.order(), delays);
   if (best && value >= best->value * (1.0 - 1e-12)) return;
-  if (verify_by_simulation(task_, filter, delays).feasible) best = Candidate{std::move(filter), delays, value, true};
+  if (verify_by_simulation(task_, filter, delays).feasible) best = Candidate{std::move(filter), delays, value};
 }
 
 Filter Search::mended(const Filter& filter, const Box& box, bool symmetric, const std::vector<int>& delays) {
@@ -168,7 +168,8 @@ Search::Answer Search::search(double target) {
   if (tighten(task_, target, box)) size_for(box.order);
   const State state = refute(root());
   if (state == State::found) return Answer::found;
-  if (state != State::closed) return Answer::unknown;
+  if (state == State::open) return Answer::open;
+  if (state == State::stopped) return Answer::unknown;
   current_.target = target_;
   if (target_ < target) {
     auto shorter = pruned(model_, root(), current_);
@@ -182,11 +183,8 @@ Search::Answer Search::search(double target) {
 /// After something was found in a box: lowers the target to it and looks at the box again.
 Search::State Search::go_on(State state, const Box& box) {
   if (state != State::found || !going_on_) return state;
-  double shortest = target_;
-  if (best) shortest = std::min(shortest, best->value);
-  if (relaxed) shortest = std::min(shortest, relaxed->value);
-  if (!(shortest < target_)) return state;
-  target_ = shortest;
+  if (!best || !(best->value < target_)) return state;
+  target_ = best->value;
   return refute(box);
 }
 
@@ -266,8 +264,7 @@ Search::State Search::refute(Box box) {
   if (found()) return State::found;
   current_.tree.push_back(node);
   const auto [first, second] = parts(whole, node);
-  const State state = refute(first);
-  return state == State::closed ? refute(second) : state;
+  return both(refute(first), [&, part = &second] { return refute(*part); });
 }
 
 /// A box of one delay and one sample for every corner.
@@ -276,21 +273,18 @@ Search::State Search::refute_single(Box box, Outcome outcome) {
     if (!task_.design.symmetric) return refute_sums(std::move(box), false, 0);
     leave(Proof::Node::symmetric);
     const State state = refute_sums(box, true, 0);
-    if (state != State::closed || box.order - 1 < std::max(task_.design.order_min, 0)) return state;
+    if (box.order - 1 < std::max(task_.design.order_min, 0)) return state;
     --box.order;
-    return refute_sums(std::move(box), true, 0);
+    return both(state, [&] { return refute_sums(box, true, 0); });
   }
   std::vector<int> delays;
   for (const CornerBox& b : box.corners) delays.push_back(b.d1);
   const auto found = [&](const Filter& filter, const Box& of) {
-    const Filter shorter = trimmed(mended(filter, of, task_.design.symmetric, delays), task_.design);
-    const double value = value_of(task_, shorter.order(), delays);
-    consider(shorter, delays);
-    if (!relaxed || value < relaxed->value) relaxed = Candidate{shorter, delays, value, false};
-    return State::found;
+    consider(trimmed(mended(filter, of, task_.design.symmetric, delays), task_.design), delays);
+    return best && best->value < target_ * (1.0 - 1e-9) ? State::found : undecided();
   };
   if (!task_.design.symmetric) {
-    if (outcome.kind != Outcome::feasible) return State::stopped;
+    if (outcome.kind != Outcome::feasible) return undecided();
     return found(*outcome.filter, box);
   }
   int leaf[2] = {-1, -1};
@@ -300,7 +294,7 @@ Search::State Search::refute_single(Box box, Outcome outcome) {
     if (exact_order.order < std::max(task_.design.order_min, 0)) continue;
     outcome = relaxation_->solve(exact_order, true);
     if (outcome.kind == Outcome::feasible) return found(*outcome.filter, exact_order);
-    if (outcome.kind != Outcome::refuted) return State::stopped;
+    if (outcome.kind != Outcome::refuted) return undecided();
     leaf[less] = keep(std::move(outcome.multipliers));
   }
   leave(Proof::Node::refuted);

@@ -27,6 +27,7 @@ struct Proof {
   double target = 0.0;  ///< in samples of the task's objective (objective.hpp); infinite: nothing at all
   std::vector<Node> tree;
   std::vector<Multipliers> multipliers;
+  std::vector<std::string> conflict{};  ///< where there is no design: the limits in conflict, in words
 };
 /// A proof of one corner's convex limits for a target lower than the one it was begun with: leaves out what is too long
 /// by now, and multipliers no leaf needs. None if a part is not refuted any more, as rounding may have it.
@@ -34,11 +35,11 @@ std::optional<Proof> pruned(const LimitModel& model, const Box& root, const Proo
 /// "accdec.certificate/1" as JSON, with the objective it is about.
 std::string to_json(const Proof& proof, const DesignBounds& design);
 
+/// Verified.
 struct Candidate {
   Filter filter;
   std::vector<int> delays;
-  double value;   ///< the task's objective, samples
-  bool verified;  ///< else it holds the convex limits only
+  double value;  ///< the task's objective, samples
 };
 
 /// Without the zero taps at its ends, but of the smallest order allowed. Symmetric taps stay so.
@@ -57,8 +58,9 @@ class Search {
  public:
   Search(const Task& task, std::function<bool()> stop) : task_(task), model_(task), stop_(std::move(stop)) {}
 
-  enum class Answer { proved, found, unknown };
-  /// found: `best` or `relaxed` is shorter than target. unknown: stopped, or rounding decides.
+  enum class Answer { proved, found, unknown, open };
+  /// found: `best` is shorter than target. unknown: stopped. open: there is nothing but in parts where rounding
+  /// decides.
   Answer below(double target);
   /// Goes on with a lower target whenever something shorter is found. proved: nothing is shorter than `proof.target`.
   /// unknown: also after `budget` programmes. One tree serves all targets; for symmetric filters and outside the convex
@@ -75,19 +77,26 @@ class Search {
   /// Offers a filter with the delays it needs.
   void offer(Filter filter);
 
-  std::optional<Candidate> best;     ///< verified
-  std::optional<Candidate> relaxed;  ///< shortest that holds the convex limits
-  Proof proof;                       ///< of the last target proved
+  std::optional<Candidate> best;  ///< verified
+  Proof proof;                    ///< of the last target proved
   long programmes() const { return programmes_ + (relaxation_ ? relaxation_->programmes() : 0); }
 
  private:
-  enum class State { closed, found, stopped };
+  enum class State { closed, found, stopped, open };  // open: rounding decides
   Answer search(double target);
+  State undecided() const { return stopped() ? State::stopped : State::open; }
   bool stopped() const { return stop_() || programmes() > budget_end_; }
   State go_on(State state, const Box& box);
   void aim(double target);
   /// Several corners: orders far apart are split before any programme is solved; a long one's is expensive.
   std::optional<Proof::Node> split_of_long_orders(const Box& box) const;
+  /// Of two parts, the second looked at only where the first leaves something to look for.
+  template <typename Second>
+  static State both(State first, const Second& second) {
+    if (first == State::found || first == State::stopped) return first;
+    const State state = second();
+    return state == State::closed ? first : state;
+  }
   State refute(Box box);
   State refute_sums(Box box, bool symmetric, int depth);
   State split_sum(const Box& box, const SumBound& at, bool symmetric, int depth);

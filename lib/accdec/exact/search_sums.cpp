@@ -47,7 +47,7 @@ Search::State Search::close(Multipliers y) {
 }
 
 Search::State Search::split_sum(const Box& box, const SumBound& at, bool symmetric, int depth) {
-  if (at.sample == 0) return State::stopped;
+  if (at.sample == 0) return undecided();
   Proof::Node node;
   node.kind = Proof::Node::sum_split;
   node.at = at.sample;
@@ -56,13 +56,13 @@ Search::State Search::split_sum(const Box& box, const SumBound& at, bool symmetr
   Box first = box, second = box;
   first.path.push_back({at.sample, true, at.level});
   second.path.push_back({at.sample, false, at.level});
-  const State state = refute_sums(std::move(first), symmetric, depth + 1);
-  return state == State::closed ? refute_sums(std::move(second), symmetric, depth + 1) : state;
+  return both(refute_sums(std::move(first), symmetric, depth + 1),
+              [&] { return refute_sums(std::move(second), symmetric, depth + 1); });
 }
 
 /// A box of single delays and samples, of symmetric filters of exactly its order or of all up to it.
 Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
-  if (stopped() || depth > deepest) return State::stopped;
+  if (stopped() || depth > deepest) return undecided();
   if (!model_.shrink(box)) {
     Proof::Node node;
     node.kind = Proof::Node::unreachable;
@@ -88,7 +88,7 @@ Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
     return best && best->value < target_ * (1.0 - 1e-9);
   };
   const auto split = widest_break(model_, *outcome.filter, box);
-  if (!split) return found(*outcome.filter) ? State::found : State::stopped;
+  if (!split) return found(*outcome.filter) ? State::found : undecided();
   if (depth % 8 == 0) {
     const auto repaired = relaxation_->repair(box, symmetric, *outcome.filter);
     if (repaired && found(*repaired)) return State::found;
