@@ -8,7 +8,6 @@
 namespace accdec::exact {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Chords reach this much beyond the tube (times the feed, or in rad), so that rounding never leaves it outside.
 constexpr double reach = 1e-10;
 

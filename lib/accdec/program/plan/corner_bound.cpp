@@ -83,7 +83,6 @@ class CornerProgramme {
  public:
   CornerProgramme(const BoundCorner& corner, const Machine& machine, std::size_t dimensions, double period)
       : corner_(corner),
-        machine_(machine),
         dimensions_(dimensions),
         period_(period),
         before_(static_cast<int>(std::ceil(corner.reach_in / period))),
@@ -152,7 +151,6 @@ class CornerProgramme {
   }
 
   const BoundCorner& corner_;
-  const Machine& machine_;
   const std::size_t dimensions_;
   const double period_;
   const int before_, count_;
