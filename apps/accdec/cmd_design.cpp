@@ -14,6 +14,7 @@
 #include <accdec/design/design.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/formats/task_reader.hpp>
+#include <accdec/study/baseline_table.hpp>
 
 #include "output.hpp"
 
@@ -34,7 +35,7 @@ struct Arguments {
   std::uint64_t seed = 1;
   bool solver_given = false;
   std::vector<std::string> native;
-  bool no_certificate = false;
+  bool no_certificate = false, baselines = false;
 };
 
 /// "1%", "1 %" or "0.01" as a fraction; none if it is neither, or not from 0 to less than 1.
@@ -48,6 +49,14 @@ std::optional<double> fraction(const std::string& text) {
   if (percent) value /= 100.0;
   if (!(value >= 0.0 && value < 1.0)) return std::nullopt;
   return value;
+}
+
+void print_baselines(const Task& task, DesignOptions options) {
+  options.progress = nullptr;
+  options.certificate = false;
+  const auto here = study::compare_with_baselines(task, options);
+  const auto quarter = study::compare_with_baselines(study::at_shorter_period(task, 4), options);
+  fmt::print("{}", study::baseline_text(here, quarter));
 }
 
 void run(const Arguments& arguments, Context& context) {
@@ -91,6 +100,7 @@ void run(const Arguments& arguments, Context& context) {
   std::signal(SIGINT, before);
 
   context.exit_code = deliver(result, arguments.json, context);
+  if (arguments.baselines) print_baselines(task, options);
 }
 
 }  // namespace
@@ -126,6 +136,10 @@ void add_design(CLI::App& app, Context& context) {
         return whole && text.size() <= 19 ? std::string() : "must be a whole number from 0 to 10^19 - 1, got " + text;
       });
   command->add_option("--option", arguments->native, "the solver's own option, NAME=VALUE; may be repeated");
+  command->add_flag(
+      "--baselines", arguments->baselines,
+      "also print the best that filters of common controllers do, at the task's sample period and a quarter "
+      "of it; [baseline] in the task names the filter in use today");
   command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
   command->callback([arguments, command, &context] {
     arguments->solver_given = command->count("--solver") > 0;

@@ -1,27 +1,55 @@
 #include <memory>
 
+#include <fmt/format.h>
+
 #include <accdec/files/output_files.hpp>
 #include <accdec/formats/task_reader.hpp>
+#include <accdec/motion/circle.hpp>
 #include <accdec/task/verifier.hpp>
 
 #include "output.hpp"
 
 namespace accdec::cli {
 
+namespace {
+
+struct Options {
+  std::string task, json;
+  double circle_radius_mm = 0.0, circle_feed_mm_min = 0.0;
+};
+
+void print_circle(const Task& task, const Options& options) {
+  const CircleError error = circle_error(make_filter(*task.filter), options.circle_radius_mm * 1e-3,
+                                         options.circle_feed_mm_min / 6e4, task.sample_period);
+  fmt::print(
+      "\ncircle of radius {:g} mm at {:g} mm/min: smaller by {:.4f} um (simulated turn {:.4f} um, "
+      "v^2 sigma^2/(2R) {:.4f} um with sigma = {:.4g} ms)\n",
+      options.circle_radius_mm, options.circle_feed_mm_min, 1e6 * error.radius_error, 1e6 * error.simulated,
+      1e6 * error.small_angle, 1e3 * error.deviation);
+}
+
+}  // namespace
+
 void add_evaluate(CLI::App& app, Context& context) {
-  struct Options {
-    std::string task, json;
-  };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("evaluate", "Errors, times and limit use of a fixed filter and fixed delays");
   command->add_option("task", options->task, "Task file with a [filter] and delay_samples in every corner")
       ->required()
       ->type_name("TASK.toml");
   add_json_option(*command, options->json);
+  auto* radius = command
+                     ->add_option("--circle-radius-mm", options->circle_radius_mm,
+                                  "also the radius error of a circle of this radius")
+                     ->check(CLI::PositiveNumber);
+  auto* feed =
+      command->add_option("--circle-feed-mm-min", options->circle_feed_mm_min, "its feed")->check(CLI::PositiveNumber);
+  radius->needs(feed);
+  feed->needs(radius);
   command->callback([options, &context] {
     const Task task = read_task(options->task, {.require_choices = true});
     require_outputs({options->json}, {options->task});
     context.exit_code = deliver(evaluate_task(task), options->json, context);
+    if (options->circle_radius_mm > 0.0 && options->json != "-") print_circle(task, *options);
   });
 }
 

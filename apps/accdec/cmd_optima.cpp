@@ -83,8 +83,8 @@ void run(const Arguments& arguments, Context& context) {
 
 void add_optima(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("optima", "Proved optima of many tasks beside the standard shapes under the same limits");
+  CLI::App* command = app.add_subcommand(
+      "optima", "Proved optima of many tasks beside the filters that controllers have, under the same limits");
   command->add_option("tasks", arguments->tasks, "Task files; a [filter] in them is left aside")
       ->required()
       ->type_name("TASK.toml...");

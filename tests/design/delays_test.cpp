@@ -24,7 +24,8 @@ TEST(DesignDelays, IsTheFirstDelayThatSimulationAccepts) {
       axis.regeneration_max *= 5.0;
     }
     const int order = 2 + static_cast<int>(rng() % 30);
-    task.filter = FilterSpec{round % 2 == 0 ? Shape::trapezoid : Shape::s_curve, order, 0.0, order / 4, {}};
+    task.filter =
+        FilterSpec{.kind = round % 2 == 0 ? Shape::trapezoid : Shape::s_curve, .order = order, .ramp = order / 4};
     const Filter filter = make_filter(*task.filter);
     int expected = -1;
     for (int d = 0; d <= order + 3 && expected < 0; ++d) {
@@ -51,7 +52,7 @@ TEST(DesignDelays, IsTheFirstDelayThatSimulationAccepts) {
 
 TEST(DesignDelays, KeepsGivenDelays) {
   Task task = testing::plane_task({}, testing::plane_corner("A", 90, 0, 0.1, 0.1), 20e-6);
-  task.filter = FilterSpec{Shape::hann, 40, 0.0, 0, {}};
+  task.filter = FilterSpec{.kind = Shape::hann, .order = 40};
   task.corners[0].delay = 39;
   EXPECT_EQ(design_delays(task).corners[0].delay, 39);
   task.corners[0].delay = 0;

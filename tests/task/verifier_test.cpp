@@ -92,7 +92,7 @@ TEST(Verifier, TakesAnExactStopAsErrorZero) {
 TEST(Evaluate, NeedsFilterAndDelays) {
   Task task = plane_task({}, plane_corner("A", 90, 0, 0.1, 0.1), std::nullopt);
   EXPECT_THROW(evaluate_task(task), std::invalid_argument);
-  task.filter = FilterSpec{Shape::boxcar, 10, 0.0, 0, {}};
+  task.filter = FilterSpec{.kind = Shape::boxcar, .order = 10};
   EXPECT_THROW(evaluate_task(task), std::invalid_argument);
   task.corners[0].delay = 3;
   const DesignResult result = evaluate_task(task);

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files/suggestion.hpp>
+#include <accdec/formats/filter_table.hpp>
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/formats/task_keys.hpp>
 
@@ -23,8 +24,9 @@ const std::map<std::string_view, Keys>& tables() {
   static const std::map<std::string_view, Keys> all = [] {
     std::map<std::string_view, Keys> t{
         {"", {"sample_period_ms"}},
-        {"filter", {"kind", "order", "cutoff", "ramp", "taps"}},
-        {"design", {"order_min", "order_max", "symmetric"}},
+        {"filter", filter_keys()},
+        {"baseline", filter_keys()},
+        {"design", {"order_min", "order_max", "symmetric", "objective", "runs"}},
         {"program", {"error_max_um"}},
         {"corner",
          {"angle_deg", "heading_deg", "turn", "direction_in", "direction_out", "feed_in_mm_min", "feed_out_mm_min",
@@ -42,7 +44,7 @@ bool is_list(std::string_view table) {
 }
 
 bool takes_whole_numbers(std::string_view key) {
-  constexpr std::string_view whole[] = {"order", "ramp", "order_min", "order_max", "delay_samples"};
+  constexpr std::string_view whole[] = {"order", "ramp", "shaper_delay", "order_min", "order_max", "delay_samples"};
   return std::find(std::begin(whole), std::end(whole), key) != std::end(whole);
 }
 

@@ -60,7 +60,6 @@ constexpr auto make_axis_keys() {
 inline constexpr auto axis_keys = make_axis_keys();
 
 inline constexpr NumberKey sample_period{"sample_period_ms", from_milli, 1e-4, 1e3, false};
-inline constexpr NumberKey cutoff{"cutoff", same, 0.0, 1.0, true};
 inline constexpr NumberKey angle{"angle_deg", from_degrees, 0.0, 180.0, true};
 inline constexpr NumberKey heading{"heading_deg", from_degrees, -360.0, 360.0, false};
 inline constexpr NumberKey feed_in{"feed_in_mm_min", from_mm_min, 0.0, 1e7, true};

@@ -8,6 +8,7 @@
 
 #include <accdec/files/text_file.hpp>
 #include <accdec/files/toml_table.hpp>
+#include <accdec/formats/filter_table.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/formats/task_tree.hpp>
@@ -42,13 +43,10 @@ std::vector<std::string_view> axis_table_keys() {
 std::string other_table(std::string_view key) {
   const auto axis = axis_table_keys();
   if (std::find(axis.begin() + 1, axis.end(), key) != axis.end()) return fmt::format("`{}` belongs in [[axis]]", key);
+  const auto filter = filter_keys();
+  if (std::find(filter.begin(), filter.end(), key) != filter.end()) return fmt::format("`{}` belongs in [filter]", key);
   static const std::map<std::string_view, std::string_view> homes{{"sample_period_ms", "at the top, before any table"},
                                                                   {"title", "at the top, before any table"},
-                                                                  {"kind", "in [filter]"},
-                                                                  {"order", "in [filter]"},
-                                                                  {"cutoff", "in [filter]"},
-                                                                  {"ramp", "in [filter]"},
-                                                                  {"taps", "in [filter]"},
                                                                   {"order_min", "in [design]"},
                                                                   {"order_max", "in [design]"},
                                                                   {"symmetric", "in [design]"},
@@ -69,56 +67,6 @@ std::string other_table(std::string_view key) {
                                                                   {"residual_max", "in [[mode]]"}};
   const auto home = homes.find(key);
   return home == homes.end() ? "" : fmt::format("`{}` belongs {}", key, home->second);
-}
-
-FilterSpec read_filter(const toml::table& source, const Table& top) {
-  const Table table(source, top.file(), "[filter]", top.pointer() + "/filter",
-                    {"kind", "order", "cutoff", "ramp", "taps"}, other_table);
-  constexpr std::string_view kinds[] = {"boxcar", "trapezoid", "s-curve", "hann", "blackman", "blackman-sinc", "taps"};
-  const auto kind = table.word("kind", kinds);
-  if (!kind)
-    table.fail("[filter] needs `kind`; allowed are boxcar, trapezoid, s-curve, hann, blackman, blackman-sinc, taps");
-  FilterSpec spec;
-  spec.kind = *shape_from_string(*kind);
-  const auto only_for = [&](std::string_view key, Shape shape) {
-    if (table.has(key) && spec.kind != shape) {
-      table.fail_at(key, fmt::format("`{}` has no meaning for kind \"{}\"; it goes with kind \"{}\"", key, *kind,
-                                     to_string(shape)));
-    }
-  };
-  only_for("cutoff", Shape::blackman_sinc);
-  only_for("ramp", Shape::trapezoid);
-  only_for("taps", Shape::taps);
-
-  std::string_view blame = "kind";  // the key that an impossible combination is reported at
-  if (spec.kind == Shape::taps) {
-    const auto taps = table.numbers("taps", {0.0, 1e300}, 1, static_cast<std::size_t>(task_keys::order_limit) + 1);
-    if (!taps) table.fail("[filter] of kind \"taps\" needs `taps`; allowed is an array of N + 1 non-negative numbers");
-    spec.taps = *taps;
-    spec.order = static_cast<int>(taps->size()) - 1;
-    blame = "taps";
-    if (const auto order = table.integer("order", 0, task_keys::order_limit); order && *order != spec.order) {
-      table.fail_at("order", fmt::format("`order` = {} does not match the {} taps given; leave it out or write {}",
-                                         *order, taps->size(), spec.order));
-    }
-  } else {
-    spec.order = table.required_integer("order", 0, task_keys::order_limit);
-    blame = "order";
-    if (spec.kind == Shape::blackman_sinc) {
-      spec.cutoff = required(table, task_keys::cutoff);
-      if (spec.order >= 2) blame = "cutoff";
-    }
-    if (spec.kind == Shape::trapezoid) {
-      spec.ramp = table.required_integer("ramp", 0, task_keys::order_limit);
-      blame = "ramp";
-    }
-  }
-  try {
-    make_filter(spec);
-  } catch (const std::invalid_argument& error) {
-    table.fail_at(blame, error.what());
-  }
-  return spec;
 }
 
 DesignBounds read_design(const toml::table& source, const Table& top) {
@@ -346,11 +294,13 @@ void require_choices(const Task& task, const Table& top, const std::vector<Table
 Task task_from_tree(const toml::table& tree, const std::string& file, const std::string& pointer,
                     const TaskOptions& options) {
   const Table top(tree, file, "the task (top level)", pointer,
-                  {"title", "sample_period_ms", "filter", "design", "axis", "corner", "mode", "program"}, other_table);
+                  {"title", "sample_period_ms", "filter", "baseline", "design", "axis", "corner", "mode", "program"},
+                  other_table);
   Task task;
   task.title = top.text("title", true, true).value_or("");
   task.sample_period = required(top, task_keys::sample_period);
-  if (const auto* filter = top.table("filter")) task.filter = read_filter(*filter, top);
+  if (const auto* filter = top.table("filter")) task.filter = read_filter(*filter, top, "filter", other_table);
+  if (const auto* given = top.table("baseline")) task.baseline = read_filter(*given, top, "baseline", other_table);
   if (const auto* design = top.table("design")) task.design = read_design(*design, top);
   if (const auto* program = top.table("program")) {
     const Table table(*program, file, "[program]", pointer + "/program", {"error_max_um"}, other_table);

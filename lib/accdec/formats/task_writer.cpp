@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/formats/filter_table.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/task/objective.hpp>
@@ -35,16 +36,6 @@ double in_unit(const NumberKey& key, double si) {
 
 void put(Json& table, const NumberKey& key, double si) {
   table[std::string(key.key)] = in_unit(key, si);
-}
-
-Json filter_json(const FilterSpec& spec) {
-  Json filter;
-  filter["kind"] = to_string(spec.kind);
-  filter["order"] = spec.order;
-  if (spec.kind == Shape::blackman_sinc) filter["cutoff"] = spec.cutoff;
-  if (spec.kind == Shape::trapezoid) filter["ramp"] = spec.ramp;
-  if (spec.kind == Shape::taps) filter["taps"] = spec.taps;
-  return filter;
 }
 
 Json axis_json(const Axis& axis) {
@@ -90,7 +81,8 @@ nlohmann::ordered_json task_to_json(const Task& task) {
   Json json;
   json["title"] = task.title;
   put(json, task_keys::sample_period, task.sample_period);
-  if (task.filter) json["filter"] = filter_json(*task.filter);
+  if (task.filter) json["filter"] = filter_to_json(*task.filter);
+  if (task.baseline) json["baseline"] = filter_to_json(*task.baseline);
   json["design"]["order_min"] = task.design.order_min;
   json["design"]["order_max"] = task.design.order_max;
   json["design"]["symmetric"] = task.design.symmetric;

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/standard_shapes.hpp>
+#include <accdec/design/baselines.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/study/compute.hpp>
 #include <accdec/study/slow_down.hpp>
@@ -105,17 +105,11 @@ void write_slow_down(Writer& write, const Task& task) {
   write("factor", number(least));
 }
 
-std::optional<Shape> standard_shape(std::string_view name) {
-  const auto shape = shape_from_string(name);
-  return shape && *shape != Shape::taps ? shape : std::nullopt;
-}
-
 void compute(Writer& write, const Task& task, std::string_view name, const DesignOptions& options) {
-  if (const auto shape = standard_shape(name)) {
-    const StandardShapeResult best = best_standard_shape(task, *shape);
+  if (const Baseline* family = find_baseline(name)) {
+    const BaselineResult best = best_baseline(task, *family);
     write_result(write, best.result);
-    if (best.spec && *shape == Shape::trapezoid) write("ramp", best.spec->ramp);
-    if (best.spec && *shape == Shape::blackman_sinc) write("cutoff", best.spec->cutoff);
+    if (best.spec) write("parameters", describe_parameters(*best.spec));
   } else if (name == "optimum") {
     Task open = task;
     open.filter.reset();
@@ -145,7 +139,7 @@ void compute(Writer& write, const Task& task, std::string_view name, const Desig
 
 std::vector<std::string_view> computations() {
   std::vector<std::string_view> names{"optimum"};
-  for (const Shape shape : standard_shapes) names.push_back(to_string(shape));
+  for (const Baseline& family : baselines()) names.push_back(family.name);
   names.insert(names.end(), std::begin(of_the_filter), std::end(of_the_filter));
   return names;
 }
@@ -158,8 +152,7 @@ std::vector<std::string> columns_of(std::string_view computation) {
   std::vector<std::string_view> columns{"status",        "cycle_time_ms", "corner_time_ms", "order",
                                         "delay_samples", "error_um",      "speed_min_mm_s", "tightest"};
   if (computation == "slow-down") columns = {"status", "cycle_time_ms", "corner_time_ms", "factor"};
-  if (computation == "trapezoid") columns.push_back("ramp");
-  if (computation == "blackman-sinc") columns.push_back("cutoff");
+  if (find_baseline(computation)) columns.push_back("parameters");
   if (computation == "given") columns.insert(columns.end(), {"peak_acceleration_mm_s2", "peak_jerk_mm_s3"});
   if (computation == "optimum" || computation == "delays") columns.insert(columns.end(), {"lower_bound_ms", "gap"});
   columns.push_back("message");
@@ -194,13 +187,13 @@ Row error_of(const Row& row, const std::vector<std::string>& computations) {
 Row best_shape_of(const Row& row) {
   double best = unlimited;
   std::string names;
-  for (const Shape shape : standard_shapes) {
-    const auto time = row.find(fmt::format("{}.cycle_time_ms", to_string(shape)));
+  for (const Baseline& family : baselines()) {
+    const auto time = row.find(fmt::format("{}.cycle_time_ms", family.name));
     if (time == row.end() || !time->is_number()) continue;
     const double t = time->get<double>();
     const bool ties = std::abs(t - best) <= 1e-9 * t;
     if (!ties && t > best) continue;
-    names = ties ? fmt::format("{}={}", names, to_string(shape)) : std::string(to_string(shape));
+    names = ties ? fmt::format("{}={}", names, family.name) : std::string(family.name);
     best = std::min(best, t);
   }
   return names.empty() ? Row(nullptr) : Row(names);

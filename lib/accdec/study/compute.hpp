@@ -17,12 +17,12 @@ using Row = nlohmann::ordered_json;
 
 /// What a study can compute for each point, by the names study files use. A name's columns are "NAME.status" and so on:
 ///   optimum      filter, order and delays designed (design_task)
-///   boxcar .. blackman-sinc   the best of that standard shape under the same limits (best_standard_shape)
+///   boxcar .. exponential-zvd   the best of that family of filters under the same limits (best_baseline)
 ///   delays       the task's filter, smallest delays
 ///   given        the task's filter and delays (0 where it gives none), whatever they break, with peak acceleration and
 ///   jerk exact-stop   the task's filter, every corner with the delay from which on nothing overlaps slow-down    the
 ///   task's filter, no delay, feeds lowered at the corner (see slow_down.hpp)
-/// "shapes" in a study file stands for all standard shapes.
+/// "shapes" in a study file stands for all families.
 std::vector<std::string_view> computations();
 
 /// Whether a computation is of the task's own filter and so means nothing without [filter].

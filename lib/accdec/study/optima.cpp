@@ -16,21 +16,22 @@ double Optimum::samples() const {
   return design.filter->order() + (weights > 0.0 ? weighted / weights : 0.0);
 }
 
-std::optional<std::size_t> Optimum::best_shape() const {
-  std::optional<std::size_t> best;
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    if (shapes[i] && (!best || *shapes[i] < *shapes[*best])) best = i;
+const BaselineResult* Optimum::best_family() const {
+  const BaselineResult* best = nullptr;
+  for (const BaselineResult& family : families) {
+    if (!family.result.filter) continue;
+    if (best == nullptr || family.result.objective() < best->result.objective()) best = &family;
   }
   return best;
 }
 
 std::optional<double> Optimum::saving() const {
-  const auto best = best_shape();
-  if (!best || !design.filter) return std::nullopt;
-  return 1.0 - design.objective() / *shapes[*best];
+  const BaselineResult* best = best_family();
+  if (best == nullptr || !design.filter) return std::nullopt;
+  return 1.0 - design.objective() / best->result.objective();
 }
 
-Optimum find_optimum(std::string name, Task task, const DesignOptions& options, bool with_shapes) {
+Optimum find_optimum(std::string name, Task task, const DesignOptions& options, bool with_families) {
   Optimum found;
   found.name = std::move(name);
   task.filter.reset();
@@ -42,10 +43,7 @@ Optimum find_optimum(std::string name, Task task, const DesignOptions& options, 
   if (!check.reasons.empty()) found.objection = check.reasons.front();
   found.certificate_bytes = found.design.certificate.size();
   found.design.certificate.clear();
-  for (std::size_t i = 0; with_shapes && i < standard_shapes.size(); ++i) {
-    const StandardShapeResult shape = best_standard_shape(task, standard_shapes[i]);
-    if (shape.result.filter) found.shapes[i] = shape.result.objective();
-  }
+  if (with_families) found.families = best_baselines(task);
   return found;
 }
 

@@ -24,8 +24,7 @@ std::string milliseconds(double seconds) {
 
 Cells header() {
   Cells cells{"task", "status", "N", "d", "cycle ms", "corners ms", "bound ms", "LPs", "time s", "proof"};
-  for (const Shape shape : standard_shapes) cells.push_back(std::string(to_string(shape)));
-  cells.push_back("saved %");
+  for (const char* cell : {"best family", "its filter", "N", "d", "cycle ms", "saved %"}) cells.push_back(cell);
   return cells;
 }
 
@@ -34,21 +33,40 @@ std::string proof_of(const Optimum& o) {
   return o.design.lower_bound || o.design.status == Status::infeasible ? "accepted" : "none";
 }
 
+std::string delays_of(const DesignResult& design) {
+  Cells delays;
+  for (const CornerResult& corner : design.corners) delays.push_back(std::to_string(corner.delay));
+  return delays.empty() ? "-" : fmt::format("{}", fmt::join(delays, " "));
+}
+
+std::string name_of(const Optimum& o, const BaselineResult& family) {
+  return std::string(baselines()[static_cast<std::size_t>(&family - o.families.data())].name);
+}
+
 Cells cells_of(const Optimum& o) {
   const DesignResult& d = o.design;
-  Cells delays;
-  for (const CornerResult& corner : d.corners) delays.push_back(std::to_string(corner.delay));
   Cells cells{o.name,
               std::string(to_string(d.status)),
               d.filter ? std::to_string(d.filter->order()) : "-",
-              delays.empty() ? "-" : fmt::format("{}", fmt::join(delays, " ")),
+              delays_of(d),
               d.filter ? milliseconds(d.cycle_time) : "-",
               d.filter ? milliseconds(d.corner_time) : "-",
               d.lower_bound ? milliseconds(*d.lower_bound) : "-",
               std::to_string(d.solver.evaluations),
               fmt::format("{:.2g}", d.solver.wall_time),
               proof_of(o)};
-  for (const auto& shape : o.shapes) cells.push_back(shape ? milliseconds(*shape) : "-");
+  const BaselineResult* family = o.best_family();
+  if (family == nullptr) {
+    cells.insert(cells.end(), 5, "-");
+  } else {
+    const DesignResult& best = family->result;
+    cells.push_back(name_of(o, *family) + (family->exact_stop ? ", exact stop" : ""));
+    const std::string parameters = describe_parameters(*family->spec);
+    cells.push_back(parameters.empty() ? "-" : parameters);
+    cells.push_back(std::to_string(best.filter->order()));
+    cells.push_back(delays_of(best));
+    cells.push_back(milliseconds(best.cycle_time));
+  }
   cells.push_back(o.saving() ? fmt::format("{:.1f}", 100.0 * *o.saving()) : "-");
   return cells;
 }
@@ -79,15 +97,23 @@ std::string csv(const std::vector<Optimum>& optima) {
              "check_time_s",
              "certificate_bytes",
              "proof"};
-  for (const Shape shape : standard_shapes) head.push_back(fmt::format("{}_ms", to_string(shape)));
-  head.push_back("saving");
+  for (const Baseline& family : baselines()) head.push_back(fmt::format("{}_ms", family.name));
+  head.insert(head.end(), {"best_family", "its_parameters", "saving"});
   std::vector<Cells> rows;
   for (const Optimum& o : optima) {
     Cells cells = cells_of(o);
-    std::replace(cells.begin(), cells.end(), std::string("-"), std::string());
+    cells.resize(10);
     cells[8] = fmt::format("{:.4g}", o.design.solver.wall_time);
     cells.insert(cells.begin() + 9, {fmt::format("{:.4g}", o.check_time), std::to_string(o.certificate_bytes)});
-    cells.back() = o.saving() ? fmt::format("{:.6f}", *o.saving()) : "";
+    std::replace(cells.begin(), cells.end(), std::string("-"), std::string());
+    for (std::size_t i = 0; i < baselines().size(); ++i) {
+      const bool held = i < o.families.size() && o.families[i].result.filter;
+      cells.push_back(held ? milliseconds(o.families[i].result.cycle_time) : "");
+    }
+    const BaselineResult* best = o.best_family();
+    cells.push_back(best ? name_of(o, *best) : "");
+    cells.push_back(best ? describe_parameters(*best->spec) : "");
+    cells.push_back(o.saving() ? fmt::format("{:.6f}", *o.saving()) : "");
     rows.push_back(std::move(cells));
   }
   return csv_table(head, rows);
@@ -95,26 +121,35 @@ std::string csv(const std::vector<Optimum>& optima) {
 
 Figure shapes_figure(const std::vector<Optimum>& optima) {
   Figure figure;
-  figure.title = "Standard shapes beside the designed filter, under the same limits";
+  figure.title = "Filters that controllers have beside the designed one, under the same limits";
   Panel panel;
   panel.x.label = "Task, by its row in optima.md";
   panel.y = {"Cycle time over the optimum's", true, 0.9, {}};
   panel.x.min = 0.0;
   panel.x.max = static_cast<double>(optima.size()) + 1.0;
-  for (std::size_t i = 0; i < standard_shapes.size(); ++i) {
+  const auto add = [&](const std::string& label, auto family_of) {
     Series series;
-    series.label = std::string(to_string(standard_shapes[i]));
+    series.label = label;
     series.mark = Mark::points;
-    series.style = static_cast<int>(i);
+    series.style = static_cast<int>(panel.series.size());
     for (std::size_t row = 0; row < optima.size(); ++row) {
       const Optimum& o = optima[row];
-      if (!o.shapes[i] || !o.design.filter) continue;
-      // Side by side within the row: shapes often tie.
-      series.x.push_back(static_cast<double>(row) + 1.0 + 0.08 * (static_cast<double>(i) - 2.5));
-      series.y.push_back(*o.shapes[i] / o.design.objective());
+      const BaselineResult* family = o.design.filter ? family_of(o) : nullptr;
+      if (family == nullptr || !family->result.filter) continue;
+      // Side by side within the row: families often tie.
+      series.x.push_back(static_cast<double>(row) + 1.0 + 0.08 * (static_cast<double>(series.style) - 2.0));
+      series.y.push_back(family->result.objective() / o.design.objective());
     }
     panel.series.push_back(std::move(series));
+  };
+  // More would hide each other; the table has them all.
+  for (const char* name : {"trapezoid", "s-curve", "blackman-sinc", "exponential"}) {
+    const Baseline* family = find_baseline(name);
+    const auto index = static_cast<std::size_t>(family - baselines().data());
+    add(std::string(family->title),
+        [=](const Optimum& o) { return index < o.families.size() ? &o.families[index] : nullptr; });
   }
+  add("best of all families", [](const Optimum& o) { return o.best_family(); });
   panel.limits.push_back({1.0, "optimum"});
   figure.panels.push_back(std::move(panel));
   figure.panel_width = 820;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/design/baselines.hpp>
 #include <accdec/formats/task_tree.hpp>
 #include <accdec/study/compute.hpp>
 #include <accdec/study/study_file.hpp>
@@ -21,10 +22,8 @@ study::Row ratio(const study::Row& row, const StudyRatio& r) {
 }
 
 bool has_shapes(const Study& study) {
-  return std::count_if(study.computations.begin(), study.computations.end(), [](const std::string& name) {
-           const auto shape = shape_from_string(name);
-           return shape && *shape != Shape::taps;
-         }) > 1;
+  return std::count_if(study.computations.begin(), study.computations.end(),
+                       [](const std::string& name) { return find_baseline(name) != nullptr; }) > 1;
 }
 
 /// What every row begins with: index, case, values.

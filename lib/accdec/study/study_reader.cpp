@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/design/baselines.hpp>
 #include <accdec/files/suggestion.hpp>
 #include <accdec/formats/task_tree.hpp>
 #include <accdec/formats/toml_file.hpp>
@@ -60,7 +61,10 @@ class StudyReader {
       if (std::find(known.begin(), known.end(), name) == known.end())
         top.fail_at("compute", fmt::format("unknown computation `{}`; {}", name, suggest(name, known)));
       std::vector<std::string> wanted{name};
-      if (name == "shapes") wanted = {"boxcar", "trapezoid", "s-curve", "hann", "blackman", "blackman-sinc"};
+      if (name == "shapes") {
+        wanted.clear();
+        for (const Baseline& family : baselines()) wanted.emplace_back(family.name);
+      }
       for (std::string& w : wanted) {
         if (std::find(study.computations.begin(), study.computations.end(), w) == study.computations.end())
           study.computations.push_back(std::move(w));

@@ -7,25 +7,9 @@
 
 #include <accdec/machine/machine.hpp>
 #include <accdec/motion/corner.hpp>
-#include <accdec/motion/filter.hpp>
+#include <accdec/motion/filter_spec.hpp>
 
 namespace accdec {
-
-enum class Shape { boxcar, trapezoid, s_curve, hann, blackman, blackman_sinc, taps };
-/// The names task files use: "boxcar", "trapezoid", "s-curve", "hann", "blackman", "blackman-sinc", "taps".
-std::string_view to_string(Shape shape);
-std::optional<Shape> shape_from_string(std::string_view name);
-
-/// A filter as a task describes it.
-struct FilterSpec {
-  Shape kind = Shape::boxcar;
-  int order = 0;             ///< N; for Shape::taps the number of taps less one
-  double cutoff = 0.0;       ///< blackman-sinc: fraction of the Nyquist frequency
-  int ramp = 0;              ///< trapezoid: taps in a ramp
-  std::vector<double> taps;  ///< Shape::taps
-};
-/// @throws std::invalid_argument as the shapes do.
-Filter make_filter(const FilterSpec& spec);
 
 /// What a design minimises: see objective.hpp.
 enum class Objective { cycle, corner };
@@ -60,8 +44,9 @@ struct TaskCorner {
 /// A design task: what accdec reads from a task file. SI throughout.
 struct Task {
   std::string title;
-  double sample_period = 1e-3;       ///< s
-  std::optional<FilterSpec> filter;  ///< none: to be designed
+  double sample_period = 1e-3;         ///< s
+  std::optional<FilterSpec> filter;    ///< none: to be designed
+  std::optional<FilterSpec> baseline;  ///< [baseline]: the filter the machine has today, to compare designs with
   DesignBounds design;
   Machine machine;
   std::vector<TaskCorner> corners;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -8,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <accdec/design/baselines.hpp>
 #include <accdec/design/design.hpp>
-#include <accdec/design/standard_shapes.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/design_program.hpp>
 #include <accdec/program/plan/feed_search.hpp>
@@ -119,6 +118,89 @@ class TrapezoidSearch {
   int order_ = 0, ramp_ = 0;
 };
 
+/// Filters for a program: their times are predicted, with exact delays of every corner but none of the overlaps between
+/// corners, and the most promising ones are planned and simulated.
+class Candidates {
+ public:
+  Candidates(const Toolpath& path, const Task& task, const Machine& machine,
+             const std::function<void(const std::string&)>& progress)
+      : path_(path), task_(task), machine_(machine), progress_(progress) {}
+
+  void offer(const DesignResult& design, const std::string& name) {
+    evaluations_ += design.solver.evaluations;
+    if (!design.filter) {
+      if (reason_.empty()) reason_ = design.message;
+      return;
+    }
+    const double time = program_time(path_, *design.filter, task_, machine_);
+    tell(fmt::format("{}: {} taps, {:.4f} s", name, design.filter->order() + 1, time));
+    if (time < unlimited) all_.push_back({time, name, design});
+  }
+
+  /// The fastest plan that holds, not the fastest prediction.
+  ProgramFilter fastest() {
+    ProgramFilter best;
+    std::stable_sort(all_.begin(), all_.end(), [](const auto& a, const auto& b) { return a.predicted < b.predicted; });
+    double shortest = unlimited;
+    // Of long programs fewer: a plan takes about as long as ten predictions.
+    const long simulated = std::clamp(100'000L / static_cast<long>(path_.blocks()), 3L, 8L);
+    for (std::size_t i = 0; i < all_.size() && static_cast<long>(i) < simulated; ++i) {
+      const Candidate& c = all_[i];
+      if (c.predicted >= shortest) break;  // a plan is not faster than its prediction
+      simulate(*c.design.filter, c, best, shortest);
+      // Where moves overlap, what each alone holds may not hold together, and repair costs time that a gentler filter
+      // saves.
+      for (double factor = 1.2; i == 0 && shortest > 1.005 * c.predicted && factor < 4.0; factor *= 1.2) {
+        const Filter gentler =
+            stretched(*c.design.filter, static_cast<int>(std::ceil((c.design.filter->order() + 1) * factor)));
+        if (gentler.order() > task_.design.order_max) break;
+        if (program_time(path_, gentler, task_, machine_) >= shortest) break;
+        simulate(gentler, c, best, shortest);
+      }
+    }
+    best.solver.evaluations = evaluations_;
+    if (best.filter) return best;
+    if (all_.empty()) {
+      best.message = "no filter within the task's bounds holds the limits: " + reason_;
+    } else {
+      // Nothing planned holds; whoever plans the best prediction says which limit it breaks.
+      take(*all_.front().design.filter, all_.front(), best);
+    }
+    return best;
+  }
+
+ private:
+  struct Candidate {
+    double predicted;
+    std::string name;
+    DesignResult design;
+  };
+  void tell(const std::string& line) const {
+    if (progress_) progress_(line);
+  }
+  static void take(const Filter& filter, const Candidate& c, ProgramFilter& best) {
+    best.filter = filter;
+    best.solver.name = c.name;
+    best.solver.version = c.design.solver.version;
+    best.solver.claimed = c.design.solver.claimed;
+  }
+  void simulate(const Filter& filter, const Candidate& c, ProgramFilter& best, double& shortest) const {
+    const double time = planned_time(path_, filter, task_, machine_);
+    tell(fmt::format("{}: {} taps, {:.4f} s simulated", c.name, filter.order() + 1, time));
+    if (!(time < shortest)) return;
+    shortest = time;
+    take(filter, c, best);
+  }
+
+  const Toolpath& path_;
+  const Task& task_;
+  const Machine& machine_;
+  const std::function<void(const std::string&)>& progress_;
+  std::vector<Candidate> all_;
+  std::string reason_;
+  long evaluations_ = 0;
+};
+
 }  // namespace
 
 Task representative_task(const Toolpath& path, const Task& task, std::size_t corners_max) {
@@ -128,8 +210,9 @@ Task representative_task(const Toolpath& path, const Task& task, std::size_t cor
   result.machine = program_machine(task.machine, path);
   const std::size_t n = path.dimensions();
 
-  // Classes of 10 degrees and of factors of 1.5 in feeds and tolerance.
-  std::map<std::array<int, 4>, Class> classes;
+  // Classes of 10 degrees, of headings by fifths of each axis's share, and of factors of 1.5 in feeds and tolerance.
+  std::map<std::vector<int>, Class> classes;
+  double runs = 1.0;
   std::vector<double> fastest(n, 0.0);
   std::vector<std::size_t> driver(n, 0);
   const auto logarithm = [](double x) {
@@ -144,24 +227,37 @@ Task representative_task(const Toolpath& path, const Task& task, std::size_t cor
     }
     if (b + 1 == path.blocks()) break;
     out = leg(path, b + 1);
+    if (path.joint[b] == Joint::stop) runs += 1.0;
     if (path.joint[b] != Joint::corner || path.rapid[b] != 0 || path.rapid[b + 1] != 0) continue;
     const double cosine = -in.dot(out) / (in.norm() * out.norm());
     const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
-    Class& c = classes[{static_cast<int>(angle / 10.0), logarithm(in.norm() / path.duration[b]),
-                        logarithm(out.norm() / path.duration[b + 1]), logarithm(path.tolerance[b])}];
+    std::vector<int> key{static_cast<int>(angle / 10.0), logarithm(in.norm() / path.duration[b]),
+                         logarithm(out.norm() / path.duration[b + 1]), logarithm(path.tolerance[b])};
+    for (const Eigen::VectorXd& u : {in, out}) {
+      for (Eigen::Index a = 0; a < u.size(); ++a) key.push_back(static_cast<int>(5.0 * std::abs(u[a]) / u.norm()));
+    }
+    Class& c = classes[key];
     if (c.count++ == 0) c.member = b;
   }
   std::vector<Class> frequent;
   for (const auto& [key, c] : classes) frequent.push_back(c);
   std::stable_sort(frequent.begin(), frequent.end(), [](const Class& a, const Class& b) { return a.count > b.count; });
+  double all = 0.0, kept = 0.0;
+  for (std::size_t i = 0; i < frequent.size(); ++i) {
+    all += static_cast<double>(frequent[i].count);
+    if (i < corners_max) kept += static_cast<double>(frequent[i].count);
+  }
   if (frequent.size() > corners_max) frequent.resize(corners_max);
+  result.design.objective = Objective::cycle;
+  result.design.runs = runs;
   for (const Class& c : frequent) {
     const std::size_t b = c.member;
     const Eigen::VectorXd u = leg(path, b), w = leg(path, b + 1);
     TaskCorner corner = task_corner(fmt::format("line {}", path.line[b]), u, w, u.norm() / path.duration[b],
                                     w.norm() / path.duration[b + 1]);
     corner.error_max = path.tolerance[b];
-    corner.weight = static_cast<double>(c.count);
+    // The classes kept stand for the others, too.
+    corner.weight = static_cast<double>(c.count) * all / kept;
     result.corners.push_back(std::move(corner));
   }
   std::sort(driver.begin(), driver.end());
@@ -182,24 +278,7 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
   const auto start = std::chrono::steady_clock::now();
   const Task representative = representative_task(path, task);
   const Machine machine = program_machine(task.machine, path);
-  ProgramFilter best;
-  double best_time = unlimited;
-  std::string reason;
-  const auto offer = [&](const DesignResult& design, const std::string& name) {
-    best.solver.evaluations += design.solver.evaluations;
-    if (!design.filter) {
-      if (reason.empty()) reason = design.message;
-      return;
-    }
-    const double time = program_time(path, *design.filter, task, machine);
-    if (progress) progress(fmt::format("{}: {} taps, {:.4f} s", name, design.filter->order() + 1, time));
-    if (!(time < best_time)) return;
-    best_time = time;
-    best.filter = design.filter;
-    best.solver.name = name;
-    best.solver.version = design.solver.version;
-    best.solver.claimed = design.solver.claimed;
-  };
+  Candidates candidates(path, task, machine, progress);
   // About as much work as reading a program of 50 million blocks.
   TrapezoidSearch search(path, task, machine, std::clamp(50'000'000L / static_cast<long>(path.blocks()), 40L, 2000L));
   search.run();
@@ -207,34 +286,28 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
   found.filter = search.filter();
   found.message = "no trapezoid holds them";
   found.solver.evaluations = search.evaluations();
-  offer(found, "trapezoid for the program");
-  for (const Shape shape : {Shape::boxcar, Shape::trapezoid}) {
-    offer(best_standard_shape(representative, shape).result, std::string(to_string(shape)));
+  candidates.offer(found, "trapezoid for the program");
+  for (std::size_t i = 0; const BaselineResult& family : best_baselines(representative)) {
+    candidates.offer(family.result, std::string(baselines()[i++].name));
   }
   DesignOptions options;
-  options.time_limit = time_limit;
+  options.time_limit = 0.6 * time_limit;
   options.certificate = false;
   const DesignResult design = design_task(representative, options);
-  offer(design, design.solver.name.empty() ? design.solver.method : design.solver.name);
-  if (best.filter) {
-    // Where moves overlap, what each alone holds may not hold together, and repair costs time that a gentler filter
-    // saves.
-    const Filter chosen = *best.filter;
-    double shortest = planned_time(path, chosen, task, machine);
-    for (double factor = 1.2; shortest > 1.005 * best_time && factor < 4.0; factor *= 1.2) {
-      const Filter gentler = stretched(chosen, static_cast<int>(std::ceil((chosen.order() + 1) * factor)));
-      if (gentler.order() > task.design.order_max || program_time(path, gentler, task, machine) >= shortest) break;
-      const double time = planned_time(path, gentler, task, machine);
-      if (progress) progress(fmt::format("stretched to {} taps: {:.4f} s simulated", gentler.order() + 1, time));
-      if (time < shortest) {
-        shortest = time;
-        best.filter = gentler;
-      }
-    }
+  candidates.offer(design, design.solver.name.empty() ? design.solver.method : design.solver.name);
+  // What the classes leave out (rapid moves, blocks shorter than the filter) may want another order than theirs.
+  options.time_limit = 0.1 * time_limit;
+  for (const int step : {-4, -2, 2, 4}) {
+    Task other = representative;
+    if (!design.filter) break;
+    const int order = design.filter->order() + step;
+    if (order < task.design.order_min || order > task.design.order_max) continue;
+    (step < 0 ? other.design.order_max : other.design.order_min) = order;
+    candidates.offer(design_task(other, options), fmt::format("{} of order {}", design.solver.name, order));
   }
+  ProgramFilter best = candidates.fastest();
   best.solver.method = "representative corners";
   best.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!best.filter) best.message = "no filter within the task's bounds holds the limits: " + reason;
   return best;
 }
 

@@ -10,9 +10,10 @@
 
 namespace accdec {
 
-/// A task with a handful of corners that stands for a program: its corners gathered by angle, feeds and tolerance, the
-/// most frequent classes represented by one of their members with the weight of the class; and, for every axis, the
-/// feed move that drives it fastest as a straight pass, so that starts and stops in the worst directions count.
+/// A task with a handful of corners that stands for a program: its corners gathered by angle, headings, feeds and
+/// tolerance, the most frequent classes represented by one of their members with the weight of the class; and, for
+/// every axis, the feed move that drives it fastest as a straight pass, so that starts and stops in the worst
+/// directions count.
 /// @param corners_max  classes kept, >= 1
 Task representative_task(const Toolpath& path, const Task& task, std::size_t corners_max = 8);
 

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <accdec/design/baselines.hpp>
+#include <accdec/design/tap_range.hpp>
+#include <accdec/task/objective.hpp>
+
+namespace accdec {
+
+/// Internal to the room: the search behind `best_baseline`, of one family for one task.
+class BaselineSearch {
+ public:
+  /// Keeps references: both arguments must outlive the object.
+  /// @param below  samples: only what costs less is looked for
+  BaselineSearch(const Task& task, const Baseline& baseline, double below = unlimited);
+  void run();
+
+  const std::optional<FilterSpec>& best() const { return best_; }
+  const std::vector<int>& delays() const { return delays_; }
+  double cost() const { return best_ ? cheapest_ : unlimited; }  ///< samples
+  long tried() const { return tried_; }                          ///< filters built, and ranges bounded
+
+ private:
+  /// By more than the rounding of sums of weights.
+  bool better(double cost) const { return cost < cheapest_ * (1.0 - 1e-12); }
+  void order(int order);
+  void enumerate_averages(int order, FilterSpec spec);
+  void search_parameter(const FilterSpec& spec);
+  void offer(const FilterSpec& spec);
+  void offer_cascade(const std::vector<int>& lengths, const FilterSpec& spec);
+  bool cheap_refusal(const std::vector<int>& lengths, const FilterSpec& spec);
+  bool too_slow(std::span<const double> taps, double sum);
+  bool starts(std::span<const double> taps, double sum) const;
+
+  const Task& task_;
+  const Baseline& family_;
+  LinearCost cost_;
+  std::vector<int> least_delays_;  ///< that no filter within the limits undercuts
+  double tap_max_ = 1.0;           ///< no tap may be larger, by acceleration and force limits
+  double first_tap_max_ = 1.0;     ///< nor the first, by jerk limits
+  struct Speeds {
+    const Axis* axis;
+    double start, stop;  ///< m/s, of leg 1 and of leg 2
+  };
+  std::vector<Speeds> speeds_;
+  std::vector<Tone> tones_;           ///< frequencies at which filters were found to ring, the last first
+  std::vector<double> stop_, start_;  ///< p and q of the filter looked at, times its sum
+  double cheapest_;
+  std::optional<FilterSpec> best_;
+  std::vector<int> delays_;
+  long tried_ = 0;
+};
+
+}  // namespace accdec

@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/design/baseline_search.hpp>
+#include <accdec/design/baselines.hpp>
+#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/task/contradictions.hpp>
+#include <accdec/task/verifier.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr std::array<Baseline, 17> families{{{"boxcar", "average", Shape::boxcar, 0},
+                                             {"trapezoid", "two averages (trapezoid)", Shape::trapezoid, 0},
+                                             {"averages", "three averages", Shape::averages, 0},
+                                             {"s-curve", "S-curve", Shape::s_curve, 0},
+                                             {"hann", "Hann", Shape::hann, 0},
+                                             {"blackman", "Blackman", Shape::blackman, 0},
+                                             {"blackman-sinc", "Blackman sinc", Shape::blackman_sinc, 0},
+                                             {"gaussian", "Gaussian", Shape::gaussian, 0},
+                                             {"exponential", "exponential", Shape::exponential, 0},
+                                             {"boxcar-zv", "average, ZV", Shape::boxcar, 1},
+                                             {"trapezoid-zv", "two averages, ZV", Shape::trapezoid, 1},
+                                             {"averages-zv", "three averages, ZV", Shape::averages, 1},
+                                             {"exponential-zv", "exponential, ZV", Shape::exponential, 1},
+                                             {"boxcar-zvd", "average, ZVD", Shape::boxcar, 2},
+                                             {"trapezoid-zvd", "two averages, ZVD", Shape::trapezoid, 2},
+                                             {"averages-zvd", "three averages, ZVD", Shape::averages, 2},
+                                             {"exponential-zvd", "exponential, ZVD", Shape::exponential, 2}}};
+
+constexpr const Baseline& two_averages = families[1];
+
+/// The cost, samples, from which on a family is hopeless.
+double hopeless_cost(const Task& task) {
+  BaselineSearch search(task, two_averages);
+  search.run();
+  return baseline_hopeless * search.cost();
+}
+
+BaselineResult best_below(const Task& task, const Baseline& baseline, double hopeless) {
+  const auto began = std::chrono::steady_clock::now();
+  BaselineResult answer;
+  std::string message;
+  long tried = 0;
+  if (const auto impossible = contradictions(task); !impossible.empty()) {
+    message = impossible.front();
+  } else if (baseline.pairs > 0 && task.machine.modes.empty()) {
+    message = "the task bounds no vibration for pairs of impulses to cancel";
+  } else {
+    BaselineSearch search(task, baseline, hopeless);
+    search.run();
+    tried = search.tried();
+    answer.spec = search.best();
+    if (answer.spec) {
+      Task chosen = task;
+      chosen.filter = answer.spec;
+      const Filter filter = make_filter(*answer.spec);
+      answer.result = assess(chosen, filter, search.delays(), false);
+      const int apart = DelayFinder(filter).exact_stop_delay();
+      answer.exact_stop =
+          std::all_of(search.delays().begin(), search.delays().end(), [&](int d) { return d >= apart; });
+    } else {
+      message = fmt::format("no {} of order {} to {} holds all limits", baseline.name, task.design.order_min,
+                            task.design.order_max);
+      if (hopeless < unlimited)
+        message += fmt::format(" in less than {:g} times the time of two averages", baseline_hopeless);
+    }
+  }
+  if (!answer.spec) {
+    answer.result.task = task;
+    answer.result.status = Status::infeasible;
+    answer.result.message = message;
+  }
+  answer.result.solver.method = "given";
+  answer.result.solver.name = fmt::format("best {}", baseline.name);
+  answer.result.solver.evaluations = tried;
+  answer.result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return answer;
+}
+
+}  // namespace
+
+std::span<const Baseline> baselines() {
+  return families;
+}
+
+const Baseline* find_baseline(std::string_view name) {
+  const auto found = std::find_if(families.begin(), families.end(), [=](const Baseline& b) { return b.name == name; });
+  return found == families.end() ? nullptr : &*found;
+}
+
+BaselineResult best_baseline(const Task& task, const Baseline& baseline) {
+  return best_below(task, baseline,
+                    &baseline == &two_averages || !contradictions(task).empty() ? unlimited : hopeless_cost(task));
+}
+
+std::vector<BaselineResult> best_baselines(const Task& task) {
+  const double hopeless = contradictions(task).empty() ? hopeless_cost(task) : unlimited;
+  std::vector<BaselineResult> all;
+  for (const Baseline& baseline : families) all.push_back(best_below(task, baseline, hopeless));
+  return all;
+}
+
+}  // namespace accdec

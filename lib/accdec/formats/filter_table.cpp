@@ -1,0 +1,131 @@
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/formats/filter_table.hpp>
+#include <accdec/formats/task_keys.hpp>
+
+namespace accdec {
+namespace {
+
+using toml_input::Range;
+using toml_input::Table;
+
+constexpr std::string_view shapers[] = {"zv", "zvd"};
+
+std::vector<std::string_view> kinds() {
+  std::vector<std::string_view> names;
+  for (const ShapeInfo& shape : shape_list()) names.push_back(shape.name);
+  return names;
+}
+
+/// Reads one parameter into a spec, by the type of the member that keeps it.
+void read_parameter(const Table& table, const ShapeParameter& parameter, FilterSpec& spec) {
+  const Range range{parameter.low, parameter.high, parameter.open_low};
+  const auto list = [&](const char* what) {
+    const auto numbers = table.numbers(parameter.key, range, 1, static_cast<std::size_t>(task_keys::order_limit) + 1);
+    if (!numbers) {
+      table.fail(fmt::format("a filter of kind \"{}\" needs `{}`; allowed is an array of {}", to_string(spec.kind),
+                             parameter.key, what));
+    }
+    return *numbers;
+  };
+  if (const auto* whole = std::get_if<int FilterSpec::*>(&parameter.member)) {
+    spec.** whole =
+        table.required_integer(parameter.key, static_cast<int>(parameter.low), static_cast<int>(parameter.high));
+  } else if (const auto* real = std::get_if<double FilterSpec::*>(&parameter.member)) {
+    spec.** real = table.required_number(parameter.key, range);
+  } else if (const auto* lengths = std::get_if<std::vector<int> FilterSpec::*>(&parameter.member)) {
+    const std::vector<double> numbers = list("whole numbers of taps");
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (numbers[i] != std::floor(numbers[i])) {
+        table.fail_at(parameter.key, i, fmt::format("an average is a whole number of taps long, not {}", numbers[i]));
+      }
+      (spec.**lengths).push_back(static_cast<int>(numbers[i]));
+    }
+  } else {
+    spec.*std::get<std::vector<double> FilterSpec::*>(parameter.member) = list("N + 1 non-negative numbers");
+  }
+}
+
+/// The order that a shape's own parameter says.
+int own_order(const FilterSpec& spec) {
+  double order = spec.kind == Shape::taps ? static_cast<double>(spec.taps.size()) - 1.0 : 0.0;
+  for (const int length : spec.lengths) order += length - 1.0;
+  return static_cast<int>(std::min(order, static_cast<double>(task_keys::order_limit) + 1.0));
+}
+
+void read_shaper(const Table& table, FilterSpec& spec) {
+  if (const auto shaper = table.word("shaper", shapers)) {
+    spec.pairs = *shaper == "zv" ? 1 : 2;
+    spec.pair_delay = table.required_integer("shaper_delay", 1, task_keys::order_limit);
+  } else if (table.has("shaper_delay")) {
+    table.fail_at("shaper_delay", "`shaper_delay` needs `shaper`; allowed is shaper = \"zv\" or \"zvd\"");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string_view> filter_keys() {
+  std::vector<std::string_view> keys{"kind", "order"};
+  for (const ShapeInfo& shape : shape_list()) {
+    if (shape.parameter) keys.push_back(shape.parameter->key);
+  }
+  keys.insert(keys.end(), {"shaper", "shaper_delay"});
+  return keys;
+}
+
+FilterSpec read_filter(const toml::table& source, const Table& top, const std::string& name,
+                       std::string (*elsewhere)(std::string_view)) {
+  const Table table(source, top.file(), "[" + name + "]", top.pointer() + "/" + name, filter_keys(), elsewhere);
+  const auto kind = table.word("kind", kinds());
+  if (!kind) table.fail(fmt::format("[{}] needs `kind`; allowed are {}", name, fmt::join(kinds(), ", ")));
+  FilterSpec spec;
+  spec.kind = *shape_from_string(*kind);
+  const ShapeInfo& shape = info(spec.kind);
+  for (const ShapeInfo& other : shape_list()) {
+    if (&other == &shape || !other.parameter || !table.has(other.parameter->key)) continue;
+    table.fail_at(other.parameter->key, fmt::format("`{}` has no meaning for kind \"{}\"; it goes with kind \"{}\"",
+                                                    other.parameter->key, *kind, other.name));
+  }
+  if (shape.has_order) spec.order = table.required_integer("order", 0, task_keys::order_limit);
+  if (shape.parameter) read_parameter(table, *shape.parameter, spec);
+  if (!shape.has_order) {
+    spec.order = own_order(spec);
+    const int most = task_keys::order_limit;
+    if (spec.order > most) table.fail_at(shape.parameter->key, fmt::format("the order is above {}", most));
+    if (const auto order = table.integer("order", 0, most); order && *order != spec.order) {
+      const std::string given =
+          spec.kind == Shape::taps ? fmt::format("{} taps", spec.taps.size()) : std::string(shape.parameter->key);
+      table.fail_at("order", fmt::format("`order` = {} does not match the {} given; leave it out or write {}", *order,
+                                         given, spec.order));
+    }
+  }
+  read_shaper(table, spec);
+  try {
+    make_filter(spec);
+  } catch (const std::invalid_argument& error) {
+    // An order too small for the shape is no fault of its parameter.
+    const bool by_order = !shape.parameter || (shape.has_order && spec.order < 2 && spec.kind != Shape::trapezoid);
+    table.fail_at(by_order ? "order" : shape.parameter->key, error.what());
+  }
+  return spec;
+}
+
+nlohmann::ordered_json filter_to_json(const FilterSpec& spec) {
+  nlohmann::ordered_json filter;
+  filter["kind"] = to_string(spec.kind);
+  filter["order"] = spec.order;
+  if (const auto& parameter = info(spec.kind).parameter) {
+    std::visit([&](auto member) { filter[std::string(parameter->key)] = spec.*member; }, parameter->member);
+  }
+  if (spec.pairs > 0) {
+    filter["shaper"] = shapers[spec.pairs - 1];
+    filter["shaper_delay"] = spec.pair_delay;
+  }
+  return filter;
+}
+
+}  // namespace accdec

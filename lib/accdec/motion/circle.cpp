@@ -1,0 +1,55 @@
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <stdexcept>
+
+#include <accdec/motion/circle.hpp>
+
+namespace accdec {
+namespace {
+
+/// Plain convolution of commanded points: rest at angle 0, one turn in equal steps (the last one shorter), rest.
+double simulate(const Filter& filter, double radius, double step) {
+  using Complex = std::complex<double>;
+  const auto turn = static_cast<long>(std::ceil(2.0 * std::numbers::pi / step - 1e-9));
+  const auto command = [&](long n) {
+    if (n <= 0 || n >= turn) return Complex(radius, 0.0);
+    return std::polar(radius, step * static_cast<double>(n));
+  };
+  double worst = 0.0;
+  for (long n = 0; n <= turn + filter.order(); ++n) {
+    Complex point = 0.0;
+    for (int i = 0; i <= filter.order(); ++i) point += filter.tap(i) * command(n - i);
+    worst = std::max(worst, std::abs(std::abs(point) - radius));
+  }
+  return worst;
+}
+
+}  // namespace
+
+CircleError circle_error(const Filter& filter, double radius, double feed, double sample_period) {
+  const double step = feed * sample_period / radius;
+  if (!(radius > 0.0 && feed > 0.0 && sample_period > 0.0) || !std::isfinite(radius) || !(step < std::numbers::pi)) {
+    throw std::invalid_argument(
+        "a circle needs a radius, a feed and a sample period > 0, and more than two samples a turn");
+  }
+  // 1 - |H|^2 = sum_i sum_j b_i b_j (1 - cos((i - j) step)), without the cancellation of 1 - |H| for small steps.
+  double missing = 0.0, variance = 0.0;
+  for (int i = 0; i <= filter.order(); ++i) {
+    const double from_mean = i - filter.mean_delay();
+    variance += filter.tap(i) * from_mean * from_mean;
+    for (int j = 0; j < i; ++j) {
+      const double s = std::sin(0.5 * step * (i - j));
+      missing += 4.0 * filter.tap(i) * filter.tap(j) * s * s;
+    }
+  }
+  missing = std::min(missing, 1.0);
+  CircleError error;
+  error.deviation = std::sqrt(variance) * sample_period;
+  error.radius_error = radius * missing / (1.0 + std::sqrt(1.0 - missing));
+  error.small_angle = feed * feed * error.deviation * error.deviation / (2.0 * radius);
+  error.simulated = simulate(filter, radius, step);
+  return error;
+}
+
+}  // namespace accdec

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <accdec/motion/filter.hpp>
+
+namespace accdec {
+
+/// A circle passed at constant feed, and what a filter makes of it. The filter averages points of the circle, so the
+/// path shrinks to a circle of radius R |H|, H = sum b_i exp(-j i v T/R).
+struct CircleError {
+  double radius_error = 0.0;  ///< m, R - R |H|: once the filter is full
+  double small_angle =
+      0.0;  ///< m, v^2 sigma^2/(2 R), sigma the standard deviation of the taps in s: its first term for v sigma << R
+  double simulated =
+      0.0;  ///< m, largest distance of the filtered samples from the commanded circle, a whole turn from rest to rest
+  double deviation = 0.0;  ///< s, sigma
+};
+
+/// @param radius  m, > 0  @param feed  m/s, > 0  @param sample_period  s, > 0
+/// @throws std::invalid_argument when one of them is not positive and finite, or a sample's way is more than half the
+/// circle
+CircleError circle_error(const Filter& filter, double radius, double feed, double sample_period);
+
+}  // namespace accdec

@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/motion/controller_shapes.hpp>
+#include <accdec/motion/filter_spec.hpp>
+#include <accdec/motion/shapes.hpp>
+
+namespace accdec {
+namespace {
+
+using Spec = FilterSpec;
+
+const std::array<ShapeInfo, 10> shapes{{
+    {Shape::boxcar, "boxcar", true, {}, [](const Spec& s) { return boxcar(s.order); }},
+    {Shape::trapezoid, "trapezoid", true, ShapeParameter{"ramp", &Spec::ramp, 0.0, 1e6, false},
+     [](const Spec& s) { return trapezoid(s.order, s.ramp); }},
+    {Shape::averages, "averages", false, ShapeParameter{"lengths", &Spec::lengths, 1.0, 1e6, false},
+     [](const Spec& s) { return averages(s.lengths); }},
+    {Shape::s_curve, "s-curve", true, {}, [](const Spec& s) { return s_curve(s.order); }},
+    {Shape::hann, "hann", true, {}, [](const Spec& s) { return hann(s.order); }},
+    {Shape::blackman, "blackman", true, {}, [](const Spec& s) { return blackman(s.order); }},
+    {Shape::blackman_sinc, "blackman-sinc", true, ShapeParameter{"cutoff", &Spec::cutoff, 0.0, 1.0, true},
+     [](const Spec& s) { return blackman_sinc(s.order, s.cutoff); }},
+    {Shape::gaussian, "gaussian", true, ShapeParameter{"alpha", &Spec::alpha, 0.0, 6.0, false},
+     [](const Spec& s) { return gaussian(s.order, s.alpha); }},
+    {Shape::exponential, "exponential", true, ShapeParameter{"ratio", &Spec::ratio, 0.0, 1.0, true},
+     [](const Spec& s) { return exponential(s.order, s.ratio); }},
+    {Shape::taps, "taps", false, ShapeParameter{"taps", &Spec::taps, 0.0, 1e300, false},
+     [](const Spec& s) { return Filter(s.taps); }},
+}};
+
+}  // namespace
+
+std::span<const ShapeInfo> shape_list() {
+  return shapes;
+}
+
+const ShapeInfo& info(Shape shape) {
+  return *std::find_if(shapes.begin(), shapes.end(), [=](const ShapeInfo& s) { return s.shape == shape; });
+}
+
+std::string_view to_string(Shape shape) {
+  return info(shape).name;
+}
+
+std::optional<Shape> shape_from_string(std::string_view name) {
+  for (const ShapeInfo& s : shapes) {
+    if (s.name == name) return s.shape;
+  }
+  return std::nullopt;
+}
+
+Filter make_filter(const FilterSpec& spec) {
+  const Filter filter = info(spec.kind).make(spec);
+  return spec.pairs == 0 ? filter : with_pairs(filter, spec.pairs, spec.pair_delay);
+}
+
+std::string describe_parameters(const FilterSpec& spec) {
+  std::string text;
+  const auto& parameter = info(spec.kind).parameter;
+  if (parameter && spec.kind != Shape::taps) {
+    text = std::visit([&](auto member) { return fmt::format("{} = {}", parameter->key, spec.*member); },
+                      parameter->member);
+  }
+  if (spec.pairs > 0)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", spec.pairs == 1 ? "ZV" : "ZVD", spec.pair_delay);
+  return text;
+}
+
+}  // namespace accdec

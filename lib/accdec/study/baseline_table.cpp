@@ -1,0 +1,112 @@
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/formats/report.hpp>
+#include <accdec/study/baseline_table.hpp>
+
+namespace accdec::study {
+namespace {
+
+std::string milliseconds(double seconds) {
+  return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6);
+}
+
+void add_row(TextTable& table, std::string name, std::string parameters, const DesignResult& result,
+             const DesignResult& design, std::string note) {
+  if (!result.filter) {
+    table.add({std::move(name), "-", "-", "-", "-", "-", "-", result.message});
+    return;
+  }
+  std::vector<int> delays;
+  for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
+  const std::string more =
+      design.filter ? fmt::format("{:.1f}", 100.0 * (result.objective() / design.objective() - 1.0)) : "-";
+  table.add({std::move(name), std::move(parameters), std::to_string(result.filter->order()),
+             fmt::format("{}", fmt::join(delays, " ")), milliseconds(result.cycle_time),
+             milliseconds(result.corner_time), more, std::move(note)});
+}
+
+std::string rows(const BaselineTable& t) {
+  TextTable table({"filter", "parameters", "N", "d", "cycle ms", "corners ms", "more %", "note"});
+  for (const std::size_t left : {std::size_t{0}, std::size_t{1}, std::size_t{7}}) table.left(left);
+  add_row(table, "designed", "free taps", t.design, t.design,
+          t.design.status == Status::optimal ? "proved" : t.design.message);
+  if (t.own) {
+    const Task& task = t.own->task;
+    add_row(table, "yours: " + std::string(to_string(task.filter->kind)), describe_parameters(*task.filter), *t.own,
+            t.design, "");
+  }
+  for (std::size_t i = 0; i < t.families.size(); ++i) {
+    const BaselineResult& family = t.families[i];
+    add_row(table, std::string(baselines()[i].title), family.spec ? describe_parameters(*family.spec) : "",
+            family.result, t.design, family.exact_stop ? "exact stop" : "");
+  }
+  return fmt::format("\nat {:g} ms\n{}", 1e3 * t.design.task.sample_period, table.str());
+}
+
+}  // namespace
+
+const BaselineResult* BaselineTable::best() const {
+  const BaselineResult* least = nullptr;
+  for (const BaselineResult& family : families) {
+    if (family.result.filter && (least == nullptr || family.result.objective() < least->result.objective())) {
+      least = &family;
+    }
+  }
+  return least;
+}
+
+std::optional<double> BaselineTable::saving() const {
+  if (best() == nullptr || !design.filter) return std::nullopt;
+  return 1.0 - design.objective() / best()->result.objective();
+}
+
+BaselineTable compare_with_baselines(const Task& task, const DesignOptions& options) {
+  BaselineTable table;
+  Task open = task;
+  open.filter.reset();
+  table.design = design_task(open, options);
+  table.families = best_baselines(open);
+  if (const auto& own = task.baseline ? task.baseline : task.filter) {
+    open.filter = own;
+    table.own = design_delays(open, options);
+  }
+  return table;
+}
+
+Task at_shorter_period(Task task, int times) {
+  task.sample_period /= times;
+  // N + 1 taps last (N + 1) T.
+  task.design.order_min = std::max(0, (task.design.order_min + 1) * times - times);
+  task.design.order_max = (task.design.order_max + 1) * times - 1;
+  task.filter.reset();
+  task.baseline.reset();
+  for (TaskCorner& corner : task.corners) {
+    if (corner.delay) *corner.delay *= times;
+  }
+  return task;
+}
+
+std::string baseline_text(const BaselineTable& table, const BaselineTable& quarter) {
+  std::string text = rows(table) + rows(quarter);
+  if (!table.saving() || !quarter.saving())
+    return text + "\nno saving can be stated: a design or every family is missing\n";
+  const auto percent = [](double share) { return std::round(1000.0 * share) / 10.0 + 0.0; };
+  const double here = percent(*table.saving()), there = percent(*quarter.saving());
+  const auto name = [](const BaselineTable& t) {
+    return baselines()[static_cast<std::size_t>(t.best() - t.families.data())].title;
+  };
+  text += fmt::format("\nsaved against the best family: {:.1f} % at {:g} ms ({}), {:.1f} % at {:g} ms ({})\n", here,
+                      1e3 * table.design.task.sample_period, name(table), there,
+                      1e3 * quarter.design.task.sample_period, name(quarter));
+  if (here > there + 0.05) {
+    text +=
+        fmt::format("{:.1f} of these {:.1f} % are rounding to whole samples: a shorter sample period saves them too\n",
+                    here - std::max(0.0, there), here);
+  }
+  return text;
+}
+
+}  // namespace accdec::study

@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/design/baselines.hpp>
+#include <accdec/machine/utilisation.hpp>
+#include <accdec/motion/blend.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "support/tasks.hpp"
+
+namespace accdec {
+namespace {
+
+using testing::plane_corner;
+using testing::plane_task;
+using testing::random_task;
+
+const Baseline& family(const char* name) {
+  return *find_baseline(name);
+}
+
+// 0.1 m/s at 6 m/s^2 and 1 ms: a tap of at most 0.06, so 17 taps; parted legs at d = 16.
+TEST(Baselines, BoxcarOfAnAccelerationLimit) {
+  Axis axis;
+  axis.acceleration_max = 6.0;
+  const BaselineResult best =
+      best_baseline(plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 0.0), family("boxcar"));
+  ASSERT_TRUE(best.spec) << best.result.message;
+  EXPECT_EQ(best.spec->order, 16);
+  EXPECT_EQ(best.result.corners.at(0).delay, 16);
+  EXPECT_TRUE(best.exact_stop);
+}
+
+// Acceleration and jerk limits on one axis: averages of ceil(v/(a T)) and ceil(a/(j T)) taps. 0.1 m/s, 6 m/s^2 and
+// 600 m/s^3 at 1 ms: 17 and 10.
+TEST(Baselines, TwoAveragesOfAccelerationAndJerk) {
+  Axis axis;
+  axis.acceleration_max = 6.0;
+  axis.jerk_max = 600.0;
+  const BaselineResult best =
+      best_baseline(plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 0.0), family("trapezoid"));
+  ASSERT_TRUE(best.spec) << best.result.message;
+  EXPECT_EQ(best.spec->order - best.spec->ramp + 1, 17);
+  EXPECT_EQ(best.spec->ramp + 1, 10);
+}
+
+// The start that saturates m a + c V = F is a geometric series, and the parted legs of an exact stop want nothing but
+// the fastest start: with friction the exponential is the optimum. B_k = (F + (m/T) s B_{k-1})/((m/T + c) s), s the
+// feed.
+TEST(Baselines, ExponentialSaturatesForceWithFriction) {
+  Axis axis;
+  axis.mass = 34.0;
+  axis.damping = 840.0;
+  axis.force_max = 465.0;
+  const double s = 0.5, inertia = axis.mass / 1e-3;
+  double response = 0.0;
+  int taps = 0;
+  while (response < 1.0 - 1e-12) {
+    response = (axis.force_max + inertia * s * response) / ((inertia + axis.damping) * s);
+    ++taps;
+  }
+  const BaselineResult best =
+      best_baseline(plane_task(axis, plane_corner("A", 90, 0, s, s), 0.0), family("exponential"));
+  ASSERT_TRUE(best.spec) << best.result.message;
+  EXPECT_EQ(best.spec->order + 1, taps);
+  EXPECT_NEAR(best.spec->ratio, inertia / (inertia + axis.damping), 2e-3);  // any ratio between two whole lengths does
+}
+
+/// The least objective, samples, of one member with the delays it needs; judged by the blend formulas, not the
+/// search's.
+double cost(const Task& task, const FilterSpec& spec, int order_max) {
+  const double allowed = 1.0 + 0.9 * verification_tolerance;
+  double sum = 0.0, weights = 0.0;
+  try {
+    const Filter filter = make_filter(spec);
+    if (filter.order() > order_max || filter.order() < task.design.order_min) return unlimited;
+    for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, task.machine)) {
+      if (use.utilisation > allowed) return unlimited;
+    }
+    for (const TaskCorner& c : task.corners) {
+      const auto holds = [&](int d) {
+        for (const LimitUse& use : axis_utilisation(filter, c.geometry, d, task.sample_period, task.machine, c.name)) {
+          if (use.utilisation > allowed) return false;
+        }
+        const CornerMeasures m = measure(Blend(filter, c.geometry, d, task.sample_period));
+        return (!c.error_max || m.corner_error <= *c.error_max * allowed) && c.speed_min <= m.speed_min * allowed;
+      };
+      int d = 0;
+      while (d <= filter.order() + 2 && !holds(d)) ++d;
+      if (d > filter.order() + 2) return unlimited;
+      sum += c.weight * d;
+      weights += c.weight;
+    }
+    return sum + (filter.order() + 1.0) * (task.design.objective == Objective::cycle ? task.design.runs : weights);
+  } catch (const std::invalid_argument&) {
+    return unlimited;  // a shape that needs a larger order
+  }
+}
+
+/// Every order, every pair, every whole parameter; of real ones a grid, which no search may be worse than.
+double brute_force(const Task& task, const Baseline& b, int order_max) {
+  double best = unlimited;
+  const auto offer = [&](const FilterSpec& spec) { best = std::min(best, cost(task, spec, order_max)); };
+  for (int order = 0; order <= order_max; ++order) {
+    for (int delay = b.pairs > 0 ? 1 : 0; order + b.pairs * delay <= order_max && delay <= (b.pairs > 0 ? 99 : 0);
+         ++delay) {
+      FilterSpec spec{.kind = b.shape, .order = order, .pairs = b.pairs, .pair_delay = delay};
+      for (int g = 1; g <= 40; ++g) {
+        spec.alpha = 0.15 * g;
+        spec.ratio = g / 40.0;
+        spec.cutoff = order > 0 ? 2.0 / order * g / 40.0 : 0.0;
+        spec.ramp = g - 1;
+        const bool grid =
+            b.shape == Shape::gaussian || b.shape == Shape::exponential || b.shape == Shape::blackman_sinc;
+        if (b.shape == Shape::averages) {
+          if (g > order + 1) break;
+          for (int l = 1; g + l <= order + 2; ++l) {
+            spec.lengths = {g, l, order + 3 - g - l};
+            offer(spec);
+          }
+          continue;
+        }
+        offer(spec);
+        if (!grid && b.shape != Shape::trapezoid) break;
+      }
+    }
+  }
+  return best;
+}
+
+TEST(Baselines, AgreeWithTryingEverything) {
+  std::mt19937 rng(5);
+  int found = 0;
+  for (int trial = 0; trial < 170; ++trial) {
+    Task task = random_task(rng, 1 + trial % 2);
+    task.design.order_max = 12;
+    task.design.runs = 1.5;
+    if (trial % 3 == 0) task.design.objective = Objective::corner;
+    const Baseline& b = baselines()[static_cast<std::size_t>(trial) % baselines().size()];
+    if (b.pairs > 0 && task.machine.modes.empty()) task.machine.modes.push_back({60.0, 70.0, 0.6});
+    SCOPED_TRACE(::testing::Message() << "trial " << trial << ", " << b.name);
+    const double expected = brute_force(task, b, 12);
+    const BaselineResult best = best_baseline(task, b);
+    const bool grid = b.shape == Shape::gaussian || b.shape == Shape::exponential || b.shape == Shape::blackman_sinc;
+    if (!best.spec) {
+      // Beyond three times the two averages nothing is looked for.
+      const BaselineResult two = best_baseline(task, family("trapezoid"));
+      const double limit = two.spec ? baseline_hopeless * two.result.objective() / task.sample_period : unlimited;
+      EXPECT_GE(expected, limit * (1.0 - 1e-9)) << best.result.message;
+      continue;
+    }
+    ++found;
+    EXPECT_EQ(best.result.status, Status::feasible) << best.result.message;
+    const double got = best.result.objective() / task.sample_period;
+    EXPECT_LE(got, expected + 1e-9);
+    if (!grid) {
+      EXPECT_GE(got, expected - 1e-9);
+    }
+    EXPECT_NEAR(got, cost(task, *best.spec, 12), 1e-9);
+  }
+  EXPECT_GE(found, 15);
+}
+
+TEST(Baselines, WiderFamiliesAreNeverWorse) {
+  std::mt19937 rng(3);
+  for (int trial = 0; trial < 12; ++trial) {
+    const Task task = random_task(rng, 2);
+    double before = unlimited;
+    for (const char* name : {"boxcar", "trapezoid", "averages"}) {
+      const BaselineResult best = best_baseline(task, family(name));
+      const double time = best.spec ? best.result.objective() : unlimited;
+      EXPECT_LE(time, before * (1.0 + 1e-12)) << name;
+      before = time;
+    }
+  }
+}
+
+TEST(Baselines, GivenDelaysStay) {
+  Axis axis;
+  axis.acceleration_max = 5.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), std::nullopt);
+  task.corners[0].delay = 3;
+  const BaselineResult best = best_baseline(task, family("hann"));
+  ASSERT_TRUE(best.spec);
+  EXPECT_EQ(best.result.corners.at(0).delay, 3);
+}
+
+TEST(Baselines, WhatCannotBeIsSaid) {
+  Axis axis;
+  axis.velocity_max = 0.05;
+  const Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 1e-4);
+  EXPECT_EQ(best_baseline(task, family("boxcar")).result.status, Status::infeasible);
+  EXPECT_THAT(best_baseline(task, family("boxcar")).result.message, ::testing::HasSubstr("velocity"));
+  Task quiet = task;
+  quiet.machine.axes[0].velocity_max = quiet.machine.axes[1].velocity_max = unlimited;
+  EXPECT_THAT(best_baseline(quiet, family("boxcar-zv")).result.message, ::testing::HasSubstr("vibration"));
+  EXPECT_EQ(find_baseline("sinc"), nullptr);
+}
+
+}  // namespace
+}  // namespace accdec

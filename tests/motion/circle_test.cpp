@@ -1,0 +1,57 @@
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include <accdec/motion/circle.hpp>
+#include <accdec/motion/controller_shapes.hpp>
+#include <accdec/motion/shapes.hpp>
+
+namespace accdec {
+namespace {
+
+// |H| of N + 1 equal taps is the Dirichlet kernel |sin((N + 1) x/2)/((N + 1) sin(x/2))| at x rad a sample.
+TEST(CircleError, OfTheBoxcarIsTheDirichletKernels) {
+  const double radius = 0.02, feed = 0.2, period = 1e-3;
+  for (const int order : {0, 1, 7, 40, 200}) {
+    const double x = feed * period / radius;
+    const double kernel = std::abs(std::sin(0.5 * (order + 1) * x) / ((order + 1) * std::sin(0.5 * x)));
+    EXPECT_NEAR(circle_error(boxcar(order), radius, feed, period).radius_error, radius * (1.0 - kernel), 1e-15);
+  }
+}
+
+// v^2 sigma^2/(2 R) is the first term of a series whose next is of relative size (v sigma/R)^2; sigma^2 of N + 1 equal
+// taps is
+// ((N + 1)^2 - 1)/12 samples^2.
+TEST(CircleError, SmallAngleFormula) {
+  const double radius = 0.05, feed = 0.1, period = 1e-3;
+  for (const int order : {1, 10, 40}) {
+    const CircleError e = circle_error(boxcar(order), radius, feed, period);
+    const double sigma = std::sqrt(((order + 1.0) * (order + 1.0) - 1.0) / 12.0) * period;
+    EXPECT_NEAR(e.deviation, sigma, 1e-14);
+    EXPECT_NEAR(e.small_angle, feed * feed * sigma * sigma / (2.0 * radius), 1e-15);
+    const double next = std::pow(feed * sigma / radius, 2);
+    EXPECT_NEAR(e.radius_error / e.small_angle, 1.0, next) << order;
+  }
+}
+
+// The simulated turn is longer than the filter, so it reaches the shrunken circle; while the filter fills and empties,
+// points at rest count as well, which are nearer to the circle than that.
+TEST(CircleError, AgreesWithAWholeTurnSimulated) {
+  for (const Filter& filter : {trapezoid(30, 8), hann(25), exponential(22, 0.95), blackman_sinc(40, 0.049)}) {
+    for (const double radius : {0.005, 0.05, 0.5}) {
+      const CircleError e = circle_error(filter, radius, 0.1, 1e-3);
+      EXPECT_NEAR(e.simulated, e.radius_error, 1e-9 * radius);
+    }
+  }
+}
+
+TEST(CircleError, WhatIsNoCircleIsRefused) {
+  EXPECT_THROW(circle_error(boxcar(3), 0.0, 0.1, 1e-3), std::invalid_argument);
+  EXPECT_THROW(circle_error(boxcar(3), 0.1, -0.1, 1e-3), std::invalid_argument);
+  EXPECT_THROW(circle_error(boxcar(3), 1e-5, 0.1, 1e-3), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace accdec

@@ -1,0 +1,120 @@
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/motion/controller_shapes.hpp>
+#include <accdec/motion/filter_spec.hpp>
+#include <accdec/motion/shapes.hpp>
+
+namespace accdec {
+namespace {
+
+void expect_same(const Filter& a, const Filter& b, double tolerance) {
+  ASSERT_EQ(a.order(), b.order());
+  for (int i = 0; i <= a.order(); ++i) EXPECT_NEAR(a.tap(i), b.tap(i), tolerance) << "tap " << i;
+}
+
+std::complex<double> response(const Filter& filter, double phase) {
+  std::complex<double> sum = 0.0;
+  for (int i = 0; i <= filter.order(); ++i) sum += filter.tap(i) * std::polar(1.0, -phase * i);
+  return sum;
+}
+
+// Two averages of ramp + 1 and order - ramp + 1 taps are the trapezoid; one average is the boxcar.
+TEST(Averages, OneIsTheBoxcarTwoAreTheTrapezoid) {
+  for (int order = 0; order <= 20; ++order) {
+    const int one[] = {order + 1};
+    expect_same(averages(one), boxcar(order), 1e-16);
+    for (int ramp = 0; ramp <= order / 2; ++ramp) {
+      const int two[] = {order - ramp + 1, ramp + 1};
+      expect_same(averages(two), trapezoid(order, ramp), 1e-15);
+    }
+  }
+}
+
+// The response of a cascade is the product of the averages' Dirichlet kernels, and a pair multiplies it by cos(x
+// delay/2).
+TEST(Averages, ResponseIsTheProductOfTheirs) {
+  const int lengths[] = {9, 5, 2};
+  for (const int pairs : {0, 1, 2}) {
+    const Filter filter = with_pairs(averages(lengths), pairs, 7);
+    EXPECT_EQ(filter.order(), 8 + 4 + 1 + 7 * pairs);
+    for (double x = 0.05; x < 3.1; x += 0.13) {
+      double expected = std::pow(std::abs(std::cos(3.5 * x)), pairs);
+      for (const int n : lengths) expected *= std::abs(std::sin(0.5 * n * x) / (n * std::sin(0.5 * x)));
+      EXPECT_NEAR(std::abs(response(filter, x)), expected, 1e-14);
+    }
+  }
+}
+
+TEST(Exponential, TapsAreAGeometricSeries) {
+  const Filter filter = exponential(22, 0.93);
+  const double first = (1.0 - 0.93) / (1.0 - std::pow(0.93, 23));
+  for (int i = 0; i <= 22; ++i) EXPECT_NEAR(filter.tap(i), first * std::pow(0.93, i), 1e-15);
+  expect_same(exponential(9, 1.0), boxcar(9), 1e-16);
+}
+
+TEST(Gaussian, IsSymmetricAndABoxcarAtAlphaZero) {
+  expect_same(gaussian(9, 0.0), boxcar(9), 1e-16);
+  const Filter filter = gaussian(10, 2.5);
+  for (int i = 0; i <= 10; ++i) EXPECT_EQ(filter.tap(i), filter.tap(10 - i));
+  // One standard deviation is 1/alpha of the half width of 5 samples: exp(-1/2) there.
+  EXPECT_NEAR(filter.tap(7) / filter.tap(5), std::exp(-0.5), 1e-14);
+}
+
+TEST(ControllerShapes, RefuseWhatTheyCannotBe) {
+  const int none[] = {3, 0};
+  EXPECT_THROW(averages(none), std::invalid_argument);
+  EXPECT_THROW(averages({}), std::invalid_argument);
+  EXPECT_THROW(exponential(5, 0.0), std::invalid_argument);
+  EXPECT_THROW(exponential(5, 1.1), std::invalid_argument);
+  EXPECT_THROW(gaussian(0, 1.0), std::invalid_argument);
+  EXPECT_THROW(gaussian(5, 7.0), std::invalid_argument);
+  EXPECT_THROW(with_pairs(boxcar(3), 1, 0), std::invalid_argument);
+  EXPECT_THROW(with_pairs(boxcar(3), 3, 2), std::invalid_argument);
+}
+
+TEST(ShapeList, HoldsEveryShapeOnceAndMakesIt) {
+  std::set<std::string_view> names;
+  for (const ShapeInfo& shape : shape_list()) {
+    EXPECT_TRUE(names.insert(shape.name).second) << shape.name;
+    EXPECT_EQ(&info(shape.shape), &shape);
+    EXPECT_EQ(shape_from_string(shape.name), shape.shape);
+    FilterSpec spec;
+    spec.kind = shape.shape;
+    spec.order = 12;
+    spec.cutoff = 0.05;
+    spec.ramp = 3;
+    spec.ratio = 0.9;
+    spec.alpha = 2.0;
+    spec.lengths = {8, 5, 2};
+    spec.taps = std::vector<double>(13, 1.0);
+    EXPECT_EQ(make_filter(spec).order(), 12) << shape.name;
+    spec.pairs = 2;
+    spec.pair_delay = 4;
+    EXPECT_EQ(make_filter(spec).order(), 20) << shape.name;
+  }
+  EXPECT_EQ(shape_from_string("sinc"), std::nullopt);
+}
+
+TEST(ShapeList, DescribesParameters) {
+  FilterSpec spec;
+  EXPECT_EQ(describe_parameters(spec), "");
+  spec.kind = Shape::averages;
+  spec.lengths = {19, 3};
+  spec.pairs = 1;
+  spec.pair_delay = 12;
+  EXPECT_EQ(describe_parameters(spec), "lengths = [19, 3], ZV 12");
+  spec.pairs = 0;
+  spec.kind = Shape::exponential;
+  spec.ratio = 0.95;
+  EXPECT_EQ(describe_parameters(spec), "ratio = 0.95");
+}
+
+}  // namespace
+}  // namespace accdec
