@@ -37,7 +37,6 @@ constexpr const LimitName& limit_name(LimitKind kind) {
 constexpr std::string_view to_string(LimitKind kind) {
   return limit_name(kind).name;
 }
-std::optional<LimitKind> limit_from_string(std::string_view name);
 
 /// What one axis does at one sample, SI.
 struct AxisState {

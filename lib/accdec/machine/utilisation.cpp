@@ -11,13 +11,6 @@
 
 namespace accdec {
 
-std::optional<LimitKind> limit_from_string(std::string_view name) {
-  for (const LimitName& limit : limit_names) {
-    if (limit.name == name) return limit.kind;
-  }
-  return std::nullopt;
-}
-
 std::string_view to_string(Event event) {
   switch (event) {
     case Event::start: return "start";
