@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include <accdec/motion/linear.hpp>
 #include <accdec/paper/paper_case.hpp>
+#include <accdec/paper/paper_circle.hpp>
 #include <accdec/paper/paper_figures.hpp>
 
 namespace accdec::paper {
@@ -23,14 +25,59 @@ TEST(PaperFigures, Figure12DelaysThatReachTheFirsAccuracy) {
   EXPECT_EQ(figure12_delay(Processor::fir), 0);
 }
 
+TEST(PaperFigures, Figure12NeedsFourteenSamplesAtEveryAngle) {
+  for (const double degrees : {30.0, 45.0, 60.0, 75.0, 90.0, 95.0, 105.0, 120.0, 135.0, 150.0}) {
+    const double theta = degrees / 180.0 * std::numbers::pi;
+    EXPECT_EQ(figure12_delay(Processor::linear, theta), 14) << degrees;
+    EXPECT_EQ(figure12_delay(Processor::s_curve, theta), 4) << degrees;
+  }
+}
+
 TEST(PaperFigures, ColumnsOfAFigureAreEquallyLong) {
-  for (const FigureData& data : {figure5(), figure6(), figure7(), figure8(), figure9(), figure10(), figure11(),
-                                 figure12_paths(), figure12_errors()}) {
+  for (const FigureData& data : {figure1(), figure2(), figure3(), figure4(), figure5(), figure6(), figure7(), figure8(),
+                                 figure9(), figure10(), figure11(), figure12_paths(), figure12_errors()}) {
     for (const Column& column : data.columns)
       EXPECT_EQ(column.values.size(), data.columns.front().values.size()) << column.name;
     EXPECT_GT(data.columns.front().values.size(), 40u);
   }
   EXPECT_THROW(figure5()["nothing"], std::out_of_range);
+}
+
+TEST(PaperFigures, TheLegOfFigure2IsAsLongAfterAccDecAsBefore) {
+  const FigureData data = figure2();
+  EXPECT_NEAR(data["way_before_mm"].back(), 40.0, 1e-9);  // 100 samples of 1 ms at 400 mm/s
+  EXPECT_NEAR(data["way_after_mm"].back(), 40.0, 1e-9);
+  const std::vector<double>& after = data["after_mm_s"];
+  EXPECT_EQ(std::count_if(after.begin(), after.end(), [](double v) { return v > 0.0; }), 100 + 41 - 1);
+}
+
+TEST(PaperFigures, Figure4ShowsTheSameErrorInBothFrames) {
+  const FigureData data = figure4();
+  const LinearCorner exact(angle, figure_feed, figure_feed, 41e-3, 0.0);
+  double nearest_xy = INFINITY, nearest_b = INFINITY;
+  for (std::size_t i = 0; i < data["k"].size(); ++i) {
+    nearest_xy = std::min(nearest_xy, std::hypot(data["x_mm"][i], data["y_mm"][i]));
+    EXPECT_NEAR(std::hypot(data["a_mm"][i], data["b_mm"][i]), std::hypot(data["x_mm"][i], data["y_mm"][i]), 1e-9);
+    nearest_b = std::min(nearest_b, data["b_mm"][i]);
+  }
+  EXPECT_NEAR(nearest_xy, nearest_b, 1e-9);  // equal feeds: the path is nearest on the halving line
+  // Eq. (9) in continuous time; sampling moves it by the order of 1/41^2.
+  EXPECT_NEAR(nearest_xy, exact.corner_error() * 1e3, exact.corner_error() * 1e3 / 41.0 / 41.0 * 2.0);
+}
+
+TEST(PaperFigures, OnACircleTheErrorIsHalfTheVarianceOfTheTaps) {
+  // Variance of n equal taps: (n^2 - 1)/12.
+  const std::vector<CircleRow> rows = circle_rows();
+  const double variance = (41.0 * 41.0 - 1.0) / 12.0 * sample_period * sample_period;
+  const double closed = circle_feed * circle_feed * variance / (2.0 * circle_radius);
+  EXPECT_NEAR(rows[0].error.small_angle, closed, 1e-12);
+  for (const CircleRow& row : rows) {
+    EXPECT_NEAR(row.error.simulated, row.error.radius_error, 1e-10) << row.name;
+    EXPECT_NEAR(row.error.radius_error, row.error.small_angle, 0.01 * row.error.small_angle) << row.name;
+  }
+  EXPECT_LT(rows[2].error.radius_error, rows[1].error.radius_error);  // the paper's claim, equal Acc/Dec time
+  EXPECT_LT(rows[1].error.radius_error, rows[0].error.radius_error);
+  EXPECT_LT(rows[3].error.radius_error, rows[2].error.radius_error);  // and its limit: equal acceleration and jerk
 }
 
 TEST(PaperFigures, EqualFeedsKeepTheSpeedAlongAConstant) {  // Eq. (5.a), (22.a)

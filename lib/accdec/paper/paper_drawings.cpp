@@ -7,13 +7,7 @@
 #include <accdec/paper/paper_drawings.hpp>
 
 namespace accdec::paper {
-namespace {
 
-struct Curve {
-  std::string column, label;
-};
-
-/// Curves over one column, in styles 0, 1, ...
 Panel panel_of(const FigureData& data, const std::string& title, const std::string& x_column,
                const std::string& x_label, const std::string& y_label, const std::vector<Curve>& curves) {
   Panel panel;
@@ -29,6 +23,17 @@ Panel panel_of(const FigureData& data, const std::string& title, const std::stri
   return panel;
 }
 
+Drawing make_drawing(const std::string& name, FigureData data, const std::string& title, std::vector<Panel> panels,
+                     int columns) {
+  Drawing drawing{name, {std::move(data)}, {}};
+  drawing.figure.title = title;
+  drawing.figure.panels = std::move(panels);
+  drawing.figure.columns = columns;
+  return drawing;
+}
+
+namespace {
+
 const char* const time_label = "time from the corner command / ms";
 const char* const speed_label = "velocity / (mm/s)";
 
@@ -40,15 +45,6 @@ std::vector<Panel> component_panels(const FigureData& data, const std::string& s
                    {{name("vb"), "sum"}, {name("v1b"), "leg 1"}, {name("v2b"), "leg 2"}})};
 }
 
-Drawing make(const std::string& name, FigureData data, const std::string& title, std::vector<Panel> panels,
-             int columns) {
-  Drawing drawing{name, {std::move(data)}, {}};
-  drawing.figure.title = title;
-  drawing.figure.panels = std::move(panels);
-  drawing.figure.columns = columns;
-  return drawing;
-}
-
 Drawing draw9() {
   FigureData data = figure9();
   std::vector<Curve> curves;
@@ -56,8 +52,8 @@ Drawing draw9() {
     curves.push_back({fmt::format("error_c{}_um", c), fmt::format("c = {}", c)});
   Panel panel = panel_of(data, "", "dT_ms", "command delay dT / ms", "corner error / BLU (1 BLU = 1 µm)", curves);
   panel.y.min = 0.0;
-  Drawing drawing =
-      make("fig09", std::move(data), "Fig. 9: corner error of linear Acc/Dec, v₁ = 4·10⁵ BLU/s, θ = 95°", {panel}, 1);
+  Drawing drawing = make_drawing("fig09", std::move(data),
+                                 "Fig. 9: corner error of linear Acc/Dec, v₁ = 4·10⁵ BLU/s, θ = 95°", {panel}, 1);
   drawing.figure.panel_height = 380;
   return drawing;
 }
@@ -91,8 +87,9 @@ Drawing draw11() {
     }
     curves.series.push_back(series);
   }
-  Drawing drawing = make("fig11", std::move(data), "Fig. 11: normalised corner error of FIR Acc/Dec, N = 40, θ = 95°",
-                         {surface, curves}, 2);
+  Drawing drawing =
+      make_drawing("fig11", std::move(data), "Fig. 11: normalised corner error of FIR Acc/Dec, N = 40, θ = 95°",
+                   {surface, curves}, 2);
   drawing.figure.panel_width = 520;
   drawing.figure.panel_height = 360;
   return drawing;
@@ -130,8 +127,8 @@ Drawing draw12() {
                           1});
   error.series.push_back({"S-curve: 4 T", {4.0}, {figure12_error(Processor::s_curve, 4) * 1e6}, Mark::points, 2});
   error.x.max = 24.0, error.y.min = 0.0;
-  Drawing drawing =
-      make("fig12", std::move(paths), "Fig. 12: Acc/Dec processors at v₁ = 100 mm/s, c = 2, θ = 95°", {path, error}, 1);
+  Drawing drawing = make_drawing("fig12", std::move(paths),
+                                 "Fig. 12: Acc/Dec processors at v₁ = 100 mm/s, c = 2, θ = 95°", {path, error}, 1);
   drawing.data.push_back(std::move(errors));
   drawing.figure.panel_width = 760;
   drawing.figure.panel_height = 420;
@@ -141,11 +138,11 @@ Drawing draw12() {
 }  // namespace
 
 std::vector<Drawing> drawings() {
-  std::vector<Drawing> all;
+  std::vector<Drawing> all = opening_drawings();
   FigureData d5 = figure5(), d6 = figure6(), d7 = figure7(), d8 = figure8(), d10 = figure10();
   const std::string feed = "v₁ = v₂ = 4·10⁵ BLU/s, θ = 95°";
   Panel p5 = panel_of(d5, "", "t_ms", time_label, speed_label, {{"va_mm_s", "v_a"}, {"vb_mm_s", "v_b"}});
-  all.push_back(make("fig05", std::move(d5), "Fig. 5: blended command in the a-b frame, " + feed, {p5}, 1));
+  all.push_back(make_drawing("fig05", std::move(d5), "Fig. 5: blended command in the a-b frame, " + feed, {p5}, 1));
   const auto speeds = [&](const char* title, const char* d) {
     const auto name = [&](const char* base) { return fmt::format("{}_d{}_mm_s", base, d); };
     Panel panel = panel_of(d6, title, "t_ms", time_label, "speed / (mm/s)",
@@ -154,16 +151,16 @@ std::vector<Drawing> drawings() {
     return panel;
   };
   const std::vector<Panel> p6{speeds("(a) no delay", "0"), speeds("(b) delay dT = 10 T", "10")};
-  all.push_back(make("fig06", std::move(d6), "Fig. 6: speed after linear Acc/Dec, " + feed, p6, 1));
+  all.push_back(make_drawing("fig06", std::move(d6), "Fig. 6: speed after linear Acc/Dec, " + feed, p6, 1));
   std::vector<Panel> p7 = component_panels(d7, "", ""), p8 = component_panels(d8, "", "");
-  all.push_back(make("fig07", std::move(d7), "Fig. 7: components, linear Acc/Dec, " + feed, p7, 1));
-  all.push_back(make("fig08", std::move(d8), "Fig. 8: components, linear, dT = 10 T, " + feed, p8, 1));
+  all.push_back(make_drawing("fig07", std::move(d7), "Fig. 7: components, linear Acc/Dec, " + feed, p7, 1));
+  all.push_back(make_drawing("fig08", std::move(d8), "Fig. 8: components, linear, dT = 10 T, " + feed, p8, 1));
   all.push_back(draw9());
   std::vector<Panel> p10 = component_panels(d10, "_d0", ", no delay");
   const std::vector<Panel> delayed = component_panels(d10, "_d10", ", dT = 10 T");
   p10.insert(p10.begin() + 1, delayed[0]);
   p10.push_back(delayed[1]);
-  all.push_back(make("fig10", std::move(d10), "Fig. 10: components, FIR Acc/Dec, " + feed, p10, 2));
+  all.push_back(make_drawing("fig10", std::move(d10), "Fig. 10: components, FIR Acc/Dec, " + feed, p10, 2));
   all.push_back(draw11());
   all.push_back(draw12());
   return all;

@@ -46,8 +46,8 @@ Column sample_times(int first, int last) {
   return time;
 }
 
-LinearCorner figure12_linear(int delay) {
-  return {angle, figure12_feed, figure12_ratio * figure12_feed, ramp_samples * sample_period, delay * sample_period};
+LinearCorner figure12_linear(int delay, double theta) {
+  return {theta, figure12_feed, figure12_ratio * figure12_feed, ramp_samples * sample_period, delay * sample_period};
 }
 
 constexpr int margin = 5;  ///< samples shown before and after the blend
@@ -140,16 +140,16 @@ FigureData figure11() {
   return data;
 }
 
-double figure12_error(Processor processor, int delay) {
-  if (processor == Processor::linear) return figure12_linear(delay).sampled_corner_error(sample_period);
-  const Corner corner = a_b_corner(figure12_feed, figure12_ratio);
+double figure12_error(Processor processor, int delay, double theta) {
+  if (processor == Processor::linear) return figure12_linear(delay, theta).sampled_corner_error(sample_period);
+  const Corner corner = planar_corner(theta, 0.0, Turn::left, figure12_feed, figure12_ratio * figure12_feed);
   return corner_error(Blend(processor == Processor::fir ? fir() : quintic(), corner, delay, sample_period));
 }
 
-int figure12_delay(Processor processor) {
-  const double bound = figure12_error(Processor::fir, 0);
+int figure12_delay(Processor processor, double theta) {
+  const double bound = figure12_error(Processor::fir, 0, theta);
   int delay = 0;
-  while (figure12_error(processor, delay) > bound) ++delay;
+  while (figure12_error(processor, delay, theta) > bound) ++delay;
   return delay;
 }
 
@@ -161,7 +161,7 @@ FigureData figure12_paths() {
   const auto add = [&](const char* name, Processor processor, int delay) {
     const Filter filter = processor == Processor::fir ? fir() : quintic();
     const Blend blend(filter, corner, delay, sample_period);
-    const LinearCorner exact = figure12_linear(delay);
+    const LinearCorner exact = figure12_linear(delay, angle);
     Column a{fmt::format("{}_d{}_a_mm", name, delay), {}}, b{fmt::format("{}_d{}_b_mm", name, delay), {}};
     for (int k = -margin; k <= last; ++k) {
       const Eigen::Vector2d s =

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <accdec/motion/filter.hpp>
+#include <accdec/paper/paper_case.hpp>
 
 namespace accdec::paper {
 
@@ -14,12 +15,20 @@ struct Column {
 };
 /// The numbers behind one figure, as its CSV file holds them: columns of equal length.
 struct FigureData {
-  int number = 0;  ///< of the paper's figure, 5 .. 12
+  int number = 0;  ///< of the paper's figure, 1 .. 12
   std::vector<Column> columns;
   /// @throws std::out_of_range if there is none of that name.
   const std::vector<double>& operator[](const std::string& name) const;
 };
 
+/// Fig. 1: the command at each station of the layout: interpolator, Acc/Dec processor, servo; one leg along x.
+FigureData figure1();
+/// Fig. 2: a leg from A to B, velocity and way before and after linear Acc/Dec.
+FigureData figure2();
+/// Fig. 3: the blended mode from A through B to C, velocities of both legs before and after linear Acc/Dec.
+FigureData figure3();
+/// Fig. 4: the path of Fig. 3's motion around the corner, in the x-y frame and in the a-b frame, mm.
+FigureData figure4();
 /// Fig. 5: the whole motion in the a-b frame, from rest to rest, linear Acc/Dec, v1 = v2. Time 0 is the corner command.
 FigureData figure5();
 /// Fig. 6: speed around the corner without delay and with dT = 10 T.
@@ -47,10 +56,10 @@ inline constexpr double figure12_ratio = 2.0;
 /// The Acc/Dec processors of Fig. 12: linear in continuous time, sampled (as in Table 1), quintic S-curve, Blackman
 /// FIR.
 enum class Processor { linear, s_curve, fir };
-/// Corner error at samples with a delay of `delay` samples, m.
-double figure12_error(Processor processor, int delay);
+/// Corner error at samples with a delay of `delay` samples, m. @param theta  interior angle, rad
+double figure12_error(Processor processor, int delay, double theta = angle);
 /// Smallest delay, samples, with which a processor is as accurate as the FIR without delay.
-int figure12_delay(Processor processor);
+int figure12_delay(Processor processor, double theta = angle);
 
 /// A comparison of two filters at equal limits instead of equal order.
 struct EqualLimits {

@@ -9,6 +9,7 @@
 #include <accdec/files/process.hpp>
 #include <accdec/motion/linear.hpp>
 #include <accdec/paper/paper_case.hpp>
+#include <accdec/paper/paper_circle.hpp>
 #include <accdec/paper/paper_drawings.hpp>
 #include <accdec/paper/paper_report.hpp>
 
@@ -60,6 +61,7 @@ Recovered by recomputing its numbers; with these all entries are met.
 | Table 2 | the lost header reads dT = 0, 5 T, 15 T, 41 T |
 | Table 2, Fig. 10 and 11 | the "Blackman filter" is a Blackman-windowed sinc low-pass of order 40 with its cut-off at 0.049 of the Nyquist frequency (24.5 Hz), not the bare window; position by the right-rectangle sum of Eq. (29) |
 | Fig. 12 | the same filter, c = 2, 95°; the feed "6 000 mm/sec" must be 6000 mm/min = 100 mm/s; linear Acc/Dec as in Table 1 |
+| Fig. 1 to 4 | sketches without numbers: drawn here from the model at the conditions of Fig. 5, leg 1 at 60° to the x-axis |
 | Fig. 5 to 8, 10 | the paper prints no numbers: drawn here at 95°, v1 = v2 = 4e5 BLU/s and, where delayed, dT = 10 T |
 
 )";
@@ -90,6 +92,21 @@ std::string errata_text() {
   return fmt::format(fmt::runtime(errata), exact, approximate, (1.0 - approximate / exact) * 100.0);
 }
 
+/// Whether the delays of Fig. 12 depend on the angle, which the paper does not print.
+std::string figure12_angles() {
+  std::string text =
+      "The angle is not the cause: the same delays are needed at ten angles from 30° to 150°.\n\n"
+      "| angle | FIR / µm | linear, 12 T / µm | linear needs | S-curve needs |\n|--:|--:|--:|--:|--:|\n";
+  for (const double degrees : {30.0, 45.0, 60.0, 75.0, 90.0, 95.0, 105.0, 120.0, 135.0, 150.0}) {
+    const double theta = degrees / 180.0 * std::numbers::pi;
+    text +=
+        fmt::format("| {:g}° | {:.1f} | {:.1f} | {} T | {} T |\n", degrees,
+                    figure12_error(Processor::fir, 0, theta) * 1e6, figure12_error(Processor::linear, 12, theta) * 1e6,
+                    figure12_delay(Processor::linear, theta), figure12_delay(Processor::s_curve, theta));
+  }
+  return text + "\n";
+}
+
 std::string figure12_text() {
   const auto um = [](Processor p, int d) { return figure12_error(p, d) * 1e6; };
   return fmt::format(
@@ -102,46 +119,56 @@ std::string figure12_text() {
       "that holds: the smallest sufficient delay is {} T. For the linear processor it does not: 12 T leaves {:.1f} µm "
       "where the FIR has {:.1f}, and "
       "the smallest sufficient delay is {} T. The discrepancy is the paper's; the figure shows the printed delays and "
-      "marks both.\n\n",
+      "marks both.\n\n"
+      "{}",
       um(Processor::fir, 0), um(Processor::s_curve, 0), um(Processor::s_curve, 4), um(Processor::linear, 0),
       um(Processor::linear, 12), um(Processor::linear, 14), figure12_delay(Processor::s_curve),
-      um(Processor::linear, 12), um(Processor::fir, 0), figure12_delay(Processor::linear));
+      um(Processor::linear, 12), um(Processor::fir, 0), figure12_delay(Processor::linear), figure12_angles());
 }
 
 std::string claims_text() {
   const EqualLimits e = equal_limits();
   return fmt::format(
-      "## What the paper claims and what holds\n\n"
-      "*\"The FIR Acc/Dec has the smallest corner error.\"* It holds at equal Acc/Dec time, as in Fig. 12. It does not "
-      "hold at equal limits. For equal "
-      "feeds and symmetric taps the error is v0 T cos(theta/2) times the mean absolute deviation (MAD) of the taps "
-      "(Eq. 24), so the MAD "
-      "ranks filters at every corner:\n\n"
-      "| filter | order | MAD / samples |\n|---|--:|--:|\n"
-      "| Blackman FIR of the paper | {} | {:.3f} |\n"
-      "| trapezoid with both limits used up (ramps not a whole number of samples) | {} | {:.3f} |\n"
-      "| shortest trapezoid with whole-sample ramps ({} taps a ramp) | {} | {:.3f} |\n"
-      "| boxcar with the same peak acceleration, jerk not limited | {} | {:.3f} |\n\n"
-      "The limits are the FIR's own: largest tap {:.5f} (peak acceleration a T/v) and largest difference of "
-      "neighbouring taps, both ends included, "
-      "{:.5f} (peak jerk j T²/v). No tap of any filter within them can exceed min({:.5f}, (i + 1) {:.5f}, (N + 1 - i) "
-      "{:.5f}), and these add up to 1 "
-      "only from N = {} on (sum {:.4f}): no shorter filter exists, and scaled to sum 1 they are the trapezoid of the "
-      "table. So at equal peak "
-      "acceleration and jerk a filter of order {} beats the FIR of order {} both in time and in corner error ({:.1f} % "
-      "less). The Blackman shape pays "
-      "where vibration, or a force or power limit that depends on speed, binds; comparisons belong at equal limits.\n\n"
-      "*\"It also provides the shortest machining time for the same accuracy.\"* Among the three processors of Fig. "
-      "12, with one and the same N, "
-      "yes: they need 0, {} and {} samples of delay. With the order free, no: see the table.\n\n"
-      "*\"Corner error is less affected with increasing c.\"* Holds (Fig. 9): the factor c/(c + 1) of Eq. (9) "
-      "saturates.\n\n"
-      "*\"The corner error is proportional to the velocity.\"* Holds exactly for a fixed ratio c: all rows of both "
-      "tables are multiples of the last.\n\n",
-      order, e.fir_mad, e.least_order, e.envelope_mad, e.trapezoid_ramp, e.trapezoid_order, e.trapezoid_mad,
-      e.boxcar_order, e.boxcar_mad, e.tap_max, e.step_max, e.tap_max, e.step_max, e.step_max, e.least_order,
-      e.least_sum, e.least_order, order, (1.0 - e.envelope_mad / e.fir_mad) * 100.0, figure12_delay(Processor::s_curve),
-      figure12_delay(Processor::linear));
+             "## What the paper claims and what holds\n\n"
+             "*\"The FIR Acc/Dec has the smallest corner error.\"* It holds at equal Acc/Dec time, as in Fig. 12. It "
+             "does not "
+             "hold at equal limits. For equal "
+             "feeds and symmetric taps the error is v0 T cos(theta/2) times the mean absolute deviation (MAD) of the "
+             "taps "
+             "(Eq. 24), so the MAD "
+             "ranks filters at every corner:\n\n"
+             "| filter | order | MAD / samples |\n|---|--:|--:|\n"
+             "| Blackman FIR of the paper | {} | {:.3f} |\n"
+             "| trapezoid with both limits used up (ramps not a whole number of samples) | {} | {:.3f} |\n"
+             "| shortest trapezoid with whole-sample ramps ({} taps a ramp) | {} | {:.3f} |\n"
+             "| boxcar with the same peak acceleration, jerk not limited | {} | {:.3f} |\n\n"
+             "The limits are the FIR's own: largest tap {:.5f} (peak acceleration a T/v) and largest difference of "
+             "neighbouring taps, both ends included, "
+             "{:.5f} (peak jerk j T²/v). No tap of any filter within them can exceed min({:.5f}, (i + 1) {:.5f}, (N + "
+             "1 - i) "
+             "{:.5f}), and these add up to 1 "
+             "only from N = {} on (sum {:.4f}): no shorter filter exists, and scaled to sum 1 they are the trapezoid "
+             "of the "
+             "table. So at equal peak "
+             "acceleration and jerk a filter of order {} beats the FIR of order {} both in time and in corner error "
+             "({:.1f} % "
+             "less). The Blackman shape pays "
+             "where vibration, or a force or power limit that depends on speed, binds; comparisons belong at equal "
+             "limits.\n\n"
+             "*\"It also provides the shortest machining time for the same accuracy.\"* Among the three processors of "
+             "Fig. "
+             "12, with one and the same N, "
+             "yes: they need 0, {} and {} samples of delay. With the order free, no: see the table.\n\n"
+             "*\"Corner error is less affected with increasing c.\"* Holds (Fig. 9): the factor c/(c + 1) of Eq. (9) "
+             "saturates.\n\n"
+             "*\"The corner error is proportional to the velocity.\"* Holds exactly for a fixed ratio c: all rows of "
+             "both "
+             "tables are multiples of the last.\n\n",
+             order, e.fir_mad, e.least_order, e.envelope_mad, e.trapezoid_ramp, e.trapezoid_order, e.trapezoid_mad,
+             e.boxcar_order, e.boxcar_mad, e.tap_max, e.step_max, e.tap_max, e.step_max, e.step_max, e.least_order,
+             e.least_sum, e.least_order, order, (1.0 - e.envelope_mad / e.fir_mad) * 100.0,
+             figure12_delay(Processor::s_curve), figure12_delay(Processor::linear)) +
+         circle_text();
 }
 
 std::string first_line(const std::string& text) {
@@ -205,7 +232,8 @@ std::string report(const std::vector<Table>& tables) {
       entries - static_cast<std::size_t>(wrong), entries, tie.formula, tie.feed_in, tie.delay, tie.tie_distance(),
       tie.printed);
   text += conditions + errata_text() + "## Figures\n\nNumbers in the CSV file of the same name.\n\n";
-  for (const char* name : {"fig05", "fig06", "fig07", "fig08", "fig09", "fig10", "fig11"})
+  for (const char* name :
+       {"fig01", "fig02", "fig03", "fig04", "fig05", "fig06", "fig07", "fig08", "fig09", "fig10", "fig11"})
     text += fmt::format("![{0}]({0}.svg)\n\n", name);
   text +=
       figure12_text() + "![fig12](fig12.svg)\n\nErrors over the delay are in `fig12-errors.csv`.\n\n" + claims_text();
