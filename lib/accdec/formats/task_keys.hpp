@@ -37,6 +37,10 @@ struct NumberKey {
   bool open_low;
 };
 
+/// The number in a key's unit that reads back as exactly `si`, with as few digits as that takes; the nearest where none
+/// does.
+double in_unit(const NumberKey& key, double si);
+
 struct AxisKey : NumberKey {
   double Axis::*member;
 };

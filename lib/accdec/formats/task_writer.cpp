@@ -11,12 +11,9 @@
 #include <accdec/task/objective.hpp>
 
 namespace accdec {
-namespace {
 
-using Json = nlohmann::ordered_json;
-using task_keys::NumberKey;
+namespace task_keys {
 
-/// The number in a key's unit that reads back as exactly `si`, with as few digits as that takes.
 double in_unit(const NumberKey& key, double si) {
   const double about = si / key.to_si(1.0);
   for (int digits = 1; digits <= 17; ++digits) {
@@ -34,8 +31,15 @@ double in_unit(const NumberKey& key, double si) {
   return about;  // no number converts to it, so it was not read from a file; next best
 }
 
+}  // namespace task_keys
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using task_keys::NumberKey;
+
 void put(Json& table, const NumberKey& key, double si) {
-  table[std::string(key.key)] = in_unit(key, si);
+  table[std::string(key.key)] = task_keys::in_unit(key, si);
 }
 
 Json axis_json(const Axis& axis) {

@@ -1,0 +1,23 @@
+"""Design the acceleration/deceleration filter of CNC motion commands, and the command delay of every corner.
+
+>>> import accdec
+>>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0, "jerk_max": 500.0},
+...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+>>> result = accdec.design(task)
+>>> result.outcome, result.mip_gap  # proved: nothing is shorter
+('optimal', 0.0)
+>>> round(1e3 * result.fun, 6)  # ms around the corner
+42.0
+
+Keyword arguments and results are in SI (m, s, kg, N, W, rad). Where a name ends in a unit (`angle_deg`,
+`feed_in_mm_min`), as in task files, that unit counts instead.
+"""
+
+from ._core import InputError, OutputError, Recheck, Result, Task, __version__
+from ._design import design, evaluate, read_result, verify
+from ._motion import residual_vibration, simulate, smallest_delay, taps
+
+__all__ = [
+    "InputError", "OutputError", "Recheck", "Result", "Task", "__version__",
+    "design", "evaluate", "read_result", "residual_vibration", "simulate", "smallest_delay", "taps", "verify",
+]

@@ -1,0 +1,208 @@
+"""Designing, evaluating and verifying."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Callable, Mapping, Optional, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._core import Recheck, Result, Task
+from ._fields import as_task
+
+TaskLike = Union[Task, str, "os.PathLike[str]", Mapping[str, Any]]
+Progress = Union[bool, Callable[[str], object], None]
+
+
+def _listener(progress: Progress) -> Optional[Callable[[str], object]]:
+    if progress is True:
+        return print
+    return progress if callable(progress) else None
+
+
+def _check_open_interval(name: str, value: float, low: float, high: float) -> None:
+    if not low < value < high:
+        raise ValueError(f"{name}: allowed is a number above {low:g}, got {value}")
+
+
+def design(
+    task: TaskLike,
+    *,
+    method: Optional[str] = None,
+    solver: Optional[str] = None,
+    time_limit: float = 600.0,
+    gap: float = 0.0,
+    objective: Optional[str] = None,
+    seed: int = 1,
+    options: Optional[Mapping[str, Any]] = None,
+    certificate: bool = True,
+    reduced: Optional[bool] = None,
+    start: Optional[npt.ArrayLike] = None,
+    progress: Progress = None,
+) -> Result:
+    """Choose what a task leaves open: the filter, its order and the corners' delays.
+
+    The answer is verified by simulation before it is returned; nothing that breaks a limit is a result.
+    Ctrl-C ends the search and raises KeyboardInterrupt; other threads of Python run on meanwhile.
+
+    Parameters
+    ----------
+    task : Task, path or dict
+        What is to be designed within which limits.
+    method : {"exact", "nlp"}, optional
+        "exact" (default) proves the shortest motion; "nlp" uses a nonlinear solver and proves nothing.
+    solver : str, optional
+        Nonlinear solver, see `solvers`; implies ``method="nlp"``. Default "ipopt".
+    time_limit : float
+        s, for the whole design; then the best verified design so far.
+    gap : float
+        End once the design is proved to be within this part of the shortest, 0 <= gap < 1. Exact method only.
+    objective : {"cycle", "corner"}, optional
+        Instead of the task's: machine time of a run, or every corner as a run of its own.
+    seed : int
+        Of solvers that draw random numbers.
+    options : dict, optional
+        The solver's own options.
+    certificate : bool
+        Keep the proof in the result, for `verify`.
+    reduced : bool, optional
+        Nonlinear solvers: positions substituted into their bounds; default is what the solver takes.
+    start : array_like, optional
+        Nonlinear solvers: taps to start from.
+    progress : bool or callable, optional
+        True prints a line a step; a callable gets the line. It runs in the calling thread.
+
+    Returns
+    -------
+    Result
+        Like SciPy's OptimizeResult: `x` (taps), `fun` (s), `success`, `status`, `message`, `mip_gap`,
+        `mip_dual_bound` (s, proved), and `delays`, `corners`, `limits`, `certificate`...
+
+    Raises
+    ------
+    InputError
+        For a task that is none, with the text of the command line.
+    ValueError
+        For an unknown solver or option.
+
+    Examples
+    --------
+    >>> import accdec
+    >>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0},
+    ...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+    >>> result = accdec.design(task)
+    >>> result.success, result.status, result.mip_gap
+    (True, 0, 0.0)
+    >>> round(result.fun, 6), result.order, result.delays.tolist()  # s, N, samples
+    (0.027, 16, [10])
+    """
+    made = as_task(task)
+    if not made.corners:
+        raise _core.InputError("task: the task has no corner; at least one [[corner]] with angle_deg and "
+                               "feed_in_mm_min is needed")
+    if objective is not None:
+        made = made.replace(objective=objective)
+    if method not in (None, "exact", "nlp"):
+        raise ValueError(f'method: allowed are "exact" and "nlp", got "{method}"')
+    if solver is not None and method == "exact":
+        raise ValueError('method="exact" and solver exclude each other: a solver is used by method="nlp"')
+    nlp = method == "nlp" or solver is not None
+    if options and (not nlp or made.taps is not None):
+        raise ValueError("options: the filter is given, so its delays are enumerated and no solver is used"
+                         if made.taps is not None else "options go with solver: the exact method takes none")
+    if not 0.0 <= gap < 1.0:
+        raise ValueError(f"gap: must be from 0 to less than 1, got {gap}")
+    if gap > 0.0 and nlp:
+        raise ValueError("gap goes with the exact method: no other proves a bound")
+    if not 0.0 < time_limit < float("inf"):
+        raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
+    return _core.design(
+        made, method="nlp" if nlp else "exact", solver=solver or "ipopt", time_limit=time_limit, gap=gap, seed=seed,
+        native={str(k): str(v) for k, v in (options or {}).items()}, certificate=certificate, reduced=reduced,
+        start=None if start is None else np.asarray(start, dtype=float).tolist(), progress=_listener(progress))
+
+
+def evaluate(task: TaskLike, taps: Optional[npt.ArrayLike] = None,
+             delays: Optional[Sequence[int]] = None) -> Result:
+    """Errors, times and use of limits of a given filter and given delays, whatever they break.
+
+    Parameters
+    ----------
+    task : Task, path or dict
+    taps : array_like, optional
+        b_0 .. b_N, of any sum; the task's filter unless given.
+    delays : sequence of int, optional
+        Samples, one a corner; the task's unless given.
+
+    Returns
+    -------
+    Result
+        `success` says whether all limits hold; the filter stays in the result either way.
+
+    Examples
+    --------
+    >>> import accdec, numpy as np
+    >>> task = accdec.Task(sample_period=1e-3, corners={"angle_deg": 90, "feed_in": 0.1})
+    >>> result = accdec.evaluate(task, taps=np.ones(3), delays=[0])
+    >>> round(result.corners[0]["corner_error"] * 1e6, 3)  # um; three equal taps: 2/3 v T cos(45 deg)
+    47.14
+    """
+    made = as_task(task, complete=taps is None and delays is None)
+    if taps is None and delays is None:
+        return _core.evaluate(made)
+    if taps is None:
+        taps = made.taps
+        if taps is None:
+            raise ValueError("taps: the task has no filter, so the taps are needed")
+    if delays is None:
+        delays = [corner["delay"] for corner in made.corners]
+        if None in delays:
+            raise ValueError("delays: the task leaves a delay open, so the delays are needed")
+    return _core.assess(made, np.asarray(taps, dtype=float).tolist(), [int(d) for d in delays])
+
+
+def read_result(path: Union[str, "os.PathLike[str]"]) -> Result:
+    """Read a result file, as `design` of the command line writes with --json.
+
+    Parameters
+    ----------
+    path : path
+        A file of the schema accdec.result/1.
+
+    Returns
+    -------
+    Result
+        As recorded; `verify` recomputes it.
+    """
+    return _core.Result.read(path)
+
+
+def verify(result: Union[Result, str, "os.PathLike[str]"], *, time_limit: float = 60.0) -> Recheck:
+    """Recheck a result from its task, taps and delays alone.
+
+    Every limit by simulation, every recorded number against what is found now, the proof in interval arithmetic.
+
+    Parameters
+    ----------
+    result : Result or path
+    time_limit : float
+        s, for checking a proof; one that takes longer is rejected.
+
+    Returns
+    -------
+    Recheck
+        True where accepted; `reasons` says why not, `proof` what was proved.
+
+    Examples
+    --------
+    >>> import accdec
+    >>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0},
+    ...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+    >>> bool(accdec.verify(accdec.design(task)))
+    True
+    """
+    if not 0.0 < time_limit < float("inf"):
+        raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
+    return _core.verify(result if isinstance(result, Result) else read_result(result), time_limit=time_limit)

@@ -1,0 +1,87 @@
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <pybind11/stl.h>
+
+#include <accdec/design/design.hpp>
+#include <accdec/task/verifier.hpp>
+
+#include "bindings.hpp"
+#include "interrupt.hpp"
+
+namespace accdec::python {
+namespace {
+
+using ResultPointer = std::shared_ptr<DesignResult>;
+
+struct Arguments {
+  std::string method, solver;
+  double time_limit, gap;
+  std::uint64_t seed;
+  std::map<std::string, std::string> native;
+  bool certificate;
+  std::optional<bool> reduced;
+  std::optional<std::vector<double>> start;
+};
+
+DesignOptions options_of(const Arguments& given) {
+  DesignOptions options;
+  options.method = given.method == "nlp" ? Method::nlp : Method::exact;
+  options.solver = given.solver;
+  options.time_limit = given.time_limit;
+  options.gap = given.gap;
+  options.solver_options.seed = given.seed;
+  options.solver_options.native = given.native;
+  options.certificate = given.certificate;
+  options.reduced = given.reduced;
+  if (given.start) options.start = Filter(*given.start);
+  return options;
+}
+
+ResultPointer design(const std::shared_ptr<Task>& task, const Arguments& given, const py::object& progress) {
+  DesignOptions options = options_of(given);
+  ResultPointer result;
+  run_interruptibly(
+      [&](const Work& work) {
+        options.cancel = &work.cancelled;
+        options.progress = work.tell;
+        result = std::make_shared<DesignResult>(design_task(*task, options));
+      },
+      progress);
+  return result;
+}
+
+}  // namespace
+
+void bind_design(py::module_& module) {
+  module.def(
+      "design",
+      [](const std::shared_ptr<Task>& task, const std::string& method, const std::string& solver, double time_limit,
+         double gap, std::uint64_t seed, const std::map<std::string, std::string>& native, bool certificate,
+         std::optional<bool> reduced, std::optional<std::vector<double>> start, const py::object& progress) {
+        return design(task, {method, solver, time_limit, gap, seed, native, certificate, reduced, std::move(start)},
+                      progress);
+      },
+      py::arg("task"), py::kw_only(), py::arg("method"), py::arg("solver"), py::arg("time_limit"), py::arg("gap"),
+      py::arg("seed"), py::arg("native"), py::arg("certificate"), py::arg("reduced"), py::arg("start"),
+      py::arg("progress"));
+  module.def(
+      "assess",
+      [](const std::shared_ptr<Task>& task, const std::vector<double>& taps, const std::vector<int>& delays) {
+        const py::gil_scoped_release release;
+        return std::make_shared<DesignResult>(assess(*task, Filter(taps), delays, true));
+      },
+      py::arg("task"), py::arg("taps"), py::arg("delays"));
+  module.def(
+      "evaluate",
+      [](const std::shared_ptr<Task>& task) {
+        const py::gil_scoped_release release;
+        return std::make_shared<DesignResult>(evaluate_task(*task));
+      },
+      py::arg("task"));
+}
+
+}  // namespace accdec::python

@@ -1,0 +1,57 @@
+#include <exception>
+
+#include <accdec/files/errors.hpp>
+
+#include "bindings.hpp"
+
+namespace accdec::python {
+namespace {
+
+// The classes live as long as the process: exceptions may come until the interpreter has ended.
+PyObject* input_error = nullptr;
+PyObject* output_error = nullptr;
+
+PyObject* new_class(py::module_& module, const char* name, PyObject* base, const char* doc) {
+  const std::string full = std::string("accdec.") + name;
+  // What Python code raises has the attributes too.
+  const py::dict members(py::arg("file") = "", py::arg("line") = 0, py::arg("column") = 0, py::arg("message") = "",
+                         py::arg("pointer") = "");
+  PyObject* made =
+      PyErr_NewExceptionWithDoc(full.c_str(), doc, base, base == PyExc_ValueError ? members.ptr() : nullptr);
+  if (made == nullptr) throw py::error_already_set();
+  module.add_object(name, py::reinterpret_borrow<py::object>(made));
+  return made;
+}
+
+void raise_input_error(const InputError& error) {
+  py::object raised = py::reinterpret_borrow<py::object>(input_error)(error.what());
+  raised.attr("file") = error.file();
+  raised.attr("line") = error.line();
+  raised.attr("column") = error.column();
+  raised.attr("message") = error.message();
+  raised.attr("pointer") = error.pointer();
+  PyErr_SetObject(input_error, raised.ptr());
+}
+
+}  // namespace
+
+void bind_errors(py::module_& module) {
+  input_error = new_class(
+      module, "InputError", PyExc_ValueError,
+      "Something in a task, program, study or result is wrong.\n\nThe text is that of the command line, "
+      "\"file:line:column: what is wrong; what is allowed\"; `file`, `line`, `column` (from 1; 0: none), `message` and "
+      "`pointer` (a JSON pointer, or empty) are its parts.");
+  output_error =
+      new_class(module, "OutputError", PyExc_OSError, "A file could not be written; nothing is left behind.");
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const InputError& error) {
+      raise_input_error(error);
+    } catch (const OutputError& error) {
+      PyErr_SetString(output_error, error.what());
+    }
+  });
+}
+
+}  // namespace accdec::python

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "bindings.hpp"
+
+namespace accdec::python {
+
+/// What a long computation gets to know and to say.
+struct Work {
+  const std::atomic<bool>& cancelled;                   ///< set by Ctrl-C, or by an exception from `progress`
+  const std::function<void(const std::string&)>& tell;  ///< a line for `progress`; from any thread
+};
+
+/// Runs `work` beside the calling thread, without the GIL, so that other Python threads go on. The calling thread
+/// looks for signals 50 times a second and hands lines to `progress` (a callable, or None): Python code runs there
+/// and nowhere else. Must be called with the GIL.
+/// @throws what `work` threw; KeyboardInterrupt, or whatever a signal's handler or `progress` raised, once `work` has
+/// seen that it is cancelled and ended.
+void run_interruptibly(const std::function<void(const Work&)>& work, const py::object& progress);
+
+}  // namespace accdec::python

@@ -1,0 +1,249 @@
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <accdec/design/recheck.hpp>
+#include <accdec/files/output_files.hpp>
+#include <accdec/formats/report.hpp>
+#include <accdec/formats/result_json.hpp>
+#include <accdec/formats/taps_export.hpp>
+
+#include "bindings.hpp"
+#include "interrupt.hpp"
+
+namespace accdec::python {
+namespace {
+
+bool success(const DesignResult& r) {
+  return r.status == Status::optimal || r.status == Status::feasible;
+}
+
+/// The numbers of scipy.optimize.milp: 0 optimal, 1 stopped with an answer, 2 infeasible, 4 anything else.
+int status_number(const DesignResult& r) {
+  switch (r.status) {
+    case Status::optimal: return 0;
+    case Status::feasible: return 1;
+    case Status::infeasible: return 2;
+    case Status::failed: break;
+  }
+  return 4;
+}
+
+/// A view of the result's own taps: nothing is copied, and the view keeps the result alive.
+py::object taps_view(const py::object& self) {
+  const auto& result = self.cast<const DesignResult&>();
+  if (!result.filter) return py::none();
+  const auto taps = result.filter->taps();
+  return read_only(py::array_t<double>(static_cast<py::ssize_t>(taps.size()), taps.data(), self));
+}
+
+py::object time_or_none(const DesignResult& r, double time) {
+  return r.filter ? py::object(py::float_(time)) : py::object(py::none());
+}
+
+py::array_t<int> delays(const DesignResult& r) {
+  std::vector<int> list;
+  for (const CornerResult& corner : r.corners) list.push_back(corner.delay);
+  return py::array_t<int>(static_cast<py::ssize_t>(list.size()), list.data());
+}
+
+py::list corners(const DesignResult& r) {
+  py::list list;
+  for (const CornerResult& c : r.corners) {
+    list.append(py::dict(py::arg("name") = c.name, py::arg("delay") = c.delay, py::arg("corner_error") = c.corner_error,
+                         py::arg("polyline_error") = c.polyline_error,
+                         py::arg("contour_deviation") = c.contour_deviation, py::arg("speed_min") = c.speed_min,
+                         py::arg("corner_time") = c.corner_time));
+  }
+  return list;
+}
+
+py::list limits(const DesignResult& r) {
+  py::list list;
+  for (const LimitUse& use : r.limits) {
+    list.append(py::dict(py::arg("kind") = to_string(use.kind), py::arg("axis") = use.axis,
+                         py::arg("corner") = use.corner, py::arg("event") = to_string(use.event),
+                         py::arg("value") = use.value, py::arg("bound") = use.bound,
+                         py::arg("utilisation") = use.utilisation, py::arg("sample") = use.sample,
+                         py::arg("frequency") = use.frequency));
+  }
+  return list;
+}
+
+py::dict verification(const VerificationReport& v) {
+  return py::dict(py::arg("performed") = v.performed, py::arg("feasible") = v.feasible,
+                  py::arg("max_violation") = v.max_violation, py::arg("tolerance") = v.tolerance,
+                  py::arg("worst") = v.worst, py::arg("certificate_checked") = v.certificate_checked,
+                  py::arg("certificate") = v.certificate);
+}
+
+py::dict solver(const SolverReport& s) {
+  return py::dict(py::arg("method") = s.method, py::arg("name") = s.name, py::arg("version") = s.version,
+                  py::arg("claimed") = s.claimed, py::arg("wall_time") = s.wall_time);
+}
+
+py::object certificate(const DesignResult& r) {
+  if (r.certificate.empty()) return py::none();
+  return py::module_::import("json").attr("loads")(r.certificate);
+}
+
+/// What a dict of the result has, SciPy's names first.
+py::list keys() {
+  py::list list;
+  for (const char* const name :
+       {"message", "success", "status", "fun", "x", "mip_gap", "mip_dual_bound", "nfev", "outcome", "order", "delays",
+        "cycle_time", "corner_time", "corners", "limits", "verification", "solver", "certificate", "task"})
+    list.append(name);
+  return list;
+}
+
+/// As SciPy shows its results; what is long is said to be there.
+std::string describe(const py::object& self) {
+  std::string text;
+  for (const char* const name : {"message", "success", "status", "outcome", "fun", "x", "mip_gap", "mip_dual_bound",
+                                 "nfev", "order", "delays", "cycle_time", "corner_time"}) {
+    const auto value = py::str(self.attr(name)).cast<std::string>();
+    text += fmt::format("{:>15}: {}\n", name, value);
+  }
+  const auto& result = self.cast<const DesignResult&>();
+  return text + fmt::format("{:>15}: {} corners, {} limits, verification, solver{}", "also", result.corners.size(),
+                            result.limits.size(), result.certificate.empty() ? "" : ", certificate");
+}
+
+constexpr const char* result_doc = R"(The answer to a task, verified by simulation. Like SciPy's OptimizeResult.
+
+Attributes
+----------
+x, taps : ndarray or None
+    b_0 .. b_N, sum 1: a read-only view of the result's own memory. None without an answer.
+fun : float or None
+    s, the objective: the cycle time, or the corner time where the task asks for that.
+success : bool
+    There is a design, and it holds all limits in simulation.
+status : int
+    As scipy.optimize.milp's: 0 proved optimal; 1 verified, nothing proved; 2 infeasible; 4 failed, see `message`.
+outcome : str
+    The same in words: "optimal", "feasible", "infeasible", "failed".
+message : str
+mip_dual_bound : float or None
+    s; no design is shorter, proved.
+mip_gap : float or None
+    (fun - mip_dual_bound)/fun; 0 when proved optimal.
+order : int or None
+    N.
+delays : ndarray of int
+    Samples, one a corner.
+cycle_time, corner_time : float or None
+    s.
+corners : list of dict
+    name, delay, corner_error, polyline_error, contour_deviation (m), speed_min (m/s), corner_time (s).
+limits : list of dict
+    The worst use of every limit: kind, axis, corner, event, value, bound (SI), utilisation (1 is the bound), sample,
+    frequency (Hz).
+verification, solver : dict
+certificate : dict or None
+    The proof, as `verify` rechecks it.
+nfev : int
+task : Task
+)";
+
+constexpr const char* recheck_doc = R"(What an independent recheck of a result found; true where it is accepted.
+
+Attributes
+----------
+accepted : bool
+reasons : list of str
+    Why not; empty when accepted.
+proof : str
+    What was checked of the lower bound; empty without one.
+verification : dict
+    Of the simulation run now.
+)";
+
+void bind_recheck(py::module_& module) {
+  py::class_<Recheck>(module, "Recheck", recheck_doc)
+      .def_readonly("accepted", &Recheck::accepted)
+      .def_readonly("reasons", &Recheck::reasons)
+      .def_readonly("proof", &Recheck::proof)
+      .def_property_readonly("verification", [](const Recheck& r) { return verification(r.verification); })
+      .def("__bool__", [](const Recheck& r) { return r.accepted; })
+      .def("__repr__", [](const Recheck& r) {
+        std::string text = r.accepted ? "<accdec.Recheck accepted" : "<accdec.Recheck rejected";
+        for (const std::string& reason : r.reasons) text += "; " + reason;
+        return text + (r.proof.empty() ? "" : "; proof accepted: " + r.proof) + ">";
+      });
+  module.def(
+      "verify",
+      [](const std::shared_ptr<DesignResult>& result, double time_limit) {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(time_limit);
+        Recheck check;
+        run_interruptibly(
+            [&](const Work& work) {
+              check = recheck(*result, [&] { return work.cancelled || std::chrono::steady_clock::now() > end; });
+            },
+            py::none());
+        return check;
+      },
+      py::arg("result"), py::arg("time_limit"));
+}
+
+}  // namespace
+
+void bind_result(py::module_& module) {
+  py::class_<DesignResult, std::shared_ptr<DesignResult>>(module, "Result", result_doc)
+      .def_static("parse", &parse_result, py::arg("text"), py::arg("name") = "result")
+      .def_static(
+          "read", [](const py::object& path) { return read_result(file_name(path)); }, py::arg("path"))
+      .def(
+          "write",
+          [](const DesignResult& r, const py::object& path) { write_file(file_name(path), result_to_json(r)); },
+          py::arg("path"))
+      .def_property_readonly("x", &taps_view)
+      .def_property_readonly("taps", &taps_view)
+      .def_property_readonly("fun", [](const DesignResult& r) { return time_or_none(r, r.objective()); })
+      .def_property_readonly("success", &success)
+      .def_property_readonly("status", &status_number)
+      .def_property_readonly("outcome", [](const DesignResult& r) { return to_string(r.status); })
+      .def_property_readonly("message", [](const DesignResult& r) { return r.message; })
+      .def_property_readonly("mip_gap", [](const DesignResult& r) { return r.gap; })
+      .def_property_readonly("mip_dual_bound", [](const DesignResult& r) { return r.lower_bound; })
+      .def_property_readonly("order",
+                             [](const DesignResult& r) {
+                               return r.filter ? py::object(py::int_(r.filter->order())) : py::object(py::none());
+                             })
+      .def_property_readonly("delays", &delays)
+      .def_property_readonly("cycle_time", [](const DesignResult& r) { return time_or_none(r, r.cycle_time); })
+      .def_property_readonly("corner_time", [](const DesignResult& r) { return time_or_none(r, r.corner_time); })
+      .def_property_readonly("nfev", [](const DesignResult& r) { return r.solver.evaluations; })
+      .def_property_readonly("corners", &corners)
+      .def_property_readonly("limits", &limits)
+      .def_property_readonly("verification", [](const DesignResult& r) { return verification(r.verification); })
+      .def_property_readonly("solver", [](const DesignResult& r) { return solver(r.solver); })
+      .def_property_readonly("certificate", &certificate)
+      .def_property_readonly("task", [](const DesignResult& r) { return std::make_shared<Task>(r.task); })
+      .def("to_json", &result_to_json)
+      .def(
+          "export_taps",
+          [](const DesignResult& r, const std::string& format) { return py::bytes(export_taps(r, format)); },
+          py::arg("format"))
+      .def("keys", [](const DesignResult&) { return keys(); })
+      .def("__iter__", [](const DesignResult&) { return py::iter(keys()); })
+      .def("__len__", [](const DesignResult&) { return py::len(keys()); })
+      .def("__contains__", [](const DesignResult&, const py::object& key) { return keys().contains(key); })
+      .def("__getitem__",
+           [](const py::object& self, const std::string& key) {
+             if (!keys().contains(key)) throw py::key_error(key);
+             return self.attr(key.c_str());
+           })
+      .def("__repr__", &describe)
+      .def("__str__", &result_text)
+      .def(py::pickle([](const DesignResult& r) { return result_to_json(r); },
+                      [](const std::string& json) { return parse_result(json, "result"); }));
+  bind_recheck(module);
+}
+
+}  // namespace accdec::python

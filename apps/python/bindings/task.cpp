@@ -1,0 +1,181 @@
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <pybind11/stl.h>
+
+#include <accdec/files/output_files.hpp>
+#include <accdec/formats/task_json.hpp>
+#include <accdec/formats/task_reader.hpp>
+#include <accdec/formats/task_writer.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/task/objective.hpp>
+
+#include "bindings.hpp"
+
+namespace accdec::python {
+namespace {
+
+/// Tasks of whole programs have no corners, and a lone axis stands for all that a program may move.
+TaskOptions options_of(bool program, bool given) {
+  return {.require_corners = !program, .require_choices = given, .axes = program ? 9 : 2};
+}
+
+py::module_ fields_module() {
+  return py::module_::import("accdec._fields");
+}
+
+Task from_fields(bool program, const py::kwargs& fields) {
+  return parse_task_json(fields_module().attr("to_json")(fields).cast<std::string>(), "task",
+                         options_of(program, false));
+}
+
+py::object vector(const Eigen::VectorXd& v) {
+  return py::array_t<double>(v.size(), v.data());
+}
+
+py::dict corner_dict(const TaskCorner& c) {
+  py::dict d;
+  d["name"] = c.name;
+  d["angle"] = std::acos(c.geometry.cos_interior());
+  d["direction_in"] = vector(c.geometry.direction_in);
+  d["direction_out"] = vector(c.geometry.direction_out);
+  d["feed_in"] = c.feed_in;
+  d["feed_out"] = c.feed_out;
+  d["error_max"] = c.error_max;
+  d["speed_min"] = c.speed_min;
+  d["delay"] = c.delay;
+  d["weight"] = c.weight;
+  return d;
+}
+
+py::dict axis_dict(const Axis& axis) {
+  py::dict d;
+  d["name"] = axis.name;
+  d["mass"] = axis.mass;
+  d["damping"] = axis.damping;
+  for (const AxisLimit& limit : axis_limits)
+    d[py::str(fmt::format("{}_max", limit_name(limit.kind).name))] = axis.*limit.bound;
+  return d;
+}
+
+template <class Item, class Make>
+py::list list_of(const std::vector<Item>& items, Make make) {
+  py::list list;
+  for (const Item& item : items) list.append(make(item));
+  return list;
+}
+
+std::string describe(const Task& task) {
+  std::string axes, corners;
+  for (const Axis& axis : task.machine.axes) axes += (axes.empty() ? "" : ", ") + axis.name;
+  for (const TaskCorner& corner : task.corners) corners += (corners.empty() ? "" : ", ") + corner.name;
+  return fmt::format("<accdec.Task \"{}\": T = {:.6g} ms, axes {}, corners {}, filter {}>", task.title,
+                     1e3 * task.sample_period, axes.empty() ? "none" : axes, corners.empty() ? "none" : corners,
+                     task.filter ? to_string(task.filter->kind) : "open");
+}
+
+constexpr const char* task_doc = R"(What is to be designed, within which limits.
+
+Task(sample_period=..., axes=..., corners=..., modes=..., filter=..., order_max=..., ...)
+
+Fields are those of a task file. A name without a unit is in SI (angle in rad, feed_in in m/s, error_max in m,
+velocity_max in m/s, force_max in N); a name that ends in a unit is in that unit (angle_deg, feed_in_mm_min). What is
+None, and limits that are infinite, are as if not given. Tasks do not change: `replace` and `set` make new ones.
+
+Parameters
+----------
+program : bool
+    A task for a whole program: without corners, and up to nine axes.
+title : str, optional
+sample_period : float
+    s.
+axes : dict or list of dict, optional
+    velocity_max, acceleration_max, jerk_max, mass, damping, force_max, power_max, regeneration_max, name. One dict
+    stands for every axis.
+corners : dict or list of dict
+    angle (or direction_in and direction_out), feed_in, feed_out, error_max, speed_min, delay, weight, heading, turn,
+    name.
+modes : dict or list of dict, optional
+    frequency (Hz, or a band [low, high]) and residual_max (0 .. 1).
+filter : array_like or dict, optional
+    Taps, or a shape as {"kind": "trapezoid", "order": 30, "ramp": 8}; left open it is designed.
+order_min, order_max : int, optional
+symmetric : bool, optional
+objective : {"cycle", "corner"}, optional
+runs : float, optional
+
+Raises
+------
+InputError
+    With what is wrong and what is allowed.
+
+Examples
+--------
+>>> import accdec
+>>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0},
+...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+>>> task.corners[0]["error_max"], task.set("corner.*.error_max", 20e-6).corners[0]["error_max"]
+(5e-05, 2e-05)
+>>> task == accdec.Task.parse(task.to_toml())
+True
+)";
+
+}  // namespace
+
+void bind_task(py::module_& module) {
+  py::class_<Task, std::shared_ptr<Task>>(module, "Task", task_doc)
+      .def(py::init(&from_fields), py::arg("program") = false)
+      .def_static(
+          "read",
+          [](const py::object& path, bool program, bool given) {
+            return read_task(file_name(path), options_of(program, given));
+          },
+          py::arg("path"), py::arg("program") = false, py::arg("given") = false)
+      .def_static(
+          "parse",
+          [](const std::string& text, const std::string& name, bool program) {
+            return parse_task(text, name, options_of(program, false));
+          },
+          py::arg("text"), py::arg("name") = "task", py::arg("program") = false)
+      .def("replace", [](const py::object& self,
+                         const py::kwargs& fields) { return fields_module().attr("replaced")(self, fields); })
+      .def("to_dict", [](const py::object& self) { return fields_module().attr("to_dict")(self); })
+      .def(
+          "write", [](const Task& task, const py::object& path) { write_file(file_name(path), task_to_toml(task)); },
+          py::arg("path"))
+      .def("_json", [](const Task& task) { return task_to_json(task).dump(); })
+      .def("to_toml", &task_to_toml)
+      .def(
+          "set", [](const Task& task, const std::string& key, double value) { return with_setting(task, key, value); },
+          py::arg("key"), py::arg("value"))
+      .def_readonly("title", &Task::title)
+      .def_readonly("sample_period", &Task::sample_period)
+      .def_property_readonly("axes", [](const Task& task) { return list_of(task.machine.axes, axis_dict); })
+      .def_property_readonly("corners", [](const Task& task) { return list_of(task.corners, corner_dict); })
+      .def_property_readonly("objective", [](const Task& task) { return to_string(task.design.objective); })
+      .def_property_readonly("order_min", [](const Task& task) { return task.design.order_min; })
+      .def_property_readonly("order_max", [](const Task& task) { return task.design.order_max; })
+      .def_property_readonly("symmetric", [](const Task& task) { return task.design.symmetric; })
+      .def_property_readonly("taps",
+                             [](const Task& task) -> py::object {
+                               if (!task.filter) return py::none();
+                               const Filter filter = make_filter(*task.filter);
+                               const auto taps = filter.taps();
+                               return py::array_t<double>(static_cast<py::ssize_t>(taps.size()), taps.data());
+                             })
+      .def("__eq__",
+           [](const Task& a, const py::object& other) {
+             return py::isinstance<Task>(other) && task_to_json(a) == task_to_json(other.cast<const Task&>());
+           })
+      .def("__hash__", [](const Task& task) { return std::hash<std::string>()(task_to_json(task).dump()); })
+      .def("__str__", &task_to_toml)
+      .def("__repr__", &describe)
+      .def(py::pickle([](const Task& task) { return task_to_json(task).dump(); },
+                      [](const std::string& json) { return parse_task_json(json, "task", options_of(true, false)); }));
+}
+
+}  // namespace accdec::python

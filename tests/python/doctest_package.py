@@ -1,0 +1,29 @@
+"""Runs the examples in the docstrings of the package and of its README."""
+import doctest
+import importlib
+import pathlib
+import pkgutil
+import sys
+
+import accdec
+
+README = pathlib.Path(__file__).parents[2] / "apps" / "python" / "README.md"
+
+
+def main():
+    options = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+    names = ["accdec"] + [f"accdec.{m.name}" for m in pkgutil.iter_modules(accdec.__path__) if not m.name.startswith("__")]
+    failed = tried = 0
+    for name in names:
+        result = doctest.testmod(importlib.import_module(name), optionflags=options)
+        failed, tried = failed + result.failed, tried + result.attempted
+    if README.exists():
+        result = doctest.testfile(str(README), module_relative=False, optionflags=options)
+        failed, tried = failed + result.failed, tried + result.attempted
+    missing = [name for name in accdec.__all__ if not getattr(accdec, name).__doc__]
+    print(f"{tried} examples, {failed} failed; without a docstring: {missing or 'none'}")
+    return 1 if failed or missing or tried < 10 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

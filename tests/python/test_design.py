@@ -1,0 +1,166 @@
+"""Designs: what a result is, who judged it, and how a search is stopped."""
+import os
+import pickle
+import random
+import signal
+import threading
+
+import judge
+import model
+import numpy as np
+import pytest
+import tasks
+
+import accdec
+
+
+def everyday(**changes):
+    fields = dict(sample_period=1e-3, axes={"acceleration_max": 6.0, "jerk_max": 500.0},
+                  corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+    return accdec.Task(**{**fields, **changes})
+
+
+def hard():
+    """Takes minutes: many corners that share a filter."""
+    dice = np.random.default_rng(3)
+    corners = [{"angle_deg": dice.uniform(35, 150), "feed_in": dice.uniform(0.06, 0.13), "weight": k + 1.0,
+                "error_max": dice.uniform(10e-6, 150e-6)} for k in range(12)]
+    return everyday(axes=[{"acceleration_max": 6.0, "jerk_max": 300.0}, {"acceleration_max": 5.0, "jerk_max": 250.0}],
+                    modes={"frequency": [30, 34], "residual_max": 0.05}, corners=corners, sample_period=0.25e-3)
+
+
+def test_result_is_like_scipys():
+    result = accdec.design(everyday())
+    assert result.success and result.status == 0 and result.outcome == "optimal"
+    assert result.mip_gap == 0.0 and result.mip_dual_bound == pytest.approx(result.fun, rel=1e-9)
+    assert result.fun == pytest.approx((result.order + 1 + result.delays[0]) * 1e-3, rel=1e-12)
+    assert result.x.sum() == pytest.approx(1.0, abs=1e-12) and len(result.x) == result.order + 1
+    assert dict(result)["fun"] == result["fun"] == result.fun
+    assert "mip_gap" in result and "nonsense" not in result and len(list(result)) == len(result)
+    assert "mip_gap" in repr(result) and "optimal" in str(result)
+    assert result.certificate is not None and accdec.design(everyday(), certificate=False).certificate is None
+    with pytest.raises(KeyError):
+        result["nonsense"]
+
+
+def test_taps_are_a_read_only_view_of_the_result():
+    result = accdec.design(everyday())
+    assert result.x.base is result
+    assert result.x.ctypes.data == result.x.ctypes.data == result.taps.ctypes.data
+    assert not result.x.flags.writeable
+    with pytest.raises(ValueError):
+        result.x[0] = 1.0
+    with pytest.raises(ValueError):
+        result.x.flags.writeable = True
+    view, copy = result.x, result.x.copy()
+    del result
+    assert np.array_equal(view, copy)
+
+
+def test_results_go_and_come_back(tmp_path):
+    result = accdec.design(everyday())
+    result.write(tmp_path / "result.json")
+    for again in (accdec.read_result(tmp_path / "result.json"), pickle.loads(pickle.dumps(result))):
+        assert np.array_equal(again.x, result.x) and again.to_json() == result.to_json()
+        assert accdec.verify(again)
+    assert accdec.verify(tmp_path / "result.json").proof
+
+
+def test_verify_rejects_a_forged_result():
+    text = accdec.design(everyday()).to_json()
+    forged = accdec.Result.parse(text.replace('"lower_bound_s": 0.042', '"lower_bound_s": 0.041'))
+    check = accdec.verify(forged)
+    assert not check and check.reasons
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_optima_stand_before_highs(seed):
+    """Linear programmes over every (N, d, k), solved by SciPy's HiGHS, find nothing shorter, and find what is claimed."""
+    task = tasks.draw(random.Random(1000 + seed), tasks.JUDGED[seed % len(tasks.JUDGED)], longest=9)
+    result = accdec.design(accdec.Task(**task))
+    if result.outcome == "infeasible":
+        assert judge.exists(task, 60, order_min=30, order_max=30) is not True
+        return
+    assert result.outcome == "optimal"
+    assert model.worst_use(task, result.x, result.delays)[0] <= 1.0 + 1e-7
+    total = result.order + int(result.delays[0])
+    assert judge.exists(task, total - 1) is not True
+    assert judge.exists(task, total) is not False
+
+
+def test_the_examples_of_the_docstrings_are_shortest():
+    limits = {"acceleration_max_mm_s2": 6000}
+    task = {"sample_period_ms": 1.0, "corner": [{"name": "A", "angle_deg": 95, "feed_in_mm_min": 6000, "error_max_um": 50}]}
+    assert judge.exists({**task, "axis": [limits]}, 26) and not judge.exists({**task, "axis": [limits]}, 25)
+    limits["jerk_max_mm_s3"] = 5e5
+    assert judge.exists({**task, "axis": [limits]}, 41) and not judge.exists({**task, "axis": [limits]}, 40)
+
+
+def test_given_filters_and_delays():
+    task = everyday()
+    boxcar = accdec.taps("boxcar", 19)
+    result = accdec.evaluate(task, boxcar, [3])
+    # Two equal feeds, symmetric taps: eps = 2 v T cos(theta/2) E[max(i - N/2 - d/2, 0)], here at a sample as N + d is even.
+    closed = 2 * 0.1 * 1e-3 * np.cos(np.radians(95) / 2) * np.mean(np.maximum(np.arange(20) - 11.0, 0.0))
+    assert result.corners[0]["corner_error"] == pytest.approx(closed, rel=1e-12)
+    assert not result.success and result.outcome == "failed"  # a boxcar has no finite ramp of acceleration
+    given = task.replace(filter=boxcar, axes={"acceleration_max": 6.0})
+    found = accdec.design(given)
+    assert found.delays[0] == accdec.smallest_delay(boxcar, np.radians(95), 0.1, 50e-6, sample_period=1e-3)
+    with pytest.raises(ValueError, match="delays"):
+        accdec.evaluate(given, boxcar)
+    with pytest.raises(accdec.InputError):
+        accdec.design({"sample_period": 1e-3, "filter": [1.0]})
+
+
+def test_other_methods():
+    nlp = accdec.design(everyday(), solver="ipopt", time_limit=60)
+    exact = accdec.design(everyday())
+    assert nlp.success and nlp.status == 1 and nlp.mip_gap is None and nlp.solver["name"] == "ipopt"
+    assert nlp.fun >= exact.fun - 1e-12
+    with pytest.raises(ValueError, match="ipopt"):
+        accdec.design(everyday(), solver="nonsense")
+    with pytest.raises(ValueError, match="exclude"):
+        accdec.design(everyday(), method="exact", solver="ipopt")
+    with pytest.raises(ValueError, match="gap"):
+        accdec.design(everyday(), gap=1.5)
+
+
+def test_infeasible_is_a_result():
+    result = accdec.design(everyday(order_max=3))
+    assert not result.success and result.status == 2 and result.x is None and result.fun is None
+    assert result.message
+
+
+def test_progress_comes_in_the_calling_thread():
+    seen = []
+    accdec.design(everyday(), solver="ipopt", time_limit=60, progress=lambda line: seen.append((line, threading.get_ident())))
+    assert seen and {thread for _, thread in seen} == {threading.get_ident()}
+    with pytest.raises(ZeroDivisionError):
+        accdec.design(everyday(), solver="ipopt", time_limit=60, progress=lambda line: 1 / 0)
+
+
+def test_ctrl_c_ends_a_search():
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        accdec.design(hard(), time_limit=500)
+
+
+def test_other_threads_run_meanwhile():
+    """Two designs in two threads, while a third counts: none waits for another to end."""
+    ended = threading.Event()
+    results = []
+
+    def search():
+        results.append(accdec.design(hard(), time_limit=1.5))
+        ended.set()
+
+    threads = [threading.Thread(target=search) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    counted = 0
+    while not ended.wait(0.01):
+        counted += 1
+    for thread in threads:
+        thread.join()
+    assert len(results) == 2 and counted > 10

@@ -1,0 +1,123 @@
+"""Tasks: from files, texts and keyword arguments, and back."""
+import os
+import pickle
+import subprocess
+
+import numpy as np
+import pytest
+
+import accdec
+
+FILE = """
+sample_period_ms = 0.7
+[[axis]]
+acceleration_max_mm_s2 = 6000
+mass_kg = 34
+force_max_N = 465
+[[corner]]
+name = "A"
+angle_deg = 37.5
+heading_deg = 12
+feed_in_mm_min = 6100
+error_max_um = 33
+[[mode]]
+frequency_Hz = [30, 34]
+residual_max = 0.1
+[design]
+order_max = 120
+"""
+
+
+def from_si():
+    return accdec.Task(
+        sample_period=0.7e-3, axes={"acceleration_max": 6.0, "mass": 34, "force_max": 465},
+        corners={"name": "A", "angle": np.radians(37.5), "heading": np.radians(12), "feed_in": 6100 / 6e4,
+                 "error_max": 33e-6},
+        modes={"frequency": [30, 34], "residual_max": 0.1}, order_max=120)
+
+
+def test_si_and_file_keys_make_one_task():
+    si, file = from_si(), accdec.Task.parse(FILE)
+    assert si == file and hash(si) == hash(file)
+    assert si.to_toml() == file.to_toml()
+
+
+def test_attributes_are_si():
+    task = from_si()
+    corner, axis = task.corners[0], task.axes[1]
+    assert corner["angle"] == pytest.approx(np.radians(37.5), rel=1e-14)
+    assert (corner["feed_in"], corner["feed_out"], corner["error_max"]) == (6100 / 6e4, 6100 / 6e4, 33e-6)
+    assert corner["delay"] is None and task.taps is None
+    turned = np.radians(12 + 180 - 37.5)
+    assert corner["direction_out"] == pytest.approx([np.cos(turned), np.sin(turned)], abs=1e-14)
+    assert axis["name"] == "y" and axis["force_max"] == 465.0 and axis["jerk_max"] == np.inf
+    assert (task.sample_period, task.order_max) == (0.7e-3, 120)
+
+
+def test_goes_and_comes_back_to_the_last_bit():
+    dice = np.random.default_rng(1)
+    for _ in range(50):
+        task = accdec.Task(sample_period=dice.uniform(1e-4, 1e-2), axes={"acceleration_max": dice.uniform(0.1, 50)},
+                           corners={"angle": dice.uniform(0.1, 3.1), "feed_in": dice.uniform(0.01, 1),
+                                    "error_max": dice.uniform(1e-6, 1e-3)},
+                           filter=dice.uniform(0, 1, 7))
+        assert accdec.Task(**task.to_dict()) == task
+        assert accdec.Task.parse(task.to_toml()) == task
+        assert pickle.loads(pickle.dumps(task)) == task
+
+
+def test_writes_and_reads_files(tmp_path):
+    path = tmp_path / "task.toml"
+    from_si().write(path)
+    assert accdec.Task.read(path) == from_si()
+    with pytest.raises(accdec.OutputError, match="nowhere"):
+        from_si().write(tmp_path / "nowhere" / "task.toml")
+
+
+def test_changes_make_new_tasks():
+    task = from_si()
+    assert task.set("corner.A.error_max", 50e-6) == task.set("corner.*.error_max_um", 50)
+    assert task.set("corner.A.error_max", 50e-6).corners[0]["error_max"] == 50e-6
+    assert task.corners[0]["error_max"] == 33e-6
+    assert task.replace(sample_period=1e-3, order_max=50).order_max == 50
+    assert task.replace(modes=None).to_dict().get("mode") is None
+    given = task.replace(filter=[1, 2, 1])
+    assert given.taps == pytest.approx([0.25, 0.5, 0.25]) and given.replace(filter=None) == task
+    with pytest.raises(ValueError, match="has no corner `B`"):
+        task.set("corner.B.error_max", 1e-6)
+
+
+@pytest.mark.parametrize("text", [
+    FILE.replace("angle_deg = 37.5", "angle_deg = 200"), FILE.replace("error_max_um", "eror_max_um"),
+    FILE.replace("order_max = 120", "order_max = 1.5"), FILE + "[", ""])
+def test_errors_have_the_text_of_the_command_line(tmp_path, text):
+    path = tmp_path / "bad.toml"
+    path.write_text(text)
+    program = subprocess.run([os.environ["ACCDEC_BINARY"], "design", path], capture_output=True, text=True)
+    assert program.returncode == 2
+    with pytest.raises(accdec.InputError) as raised:
+        accdec.design(path)
+    assert str(raised.value) == program.stderr.strip()
+    assert raised.value.file == str(path) and raised.value.line > 0
+    assert str(raised.value) == f"{path}:{raised.value.line}:{raised.value.column}: {raised.value.message}"
+
+
+@pytest.mark.parametrize("fields, words", [
+    ({"corners": {"angle": 4.0, "feed_in": 0.1}}, "0 < angle_deg <= 180"),
+    ({"corners": {"angle": 1.0, "angle_deg": 57, "feed_in": 0.1}}, "both given"),
+    ({"corners": {"angle": 1.0, "feed_in": float("nan")}}, "feed_in"),
+    ({"corners": {"angle": 1.0, "feed_in": 0.1, "velocity": 1}}, "velocity"),
+    ({"corners": []}, "no corner"),
+    ({"corners": {"angle": "wide", "feed_in": 0.1}}, "angle_deg"),
+    ({"corners": {"angle": 1.0, "feed_in": 0.1}, "axes": {"force_max": 10}}, "mass_kg"),
+])
+def test_wrong_fields_are_named(fields, words):
+    with pytest.raises(accdec.InputError, match=words):
+        accdec.Task(sample_period=1e-3, **fields)
+
+
+def test_no_limit_is_none_or_infinity():
+    corner = {"angle": 1.0, "feed_in": 0.1}
+    bare = accdec.Task(sample_period=1e-3, corners=corner)
+    assert accdec.Task(sample_period=1e-3, corners={**corner, "error_max": None},
+                       axes={"jerk_max": np.inf, "velocity_max": None}) == bare
