@@ -314,5 +314,35 @@ TEST(Process, FeedsMoreThanAPipeHoldsAndReportsExitCodes) {
   EXPECT_EQ(run_process({"false"}, much, "coreutils").exit_code, 1);
 }
 
+TEST(GnuplotScript, ValuesOfBothSignsGetAPaletteAroundZero) {
+  Figure figure;
+  figure.panels.resize(1);
+  figure.panels[0].heat_map = HeatMap{{0, 1}, {0, 1}, {-1, 2, 3, NAN}, ""};
+  EXPECT_THAT(gnuplot_script(figure), HasSubstr("set cbrange [-3:3]"));
+  figure.panels[0].heat_map = HeatMap{{0, 1}, {0, 1}, {0, 2, 3, NAN}, ""};
+  EXPECT_THAT(gnuplot_script(figure), HasSubstr("set cbrange [*:*]"));
+}
+
+TEST(GnuplotScript, NamesStandInPlaceOfNumbers) {
+  Figure figure;
+  figure.panels.resize(1);
+  Panel& panel = figure.panels[0];
+  panel.series.push_back({"", {1, 2}, {1, 2}, Mark::points, 0});
+  const double plain = layout(figure).panels[0].plot_left;
+  panel.y.names = {"acceleration-jerk", "it's"};
+  EXPECT_THAT(gnuplot_script(figure), HasSubstr("acceleration-jerk"));
+  EXPECT_GT(layout(figure).panels[0].plot_left, plain + 50.0);  // room for 17 letters
+}
+
+TEST(Layout, ATallPanelMakesItsRowTaller) {
+  Figure figure;
+  figure.columns = 2;
+  figure.panels.resize(4);
+  figure.panels[1].taller = 1.5;
+  const PageLayout page = layout(figure);
+  EXPECT_DOUBLE_EQ(page.panels[0].height, 1.5 * figure.panel_height);
+  EXPECT_DOUBLE_EQ(page.panels[2].height, figure.panel_height);
+}
+
 }  // namespace
 }  // namespace accdec

@@ -74,8 +74,8 @@ double largest(const Series& series) {
 TEST(PlotResult, DrawsTheClosedFormOfLinearAccDec) {
   const Figure figure = plot_result(result());
   EXPECT_NEAR(largest(panel(figure, "velocity x").series.at(0)), 100.0, 1e-9);
-  EXPECT_NEAR(largest(panel(figure, "acceleration x").series.at(0)), 5.0, 1e-9);
-  EXPECT_NEAR(largest(panel(figure, "acceleration y").series.at(0)), 5.0, 1e-9);
+  EXPECT_NEAR(largest(panel(figure, "acceleration x").series.at(0)), 5000.0, 1e-6);
+  EXPECT_NEAR(largest(panel(figure, "acceleration y").series.at(0)), 5000.0, 1e-6);
   EXPECT_NEAR(largest(panel(figure, "force x").series.at(0)), 50.0, 1e-9);
   EXPECT_NEAR(largest(panel(figure, "power x").series.at(0)), 5.0, 1e-9);
   // The zeros of a moving average of 20 ms: 50 Hz and its multiples.
@@ -95,10 +95,10 @@ TEST(PlotResult, LimitsAreDrawnOrNamed) {
   EXPECT_EQ(panel(figure, "velocity x").limits.size(), 2u);
   const auto& limits = panel(figure, "acceleration x").limits;
   ASSERT_EQ(limits.size(), 2u);
-  EXPECT_DOUBLE_EQ(limits[0].y, 6.0);
-  EXPECT_DOUBLE_EQ(limits[1].y, -6.0);
+  EXPECT_DOUBLE_EQ(limits[0].y, 6000.0);
+  EXPECT_DOUBLE_EQ(limits[1].y, -6000.0);
   EXPECT_TRUE(panel(figure, "acceleration y").limits.empty());  // ten times what is used
-  EXPECT_THAT(panel(figure, "acceleration y").title, HasSubstr("50 and -50"));
+  EXPECT_THAT(panel(figure, "acceleration y").title, HasSubstr("50000 and -50000"));
   const auto& power = panel(figure, "power x").limits;
   ASSERT_EQ(power.size(), 2u);
   EXPECT_DOUBLE_EQ(power[0].y, 8.0);
@@ -107,6 +107,22 @@ TEST(PlotResult, LimitsAreDrawnOrNamed) {
   ASSERT_EQ(bands.size(), 1u);
   EXPECT_DOUBLE_EQ(bands[0].from, 45.0);
   EXPECT_DOUBLE_EQ(bands[0].to, 55.0);
+}
+
+TEST(PlotResult, TheWorstSampleIsMarkedAndTheBindingLimitNamed) {
+  // Of 60 N allowed 50 N are used, in closed form 83.3 %; power 5 of 8 W, braking 5 - v F at the first sample.
+  const Figure figure = plot_result(result());
+  const Panel& force = panel(figure, "force x");
+  EXPECT_THAT(force.title, HasSubstr("83.3 % used"));
+  EXPECT_THAT(force.title, testing::Not(HasSubstr("binding")));
+  ASSERT_EQ(force.series.size(), 2u);
+  EXPECT_NEAR(std::abs(force.series[1].y.at(0)), 50.0, 1e-9);
+  DesignResult tight = result();
+  tight.task.machine.axes[0].force_max = 50.0;
+  tight.task.machine.axes[0].jerk_max = 50000.0;
+  EXPECT_THAT(panel(plot_result(tight), "force x").title, HasSubstr("100.0 % used, binding"));
+  EXPECT_THAT(panel(plot_result(tight), "jerk x").title, HasSubstr("10.0 % used"));  // 5 m/s^2 in one sample of 1 ms
+  EXPECT_THROW(panel(plot_result(tight), "jerk y"), std::out_of_range);              // not limited: not drawn
 }
 
 TEST(PlotResult, PathPassesTheCornerAtTheErrorItStates) {

@@ -39,7 +39,7 @@ struct Circle {
 };
 /// A value at each (x[i], y[j]), values[j * x.size() + i]; x and y rising, at least one each, positive where the
 /// panel's scale is logarithmic. A cell reaches half-way to its neighbours, as the scale measures; where a value is not
-/// finite the paper shows.
+/// finite the paper shows. Values of both signs are drawn in two colours that meet at 0.
 struct HeatMap {
   std::vector<double> x, y, values;
   std::string label;
@@ -59,6 +59,7 @@ struct Scale {
   std::string label;  ///< with the unit: "time / ms"
   bool log = false;
   std::optional<double> min, max;
+  std::vector<std::string> names = {};  ///< y only: of the values 1, 2, ..., in place of numbers
 };
 struct Panel {
   std::string title;
@@ -70,6 +71,7 @@ struct Panel {
   std::optional<HeatMap> heat_map;
   std::optional<ColouredLines> coloured;  ///< not beside a heat map
   bool equal_aspect = false;  ///< one unit of x as long as one of y; needs ranges or series to take them from
+  double taller = 1.0;        ///< its row is this many times the figure's panel height; the largest of a row counts
 };
 
 /// A page of panels, filled row by row. Legends stand to the right of each panel, outside its data, in one column.

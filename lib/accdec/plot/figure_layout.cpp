@@ -14,7 +14,7 @@ constexpr double left = 70, right = 18, top = 30, bottom = 56;  // px around a p
 constexpr double title_line = 16, heading_line = 20;            // px
 constexpr double legend_sample = 34, long_legend_sample = 58, legend_air = 18;
 constexpr double narrowest_plot = 320, closest_lines = 12.6, line_height = 18, colour_bar = 104;
-constexpr double longest_label = 420;
+constexpr double longest_label = 420, longest_name = 200;
 
 std::size_t character_length(const std::string& text, std::size_t i) {
   std::size_t length = 1;
@@ -44,9 +44,16 @@ double legend_width(const Panel& panel) {
 
 /// Room that tick labels of the y axis need beyond the four characters the margin is made for.
 double tick_overhang(const Panel& panel) {
+  if (!panel.y.names.empty()) {
+    double widest = 0.0;
+    for (const std::string& name : panel.y.names) widest = std::max(widest, text_width(axis_name(name)));
+    return std::max(0.0, widest - 4.0 * 8.0);
+  }
   double low = INFINITY, high = 0.0;
+  bool minus = false;
   const auto see = [&](double y) {
     if (!std::isfinite(y) || y == 0.0) return;
+    minus = minus || y < 0.0;
     low = std::min(low, std::abs(y));
     high = std::max(high, std::abs(y));
   };
@@ -54,7 +61,7 @@ double tick_overhang(const Panel& panel) {
   for (const LimitLine& limit : panel.limits) see(limit.y);
   if (panel.heat_map) std::for_each(panel.heat_map->y.begin(), panel.heat_map->y.end(), see);
   if (!(high > 0.0)) return 0.0;
-  double characters = std::floor(std::log10(high) + 1e-9) + 1.0;                                 // 14000 is five
+  double characters = std::floor(std::log10(high) + 1e-9) + 1.0 + (minus ? 1.0 : 0.0);           // 14000 is five
   if (panel.y.log) characters = std::max(characters, 2.0 - std::floor(std::log10(low) + 1e-9));  // 0.001 is five
   constexpr double character = 8.0;
   return character * std::clamp(characters - 4.0, 0.0, 4.0);
@@ -134,6 +141,10 @@ std::vector<std::string> legend_labels(const Panel& panel) {
   add(panel.circles);
   add(panel.bands);
   return labels;
+}
+
+std::string axis_name(const std::string& name) {
+  return shortened(clean_title(name), longest_name);
 }
 
 std::string legend_label(const std::string& label) {
@@ -257,7 +268,9 @@ PageLayout layout(const Figure& figure) {
       heights[row] = std::max(
           {heights[row], top + titles + bottom + 60.0, top + titles + bottom + closest_lines * lines + line_height});
     }
-    heights[row] = std::max(heights[row], figure.panel_height + titles);
+    double taller = 1.0;
+    for (std::size_t i = begin; i < end; ++i) taller = std::max(taller, figure.panels[i].taller);
+    heights[row] = std::max(heights[row], taller * figure.panel_height + titles);
     for (std::size_t i = begin; i < end; ++i) {
       PanelLayout& p = page.panels[i];
       p.height = heights[row];

@@ -20,6 +20,9 @@ std::vector<std::string> wrapped(const std::string& text, double width);
 /// A label as the legend shows it: clean, and shortened to 420 px.
 std::string legend_label(const std::string& label);
 
+/// A name of a value on the y axis as it is drawn: clean, and shortened to 200 px.
+std::string axis_name(const std::string& name);
+
 /// Labels of a panel's legend in the order they are drawn, as long as a legend shows them.
 std::vector<std::string> legend_labels(const Panel& panel);
 

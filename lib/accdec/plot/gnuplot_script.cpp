@@ -251,6 +251,9 @@ class Writer {
                                           range.high * (1.0 - 1e-9))));  // gnuplot leaves out ticks at the very end
       }
     }
+    for (std::size_t i = 0; i < scale.names.size(); ++i) {
+      ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(axis_name(scale.names[i])), i + 1);
+    }
     line("set {}tics {}", axis, ticks.empty() ? "autofreq" : fmt::format("({})", ticks));
   }
 
@@ -330,10 +333,22 @@ class Writer {
       }
     }
     text += "END_OF_DATA\n";
-    // Light to dark, so that lightness alone carries the value, and at its lightest well off the paper, which means no
-    // value.
-    line("set palette defined (0 '#e6bd72', 0.35 '#dd8a4a', 0.65 '#a9443a', 1 '#2b0f3a')");
-    line("set colorbox\nset cbrange [*:*]");
+    line("set colorbox");
+    double low = 0.0, high = 0.0;
+    for (const double v : map.values) {
+      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+    }
+    if (low < 0.0 && high > 0.0) {
+      // Two colours that darken away from 0, which is off the paper, too.
+      const double most = std::max(-low, high);
+      line("set palette defined (-1 '#123f73', -0.5 '#5f93c4', 0 '#d9d9d2', 0.5 '#d9824a', 1 '#7a1f1f')");
+      line("set cbrange [{}:{}]", number(-most), number(most));
+    } else {
+      // Light to dark, so that lightness alone carries the value, and at its lightest well off the paper, which means
+      // no value.
+      line("set palette defined (0 '#e6bd72', 0.35 '#dd8a4a', 0.65 '#a9443a', 1 '#2b0f3a')");
+      line("set cbrange [*:*]");
+    }
     line("set cblabel {} offset 0.4,0", quoted(map.label));
     return fmt::format("{} using 1:2:3:4:5:6:7 with boxxyerror fc palette fs solid noborder notitle", name);
   }

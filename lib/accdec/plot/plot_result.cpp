@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/utilisation.hpp>
 #include <accdec/plot/plot_result.hpp>
 #include <accdec/task/simulation.hpp>
@@ -12,23 +13,85 @@
 namespace accdec {
 namespace {
 
-/// One quantity of one axis over time; limits far beyond the curve are said in the title instead of flattening it.
-Panel motion_panel(const std::string& quantity, const std::string& unit, const std::string& axis,
-                   const std::vector<double>& time, const std::vector<double>& values, double low, double high,
-                   Mark mark) {
+constexpr double binding = 0.99;  ///< share of a limit from which a drawing calls it binding
+
+/// What an axis does, with the bounds on it; both in SI.
+struct Quantity {
+  LimitKind kind;
+  double low, high;
+};
+
+/// What to draw of an axis: velocity and acceleration always, the others where they are limited. Regeneration is the
+/// lower bound of power.
+std::vector<Quantity> quantities_of(const Axis& axis) {
+  std::vector<Quantity> drawn;
+  for (const AxisLimit& limit : axis_limits) {
+    const double bound = axis.*limit.bound;
+    if (limit.kind == LimitKind::regeneration) {
+      if (!(bound < unlimited)) continue;
+      if (drawn.back().kind == LimitKind::power) {
+        drawn.back().low = -bound;
+      } else {
+        drawn.push_back({LimitKind::power, -bound, unlimited});
+      }
+      continue;
+    }
+    const bool always = limit.kind == LimitKind::velocity || limit.kind == LimitKind::acceleration;
+    if (!always && !(bound < unlimited)) continue;
+    drawn.push_back({limit.kind, limit.kind == LimitKind::power ? -unlimited : -bound, bound});
+  }
+  return drawn;
+}
+
+/// The quantity with its sign, where its limit is on the size.
+double signed_value(const AxisState& state, LimitKind kind) {
+  switch (kind) {
+    case LimitKind::velocity: return state.velocity;
+    case LimitKind::acceleration: return state.acceleration;
+    case LimitKind::jerk: return state.jerk;
+    case LimitKind::force: return state.force;
+    default: break;
+  }
+  for (const AxisLimit& limit : axis_limits) {
+    if (limit.kind == kind) return limit.value(state);
+  }
+  return 0.0;
+}
+
+/// "mm/s^3" as it is printed: "(mm/s³)".
+std::string printed_unit(std::string_view unit) {
+  std::string text(unit);
+  for (const auto& [plain, printed] : {std::pair<std::string_view, std::string_view>{"^2", "²"}, {"^3", "³"}}) {
+    if (const auto at = text.find(plain); at != std::string::npos) text.replace(at, plain.size(), printed);
+  }
+  return text.find('/') == std::string::npos ? text : "(" + text + ")";
+}
+
+/// One quantity of one axis over time, its worst sample marked; limits far beyond the curve are said in the title
+/// instead of flattening it.
+Panel motion_panel(const Quantity& quantity, const std::string& axis, const std::vector<double>& time,
+                   const std::vector<double>& values) {
+  const LimitName& name = limit_name(quantity.kind);
   Panel panel;
-  panel.title = fmt::format("{} {}", quantity, axis);
+  panel.title = fmt::format("{} {}", name.name, axis);
   panel.x.label = "time from the corner command / ms";
   panel.x.min = time.front(), panel.x.max = time.back();
-  panel.y.label = fmt::format("{} / {}", quantity, unit);
-  panel.series.push_back({"", time, values, mark, 0});
-  double peak = 0.0;
-  for (const double v : values) peak = std::max(peak, std::abs(v));
+  panel.y.label = fmt::format("{} / {}", name.name, printed_unit(name.unit));
+  Series curve{"", time, {}, quantity.kind == LimitKind::velocity ? Mark::line : Mark::steps, 0};
+  double peak = 0.0, use = 0.0;
+  std::size_t worst = 0;
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    const double used = std::max(values[n] / quantity.high, values[n] / quantity.low);
+    if (used > use) use = used, worst = n;
+    curve.y.push_back(values[n] * name.per_si);
+    peak = std::max(peak, std::abs(curve.y.back()));
+  }
   constexpr double off_scale = 3.0;
   std::string beyond;
   bool labelled = false;
-  for (const double limit : {high, low}) {
-    if (!std::isfinite(limit)) continue;
+  for (const double bound : {quantity.high, quantity.low}) {
+    if (!std::isfinite(bound)) continue;
+    const double limit = bound * name.per_si;
     if (std::abs(limit) <= off_scale * peak) {
       panel.limits.push_back({limit, labelled ? "" : "limit"});
       labelled = true;
@@ -36,32 +99,40 @@ Panel motion_panel(const std::string& quantity, const std::string& unit, const s
       beyond += fmt::format("{}{:.6g}", beyond.empty() ? "" : " and ", limit);
     }
   }
-  if (!beyond.empty()) panel.title += fmt::format(" (limit {} {} off scale)", beyond, unit);
+  if (use > 0.0) {
+    panel.title += fmt::format(": {:.1f} % used{}", 100.0 * use, use > binding ? ", binding" : "");
+    panel.series.push_back({"largest use", {time[worst]}, {curve.y[worst]}, Mark::points, 3});
+  }
+  panel.series.insert(panel.series.begin(), std::move(curve));
+  if (!beyond.empty()) panel.title += fmt::format(" (limit {} {} off scale)", beyond, printed_unit(name.unit));
   return panel;
 }
 
-std::vector<double> column(const Eigen::MatrixXd& matrix, Eigen::Index axis, double scale) {
-  std::vector<double> values;
-  for (Eigen::Index n = 0; n < matrix.rows(); ++n) values.push_back(matrix(n, axis) * scale);
-  return values;
+std::vector<Panel> axis_panels(const SampledMotion& motion, Eigen::Index index, const Axis& axis,
+                               const std::vector<double>& time) {
+  std::vector<Panel> panels;
+  for (const Quantity& quantity : quantities_of(axis)) {
+    std::vector<double> values;
+    for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) {
+      values.push_back(signed_value(
+          axis_state(axis, motion.velocity(n, index), motion.acceleration(n, index), motion.jerk(n, index)),
+          quantity.kind));
+    }
+    panels.push_back(motion_panel(quantity, axis.name, time, values));
+  }
+  return panels;
 }
 
-void add_axis(std::vector<Panel>& panels, const SampledMotion& motion, Eigen::Index index, const Axis& axis,
-              const std::vector<double>& time) {
-  const std::vector<double> v = column(motion.velocity, index, 1.0), a = column(motion.acceleration, index, 1.0);
-  panels.push_back(motion_panel("velocity", "(mm/s)", axis.name, time, column(motion.velocity, index, 1e3),
-                                -axis.velocity_max * 1e3, axis.velocity_max * 1e3, Mark::line));
-  panels.push_back(motion_panel("acceleration", "(m/s²)", axis.name, time, a, -axis.acceleration_max,
-                                axis.acceleration_max, Mark::steps));
-  if (axis.mass == 0.0 && axis.damping == 0.0) return;  // no plant given: neither force nor power
-  std::vector<double> force, power;
-  for (std::size_t n = 0; n < v.size(); ++n) {
-    force.push_back(axis.mass * a[n] + axis.damping * v[n]);
-    power.push_back(force.back() * v[n]);
+/// Axes with the same quantities side by side, quantity by quantity; others one after the other.
+void add_side_by_side(std::vector<Panel>& panels, std::vector<std::vector<Panel>> axes) {
+  const bool same = std::all_of(axes.begin(), axes.end(), [&](const auto& a) { return a.size() == axes[0].size(); });
+  if (!same || axes.size() != 2) {
+    for (std::vector<Panel>& axis : axes) std::move(axis.begin(), axis.end(), std::back_inserter(panels));
+    return;
   }
-  panels.push_back(motion_panel("force", "N", axis.name, time, force, -axis.force_max, axis.force_max, Mark::steps));
-  panels.push_back(
-      motion_panel("power", "W", axis.name, time, power, -axis.regeneration_max, axis.power_max, Mark::steps));
+  for (std::size_t i = 0; i < axes[0].size(); ++i) {
+    for (std::vector<Panel>& axis : axes) panels.push_back(std::move(axis[i]));
+  }
 }
 
 /// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, a along the motion, b
@@ -82,17 +153,19 @@ Plane plane_of(const Corner& corner, const Machine& machine) {
   return {unit(corner.direction_in + corner.direction_out), unit(corner.direction_out - corner.direction_in), "a", "b"};
 }
 
+/// The path around the corner. @param whole  the whole blend instead of a few errors around the corner
 Panel path_panel(const TaskCorner& task, const CornerResult& measures, const SampledMotion& motion,
-                 const Machine& machine) {
+                 const Machine& machine, bool whole) {
   const Corner& corner = task.geometry;
   const Plane plane = plane_of(corner, machine);
   // The window: a few errors around the corner, but no more than the blend itself.
   const double blend = std::max(motion.position.row(motion.corner).norm(), 1e-6);
   const double error = std::max(measures.corner_error, task.error_max.value_or(0.0));
-  const double reach = error > 0.0 ? std::min(3.0 * error, blend) : 0.3 * blend;
+  const double reach = whole ? 1.2 * blend : error > 0.0 ? std::min(3.0 * error, blend) : 0.3 * blend;
   const double scale = reach < 2e-3 ? 1e6 : 1e3;
   const char* const unit = reach < 2e-3 ? "µm" : "mm";
-  Series path{"path", {}, {}, Mark::line_points, 0}, programmed{"programmed", {}, {}, Mark::line, 5};
+  Series path{"path", {}, {}, whole ? Mark::line : Mark::line_points, 0},
+      programmed{"programmed", {}, {}, Mark::line, 5};
   for (Eigen::Index n = 0; n < motion.position.rows(); ++n) {
     const Eigen::VectorXd s = motion.position.row(n).transpose() * scale;
     if (s.norm() > 8.0 * reach * scale && std::abs(n - motion.corner) > 0 && s.norm() > 3.0 * blend * scale) continue;
@@ -107,7 +180,8 @@ Panel path_panel(const TaskCorner& task, const CornerResult& measures, const Sam
     programmed.y.push_back(end.dot(plane.up));
   }
   Panel panel;
-  panel.title = fmt::format("path around corner {}", task.name);
+  panel.title = whole ? "the whole blend" : fmt::format("path around corner {}", task.name);
+  panel.taller = 1.6;
   panel.x.label = fmt::format("{} / {}", plane.across_name, unit);
   panel.y.label = fmt::format("{} / {}", plane.up_name, unit);
   panel.series = {path, programmed};
@@ -209,13 +283,17 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   figure.title = fmt::format("{}: corner {}, delay {} samples",
                              result.task.title.empty() ? "accdec" : result.task.title, task.name, measures.delay);
   figure.columns = 2;
+  for (const bool whole : {false, true}) {
+    figure.panels.push_back(path_panel(task, measures, motion, result.task.machine, whole));
+  }
+  std::vector<std::vector<Panel>> axes;
   for (std::size_t axis = 0; axis < result.task.machine.axes.size(); ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
     const bool moves =
         std::abs(task.geometry.direction_in[a]) > 1e-12 || std::abs(task.geometry.direction_out[a]) > 1e-12;
-    if (moves) add_axis(figure.panels, motion, a, result.task.machine.axes[axis], time);
+    if (moves) axes.push_back(axis_panels(motion, a, result.task.machine.axes[axis], time));
   }
-  figure.panels.push_back(path_panel(task, measures, motion, result.task.machine));
+  add_side_by_side(figure.panels, std::move(axes));
   figure.panels.push_back(response_panel(filter, period, result.task.machine.modes));
   figure.panels.push_back(taps_panel(filter));
   return figure;

@@ -7,9 +7,10 @@
 
 namespace accdec {
 
-/// One corner of a result: velocity, acceleration, force and power of every moving axis from rest to rest with their
-/// limits, the path around the programmed corner with its error circle, the taps, and the frequency response with the
-/// mode bands. Motion is simulated from the result's taps and delay by plain convolution.
+/// One corner of a result: the path around the programmed corner with its error circle, enlarged and whole; velocity,
+/// acceleration and every limited quantity of each moving axis from rest to rest, its limits and its worst sample; the
+/// taps, and the frequency response with the mode bands. Motion is simulated from the result's taps and delay by plain
+/// convolution.
 /// @param corner  name; empty: the first
 /// @throws std::invalid_argument if there is no such corner (naming those there are), std::runtime_error if the result
 /// holds no filter.

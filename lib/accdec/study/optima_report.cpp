@@ -123,10 +123,10 @@ Figure shapes_figure(const std::vector<Optimum>& optima) {
   Figure figure;
   figure.title = "Filters that controllers have beside the designed one, under the same limits";
   Panel panel;
-  panel.x.label = "Task, by its row in optima.md";
-  panel.y = {"Cycle time over the optimum's", true, 0.9, {}};
-  panel.x.min = 0.0;
-  panel.x.max = static_cast<double>(optima.size()) + 1.0;
+  panel.x = {"cycle time over the optimum's", true, 0.9, {}};
+  panel.y.min = 0.0;
+  panel.y.max = static_cast<double>(optima.size()) + 1.0;
+  for (const Optimum& o : optima) panel.y.names.push_back(o.name);
   const auto add = [&](const std::string& label, auto family_of) {
     Series series;
     series.label = label;
@@ -137,8 +137,8 @@ Figure shapes_figure(const std::vector<Optimum>& optima) {
       const BaselineResult* family = o.design.filter ? family_of(o) : nullptr;
       if (family == nullptr || !family->result.filter) continue;
       // Side by side within the row: families often tie.
-      series.x.push_back(static_cast<double>(row) + 1.0 + 0.08 * (static_cast<double>(series.style) - 2.0));
-      series.y.push_back(family->result.objective() / o.design.objective());
+      series.y.push_back(static_cast<double>(row) + 1.0 + 0.12 * (static_cast<double>(series.style) - 2.0));
+      series.x.push_back(family->result.objective() / o.design.objective());
     }
     panel.series.push_back(std::move(series));
   };
@@ -150,10 +150,10 @@ Figure shapes_figure(const std::vector<Optimum>& optima) {
         [=](const Optimum& o) { return index < o.families.size() ? &o.families[index] : nullptr; });
   }
   add("best of all families", [](const Optimum& o) { return o.best_family(); });
-  panel.limits.push_back({1.0, "optimum"});
+  panel.series.push_back({"optimum", {1.0, 1.0}, {0.0, *panel.y.max}, Mark::line, 0});
   figure.panels.push_back(std::move(panel));
   figure.panel_width = 820;
-  figure.panel_height = 420;
+  figure.panel_height = 120 + 22 * static_cast<int>(optima.size());
   return figure;
 }
 
