@@ -25,11 +25,7 @@ Task task_of(int order) {
   axis.acceleration_max = 6.0;
   axis.jerk_max = 600.0;
   for (const char* name : {"x", "y"}) task.machine.axes.push_back(axis), task.machine.axes.back().name = name;
-  TaskCorner corner;
-  corner.name = "A";
-  corner.angle = 95.0 * std::numbers::pi / 180.0;
-  corner.feed_in = corner.feed_out = 0.1;
-  corner.geometry = planar_corner(corner.angle, 0.0, corner.turn, corner.feed_in, corner.feed_out);
+  TaskCorner corner("A", PlanarLegs{95.0 * std::numbers::pi / 180.0, 0.0, Turn::left}, 0.1, 0.1);
   corner.error_max = 50e-6;
   task.corners.push_back(corner);
   return task;

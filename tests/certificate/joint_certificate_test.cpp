@@ -154,8 +154,9 @@ TEST(CheckedRanges, HoldForFiltersWithinTheLimits) {
     TaskCorner& corner = task.corners[static_cast<std::size_t>(j)];
     std::uniform_int_distribution<int> sample((n + d) / 2 - 4, (n + d) / 2 + 4);
     const int k = sample(random);
-    const double p = filter.remaining_moment(k) * corner.feed_in, q = filter.elapsed_moment(k - d) * corner.feed_out;
-    const double c = corner.geometry.cos_interior();
+    const double p = filter.remaining_moment(k) * corner.geometry().feed_in,
+                 q = filter.elapsed_moment(k - d) * corner.geometry().feed_out;
+    const double c = corner.geometry().cos_interior();
     corner.error_max = task.sample_period * std::sqrt(p * p + q * q + 2.0 * p * q * c);
     const CheckedRows rows(task);
     CheckedBox box;

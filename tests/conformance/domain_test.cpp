@@ -56,7 +56,7 @@ class Domain : public ::testing::TestWithParam<std::string> {
 TEST_P(Domain, TheOnlyFeasibleFilterIsTheBoxcar) {
   const Task task = acceleration_task(1.0 + 1e-7);
   const Filter box = boxcar(order);
-  const int k = measure(Blend(box, task.corners[0].geometry, 0, task.sample_period)).corner_error_sample;
+  const int k = measure(Blend(box, task.corners[0].geometry(), 0, task.sample_period)).corner_error_sample;
   const MarginProblem problem(task, formulation(solver(), 0), std::vector<int>{k});
   if (const std::string reason = solvers::reason_to_refuse(solver(), problem); !reason.empty()) GTEST_SKIP() << reason;
   solvers::Options options;

@@ -84,10 +84,11 @@ double cost(const Task& task, const FilterSpec& spec, int order_max) {
     }
     for (const TaskCorner& c : task.corners) {
       const auto holds = [&](int d) {
-        for (const LimitUse& use : axis_utilisation(filter, c.geometry, d, task.sample_period, task.machine, c.name)) {
+        for (const LimitUse& use :
+             axis_utilisation(filter, c.geometry(), d, task.sample_period, task.machine, c.name)) {
           if (use.utilisation > allowed) return false;
         }
-        const CornerMeasures m = measure(Blend(filter, c.geometry, d, task.sample_period));
+        const CornerMeasures m = measure(Blend(filter, c.geometry(), d, task.sample_period));
         return (!c.error_max || m.corner_error <= *c.error_max * allowed) && c.speed_min <= m.speed_min * allowed;
       };
       int d = 0;

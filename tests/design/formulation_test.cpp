@@ -56,11 +56,11 @@ TEST(MarginProblem, RowsHoldExactlyWhenTheUtilisationsDo) {
     }
     double worst = 0.0;
     for (std::size_t j = 0; j < task.corners.size(); ++j) {
-      const Blend blend(filter, task.corners[j].geometry, delays[j], task.sample_period);
+      const Blend blend(filter, task.corners[j].geometry(), delays[j], task.sample_period);
       const CornerMeasures m = measure(blend);
       samples[j] = m.corner_error_sample;
       for (const LimitUse& use :
-           axis_utilisation(filter, task.corners[j].geometry, delays[j], task.sample_period, task.machine)) {
+           axis_utilisation(filter, task.corners[j].geometry(), delays[j], task.sample_period, task.machine)) {
         worst = std::max(worst, use.utilisation);
       }
       if (task.corners[j].speed_min > 0.0)
@@ -87,7 +87,7 @@ TEST(MarginProblem, SigmaIsTheSquaredErrorUse) {
     Task task = random_task(rng, 1);
     task.corners[0].error_max = 1e-6;
     const Filter filter = random_filter(rng, 20);
-    const CornerMeasures m = measure(Blend(filter, task.corners[0].geometry, 4, task.sample_period));
+    const CornerMeasures m = measure(Blend(filter, task.corners[0].geometry(), 4, task.sample_period));
     const MarginProblem problem(task, options_for(task, 20, {4}, false), std::vector<int>{m.corner_error_sample});
     const double sigma = problem.start_from(filter)[static_cast<std::size_t>(problem.sigma())];
     EXPECT_NEAR(std::sqrt(sigma) * 1e-6, std::max(1e-6, m.corner_error), 1e-9 * m.corner_error);
@@ -105,7 +105,7 @@ TEST(DelayProblem, PathAtIntegerInstantsIsHalfWayBetweenSamples) {
     const DelayProblem problem(task, options_for(task, order, {delay}, false));
     const std::vector<double> delays{static_cast<double>(delay)};
     std::vector<double> x = problem.start_from(filter, delays);
-    const Blend blend(filter, corner.geometry, delay, task.sample_period);
+    const Blend blend(filter, corner.geometry(), delay, task.sample_period);
     const auto n = static_cast<std::size_t>(order);
     for (int k = 1; k <= order + delay + 1; ++k) {
       x[n + 1] = k;  // variables: B, then d, t, P, Q of the corner

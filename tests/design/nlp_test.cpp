@@ -26,8 +26,8 @@ int best_trapezoid(const Task& task) {
       const Filter filter = trapezoid(order, ramp);
       const TaskCorner& corner = task.corners[0];
       const double period = task.sample_period;
-      const int d = DelayFinder(filter)(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
-                                        corner.geometry.feed_out * period, *corner.error_max);
+      const int d = DelayFinder(filter)(corner.geometry().cos_interior(), corner.geometry().feed_in * period,
+                                        corner.geometry().feed_out * period, *corner.error_max);
       if (order + d < best && verify_by_simulation(task, filter, {d}).feasible) best = order + d;
     }
   }
@@ -105,8 +105,8 @@ TEST(DesignNlp, SharesOneFilterAmongCorners) {
   const DelayFinder smallest(*result.filter);
   for (std::size_t j = 0; j < 2; ++j) {
     const TaskCorner& corner = task.corners[j];
-    EXPECT_EQ(result.corners[j].delay, smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * 1e-3,
-                                                corner.geometry.feed_out * 1e-3, *corner.error_max));
+    EXPECT_EQ(result.corners[j].delay, smallest(corner.geometry().cos_interior(), corner.geometry().feed_in * 1e-3,
+                                                corner.geometry().feed_out * 1e-3, *corner.error_max));
   }
 }
 

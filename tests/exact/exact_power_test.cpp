@@ -148,7 +148,8 @@ TEST(ExactPower, NothingOnAGridIsShorter) {
       each_on_grid(n, parts, [&](const Filter& filter) {
         for (int d = std::min(n + 1, total - 1 - n); d >= 0; --d) {
           // Cheaper than the simulation, and mostly enough.
-          if (corner_error(Blend(filter, task.corners[0].geometry, d, task.sample_period)) > *task.corners[0].error_max)
+          if (corner_error(Blend(filter, task.corners[0].geometry(), d, task.sample_period)) >
+              *task.corners[0].error_max)
             continue;
           EXPECT_FALSE(verify_by_simulation(task, filter, {d}).feasible) << "order " << n << ", delay " << d;
         }

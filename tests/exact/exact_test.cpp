@@ -190,7 +190,7 @@ TEST(Exact, TwoCornersAgreeWithBruteForce) {
       axis.power_max = axis.regeneration_max = axis.force_max = axis.jerk_max = unlimited;
       axis.acceleration_max = 12.0 + 10.0 * u(rng);
     }
-    for (TaskCorner& c : task.corners) c.speed_min = 0.0, c.error_max = 0.6 * 8e-3 * c.feed_in * u(rng);
+    for (TaskCorner& c : task.corners) c.speed_min = 0.0, c.error_max = 0.6 * 8e-3 * c.geometry().feed_in * u(rng);
     const exact::LimitModel model(task);
     double best = std::numeric_limits<double>::infinity();
     for (int n = 1; n <= 4; ++n) {

@@ -62,7 +62,7 @@ TEST(ResultJson, RoundTripIsExact) {
   ASSERT_EQ(again.limits.size(), result.limits.size());
   for (std::size_t i = 0; i < result.limits.size(); ++i)
     EXPECT_EQ(again.limits[i].utilisation, result.limits[i].utilisation);
-  EXPECT_EQ(again.task.corners[0].geometry.direction_out, result.task.corners[0].geometry.direction_out);
+  EXPECT_EQ(again.task.corners[0].geometry().direction_out, result.task.corners[0].geometry().direction_out);
 }
 
 TEST(ResultJson, WhatIsNotFiniteIsNull) {

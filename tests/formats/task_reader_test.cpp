@@ -59,15 +59,16 @@ TEST(TaskReader, ConvertsToSi) {
   EXPECT_EQ(task.machine.axes[1].name, "y");
   ASSERT_EQ(task.corners.size(), 1U);
   const TaskCorner& corner = task.corners.front();
-  EXPECT_DOUBLE_EQ(corner.angle, 95.0 * std::numbers::pi / 180.0);
-  EXPECT_EQ(corner.feed_in, 0.1);
-  EXPECT_EQ(corner.feed_out, 0.1);
+  const auto& legs = std::get<PlanarLegs>(corner.legs());
+  EXPECT_DOUBLE_EQ(legs.angle, 95.0 * std::numbers::pi / 180.0);
+  EXPECT_EQ(corner.geometry().feed_in, 0.1);
+  EXPECT_EQ(corner.geometry().feed_out, 0.1);
   EXPECT_EQ(corner.error_max, 4e-4);
   EXPECT_EQ(corner.delay, 3);
   EXPECT_EQ(corner.weight, 1.0);
   EXPECT_EQ(corner.speed_min, 0.0);
-  EXPECT_EQ(corner.turn, Turn::left);
-  EXPECT_NEAR(corner.geometry.cos_interior(), std::cos(corner.angle), 1e-15);
+  EXPECT_EQ(legs.turn, Turn::left);
+  EXPECT_NEAR(corner.geometry().cos_interior(), std::cos(legs.angle), 1e-15);
 }
 
 TEST(TaskReader, DefaultsWithoutTables) {
@@ -97,7 +98,7 @@ TEST(TaskReader, OneAxisTableStandsForAsManyAxesAsTheDirectionsHave) {
   ASSERT_EQ(three.machine.axes.size(), 3U);
   EXPECT_EQ(three.machine.axes[2].name, "z");
   EXPECT_EQ(three.machine.axes[2].acceleration_max, 5e-3);
-  EXPECT_DOUBLE_EQ(three.corners[0].geometry.direction_in[1], 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(three.corners[0].geometry().direction_in[1], 2.0 / 3.0);
   const Task one = parse_task(text("direction_in = [1]\ndirection_out = [-1]\n"), "t");
   EXPECT_EQ(one.machine.axes.size(), 1U);
 }
@@ -156,12 +157,17 @@ void expect_same(const Task& a, const Task& b) {
   EXPECT_EQ(a.sample_period, b.sample_period);
   ASSERT_EQ(a.corners.size(), b.corners.size());
   for (std::size_t j = 0; j < a.corners.size(); ++j) {
-    EXPECT_EQ(a.corners[j].geometry.direction_in, b.corners[j].geometry.direction_in);
-    EXPECT_EQ(a.corners[j].geometry.direction_out, b.corners[j].geometry.direction_out);
-    EXPECT_EQ(a.corners[j].angle, b.corners[j].angle);
-    EXPECT_EQ(a.corners[j].heading, b.corners[j].heading);
-    EXPECT_EQ(a.corners[j].feed_in, b.corners[j].feed_in);
-    EXPECT_EQ(a.corners[j].feed_out, b.corners[j].feed_out);
+    EXPECT_EQ(a.corners[j].geometry().direction_in, b.corners[j].geometry().direction_in);
+    EXPECT_EQ(a.corners[j].geometry().direction_out, b.corners[j].geometry().direction_out);
+    const auto* planar = std::get_if<PlanarLegs>(&a.corners[j].legs());
+    const auto* again = std::get_if<PlanarLegs>(&b.corners[j].legs());
+    ASSERT_EQ(planar == nullptr, again == nullptr);
+    if (planar) {
+      EXPECT_EQ(planar->angle, again->angle);
+      EXPECT_EQ(planar->heading, again->heading);
+    }
+    EXPECT_EQ(a.corners[j].geometry().feed_in, b.corners[j].geometry().feed_in);
+    EXPECT_EQ(a.corners[j].geometry().feed_out, b.corners[j].geometry().feed_out);
     EXPECT_EQ(a.corners[j].error_max, b.corners[j].error_max);
     EXPECT_EQ(a.corners[j].speed_min, b.corners[j].speed_min);
   }

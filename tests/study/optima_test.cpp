@@ -48,7 +48,7 @@ TEST(Optima, NoShapeBeatsAnOptimum) {
   axis.damping = 500.0;
   axis.force_max = 300.0;
   Task task = corner_task(axis, 50e-6);
-  task.corners.front().feed_in = task.corners.front().feed_out = 0.1;
+  task.corners.front().set_feeds(0.1, 0.1);
   const Optimum o = find_optimum("friction", task, {});
   ASSERT_EQ(o.design.status, Status::optimal) << o.design.message;
   for (const BaselineResult& family : o.families) {

@@ -16,14 +16,7 @@ inline double degrees(double d) {
 /// A corner in the plane, feeds in m/s.
 inline TaskCorner plane_corner(const std::string& name, double angle_deg, double heading_deg, double feed_in,
                                double feed_out) {
-  TaskCorner corner;
-  corner.name = name;
-  corner.angle = degrees(angle_deg);
-  corner.heading = degrees(heading_deg);
-  corner.feed_in = feed_in;
-  corner.feed_out = feed_out;
-  corner.geometry = planar_corner(corner.angle, corner.heading, corner.turn, feed_in, feed_out);
-  return corner;
+  return TaskCorner(name, PlanarLegs{degrees(angle_deg), degrees(heading_deg), Turn::left}, feed_in, feed_out);
 }
 
 /// Two equal axes x and y and one corner of the given tolerance.

@@ -65,7 +65,7 @@ TEST(OrderBound, FastestStartHoldsItsLimits) {
     Task task = testing::random_task(rng, 1);
     const std::vector<double> taps = saturating_start(task, 2000);
     if (taps.empty()) continue;
-    const Corner& corner = task.corners[0].geometry;
+    const Corner& corner = task.corners[0].geometry();
     // Only the start: leg 2 is left out by giving it hardly any speed.
     const Corner start = make_corner(corner.direction_in, corner.direction_in, corner.feed_in, 1e-9);
     for (Axis& axis : task.machine.axes) axis.jerk_max = axis.regeneration_max = unlimited;

@@ -22,7 +22,7 @@ TEST(Simulation, IsThePlainConvolution) {
   for (int order : {0, 1, 2, 5, 17, 60, 200}) {
     for (int delay : {0, 1, order / 2, order, order + 1, order + 5}) {
       const Filter filter = random_filter(rng, order);
-      const Corner corner = plane_corner("A", 30.0 + 0.5 * order, 20.0, 0.1, 0.07).geometry;
+      const Corner corner = plane_corner("A", 30.0 + 0.5 * order, 20.0, 0.1, 0.07).geometry();
       const SampledMotion m = simulate_corner(filter, corner, delay, 1e-3);
       const test::Convolution plain(filter, filter, corner, delay, 1e-3);
       for (int k = 0; k <= order + delay + 2; ++k) {

@@ -42,13 +42,13 @@ TEST(Verifier, AgreesWithTheFormulasOnEveryMeasureAndLimit) {
     std::vector<LimitUse> expected;
     for (std::size_t j = 0; j < task.corners.size(); ++j) {
       const TaskCorner& corner = task.corners[j];
-      const CornerMeasures m = measure(Blend(filter, corner.geometry, delays[j], task.sample_period));
+      const CornerMeasures m = measure(Blend(filter, corner.geometry(), delays[j], task.sample_period));
       EXPECT_NEAR(corners[j].corner_error, m.corner_error, 1e-12 + 1e-10 * m.corner_error);
       EXPECT_NEAR(corners[j].polyline_error, m.polyline_error, 1e-12 + 1e-10 * m.polyline_error);
       EXPECT_NEAR(corners[j].contour_deviation, m.contour_deviation, 1e-12 + 1e-9 * m.contour_deviation);
       EXPECT_NEAR(corners[j].speed_min, m.speed_min, 1e-12 + 1e-10 * m.speed_min);
       for (const LimitUse& use :
-           axis_utilisation(filter, corner.geometry, delays[j], task.sample_period, task.machine, corner.name)) {
+           axis_utilisation(filter, corner.geometry(), delays[j], task.sample_period, task.machine, corner.name)) {
         expected.push_back(use);
       }
     }

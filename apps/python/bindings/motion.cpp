@@ -41,7 +41,7 @@ py::dict simulate(const Task& task, const Numbers& taps, std::size_t corner, int
   Eigen::VectorXd time;
   {
     const py::gil_scoped_release release;
-    motion = simulate_corner(filter, task.corners.at(corner).geometry, delay, task.sample_period);
+    motion = simulate_corner(filter, task.corners.at(corner).geometry(), delay, task.sample_period);
     const Eigen::Index rows = motion.velocity.rows(), axes = motion.velocity.cols();
     force.resize(rows, axes), power.resize(rows, axes), time.resize(rows);
     for (Eigen::Index n = 0; n < rows; ++n) {

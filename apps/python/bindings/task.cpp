@@ -40,11 +40,11 @@ py::object vector(const Eigen::VectorXd& v) {
 py::dict corner_dict(const TaskCorner& c) {
   py::dict d;
   d["name"] = c.name;
-  d["angle"] = std::acos(c.geometry.cos_interior());
-  d["direction_in"] = vector(c.geometry.direction_in);
-  d["direction_out"] = vector(c.geometry.direction_out);
-  d["feed_in"] = c.feed_in;
-  d["feed_out"] = c.feed_out;
+  d["angle"] = std::acos(c.geometry().cos_interior());
+  d["direction_in"] = vector(c.geometry().direction_in);
+  d["direction_out"] = vector(c.geometry().direction_out);
+  d["feed_in"] = c.geometry().feed_in;
+  d["feed_out"] = c.geometry().feed_out;
   d["error_max"] = c.error_max;
   d["speed_min"] = c.speed_min;
   d["delay"] = c.delay;

@@ -120,11 +120,11 @@ void CheckedRows::add_speed(const TaskCorner& c, const CheckedRange& box, int k,
                             const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const {
   if (!(c.speed_min > 0.0)) throw Rejected("a multiplier names a limit that is not there");
   if (!(high > low) || !(high - low < std::numbers::pi)) throw Rejected("a sector of directions is no sector");
-  const Interval in = Interval(c.feed_in) * (Interval(1.0) - tube.at(k)),
-                 out = Interval(c.feed_out) * Interval(tube.at(k - box.d2).lo, tube.at(k - box.d1).hi);
+  const Interval in = Interval(c.geometry().feed_in) * (Interval(1.0) - tube.at(k)),
+                 out = Interval(c.geometry().feed_out) * Interval(tube.at(k - box.d2).lo, tube.at(k - box.d1).hi);
   // Leg 2's direction in the plane of motion is (-cos theta, sin theta).
-  const Interval cosine(std::nextafter(c.geometry.cos_interior(), -2.0),
-                        std::nextafter(c.geometry.cos_interior(), 2.0));
+  const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
+                        std::nextafter(c.geometry().cos_interior(), 2.0));
   const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
   // Of in (1, 0) + out (-cos, sin): not to the right of `low`, not to the left of `high`.
   const auto left_of = [&](double angle) {
@@ -132,14 +132,14 @@ void CheckedRows::add_speed(const TaskCorner& c, const CheckedRange& box, int k,
     return -1.0 * sa * in + (sine * ca + cosine * sa) * out;
   };
   // Outside by as little as this counts as inside, and costs as little.
-  const double outside = 1e-12 * std::max(c.feed_in, c.feed_out);
+  const double outside = 1e-12 * std::max(c.geometry().feed_in, c.geometry().feed_out);
   if (left_of(low).lo < -outside || left_of(high).hi > outside)
     throw Rejected("a sector does not hold all directions that are left in its box");
   const double middle = 0.5 * (low + high);
   const Interval half = Interval(std::max(high - middle, middle - low)) + Interval(0.0, 1e-15);
   const Interval ca = interval_cos(middle), sa = interval_sin(middle);
-  const Interval along_in = ca * Interval(c.feed_in) / Interval(c.speed_min);
-  const Interval along_out = (sine * sa - cosine * ca) * Interval(c.feed_out) / Interval(c.speed_min);
+  const Interval along_in = ca * Interval(c.geometry().feed_in) / Interval(c.speed_min);
+  const Interval along_out = (sine * sa - cosine * ca) * Interval(c.geometry().feed_out) / Interval(c.speed_min);
   if (box.d1 != box.d2 && along_out.lo < 0.0)
     throw Rejected("a sector is used for several delays, but does not hold for all");
   // cos(half) - n V'/v_min <= 0

@@ -38,13 +38,13 @@ void CheckedRows::add_range_error(const json& row, const Interval& weight, Check
   const CheckedRange r = box.corners[u];
   const Touch in = touch(row, 3), out = touch(row, 6);
   if (!need_tube(box)) return;
-  const Interval cosine(std::nextafter(c.geometry.cos_interior(), -2.0),
-                        std::nextafter(c.geometry.cos_interior(), 2.0));
+  const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
+                        std::nextafter(c.geometry().cos_interior(), 2.0));
   const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
   const Interval ca = interval_cos(row.at(2).get<double>()), sa = interval_sin(row.at(2).get<double>());
-  const double fastest = std::max(c.feed_in, c.feed_out);
-  Interval wp = weight * ca * Interval(c.feed_in) / Interval(fastest);
-  Interval wq = weight * (cosine * ca + sine * sa) * Interval(c.feed_out) / Interval(fastest);
+  const double fastest = std::max(c.geometry().feed_in, c.geometry().feed_out);
+  Interval wp = weight * ca * Interval(c.geometry().feed_in) / Interval(fastest);
+  Interval wq = weight * (cosine * ca + sine * sa) * Interval(c.geometry().feed_out) / Interval(fastest);
   if (wp.hi < 0.0 || wq.hi < 0.0) throw Rejected("a tangent cut does not apply to a whole box");
   // Where rounding leaves the sign open, the most that a negative weight could take away: p <= N, q <= k - d.
   const int n = sum.order();

@@ -52,8 +52,8 @@ CheckedRows::CheckedRows(const Task& task) : task_(task) {
 
 Interval CheckedRows::speed(const TaskCorner& c, std::size_t axis, bool in) const {
   const auto a = static_cast<Eigen::Index>(axis);
-  return in ? Interval(c.geometry.feed_in) * c.geometry.direction_in[a]
-            : Interval(c.geometry.feed_out) * c.geometry.direction_out[a];
+  return in ? Interval(c.geometry().feed_in) * c.geometry().direction_in[a]
+            : Interval(c.geometry().feed_out) * c.geometry().direction_out[a];
 }
 
 const TaskCorner& CheckedRows::corner(int j) const {
@@ -110,13 +110,13 @@ void CheckedRows::add_error(const json& row, const Interval& weight, const Check
   const TaskCorner& c = corner(j);
   if (!c.error_max) throw Rejected("a multiplier names a limit that is not there");
   const CheckedRange& r = box.corners[static_cast<std::size_t>(j)];
-  const Interval cosine(std::nextafter(c.geometry.cos_interior(), -2.0),
-                        std::nextafter(c.geometry.cos_interior(), 2.0));
+  const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
+                        std::nextafter(c.geometry().cos_interior(), 2.0));
   const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
   const Interval ca = interval_cos(row.at(2).get<double>()), sa = interval_sin(row.at(2).get<double>());
-  const double fastest = std::max(c.feed_in, c.feed_out);
-  const Interval wp = weight * ca * Interval(c.feed_in) / Interval(fastest);
-  const Interval wq = weight * (cosine * ca + sine * sa) * Interval(c.feed_out) / Interval(fastest);
+  const double fastest = std::max(c.geometry().feed_in, c.geometry().feed_out);
+  const Interval wp = weight * ca * Interval(c.geometry().feed_in) / Interval(fastest);
+  const Interval wq = weight * (cosine * ca + sine * sa) * Interval(c.geometry().feed_out) / Interval(fastest);
   Interval p = wp, q = wq;
   if (r.k1 < r.k2 || r.d1 < r.d2) {
     // Within a box p and q are only bounded below; a weight below zero by more than rounding would need an upper

@@ -41,13 +41,14 @@ std::string broken_at_constant_feed(const Task& task) {
     for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
       const auto a = static_cast<Eigen::Index>(i);
       const Axis& axis = task.machine.axes[i];
-      for (const Interval& leg : {Interval(corner.geometry.feed_in) * Interval(corner.geometry.direction_in[a]),
-                                  Interval(corner.geometry.feed_out) * Interval(corner.geometry.direction_out[a])}) {
+      for (const Interval& leg :
+           {Interval(corner.geometry().feed_in) * Interval(corner.geometry().direction_in[a]),
+            Interval(corner.geometry().feed_out) * Interval(corner.geometry().direction_out[a])}) {
         const std::string broken = broken_on_leg(axis, leg);
         if (!broken.empty()) return fmt::format("corner {}: {} at constant feed", corner.name, broken);
       }
     }
-    if (corner.speed_min > corner.geometry.feed_in || corner.speed_min > corner.geometry.feed_out)
+    if (corner.speed_min > corner.geometry().feed_in || corner.speed_min > corner.geometry().feed_out)
       return fmt::format("corner {}: the smallest speed allowed is above the feed of a leg", corner.name);
   }
   for (const Mode& mode : task.machine.modes) {

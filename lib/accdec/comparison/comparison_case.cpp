@@ -24,8 +24,8 @@ std::vector<double> default_delays(const Task& task, const Filter& filter) {
   for (const TaskCorner& corner : task.corners) {
     const double period = task.sample_period;
     const bool chosen = !corner.delay && corner.error_max;
-    delays.push_back(chosen ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
-                                       corner.geometry.feed_out * period, *corner.error_max)
+    delays.push_back(chosen ? smallest(corner.geometry().cos_interior(), corner.geometry().feed_in * period,
+                                       corner.geometry().feed_out * period, *corner.error_max)
                             : corner.delay.value_or(0));
   }
   return delays;
@@ -79,7 +79,7 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
     options.blend_delays = spec_.delays;
     for (std::size_t j = 0; j < task.corners.size(); ++j) {
       samples_.push_back(
-          measure(Blend(filter, task.corners[j].geometry, spec_.delays[j], task.sample_period)).corner_error_sample);
+          measure(Blend(filter, task.corners[j].geometry(), spec_.delays[j], task.sample_period)).corner_error_sample);
     }
   } else if (!spec_.delays.empty()) {
     options.blend_delays = spec_.delays;

@@ -84,10 +84,10 @@ double margin_of(const Task& task, const Filter& filter, const std::vector<int>&
     const TaskCorner& corner = task.corners[j];
     if (!corner.error_max || *corner.error_max == 0.0) continue;
     const double p =
-        corner.geometry.feed_in * task.sample_period / *corner.error_max * filter.remaining_moment(samples[j]);
-    const double q = corner.geometry.feed_out * task.sample_period / *corner.error_max *
+        corner.geometry().feed_in * task.sample_period / *corner.error_max * filter.remaining_moment(samples[j]);
+    const double q = corner.geometry().feed_out * task.sample_period / *corner.error_max *
                      filter.elapsed_moment(samples[j] - delays[j]);
-    worst = std::max(worst, p * p + q * q + 2.0 * corner.geometry.cos_interior() * p * q);
+    worst = std::max(worst, p * p + q * q + 2.0 * corner.geometry().cos_interior() * p * q);
   }
   return worst;
 }

@@ -70,7 +70,7 @@ BaselineSearch::BaselineSearch(const Task& task, const Baseline& baseline, doubl
     : task_(task), family_(baseline), cost_(cost_of(task)), cheapest_(below) {
   const double period = task.sample_period;
   for (const TaskCorner& corner : task.corners) {
-    const Corner& g = corner.geometry;
+    const Corner& g = corner.geometry();
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
       const Axis& axis = task.machine.axes[a];
       const auto e = static_cast<Eigen::Index>(a);
@@ -95,7 +95,7 @@ BaselineSearch::BaselineSearch(const Task& task, const Baseline& baseline, doubl
   const double taps = std::min(1.0 / tap_max_, static_cast<double>(task.design.order_max) + 1.0);
   const DelayFinder narrowest(boxcar(std::max(1, static_cast<int>(taps)) - 1));
   for (const TaskCorner& corner : task.corners) {
-    const Corner& g = corner.geometry;
+    const Corner& g = corner.geometry();
     int least = corner.delay.value_or(0);
     if (!corner.delay && corner.error_max && g.cos_interior() >= 0.0) {
       least = narrowest(g.cos_interior(), g.feed_in * period, g.feed_out * period, *corner.error_max * slack) - 1;
@@ -237,7 +237,7 @@ bool BaselineSearch::too_slow(std::span<const double> taps, double sum) {
   for (std::size_t k = taps.size() - 1; k-- > 0;) stop_[k] = stop_[k + 1] + (left += taps[k + 1]);
   for (std::size_t j = 0; j < task_.corners.size(); ++j) {
     const TaskCorner& corner = task_.corners[j];
-    const Corner& g = corner.geometry;
+    const Corner& g = corner.geometry();
     const double cosine = g.cos_interior(), period = task_.sample_period;
     if (corner.delay || !corner.error_max || cosine < 0.0) continue;
     const int delay = least_delays_[j] + static_cast<int>(std::min(room / cost_.delay[j], 1e8));

@@ -80,9 +80,9 @@ DelayProblem::DelayProblem(const Task& task, const FormulationOptions& options)
     }
     Closest c;
     c.corner = j;
-    c.scale_in = corner.geometry.feed_in * task.sample_period / *corner.error_max;
-    c.scale_out = corner.geometry.feed_out * task.sample_period / *corner.error_max;
-    c.cosine = corner.geometry.cos_interior();
+    c.scale_in = corner.geometry().feed_in * task.sample_period / *corner.error_max;
+    c.scale_out = corner.geometry().feed_out * task.sample_period / *corner.error_max;
+    c.cosine = corner.geometry().cos_interior();
     const double fixed = fixed_delays_[j];
     c.delay = add_variable("d " + corner.name, corner.delay ? nlp::Bound{fixed, fixed} : nlp::Bound{0.0, order_ + 1.0});
     c.instant = add_variable("t " + corner.name, {0.0, 2.0 * (order_ + 1.0)});

@@ -19,10 +19,10 @@ bool holds(const Task& task, const TaskCorner& corner, const Filter& filter, int
     return false;
   };
   for (const LimitUse& use :
-       axis_utilisation(filter, corner.geometry, delay, task.sample_period, task.machine, corner.name)) {
+       axis_utilisation(filter, corner.geometry(), delay, task.sample_period, task.machine, corner.name)) {
     if (!tell(use)) return false;
   }
-  const CornerMeasures measures = measure(Blend(filter, corner.geometry, delay, task.sample_period));
+  const CornerMeasures measures = measure(Blend(filter, corner.geometry(), delay, task.sample_period));
   LimitUse use;
   use.corner = corner.name;
   use.event = Event::blend;
@@ -52,10 +52,10 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
   long tried = 0;
   for (const TaskCorner& corner : task.corners) {
     const double period = task.sample_period;
-    int delay = corner.delay.value_or(corner.error_max
-                                          ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
-                                                     corner.geometry.feed_out * period, *corner.error_max)
-                                          : 0);
+    int delay = corner.delay.value_or(
+        corner.error_max ? smallest(corner.geometry().cos_interior(), corner.geometry().feed_in * period,
+                                    corner.geometry().feed_out * period, *corner.error_max)
+                         : 0);
     // At N + 1 the legs no longer overlap, but the last step of one acceleration still meets the first of the other:
     // from N + 2 on nothing changes any more.
     const int last = corner.delay.value_or(std::max(delay, filter.order() + 2));

@@ -37,8 +37,8 @@ FixedOrderDesigner::FixedOrderDesigner(const Task& task, const DesignOptions& op
   reduced_ = options.reduced.value_or(false) || !solver_.capabilities().equality_rows;
   filter_cost_ = cost_of(task).filter;
   for (const TaskCorner& corner : task.corners) {
-    const auto& in = corner.geometry.direction_in;
-    const auto& out = corner.geometry.direction_out;
+    const auto& in = corner.geometry().direction_in;
+    const auto& out = corner.geometry().direction_out;
     coupled_ = coupled_ || corner.speed_min > 0.0 || (in.array() * out.array() != 0.0).any();
   }
 }
@@ -62,8 +62,8 @@ std::vector<double> FixedOrderDesigner::guess_delays(const Filter& filter) const
   for (const TaskCorner& corner : task_.corners) {
     const double period = task_.sample_period;
     delays.push_back(corner.delay.value_or(
-        corner.error_max ? smallest(corner.geometry.cos_interior(), corner.geometry.feed_in * period,
-                                    corner.geometry.feed_out * period, *corner.error_max)
+        corner.error_max ? smallest(corner.geometry().cos_interior(), corner.geometry().feed_in * period,
+                                    corner.geometry().feed_out * period, *corner.error_max)
                          : 0));
   }
   return delays;
@@ -178,7 +178,7 @@ std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::v
     bool again = refine_bands(from);
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
       const int nearest =
-          measure(Blend(from, task_.corners[j].geometry, delays[j], task_.sample_period)).corner_error_sample;
+          measure(Blend(from, task_.corners[j].geometry(), delays[j], task_.sample_period)).corner_error_sample;
       if (task_.corners[j].error_max && nearest != samples[j]) {
         samples[j] = nearest;
         again = true;

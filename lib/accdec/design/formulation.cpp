@@ -34,8 +34,8 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
     // A tolerance of zero is an exact stop, which the delay alone ensures.
     const double unit = any_bound ? *corner.error_max : 100e-6;
     if (unit == 0.0) continue;
-    const double in = corner.geometry.feed_in * task.sample_period / unit,
-                 out = corner.geometry.feed_out * task.sample_period / unit;
+    const double in = corner.geometry().feed_in * task.sample_period / unit,
+                 out = corner.geometry().feed_out * task.sample_period / unit;
     const int k = samples[j], m = k - options.blend_delays[j];
     Affine p = in * b.remaining_moment(k), q = out * b.elapsed_moment(m);
     sigma_max = std::max(sigma_max, std::pow(largest(p) + largest(q), 2));
@@ -50,7 +50,7 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
     const int row = add_row("corner error, corner " + corner.name, {-nlp::infinity, 0.0});
     add_product(row, 1.0, p, p);
     add_product(row, 1.0, q, q);
-    add_product(row, 2.0 * corner.geometry.cos_interior(), p, q);
+    add_product(row, 2.0 * corner.geometry().cos_interior(), p, q);
     add_to_row(row, {0.0, {{sigma_, -1.0}}});
   }
   add_limit_rows(*this, b, task, options);

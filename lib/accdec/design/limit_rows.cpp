@@ -54,8 +54,8 @@ struct AxisSpeeds {
 AxisSpeeds axis_speeds(const Task& task, Eigen::Index axis) {
   AxisSpeeds speeds;
   for (const TaskCorner& corner : task.corners) {
-    const double in = std::abs(corner.geometry.feed_in * corner.geometry.direction_in[axis]);
-    const double out = std::abs(corner.geometry.feed_out * corner.geometry.direction_out[axis]);
+    const double in = std::abs(corner.geometry().feed_in * corner.geometry().direction_in[axis]);
+    const double out = std::abs(corner.geometry().feed_out * corner.geometry().direction_out[axis]);
     // An axis moved by one leg only sees a plain stop or start in the blend as well.
     speeds.start = std::max({speeds.start, in, in == 0.0 ? out : 0.0});
     speeds.stop = std::max({speeds.stop, out, out == 0.0 ? in : 0.0});
@@ -130,8 +130,8 @@ class RowBuilder {
   /// Blend of one corner on an axis that both legs move.
   void blend(std::size_t a, const TaskCorner& corner, int delay) {
     const Axis& axis = task_.machine.axes[a];
-    const double in = corner.geometry.feed_in * corner.geometry.direction_in[index(a)];
-    const double out = corner.geometry.feed_out * corner.geometry.direction_out[index(a)];
+    const double in = corner.geometry().feed_in * corner.geometry().direction_in[index(a)];
+    const double out = corner.geometry().feed_out * corner.geometry().direction_out[index(a)];
     if (in == 0.0 || out == 0.0) return;
     const std::string event = "blend of corner " + corner.name;
     const int n = b_.order();
@@ -157,8 +157,8 @@ class RowBuilder {
 
   void speed(const TaskCorner& corner, int delay) {
     if (corner.speed_min <= 0.0) return;
-    const double v1 = corner.geometry.feed_in / corner.speed_min, v2 = corner.geometry.feed_out / corner.speed_min;
-    const double c = corner.geometry.cos_interior();
+    const double v1 = corner.geometry().feed_in / corner.speed_min, v2 = corner.geometry().feed_out / corner.speed_min;
+    const double c = corner.geometry().cos_interior();
     const double least = (1.0 + options_.margin) * (1.0 + options_.margin);
     for (int k = 1; k <= b_.order() + delay + 1; ++k) {
       const Affine in = b_.remaining(k), out = b_.cumulative(k - delay);

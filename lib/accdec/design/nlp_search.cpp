@@ -212,9 +212,9 @@ class Search {
     for (std::size_t j = 0; j < delays.size(); ++j) {
       const TaskCorner& corner = task_.corners[j];
       if (!corner.error_max) continue;
-      last_error_use_[j] = utilisation_of(LimitKind::corner_error,
-                                          corner_error(Blend(*filter, corner.geometry, delays[j], task_.sample_period)),
-                                          *corner.error_max);
+      last_error_use_[j] = utilisation_of(
+          LimitKind::corner_error, corner_error(Blend(*filter, corner.geometry(), delays[j], task_.sample_period)),
+          *corner.error_max);
     }
     DesignResult result = assess(task_, *filter, delays, false);
     if (result.status != Status::feasible) {

@@ -97,7 +97,7 @@ bool rings(const TapRange& range, const std::vector<Tone>& tones) {
 /// |S| grows with both legs' distances; beyond, the nearest point of all distances at least these.
 bool misses(const TapRange& range, const TaskCorner& corner, int delay, double period) {
   if (!corner.error_max) return false;
-  const Corner& g = corner.geometry;
+  const Corner& g = corner.geometry();
   const double cosine = g.cos_interior(), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
   const double allowed = std::max(*corner.error_max * slack, position_floor);
   for (int k = 0; k <= range.order() + delay + 1; ++k) {
@@ -128,7 +128,7 @@ double nearest_in(Between p, Between q, double cosine) {
 
 /// Whether every filter leaves a corner by more than its bound, with exactly this delay.
 bool error_breaks(const TapRange& range, const TaskCorner& corner, int delay, double period) {
-  const Corner& g = corner.geometry;
+  const Corner& g = corner.geometry();
   const double cosine = g.cos_interior();
   if (!corner.error_max || cosine >= 0.0) return false;  // `misses` has said so before
   const double allowed = std::max(*corner.error_max * slack, position_floor);
@@ -141,7 +141,7 @@ bool error_breaks(const TapRange& range, const TaskCorner& corner, int delay, do
 
 bool blend_breaks(const TapRange& range, const TaskCorner& corner, int delay, const Task& task) {
   const double period = task.sample_period;
-  const Corner& g = corner.geometry;
+  const Corner& g = corner.geometry();
   const int last = range.order() + delay + 2;
   std::vector<double> speed_squared(corner.speed_min > 0.0 ? static_cast<std::size_t>(last) + 1 : 0, 0.0);
   for (std::size_t x = 0; x < task.machine.axes.size(); ++x) {
@@ -222,7 +222,7 @@ double lower_cost(const TapRange& range, const Task& task, const LinearCost& cos
   for (const TaskCorner& corner : task.corners) {
     for (std::size_t x = 0; x < task.machine.axes.size(); ++x) {
       const auto e = static_cast<Eigen::Index>(x);
-      const Corner& g = corner.geometry;
+      const Corner& g = corner.geometry();
       if (ramp_breaks(range, task.machine.axes[x], std::abs(g.feed_in * g.direction_in[e]), false, period))
         return unlimited;
       if (ramp_breaks(range, task.machine.axes[x], std::abs(g.feed_out * g.direction_out[e]), true, period))

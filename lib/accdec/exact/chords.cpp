@@ -71,7 +71,7 @@ Legs LimitModel::event_legs(const RowId& id) const {
   if (id.kind == RowKind::power_start) return {0.0, speeds_[static_cast<std::size_t>(id.axis)].start};
   if (id.kind == RowKind::regeneration_stop) return {speeds_[static_cast<std::size_t>(id.axis)].stop, 0.0};
   const TaskCorner& c = task_.corners[static_cast<std::size_t>(id.corner)];
-  if (id.kind == RowKind::speed) return {c.feed_in, c.feed_out};
+  if (id.kind == RowKind::speed) return {c.geometry().feed_in, c.geometry().feed_out};
   return legs(c, static_cast<std::size_t>(id.axis));
 }
 

@@ -17,8 +17,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Legs legs(const TaskCorner& corner, std::size_t axis) {
   const auto a = static_cast<Eigen::Index>(axis);
-  return {corner.geometry.feed_in * corner.geometry.direction_in[a],
-          corner.geometry.feed_out * corner.geometry.direction_out[a]};
+  return {corner.geometry().feed_in * corner.geometry().direction_in[a],
+          corner.geometry().feed_out * corner.geometry().direction_out[a]};
 }
 
 LimitModel::LimitModel(const Task& task) : task_(task), jerk_max_(infinity) {
@@ -49,7 +49,8 @@ LimitModel::LimitModel(const Task& task) : task_(task), jerk_max_(infinity) {
 double LimitModel::error_bound(std::size_t corner) const {
   const TaskCorner& c = task_.corners[corner];
   // A little less than what simulation takes for zero, so that its own rounding does not matter.
-  return std::max(*c.error_max, 0.999 * position_floor) / (task_.sample_period * std::max(c.feed_in, c.feed_out));
+  return std::max(*c.error_max, 0.999 * position_floor) /
+         (task_.sample_period * std::max(c.geometry().feed_in, c.geometry().feed_out));
 }
 
 double LimitModel::theta(std::size_t corner) const {
@@ -57,10 +58,12 @@ double LimitModel::theta(std::size_t corner) const {
   return std::atan2(std::sqrt(std::max(0.0, (1.0 - c) * (1.0 + c))), c);
 }
 double LimitModel::scale_in(std::size_t j) const {
-  return task_.corners[j].feed_in / std::max(task_.corners[j].feed_in, task_.corners[j].feed_out);
+  const Corner& c = task_.corners[j].geometry();
+  return c.feed_in / std::max(c.feed_in, c.feed_out);
 }
 double LimitModel::scale_out(std::size_t j) const {
-  return task_.corners[j].feed_out / std::max(task_.corners[j].feed_in, task_.corners[j].feed_out);
+  const Corner& c = task_.corners[j].geometry();
+  return c.feed_out / std::max(c.feed_in, c.feed_out);
 }
 
 double LimitModel::weight_in(std::size_t corner, double angle) const {

@@ -133,7 +133,7 @@ class LimitModel {
   double error_bound(std::size_t corner) const;               ///< in samples of the faster leg
   double weight_in(std::size_t corner, double angle) const;   ///< of p in a cut, scaled as error_bound
   double weight_out(std::size_t corner, double angle) const;  ///< of q
-  double cos_interior(std::size_t corner) const { return task_.corners[corner].geometry.cos_interior(); }
+  double cos_interior(std::size_t corner) const { return task_.corners[corner].geometry().cos_interior(); }
   double theta(std::size_t corner) const;
   double scale_in(std::size_t corner) const;
   double scale_out(std::size_t corner) const;

@@ -141,46 +141,60 @@ std::string letters(std::size_t i) {
   return name;
 }
 
-TaskCorner read_corner(const Table& table, std::size_t index) {
-  TaskCorner corner;
-  corner.name = table.text("name").value_or(letters(index));
-  const Range component{-1e9, 1e9};
-  if (table.has("direction_in") || table.has("direction_out")) {
-    for (const std::string_view key : {"angle_deg", "heading_deg", "turn"}) {
-      if (table.has(key))
-        table.fail_at(key, fmt::format("`{}` and leg directions are both given; allowed is either angle_deg, "
-                                       "heading_deg, turn or direction_in, direction_out",
-                                       key));
-    }
-    const auto in = table.numbers("direction_in", component, 1, task_keys::axes_limit);
-    const auto out = table.numbers("direction_out", component, 1, task_keys::axes_limit);
-    if (!in || !out)
-      table.fail(fmt::format("[[corner]] needs `{}` as well; allowed are both directions, one number an axis",
-                             in ? "direction_out" : "direction_in"));
-    corner.direction_in = *in;
-    corner.direction_out = *out;
-    if (in->size() != out->size()) {
-      table.fail_at("direction_out",
-                    fmt::format("`direction_out` has {} numbers, `direction_in` {}; both need one an axis", out->size(),
-                                in->size()));
-    }
-    for (const std::string_view key : {"direction_in", "direction_out"}) {
-      const auto& direction = key == "direction_in" ? corner.direction_in : corner.direction_out;
-      if (std::all_of(direction.begin(), direction.end(), [](double x) { return x == 0.0; })) {
-        table.fail_at(key, fmt::format("`{}` is zero in every axis; a leg needs a direction", key));
-      }
-    }
-  } else {
-    if (!table.has("angle_deg"))
-      table.fail(
-          "[[corner]] needs `angle_deg`, allowed is 0 < angle_deg <= 180; or `direction_in` and `direction_out`");
-    corner.angle = required(table, task_keys::angle);
-    corner.heading = optional(table, task_keys::heading).value_or(0.0);
-    constexpr std::string_view turns[] = {"left", "right"};
-    corner.turn = table.word("turn", turns).value_or("left") == "left" ? Turn::left : Turn::right;
+std::string name_of(const Table& table, std::size_t index) {
+  return table.text("name").value_or(letters(index));
+}
+
+DirectedLegs read_directions(const Table& table) {
+  for (const std::string_view key : {"angle_deg", "heading_deg", "turn"}) {
+    if (table.has(key))
+      table.fail_at(key, fmt::format("`{}` and leg directions are both given; allowed is either angle_deg, "
+                                     "heading_deg, turn or direction_in, direction_out",
+                                     key));
   }
-  corner.feed_in = required(table, task_keys::feed_in);
-  corner.feed_out = optional(table, task_keys::feed_out).value_or(corner.feed_in);
+  const Range component{-1e9, 1e9};
+  const auto in = table.numbers("direction_in", component, 1, task_keys::axes_limit);
+  const auto out = table.numbers("direction_out", component, 1, task_keys::axes_limit);
+  if (!in || !out)
+    table.fail(fmt::format("[[corner]] needs `{}` as well; allowed are both directions, one number an axis",
+                           in ? "direction_out" : "direction_in"));
+  if (in->size() != out->size()) {
+    table.fail_at("direction_out",
+                  fmt::format("`direction_out` has {} numbers, `direction_in` {}; both need one an axis", out->size(),
+                              in->size()));
+  }
+  for (const std::string_view key : {"direction_in", "direction_out"}) {
+    const auto& direction = key == "direction_in" ? *in : *out;
+    if (std::all_of(direction.begin(), direction.end(), [](double x) { return x == 0.0; })) {
+      table.fail_at(key, fmt::format("`{}` is zero in every axis; a leg needs a direction", key));
+    }
+  }
+  return {*in, *out};
+}
+
+CornerLegs read_legs(const Table& table) {
+  if (table.has("direction_in") || table.has("direction_out")) return read_directions(table);
+  if (!table.has("angle_deg"))
+    table.fail("[[corner]] needs `angle_deg`, allowed is 0 < angle_deg <= 180; or `direction_in` and `direction_out`");
+  constexpr std::string_view turns[] = {"left", "right"};
+  return PlanarLegs{required(table, task_keys::angle), optional(table, task_keys::heading).value_or(0.0),
+                    table.word("turn", turns).value_or("left") == "left" ? Turn::left : Turn::right};
+}
+
+TaskCorner make_task_corner(const Table& table, const std::string& name, const CornerLegs& legs, std::size_t axes) {
+  if (std::holds_alternative<PlanarLegs>(legs) && axes < 2)
+    table.fail_at("angle_deg", "`angle_deg` needs at least 2 axes; with one axis give direction_in and direction_out");
+  const double feed_in = required(table, task_keys::feed_in);
+  const double feed_out = optional(table, task_keys::feed_out).value_or(feed_in);
+  try {
+    return TaskCorner(name, legs, feed_in, feed_out, static_cast<int>(axes));
+  } catch (const std::invalid_argument& error) {
+    table.fail(error.what());
+  }
+}
+
+TaskCorner read_corner(const Table& table, const std::string& name, const CornerLegs& legs, std::size_t axes) {
+  TaskCorner corner = make_task_corner(table, name, legs, axes);
   corner.error_max = optional(table, task_keys::error_max);
   corner.speed_min = optional(table, task_keys::speed_min).value_or(0.0);
   corner.delay = table.integer("delay_samples", 0, task_keys::delay_limit);
@@ -188,24 +202,30 @@ TaskCorner read_corner(const Table& table, std::size_t index) {
   return corner;
 }
 
+/// How many numbers a leg direction has; 0 for legs in the plane.
+std::size_t components(const CornerLegs& legs) {
+  const auto* directed = std::get_if<DirectedLegs>(&legs);
+  return directed ? directed->in.size() : 0;
+}
+
 /// How many axes there are, when not one table an axis says so: as many as the leg directions have.
-std::size_t count_axes(const std::vector<TaskCorner>& corners, const std::vector<Table>& tables,
+std::size_t count_axes(const std::vector<CornerLegs>& corners, const std::vector<Table>& tables,
                        const TaskOptions& options) {
   std::size_t count = 0, from = 0;
   for (std::size_t j = 0; j < corners.size(); ++j) {
-    const std::size_t n = corners[j].direction_in.size();
+    const std::size_t n = components(corners[j]);
     if (n == 0) continue;
     if (count != 0 && n != count) {
       tables[j].fail_at("direction_in",
                         fmt::format("`direction_in` has {} numbers, that of corner {} has {}; all need one an axis", n,
-                                    corners[from].name, count));
+                                    name_of(tables[from], from), count));
     }
     if (count == 0) count = n, from = j;
   }
   return count != 0 ? count : static_cast<std::size_t>(options.axes);
 }
 
-std::vector<Axis> read_axes(const std::vector<Table>& tables, const std::vector<TaskCorner>& corners,
+std::vector<Axis> read_axes(const std::vector<Table>& tables, const std::vector<CornerLegs>& corners,
                             const std::vector<Table>& corner_tables, const TaskOptions& options) {
   std::vector<Axis> axes;
   if (tables.size() > task_keys::axes_limit)
@@ -227,7 +247,7 @@ std::vector<Axis> read_axes(const std::vector<Table>& tables, const std::vector<
     names.add(tables[i], axes.back().name);
   }
   for (std::size_t j = 0; j < corners.size(); ++j) {
-    const std::size_t n = corners[j].direction_in.size();
+    const std::size_t n = components(corners[j]);
     if (n != 0 && n != axes.size()) {
       corner_tables[j].fail_at(
           "direction_in",
@@ -237,22 +257,10 @@ std::vector<Axis> read_axes(const std::vector<Table>& tables, const std::vector<
   return axes;
 }
 
-void place_corner(TaskCorner& corner, const Table& table, const Machine& machine) {
-  const auto vector = [](const std::vector<double>& v) {
-    return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
-  };
-  const int axes = static_cast<int>(machine.axes.size());
-  if (corner.direction_in.empty() && axes < 2)
-    table.fail_at("angle_deg", "`angle_deg` needs at least 2 axes; with one axis give direction_in and direction_out");
-  try {
-    corner.geometry =
-        corner.direction_in.empty()
-            ? planar_corner(corner.angle, corner.heading, corner.turn, corner.feed_in, corner.feed_out, axes)
-            : make_corner(vector(corner.direction_in), vector(corner.direction_out), corner.feed_in, corner.feed_out);
-  } catch (const std::invalid_argument& error) {
-    table.fail(error.what());
-  }
-  for (Eigen::Index a = 0; a < corner.geometry.axes(); ++a) {
+/// A leg that asks an axis for more than its velocity.
+void check_feeds(const TaskCorner& corner, const Table& table, const Machine& machine) {
+  const Corner& legs = corner.geometry();
+  for (Eigen::Index a = 0; a < legs.axes(); ++a) {
     const Axis& axis = machine.axes[static_cast<std::size_t>(a)];
     const auto check = [&](const NumberKey& key, double feed, double part) {
       // The last factor leaves room for the rounding of sqrt(1/2) and its like.
@@ -263,8 +271,8 @@ void place_corner(TaskCorner& corner, const Table& table, const Machine& machine
                                 corner.name, key.key, axis.name, 1e3 * feed * std::abs(part), 1e3 * axis.velocity_max,
                                 6e4 * axis.velocity_max / std::abs(part)));
     };
-    check(task_keys::feed_in, corner.feed_in, corner.geometry.direction_in[a]);
-    check(task_keys::feed_out, corner.feed_out, corner.geometry.direction_out[a]);
+    check(task_keys::feed_in, legs.feed_in, legs.direction_in[a]);
+    check(task_keys::feed_out, legs.feed_out, legs.direction_out[a]);
   }
 }
 
@@ -315,14 +323,18 @@ Task task_from_tree(const toml::table& tree, const std::string& file, const std:
   if (corners.empty() && options.require_corners) {
     top.fail("the task has no corner; at least one [[corner]] with angle_deg and feed_in_mm_min is needed");
   }
+  std::vector<CornerLegs> legs;
   Names names;
   for (std::size_t j = 0; j < corners.size(); ++j) {
-    task.corners.push_back(read_corner(corners[j], j));
-    names.add(corners[j], task.corners.back().name);
+    legs.push_back(read_legs(corners[j]));
+    names.add(corners[j], name_of(corners[j], j));
   }
-  task.machine.axes = read_axes(axes, task.corners, corners, options);
+  task.machine.axes = read_axes(axes, legs, corners, options);
   for (const Table& mode : modes) task.machine.modes.push_back(read_mode(mode));
-  for (std::size_t j = 0; j < corners.size(); ++j) place_corner(task.corners[j], corners[j], task.machine);
+  for (std::size_t j = 0; j < corners.size(); ++j) {
+    task.corners.push_back(read_corner(corners[j], name_of(corners[j], j), legs[j], task.machine.axes.size()));
+    check_feeds(task.corners.back(), corners[j], task.machine);
+  }
   if (options.require_choices) require_choices(task, top, corners);
   return task;
 }

@@ -56,16 +56,17 @@ Json axis_json(const Axis& axis) {
 Json corner_json(const TaskCorner& corner) {
   Json table;
   table["name"] = corner.name;
-  if (corner.direction_in.empty()) {
-    put(table, task_keys::angle, corner.angle);
-    put(table, task_keys::heading, corner.heading);
-    table["turn"] = corner.turn == Turn::left ? "left" : "right";
+  if (const auto* planar = std::get_if<PlanarLegs>(&corner.legs())) {
+    put(table, task_keys::angle, planar->angle);
+    put(table, task_keys::heading, planar->heading);
+    table["turn"] = planar->turn == Turn::left ? "left" : "right";
   } else {
-    table["direction_in"] = corner.direction_in;
-    table["direction_out"] = corner.direction_out;
+    const auto& directed = std::get<DirectedLegs>(corner.legs());
+    table["direction_in"] = directed.in;
+    table["direction_out"] = directed.out;
   }
-  put(table, task_keys::feed_in, corner.feed_in);
-  put(table, task_keys::feed_out, corner.feed_out);
+  put(table, task_keys::feed_in, corner.geometry().feed_in);
+  put(table, task_keys::feed_out, corner.geometry().feed_out);
   if (corner.error_max) put(table, task_keys::error_max, *corner.error_max);
   if (corner.speed_min > 0.0) put(table, task_keys::speed_min, corner.speed_min);
   if (corner.delay) table["delay_samples"] = *corner.delay;

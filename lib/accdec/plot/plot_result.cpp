@@ -156,7 +156,7 @@ Plane plane_of(const Corner& corner, const Machine& machine) {
 /// The path around the corner. @param whole  the whole blend instead of a few errors around the corner
 Panel path_panel(const TaskCorner& task, const CornerResult& measures, const SampledMotion& motion,
                  const Machine& machine, bool whole) {
-  const Corner& corner = task.geometry;
+  const Corner& corner = task.geometry();
   const Plane plane = plane_of(corner, machine);
   // The window: a few errors around the corner, but no more than the blend itself.
   const double blend = std::max(motion.position.row(motion.corner).norm(), 1e-6);
@@ -274,7 +274,7 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   const TaskCorner& task = result.task.corners[index];
   const CornerResult& measures = result.corners[index];
   const double period = result.task.sample_period;
-  const SampledMotion motion = simulate_corner(filter, task.geometry, measures.delay, period);
+  const SampledMotion motion = simulate_corner(filter, task.geometry(), measures.delay, period);
   std::vector<double> time;
   for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
     time.push_back(static_cast<double>(n - motion.corner) * period * 1e3);
@@ -290,7 +290,7 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   for (std::size_t axis = 0; axis < result.task.machine.axes.size(); ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
     const bool moves =
-        std::abs(task.geometry.direction_in[a]) > 1e-12 || std::abs(task.geometry.direction_out[a]) > 1e-12;
+        std::abs(task.geometry().direction_in[a]) > 1e-12 || std::abs(task.geometry().direction_out[a]) > 1e-12;
     if (moves) axes.push_back(axis_panels(motion, a, result.task.machine.axes[axis], time));
   }
   add_side_by_side(figure.panels, std::move(axes));

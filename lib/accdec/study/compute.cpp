@@ -81,7 +81,7 @@ void write_peaks(Writer& write, const Task& task, const Filter& filter, const st
   double acceleration = 0.0, jerk = 0.0;
   for (std::size_t j = 0; j < delays.size(); ++j) {
     for (const LimitUse& use :
-         axis_utilisation(filter, task.corners[j].geometry, delays[j], task.sample_period, machine)) {
+         axis_utilisation(filter, task.corners[j].geometry(), delays[j], task.sample_period, machine)) {
       if (use.kind == LimitKind::acceleration) acceleration = std::max(acceleration, use.value);
       if (use.kind == LimitKind::jerk) jerk = std::max(jerk, use.value);
     }
@@ -94,7 +94,7 @@ void write_slow_down(Writer& write, const Task& task) {
   const Filter filter = make_filter(filter_of(task));
   double lost = 0.0, least = 1.0;
   for (const TaskCorner& corner : task.corners) {
-    const SlowDown s = slow_down(filter, corner.geometry, task.sample_period, corner.error_max.value_or(unlimited));
+    const SlowDown s = slow_down(filter, corner.geometry(), task.sample_period, corner.error_max.value_or(unlimited));
     lost += corner.weight * s.lost_time;
     least = std::min(least, s.factor);
   }

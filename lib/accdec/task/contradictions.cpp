@@ -13,8 +13,8 @@ std::vector<std::string> contradictions(const Task& task) {
     for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
       const Axis& axis = task.machine.axes[i];
       const auto a = static_cast<Eigen::Index>(i);
-      const double speed = std::max(std::abs(corner.geometry.feed_in * corner.geometry.direction_in[a]),
-                                    std::abs(corner.geometry.feed_out * corner.geometry.direction_out[a]));
+      const double speed = std::max(std::abs(corner.geometry().feed_in * corner.geometry().direction_in[a]),
+                                    std::abs(corner.geometry().feed_out * corner.geometry().direction_out[a]));
       const double friction = axis.damping * speed;
       const auto tell = [&](const char* limit, const char* unit, double needed, double bound) {
         if (needed <= bound * (1.0 + 1e-12)) return;
@@ -25,7 +25,7 @@ std::vector<std::string> contradictions(const Task& task) {
       tell("force", "N", friction, axis.force_max);
       tell("power", "W", friction * speed, axis.power_max);
     }
-    const double feed = std::min(corner.geometry.feed_in, corner.geometry.feed_out);
+    const double feed = std::min(corner.geometry().feed_in, corner.geometry().feed_out);
     if (corner.speed_min > feed * (1.0 + 1e-12)) {
       found.push_back(
           fmt::format("speed_min: corner {} asks for at least {:.6g} m/s, its slower leg runs at {:.6g} m/s",

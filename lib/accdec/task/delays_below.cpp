@@ -30,7 +30,7 @@ bool ramps_hold(const Filter& filter, const Task& task) {
   for (const TaskCorner& corner : task.corners) {
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
       const auto i = static_cast<Eigen::Index>(a);
-      const Corner& g = corner.geometry;
+      const Corner& g = corner.geometry();
       if (!ramp_holds(filter, task.machine.axes[a], g.feed_in * g.direction_in[i], false, task.sample_period))
         return false;
       if (!ramp_holds(filter, task.machine.axes[a], g.feed_out * g.direction_out[i], true, task.sample_period))
@@ -47,7 +47,7 @@ class BlendCheck {
  public:
   BlendCheck(const Filter& filter, const TaskCorner& corner, const Task& task)
       : filter_(filter), corner_(corner), task_(task) {
-    const Corner& g = corner.geometry;
+    const Corner& g = corner.geometry();
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
       const auto i = static_cast<Eigen::Index>(a);
       legs_.push_back({g.feed_in * g.direction_in[i], g.feed_out * g.direction_out[i]});
@@ -66,7 +66,7 @@ class BlendCheck {
       }
     }
     if (!corner_.error_max) return true;
-    const double error = corner_error(Blend(filter_, corner_.geometry, delay, task_.sample_period));
+    const double error = corner_error(Blend(filter_, corner_.geometry(), delay, task_.sample_period));
     return error <= position_floor || error <= *corner_.error_max * slack;
   }
 
@@ -107,10 +107,10 @@ std::optional<std::vector<int>> delays_below(const Filter& filter, const Task& t
   std::vector<int> delays;
   const LinearCost linear = cost_of(task);
   for (const TaskCorner& corner : task.corners) {
-    const double step_in = corner.geometry.feed_in * task.sample_period,
-                 step_out = corner.geometry.feed_out * task.sample_period;
+    const double step_in = corner.geometry().feed_in * task.sample_period,
+                 step_out = corner.geometry().feed_out * task.sample_period;
     const int least =
-        corner.error_max ? smallest(corner.geometry.cos_interior(), step_in, step_out, *corner.error_max * slack) : 0;
+        corner.error_max ? smallest(corner.geometry().cos_interior(), step_in, step_out, *corner.error_max * slack) : 0;
     delays.push_back(corner.delay.value_or(least));
   }
   double cost = linear(filter.order(), delays);

@@ -60,7 +60,7 @@ std::string check_smallest_delays(const Task& task, const Filter& filter, const 
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     if (corner.delay) continue;
-    const Legs legs = simulate_legs(filter, corner.geometry, task.sample_period);
+    const Legs legs = simulate_legs(filter, corner.geometry(), task.sample_period);
     for (int d = 0; d < delays[j]; ++d) {
       if (!breaks(task, corner, legs, d)) {
         return fmt::format("corner {}: delay {} is claimed to be the smallest, but {} holds every limit too",

@@ -32,7 +32,8 @@ std::vector<double> saturating_start(const Task& task, int limit) {
   std::vector<Plant> plants;
   for (const TaskCorner& corner : task.corners) {
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
-      const double s = std::abs(corner.geometry.feed_in * corner.geometry.direction_in[static_cast<Eigen::Index>(a)]);
+      const double s =
+          std::abs(corner.geometry().feed_in * corner.geometry().direction_in[static_cast<Eigen::Index>(a)]);
       if (s > 0.0) plants.push_back({s, &task.machine.axes[a]});
     }
   }

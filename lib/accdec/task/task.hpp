@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include <accdec/machine/machine.hpp>
@@ -23,22 +24,41 @@ struct DesignBounds {
   double runs = 1.0;  ///< > 0; from rest to rest, together they pass every corner as often as its weight says
 };
 
-/// One corner of a task. Angles are kept as given, so that a result can state them.
-struct TaskCorner {
-  std::string name;
+/// Legs in the plane of the first two axes.
+struct PlanarLegs {
   double angle = 0.0;    ///< rad, interior, 0 < angle <= pi
-  double heading = 0.0;  ///< rad
+  double heading = 0.0;  ///< rad, travel direction on leg 1 from +x towards +y
   Turn turn = Turn::left;
-  std::vector<double> direction_in,
-      direction_out;                ///< instead of angle, heading and turn, for any number of axes; else empty
-  double feed_in = 0.0;             ///< m/s
-  double feed_out = 0.0;            ///< m/s
+};
+/// Legs along any directions: vectors of any positive length, one number an axis.
+struct DirectedLegs {
+  std::vector<double> in, out;
+};
+/// The legs of a corner as given, so that a result can state them.
+using CornerLegs = std::variant<PlanarLegs, DirectedLegs>;
+
+/// One corner of a task. Its geometry follows from legs and feeds and cannot disagree with them.
+class TaskCorner {
+ public:
+  /// @param feed_in, feed_out  m/s, > 0
+  /// @param axes               of the machine, for planar legs; others say themselves how many there are
+  /// @throws std::invalid_argument on values outside these ranges
+  TaskCorner(std::string name, CornerLegs legs, double feed_in, double feed_out, int axes = 2);
+
+  std::string name;
   std::optional<double> error_max;  ///< m; none: no bound
   double speed_min = 0.0;           ///< m/s, bound on the smallest tangential speed
   std::optional<int> delay;         ///< samples; none: to be chosen
   double weight = 1.0;              ///< > 0, of this corner in the cycle time
 
-  Corner geometry;  ///< made from the above by the reader, as many axes as the machine
+  const CornerLegs& legs() const { return legs_; }
+  const Corner& geometry() const { return geometry_; }
+  /// @throws std::invalid_argument unless both are positive and finite, m/s
+  void set_feeds(double feed_in, double feed_out);
+
+ private:
+  CornerLegs legs_;
+  Corner geometry_;
 };
 
 /// A design task: what accdec reads from a task file. SI throughout.

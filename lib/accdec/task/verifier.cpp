@@ -121,7 +121,7 @@ CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, i
   result.delay = delay;
   result.corner_time = (order + 1 + delay) * period;
   const int last = m.corner + order + delay + 1;
-  const Eigen::VectorXd back = -corner.geometry.direction_in, forward = corner.geometry.direction_out;
+  const Eigen::VectorXd back = -corner.geometry().direction_in, forward = corner.geometry().direction_out;
   result.corner_error = result.polyline_error = result.speed_min = unlimited;
   Eigen::VectorXd previous;
   for (int row = m.corner; row <= last; ++row) {
@@ -221,7 +221,7 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
     const TaskCorner& corner = task.corners[j];
     if (delays[j] < 0)
       throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delays[j]));
-    const SampledMotion motion = simulate_corner(filter, corner.geometry, delays[j], task.sample_period);
+    const SampledMotion motion = simulate_corner(filter, corner.geometry(), delays[j], task.sample_period);
     axis_uses(motion, task.machine, corner.name, uses);
     int error_sample = 0, speed_sample = 0;
     measured.push_back(
@@ -258,7 +258,7 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
   if (use.kind == LimitKind::vibration) return residual_amplitude(filter, use.frequency, task.sample_period);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].name != use.corner) continue;
-    const SampledMotion m = simulate_corner(filter, task.corners[j].geometry, delays[j], task.sample_period);
+    const SampledMotion m = simulate_corner(filter, task.corners[j].geometry(), delays[j], task.sample_period);
     const int zero = use.event == Event::start ? m.start : use.event == Event::blend ? m.corner : m.stop;
     const int row = zero + use.sample;
     if (use.event == Event::none || row < 0 || row >= m.velocity.rows()) break;

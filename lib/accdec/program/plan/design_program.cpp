@@ -25,16 +25,8 @@ Eigen::VectorXd leg(const Toolpath& path, std::size_t b) {
 
 TaskCorner task_corner(const std::string& name, const Eigen::VectorXd& in, const Eigen::VectorXd& out, double feed_in,
                        double feed_out) {
-  TaskCorner corner;
-  corner.name = name;
-  corner.geometry = make_corner(in, out, feed_in, feed_out);
-  const Eigen::VectorXd &u1 = corner.geometry.direction_in, &u2 = corner.geometry.direction_out;
-  corner.direction_in.assign(u1.data(), u1.data() + u1.size());
-  corner.direction_out.assign(u2.data(), u2.data() + u2.size());
-  corner.angle = std::acos(corner.geometry.cos_interior());
-  corner.feed_in = feed_in;
-  corner.feed_out = feed_out;
-  return corner;
+  const auto numbers = [](const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
+  return TaskCorner(name, DirectedLegs{numbers(in), numbers(out)}, feed_in, feed_out);
 }
 
 struct Class {
