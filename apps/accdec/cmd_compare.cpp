@@ -9,7 +9,9 @@
 #include <fmt/ranges.h>
 
 #include <accdec/comparison/comparison_folder.hpp>
+#include <accdec/comparison/comparison_schedule.hpp>
 
+#include "cluster_command.hpp"
 #include "command.hpp"
 #include "progress_bar.hpp"
 
@@ -17,10 +19,48 @@ namespace accdec::cli {
 namespace {
 
 struct Options {
-  std::string suite, redraw;
+  std::string suite, redraw, shard;
   std::vector<std::string> solvers;
   ComparisonRunOptions run;
+  ClusterOptions cluster;
 };
+
+/// A margin problem asks for the least error at given delays: whoever gave none gets them at 0, and is told.
+void tell_missing_delays(const Suite& suite) {
+  std::string last;
+  for (const study::CaseSpec& spec : suite.cases) {
+    if (spec.question != study::Question::margin || !spec.delays.empty() || spec.name == last) continue;
+    fmt::print(stderr,
+               "{}: problem \"{}\": margin without delay_samples: asks for the least corner error without any delay\n",
+               suite.path, spec.name);
+    last = spec.name;
+  }
+}
+
+int run_cluster(const Options& options, const Context& context) {
+  if (const std::string& folder = options.cluster.status; !folder.empty()) {
+    const ClusterPlan plan = read_cluster_plan(folder, "compare");
+    // The further arguments are --solvers and its list.
+    const Suite suite =
+        read_suite(plan.input, plan.more.empty() ? plan.more : std::vector(plan.more.begin() + 1, plan.more.end()));
+    return print_cluster_status(plan, study::comparison_shards(suite, folder, plan.shards),
+                                comparison_finished(suite, folder));
+  }
+  const Suite suite = read_suite(options.suite, options.solvers);
+  ClusterWork work{
+      "compare", suite.settings.title, options.suite, options.run.out, {}, suite.cases.size(), "problems", {}, {}, {},
+      {}};
+  if (!options.solvers.empty()) work.more.push_back("--solvers");
+  work.more.insert(work.more.end(), options.solvers.begin(), options.solvers.end());
+  work.claim = [&] { claim_comparison_folder(suite, options.run.out); };
+  work.check = [&](const std::string& frozen) {
+    if (read_suite(frozen, options.solvers).hash != suite.hash)
+      throw std::runtime_error(fmt::format("{}: the copy is another suite than {}", frozen, options.suite));
+  };
+  work.states = [&](std::size_t shards) { return study::comparison_shards(suite, options.run.out, shards); };
+  work.finished = [&] { return comparison_finished(suite, options.run.out); };
+  return submit_to_cluster(work, options.cluster, context);
+}
 
 void run(Options& options, Context& context) {
   if (!options.redraw.empty()) {
@@ -28,24 +68,40 @@ void run(Options& options, Context& context) {
     if (!context.quiet) fmt::print("{} files drawn anew from {}/raw.jsonl\n", files, options.redraw);
     return;
   }
-  if (options.suite.empty() || options.run.out.empty())
-    throw std::invalid_argument("compare needs SUITE.toml and --out DIR, or --redraw DIR");
+  if (options.cluster.status.empty() && (options.suite.empty() || options.run.out.empty()))
+    throw std::invalid_argument("compare needs SUITE.toml and --out DIR, or --redraw DIR, or --status DIR");
+  if (options.cluster.asked()) {
+    context.exit_code = run_cluster(options, context);
+    return;
+  }
+  if (!options.shard.empty()) std::tie(options.run.shard, options.run.shards) = parse_shard(options.shard);
   const Suite suite = read_suite(options.suite, options.solvers);
+  if (!context.quiet) tell_missing_delays(suite);
   options.run.command = fmt::format("accdec compare {} --out {}", options.suite, options.run.out);
   if (!options.solvers.empty()) options.run.command += fmt::format(" --solvers {}", fmt::join(options.solvers, ","));
   if (options.run.workers > 0) options.run.command += fmt::format(" --workers {}", options.run.workers);
   options.run.version = ACCDEC_VERSION;
   if (!context.quiet && ::isatty(2)) options.run.progress = ProgressBar("runs");
   const ComparisonSummary s = run_comparison(suite, options.run);
+  options.run.progress = nullptr;  // takes the bar away
   context.exit_code = s.contradictions == 0 ? exit_ok : exit_no_answer;
   if (s.contradictions > 0)
     fmt::print(stderr, "{} contradictions between answers, proofs and the suite: see report.html\n", s.contradictions);
   if (context.quiet) return;
-  fmt::print(
-      "{}\n{} problems, {} runs: {} entries computed in {:.1f} s ({:.2f} % bookkeeping), {} from an earlier "
-      "run\nResults: {}/report.html, raw.jsonl, tables in CSV, figures, manifest.json\n",
-      suite.settings.title, s.problems, s.runs, s.computed, s.wall_time, 100.0 * s.bookkeeping, s.found,
-      options.run.out);
+  if (!s.finished) {
+    fmt::print("{}\nShard {}/{} is done: {} runs; put all together with `accdec compare {} --out DIR --merge {}`\n",
+               suite.settings.title, options.run.shard, options.run.shards, s.runs, options.suite, options.run.out);
+    return;
+  }
+  fmt::print("{}\n\n{}\n", suite.settings.title, s.table);
+  fmt::print("{} problems, {} runs: {} entries computed in {:.1f} s ({:.2f} % bookkeeping), {} from an earlier run\n",
+             s.problems, s.runs, s.computed, s.wall_time, 100.0 * s.bookkeeping, s.found);
+  if (s.set_aside > 0) {
+    fmt::print(
+        "{} entries of an earlier form of the suite, which it does not ask for now, are kept in {}/earlier.jsonl\n",
+        s.set_aside, options.run.out);
+  }
+  fmt::print("Results: {}/report.html, raw.jsonl, tables in CSV, figures, manifest.json\n", options.run.out);
 }
 
 }  // namespace
@@ -58,7 +114,8 @@ void add_compare(CLI::App& app, Context& context) {
   const auto out =
       command
           ->add_option("--out", options->run.out,
-                       "Folder for the results; goes on where an interrupted run of the same suite stopped")
+                       "Folder for the results; goes on where an interrupted run stopped, and after a change of the "
+                       "suite computes what the change touches")
           ->type_name("DIR");
   const auto solvers = command
                            ->add_option("--solvers", options->solvers,
@@ -79,6 +136,19 @@ void add_compare(CLI::App& app, Context& context) {
       ->excludes(out)
       ->excludes(solvers)
       ->excludes(workers);
+  const auto shard =
+      command->add_option("--shard", options->shard, "Carry out the problems of part I of N only, without a report")
+          ->type_name("I/N");
+  const auto merge =
+      command->add_option("--merge", options->run.merge, "Put the shards in these folders together instead of solving")
+          ->type_name("DIR...")
+          ->excludes(shard);
+  add_cluster_options(*command, options->cluster);
+  for (const char* name : {"--slurm", "--status"}) {
+    for (const char* other : {"--workers", "--redraw", "--shard", "--merge"})
+      command->get_option(name)->excludes(command->get_option(other));
+  }
+  for (CLI::Option* option : {shard, merge}) option->excludes(command->get_option("--redraw"));
   command->callback([options, &context] { run(*options, context); });
 }
 

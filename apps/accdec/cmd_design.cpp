@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,6 +16,7 @@
 #include <accdec/study/baseline_table.hpp>
 
 #include "output.hpp"
+#include "status_line.hpp"
 
 namespace accdec::cli {
 namespace {
@@ -38,21 +38,7 @@ struct Arguments {
   bool no_certificate = false, baselines = false;
 };
 
-/// "1%", "1 %" or "0.01" as a fraction; none if it is neither, or not from 0 to less than 1.
-std::optional<double> fraction(const std::string& text) {
-  std::string number = text;
-  const bool percent = !number.empty() && number.back() == '%';
-  if (percent) number.pop_back();
-  while (!number.empty() && number.back() == ' ') number.pop_back();
-  double value = 0.0;
-  if (!CLI::detail::lexical_cast(number, value)) return std::nullopt;
-  if (percent) value /= 100.0;
-  if (!(value >= 0.0 && value < 1.0)) return std::nullopt;
-  return value;
-}
-
 void print_baselines(const Task& task, DesignOptions options) {
-  options.progress = nullptr;
   options.certificate = false;
   const auto here = study::compare_with_baselines(task, options);
   const auto quarter = study::compare_with_baselines(study::at_shorter_period(task, 4), options);
@@ -91,15 +77,20 @@ void run(const Arguments& arguments, Context& context) {
       throw std::invalid_argument(fmt::format("--option takes NAME=VALUE, got \"{}\"", pair));
     options.solver_options.native[pair.substr(0, equals)] = pair.substr(equals + 1);
   }
-  if (!context.quiet) options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
-
   // The first Ctrl-C asks for the best verified design so far, the second ends the program.
   options.cancel = &interrupted;
   const auto before = std::signal(SIGINT, ask_to_stop);
-  const DesignResult result = design_task(task, options);
+  const DesignResult result = [&] {
+    StatusLine status(context.quiet, StatusLine::Lines::news, options.time_limit);
+    DesignOptions told = options;
+    if (!context.quiet) told.progress = [&status](const std::string& line) { status.tell(line); };
+    return design_task(task, told);
+  }();
   std::signal(SIGINT, before);
 
   context.exit_code = deliver(result, arguments.json, context);
+  if (task.baseline && result.filter && !context.quiet && arguments.json != "-")
+    fmt::print("{}", study::saving_text(*task.baseline, result));
   if (arguments.baselines) print_baselines(task, options);
 }
 
@@ -117,7 +108,11 @@ void add_design(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"exact", "nlp"}));
   command->add_option("--solver", arguments->solver,
                       "nonlinear solver to use (see `accdec solvers`); implies --method nlp");
-  command->add_option("--time-limit", arguments->time_limit, "seconds for the whole design; then the best so far")
+  command
+      ->add_option("--time-limit", arguments->time_limit,
+                   "seconds for the whole design, then the best so far; the default is 600")
+      ->type_name("SECONDS")
+      ->capture_default_str()
       ->check([](const std::string& text) {
         double seconds = 0.0;
         const bool number = CLI::detail::lexical_cast(text, seconds) && std::isfinite(seconds) && seconds > 0.0;

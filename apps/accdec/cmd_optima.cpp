@@ -14,6 +14,7 @@
 #include <accdec/study/optima_report.hpp>
 
 #include "command.hpp"
+#include "status_line.hpp"
 
 namespace accdec::cli {
 namespace {
@@ -40,12 +41,13 @@ void run(const Arguments& arguments, Context& context) {
   DesignOptions options;
   options.time_limit = arguments.time_limit;
   std::vector<study::Optimum> optima, growth;
+  StatusLine status(context.quiet);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
-    if (!context.quiet) fmt::print(stderr, "{}\n", arguments.tasks[i]);
+    status.tell(arguments.tasks[i]);
     optima.push_back(study::find_optimum(std::filesystem::path(arguments.tasks[i]).stem().string(), tasks[i], options));
   }
   for (int i = 0; !arguments.growth.empty() && i <= arguments.halvings; ++i) {
-    if (!context.quiet) fmt::print(stderr, "{} at {:g} ms\n", arguments.growth, 1e3 * finer.sample_period);
+    status.tell(fmt::format("{} at {:g} ms", arguments.growth, 1e3 * finer.sample_period));
     growth.push_back(study::find_optimum(fmt::format("{:g} ms", 1e3 * finer.sample_period), finer, options, false));
     finer.sample_period /= 2.0;
     finer.design.order_max *= 2;

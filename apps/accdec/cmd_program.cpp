@@ -9,17 +9,24 @@
 
 #include <sys/resource.h>
 
+#include <fmt/format.h>
+
 #include <accdec/files/output_files.hpp>
+#include <accdec/files/text_file.hpp>
+#include <accdec/formats/program_record.hpp>
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/plot/plot_program.hpp>
+#include <accdec/plot/program_page.hpp>
 #include <accdec/program/plan/design_program.hpp>
 #include <accdec/program/read/interpreter.hpp>
 #include <accdec/program/read/read_error.hpp>
 #include <accdec/program/write/report.hpp>
+#include <accdec/program/write/samples.hpp>
 
 #include "output.hpp"
 #include "program_profiles.hpp"
+#include "status_line.hpp"
 
 namespace accdec::cli {
 namespace {
@@ -33,8 +40,20 @@ struct Options {
   bool rapid_stops = false, dwells_before_filter = false, per_leg = false, filter_bound = false;
 };
 
+/// What the result is made from, for whoever rechecks it.
+ProgramInputs inputs_of(const Options& options, const ToolpathOptions& reading, bool interpreted) {
+  ProgramInputs inputs;
+  inputs.program = options.program;
+  inputs.program_hash = hash_of_file(options.program);
+  inputs.task_path = options.task;
+  inputs.task_text = read_text_file(options.task);
+  inputs.reading = reading;
+  inputs.interpreted = interpreted;
+  return inputs;
+}
+
 /// By our own reader, or where only an interpreter of the whole language understands the program, through rs274.
-Toolpath read(const Options& options, const Task& task, const ToolpathOptions& reading) {
+Toolpath read(const Options& options, const Task& task, const ToolpathOptions& reading, bool& interpreter_used) {
   try {
     LineSource source{std::filesystem::path(options.program)};
     Toolpath path = read_toolpath(source, task.machine, reading);
@@ -50,6 +69,7 @@ Toolpath read(const Options& options, const Task& task, const ToolpathOptions& r
       throw std::invalid_argument(std::string(reason.what()) + "\n" + refused.what());
     }
     std::fprintf(stderr, "%s: run by rs274; lines are those of its output\n", reason.what());
+    interpreter_used = true;
     LineSource source(options.program + " (rs274 -g)", calls);
     return read_toolpath(source, task.machine, reading);
   }
@@ -63,12 +83,11 @@ ProgramFilter choose_filter(const Options& options, const Context& context, cons
     given.solver.method = "given";
     return given;
   }
-  const auto progress = [&](const std::string& line) {
-    if (!context.quiet) std::fprintf(stderr, "%s\n", line.c_str());
-  };
+  StatusLine status(context.quiet);
+  const auto progress = [&](const std::string& line) { status.tell(line); };
   // Small programs are not worth a minute.
   const double limit = options.time_limit.value_or(std::min(60.0, 2.0 + 5e-3 * static_cast<double>(path.blocks())));
-  return feeds == Feeds::keep ? design_program_filter(path, task, options.time_limit.value_or(60.0), progress)
+  return feeds == Feeds::keep ? design_program_filter(path, task, limit, progress)
                               : design_filter_for_feeds(path, task, limit, progress);
 }
 
@@ -79,7 +98,9 @@ void check_outputs(const Options& options) {
   };
   refuse(options.delays, !profiles, "--delays", "fixed or per-leg");
   refuse(options.emit, !profiles, "--emit", "fixed or per-leg");
-  refuse(options.figure, !profiles, "--figure", "fixed or per-leg");
+  if (!options.figure.empty() && profiles && figure_format(options.figure) != "html") {
+    throw std::invalid_argument("--figure needs --plan fixed or per-leg, or a name that ends in .html");
+  }
   refuse(options.stream, profiles, "--stream", "profiles");
 }
 
@@ -91,6 +112,41 @@ void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
     const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
     if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
   }
+}
+
+/// Plan profiles, and because it is never to be slower than they are, the plans of one filter and one a leg.
+void run_profiles_and_others(const Options& options, Context& context, Toolpath path, const Task& task) {
+  constexpr double bound_time = 10.0;  // s, for the bound by linear programmes
+  Toolpath chords = path;
+  leave_room_for_arcs(chords, options.arc_tolerance_um * 1e-6);
+  ProfileResult profiles = run_profiles(options.program, std::move(chords), task, bound_time);
+  std::vector<ProgramResult> others;
+  // Of the longest programs the search for a filter would take longer than the plan.
+  constexpr std::size_t most_blocks = 200'000;
+  if (path.blocks() <= most_blocks) {
+    const ProgramFilter choice = choose_filter(options, context, path, task, Feeds::choose);
+    if (choice.filter) {
+      // The plan of one filter is a candidate of the one a leg.
+      others.push_back(
+          run_program(options.program, path, *choice.filter, task, true, options.filter_bound, Feeds::choose));
+      others.back().solver = choice.solver;
+    }
+  }
+  write_fastest(std::move(profiles), std::move(others), path, task.machine,
+                {options.json, options.samples, options.stream, options.figure}, context);
+}
+
+std::string figure_of(const Options& options, const Task& task, const Toolpath& programmed, const ProgramResult& result,
+                      const std::string& type) {
+  if (type == "html") {
+    const std::string title = fmt::format("{}: {:.6g} s, plan {}", options.program, result.cycle_time,
+                                          result.legs.single() ? "fixed" : "per-leg");
+    return program_page(
+        programmed, program_machine(task.machine, programmed),
+        {title, result.sample_period, [&](const SampleVisitor& visit) { visit_samples(result, visit); }});
+  }
+  const Figure figure = plot_program(result);
+  return convert_svg(render_svg(figure), type, figure.title);
 }
 
 void run(const Options& options, Context& context) {
@@ -107,12 +163,12 @@ void run(const Options& options, Context& context) {
   reading.clamp_feeds = feeds == Feeds::choose;
   reading.rapid_stops = options.rapid_stops;
   reading.dwells_before_filter = options.dwells_before_filter;
-  Toolpath path = read(options, task, reading);
+  bool interpreted = false;
+  Toolpath path = read(options, task, reading, interpreted);
+  ProgramInputs inputs;
+  if (!options.json.empty()) inputs = inputs_of(options, reading, interpreted);
   if (options.plan == "profiles") {
-    leave_room_for_arcs(path, reading.read.arc_tolerance);
-    constexpr double bound_time = 10.0;  // s, for the bound by linear programmes
-    write_profiles(run_profiles(options.program, std::move(path), task, bound_time),
-                   {options.json, options.samples, options.stream}, context);
+    run_profiles_and_others(options, context, std::move(path), task);
     return;
   }
   const ProgramFilter choice = choose_filter(options, context, path, task, feeds);
@@ -121,8 +177,12 @@ void run(const Options& options, Context& context) {
     context.exit_code = exit_no_answer;
     return;
   }
-  ProgramResult result =
-      run_program(options.program, std::move(path), *choice.filter, task, per_leg, options.filter_bound, feeds);
+  const Toolpath programmed = figure_type == "html" ? path : Toolpath{};
+  ProgramResult result = [&] {
+    StatusLine status(context.quiet, StatusLine::Lines::none);
+    status.tell("planning and simulating");
+    return run_program(options.program, std::move(path), *choice.filter, task, per_leg, options.filter_bound, feeds);
+  }();
   result.worst_shown = options.worst;
   const double planning = result.solver.wall_time;
   result.solver = choice.solver;
@@ -140,11 +200,10 @@ void run(const Options& options, Context& context) {
     large.back().close();
   }
   OutputFiles files;
-  if (!options.json.empty()) files.add(options.json, program_to_json(result));
+  if (!options.json.empty()) files.add(options.json, program_to_json(result, inputs));
   if (!options.delays.empty()) files.add(options.delays, delays_to_csv(result));
   if (!options.figure.empty()) {
-    const Figure figure = plot_program(result);
-    files.add(options.figure, convert_svg(render_svg(figure), figure_type, figure.title));
+    files.add(options.figure, figure_of(options, task, programmed, result, figure_type));
   }
   files.commit();
   for (OutputFile& file : large) file.commit();
@@ -176,21 +235,22 @@ void add_program(CLI::App& app, Context& context) {
                     "Write the program back with the feeds, dwells and path modes that realise the plan; its G4 must "
                     "act before the filter");
   add_output_option(*command, "--figure", options->figure,
-                    "Draw the path by its errors and a histogram of the delays, .svg, .png, .pdf or .html");
+                    "Draw the path by its errors and a histogram of the delays, .svg, .png or .pdf; or .html: one page "
+                    "that zooms into the path, coloured by speed, and says where time is lost");
   command->add_option("--arc-tolerance-um", options->arc_tolerance_um, "Largest distance of a chord from its arc")
       ->type_name("UM")
       ->check(CLI::Range(1e-3, 1e4))
       ->capture_default_str();
   command
       ->add_option("--time-limit", options->time_limit,
-                   "s, for the design of a filter where the task has none; default 2 s and 5 ms a block, at most 60 "
-                   "(60 with --feeds keep)")
+                   "s, for the design of a filter where the task has none; default 2 s and 5 ms a block, at most 60")
       ->check(CLI::PositiveNumber);
   command
       ->add_option("--plan", options->plan,
                    "fixed: one filter for the whole program; per-leg: the filter of each leg follows what the limits "
                    "allow in its direction, where that is faster; profiles: every corner its own filter and speed, for "
-                   "controllers that take a position every cycle (--samples, --stream)")
+                   "controllers that take a position every cycle (--samples, --stream); never slower than the others, "
+                   "which are made beside it")
       ->check(CLI::IsMember({"fixed", "per-leg", "profiles"}))
       ->capture_default_str();
   command

@@ -1,6 +1,6 @@
-#include <charconv>
 #include <cstdio>
 #include <memory>
+#include <stdexcept>
 
 #include <unistd.h>
 
@@ -8,6 +8,7 @@
 
 #include <accdec/study/study_folder.hpp>
 
+#include "cluster_command.hpp"
 #include "command.hpp"
 #include "progress_bar.hpp"
 
@@ -17,35 +18,31 @@ namespace {
 struct Options {
   std::string study, shard;
   StudyRunOptions run;
+  ClusterOptions cluster;
 };
 
-void read_shard(Options& options) {
-  if (options.shard.empty()) return;
-  std::size_t number = 0, count = 0;
-  const char *begin = options.shard.data(), *end = begin + options.shard.size();
-  const auto first = std::from_chars(begin, end, number);
-  const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
-  const auto second = slash ? std::from_chars(first.ptr + 1, end, count) : first;
-  if (!slash || second.ec != std::errc() || second.ptr != end || number < 1 || number > count) {
-    throw std::invalid_argument(
-        fmt::format("--shard {}: allowed is I/N with 1 <= I <= N, for example 2/8", options.shard));
+int run_cluster(const Options& options, const Context& context) {
+  if (const std::string& folder = options.cluster.status; !folder.empty()) {
+    const ClusterPlan plan = read_cluster_plan(folder, "study");
+    const Study study = read_study(plan.input);
+    return print_cluster_status(plan, study_shards(study, folder, plan.shards), study_finished(study, folder));
   }
-  options.run.shard = number;
-  options.run.shards = count;
+  const Study study = read_study(options.study);
+  check_study_size(study, options.run.large);
+  ClusterWork work{"study", study.title, options.study, options.run.out, {}, study.plan().size(), "points", {}, {},
+                   {},      {}};
+  if (options.run.large) work.more.push_back("--large");
+  work.claim = [&] { claim_study_folder(study, options.run.out); };
+  work.check = [&](const std::string& frozen) {
+    if (read_study(frozen).hash() != study.hash())
+      throw std::runtime_error(fmt::format("{}: the copy is another study than {}", frozen, options.study));
+  };
+  work.states = [&](std::size_t shards) { return study_shards(study, options.run.out, shards); };
+  work.finished = [&] { return study_finished(study, options.run.out); };
+  return submit_to_cluster(work, options.cluster, context);
 }
 
-void run(Options& options, Context& context) {
-  read_shard(options);
-  const Study study = read_study(options.study);
-  options.run.command = fmt::format("accdec study {} --out {}", options.study, options.run.out);
-  options.run.version = ACCDEC_VERSION;
-  if (!context.quiet && ::isatty(2)) options.run.progress = ProgressBar();
-  const StudySummary s = run_study(study, options.run);
-  context.exit_code = s.bad < s.points ? exit_ok : exit_no_answer;
-  for (const std::string& name : s.empty_figures)
-    fmt::print(stderr, "accdec: warning: figure `{}` has no data: no row that counts has numbers its axes can show\n",
-               name);
-  if (context.quiet) return;
+void print_summary(const Options& options, const Study& study, const StudySummary& s) {
   fmt::print(
       "{}\n{} points: {} computed in {:.1f} s ({:.1f} % of the workers' time inside the methods), {} from an earlier "
       "run{}\n",
@@ -66,6 +63,27 @@ void run(Options& options, Context& context) {
   }
 }
 
+void run(Options& options, Context& context) {
+  if (options.cluster.status.empty() && (options.study.empty() || options.run.out.empty()))
+    throw std::invalid_argument("study needs STUDY.toml and --out DIR, or --status DIR");
+  if (options.cluster.asked()) {
+    context.exit_code = run_cluster(options, context);
+    return;
+  }
+  if (!options.shard.empty()) std::tie(options.run.shard, options.run.shards) = parse_shard(options.shard);
+  const Study study = read_study(options.study);
+  options.run.command = fmt::format("accdec study {} --out {}", options.study, options.run.out);
+  options.run.version = ACCDEC_VERSION;
+  if (!context.quiet && ::isatty(2)) options.run.progress = ProgressBar();
+  const StudySummary s = run_study(study, options.run);
+  options.run.progress = nullptr;  // takes the bar away
+  context.exit_code = s.bad < s.points ? exit_ok : exit_no_answer;
+  for (const std::string& name : s.empty_figures)
+    fmt::print(stderr, "accdec: warning: figure `{}` has no data: no row that counts has numbers its axes can show\n",
+               name);
+  if (!context.quiet) print_summary(options, study, s);
+}
+
 }  // namespace
 
 void add_study(CLI::App& app, Context& context) {
@@ -73,29 +91,34 @@ void add_study(CLI::App& app, Context& context) {
   CLI::App* command =
       app.add_subcommand("study", "Parameter study: many tasks from one, with tables, figures and a report");
   command->add_option("study", options->study, "Study file: base task, what varies, what to compute, figures")
-      ->required()
       ->type_name("STUDY.toml");
   command
       ->add_option("--out", options->run.out,
                    "Folder for the results; goes on where an interrupted run of the same study stopped, with the "
                    "points lost in a crash once more")
-      ->required()
       ->type_name("DIR");
-  command
-      ->add_option("--workers", options->run.workers,
-                   "Points computed at a time (default: all cores); rows depend on it only where time_limit_s cuts an "
-                   "optimum off")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
+  const auto workers =
+      command
+          ->add_option("--workers", options->run.workers,
+                       "Points computed at a time (default: all cores); rows depend on it only where time_limit_s cuts "
+                       "an optimum off")
+          ->check(CLI::Range(1, 1024))
+          ->type_name("N");
   const auto shard =
       command->add_option("--shard", options->shard, "Compute part I of N only, without a report")->type_name("I/N");
-  command->add_option("--merge", options->run.merge, "Put the shards in these folders together instead of computing")
-      ->type_name("DIR...")
-      ->excludes(shard);
+  const auto merge =
+      command
+          ->add_option("--merge", options->run.merge, "Put the shards in these folders together instead of computing")
+          ->type_name("DIR...")
+          ->excludes(shard);
   command->add_flag("--large", options->run.large, fmt::format("Allow more than {} points", large_study));
-  command->add_flag("--fresh", options->run.fresh,
-                    "Compute all points anew, whatever the folder has; if this is interrupted, the same command "
-                    "without --fresh goes on with it");
+  const auto fresh = command->add_flag("--fresh", options->run.fresh,
+                                       "Compute all points anew, whatever the folder has; if this is interrupted, the "
+                                       "same command without --fresh goes on with it");
+  add_cluster_options(*command, options->cluster);
+  for (const char* name : {"--slurm", "--status"}) {
+    for (CLI::Option* other : {workers, shard, merge, fresh}) command->get_option(name)->excludes(other);
+  }
   command->callback([options, &context] { run(*options, context); });
 }
 

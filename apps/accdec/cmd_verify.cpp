@@ -1,26 +1,52 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include <accdec/design/recheck.hpp>
+#include <accdec/files/text_file.hpp>
+#include <accdec/formats/program_record.hpp>
 #include <accdec/formats/result_json.hpp>
+#include <accdec/task/verification_cost.hpp>
 
 #include "command.hpp"
+#include "verify_program.hpp"
 
 namespace accdec::cli {
+namespace {
+
+/// About, of the design in a result.
+double simulation_seconds(const DesignResult& result) {
+  if (!result.filter) return 0.0;
+  std::vector<int> delays;
+  for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
+  return verification_cost(result.task, result.filter->order(), delays).seconds();
+}
+
+}  // namespace
 
 void add_verify(CLI::App& app, Context& context) {
   auto path = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("verify", "Independent recheck of a result and of its certificate");
-  command->add_option("result", *path, "Result file of evaluate or design")->required()->type_name("RESULT.json");
+  command->add_option("result", *path, "Result file of evaluate, design or program")
+      ->required()
+      ->type_name("RESULT.json");
   auto limit = std::make_shared<double>(60.0);
-  command->add_option("--time-limit", *limit, "Seconds for checking a proof; one that takes longer is rejected")
+  command->add_option("--time-limit", *limit, "Seconds for the check; what takes longer is not accepted")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command->callback([path, limit, &context] {
-    const DesignResult result = read_result(*path);
+    const std::string text = read_text_file(*path, result_file_limit);
+    if (is_program_result(text)) return verify_program(text, *path, *limit, context);
+    const DesignResult result = parse_result(text, *path);
+    if (const double seconds = simulation_seconds(result); seconds > *limit) {
+      context.exit_code = exit_no_answer;
+      fmt::print(stderr, "{}: not checked: simulating the design would take about {:.0f} s; --time-limit is {:g} s\n",
+                 *path, seconds, *limit);
+      return;
+    }
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(*limit);
     const Recheck check = recheck(result, [end] { return std::chrono::steady_clock::now() > end; });
     if (check.accepted) {

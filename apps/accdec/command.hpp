@@ -20,11 +20,15 @@ struct Context {
 
 // One file a subcommand, cmd_NAME.cpp, each with one function that registers it.
 void add_evaluate(CLI::App& app, Context& context);
+void add_init(CLI::App& app, Context& context);
+void add_explain(CLI::App& app, Context& context);
+void add_completion(CLI::App& app, Context& context);
 void add_design(CLI::App& app, Context& context);
 void add_verify(CLI::App& app, Context& context);
 void add_export(CLI::App& app, Context& context);
 void add_paper(CLI::App& app, Context& context);
 void add_plot(CLI::App& app, Context& context);
+void add_schema(CLI::App& app, Context& context);
 void add_solvers(CLI::App& app, Context& context);
 void add_program(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);

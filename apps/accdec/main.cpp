@@ -1,12 +1,19 @@
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <malloc.h>
 
+#include <fmt/format.h>
+
 #include <accdec/files/errors.hpp>
+#include <accdec/files/suggestion.hpp>
 #include <accdec/files/temporaries.hpp>
+#include <accdec/formats/manifest.hpp>
 
 #include "command.hpp"
 
@@ -15,8 +22,10 @@ namespace {
 
 /// Every subcommand, in the order of --help.
 void add_commands(CLI::App& app, Context& context) {
+  add_init(app, context);
   add_evaluate(app, context);
   add_design(app, context);
+  add_explain(app, context);
   add_verify(app, context);
   add_export(app, context);
   add_plot(app, context);
@@ -27,12 +36,35 @@ void add_commands(CLI::App& app, Context& context) {
   add_program(app, context);
   add_generate(app, context);
   add_solvers(app, context);
+  add_completion(app, context);
+  add_schema(app, context);
+}
+
+std::string version_text() {
+  std::string text = fmt::format("accdec {}\ncommit {}\n", ACCDEC_VERSION, source_commit());
+  auto with = libraries();
+  with.emplace_back("CLI11", CLI11_VERSION);
+  std::sort(with.begin(), with.end());
+  for (const auto& [name, number] : with)
+    text += fmt::format("{}{} {}", &name == &with.front().first ? "" : ", ", name, number);
+  return text;
+}
+
+/// CLI11 would only say that a command is needed. @throws std::invalid_argument
+void check_command(const CLI::App& app, int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  const auto word = std::find_if(arguments.begin(), arguments.end(), [](const auto& a) { return !a.starts_with("-"); });
+  if (word == arguments.end()) return;
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  if (std::find(known.begin(), known.end(), *word) == known.end())
+    throw std::invalid_argument(unknown_name("command", *word, known));
 }
 
 int run(int argc, char** argv) {
   Context context;
   CLI::App app("Designs the Acc/Dec filter of CNC motion commands and the command delay of every corner.", "accdec");
-  app.set_version_flag("--version", std::string("accdec " ACCDEC_VERSION));
+  app.set_version_flag("--version", version_text, "Print the version, the commit and the libraries, and exit");
   app.add_flag("-q,--quiet", context.quiet, "No tables, progress or notes; results go to files and the exit code only");
   app.require_subcommand(1);
   app.fallthrough();
@@ -40,6 +72,7 @@ int run(int argc, char** argv) {
       "Exit code 0: done and verified; 1: no acceptable answer; 2: bad usage or input, or an output that cannot be "
       "written.");
   add_commands(app, context);
+  check_command(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help and --version

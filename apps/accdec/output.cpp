@@ -6,11 +6,42 @@
 #include <accdec/formats/report.hpp>
 #include <accdec/formats/result_json.hpp>
 
+#include "terminal.hpp"
+
 namespace accdec::cli {
+namespace {
+
+constexpr std::size_t certificate_worth_a_word = 10'000'000;  // bytes
+
+}  // namespace
+
+std::optional<double> fraction(const std::string& text) {
+  std::string number = text;
+  const bool percent = !number.empty() && number.back() == '%';
+  if (percent) number.pop_back();
+  while (!number.empty() && number.back() == ' ') number.pop_back();
+  double value = 0.0;
+  if (!CLI::detail::lexical_cast(number, value)) return std::nullopt;
+  if (percent) value /= 100.0;
+  if (!(value >= 0.0 && value < 1.0)) return std::nullopt;
+  return value;
+}
 
 int deliver(const DesignResult& result, const std::string& json_path, const Context& context) {
-  if (!json_path.empty()) write_file(json_path, result_to_json(result));
-  if (json_path != "-" && !context.quiet) print_result(result);
+  if (!json_path.empty()) {
+    const std::string json = result_to_json(result);
+    write_file(json_path, json);
+    if (result.certificate && json.size() > certificate_worth_a_word && !context.quiet) {
+      std::fprintf(
+          stderr,
+          "%s: %.0f MB, nearly all of it the proof that `accdec verify` rechecks; --no-certificate leaves it out\n",
+          json_path.c_str(), 1e-6 * static_cast<double>(json.size()));
+    }
+  }
+  if (json_path != "-" && !context.quiet) {
+    const std::string text = result_text(result);
+    std::fputs((is_coloured(stdout) ? with_coloured_status(text) : text).c_str(), stdout);
+  }
   const bool answered = result.status == Status::optimal || result.status == Status::feasible;
   // Whoever asked for no table still has to learn why there is no answer.
   if (!answered && (context.quiet || json_path == "-")) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <accdec/task/result.hpp>
@@ -21,6 +22,9 @@ inline void add_json_option(CLI::App& command, std::string& path) {
   add_output_option(command, "--json", path,
                     "Write the result to FILE, - for standard output (then no table is printed)");
 }
+
+/// "1%", "1 %" or "0.01" as a fraction; none if it is neither, or not from 0 to less than 1.
+std::optional<double> fraction(const std::string& text);
 
 /// Writes the result to `json_path` unless that is empty, prints the table unless quiet or standard output carries
 /// JSON, and gives the exit code its status calls for.

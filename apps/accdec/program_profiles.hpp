@@ -1,8 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <accdec/program/profiles/profile_result.hpp>
+#include <accdec/program/write/report.hpp>
 
 #include "command.hpp"
 
@@ -10,11 +12,13 @@ namespace accdec::cli {
 
 /// Where `accdec program --plan profiles` writes; empty: nowhere, -: standard output.
 struct ProfileOutputs {
-  std::string json, samples, stream;
+  std::string json, samples, stream, page;
 };
 
-/// Writes the files and the summary of a plan. A plan that breaks a limit leaves no samples: only its JSON and its
-/// message.
-void write_profiles(const ProfileResult& result, const ProfileOutputs& outputs, Context& context);
+/// Plan profiles, never slower than the plans of one filter: those are `others`, and the fastest that holds is written,
+/// with the times of all.
+/// @param programmed  the path as the program has it, for the page
+void write_fastest(ProfileResult profiles, std::vector<ProgramResult> others, const Toolpath& programmed,
+                   const Machine& machine, const ProfileOutputs& outputs, Context& context);
 
 }  // namespace accdec::cli

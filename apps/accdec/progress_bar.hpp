@@ -1,19 +1,24 @@
 #pragma once
 
+#include <memory>
+
 #include <accdec/study/study_folder.hpp>
+
+#include "status_line.hpp"
 
 namespace accdec::cli {
 
-/// Points done, rate and remaining time in one line on standard error, rewritten at most ten times a second. For
-/// terminals.
+/// Time so far, points done, rate and remaining time in one line on standard error, rewritten every second and at most
+/// ten times a second. For terminals.
 class ProgressBar {
  public:
-  explicit ProgressBar(const char* unit = "points") : unit_(unit) {}
+  explicit ProgressBar(const char* unit = "points");
   void operator()(const StudyProgress& p);
 
  private:
   const char* unit_;
   double shown_ = -1.0;
+  std::shared_ptr<StatusLine> line_;  // the bar is copied into a std::function
 };
 
 }  // namespace accdec::cli

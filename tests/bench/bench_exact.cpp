@@ -1,6 +1,6 @@
 #include <benchmark/benchmark.h>
 
-#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate/checker.hpp>
 #include <accdec/exact/exact.hpp>
 
 #include "support/tasks.hpp"

@@ -2,7 +2,8 @@
 //   bench_program --benchmark_repetitions=5 --benchmark_report_aggregates_only=true
 // read: bytes_per_second and items (blocks) per second from memory. delays: corners per second. verify: samples of the
 // program per second, every joint judged and every limit watched. program: from text to verified plan, blocks per
-// second, for the growth with length.
+// second, for the growth with length. fixed and profiles: the same for a million blocks with feeds chosen, in plan
+// `fixed` for a given filter and in plan `profiles` whole.
 
 #include <map>
 #include <sstream>
@@ -11,7 +12,9 @@
 #include <benchmark/benchmark.h>
 
 #include <accdec/motion/shapes.hpp>
+#include <accdec/program/plan/feed_schedule.hpp>
 #include <accdec/program/plan/plan.hpp>
+#include <accdec/program/profiles/plan_profiles.hpp>
 #include <accdec/program/write/generate.hpp>
 
 namespace {
@@ -107,6 +110,36 @@ void program(benchmark::State& state) {
   state.SetLabel(std::string(to_string(kind_of(state))));
 }
 
+/// Feeds chosen for a boxcar of 20 taps through another of 10, as plan `fixed` does once it has its filter.
+void fixed(benchmark::State& state) {
+  const std::string& text = text_of(kind_of(state), state.range(1));
+  const Filter filter = trapezoid(28, 9);
+  std::int64_t blocks = 0;
+  for (auto _ : state) {
+    LineSource source("bench.ngc", text);
+    const Toolpath path = read_toolpath(source, machine(), {});
+    const ScheduledPlan plan = schedule_feeds(path, filter, period, program_machine(machine(), path));
+    if (!all_holds(plan.plan)) state.SkipWithError("the plan does not hold");
+    blocks += static_cast<std::int64_t>(path.blocks());
+  }
+  state.SetItemsProcessed(blocks);
+  state.SetLabel(std::string(to_string(kind_of(state))));
+}
+
+void profiles(benchmark::State& state) {
+  const std::string& text = text_of(kind_of(state), state.range(1));
+  std::int64_t blocks = 0;
+  for (auto _ : state) {
+    LineSource source("bench.ngc", text);
+    const Toolpath path = read_toolpath(source, machine(), {});
+    const ProfilePlan plan = plan_profiles(path, program_machine(machine(), path), period);
+    if (!plan.holds()) state.SkipWithError("the plan does not hold");
+    blocks += static_cast<std::int64_t>(path.blocks());
+  }
+  state.SetItemsProcessed(blocks);
+  state.SetLabel(std::string(to_string(kind_of(state))));
+}
+
 void all_kinds(benchmark::internal::Benchmark* b) {
   for (int kind = 0; kind < 6; ++kind) b->Args({kind, 100000});
 }
@@ -122,5 +155,7 @@ BENCHMARK(delays)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(verify)->Apply(all_kinds)->Unit(benchmark::kMillisecond);
 BENCHMARK(program)->Apply(growth)->Unit(benchmark::kMillisecond);
+BENCHMARK(fixed)->Args({static_cast<long>(GeneratedProgram::raster), 1000000})->Unit(benchmark::kMillisecond);
+BENCHMARK(profiles)->Args({static_cast<long>(GeneratedProgram::raster), 1000000})->Unit(benchmark::kMillisecond);
 
 }  // namespace

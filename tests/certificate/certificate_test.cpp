@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/certificate/certificate.hpp>
 #include <accdec/exact/exact.hpp>
 
+#include "support/certificates.hpp"
 #include "support/tasks.hpp"
 
 namespace accdec {
@@ -12,22 +12,18 @@ namespace {
 using nlohmann::json;
 
 /// A proved design and many ways to lie about it.
-class Certificate : public ::testing::Test {
+class Certificates : public ::testing::Test {
  protected:
-  Certificate() {
+  Certificates() {
     Axis axis;
     axis.acceleration_max = 6.0;
     axis.jerk_max = 800.0;
     task = testing::plane_task(axis, testing::plane_corner("A", 95, 10, 0.1, 0.1), 50e-6);
     task.design.order_max = 60;
     result = design_exact(task);
-    good = json::parse(result.certificate);
+    good = testing::certificate_json(result);
   }
-  CheckReport check(const json& certificate) const {
-    DesignResult changed = result;
-    changed.certificate = certificate.dump();
-    return check_certificate(task, changed);
-  }
+  CheckReport check(const json& certificate) const { return testing::check_forged(task, result, certificate); }
   void expect_rejected(const CheckReport& report, const std::string& reason) const {
     EXPECT_FALSE(report.accepted);
     EXPECT_NE(report.reason.find(reason), std::string::npos) << report.reason;
@@ -37,13 +33,13 @@ class Certificate : public ::testing::Test {
   json good;
 };
 
-TEST_F(Certificate, Accepted) {
+TEST_F(Certificates, Accepted) {
   ASSERT_EQ(result.status, Status::optimal) << result.message;
   const CheckReport report = check(good);
   EXPECT_TRUE(report.accepted) << report.reason;
 }
 
-TEST_F(Certificate, EveryDamagedSetOfMultipliersIsRejected) {
+TEST_F(Certificates, EveryDamagedSetOfMultipliersIsRejected) {
   for (std::size_t i = 0; i < good["multipliers"].size(); ++i) {
     json bad = good;
     for (json& row : bad["multipliers"][i]) row[row.size() - 1] = 0.0;
@@ -54,14 +50,14 @@ TEST_F(Certificate, EveryDamagedSetOfMultipliersIsRejected) {
   }
 }
 
-TEST_F(Certificate, NegativeAndInfiniteMultipliers) {
+TEST_F(Certificates, NegativeAndInfiniteMultipliers) {
   json bad = good;
   json& row = bad["multipliers"][0][0];
   row[row.size() - 1] = -1.0;
   expect_rejected(check(bad), "negative");
 }
 
-TEST_F(Certificate, ShortenedAndLengthenedTrees) {
+TEST_F(Certificates, ShortenedAndLengthenedTrees) {
   for (std::size_t i = 0; i < good["tree"].size(); ++i) {
     json bad = good;
     bad["tree"].erase(i);
@@ -75,7 +71,7 @@ TEST_F(Certificate, ShortenedAndLengthenedTrees) {
   expect_rejected(check(bad), "goes on");
 }
 
-TEST_F(Certificate, RefutedPartsCalledTooLong) {
+TEST_F(Certificates, RefutedPartsCalledTooLong) {
   for (std::size_t i = 0; i < good["tree"].size(); ++i) {
     if (!good["tree"][i].is_number()) continue;
     json bad = good;
@@ -84,7 +80,7 @@ TEST_F(Certificate, RefutedPartsCalledTooLong) {
   }
 }
 
-TEST_F(Certificate, ForeignReferences) {
+TEST_F(Certificates, ForeignReferences) {
   json bad = good;
   bad["tree"] = json::array({9999});
   expect_rejected(check(bad), "multipliers that are not there");
@@ -103,15 +99,14 @@ TEST_F(Certificate, ForeignReferences) {
   EXPECT_FALSE(check(bad).accepted);
 }
 
-TEST_F(Certificate, ClaimsBeyondTheProof) {
+TEST_F(Certificates, ClaimsBeyondTheProof) {
   DesignResult changed = result;
   changed.cycle_time += task.sample_period;
   changed.lower_bound = changed.cycle_time;
   expect_rejected(check_certificate(task, changed), "proves");
   json bad = good;
   bad["bound_samples"] = bad["bound_samples"].get<double>() + 1.0;
-  changed.certificate = bad.dump();
-  EXPECT_FALSE(check_certificate(task, changed).accepted);
+  EXPECT_FALSE(testing::check_forged(task, changed, bad).accepted);
   changed = result;
   changed.lower_bound = *changed.lower_bound - task.sample_period;
   expect_rejected(check_certificate(task, changed), "below the cycle time");
@@ -119,12 +114,11 @@ TEST_F(Certificate, ClaimsBeyondTheProof) {
   changed.status = Status::infeasible;
   EXPECT_FALSE(check_certificate(task, changed).accepted);
   bad["bound_samples"] = nullptr;
-  changed.certificate = bad.dump();
-  EXPECT_FALSE(check_certificate(task, changed).accepted);
+  EXPECT_FALSE(testing::check_forged(task, changed, bad).accepted);
 }
 
 // A proof for stricter limits proves nothing for looser ones.
-TEST_F(Certificate, OfAnotherTask) {
+TEST_F(Certificates, OfAnotherTask) {
   Task other = task;
   for (Axis& axis : other.machine.axes) axis.acceleration_max *= 1.3, axis.jerk_max *= 1.5;
   EXPECT_FALSE(check_certificate(other, result).accepted);
@@ -133,7 +127,7 @@ TEST_F(Certificate, OfAnotherTask) {
   EXPECT_FALSE(check_certificate(other, result).accepted);
 }
 
-TEST_F(Certificate, UnknownLabelsAndSchemas) {
+TEST_F(Certificates, UnknownLabelsAndSchemas) {
   json bad = good;
   bad["schema"] = "accdec.certificate/2";
   expect_rejected(check(bad), "schema is unknown");
@@ -148,11 +142,20 @@ TEST_F(Certificate, UnknownLabelsAndSchemas) {
   EXPECT_GT(splits, 0);
 }
 
-TEST_F(Certificate, NotJson) {
+TEST_F(Certificates, NotOfTheForm) {
+  for (const char* text : {"[]", "{}", "3", "\"kind\"", "{\"kind\":3}", "{\"kind\":\"branch and bound\"}",
+                           "{\"kind\":\"magic\",\"schema\":\"accdec.certificate/1\"}"})
+    expect_rejected(check(json::parse(text)), "cannot be read");
+  for (const char* key : {"tree", "multipliers", "bound_samples", "objective", "runs", "schema", "kind"}) {
+    json bad = good;
+    bad.erase(key);
+    expect_rejected(check(bad), "cannot be read");
+  }
+  json bad = good;
+  bad["extra"] = 1;
+  expect_rejected(check(bad), "unknown member");
   DesignResult changed = result;
-  changed.certificate = std::string("{\"kind\"");
-  expect_rejected(check_certificate(task, changed), "cannot be read");
-  changed.certificate.clear();
+  changed.certificate.reset();
   expect_rejected(check_certificate(task, changed), "no certificate");
 }
 

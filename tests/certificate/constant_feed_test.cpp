@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate/checker.hpp>
 #include <accdec/certificate/constant_feed.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/design/recheck.hpp>

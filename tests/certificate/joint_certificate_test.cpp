@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/certificate/certificate.hpp>
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
 
+#include "support/certificates.hpp"
 #include "support/tasks.hpp"
 
 // Proofs for several corners: cuts over ranges of delays and samples, what a target leaves of all delays together, and
@@ -33,12 +33,8 @@ Task two_corners() {
 
 class JointCertificate : public ::testing::Test {
  protected:
-  JointCertificate() : task(two_corners()), result(design_exact(task)), good(json::parse(result.certificate)) {}
-  CheckReport check(const json& certificate) const {
-    DesignResult changed = result;
-    changed.certificate = certificate.dump();
-    return check_certificate(task, changed);
-  }
+  JointCertificate() : task(two_corners()), result(design_exact(task)), good(testing::certificate_json(result)) {}
+  CheckReport check(const json& certificate) const { return testing::check_forged(task, result, certificate); }
   /// Calls `change` for every row of a kind in turn.
   template <typename Change>
   int each_row(const std::string& kind, const Change& change) {
@@ -174,9 +170,9 @@ TEST(CheckedRanges, HoldForFiltersWithinTheLimits) {
                                                : least + part(random) * (most - least);
     CheckedSum sum(box.order);
     sum.delays.resize(2), sum.samples.resize(2);
-    rows.add(json::array({"range error", j, angle, exact ? k : k + shift(random), coin(random), coin(random),
-                          exact ? k - d : k - d - shift(random), coin(random), coin(random), 1.0}),
-             box, sum);
+    const proof::Tangent in{exact ? k : k + shift(random), coin(random), coin(random)},
+        out{exact ? k - d : k - d - shift(random), coin(random), coin(random)};
+    rows.add({proof::RangeError{j, angle, in, out}, 1.0}, box, sum);
     ASSERT_FALSE(box.nothing_left);
     const auto u = static_cast<std::size_t>(j);
     double value = sum.delays[u].lo * (d - range.d1) + sum.samples[u].lo * (k - range.k1);

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/certificate/certificate.hpp>
 #include <accdec/design/recheck.hpp>
 #include <accdec/exact/exact.hpp>
 
+#include "support/certificates.hpp"
 #include "support/tasks.hpp"
 
 namespace accdec {
@@ -39,13 +39,9 @@ Task speed_task() {
 class ChordCertificate : public ::testing::Test {
  protected:
   explicit ChordCertificate(Task given) : task(std::move(given)), result(design_exact(task)) {
-    good = json::parse(result.certificate);
+    good = testing::certificate_json(result);
   }
-  CheckReport check(const json& certificate) const {
-    DesignResult changed = result;
-    changed.certificate = certificate.dump();
-    return check_certificate(task, changed);
-  }
+  CheckReport check(const json& certificate) const { return testing::check_forged(task, result, certificate); }
   void expect_rejected(const json& certificate, const std::string& reason) const {
     const CheckReport report = check(certificate);
     EXPECT_FALSE(report.accepted);

@@ -1,4 +1,6 @@
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -38,7 +40,8 @@ TEST(Cli, HelpAndVersionGoToStandardOutput) {
   EXPECT_THAT(help.out, HasSubstr("Exit code"));
   const Outcome version = run({"--version"});
   EXPECT_EQ(version.code, 0);
-  EXPECT_THAT(version.out, ::testing::MatchesRegex("accdec [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_THAT(version.out,
+              ::testing::MatchesRegex("accdec [0-9]+\\.[0-9]+\\.[0-9]+\ncommit .*\nCLI11 .*Clp [0-9.]+.*\n"));
 }
 
 TEST(Cli, EverySubcommandHasHelp) {
@@ -65,6 +68,23 @@ TEST(Cli, VerifyRejectsForgedProofs) {
   }
 }
 
+TEST(Cli, HelpStatesTheTimeLimitOfADesign) {
+  EXPECT_THAT(run({"design", "--help"}).out, HasSubstr("the default is 600"));
+}
+
+// A delay of a million samples makes the simulation of two axes walk two millions.
+TEST(Cli, WhatWouldTakeTooLongToVerifyIsNotBegun) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("r.json");
+  ASSERT_EQ(run({"design", problems + "corner/acceleration-jerk.toml", "--json", path, "-q"}).code, 0);
+  Json result = Json::parse(folder.read("r.json"));
+  result["corners"][0]["delay_samples"] = 1000000;
+  folder.write("r.json", result.dump());
+  const Outcome outcome = run({"verify", path, "--time-limit", "0.01"});
+  EXPECT_EQ(outcome.code, 1) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("would take about"));
+}
+
 TEST(Cli, BadUsageIsExitCodeTwo) {
   for (const std::vector<std::string>& arguments :
        std::vector<std::vector<std::string>>{{},
@@ -83,6 +103,30 @@ TEST(Cli, BadUsageIsExitCodeTwo) {
     EXPECT_EQ(outcome.out, "");
     EXPECT_NE(outcome.err, "");
   }
+}
+
+TEST(Cli, UnknownCommandsAndSolversGetASuggestion) {
+  const Outcome command = run({"-q", "desing", "t.toml"});
+  EXPECT_EQ(command.code, 2);
+  EXPECT_THAT(command.err,
+              StartsWith("unknown command \"desing\"; did you mean \"design\"? known are evaluate, design"));
+  const Outcome solver = run({"design", problems + "corner/power.toml", "--solver", "iopt"});
+  EXPECT_EQ(solver.code, 2);
+  EXPECT_THAT(solver.err, HasSubstr("unknown solver \"iopt\"; did you mean \"ipopt\"? known are ipopt"));
+}
+
+/// The tables of keys in problems/README.md are those of the program; if not: problems/update-keys.
+TEST(Cli, TheDocumentedKeysAreThoseOfTheReaders) {
+  std::ifstream file(problems + "README.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  for (const std::string kind : {"task", "study", "suite", "result"}) {
+    const Outcome table = run({"schema", kind, "--markdown"});
+    EXPECT_EQ(table.code, 0);
+    const std::string command = "accdec schema " + kind + " --markdown";
+    EXPECT_THAT(page, HasSubstr("<!-- " + command + " -->\n" + table.out + "<!-- end of " + kind + " -->"))
+        << "stale: run problems/update-keys";
+  }
+  EXPECT_EQ(run({"schema", "tusk"}).code, 2);
 }
 
 TEST(Cli, InputThatCannotBeRead) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -10,6 +11,7 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include <accdec/comparison/suite_file.hpp>
 #include <accdec/solvers/solver.hpp>
@@ -97,6 +99,64 @@ TEST_F(CompareCommand, TablesFiguresAndReportFromOneCommand) {
   EXPECT_THAT(html, Not(HasSubstr("src=")));
 }
 
+TEST_F(CompareCommand, ShardsHaveWholeProblemsAndMergeToTheSameRuns) {
+  suite(R"(["ipopt", "nlopt-slsqp"])", "", 2);
+  const auto runs = [&](const char* folder) {
+    std::map<std::size_t, std::string> verdicts;
+    std::istringstream raw(content(home_ / folder / "raw.jsonl"));
+    for (std::string line; std::getline(raw, line);) {
+      const nlohmann::json row = nlohmann::json::parse(line);
+      if (row.contains("index"))
+        verdicts[row.at("index")] = row.value("claim", "") + row.value("verdict", "") + row.value("proof", "");
+    }
+    return verdicts;
+  };
+  ASSERT_EQ(run("compare suite.toml --out whole").exit_code, 0);
+  const Outcome first = run("compare suite.toml --out parts --shard 1/2");
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  EXPECT_THAT(first.output, HasSubstr("Shard 1/2 is done"));
+  EXPECT_FALSE(fs::exists(home_ / "parts/raw.jsonl"));
+  const Outcome early = run("compare suite.toml --out parts --merge parts");
+  EXPECT_EQ(early.exit_code, 2);
+  EXPECT_THAT(early.output, HasSubstr("Missing: shard 2 of 2"));
+  EXPECT_FALSE(fs::exists(home_ / "parts/report.html"));
+  ASSERT_EQ(run("compare suite.toml --out parts --shard 2/2").exit_code, 0);
+  // All runs of a problem are in one journal.
+  std::set<std::size_t> cases[2];
+  for (const int shard : {1, 2}) {
+    std::istringstream journal(content(home_ / fmt::format("parts/shard-{}-of-2.journal", shard)));
+    std::string line;
+    std::getline(journal, line);
+    while (std::getline(journal, line))
+      cases[shard - 1].insert(nlohmann::json::parse(line.substr(line.find('{'))).at("case").get<std::size_t>());
+  }
+  EXPECT_EQ(cases[0].size(), 2u);
+  EXPECT_EQ(cases[1].size(), 2u);
+  for (const std::size_t c : cases[0]) EXPECT_FALSE(cases[1].contains(c));
+  const Outcome merged = run("compare suite.toml --out parts --merge parts");
+  ASSERT_EQ(merged.exit_code, 0) << merged.output;
+  EXPECT_THAT(merged.output, HasSubstr("0 entries computed"));
+  EXPECT_EQ(runs("parts"), runs("whole"));
+}
+
+TEST_F(CompareCommand, WithoutSlurmTheScriptsDoByThemselves) {
+  suite(R"(["ipopt"])", "", 1);
+  EXPECT_THAT(run("compare suite.toml --out out --slurm 9").output, HasSubstr("only 4 problems"));
+  const Outcome r = run("compare suite.toml --out out --slurm 2 --solvers nlopt-slsqp,ipopt", "PATH=/nowhere");
+  EXPECT_EQ(r.exit_code, 1) << r.output;
+  EXPECT_THAT(r.output, HasSubstr("sbatch is not installed"));
+  fs::remove(home_ / "suite.toml");  // frozen, and so are its tasks
+  for (const int shard : {1, 2})
+    ASSERT_EQ(std::system(fmt::format("bash '{}/out/slurm/array.sh' {} >/dev/null", home_.string(), shard).c_str()), 0);
+  EXPECT_THAT(run("compare --status out", "PATH=/nowhere").output, HasSubstr("of 2 shards 2 are done"));
+  ASSERT_EQ(std::system(fmt::format("bash '{}/out/slurm/merge.sh' >/dev/null", home_.string()).c_str()), 0);
+  EXPECT_THAT(content(home_ / "out/summary.csv"), HasSubstr("nlopt-slsqp"));
+  const Outcome status = run("compare --status out", "PATH=/nowhere");
+  EXPECT_EQ(status.exit_code, 0);
+  EXPECT_THAT(status.output, HasSubstr("Put together"));
+  EXPECT_THAT(run("study --status out").output, HasSubstr("is of `accdec compare`"));
+}
+
 TEST_F(CompareCommand, RedrawGivesTheSameBytesWithoutSolving) {
   suite(R"(["ipopt", "nlopt-slsqp"])");
   ASSERT_EQ(run("compare suite.toml --out out").exit_code, 0);
@@ -155,7 +215,7 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   };
   suite(R"(["ipotp"])");
   refuse("compare suite.toml --out none",
-         R"(suite.toml:2:11: unknown solver "ipotp"; did you mean "ipopt"? known are ipopt, ipopt-lbfgs)");
+         R"(suite.toml:2:12: unknown solver "ipotp"; did you mean "ipopt"? known are ipopt, ipopt-lbfgs)");
   suite(R"(["nlopt-mma/reduced"])");
   refuse("compare suite.toml --out none", "unknown solver \"nlopt-mma/reduced\"");  // it has no other form
   suite(R"("all")", "time_limit = 3");
@@ -171,7 +231,7 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   write(home_ / "suite.toml",
         content(home_ / "suite.toml") +
             "[[problem]]\nname = \"x\"\ntask = \"task.toml\"\norder = 5\nformulation = \"least\"\n");
-  refuse("compare suite.toml --out none", "unknown formulation \"least\"; allowed are margin, delay, design");
+  refuse("compare suite.toml --out none", "unknown formulation \"least\"; known are margin, delay, design");
   suite("\"ipopt\"", "sizes = [1, 2, 1]");
   refuse("compare suite.toml --out none", "suite.toml:7:9: size 1 stands twice");
   suite("\"ipopt\"");
@@ -197,7 +257,14 @@ TEST_F(CompareCommand, OtherSolversThanTheSuites) {
       content(home_ / "out/summary.csv"),
       ::testing::AllOf(HasSubstr("\nclp,"), HasSubstr("\nnlopt-slsqp/reduced,"), ::testing::Not(HasSubstr("ipopt"))));
   EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("--solvers clp,nlopt-slsqp/reduced"));
-  EXPECT_THAT(run("compare suite.toml --out out").output, HasSubstr("another suite")) << "other solvers, other results";
+  // With the suite's own solver only its runs are missing, and the others' are not lost.
+  const Outcome own = run("compare suite.toml --out out");
+  EXPECT_THAT(own.output, HasSubstr("8 entries computed")) << "four problems from two starts";
+  EXPECT_THAT(own.output, HasSubstr("4 from an earlier run")) << "the references";
+  EXPECT_THAT(own.output, HasSubstr("16 entries of an earlier form of the suite"));
+  EXPECT_THAT(content(home_ / "out/summary.csv"), ::testing::AllOf(HasSubstr("\nipopt,"), Not(HasSubstr("\nclp,"))));
+  EXPECT_THAT(run("compare suite.toml --out out --solvers clp,nlopt-slsqp/reduced").output,
+              HasSubstr(": 0 entries computed"));
   const auto refused = [&](const std::string& solvers, const std::string& reason) {
     const Outcome outcome = run("compare suite.toml --out none --solvers " + solvers);
     EXPECT_EQ(outcome.exit_code, 2);
@@ -239,11 +306,110 @@ TEST_F(CompareCommand, ResultsOfAnotherSuiteAreLeftAlone) {
   suite("\"ipopt\"", "", 1);
   ASSERT_EQ(run("compare suite.toml --out out").exit_code, 0);
   const std::string raw = content(home_ / "out/raw.jsonl");
-  suite("\"ipopt\"", "accuracy = 1e-3", 1);
-  const Outcome other = run("compare suite.toml --out out");
+  write(home_ / "other.toml", R"(solvers = ["ipopt"]
+[[problem]]
+name = "something else"
+task = "task.toml"
+formulation = "margin"
+order = 25
+)");
+  const Outcome other = run("compare other.toml --out out");
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_THAT(other.output, HasSubstr("another suite"));
   EXPECT_EQ(content(home_ / "out/raw.jsonl"), raw);
+}
+
+/// Lines of raw data that begin with an entry, without what its place in the suite changes.
+std::multiset<std::string> entries_of(const std::string& raw) {
+  std::multiset<std::string> entries;
+  std::istringstream in(raw);
+  for (std::string line; std::getline(in, line);) {
+    auto row = nlohmann::ordered_json::parse(line);
+    if (row["record"] != "run" && row["record"] != "problem") continue;
+    row.erase("index");
+    row.erase("case");
+    entries.insert(row.dump());
+  }
+  return entries;
+}
+
+TEST_F(CompareCommand, ChangedSuiteComputesWhatTheChangeTouches) {
+  suite(R"(["ipopt", "nlopt-slsqp"])", "", 1);
+  const Outcome first = run("compare suite.toml --out out");
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  EXPECT_THAT(first.output, HasSubstr("20 entries computed")) << "4 references and 4 problems x 2 starts x 2 solvers";
+  const std::string raw = content(home_ / "out/raw.jsonl"), as_it_was = content(home_ / "suite.toml");
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = as_it_was;
+    text.replace(text.find(from), from.size(), to);
+    write(home_ / "suite.toml", text);
+    return run("compare suite.toml --out out").output;
+  };
+  EXPECT_THAT(changed("title = \"Mini\"", "title = \"Other words\"\naccuracy = 1e-3"),
+              HasSubstr(": 0 entries computed"))
+      << "what is judged afterwards needs no new runs";
+  EXPECT_THAT(changed("\"ipopt\", \"nlopt-slsqp\"", "\"clp\", \"nlopt-slsqp\", \"ipopt\""),
+              HasSubstr("8 entries computed"))
+      << "the new solver's runs";
+  EXPECT_THAT(changed("order = 10", "order = 11"), HasSubstr("10 entries computed"))
+      << "the second problem's two references and 8 runs";
+  EXPECT_THAT(changed("time_limit_s = 60", "time_limit_s = 50"), HasSubstr("20 entries computed"))
+      << "all: the time limit is told to every solver";
+  write(home_ / "suite.toml", as_it_was);
+  const Outcome back = run("compare suite.toml --out out");
+  EXPECT_THAT(back.output, HasSubstr(": 0 entries computed")) << "nothing that was done is lost";
+  EXPECT_EQ(entries_of(content(home_ / "out/raw.jsonl")), entries_of(raw));
+}
+
+TEST_F(CompareCommand, ChangedAfterAKillItKeepsWhatWasDone) {
+  suite(R"(["ipopt", "nlopt-slsqp"])", "", 1);
+  const pid_t child = start("compare suite.toml --out out --workers 1");
+  const auto lines = [&] {
+    const std::string journal = content(home_ / "out/comparison.journal");
+    return std::count(journal.begin(), journal.end(), '\n');
+  };
+  int status = 0;
+  while (lines() < 8 && ::waitpid(child, &status, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ::kill(child, SIGKILL);
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  const auto done = lines() - 1;
+  suite(R"(["ipopt", "nlopt-slsqp"])", "accuracy = 1e-3", 1);
+  const Outcome next = run("compare suite.toml --out out");
+  ASSERT_EQ(next.exit_code, 0) << next.output;
+  EXPECT_THAT(next.output, HasSubstr(fmt::format("{} from an earlier run", done)));
+  for (const auto& item : fs::directory_iterator(home_ / "out"))
+    EXPECT_THAT(item.path().filename().string(), Not(HasSubstr("journal")));
+}
+
+TEST_F(CompareCommand, SaysWhatItSolvesAndWhatCameOfIt) {
+  write(home_ / "suite.toml", R"(solvers = ["ipopt", "nlopt-slsqp"]
+repeats = 1
+[[problem]]
+name = "undelayed"
+task = "task.toml"
+formulation = "margin"
+order = 30
+[[problem]]
+name = "delayed"
+task = "task.toml"
+formulation = "margin"
+order = 30
+delay_samples = 12
+)");
+  const Outcome r = run("compare suite.toml --out out");
+  ASSERT_EQ(r.exit_code, 0) << r.output;
+  EXPECT_THAT(r.output,
+              HasSubstr("problem \"undelayed\": margin without delay_samples: asks for the least corner error "
+                        "without any delay"));
+  EXPECT_THAT(r.output, Not(HasSubstr("problem \"delayed\"")));
+  EXPECT_THAT(content(home_ / "out/problems.csv"),
+              ::testing::AllOf(HasSubstr("taps of least corner error without any delay"),
+                               HasSubstr("taps of least corner error at delay 12")));
+  // The table: two runs each, both reached the proved optimum.
+  EXPECT_THAT(r.output, ::testing::ContainsRegex("solver +runs +reached"));
+  EXPECT_THAT(r.output, ::testing::ContainsRegex("\nipopt +2 +2 +0"));
 }
 
 // What the shipped comparison claims to be.

@@ -1,3 +1,5 @@
+#include <atomic>
+
 #include <gmock/gmock.h>
 
 #include <accdec/design/design.hpp>
@@ -48,6 +50,20 @@ TEST(DesignDelays, IsTheFirstDelayThatSimulationAccepts) {
   }
   EXPECT_GT(found, 80);
   EXPECT_GT(none, 80);
+}
+
+TEST(DesignDelays, StopsAtItsTimeLimit) {
+  Task task = testing::plane_task({}, testing::plane_corner("A", 90, 0, 0.1, 0.1), 20e-6);
+  task.filter = FilterSpec{.kind = Shape::hann, .order = 40};
+  DesignOptions options;
+  options.time_limit = 1e-9;
+  const DesignResult result = design_delays(task, options);
+  EXPECT_EQ(result.status, Status::failed);
+  EXPECT_THAT(result.message, ::testing::HasSubstr("stopped at corner 1 of 1"));
+  std::atomic<bool> cancel{true};
+  options.time_limit = 600.0;
+  options.cancel = &cancel;
+  EXPECT_EQ(design_delays(task, options).status, Status::failed);
 }
 
 TEST(DesignDelays, KeepsGivenDelays) {

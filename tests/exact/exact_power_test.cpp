@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate/checker.hpp>
 #include <accdec/design/formulation.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/motion/shapes.hpp>
@@ -35,22 +35,33 @@ void expect_proved(const Task& task, const DesignResult& result) {
   EXPECT_TRUE(verify_by_simulation(task, *result.filter, delays_of(result)).feasible);
 }
 
+Axis frictionless() {
+  Axis axis;
+  axis.mass = 30.0;
+  axis.force_max = 450.0;
+  return axis;
+}
+
+/// A square corner without tolerance at v (m/s), sampled every t (s).
+DesignResult proved_exact_stop(const Axis& axis, double v, double t) {
+  Task task = plane_task(axis, plane_corner("A", 90, 0, v, v), 0.0);
+  task.sample_period = t;
+  task.design.order_max = 80;
+  DesignResult result = design_exact(task);
+  expect_proved(task, result);
+  return result;
+}
+
 // Exact stop of frictionless axes, force then power: the shortest start has constant acceleration up to V* = P/F, then
 // the square root of V*^2 + 2 P t/m; sampled, B_k is the largest root of what one step allows. A stop is limited by
 // force alone, so the same filter does. Leg 2 starts when leg 1 stands: d = N.
 TEST(ExactPower, ForceThenPowerIsTheSaturatingStart) {
   for (const double power : {60.0, 100.0, 140.0, 400.0}) {
-    Axis axis;
-    axis.mass = 30.0;
-    axis.force_max = 450.0;
+    Axis axis = frictionless();
     axis.power_max = power;
-    const double v = 0.4, t = 2e-3, step = axis.force_max * t / (axis.mass * v);
-    Task task = plane_task(axis, plane_corner("A", 90, 0, v, v), 0.0);
-    task.sample_period = t;
-    task.design.order_max = 80;
-    const DesignResult result = design_exact(task);
     SCOPED_TRACE(power);
-    expect_proved(task, result);
+    const double v = 0.4, t = 2e-3, step = axis.force_max * t / (axis.mass * v);
+    const DesignResult result = proved_exact_stop(axis, v, t);
     // m v/T (B_k - B_{k-1}) v B_k <= P
     const double p = power * t / (axis.mass * v * v);
     int taps = 0;
@@ -68,17 +79,11 @@ TEST(ExactPower, ForceThenPowerIsTheSaturatingStart) {
 // gives nothing back in the step that ends at rest.
 TEST(ExactPower, RegenerationIsTheMirrorImage) {
   for (const double power : {40.0, 70.0, 120.0}) {
-    Axis axis;
-    axis.mass = 30.0;
-    axis.force_max = 450.0;
+    Axis axis = frictionless();
     axis.regeneration_max = power;
-    const double v = 0.4, t = 2e-3, step = axis.force_max * t / (axis.mass * v);
-    Task task = plane_task(axis, plane_corner("A", 90, 0, v, v), 0.0);
-    task.sample_period = t;
-    task.design.order_max = 80;
-    const DesignResult result = design_exact(task);
     SCOPED_TRACE(power);
-    expect_proved(task, result);
+    const double v = 0.4, t = 2e-3, step = axis.force_max * t / (axis.mass * v);
+    const DesignResult result = proved_exact_stop(axis, v, t);
     // Backwards from rest, w = 1 - B: the w before is w + min(step, p/w).
     const double p = power * t / (axis.mass * v * v);
     int taps = 0;

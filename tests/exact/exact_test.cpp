@@ -1,10 +1,10 @@
+#include <atomic>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate/checker.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
@@ -278,6 +278,23 @@ TEST(Exact, EndsAtTheGapAskedFor) {
   }
 }
 
+// Why the search ended is a value of its own, whatever the message says.
+TEST(Exact, SaysWhyItStopped) {
+  Axis axis;
+  axis.acceleration_max = 8.0;
+  axis.jerk_max = 800.0;
+  Task task = plane_task(axis, plane_corner("A", 77, 0, 0.1, 0.1), 50e-6);
+  EXPECT_EQ(design_exact(task).stop, StopReason::finished);
+  task.sample_period = 1e-4;  // hundreds of samples: far more than a millisecond's work
+  ExactOptions options;
+  options.time_limit = 1e-3;
+  EXPECT_EQ(design_exact(task, options).stop, StopReason::time_limit);
+  const std::atomic<bool> cancel = true;
+  options = {};
+  options.cancel = &cancel;
+  EXPECT_EQ(design_exact(task, options).stop, StopReason::interrupted);
+}
+
 TEST(Exact, CertificatesOfInfeasibilityNameTheLimitsInConflict) {
   Axis axis;
   axis.acceleration_max = 1.0;
@@ -286,9 +303,10 @@ TEST(Exact, CertificatesOfInfeasibilityNameTheLimitsInConflict) {
   task.design.order_max = 40;  // 100 samples of acceleration are needed
   const DesignResult result = design_exact(task);
   ASSERT_EQ(result.status, Status::infeasible);
-  const auto certificate = nlohmann::json::parse(result.certificate);
-  ASSERT_EQ(certificate.at("conflict").size(), 1u);
-  EXPECT_NE(certificate.at("conflict")[0].get<std::string>().find("acceleration"), std::string::npos);
+  ASSERT_NE(result.certificate, nullptr);
+  const auto& conflict = std::get<proof::BranchAndBound>(result.certificate->proof).conflict;
+  ASSERT_EQ(conflict.size(), 1u);
+  EXPECT_NE(conflict[0].find("acceleration"), std::string::npos);
   EXPECT_TRUE(check_certificate(task, result).accepted);
 }
 

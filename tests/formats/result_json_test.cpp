@@ -1,9 +1,11 @@
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/certificate/certificate.hpp>
 #include <accdec/design/recheck.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/task_reader.hpp>
@@ -46,11 +48,41 @@ TEST(ResultJson, HoldsTheContract) {
   EXPECT_TRUE(json["limits"].back().contains("frequency_Hz"));
 }
 
+/// One of every kind of rows and nodes, with numbers that only full precision keeps apart.
+Certificate certificate_of_every_kind() {
+  using namespace proof;
+  BranchAndBound proof;
+  proof.objective = Objective::cycle;
+  proof.runs = 0.1 + 0.2;
+  proof.bound_samples = 1e6 / 3.0;
+  proof.conflict = {"force x", "quotes \" too"};
+  proof.multipliers = {{{TapDifference{3, -1}, 0.1},
+                        {EventForce{false, 1, 4}, 1e-300},
+                        {EventForce{true, 0, 5}, 0.0},
+                        {proof::Blend{BlendLimit::acceleration, 1, 0, 7, 1}, 1.0 / 3.0},
+                        {proof::Blend{BlendLimit::jerk, 0, 1, 7, -1}, 1.0},
+                        {proof::Blend{BlendLimit::force, 0, 1, 7, -1}, 1.0},
+                        {Error{1, 0.1}, 2.0},
+                        {RangeError{0, -0.7, {5, true, false}, {-2, false, true}}, 2.0},
+                        {Budget{}, 5.0},
+                        {Vibration{1, 38.1, -3.0}, 2.0},
+                        {EventPower{false, 0, 2, 0.1, 0.2}, 2.0},
+                        {EventPower{true, 1, 2, 0.1, 0.2}, 2.0},
+                        {BlendPower{false, 1, 0, 3, -1, 0.1, 0.2}, 2.0},
+                        {BlendPower{true, 0, 1, 3, 1, 0.1, 0.2}, 2.0},
+                        {Speed{1, 9, -0.5, 0.25}, 2.0},
+                        {Response{4, -1}, 2.0}},
+                       {}};
+  proof.tree = {Split{1, true, 3}, Split{0, false, 9}, OrderSplit{12},    ResponseSplit{4, 1.0 / 3.0}, Refuted{1},
+                TooLong{},         Unreachable{},      SymmetricOrders{}, RefutedSymmetric{0, -2}};
+  return {proof};
+}
+
 TEST(ResultJson, RoundTripIsExact) {
   DesignResult result = example();
   result.lower_bound = 0.1 + 0.2;
   result.gap = 1.0 / 3.0;
-  result.certificate = R"({"kind":"test","numbers":[0.1,3]})";
+  result.certificate = std::make_shared<Certificate>(certificate_of_every_kind());
   result.message = "quotes \" and \n line feeds, \xC3\xA9";
   result.solver = {"nlp", "ipopt", "3.11.9", "solved", 17, 0.25, {}};
   const std::string text = result_to_json(result);
@@ -58,11 +90,37 @@ TEST(ResultJson, RoundTripIsExact) {
   EXPECT_EQ(result_to_json(again), text);
   EXPECT_EQ(again.lower_bound, result.lower_bound);
   EXPECT_EQ(again.message, result.message);
-  EXPECT_EQ(again.certificate, result.certificate);
+  ASSERT_NE(again.certificate, nullptr);
+  EXPECT_EQ(*again.certificate, *result.certificate);
   ASSERT_EQ(again.limits.size(), result.limits.size());
   for (std::size_t i = 0; i < result.limits.size(); ++i)
     EXPECT_EQ(again.limits[i].utilisation, result.limits[i].utilisation);
   EXPECT_EQ(again.task.corners[0].geometry().direction_out, result.task.corners[0].geometry().direction_out);
+}
+
+TEST(ResultJson, EveryStopReasonComesBack) {
+  for (const StopReason reason : stop_reasons) {
+    DesignResult result = example();
+    result.stop = reason;
+    const std::string text = result_to_json(result);
+    EXPECT_THAT(text, HasSubstr(fmt::format("\"stop\": \"{}\"", to_string(reason))));
+    EXPECT_EQ(parse_result(text, "r.json").stop, reason);
+  }
+  // Older results have none.
+  Json json = Json::parse(result_to_json(example()));
+  json.erase("stop");
+  EXPECT_EQ(parse_result(json.dump(), "r.json").stop, StopReason::finished);
+}
+
+TEST(ResultJson, OtherCertificatesComeBack) {
+  for (const Certificate& certificate : {Certificate{proof::ConstantFeed{}}, Certificate{proof::Enumeration{}},
+                                         Certificate{proof::BranchAndBound{Objective::corner, 1.0, {}, {}, {}, {}}}}) {
+    DesignResult result = example();
+    result.certificate = std::make_shared<Certificate>(certificate);
+    const DesignResult again = parse_result(result_to_json(result), "r.json");
+    ASSERT_NE(again.certificate, nullptr);
+    EXPECT_EQ(*again.certificate, certificate);
+  }
 }
 
 TEST(ResultJson, WhatIsNotFiniteIsNull) {
@@ -141,6 +199,17 @@ TEST(ResultJson, MalformedResultsSayWhereAndWhat) {
   EXPECT_THAT(after([](Json& j) { j["task"]["corner"][0]["eror_max_um"] = 200; }),
               HasSubstr("did you mean `error_max_um`?"));
   EXPECT_THAT(after([](Json& j) { j["task"]["title"] = nullptr; }), HasSubstr("task.title: must not be null"));
+}
+
+TEST(ResultJson, SaysSeveralErrorsAtOnce) {
+  const std::string message = after([](Json& j) {
+    j["task"] = 3;
+    j["corners"][0]["delay_samples"] = -1;
+    j["limits"][0].erase("bound");
+  });
+  EXPECT_THAT(message,
+              ::testing::ContainsRegex("task: must be an object, got number\n.*corners.0..delay_samples: -1 is "
+                                       "out of range.*\n.*limits.0.: lacks the member `bound`"));
 }
 
 TEST(ResultJson, PositionsOfTaskErrorsAreThoseOfTheResultFile) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -101,6 +102,49 @@ TEST(TaskReader, OneAxisTableStandsForAsManyAxesAsTheDirectionsHave) {
   EXPECT_DOUBLE_EQ(three.corners[0].geometry().direction_in[1], 2.0 / 3.0);
   const Task one = parse_task(text("direction_in = [1]\ndirection_out = [-1]\n"), "t");
   EXPECT_EQ(one.machine.axes.size(), 1U);
+}
+
+std::string text_of_errors(const std::string& text) {
+  try {
+    parse_task(text, "t");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "was read";
+}
+
+/// Everything that is wrong by itself is said at once, in the order of the file.
+TEST(TaskReader, SaysSeveralErrorsAtOnce) {
+  EXPECT_EQ(text_of_errors("sample_period_ms = 0\n[design]\norder_min = 9\norder_max = 3\n[[corner]]\nangle_deg = 200\n"
+                           "eror_max_um = 5\n[[corner]]\nangle_deg = 90\nturn = \"up\"\n"),
+            "t:1:20: `sample_period_ms` = 0 is out of range; allowed is 0.0001 <= sample_period_ms <= 1000\n"
+            "t:3:13: `order_min` = 9 is above `order_max` = 3; allowed is order_min <= order_max\n"
+            "t:6:13: `angle_deg` = 200 is out of range; allowed is 0 < angle_deg <= 180\n"
+            "t:7:1: unknown key `eror_max_um` in [[corner]] 1; did you mean `error_max_um`?\n"
+            "t:8:1: [[corner]] 2 needs `feed_in_mm_min`; allowed is 0 < feed_in_mm_min <= 10000000\n"
+            "t:10:8: `turn` = \"up\" is unknown; allowed are left, right");
+  // What lies between tables is looked at when each is right in itself: here every corner is too fast.
+  EXPECT_EQ(
+      text_of_errors("sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 10\n[[corner]]\nangle_deg = 90\n"
+                     "feed_in_mm_min = 1200\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\n"),
+      "t:6:18: corner A: feed_in_mm_min asks axis x for 20 mm/s; allowed is velocity_max_mm_s = 10 (a feed up to "
+      "600 mm/min in this direction)\n"
+      "t:9:18: corner B: feed_in_mm_min asks axis x for 100 mm/s; allowed is velocity_max_mm_s = 10 (a feed up to "
+      "600 mm/min in this direction)");
+}
+
+TEST(TaskReader, CountsWhatIsTooMuchToShow) {
+  std::string text = "sample_period_ms = 1\n";
+  for (int i = 0; i < 5000; ++i) text += "[[corner]]\nangle_deg = 0\nfeed_in_mm_min = -1\n";
+  const std::string message = text_of_errors(text);
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 10);
+  // The check ends at a hundred.
+  EXPECT_THAT(message, ::testing::EndsWith("\nt: and at least 90 more"));
+  // Of a list with many bad elements the first is said.
+  std::string taps = "[filter]\nkind = \"taps\"\ntaps = [";
+  for (int i = 0; i < 100000; ++i) taps += "-1,";
+  EXPECT_THAT(text_of_errors("sample_period_ms = 0\n" + taps + "1]\n[[corner]]\nangle_deg = 9\nfeed_in_mm_min = 1\n"),
+              ::testing::EndsWith("\nt:4:9: `taps`: element 0 = -1 is out of range; allowed is 0 <= taps <= 1e+300"));
 }
 
 TEST(TaskReader, ProgramsNeedNoCorner) {

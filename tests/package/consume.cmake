@@ -17,3 +17,28 @@ string(FIND "${readme}" "${program}" place)
 if(place EQUAL -1)
   message(FATAL_ERROR "the README's C++ program is not tests/package/consumer/first_result.cpp")
 endif()
+
+# What is installed beside the program and the library.
+foreach(file share/bash-completion/completions/accdec share/zsh/vendor-completions/_accdec share/fish/vendor_completions.d/accdec.fish)
+  if(NOT EXISTS ${WORK}/prefix/${file})
+    message(FATAL_ERROR "${file} is not installed")
+  endif()
+endforeach()
+find_program(help2man help2man)
+if(help2man AND NOT EXISTS ${WORK}/prefix/share/man/man1/accdec-design.1.gz)
+  message(FATAL_ERROR "the manual pages are not installed")
+endif()
+file(GLOB_RECURSE pc ${WORK}/prefix/accdec.pc)
+cmake_path(GET pc PARENT_PATH pc)
+execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pc} pkg-config --modversion --print-errors accdec
+  OUTPUT_VARIABLE version OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+run(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pc} pkg-config --static --libs --cflags accdec)
+
+# One version, wherever it has to be written once more.
+foreach(file apps/guide/CITATION.cff apps/guide/CHANGELOG.md apps/python/pyproject.toml)
+  file(READ ${PROJECT}/${file} text)
+  string(FIND "${text}" "${version}" place)
+  if(place EQUAL -1)
+    message(FATAL_ERROR "${file} does not have version ${version}")
+  endif()
+endforeach()

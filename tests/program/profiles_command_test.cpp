@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -46,6 +47,8 @@ class ProfilesCommand : public testing::Test {
 };
 
 TEST_F(ProfilesCommand, WritesTheSameMotionAsATableAndAsAStream) {
+  // Turns of 30 degrees, at which a parabola of lower speed is faster than full speed and a delay.
+  write("program.ngc", "G64 P0.05 F6000\nG1 X30\nG1 X56 Y15\nG1 X86\nG1 X112 Y0\nM2\n");
   ASSERT_EQ(run("--plan profiles --samples s.csv --stream s.txt --json r.json"), 0) << read("err");
   EXPECT_THAT(read("out"), HasSubstr("verified: every sample"));
   EXPECT_THAT(read("r.json"), HasSubstr("\"corner_bound_s\""));
@@ -73,18 +76,72 @@ TEST_F(ProfilesCommand, WritesTheSameMotionAsATableAndAsAStream) {
 }
 
 TEST_F(ProfilesCommand, RefusesWhatBelongsToOneFilter) {
-  for (const char* option : {"--emit x.ngc", "--delays x.csv", "--figure x.svg"}) {
+  for (const char* option : {"--emit x.ngc", "--delays x.csv"}) {
     EXPECT_EQ(run(std::string("--plan profiles ") + option), 2) << option;
     EXPECT_THAT(read("err"), HasSubstr("needs --plan fixed or per-leg"));
   }
+  EXPECT_EQ(run("--plan profiles --figure x.svg"), 2);
+  EXPECT_THAT(read("err"), HasSubstr(".html"));
   EXPECT_EQ(run("--stream x.txt"), 2);
   EXPECT_THAT(read("err"), HasSubstr("--stream needs --plan profiles"));
 }
 
-TEST_F(ProfilesCommand, RefusesVibrationBounds) {
+TEST_F(ProfilesCommand, HoldsVibrationBounds) {
   write("task.toml", task_ + "[[mode]]\nfrequency_Hz = 50\nresidual_max = 0.1\n");
+  EXPECT_EQ(run("--plan profiles --time-limit 1"), 0) << read("err");
+  EXPECT_THAT(read("out"), HasSubstr("vibration"));
+  write("task.toml", task_ + "[[mode]]\nfrequency_Hz = [1, 499]\nresidual_max = 1e-9\n");
   EXPECT_EQ(run("--plan profiles"), 2);
-  EXPECT_THAT(read("err"), HasSubstr("plan profiles cannot hold vibration bounds"));
+  EXPECT_THAT(read("err"), HasSubstr("finds no filter for the vibration bounds"));
+}
+
+/// The number after a key in JSON.
+double value(const std::string& json, const std::string& key) {
+  const std::size_t at = json.find("\"" + key + "\": ");
+  return at == std::string::npos ? NAN : std::stod(json.substr(at + key.size() + 4));
+}
+
+TEST_F(ProfilesCommand, IsNeverSlowerThanTheOtherPlans) {
+  // Short blocks under a jerk limit, where one filter may be faster than ramps that wait for the last boxcar.
+  std::string zigzag = "G64 P0.02 F6000\n";
+  for (int i = 1; i <= 60; ++i)
+    zigzag += "G1 X" + std::to_string(0.8 * i) + " Y" + std::to_string(0.5 * (i % 3)) + "\n";
+  write("program.ngc", zigzag + "M2\n");
+  write("task.toml", task_ + "jerk_max_mm_s3 = 30000\n");
+  double fastest = INFINITY;
+  for (const std::string plan : {"fixed", "per-leg"}) {
+    ASSERT_EQ(run("--time-limit 2 --json " + plan + ".json --plan " + plan), 0) << read("err");
+    fastest = std::min(fastest, value(read(plan + ".json"), "cycle_time_s"));
+  }
+  ASSERT_EQ(run("--time-limit 2 --json p.json --samples p.csv --plan profiles"), 0) << read("err");
+  const std::string json = read("p.json");
+  EXPECT_THAT(json, HasSubstr("\"candidates\""));
+  // One part in a hundred for the search's clock, which may end it elsewhere on a busy machine.
+  EXPECT_LE(value(json.substr(json.rfind("\"cycle_time_s\"")), "cycle_time_s"), 1.01 * fastest);
+  EXPECT_THAT(read("p.csv"), HasSubstr("time_s,x_mm"));
+}
+
+TEST_F(ProfilesCommand, ExactStopsAreRestsAndNameTheLimitTheyBreak) {
+  // There and back: with a delay of N the last tap of one leg and the first of the next brake the same axis together,
+  // twice the acceleration, so an exact stop needs N + 1.
+  write("program.ngc", "G64 P0.05 F6000\nG1 X30\nG1 X0\nM2\n");
+  write("task.toml", task_ + "[filter]\nkind = \"boxcar\"\norder = 99\n");
+  ASSERT_EQ(run("--json r.json --feeds keep"), 0) << read("err");
+  const std::string json = read("r.json");
+  EXPECT_THAT(json, HasSubstr("\"exact_stop_breaks\": null"));
+  // 300 samples of each leg, N + 1 between and N + 1 at the end.
+  EXPECT_NEAR(value(json, "cycle_time_exact_stop_s"), 0.8, 1.001e-3);
+}
+
+TEST_F(ProfilesCommand, PagesStandAlone) {
+  for (const std::string plan : {"fixed", "profiles"}) {
+    ASSERT_EQ(run("--time-limit 1 --figure page.html --plan " + plan), 0) << read("err");
+    const std::string page = read("page.html");
+    EXPECT_THAT(page, HasSubstr("<canvas id=path"));
+    EXPECT_THAT(page, HasSubstr("75 to 105 degrees"));
+    EXPECT_THAT(page, testing::Not(HasSubstr("http")));
+    EXPECT_THAT(page, testing::Not(HasSubstr("src=")));
+  }
 }
 
 }  // namespace

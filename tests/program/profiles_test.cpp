@@ -1,4 +1,5 @@
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <random>
 
@@ -6,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <accdec/program/profiles/corner.hpp>
+#include <accdec/program/profiles/last_filter.hpp>
 #include <accdec/program/profiles/motion.hpp>
 #include <accdec/program/profiles/plan_profiles.hpp>
 
@@ -35,7 +37,7 @@ Machine machine(double acceleration, double jerk = unlimited, double velocity = 
 /// All samples of a plan, the start included: rows of as many values as the path has axes.
 std::vector<std::vector<double>> samples_of(const Toolpath& path, const ProfilePlan& plan, double period) {
   std::vector<std::vector<double>> rows{{path.point(0), path.point(0) + path.dimensions()}};
-  ProfileMotion motion(path, plan.chain, period, plan.taps);
+  ProfileMotion motion(path, plan.chain, period, plan.last);
   while (motion.next()) rows.emplace_back(motion.position(), motion.position() + path.dimensions());
   return rows;
 }
@@ -101,7 +103,7 @@ TEST(ProfileCorner, IsAParabolaOfTheSpeedThatItsToleranceAllows) {
   // u1 along x, u2 turned by the angle: v = sqrt(8 a e/(m n)), n = |u2 - u1|, m its largest component.
   const double a = 1.0, e = 5e-5, period = 1e-6;
   const Machine m = machine(a, unlimited, 0.2, 2);
-  const AvailableAcceleration available(m, period, 1);
+  const AvailableAcceleration available(m, period, LastFilter(1, period));
   for (const double turn : {5.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0}) {
     const double in[] = {1.0, 0.0},
                  out[] = {std::cos(turn * std::numbers::pi / 180.0), std::sin(turn * std::numbers::pi / 180.0)};
@@ -150,12 +152,13 @@ TEST(ProfileCorner, DistanceThroughBothBoxcarsIsTheirMean) {
     for (const double window : {0.01, 0.02, 0.06}) {
       for (const double coast : {0.0, 0.004, 0.1}) {
         const double expected = distance_by_sums(n, v, tau, window, ramp, coast);
-        EXPECT_NEAR(corner_distance(n, v, tau, window, ramp, coast), expected, 2e-5 * expected)
+        const LastFilter boxcar(100, window / 100);
+        EXPECT_NEAR(corner_distance(n, v, tau, boxcar, ramp, coast), expected, 2e-5 * expected)
             << tau << " " << window << " " << coast;
       }
     }
   }
-  EXPECT_DOUBLE_EQ(corner_distance(n, v, 0.02, 0.0, ramp, 0.0), n * v * 0.02 / 8.0);
+  EXPECT_DOUBLE_EQ(corner_distance(n, v, 0.02, LastFilter(1, 1e-3), ramp, 0.0), n * v * 0.02 / 8.0);
 }
 
 TEST(Profiles, OneLegTakesTheTimeOfItsRamps) {
@@ -260,9 +263,87 @@ TEST(Profiles, LinuxCncsZigZagIsFasterThanLinuxCnc) {
   }
 }
 
-TEST(Profiles, VibrationBoundsAreRefused) {
+TEST(ProfileCorner, DistanceThroughAnyLastFilterIsItsMean) {
+  // Over the taps themselves: each a corner passed so much earlier or later.
+  const double n = 1.3, v = 0.03, ramp = 0.8, period = 1e-3;
+  const Filter taps({0.3, 0.1, 0.0, 0.2, 0.4, 0.9, 0.4, 0.1, 0.0, 0.0, 0.5});
+  const LastFilter last(taps, period);
+  for (const double tau : {0.0, 0.0007, 0.002, 0.006, 0.011, 0.05}) {
+    for (const double coast : {0.0, 0.001, 0.02}) {
+      double sum = 0.0, before = 0.0, after = 0.0;
+      for (int i = 0; i <= taps.order(); ++i) {
+        const double t = (i - taps.mean_delay()) * period, half = 0.5 * tau;
+        double inner = std::abs(t) >= half ? std::abs(t) : 0.0;
+        for (int j = 0; j < 2000 && std::abs(t) < half; ++j)
+          inner += std::abs(t + tau * ((j + 0.5) / 2000 - 0.5)) / 2000;
+        sum += 0.5 * n * v * taps.tap(i) * inner;
+        const double beyond = std::abs(t) - half - coast;
+        if (beyond > 0.0) (t > 0.0 ? after : before) += 0.5 * n * ramp * taps.tap(i) * beyond * beyond;
+      }
+      const double exact = sum + std::max(before, after);
+      const double planned = corner_distance(n, v, tau, last, ramp, coast);
+      EXPECT_GE(planned, exact * (1.0 - 1e-6));  // the table's chords are above
+      EXPECT_LE(planned, exact * 1.002);
+    }
+  }
+}
+
+TEST(LastFilters, HoldTheBoundsByTheirDefinition) {
+  Machine m = machine(1.0, unlimited, 0.2, 2);
+  m.modes = {{40.0, 60.0, 0.1}, {110.0, 120.0, 0.05}};
+  const double period = 1e-3;
+  const std::vector<Filter> filters = last_filters(m, period);
+  ASSERT_FALSE(filters.empty());
+  for (const Filter& filter : filters) {
+    for (const Mode& mode : m.modes) {
+      for (int i = 0; i <= 400; ++i) {
+        const double f = mode.frequency_low + (mode.frequency_high - mode.frequency_low) * i / 400;
+        std::complex<double> sum = 0.0;
+        for (int k = 0; k <= filter.order(); ++k) {
+          sum += filter.tap(k) * std::polar(1.0, -2.0 * std::numbers::pi * f * k * period);
+        }
+        EXPECT_LE(std::abs(sum), mode.residual_max * (1.0 + 1e-9)) << f;
+      }
+    }
+  }
+}
+
+TEST(Profiles, NoProgramExcitesAModeMoreThanItsBoundAllows) {
+  // The whole motion's acceleration, transformed at each frequency, against that of the command before the last filter.
+  const double period = 1e-3;
+  for (const double jerk : {unlimited, 50.0}) {
+    Machine m = machine(1.0, jerk, 0.2, 2);
+    m.modes = {{40.0, 60.0, 0.1}};
+    const Toolpath path =
+        path_of("G64 P0.05 F6000\nG1 X20\nG1 Y20\nG1 X22 Y22\nG3 X12 Y32 I-10\nG1 X0 Y0\nG1 X1\nM2\n", m);
+    const ProfilePlan plan = plan_profiles(path, m, period);
+    ASSERT_TRUE(plan.holds());
+    const auto rows = samples_of(path, plan, period);
+    const Brute brute(rows, path, m, period);
+    EXPECT_LE(brute.worst, 1.0 + 1e-8);
+    EXPECT_TRUE(brute.passes(path, 1e-9));
+    ProfilePlan command = plan;
+    command.last = Filter({1.0});
+    const auto raw = samples_of(path, command, period);
+    const auto excited = [&](const std::vector<std::vector<double>>& motion, std::size_t axis, double f) {
+      std::complex<double> sum = 0.0;
+      for (std::size_t k = 1; k < motion.size(); ++k) {
+        sum += (motion[k][axis] - motion[k - 1][axis]) *
+               std::polar(1.0, -2.0 * std::numbers::pi * f * static_cast<double>(k) * period);
+      }
+      return std::abs(sum);
+    };
+    for (const double f : {40.0, 44.0, 50.0, 57.0, 60.0}) {
+      for (const std::size_t axis : {0U, 1U}) {
+        EXPECT_LE(excited(rows, axis, f), 0.1 * excited(raw, axis, f) * (1.0 + 1e-6) + 1e-12) << f;
+      }
+    }
+  }
+}
+
+TEST(Profiles, VibrationBoundsThatNoShortFilterHoldsAreRefused) {
   Machine m = machine(1.0);
-  m.modes.push_back({40.0, 60.0, 0.1});
+  m.modes.push_back({1.0, 499.0, 1e-9});
   EXPECT_THROW(plan_profiles(path_of("G64 P0.05 F6000\nG1 X10\nG1 Y10\nM2\n"), m, 1e-3), std::invalid_argument);
 }
 

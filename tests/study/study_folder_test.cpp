@@ -37,6 +37,20 @@ TEST_F(StudyCommand, RunsAndRecordsBadPointsWithoutStopping) {
   EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("accdec study study.toml --out out"));
 }
 
+TEST_F(StudyCommand, ResultsThatDoNotFitIntoMemoryAreRefusedBeforeAnythingIsComputed) {
+  write(
+      home_ / "study.toml",
+      "task = \"task.toml\"\ncompute = [\"given\"]\n[[vary]]\nkey = \"corner.A.angle_deg\"\nrange = { from = 30, to = "
+      "150, count = 10000 }\n[[vary]]\nkey = \"corner.A.feed_in_mm_min\"\nrange = { from = 3000, to = 6000, count = "
+      "1000 }\n");
+  EXPECT_THAT(run("study study.toml --out none").output, HasSubstr("more than 100000 need --large"));
+  // Ten million points in 2 GB of address space.
+  const Outcome r = run("study study.toml --out none --large", "ulimit -v 2000000");
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_THAT(r.output, HasSubstr("GB of memory"));
+  EXPECT_FALSE(fs::exists(home_ / "none"));
+}
+
 TEST_F(StudyCommand, GoodPointsAreComputedWhereverTheBadOnesStand) {
   // First, middle and last are bad.
   const std::string head = "task = \"task.toml\"\ncompute = [\"given\"]\n";
@@ -172,7 +186,7 @@ TEST_F(StudyCommand, TheReportSaysWhereTimeCutOptimaOff) {
         "[[corner]]\nangle_deg = 77\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
   write(home_ / "study.toml", text + "time_limit_s = 0.01\n");
   const Outcome r = run("study study.toml --out short");
-  EXPECT_THAT(content(home_ / "short/rows.csv"), HasSubstr("stopped ")) << r.output;
+  EXPECT_THAT(content(home_ / "short/rows.csv"), HasSubstr("time limit")) << r.output;
   EXPECT_THAT(content(home_ / "short/report.html"),
               HasSubstr("1 computation was cut off by the study's time limit of 0.01 s"));
   study(2);
@@ -189,7 +203,7 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
       {"compute = [\"delays\"]\n", "needs a base `task`"},
       {"task = \"task.toml\"\n", "needs `compute`"},
       {"task = \"none.toml\"\ncompute = [\"delays\"]\n", "study.toml:1:8: none.toml does not exist"},
-      {"task = \"task.toml\"\ncompute = [\"optimun\"]\n", "did you mean `optimum`"},
+      {"task = \"task.toml\"\ncompute = [\"optimun\"]\n", "unknown computation \"optimun\"; did you mean \"optimum\"?"},
       {head + vary("corner.A.error_max_mm", "[1]"), "did you mean `error_max_um`"},
       {head + vary("corner.B.error_max_um", "[1]"), "no corner `B`; it has A"},
       {head + vary("error_max_um", "[1]"), "did you mean `corner.*.error_max_um`"},
@@ -199,7 +213,7 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
       {head + vary("corner.A.error_max_um", "[]"), "is empty"},
       {head + vary("corner.A.error_max_um", "[1, \"x\"]"), "values"},
       {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\n", "either `values` or `range`"},
-      {head + "[[vary]]\nvalues = [1]\n", "needs a `key`"},
+      {head + "[[vary]]\nvalues = [1]\n", "needs `key`"},
       {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 3, log = true }\n",
        "above 0"},
       {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 0 }\n", "count"},
@@ -219,7 +233,7 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
       {head + "[[case]]\nname = \"a\"\n[[case]]\nname = \"b\"\nset = { \"corner.A.angle_deg\" = 200 }\n",
        "study.toml:7:7: `set` of case \"b\" makes no task: "},
       {head + "method = \"nlp\"\nsolver = \"ipotp\"\n",
-       "study.toml:4:10: unknown solver `ipotp`; did you mean `ipopt`? known are "},
+       "study.toml:4:10: unknown solver \"ipotp\"; did you mean \"ipopt\"? known are "},
       {"task = \"bare.toml\"\ncompute = [\"boxcar\", \"given\"]\n",
        "study.toml:2:11: `given` is of a given filter, and bare.toml has no [filter]"},
       {"task = \"broken.toml\"\ncompute = [\"boxcar\"]\n" + vary("corner.A.error_max_um", "[1, 2]"),

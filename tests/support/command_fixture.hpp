@@ -4,14 +4,11 @@
 #include <fstream>
 #include <string>
 
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "support/paths.hpp"
+#include "support/process.hpp"
 
 namespace accdec::testing {
 
@@ -41,22 +38,13 @@ class CommandInFolder : public ::testing::Test {
 
   /// @param before  shell commands in front of it
   pid_t start(const std::string& arguments, const std::string& before = ":") {
-    const pid_t child = ::fork();
-    if (child == 0) {
-      const int log = ::open((home_ / "log").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-      ::dup2(log, 1);
-      ::dup2(log, 2);
-      const std::string command = fmt::format("cd '{}' && {} && exec '{}' {}", home_.string(), before,
-                                              accdec::test_support::program(), arguments);
-      ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
-      ::_exit(127);
-    }
-    return child;
+    const std::string command =
+        fmt::format("cd '{}' && {} && exec '{}' {}", home_.string(), before, test_support::program(), arguments);
+    return test_support::start_shell(command, home_ / "log", home_ / "log");
   }
   Outcome run(const std::string& arguments, const std::string& before = ":") {
-    int status = 0;
-    ::waitpid(start(arguments, before), &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(home_ / "log")};
+    const int code = test_support::wait_for(start(arguments, before));
+    return {code, content(home_ / "log")};
   }
 
   std::filesystem::path home_;

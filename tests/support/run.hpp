@@ -1,12 +1,10 @@
 #pragma once
 
-#include <cstdlib>
 #include <string>
 #include <vector>
 
-#include <sys/wait.h>
-
 #include "support/paths.hpp"
+#include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace accdec {
@@ -33,13 +31,9 @@ inline Outcome run(const std::vector<std::string>& arguments) {
   const TemporaryFolder folder;
   std::string command = quoted(accdec::test_support::program());
   for (const std::string& argument : arguments) command.append(1, ' ').append(quoted(argument));
-  command.append(" >")
-      .append(quoted(folder.path("out")))
-      .append(" 2>")
-      .append(quoted(folder.path("err")))
-      .append(" </dev/null");
-  const int status = std::system(command.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), folder.read("out"), folder.read("err")};
+  const int code =
+      test_support::wait_for(test_support::start_shell("exec " + command, folder.path("out"), folder.path("err")));
+  return {code, folder.read("out"), folder.read("err")};
 }
 
 }  // namespace accdec

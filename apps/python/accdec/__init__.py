@@ -13,11 +13,16 @@ Keyword arguments and results are in SI (m, s, kg, N, W, rad). Where a name ends
 `feed_in_mm_min`), as in task files, that unit counts instead.
 """
 
-from ._core import InputError, OutputError, Recheck, Result, Task, __version__
+from ._core import InputError, OutputError, Program, Recheck, Result, StopRun, Task, __version__
 from ._design import design, evaluate, read_result, verify
 from ._motion import residual_vibration, simulate, smallest_delay, taps
+from ._nlp import Problem, problem, register_solver, solve, solvers
+from ._plot import export, plot
+from ._program import program
+from ._study import compare, study
 
 __all__ = [
-    "InputError", "OutputError", "Recheck", "Result", "Task", "__version__",
-    "design", "evaluate", "read_result", "residual_vibration", "simulate", "smallest_delay", "taps", "verify",
+    "InputError", "OutputError", "Problem", "Program", "Recheck", "Result", "StopRun", "Task", "__version__",
+    "compare", "design", "evaluate", "export", "plot", "problem", "program", "read_result", "register_solver",
+    "residual_vibration", "simulate", "smallest_delay", "solve", "solvers", "study", "taps", "verify",
 ]

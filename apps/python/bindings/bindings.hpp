@@ -7,6 +7,10 @@
 
 // What the files of the module share. One file a subject, each with one function that registers it.
 
+namespace accdec {
+struct Figure;
+}
+
 namespace accdec::python {
 
 namespace py = pybind11;
@@ -16,6 +20,13 @@ void bind_task(py::module_& module);
 void bind_result(py::module_& module);
 void bind_design(py::module_& module);
 void bind_motion(py::module_& module);
+void bind_nlp(py::module_& module);
+void bind_figure(py::module_& module);
+void bind_program(py::module_& module);
+void bind_study(py::module_& module);
+
+/// A figure of the library as dicts, lists and arrays.
+py::dict figure_dict(const Figure& figure);
 
 /// A path as Python gives it, a text or anything with __fspath__.
 inline std::string file_name(const py::object& path) {

@@ -1,6 +1,7 @@
 #include <exception>
 
 #include <accdec/files/errors.hpp>
+#include <accdec/nlp/evaluator.hpp>
 
 #include "bindings.hpp"
 
@@ -10,6 +11,7 @@ namespace {
 // The classes live as long as the process: exceptions may come until the interpreter has ended.
 PyObject* input_error = nullptr;
 PyObject* output_error = nullptr;
+PyObject* stop_run = nullptr;
 
 PyObject* new_class(py::module_& module, const char* name, PyObject* base, const char* doc) {
   const std::string full = std::string("accdec.") + name;
@@ -43,6 +45,9 @@ void bind_errors(py::module_& module) {
       "`pointer` (a JSON pointer, or empty) are its parts.");
   output_error =
       new_class(module, "OutputError", PyExc_OSError, "A file could not be written; nothing is left behind.");
+  stop_run = new_class(module, "StopRun", PyExc_Exception,
+                       "A solver's run is to end: raised inside a problem's functions at its limits of time and "
+                       "evaluations. Let it pass; the best point seen is the answer.");
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
@@ -50,6 +55,8 @@ void bind_errors(py::module_& module) {
       raise_input_error(error);
     } catch (const OutputError& error) {
       PyErr_SetString(output_error, error.what());
+    } catch (const nlp::StopRun& stop) {
+      PyErr_SetString(stop_run, stop.what());
     }
   });
 }

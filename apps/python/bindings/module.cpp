@@ -9,4 +9,8 @@ PYBIND11_MODULE(_core, module) {
   bind_result(module);
   bind_design(module);
   bind_motion(module);
+  bind_nlp(module);
+  bind_figure(module);
+  bind_program(module);
+  bind_study(module);
 }

@@ -8,6 +8,7 @@
 
 #include <accdec/design/recheck.hpp>
 #include <accdec/files/output_files.hpp>
+#include <accdec/formats/certificate_json.hpp>
 #include <accdec/formats/report.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/taps_export.hpp>
@@ -87,8 +88,8 @@ py::dict solver(const SolverReport& s) {
 }
 
 py::object certificate(const DesignResult& r) {
-  if (r.certificate.empty()) return py::none();
-  return py::module_::import("json").attr("loads")(r.certificate);
+  if (!r.certificate) return py::none();
+  return py::module_::import("json").attr("loads")(certificate_to_json(*r.certificate));
 }
 
 /// What a dict of the result has, SciPy's names first.
@@ -111,7 +112,7 @@ std::string describe(const py::object& self) {
   }
   const auto& result = self.cast<const DesignResult&>();
   return text + fmt::format("{:>15}: {} corners, {} limits, verification, solver{}", "also", result.corners.size(),
-                            result.limits.size(), result.certificate.empty() ? "" : ", certificate");
+                            result.limits.size(), result.certificate ? ", certificate" : "");
 }
 
 constexpr const char* result_doc = R"(The answer to a task, verified by simulation. Like SciPy's OptimizeResult.
@@ -243,6 +244,9 @@ void bind_result(py::module_& module) {
       .def("__str__", &result_text)
       .def(py::pickle([](const DesignResult& r) { return result_to_json(r); },
                       [](const std::string& json) { return parse_result(json, "result"); }));
+  module.def(
+      "write_file", [](const std::string& path, const std::string& content) { write_file(path, content); },
+      py::arg("path"), py::arg("content"));
   bind_recheck(module);
 }
 

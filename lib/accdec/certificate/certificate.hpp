@@ -1,24 +1,179 @@
 #pragma once
 
-#include <functional>
+#include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
-#include <accdec/task/result.hpp>
+#include <accdec/task/task.hpp>
 
 namespace accdec {
 
-struct CheckReport {
-  bool accepted = false;
-  std::string reason;  ///< why not, or what was shown
+/// What proofs are made of. A proof only names limits of the task and parts of the search; what it says of them the
+/// checker sets up again for itself, so nothing here needs to be true.
+namespace proof {
+
+// ---- Rows: a limit at one place, in the form "value/bound - 1 <= 0" that holds for every design. Samples, axes,
+// corners and modes are counted as in the task; sign -1 is the lower side of a two-sided limit.
+
+/// Difference of tap `sample` and the one before it, at start and stop.
+struct TapDifference {
+  int sample = 0, sign = 1;
+  bool operator==(const TapDifference&) const = default;
+};
+/// Force of one axis at the start along leg 1 or the stop along leg 2.
+struct EventForce {
+  bool stop = false;
+  int axis = 0, sample = 0;
+  bool operator==(const EventForce&) const = default;
+};
+enum class BlendLimit { acceleration, jerk, force };
+/// A limit of one axis while the legs overlap.
+struct Blend {
+  BlendLimit limit = BlendLimit::acceleration;
+  int corner = 0, axis = 0, sample = 0, sign = 1;
+  bool operator==(const Blend&) const = default;
+};
+/// The corner error seen in one direction.
+struct Error {
+  int corner = 0;
+  double angle = 0.0;  ///< rad, from leg 1's direction
+  bool operator==(const Error&) const = default;
+};
+/// Where a cut over ranges touches a leg's distance, a convex function of the sample.
+struct Tangent {
+  int at = 0;          ///< sample a
+  bool after = false;  ///< slope at a + 1 instead of a
+  bool high = false;   ///< the product by the upper bound on the slope, else by the lower one
+  bool operator==(const Tangent&) const = default;
+};
+/// The corner error over ranges of delays and samples.
+struct RangeError {
+  int corner = 0;
+  double angle = 0.0;  ///< rad, from leg 1's direction
+  Tangent in{}, out{};
+  bool operator==(const RangeError&) const = default;
+};
+/// What the target leaves of all delays together.
+struct Budget {
+  bool operator==(const Budget&) const = default;
+};
+/// Residual vibration of a mode, seen at one phase.
+struct Vibration {
+  int mode = 0;
+  double frequency = 0.0;  ///< Hz
+  double angle = 0.0;      ///< rad
+  bool operator==(const Vibration&) const = default;
+};
+/// Chord of the power of one axis at the start, or of its regeneration at the stop, over the speeds low .. high (m/s).
+struct EventPower {
+  bool stop = false;
+  int axis = 0, sample = 0;
+  double low = 0.0, high = 0.0;
+  bool operator==(const EventPower&) const = default;
+};
+/// The same while the legs overlap; sign: direction of travel.
+struct BlendPower {
+  bool regeneration = false;
+  int corner = 0, axis = 0, sample = 0, sign = 1;
+  double low = 0.0, high = 0.0;
+  bool operator==(const BlendPower&) const = default;
+};
+/// Smallest speed: chord of its circle over the directions low .. high (rad from leg 1's).
+struct Speed {
+  int corner = 0, sample = 0;
+  double low = 0.0, high = 0.0;
+  bool operator==(const Speed&) const = default;
+};
+/// Bound on the response B_sample that splits and limits leave.
+struct Response {
+  int sample = 0, sign = 1;
+  bool operator==(const Response&) const = default;
 };
 
-/// Rechecks the bound a result claims (its cycle time if `optimal`, its lower bound if `feasible`, that there is no
-/// design at all if `infeasible`) from its task and its certificate alone. Shares nothing with the exact method but the
-/// model: every row is set up again from the task, in interval arithmetic, and every leaf of the proof needs sum_r y_r
-/// (row_r - bound_r) > 0 for all filters in the box, whatever the multipliers y >= 0 (weak duality; Neumaier and
-/// Shcherbina, Math. Program. 99, 2004). The tree has to cover every order, delay and sample. Designs themselves are
-/// checked by `verify_by_simulation`.
-/// @param stop  polled; true ends the check, which then has accepted nothing
-CheckReport check_certificate(const Task& task, const DesignResult& result, const std::function<bool()>& stop = {});
+using Row = std::variant<TapDifference, EventForce, Blend, Error, RangeError, Budget, Vibration, EventPower, BlendPower,
+                         Speed, Response>;
+struct Term {
+  Row row;
+  double multiplier = 0.0;  ///< >= 0
+  bool operator==(const Term&) const = default;
+};
+/// Rows that together leave no filter, by their multipliers.
+using Multipliers = std::vector<Term>;
+
+// ---- Nodes: a part of all designs, refuted or split in two.
+
+/// Every design in the part takes longer than what is proved.
+struct TooLong {
+  bool operator==(const TooLong&) const = default;
+};
+/// Splits leave no response that the limits on starts and stops can reach.
+struct Unreachable {
+  bool operator==(const Unreachable&) const = default;
+};
+/// Refuted by a set of multipliers.
+struct Refuted {
+  int multipliers = 0;
+  bool operator==(const Refuted&) const = default;
+};
+/// Symmetric filters: those of the part's order, and of one less where the task allows it (else negative).
+struct RefutedSymmetric {
+  int multipliers = 0, shorter = 0;
+  bool operator==(const RefutedSymmetric&) const = default;
+};
+/// Symmetric filters: two parts follow, the part's order and, where the task allows it, one less.
+struct SymmetricOrders {
+  bool operator==(const SymmetricOrders&) const = default;
+};
+/// Delay or sample of a corner: at most `at` in the first part, above it in the second.
+struct Split {
+  int corner = 0;
+  bool on_delay = false;  ///< else on the sample
+  int at = 0;
+  bool operator==(const Split&) const = default;
+};
+/// Order of the filter: at most `at`, above it.
+struct OrderSplit {
+  int at = 0;
+  bool operator==(const OrderSplit&) const = default;
+};
+/// B_sample at most `level`, at least it.
+struct ResponseSplit {
+  int sample = 0;
+  double level = 0.0;
+  bool operator==(const ResponseSplit&) const = default;
+};
+
+using Node =
+    std::variant<TooLong, Unreachable, Refuted, RefutedSymmetric, SymmetricOrders, Split, OrderSplit, ResponseSplit>;
+
+// ---- Kinds of proofs.
+
+/// A limit is broken before anything moves.
+struct ConstantFeed {
+  bool operator==(const ConstantFeed&) const = default;
+};
+/// Of a given filter: every smaller delay breaks a limit.
+struct Enumeration {
+  bool operator==(const Enumeration&) const = default;
+};
+/// Nothing is shorter than a bound: a binary tree over all designs, in preorder.
+struct BranchAndBound {
+  Objective objective = Objective::cycle;
+  double runs = 1.0;                    ///< Objective::cycle
+  std::optional<double> bound_samples;  ///< of the objective (objective.hpp); none: there is no design at all
+  std::vector<std::string> conflict;    ///< where there is no design: the limits in conflict, in words
+  std::vector<Multipliers> multipliers;
+  std::vector<Node> tree;
+  bool operator==(const BranchAndBound&) const = default;
+};
+
+}  // namespace proof
+
+/// Why nothing is shorter than a result says, or why there is no design; `accdec.certificate/1` in JSON.
+struct Certificate {
+  std::variant<proof::ConstantFeed, proof::Enumeration, proof::BranchAndBound> proof;
+  bool operator==(const Certificate&) const = default;
+};
 
 }  // namespace accdec

@@ -2,19 +2,13 @@
 #include <cmath>
 #include <numbers>
 
-#include <nlohmann/json.hpp>
-
 #include <accdec/certificate/checked_rows.hpp>
 
 namespace accdec {
 namespace {
 
-using nlohmann::json;
-
-double finite(const json& value) {
-  const double x = value.get<double>();
-  if (!std::isfinite(x)) throw Rejected("an end of a chord is not a number");
-  return x;
+void require_finite(double low, double high) {
+  if (!std::isfinite(low) || !std::isfinite(high)) throw Rejected("an end of a chord is not a number");
 }
 
 Interval pick_sign(int sign) {
@@ -42,45 +36,36 @@ int CheckedRows::single_delay(int j, const CheckedBox& box) const {
   return r.d1;
 }
 
-bool CheckedRows::add_chord(const std::string& kind, const json& row, const Interval& weight, CheckedBox& box,
-                            CheckedSum& sum) const {
-  if (kind == "response") {
-    const int k = row.at(1).get<int>();
-    if (k < 1 || k > sum.order()) return true;  // no terms left
-    if (!need_tube(box)) return true;
-    const CheckedTube& tube = *box.tube;
-    const auto i = static_cast<std::size_t>(k);
-    const bool upper = row.at(2).get<int>() > 0;
-    sum.response(k, upper ? weight : -1.0 * weight);
-    sum.rhs = upper ? sum.rhs + weight * Interval(tube.high[i]) : sum.rhs - weight * Interval(tube.low[i]);
-  } else if (kind == "power start" || kind == "regeneration stop") {
-    const int a = row.at(1).get<int>(), k = row.at(2).get<int>();
-    if (k < 1 || k > sum.order() + 1) return true;
-    const bool stop = kind == "regeneration stop";
-    const Axis& x = axis(a);
-    const auto u = static_cast<std::size_t>(a);
-    const Speeds legs = stop ? Speeds{stop_[u], 0.0} : Speeds{0.0, start_[u]};
-    if (legs.in.hi == 0.0 && legs.out.hi == 0.0) throw Rejected("a multiplier names an axis that stands still");
-    if (need_tube(box)) add_power(x, stop, legs, 0, k, 1, finite(row.at(3)), finite(row.at(4)), weight, *box.tube, sum);
-  } else if (kind == "blend power" || kind == "blend regeneration") {
-    const int j = row.at(1).get<int>(), a = row.at(2).get<int>(), k = row.at(3).get<int>(), d = single_delay(j, box);
-    const Axis& x = axis(a);
-    if (k < 1 || k > sum.order() + d + 1) return true;
-    const auto u = static_cast<std::size_t>(a);
-    const Speeds legs{speed(corner(j), u, true), speed(corner(j), u, false)};
-    if (need_tube(box))
-      add_power(x, kind == "blend regeneration", legs, d, k, row.at(4).get<int>(), finite(row.at(5)), finite(row.at(6)),
-                weight, *box.tube, sum);
-  } else if (kind == "speed") {
-    const int j = row.at(1).get<int>(), k = row.at(2).get<int>();
-    const TaskCorner& c = corner(j);
-    const CheckedRange& r = box.corners[static_cast<std::size_t>(j)];
-    if (k < 1 || k > sum.order() + r.d1) return true;
-    if (need_tube(box)) add_speed(c, r, k, finite(row.at(3)), finite(row.at(4)), weight, *box.tube, sum);
-  } else {
-    return false;
-  }
-  return true;
+void CheckedRows::add_row(const proof::Response& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
+  const int k = row.sample;
+  if (k < 1 || k > sum.order()) return;  // no terms left
+  if (!need_tube(box)) return;
+  const CheckedTube& tube = *box.tube;
+  const auto i = static_cast<std::size_t>(k);
+  const bool upper = row.sign > 0;
+  sum.response(k, upper ? weight : -1.0 * weight);
+  sum.rhs = upper ? sum.rhs + weight * Interval(tube.high[i]) : sum.rhs - weight * Interval(tube.low[i]);
+}
+
+void CheckedRows::add_row(const proof::EventPower& row, const Interval& weight, CheckedBox& box,
+                          CheckedSum& sum) const {
+  if (row.sample < 1 || row.sample > sum.order() + 1) return;
+  const Axis& x = axis(row.axis);
+  const auto u = static_cast<std::size_t>(row.axis);
+  const Speeds legs = row.stop ? Speeds{stop_[u], 0.0} : Speeds{0.0, start_[u]};
+  if (legs.in.hi == 0.0 && legs.out.hi == 0.0) throw Rejected("a multiplier names an axis that stands still");
+  if (need_tube(box)) add_power(x, row.stop, legs, 0, row.sample, 1, row.low, row.high, weight, *box.tube, sum);
+}
+
+void CheckedRows::add_row(const proof::BlendPower& row, const Interval& weight, CheckedBox& box,
+                          CheckedSum& sum) const {
+  const int d = single_delay(row.corner, box);
+  const Axis& x = axis(row.axis);
+  if (row.sample < 1 || row.sample > sum.order() + d + 1) return;
+  const auto u = static_cast<std::size_t>(row.axis);
+  const Speeds legs{speed(corner(row.corner), u, true), speed(corner(row.corner), u, false)};
+  if (need_tube(box))
+    add_power(x, row.regeneration, legs, d, row.sample, row.sign, row.low, row.high, weight, *box.tube, sum);
 }
 
 /// F <= P (1/l + 1/u - V/(l u)), times l/P, for V in [l, u]: the hyperbola lies below its chord; for V < l because the
@@ -90,6 +75,7 @@ void CheckedRows::add_power(const Axis& axis, bool regeneration, const Speeds& l
                             CheckedSum& sum) const {
   const double bound = regeneration ? axis.regeneration_max : axis.power_max;
   require_limit(bound);
+  require_finite(low, high);
   if (!(low > 0.0) || !(high > low)) throw Rejected("a chord's ends are not 0 < low < high");
   const Interval in = pick_sign(sign) * legs.in, out = pick_sign(sign) * legs.out;
   const Interval range = in * (Interval(1.0) - tube.at(k)) + out * tube.at(k - delay);
@@ -116,8 +102,15 @@ void CheckedRows::add_power(const Axis& axis, bool regeneration, const Speeds& l
 
 /// |V'| >= v_min in the sector of directions [low, high] from leg 1's: n V' >= v_min cos((high - low)/2), n in the
 /// middle. Of several delays the least has the most of leg 2, which is all that counts if leg 2 points along n.
-void CheckedRows::add_speed(const TaskCorner& c, const CheckedRange& box, int k, double low, double high,
-                            const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const {
+void CheckedRows::add_row(const proof::Speed& row, const Interval& weight, CheckedBox& whole, CheckedSum& sum) const {
+  const int k = row.sample;
+  const double low = row.low, high = row.high;
+  const TaskCorner& c = corner(row.corner);
+  const CheckedRange& box = whole.corners[static_cast<std::size_t>(row.corner)];
+  if (k < 1 || k > sum.order() + box.d1) return;
+  if (!need_tube(whole)) return;
+  const CheckedTube& tube = *whole.tube;
+  require_finite(low, high);
   if (!(c.speed_min > 0.0)) throw Rejected("a multiplier names a limit that is not there");
   if (!(high > low) || !(high - low < std::numbers::pi)) throw Rejected("a sector of directions is no sector");
   const Interval in = Interval(c.geometry().feed_in) * (Interval(1.0) - tube.at(k)),

@@ -1,15 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
-
-using nlohmann::json;
 
 /// p_k or q_m touched at a sample, with the response B_e as slope, e = at or at + 1.
 struct Touch {
@@ -17,10 +13,10 @@ struct Touch {
   bool high;
 };
 
-Touch touch(const json& row, std::size_t first) {
-  const int at = row.at(first).get<int>();
-  if (std::abs(at) > 100'000'000) throw Rejected("a multiplier names a sample that is not there");
-  return {at, at + (row.at(first + 1).get<bool>() ? 1 : 0), row.at(first + 2).get<bool>()};
+Touch touch(const proof::Tangent& tangent) {
+  const int at = tangent.at;
+  if (at < -100'000'000 || at > 100'000'000) throw Rejected("a multiplier names a sample that is not there");
+  return {at, at + (tangent.after ? 1 : 0), tangent.high};
 }
 
 }  // namespace
@@ -30,18 +26,18 @@ Touch touch(const json& row, std::size_t first) {
 ///   p_k >= p_a - z G,  z = k - a, G = 1 - B_e,    q_m >= q_a + y B_e,  y = m - a,
 /// and from (z - z0)(G - g) <= 0 or (y - y0)(B - g) >= 0, with z0, y0 an end of the range and g a bound of the
 /// response on the side that makes it so,  z G <= z0 G + g (z - z0),  y B >= y0 B + g (y - y0).
-void CheckedRows::add_range_error(const json& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
-  const int j = row.at(1).get<int>();
-  const TaskCorner& c = corner(j);
+void CheckedRows::add_row(const proof::RangeError& row, const Interval& weight, CheckedBox& box,
+                          CheckedSum& sum) const {
+  const TaskCorner& c = corner(row.corner);
   if (!c.error_max) throw Rejected("a multiplier names a limit that is not there");
-  const auto u = static_cast<std::size_t>(j);
+  const auto u = static_cast<std::size_t>(row.corner);
   const CheckedRange r = box.corners[u];
-  const Touch in = touch(row, 3), out = touch(row, 6);
+  const Touch in = touch(row.in), out = touch(row.out);
   if (!need_tube(box)) return;
   const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
                         std::nextafter(c.geometry().cos_interior(), 2.0));
   const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
-  const Interval ca = interval_cos(row.at(2).get<double>()), sa = interval_sin(row.at(2).get<double>());
+  const Interval ca = interval_cos(Interval(row.angle)), sa = interval_sin(Interval(row.angle));
   const double fastest = std::max(c.geometry().feed_in, c.geometry().feed_out);
   Interval wp = weight * ca * Interval(c.geometry().feed_in) / Interval(fastest);
   Interval wq = weight * (cosine * ca + sine * sa) * Interval(c.geometry().feed_out) / Interval(fastest);
@@ -75,7 +71,7 @@ void CheckedRows::add_range_error(const json& row, const Interval& weight, Check
 }
 
 /// sum_j w_j (d_j - d1_j) is at most what the target leaves.
-void CheckedRows::add_budget(const Interval& weight, const CheckedBox& box, CheckedSum& sum) const {
+void CheckedRows::add_row(const proof::Budget&, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
   if (!box.budget) throw Rejected("a multiplier names a budget of delays, but there is no target");
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     sum.delays[j] = sum.delays[j] + weight * Interval(task_.corners[j].weight);

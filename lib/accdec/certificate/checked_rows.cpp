@@ -1,14 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
-
-using nlohmann::json;
 
 void require_limit(double bound) {
   if (!(bound < unlimited)) throw Rejected("a multiplier names a limit that is not there");
@@ -68,52 +64,42 @@ const Axis& CheckedRows::axis(int a) const {
   return task_.machine.axes[static_cast<std::size_t>(a)];
 }
 
-void CheckedRows::add(const json& row, CheckedBox& box, CheckedSum& sum) const {
-  const std::string kind = row.at(0).get<std::string>();
-  const double y = row.at(row.size() - 1).get<double>();
+void CheckedRows::add(const proof::Term& term, CheckedBox& box, CheckedSum& sum) const {
+  const double y = term.multiplier;
   if (!(y >= 0.0) || !std::isfinite(y)) throw Rejected("a multiplier is negative or not a number");
-  const Interval t(task_.sample_period), weight(y);
-  if (kind == "jerk") {
-    const int i = row.at(1).get<int>(), sign = row.at(2).get<int>() < 0 ? -1 : 1;
-    if (std::isinf(jerk_max_)) throw Rejected("a multiplier names a limit that is not there");
-    if (i < 0 || i > static_cast<int>(sum.taps.size())) return;
-    const Interval c = weight * static_cast<double>(sign) / Interval(jerk_max_);
-    sum.tap(i, c);
-    sum.tap(i - 1, -1.0 * c);
-    sum.rhs = sum.rhs + weight;
-  } else if (kind == "force start" || kind == "force stop") {
-    const int a = row.at(1).get<int>(), k = row.at(2).get<int>();
-    if (k < 1 || k > static_cast<int>(sum.taps.size())) return;
-    const Axis& x = axis(a);
-    require_limit(x.force_max);
-    const bool start = kind == "force start";
-    const Interval scale = weight * (start ? start_ : stop_)[static_cast<std::size_t>(a)] / Interval(x.force_max);
-    sum.tap(k - 1, scale * Interval(x.mass) / t);
-    sum.response(k, scale * Interval(x.damping));
-    sum.rhs = sum.rhs + weight;
-    if (!start) sum.rhs = sum.rhs + scale * Interval(x.damping);
-  } else if (kind == "error") {
-    add_error(row, weight, box, sum);
-  } else if (kind == "range error") {
-    add_range_error(row, weight, box, sum);
-  } else if (kind == "budget") {
-    add_budget(weight, box, sum);
-  } else if (kind == "vibration") {
-    add_vibration(row, weight, sum);
-  } else if (!add_chord(kind, row, weight, box, sum)) {
-    add_blend(kind, row, weight, box, sum);
-  }
+  std::visit([&](const auto& row) { add_row(row, Interval(y), box, sum); }, term.row);
 }
 
-void CheckedRows::add_error(const json& row, const Interval& weight, const CheckedBox& box, CheckedSum& sum) const {
-  const int j = row.at(1).get<int>();
-  const TaskCorner& c = corner(j);
+void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
+  require_limit(jerk_max_);
+  if (row.sample < 0 || row.sample > static_cast<int>(sum.taps.size())) return;
+  const Interval c = weight * (row.sign < 0 ? -1.0 : 1.0) / Interval(jerk_max_);
+  sum.tap(row.sample, c);
+  sum.tap(row.sample - 1, -1.0 * c);
+  sum.rhs = sum.rhs + weight;
+}
+
+void CheckedRows::add_row(const proof::EventForce& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
+  const int k = row.sample;
+  if (k < 1 || k > static_cast<int>(sum.taps.size())) return;
+  const Axis& x = axis(row.axis);
+  require_limit(x.force_max);
+  const double speed = (row.stop ? stop_ : start_)[static_cast<std::size_t>(row.axis)];
+  const Interval scale = weight * speed / Interval(x.force_max);
+  sum.tap(k - 1, scale * Interval(x.mass) / period());
+  sum.response(k, scale * Interval(x.damping));
+  sum.rhs = sum.rhs + weight;
+  if (row.stop) sum.rhs = sum.rhs + scale * Interval(x.damping);
+}
+
+void CheckedRows::add_row(const proof::Error& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
+  const TaskCorner& c = corner(row.corner);
   if (!c.error_max) throw Rejected("a multiplier names a limit that is not there");
-  const CheckedRange& r = box.corners[static_cast<std::size_t>(j)];
+  const CheckedRange& r = box.corners[static_cast<std::size_t>(row.corner)];
   const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
                         std::nextafter(c.geometry().cos_interior(), 2.0));
   const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
-  const Interval ca = interval_cos(row.at(2).get<double>()), sa = interval_sin(row.at(2).get<double>());
+  const Interval ca = interval_cos(Interval(row.angle)), sa = interval_sin(Interval(row.angle));
   const double fastest = std::max(c.geometry().feed_in, c.geometry().feed_out);
   const Interval wp = weight * ca * Interval(c.geometry().feed_in) / Interval(fastest);
   const Interval wq = weight * (cosine * ca + sine * sa) * Interval(c.geometry().feed_out) / Interval(fastest);
@@ -140,60 +126,62 @@ void CheckedRows::add_error(const json& row, const Interval& weight, const Check
   sum.rhs = sum.rhs + weight * error / (period() * Interval(fastest));
 }
 
-void CheckedRows::add_vibration(const json& row, const Interval& weight, CheckedSum& sum) const {
-  const int m = row.at(1).get<int>();
-  if (m < 0 || m >= static_cast<int>(task_.machine.modes.size()))
+void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
+  if (row.mode < 0 || row.mode >= static_cast<int>(task_.machine.modes.size()))
     throw Rejected("a multiplier names a mode that is not there");
-  const Mode& mode = task_.machine.modes[static_cast<std::size_t>(m)];
-  const double f = row.at(2).get<double>();
-  if (!(f >= mode.frequency_low && f <= mode.frequency_high))
+  const Mode& mode = task_.machine.modes[static_cast<std::size_t>(row.mode)];
+  if (!(row.frequency >= mode.frequency_low && row.frequency <= mode.frequency_high))
     throw Rejected("a multiplier's frequency is outside its band");
-  const Interval w = two_pi() * Interval(f) * period();
+  const Interval w = two_pi() * Interval(row.frequency) * period();
   for (std::size_t i = 0; i < sum.taps.size(); ++i) {
-    sum.taps[i] = sum.taps[i] + weight * interval_cos(w * static_cast<double>(i) - Interval(row.at(3).get<double>()));
+    sum.taps[i] = sum.taps[i] + weight * interval_cos(w * static_cast<double>(i) - Interval(row.angle));
   }
   sum.rhs = sum.rhs + weight * Interval(mode.residual_max);
 }
 
-void CheckedRows::add_blend(const std::string& kind, const json& row, const Interval& weight, const CheckedBox& box,
-                            CheckedSum& sum) const {
-  const int j = row.at(1).get<int>(), a = row.at(2).get<int>(), k = row.at(3).get<int>();
-  const TaskCorner& c = corner(j);
-  const Axis& x = axis(a);
+void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
+  using proof::BlendLimit;
+  const int k = row.sample;
+  const TaskCorner& c = corner(row.corner);
+  const Axis& x = axis(row.axis);
   if (k < 1 || k > 100'000'000) throw Rejected("a multiplier names a sample that is not there");
-  const CheckedRange& r = box.corners[static_cast<std::size_t>(j)];
-  if (r.d1 != r.d2) throw Rejected("a limit of the blend is used for several delays at once");
-  const Interval in = speed(c, static_cast<std::size_t>(a), true), out = speed(c, static_cast<std::size_t>(a), false);
-  const int d = r.d1;
-  const Interval y = weight * (row.at(4).get<int>() < 0 ? -1.0 : 1.0);
+  const int d = single_delay(row.corner, box);
+  const auto a = static_cast<std::size_t>(row.axis);
+  const Interval in = speed(c, a, true), out = speed(c, a, false);
+  const Interval y = weight * (row.sign < 0 ? -1.0 : 1.0);
   // Past the end of a short filter a row has no terms left and may be dropped, which is taking its multiplier as 0.
   const int n = sum.order();
   const auto tap = [&](int i) { return i >= 0 && i <= n; };
   const auto response = [&](int at) { return at >= 1 && at <= n; };
-  const bool touches = tap(k - 1) || tap(k - 1 - d) || (kind == "blend jerk" && (tap(k - 2) || tap(k - 2 - d))) ||
-                       (kind == "blend force" && (response(k) || response(k - d)));
+  const bool touches = tap(k - 1) || tap(k - 1 - d) ||
+                       (row.limit == BlendLimit::jerk && (tap(k - 2) || tap(k - 2 - d))) ||
+                       (row.limit == BlendLimit::force && (response(k) || response(k - d)));
   if (!touches) return;
   const auto acceleration = [&](int at, const Interval& f) {
     sum.tap(at - 1, -1.0 * f * in / period());
     sum.tap(at - 1 - d, f * out / period());
   };
-  if (kind == "blend acceleration") {
-    require_limit(x.acceleration_max);
-    acceleration(k, y / Interval(x.acceleration_max));
-  } else if (kind == "blend jerk") {
-    require_limit(x.jerk_max);
-    const Interval f = y / (period() * Interval(x.jerk_max));
-    acceleration(k, f);
-    acceleration(k - 1, -1.0 * f);
-  } else if (kind == "blend force") {
-    require_limit(x.force_max);
-    const Interval f = y / Interval(x.force_max), drag = f * Interval(x.damping);
-    acceleration(k, f * Interval(x.mass));
-    sum.rhs = sum.rhs - drag * in;
-    sum.response(k, -1.0 * drag * in);
-    sum.response(k - d, drag * out);
-  } else {
-    throw Rejected("a multiplier is of no known kind");
+  switch (row.limit) {
+    case BlendLimit::acceleration:
+      require_limit(x.acceleration_max);
+      acceleration(k, y / Interval(x.acceleration_max));
+      break;
+    case BlendLimit::jerk: {
+      require_limit(x.jerk_max);
+      const Interval f = y / (period() * Interval(x.jerk_max));
+      acceleration(k, f);
+      acceleration(k - 1, -1.0 * f);
+      break;
+    }
+    case BlendLimit::force: {
+      require_limit(x.force_max);
+      const Interval f = y / Interval(x.force_max), drag = f * Interval(x.damping);
+      acceleration(k, f * Interval(x.mass));
+      sum.rhs = sum.rhs - drag * in;
+      sum.response(k, -1.0 * drag * in);
+      sum.response(k - d, drag * out);
+      break;
+    }
   }
   sum.rhs = sum.rhs + weight;
 }

@@ -1,11 +1,9 @@
 #pragma once
 
 #include <stdexcept>
-#include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include <accdec/certificate/certificate.hpp>
 #include <accdec/certificate/checked_tube.hpp>
 
 namespace accdec {
@@ -60,7 +58,7 @@ class CheckedRows {
   std::optional<CheckedTube> tube(const CheckedBox& box) const;
   /// Adds a row times its multiplier.
   /// @throws Rejected if there is no such limit or the row does not hold all over the box
-  void add(const nlohmann::json& row, CheckedBox& box, CheckedSum& sum) const;
+  void add(const proof::Term& term, CheckedBox& box, CheckedSum& sum) const;
 
  private:
   struct Speeds {
@@ -70,20 +68,20 @@ class CheckedRows {
   Interval speed(const TaskCorner& corner, std::size_t axis, bool in) const;
   const TaskCorner& corner(int j) const;
   const Axis& axis(int a) const;
-  void add_error(const nlohmann::json& row, const Interval& weight, const CheckedBox& box, CheckedSum& sum) const;
-  /// A cut over ranges of delays and samples, see checked_ranges.cpp.
-  void add_range_error(const nlohmann::json& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
-  void add_budget(const Interval& weight, const CheckedBox& box, CheckedSum& sum) const;
-  void add_vibration(const nlohmann::json& row, const Interval& weight, CheckedSum& sum) const;
-  void add_blend(const std::string& kind, const nlohmann::json& row, const Interval& weight, const CheckedBox& box,
-                 CheckedSum& sum) const;
-  /// Chords of limits outside the convex class. False: `kind` is none of them.
-  bool add_chord(const std::string& kind, const nlohmann::json& row, const Interval& weight, CheckedBox& box,
-                 CheckedSum& sum) const;
+  // One a kind of rows; those over ranges are in checked_ranges.cpp, chords in checked_chords.cpp.
+  void add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::EventForce& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::Error& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::RangeError& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::Budget& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::Vibration& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::EventPower& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::BlendPower& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::Speed& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::Response& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_power(const Axis& axis, bool regeneration, const Speeds& legs, int delay, int sample, int sign, double low,
                  double high, const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
-  void add_speed(const TaskCorner& corner, const CheckedRange& box, int sample, double low, double high,
-                 const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
   int single_delay(int corner, const CheckedBox& box) const;
   /// False: nothing is left.
   bool need_tube(CheckedBox& box) const;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <accdec/comparison/comparison_case.hpp>
 #include <accdec/motion/blend.hpp>
@@ -68,6 +69,7 @@ CaseSpec refined(CaseSpec spec, int factor) {
 
 ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   const Task& task = spec_.task;
+  delays_given_ = !spec_.delays.empty();
   if (spec_.question == Question::design) return;
   const Filter filter = default_filter(spec_.order);
   FormulationOptions options;
@@ -146,6 +148,20 @@ int ComparisonCase::variables() const {
 
 int ComparisonCase::rows() const {
   return reduced_ ? reduced_->num_rows() : 0;
+}
+
+std::string ComparisonCase::asks() const {
+  switch (spec_.question) {
+    case Question::margin:
+      return delays_given_
+                 ? fmt::format("taps of least corner error at delay {}", fmt::join(spec_.delays, ", "))
+                 : "taps of least corner error without any delay (no delay_samples given: every corner at delay 0)";
+    case Question::delay:
+      return fmt::format("taps and real delays of least weighted delay; limits on the blends at delay {}{}",
+                         fmt::join(blend_delays_, ", "), delays_given_ ? "" : " (of the first start: none given)");
+    case Question::design: return "taps and whole delays of least cycle time";
+  }
+  return "";
 }
 
 }  // namespace accdec::study

@@ -34,6 +34,7 @@ struct CaseSpec {
       delays;  ///< margin: d_j; delay: at which limits on the blends are imposed; empty: 0, and what the start needs
   double time_limit = 0.0;  ///< s, instead of the comparison's; 0: that
   bool infeasible = false;  ///< the suite says that nothing holds all limits
+  std::string identity;  ///< tells it from every other problem, whatever its name; empty: nothing found is used again
 };
 
 /// The same motion sampled `factor` times as often: period over factor, order such that the filter lasts as long,
@@ -59,6 +60,8 @@ class ComparisonCase {
   std::vector<double> to_reduced(bool reduced, const std::vector<double>& x) const;
   int variables() const;  ///< of the reduced form; order + corners for Question::design
   int rows() const;
+  /// What is asked, in words: what varies and what is given.
+  std::string asks() const;
   const std::vector<int>& samples() const { return samples_; }            ///< margin: k_j, where the start's errors are
   const std::vector<int>& blend_delays() const { return blend_delays_; }  ///< at which limits on the blends are imposed
 
@@ -68,6 +71,7 @@ class ComparisonCase {
 
   CaseSpec spec_;
   std::vector<int> samples_, blend_delays_;
+  bool delays_given_ = false;
   std::unique_ptr<nlp::Problem> sparse_, reduced_;
   std::vector<std::size_t> common_;  ///< sparse variable of each reduced one
 };

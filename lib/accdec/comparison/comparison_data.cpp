@@ -28,6 +28,7 @@ ComparedCase case_of(const Row& row) {
   c.problem = row.at("problem");
   c.family = row.at("family");
   c.question = row.at("question");
+  c.asks = text(row, "asks");
   c.size = row.at("size");
   c.order = row.at("order");
   c.variables = row.at("variables");

@@ -11,9 +11,17 @@
 
 namespace accdec::study {
 
+/// What the row of a run claims whose process was killed by the timer, or died.
+inline constexpr std::string_view claim_killed = "killed", claim_crashed = "crashed";
+/// Whether a run gave no answer because its process did not live to give it.
+inline bool lost(std::string_view claim) {
+  return claim == claim_killed || claim == claim_crashed;
+}
+
 /// A problem at one size with the reference its runs are judged by.
 struct ComparedCase {
   std::string problem, family, question, method;
+  std::string asks;  ///< the question in words; empty in older raw data
   int size = 1, order = 0, variables = 0, rows = 0;
   double time_limit = 0.0;  ///< s; 0: the header's
   bool expect_infeasible = false;

@@ -4,61 +4,38 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include <accdec/comparison/comparison_folder.hpp>
 #include <accdec/comparison/comparison_report.hpp>
+#include <accdec/comparison/comparison_reuse.hpp>
+#include <accdec/comparison/comparison_schedule.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
 #include <accdec/files/seconds_since.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/manifest.hpp>
 #include <accdec/study/journal.hpp>
+#include <accdec/study/plan.hpp>
 
 namespace accdec {
 namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
+using study::Entries;
 using study::Row;
-using Entries = std::map<std::size_t, study::Entry>;
 
 const ResultsKind kind{"accdec.comparison/1", "suite_hash", "suite"};
-constexpr const char* raw_name = "raw.jsonl";
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::size_t from = 0;
-  while (from < text.size()) {
-    const std::size_t end = std::min(text.find('\n', from), text.size());
-    if (end > from) lines.push_back(text.substr(from, end - from));
-    from = end + 1;
-  }
-  return lines;
-}
-
-/// Entries of finished results, and the record of how their time was spent.
-Entries finished_entries(const fs::path& folder, const std::string& hash, Row& session) {
-  Entries entries;
-  if (results_hash(folder.string(), kind) != hash || !fs::exists(folder / raw_name)) return entries;
-  for (const std::string& line : lines_of(read_text_file((folder / raw_name).string(), result_file_limit))) {
-    const Row row = Row::parse(line, nullptr, false);
-    if (!row.is_object()) continue;
-    if (const auto index = row.find("index"); index != row.end() && index->is_number_unsigned())
-      entries[index->get<std::size_t>()] = {0.0, line};
-    if (row.value("record", "") == "session") session = row;
-  }
-  return entries;
-}
-
 /// Where the time of one session went.
 struct Times {
   double solving = 0.0, evaluating = 0.0, judging = 0.0, references = 0.0;
   void add(const study::Entry& entry) {
     const Row row = Row::parse(entry.row);
-    const bool lost = row.value("claim", "") == "killed" || row.value("claim", "") == "crashed";
+    const bool lost = study::lost(row.value("claim", ""));
     solving += lost ? entry.seconds : row.value("wall_time_s", 0.0);
     evaluating += row.value("evaluation_time_s", 0.0);
     judging += row.value("verification_time_s", 0.0);
@@ -66,13 +43,30 @@ struct Times {
   }
 };
 
-void write_results(const Suite& suite, const std::vector<std::string>& lines, const Row& session,
-                   const ComparisonRunOptions& options) {
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text.append(line).append(1, '\n');
+  return text;
+}
+
+/// Whether a folder with the results of another hash is one of an earlier form of the suite: it was made from the same
+/// file, or some of its entries are of use, or there is nothing in it to lose.
+bool is_earlier_form(const fs::path& folder, const Suite& suite, const EarlierEntries& earlier) {
+  if (earlier.unknown) return false;
+  if (!earlier.entries.empty() || earlier.others.empty()) return true;
+  const fs::path path = folder / "manifest.json";
+  if (!fs::is_regular_file(path)) return false;
+  const Row manifest = Row::parse(read_text_file(path.string()), nullptr, false);
+  return manifest.is_object() && manifest.value("suite", Row()) == Row(suite.path);
+}
+
+/// @param others  lines that the suite has no place for any more
+void write_results(const Suite& suite, const std::vector<std::string>& lines, const std::vector<std::string>& others,
+                   const Row& session, const ComparisonRunOptions& options) {
   const fs::path folder = options.out;
   OutputFiles files;
-  std::string raw;
-  for (const std::string& line : lines) raw.append(line).append(1, '\n');
-  files.add((folder / raw_name).string(), std::move(raw));
+  if (!others.empty()) files.add((folder / comparison_earlier_name).string(), joined(others));
+  files.add((folder / comparison_raw_name).string(), joined(lines));
   for (auto& [name, content] : comparison_documents(lines)) files.add((folder / name).string(), std::move(content));
   Row manifest;
   manifest["schema"] = kind.schema;
@@ -88,99 +82,161 @@ void write_results(const Suite& suite, const std::vector<std::string>& lines, co
   }
   files.add((folder / "manifest.json").string(), manifest.dump(2) + "\n");
   files.commit();
+  if (others.empty()) fs::remove(folder / comparison_earlier_name);
 }
+
+/// Whatever the journals hold stands in the results now.
+void remove_journals(const fs::path& folder) {
+  std::vector<fs::path> journals;
+  for (const auto& item : fs::directory_iterator(folder)) {
+    if (item.path().filename().string().starts_with(comparison_journal_name)) journals.push_back(item.path());
+  }
+  for (const fs::path& path : journals) fs::remove(path);
+}
+
+/// What a merge lacks: the problems' first numbers, and the shards they are in if all journals are of as many.
+std::string missing_text(const study::Comparison& comparison, const std::vector<std::size_t>& missing,
+                         const std::vector<std::string>& folders) {
+  std::set<std::size_t> counts, without;
+  for (const std::string& folder : folders) {
+    for (const auto& item : fs::directory_iterator(folder)) {
+      const std::size_t count = study::shard_count(item.path().filename().string());
+      if (count > 0) counts.insert(count);
+    }
+  }
+  std::string text = fmt::format("{} runs are missing from the shards; nothing was written", missing.size());
+  if (counts.size() != 1) return text;
+  const auto owners = study::shard_owners(comparison.cases().size(), *counts.begin());
+  for (const std::size_t i : missing) without.insert(owners[comparison.at(i).case_index]);
+  return fmt::format("{}. Missing: shard {} of {}", text,
+                     study::ranges_text(std::vector<std::size_t>(without.begin(), without.end())), *counts.begin());
+}
+
+/// One call of run_comparison: what is there, what is computed, what is written.
+class FolderRun {
+ public:
+  FolderRun(const Suite& suite, const ComparisonRunOptions& options)
+      : suite_(suite),
+        options_(options),
+        folder_(options.out),
+        whole_(options.shards == 1),
+        comparison_(suite.settings, suite.cases),
+        cases_(study::cases_of_shard(comparison_.cases().size(), options.shard, options.shards)) {
+    const std::string identity = study::comparison_identity(comparison_, suite.hash);
+    Entries merged = study::shard_entries(options.merge, identity);
+    if (!options.merge.empty()) {
+      const std::vector<std::size_t> missing = study::next_entries(comparison_, merged, cases_);
+      if (!missing.empty()) throw OutputError(missing_text(comparison_, missing, options.merge));
+    }
+    if (whole_) earlier_ = earlier_entries(options.out, comparison_, results_hash(options.out, kind) == suite.hash);
+    claim_results_folder(options.out, kind, suite.hash, whole_ && is_earlier_form(folder_, suite, earlier_));
+    const std::string name = whole_ ? comparison_journal_name : study::shard_journal(options.shard, options.shards);
+    study::set_aside_other((folder_ / name).string(), identity);
+    journal_ = std::make_unique<study::Journal>((folder_ / name).string(), identity);
+    entries_ = journal_->entries();
+    entries_.merge(std::move(earlier_.entries));
+    entries_.merge(std::move(merged));
+    session_ = std::move(earlier_.session);
+    header_ = comparison_.header();
+    header_["suite_hash"] = suite.hash;
+    summary_.problems = comparison_.cases().size();
+    summary_.found = entries_.size();
+    summary_.set_aside = earlier_.others.size();
+    run_.workers = options.workers;
+    run_.isolation = study::Isolation::processes;
+    run_.kill_after_of = [this](std::size_t i) { return comparison_.kill_after(i); };
+    run_.fresh_children = true;
+  }
+
+  ComparisonSummary go() {
+    StudyProgress progress{entries_.size(), comparison_.size(), 0.0};
+    for (std::vector<std::size_t> next; !(next = study::next_entries(comparison_, entries_, cases_)).empty();) {
+      progress.done = entries_.size();
+      progress.total = entries_.size() + study::open_entries(comparison_, entries_, cases_, next);
+      compute(next, progress);
+    }
+    summary_.wall_time = study::seconds_since(began_);
+    summary_.runs = entries_.size() - static_cast<std::size_t>(std::count(cases_.begin(), cases_.end(), true));
+    if (!whole_) return summary_;
+    if (summary_.computed > 0) account();
+    write();
+    return summary_;
+  }
+
+ private:
+  void compute(const std::vector<std::size_t>& indices, StudyProgress& progress) {
+    study::run_points(
+        indices, [&](std::size_t i) { return comparison_.run(i).dump(-1, ' ', false, Row::error_handler_t::replace); },
+        [&](std::size_t i, const std::string& why) { return comparison_.lost(i, why).dump(); },
+        [&](std::size_t i, const study::Entry& entry) {
+          journal_->append(i, entry);
+          times_.add(entry);
+          entries_[i] = entry;
+          ++summary_.computed;
+          ++progress.done;
+          progress.seconds = study::seconds_since(began_);
+          if (options_.progress) options_.progress(progress);
+        },
+        run_);
+  }
+
+  /// Where this session's time went.
+  void account() {
+    const double all = summary_.wall_time * study::workers_of(run_);
+    summary_.bookkeeping = 1.0 - (times_.solving + times_.judging + times_.references) / all;
+    session_ = Row();
+    session_["record"] = "session";
+    session_["workers"] = study::workers_of(run_);
+    session_["entries"] = summary_.computed;
+    session_["wall_time_s"] = summary_.wall_time;
+    session_["solving_s"] = times_.solving;
+    session_["evaluating_s"] = times_.evaluating;
+    session_["judging_s"] = times_.judging;
+    session_["references_s"] = times_.references;
+    session_["bookkeeping_share"] = summary_.bookkeeping;
+  }
+
+  void write() {
+    std::vector<std::string> lines{header_.dump()};
+    for (const auto& [index, entry] : entries_) lines.push_back(entry.row);
+    if (!session_.is_null()) lines.push_back(session_.dump());
+    const study::ComparisonData data = study::read_comparison(lines);
+    summary_.contradictions = data.contradictions.size();
+    summary_.table = summary_text(data);
+    write_results(suite_, lines, earlier_.others, session_, options_);
+    remove_journals(folder_);
+    journal_.reset();
+    summary_.finished = true;
+  }
+
+  Clock::time_point began_ = Clock::now();
+  const Suite& suite_;
+  const ComparisonRunOptions& options_;
+  fs::path folder_;
+  bool whole_;
+  study::Comparison comparison_;
+  std::vector<bool> cases_;
+  EarlierEntries earlier_;
+  std::unique_ptr<study::Journal> journal_;
+  Entries entries_;
+  Row session_, header_;
+  study::RunOptions run_;
+  Times times_;
+  ComparisonSummary summary_;
+};
 
 }  // namespace
 
+void claim_comparison_folder(const Suite& suite, const std::string& folder) {
+  claim_results_folder(folder, kind, suite.hash);
+}
+
+bool comparison_finished(const Suite& suite, const std::string& folder) {
+  return results_hash(folder, kind) == suite.hash && fs::exists(fs::path(folder) / comparison_raw_name);
+}
+
 ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions& options) try {
-  const auto began = Clock::now();
-  claim_results_folder(options.out, kind, suite.hash);
-  const study::Comparison comparison(suite.settings, suite.cases);
-  const fs::path folder = options.out;
-  const std::string identity = fmt::format("comparison {} {}", suite.hash, comparison.size());
-  auto journal = std::make_unique<study::Journal>((folder / "comparison.journal").string(), identity);
-  Row session;
-  Entries entries = journal->entries();
-  entries.merge(finished_entries(folder, suite.hash, session));
-
-  ComparisonSummary summary;
-  summary.problems = comparison.cases().size();
-  summary.found = entries.size();
-  study::RunOptions run;
-  run.workers = options.workers;
-  run.isolation = study::Isolation::processes;
-  run.kill_after_of = [&](std::size_t i) { return comparison.kill_after(i); };
-  run.fresh_children = true;
-  Times times;
-  StudyProgress progress{entries.size(), comparison.size(), 0.0};
-  const auto compute = [&](const std::vector<std::size_t>& indices) {
-    study::run_points(
-        indices, [&](std::size_t i) { return comparison.run(i).dump(-1, ' ', false, Row::error_handler_t::replace); },
-        [&](std::size_t i, const std::string& why) { return comparison.lost(i, why).dump(); },
-        [&](std::size_t i, const study::Entry& entry) {
-          journal->append(i, entry);
-          times.add(entry);
-          entries[i] = entry;
-          ++summary.computed;
-          ++progress.done;
-          progress.seconds = study::seconds_since(began);
-          if (options.progress) options.progress(progress);
-        },
-        run);
-  };
-  const auto missing = [&](std::size_t from, std::size_t to, const auto& wanted) {
-    std::vector<std::size_t> indices;
-    for (std::size_t i = from; i < to; ++i) {
-      if (entries.contains(i)) continue;
-      if (wanted(i))
-        indices.push_back(i);
-      else
-        ++progress.done;
-    }
-    return indices;
-  };
-  const auto always = [](std::size_t) { return true; };
-  const std::size_t references = comparison.cases().size(), first = references + comparison.per_repeat();
-  compute(missing(0, references, always));
-  compute(missing(references, first, always));
-  Row header = comparison.header();
-  header["suite_hash"] = suite.hash;
-  const auto raw_lines = [&] {
-    std::vector<std::string> lines{header.dump()};
-    for (const auto& [index, entry] : entries) lines.push_back(entry.row);
-    return lines;
-  };
-  if (comparison.size() > first) {
-    const study::ComparisonData so_far = study::read_comparison(raw_lines());
-    compute(missing(first, comparison.size(), [&](std::size_t i) {
-      const study::ScheduledRun entry = comparison.at(i);
-      return so_far.worth_repeating(entry.case_index, entry.start, entry.solver);
-    }));
-  }
-  summary.wall_time = study::seconds_since(began);
-  summary.runs = entries.size() - references;
-
-  if (summary.computed > 0) {
-    const double all = summary.wall_time * study::workers_of(run);
-    summary.bookkeeping = 1.0 - (times.solving + times.judging + times.references) / all;
-    session = Row();
-    session["record"] = "session";
-    session["workers"] = study::workers_of(run);
-    session["entries"] = summary.computed;
-    session["wall_time_s"] = summary.wall_time;
-    session["solving_s"] = times.solving;
-    session["evaluating_s"] = times.evaluating;
-    session["judging_s"] = times.judging;
-    session["references_s"] = times.references;
-    session["bookkeeping_share"] = summary.bookkeeping;
-  }
-  std::vector<std::string> lines = raw_lines();
-  if (!session.is_null()) lines.push_back(session.dump());
-  summary.contradictions = study::read_comparison(lines).contradictions.size();
-  write_results(suite, lines, session, options);
-  journal.reset();
-  fs::remove(folder / "comparison.journal");
-  return summary;
+  return FolderRun(suite, options).go();
 } catch (const study::JournalError& error) {
   throw OutputError(error.what());
 } catch (const fs::filesystem_error& error) {
@@ -188,11 +244,11 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
 }
 
 std::size_t redraw_comparison(const std::string& folder) {
-  const fs::path path = fs::path(folder) / raw_name;
+  const fs::path path = fs::path(folder) / comparison_raw_name;
   if (!fs::is_regular_file(path)) {
-    const bool begun = fs::exists(fs::path(folder) / "comparison.journal");
+    const bool begun = fs::exists(fs::path(folder) / comparison_journal_name);
     throw OutputError(
-        fmt::format("{}: no raw data ({}) to draw from{}", folder, raw_name,
+        fmt::format("{}: no raw data ({}) to draw from{}", folder, comparison_raw_name,
                     begun ? "; the comparison is not finished: run it again with --out and it goes on" : ""));
   }
   OutputFiles files;

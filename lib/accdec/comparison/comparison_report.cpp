@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/comparison/comparison_answer.hpp>
 #include <accdec/comparison/comparison_report.hpp>
 #include <accdec/files/csv_table.hpp>
 #include <accdec/plot/html.hpp>
@@ -11,10 +12,6 @@ namespace accdec {
 namespace {
 
 using study::ComparisonData;
-
-std::string paragraph(const std::string& text) {
-  return fmt::format("<p>{}</p>\n", html_escaped(text));
-}
 
 std::string settings_text(const ComparisonData& data) {
   const study::Row& h = data.header;
@@ -88,14 +85,27 @@ std::string solvers_html(const ComparisonData& data) {
     }
     rows.back().push_back(fmt::format("{}", fmt::join(options, ", ")));
   }
-  return "<h2>Solvers</h2>\n" + html_table(head, rows);
+  return html_table({head, rows});
+}
+
+/// What must not be, or that it is not.
+std::string contradictions_html(const ComparisonData& data) {
+  if (data.contradictions.empty()) {
+    return html_paragraph(
+        fmt::format("No verified answer lies below a proved bound by more than {:g} of max(1, bound), none is of a "
+                    "problem proved infeasible, and every problem is feasible or not as the suite says.",
+                    data.accuracy));
+  }
+  std::string html = "<h2>Contradictions</h2>\n<ul>\n";
+  for (const std::string& c : data.contradictions) html += fmt::format("<li>{}</li>\n", html_escaped(c));
+  return html + "</ul>\n";
 }
 
 /// What a figure does not say by itself.
 std::string figure_notes(const std::string& name) {
   const auto is = [&](const char* kind) { return name == kind || name == fmt::format("design-{}", kind); };
   if (is("performance")) {
-    return paragraph(
+    return html_paragraph(
         "The time counts until the first feasible point within the accuracy that is judged, so that nobody is charged "
         "for polishing beyond it; solved are only runs that ended with an "
         "answer as good, since who does not know the reference has the answer alone to go by. Costs are divided by the "
@@ -105,14 +115,14 @@ std::string figure_notes(const std::string& name) {
         "the tests of the libraries being of different kinds.");
   }
   if (is("data")) {
-    return paragraph(
+    return html_paragraph(
         "Evaluations are the greater of the numbers of evaluations of the objective and of the rows; gradients, "
         "Jacobians and Hessians are free. Solvers with derivatives are therefore "
         "comparable here with each other only, and even then second derivatives come free; so are those with values "
         "only. Met is met, whatever answer came of it.");
   }
   if (is("runtime"))
-    return paragraph(
+    return html_paragraph(
         "Met is met, whatever answer came of it: these curves may end higher than the shares of problems solved.");
   return "";
 }
@@ -127,7 +137,7 @@ std::string part(const ComparisonTable& table, const std::vector<std::size_t>& c
     rows.emplace_back();
     for (const std::size_t c : columns) rows.back().push_back(row[c]);
   }
-  return html_table(head, rows);
+  return html_table({head, rows, "", true});
 }
 
 }  // namespace
@@ -141,41 +151,42 @@ std::vector<std::pair<std::string, std::string>> comparison_documents(const std:
     documents.emplace_back(table.name + ".csv", csv_table(table.head, table.rows));
   }
   std::string html = html_head(data.header.value("title", "Comparison"));
-  if (const std::string notes = data.header.value("notes", ""); !notes.empty()) html += paragraph(notes);
-  html += paragraph(settings_text(data));
-  if (const std::string session = session_text(data); !session.empty()) html += paragraph(session);
-  if (data.contradictions.empty()) {
-    html += paragraph(
-        fmt::format("No verified answer lies below a proved bound by more than {:g} of max(1, bound), none is of a "
-                    "problem proved infeasible, and every problem is feasible or not as the suite says.",
-                    data.accuracy));
-  } else {
-    html += "<h2>Contradictions</h2>\n<ul>\n";
-    for (const std::string& c : data.contradictions) html += fmt::format("<li>{}</li>\n", html_escaped(c));
-    html += "</ul>\n";
-  }
-  html += solvers_html(data);
-  html += "<h2>What each solver came to</h2>\n" + part(summary, {0, 3, 5, 6, 8, 9, 10, 11, 12, 7, 13, 14, 15, 16});
-  html += "<h2>Time and evaluations of the runs that reached the reference</h2>\n" +
-          part(summary, {0, 8, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27});
-  html += "<h2>Claimed against verified, all solvers</h2>\n" + part(confusion, {1, 2, 3, 4, 5, 6, 7}, "all");
-  html += "<h2>Profiles</h2>\n" + paragraph(
-                                      "Points on the way are recorded thinned: a time, or number of evaluations, to a "
-                                      "target is that of the first point within the target or, at most, of the first "
-                                      "nearer by a tenth of the target's distance. So are the times to accuracy. Each "
-                                      "solver has the same line and symbol in all figures but those of pairs.");
+  html += html_paragraph(answer_text(data)) + contradictions_html(data);
+  const ComparisonTable answer = answer_table(data);
+  html += html_table({answer.head, answer.rows, "answer", true});
+  documents.emplace_back("answer.csv", csv_table(answer.head, answer.rows));
+
+  html += "<h2>Profiles</h2>\n";
+  std::string more_profiles;
   for (const auto& [name, figure] : comparison_figures(data)) {
-    html += figure_notes(name);
     const std::string svg = render_svg(figure);
-    html += html_figure(name, svg);
+    const bool first = name == "performance" || name == "design-performance";
+    (first ? html : more_profiles) += figure_notes(name) + html_figure(name, figure, svg);
     documents.emplace_back(name + ".png", convert_svg(svg, "png"));
     documents.emplace_back(name + ".svg", svg);
   }
-  html += "<h2>Problems and reference values</h2>\n" + part(problems, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
-  html += paragraph(
-      "Raw data: raw.jsonl; every run: runs.csv; confusion by solver: confusion.csv; every pair: pairs.csv; how it was "
-      "made: manifest.json.");
-  documents.emplace_back("report.html", html + "</body></html>\n");
+  html += html_folded("More profiles: to the solver's end, by evaluations, pairs, run times", more_profiles);
+
+  html += html_folded("What each solver came to", part(summary, {0, 3, 5, 6, 8, 9, 10, 11, 12, 7, 13, 14, 15, 16}));
+  html += html_folded("Time and evaluations of the runs that reached the reference",
+                      part(summary, {0, 8, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27}));
+  html += html_folded("Claimed against verified, all solvers", part(confusion, {1, 2, 3, 4, 5, 6, 7}, "all"));
+  html += html_folded("Problems and reference values", part(problems, {0, 1, 2, 11, 3, 4, 5, 6, 7, 8, 9, 10}));
+  html += html_folded("Solvers, their libraries and options", solvers_html(data));
+  std::string how = html_paragraph(settings_text(data));
+  if (const std::string notes = data.header.value("notes", ""); !notes.empty()) how = html_paragraph(notes) + how;
+  if (const std::string session = session_text(data); !session.empty()) how += html_paragraph(session);
+  how += html_paragraph(
+      "Points on the way are recorded thinned: a time, or number of evaluations, to a target is that of the first "
+      "point "
+      "within the target or, at most, of the first nearer by a tenth of the target's distance. So are the times to "
+      "accuracy. Each solver has the same line and symbol in all figures but those of pairs.");
+  html += html_folded("How it was run and judged", how);
+  html += html_paragraph(
+      "Raw data: raw.jsonl; the table above: answer.csv; every run: runs.csv; confusion by solver: confusion.csv; "
+      "every "
+      "pair: pairs.csv; how it was made: manifest.json.");
+  documents.emplace_back("report.html", html + html_foot());
   return documents;
 }
 

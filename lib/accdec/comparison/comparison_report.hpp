@@ -20,6 +20,8 @@ ComparisonTable problems_table(const study::ComparisonData& data);
 /// One row a solver: how often it reached the reference, what else came of its runs, median and quartiles of time and
 /// evaluations.
 ComparisonTable summary_table(const study::ComparisonData& data);
+/// The columns of it that matter most, as plain text for a terminal.
+std::string summary_text(const study::ComparisonData& data);
 /// Claimed against verified, for each solver and for all together.
 ComparisonTable confusion_table(const study::ComparisonData& data);
 /// One row for each problem, start and solver.

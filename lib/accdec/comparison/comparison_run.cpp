@@ -9,10 +9,12 @@
 
 #include <fmt/format.h>
 
+#include <accdec/comparison/comparison_data.hpp>
 #include <accdec/comparison/comparison_run.hpp>
 #include <accdec/comparison/row_numbers.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/files/seconds_since.hpp>
+#include <accdec/formats/toml_file.hpp>
 
 namespace accdec::study {
 using Clock = std::chrono::steady_clock;
@@ -127,10 +129,29 @@ Row Comparison::run(std::size_t index) const {
   return entry.reference ? reference_row(entry) : run_row(entry);
 }
 
+std::string Comparison::key(std::size_t index) const {
+  const ScheduledRun entry = at(index);
+  const CaseSpec& spec = cases_[entry.case_index];
+  if (spec.identity.empty()) return "";
+  const ComparisonSettings& s = settings_;
+  if (entry.reference) {
+    return toml_input::hash_of(fmt::format("problem\n{}\n{}\n{}\n{} {}", spec.identity, spec.name, spec.family,
+                                           s.reference_time_limit, s.time_limit));
+  }
+  const Competitor& competitor = s.solvers[entry.solver];
+  std::string text =
+      fmt::format("run\n{}\n{} {}", spec.identity, competitor.solver, competitor.wants_reduced(s.reduced));
+  for (const auto& [name, value] : competitor.native) text += fmt::format(" {}={}", name, value);
+  text += fmt::format("\n{} {} {} {} {} {} {} {}", entry.start, s.seed, entry.repeat, time_limit(entry),
+                      kill_after(index), s.evaluation_limit, s.tolerance, s.feasibility);
+  return toml_input::hash_of(text);
+}
+
 Row Comparison::beginning_of_run(const ScheduledRun& entry) const {
   Row row;
   row["record"] = "run";
   row["index"] = index_of(entry, entry.repeat);
+  row["key"] = key(index_of(entry, entry.repeat));
   row["case"] = entry.case_index;
   row["start"] = entry.start;
   row["solver"] = settings_.solvers[entry.solver].name;
@@ -143,10 +164,12 @@ Row Comparison::beginning_of_reference(std::size_t case_index, const ComparisonC
   Row row;
   row["record"] = "problem";
   row["index"] = case_index;
+  row["key"] = key(case_index);
   row["case"] = case_index;
   row["problem"] = spec.name;
   row["family"] = spec.family;
   row["question"] = to_string(spec.question);
+  row["asks"] = subject.asks();
   row["size"] = spec.size;
   row["order"] = spec.order;
   row["variables"] = subject.variables();
@@ -198,7 +221,7 @@ Row Comparison::lost(std::size_t index, const std::string& reason) const {
     return row;
   }
   Row row = beginning_of_run(entry);
-  row["claim"] = reason.starts_with("given up") ? "killed" : "crashed";
+  row["claim"] = reason.starts_with("given up") ? claim_killed : claim_crashed;
   row["verdict"] = "none";
   row["message"] = reason;
   return row;

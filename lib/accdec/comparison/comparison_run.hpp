@@ -56,6 +56,9 @@ class Comparison {
   /// suite's own limit).
   double time_limit(const ScheduledRun& run) const;
   double kill_after(std::size_t index) const;
+  /// Of everything an entry's line depends on but the program's version: equal keys, equal work. Empty for a case
+  /// without identity.
+  std::string key(std::size_t index) const;
   /// The same run's index in another repeat.
   std::size_t index_of(const ScheduledRun& run, int repeat) const;
 
@@ -73,6 +76,7 @@ class Comparison {
   Row run_row(const ScheduledRun& entry) const;
   /// Of a case, start and repeat.
   std::vector<std::size_t> order_of_solvers(std::size_t case_index, std::size_t start, std::size_t repeat) const;
+  solvers::Options solver_options(const ScheduledRun& entry) const;
   void solve_into(Row& row, const ScheduledRun& entry) const;
   void design_into(Row& row, const ScheduledRun& entry) const;
 

@@ -47,18 +47,23 @@ Row counts_row(const nlp::Counts& n) {
 
 }  // namespace
 
-void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
-  const ComparisonCase subject(cases_[entry.case_index]);
-  const Competitor& competitor = settings_.solvers[entry.solver];
-  const bool reduced = competitor.wants_reduced(settings_.reduced);
+solvers::Options Comparison::solver_options(const ScheduledRun& entry) const {
   solvers::Options options;
   options.tolerance = settings_.tolerance;
   options.feasibility_tolerance = settings_.feasibility;
   options.time_limit = time_limit(entry);
   options.evaluation_limit = settings_.evaluation_limit;
   options.own_budget = false;
-  options.native = competitor.native;
+  options.native = settings_.solvers[entry.solver].native;
   options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
+  return options;
+}
+
+void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
+  const ComparisonCase subject(cases_[entry.case_index]);
+  const Competitor& competitor = settings_.solvers[entry.solver];
+  const bool reduced = competitor.wants_reduced(settings_.reduced);
+  const solvers::Options options = solver_options(entry);
   const std::vector<double> start = subject.start(reduced, entry.start, settings_.seed);
   // Rows of the reduced form are the limits themselves: whatever form a solver had, its answer and what it found on the
   // way are judged by these. For a solver of the reduced form its evaluator does that as it goes.

@@ -45,108 +45,120 @@ std::string text(const study::Row& row, const char* key) {
 ComparisonTable problems_table(const ComparisonData& data) {
   ComparisonTable t{"problems",
                     {"problem", "family", "formulation", "size", "order", "variables", "rows", "reference", "proof",
-                     "proved bound", "how"},
+                     "proved bound", "how", "asks"},
                     {}};
   for (const ComparedCase& c : data.cases) {
     t.rows.push_back({c.problem, c.family, c.question, fmt::format("{}", c.size), fmt::format("{}", c.order),
                       fmt::format("{}", c.variables), fmt::format("{}", c.rows), shown(c.reference, 8), c.proof,
-                      shown(c.lower, 8), c.method});
+                      shown(c.lower, 8), c.method, c.asks});
   }
   return t;
 }
 
+namespace {
+
+/// What all attempts of one solver add up to.
+struct Tally {
+  std::string solver;
+  const study::Row* about = nullptr;  ///< of the raw data's header
+  std::array<std::size_t, judgement_count> judged{};
+  std::size_t runs = 0, refused = 0, lost = 0, recognised = 0, none_found = 0, refuted = 0;
+  std::vector<double> times, accuracy_times, polishing, evaluations;
+  double inside = 0.0, wall = 0.0;  ///< s, in the evaluator and in all
+
+  void add(const ComparedCase& c, const Attempt& a) {
+    ++runs;
+    if (!a.accepted) {
+      ++refused;
+      if (c.infeasible) ++judged[position(Judgement::impossible)];
+      return;
+    }
+    if (study::lost(a.claim)) ++lost;
+    ++judged[position(a.judgement)];
+    if (c.infeasible && a.success) ++recognised;
+    if (c.infeasible && a.claim == "no design") ++none_found;
+    if (claims_success(a) && (a.judgement == Judgement::violates || a.judgement == Judgement::none || c.infeasible))
+      ++refuted;
+    if (a.success && !c.infeasible) {
+      times.push_back(a.time.median);
+      accuracy_times.push_back(a.accuracy_cost);
+      polishing.push_back(a.end_cost / a.accuracy_cost);
+      evaluations.push_back(a.evaluations);
+    }
+    if (!a.times.empty()) {
+      inside += a.evaluation_time;
+      wall += a.times.front();
+    }
+  }
+};
+
+/// A column of the summary: its heading and what stands under it.
+struct SummaryColumn {
+  const char* heading;
+  std::string (*cell)(const Tally&);
+};
+
+std::string whole(std::size_t n) {
+  return fmt::format("{}", n);
+}
+template <Judgement J>
+std::string judged(const Tally& t) {
+  return whole(t.judged[position(J)]);
+}
+std::string lower(const std::vector<double>& values) {
+  return shown(study::quartiles(values).lower);
+}
+std::string median(const std::vector<double>& values) {
+  return shown(study::quartiles(values).median);
+}
+std::string upper(const std::vector<double>& values) {
+  return shown(study::quartiles(values).upper);
+}
+
+const SummaryColumn summary_columns[] = {
+    {"solver", [](const Tally& t) { return t.solver; }},
+    {"library", [](const Tally& t) { return text(*t.about, "library"); }},
+    {"search", [](const Tally& t) { return text(*t.about, "search"); }},
+    {"uses", [](const Tally& t) { return text(*t.about, "uses"); }},
+    {"form", [](const Tally& t) { return text(*t.about, "form"); }},
+    {"runs", [](const Tally& t) { return whole(t.runs); }},
+    {"refused", [](const Tally& t) { return whole(t.refused); }},
+    {"killed or crashed", [](const Tally& t) { return whole(t.lost); }},
+    {"reference reached", judged<Judgement::reached>},
+    {"stationary, worse", judged<Judgement::stationary>},
+    {"feasible only", judged<Judgement::feasible>},
+    {"breaks a limit", judged<Judgement::violates>},
+    {"no point", judged<Judgement::none>},
+    {"infeasible recognised", [](const Tally& t) { return whole(t.recognised); }},
+    {"infeasible: no design found", [](const Tally& t) { return whole(t.none_found); }},
+    {"infeasible in all", judged<Judgement::impossible>},
+    {"claimed solved, refuted", [](const Tally& t) { return whole(t.refuted); }},
+    {"time to end lower quartile / s", [](const Tally& t) { return lower(t.times); }},
+    {"time to end median / s", [](const Tally& t) { return median(t.times); }},
+    {"time to end upper quartile / s", [](const Tally& t) { return upper(t.times); }},
+    {"time to accuracy lower quartile / s", [](const Tally& t) { return lower(t.accuracy_times); }},
+    {"time to accuracy median / s", [](const Tally& t) { return median(t.accuracy_times); }},
+    {"time to accuracy upper quartile / s", [](const Tally& t) { return upper(t.accuracy_times); }},
+    {"median of time to end / time to accuracy",
+     [](const Tally& t) { return shown(study::quartiles(t.polishing).median, 3); }},
+    {"evaluations lower quartile", [](const Tally& t) { return lower(t.evaluations); }},
+    {"evaluations median", [](const Tally& t) { return median(t.evaluations); }},
+    {"evaluations upper quartile", [](const Tally& t) { return upper(t.evaluations); }},
+    {"share of time in the evaluator", [](const Tally& t) { return t.wall > 0.0 ? shown(t.inside / t.wall, 3) : ""; }},
+};
+
+}  // namespace
+
 ComparisonTable summary_table(const ComparisonData& data) {
-  ComparisonTable t{"summary",
-                    {"solver",
-                     "library",
-                     "search",
-                     "uses",
-                     "form",
-                     "runs",
-                     "refused",
-                     "killed or crashed",
-                     "reference reached",
-                     "stationary, worse",
-                     "feasible only",
-                     "breaks a limit",
-                     "no point",
-                     "infeasible recognised",
-                     "infeasible: no design found",
-                     "infeasible in all",
-                     "claimed solved, refuted",
-                     "time to end lower quartile / s",
-                     "time to end median / s",
-                     "time to end upper quartile / s",
-                     "time to accuracy lower quartile / s",
-                     "time to accuracy median / s",
-                     "time to accuracy upper quartile / s",
-                     "median of time to end / time to accuracy",
-                     "evaluations lower quartile",
-                     "evaluations median",
-                     "evaluations upper quartile",
-                     "share of time in the evaluator"},
-                    {}};
+  ComparisonTable t{"summary", {}, {}};
+  for (const SummaryColumn& column : summary_columns) t.head.emplace_back(column.heading);
   for (std::size_t s = 0; s < data.solvers.size(); ++s) {
-    const study::Row& about = data.header.at("solvers").at(s);
-    std::array<std::size_t, judgement_count> count{};
-    std::size_t runs = 0, refused = 0, lost = 0, recognised = 0, none_found = 0, refuted = 0;
-    std::vector<double> times, accuracy_times, polishing, evaluations;
-    double inside = 0.0, wall = 0.0;
-    each_attempt(data, s, [&](const ComparedCase& c, int, const Attempt& a) {
-      ++runs;
-      if (!a.accepted) {
-        ++refused;
-        if (c.infeasible) ++count[position(Judgement::impossible)];
-        return;
-      }
-      if (a.claim == "killed" || a.claim == "crashed") ++lost;
-      ++count[position(a.judgement)];
-      if (c.infeasible && a.success) ++recognised;
-      if (c.infeasible && a.claim == "no design") ++none_found;
-      if (claims_success(a) && (a.judgement == Judgement::violates || a.judgement == Judgement::none || c.infeasible))
-        ++refuted;
-      if (a.success && !c.infeasible) {
-        times.push_back(a.time.median);
-        accuracy_times.push_back(a.accuracy_cost);
-        polishing.push_back(a.end_cost / a.accuracy_cost);
-        evaluations.push_back(a.evaluations);
-      }
-      if (!a.times.empty()) {
-        inside += a.evaluation_time;
-        wall += a.times.front();
-      }
-    });
-    const study::Quartiles time = study::quartiles(times), accuracy = study::quartiles(accuracy_times),
-                           evals = study::quartiles(evaluations);
-    const auto whole = [](std::size_t n) { return fmt::format("{}", n); };
-    t.rows.push_back({data.solvers[s],
-                      text(about, "library"),
-                      text(about, "search"),
-                      text(about, "uses"),
-                      text(about, "form"),
-                      whole(runs),
-                      whole(refused),
-                      whole(lost),
-                      whole(count[position(Judgement::reached)]),
-                      whole(count[position(Judgement::stationary)]),
-                      whole(count[position(Judgement::feasible)]),
-                      whole(count[position(Judgement::violates)]),
-                      whole(count[position(Judgement::none)]),
-                      whole(recognised),
-                      whole(none_found),
-                      whole(count[position(Judgement::impossible)]),
-                      whole(refuted),
-                      shown(time.lower),
-                      shown(time.median),
-                      shown(time.upper),
-                      shown(accuracy.lower),
-                      shown(accuracy.median),
-                      shown(accuracy.upper),
-                      shown(study::quartiles(polishing).median, 3),
-                      shown(evals.lower),
-                      shown(evals.median),
-                      shown(evals.upper),
-                      wall > 0.0 ? shown(inside / wall, 3) : ""});
+    Tally tally;
+    tally.solver = data.solvers[s];
+    tally.about = &data.header.at("solvers").at(s);
+    each_attempt(data, s, [&](const ComparedCase& c, int, const Attempt& a) { tally.add(c, a); });
+    std::vector<std::string>& row = t.rows.emplace_back();
+    for (const SummaryColumn& column : summary_columns) row.push_back(column.cell(tally));
   }
   return t;
 }

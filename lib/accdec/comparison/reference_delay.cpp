@@ -55,10 +55,11 @@ Part DelaySearch::around_best() const {
 std::vector<Part> DelaySearch::left(const exact::Multipliers& y, const exact::Box& box, const Part& part) {
   // The cut that the multipliers amount to.
   double in = 0.0, out = 0.0;
-  for (const auto& [id, value] : y) {
-    if (id.kind != exact::RowKind::cone) continue;
-    in += value * model().weight_in(corner_, id.angle) / model().scale_in(corner_);
-    out += value * model().weight_out(corner_, id.angle) / model().scale_out(corner_);
+  for (const proof::Term& term : y) {
+    const auto* error = std::get_if<proof::Error>(&term.row);
+    if (error == nullptr) continue;
+    in += term.multiplier * model().weight_in(corner_, error->angle) / model().scale_in(corner_);
+    out += term.multiplier * model().weight_out(corner_, error->angle) / model().scale_out(corner_);
   }
   if (in == 0.0 && out == 0.0) return {};  // no part of the proof, so it holds at every instant
   const double theta = model().theta(corner_), right = 0.5 * std::numbers::pi - 1e-12;

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <accdec/certificate/certificate.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/design/limit_rows.hpp>
 #include <accdec/motion/smallest_delay.hpp>
+#include <accdec/task/verification_cost.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -45,11 +47,16 @@ bool holds(const Task& task, const TaskCorner& corner, const Filter& filter, int
 
 DesignResult design_delays(const Task& task, const DesignOptions& options) {
   const auto began = std::chrono::steady_clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+  const auto stopped = [&] {
+    return elapsed() > options.time_limit || (options.cancel != nullptr && options.cancel->load());
+  };
   const Filter filter = make_filter(*task.filter);
   const DelayFinder smallest(filter);
   std::vector<int> delays;
-  std::string impossible;
+  std::string impossible, unfinished;
   long tried = 0;
+  const std::size_t told_every = 1 + task.corners.size() / 100;
   for (const TaskCorner& corner : task.corners) {
     const double period = task.sample_period;
     int delay = corner.delay.value_or(
@@ -60,7 +67,11 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
     // from N + 2 on nothing changes any more.
     const int last = corner.delay.value_or(std::max(delay, filter.order() + 2));
     std::string broken;
-    while (++tried, !holds(task, corner, filter, delay, &broken) && delay < last) ++delay;
+    while (++tried, !stopped() && !holds(task, corner, filter, delay, &broken) && delay < last) ++delay;
+    if (stopped()) {
+      unfinished = fmt::format("stopped at corner {} of {}", delays.size() + 1, task.corners.size());
+      break;
+    }
     if (!holds(task, corner, filter, delay, &broken)) {
       impossible = fmt::format("this filter breaks a limit at corner {} whatever its delay; at d = {}: {}", corner.name,
                                delay, broken);
@@ -68,10 +79,18 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
       break;
     }
     delays.push_back(delay);
-    if (options.progress) options.progress(fmt::format("corner {}: d = {}", corner.name, delay));
+    if (options.progress && delays.size() % told_every == 0)
+      options.progress(fmt::format("corner {}: d = {}", corner.name, delay));
+  }
+  if (const double seconds = verification_cost(task, filter.order(), delays).seconds();
+      unfinished.empty() && seconds > 1.0 && elapsed() + seconds > options.time_limit) {
+    unfinished = fmt::format("simulating all corners would take about {:.0f} s more", seconds);
   }
   DesignResult result;
-  if (impossible.empty()) {
+  if (!unfinished.empty()) {
+    result.task = task;
+    result.message = unfinished + fmt::format("; the time limit is {:g} s", options.time_limit);
+  } else if (impossible.empty()) {
     result = assess(task, filter, delays, false);
     if (result.status == Status::failed) {
       // Every corner holds its limits, so this is one the delays have no part in: vibration.
@@ -81,7 +100,7 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
       result.status = Status::optimal;
       result.lower_bound = result.objective();
       result.gap = 0.0;
-      result.certificate = R"({"kind":"enumeration"})";
+      result.certificate = std::make_shared<Certificate>(Certificate{proof::Enumeration{}});
     }
   } else {
     result.task = task;
@@ -91,7 +110,7 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
   result.solver.method = "given";
   result.solver.name = "enumeration";
   result.solver.evaluations = tried;
-  result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  result.solver.wall_time = elapsed();
   return result;
 }
 

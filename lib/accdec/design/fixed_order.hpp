@@ -44,6 +44,11 @@ class FixedOrderDesigner {
   bool stopped() const {
     return elapsed() > options_.time_limit || (options_.cancel != nullptr && options_.cancel->load());
   }
+  /// Why the search ends if it ends now.
+  StopReason stop_reason() const {
+    if (options_.cancel != nullptr && options_.cancel->load()) return StopReason::interrupted;
+    return stopped() ? StopReason::time_limit : StopReason::finished;
+  }
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
   void tell(const std::string& line) const {
     if (options_.progress) options_.progress(line);

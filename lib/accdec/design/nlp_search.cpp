@@ -241,13 +241,15 @@ class Search {
       result.status = Status::failed;
       result.message = at_.stopped() ? "stopped before a verified design was found" : no_design();
     }
+    result.stop = at_.stop_reason();
     result.solver = at_.report();
     return result;
   }
 
   /// Why there is no design, as far as a local solver can tell: the limits without any one of which it finds one.
   std::string no_design() const {
-    std::string message = fmt::format("{} found no design up to order {}", options_.solver, task_.design.order_max);
+    std::string message =
+        fmt::format("{} found no design up to order {} ([design] order_max)", options_.solver, task_.design.order_max);
     // Asking which limits are in each other's way takes many small searches: they share what is left of the time.
     bool in_time = true;
     const auto has_design = [&](const Task& task) {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate/checker.hpp>
 #include <accdec/design/recheck.hpp>
 #include <accdec/task/enumeration.hpp>
 #include <accdec/task/verifier.hpp>
@@ -167,7 +167,7 @@ void check_proof(const DesignResult& result, Recheck& report, const std::functio
     if (result.status == Status::optimal && gap > tolerance)
       reject("claims optimal with a lower bound below the cycle time");
   }
-  if (result.certificate.empty()) {
+  if (!result.certificate) {
     if (result.status == Status::optimal)
       reject("claims optimal without a certificate");
     else if (result.lower_bound)
@@ -191,7 +191,7 @@ void check_proof(const DesignResult& result, Recheck& report, const std::functio
 
 Recheck recheck(const DesignResult& result, const std::function<bool()>& stop) {
   Recheck report;
-  if (result.status == Status::infeasible && !result.certificate.empty() && !result.task.filter) {
+  if (result.status == Status::infeasible && result.certificate && !result.task.filter) {
     const CheckReport check = check_certificate(result.task, result, stop);
     report.proof = check.reason;
     if (!check.accepted) report.reasons.push_back("the certificate does not hold: " + check.reason);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <accdec/exact/search.hpp>
 
@@ -34,17 +35,12 @@ int inside(double at, int first, int last) {
 }
 
 struct Scored {
-  Proof::Node node;
+  proof::Node node;
   double score;
 };
 
-Proof::Node split_node(std::size_t corner, bool on_delay, int at) {
-  Proof::Node node;
-  node.kind = Proof::Node::split;
-  node.corner = static_cast<int>(corner);
-  node.on_delay = on_delay;
-  node.at = at;
-  return node;
+proof::Node split_node(std::size_t corner, bool on_delay, int at) {
+  return proof::Split{static_cast<int>(corner), on_delay, at};
 }
 
 /// Splits by how much delay the programme's filter lacks, weighted.
@@ -78,29 +74,34 @@ std::vector<Scored> candidates(const LimitModel& model, const Box& box, const Ou
 
 }  // namespace
 
-std::pair<Box, Box> parts(const Box& box, const Proof::Node& node) {
+std::pair<Box, Box> parts(const Box& box, const proof::OrderSplit& split) {
   std::pair<Box, Box> both{box, box};
-  if (node.kind == Proof::Node::order_split) {
-    both.first.order_most = node.at;
-    both.second.order_least = node.at + 1;
-    return both;
-  }
-  const auto j = static_cast<std::size_t>(node.corner);
-  CornerBox &first = both.first.corners[j], &second = both.second.corners[j];
-  (node.on_delay ? first.d2 : first.k2) = node.at;
-  (node.on_delay ? second.d1 : second.k1) = node.at + 1;
+  both.first.order_most = split.at;
+  both.second.order_least = split.at + 1;
   return both;
 }
 
-std::optional<Proof::Node> Search::split_of_long_orders(const Box& box) const {
+std::pair<Box, Box> parts(const Box& box, const proof::Split& split) {
+  std::pair<Box, Box> both{box, box};
+  const auto j = static_cast<std::size_t>(split.corner);
+  CornerBox &first = both.first.corners[j], &second = both.second.corners[j];
+  (split.on_delay ? first.d2 : first.k2) = split.at;
+  (split.on_delay ? second.d1 : second.k1) = split.at + 1;
+  return both;
+}
+
+std::pair<Box, Box> parts(const Box& box, const proof::Node& node) {
+  if (const auto* order = std::get_if<proof::OrderSplit>(&node)) return parts(box, *order);
+  if (const auto* split = std::get_if<proof::Split>(&node)) return parts(box, *split);
+  throw std::logic_error("a node of a proof that is no split of a box has no parts");
+}
+
+std::optional<proof::Node> Search::split_of_long_orders(const Box& box) const {
   if (!box.budget) return std::nullopt;
   const int least = std::max({task_.design.order_min, 0, box.order_least, smallest_order_});
   const int at = least + std::max(2, least / 6);
   if (box.order <= at + at / 6) return std::nullopt;
-  Proof::Node node;
-  node.kind = Proof::Node::order_split;
-  node.at = at;
-  return node;
+  return proof::OrderSplit{at};
 }
 
 std::optional<double> Search::try_part(Box box) {
@@ -115,15 +116,11 @@ std::optional<double> Search::try_part(Box box) {
   return outcome.excess;
 }
 
-Proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome& outcome) {
+proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome& outcome) {
   std::vector<Scored> tried = candidates(model_, box, outcome);
   const int least = std::max({task_.design.order_min, 0, box.order_least});
-  if (least < box.order) {
-    Proof::Node node;
-    node.kind = Proof::Node::order_split;
-    node.at = least + (box.order - least) / 2;
-    tried.push_back({node, std::numeric_limits<double>::infinity()});
-  }
+  if (least < box.order)
+    tried.push_back({proof::OrderSplit{least + (box.order - least) / 2}, std::numeric_limits<double>::infinity()});
   std::sort(tried.begin(), tried.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
   // Long filters' programmes cost most and refute much the same wherever they are split.
   const std::size_t most = 3 * box.order > 4 * smallest_order_ + 12 ? 2 : most_tried;

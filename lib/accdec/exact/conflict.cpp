@@ -20,7 +20,7 @@ Conflict find_conflict(const Task& task, const std::function<bool()>& stop) {
 }
 
 std::string to_message(const Conflict& conflict, const Task& task) {
-  return fmt::format("no filter of order {} or less holds together: {}{}", task.design.order_max,
+  return fmt::format("no filter of order {} or less ([design] order_max) holds together: {}{}", task.design.order_max,
                      fmt::join(conflict.limits, ", "), conflict.minimal ? "" : " (perhaps not all of them needed)");
 }
 

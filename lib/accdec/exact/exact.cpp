@@ -66,12 +66,13 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
   if (const auto impossible = contradictions(task); !impossible.empty()) {
     result.status = Status::infeasible;
     result.message = impossible.front();
-    if (options.certificate) result.certificate = R"({"schema":"accdec.certificate/1","kind":"constant feed"})";
+    if (options.certificate) result.certificate = std::make_shared<Certificate>(Certificate{proof::ConstantFeed{}});
     result.solver.wall_time = elapsed();
     return result;
   }
 
   exact::Search search(task, stop);
+  if (options.start) search.offer(*options.start);
   const int least = search.smallest_order();
   const bool is_convex = convex(task);
   const bool several = task.corners.size() > 1;
@@ -164,17 +165,28 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     } else {
       result.status = Status::failed;
       result.lower_bound = low * period;
-      result.message = stop()      ? "stopped before a design was found"
-                       : is_convex ? "rounding decides whether there is a design"
-                                   : "no design was found that holds the limits outside the convex class";
+      result.message =
+          stop()      ? "stopped before a design was found"
+          : is_convex ? "no design was found, but none could be excluded either: some limit can be held only to within "
+                        "rounding; a design may be found with that limit a little wider"
+                      : "no design was found that holds power, regeneration and the smallest speeds as well, but it is "
+                        "not proved that there is none";
     }
+    if (result.status != Status::optimal && stop())
+      result.stop =
+          options.cancel != nullptr && options.cancel->load() ? StopReason::interrupted : StopReason::time_limit;
+    else if (result.status == Status::feasible && close_enough())
+      result.stop = StopReason::gap_reached;
     if (result.status == Status::feasible) {
-      result.message = stop()           ? "stopped before the proof was complete"
-                       : close_enough() ? "stopped at the gap asked for"
-                                        : "rounding decides whether anything is shorter";
+      result.message =
+          stop() ? "stopped before the proof was complete"
+          : close_enough()
+              ? "stopped at the gap asked for"
+              : "the limits can be held only to within rounding at anything shorter: whether there is such a "
+                "design is open";
     }
   }
-  if (options.certificate && search.proof.target > 0.0) result.certificate = exact::to_json(search.proof, task.design);
+  if (options.certificate && search.proof.target > 0.0) result.certificate = exact::certify(search.proof, task.design);
   result.solver.evaluations = search.programmes();
   result.solver.wall_time = elapsed();
   return result;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 
 #include <accdec/task/result.hpp>
 #include <accdec/task/task.hpp>
@@ -20,7 +21,8 @@ struct ExactOptions {
   double gap = 0.0;           ///< ends once (best - bound)/best is at most this
   std::function<void(const ExactProgress&)> progress;
   const std::atomic<bool>* cancel = nullptr;
-  bool certificate = true;  ///< keep the proof in the result
+  bool certificate = true;        ///< keep the proof in the result
+  std::optional<Filter> start{};  ///< a design known from elsewhere: only what is shorter is looked for
 };
 
 /// Shortest weighted cycle time over filter, order and delays by branch and bound on the delays d_j and the samples k_j

@@ -44,9 +44,9 @@ void Search::sweep_orders(int least) {
     Box box = root();
     box.order_least = box.order_most = order;
     Box narrowed = box;
-    Proof::Node::Kind why;
+    proof::Node why;
     if (!narrow(narrowed, &why)) {
-      if (best && why == Proof::Node::too_long) return;  // longer ones cost more
+      if (best && std::holds_alternative<proof::TooLong>(why)) return;  // longer ones cost more
       continue;
     }
     if (!best) return;

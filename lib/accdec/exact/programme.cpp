@@ -10,15 +10,6 @@ namespace {
 /// Inactive vibration cuts are kept up to this many: they hold for every box.
 constexpr int most_vibration_rows = 60;
 
-/// Marks equations: they have no part in the proof.
-RowId equation(int order = 0) {
-  RowId id;
-  id.kind = RowKind::cone;
-  id.corner = -1;
-  id.sample = order;
-  return id;
-}
-
 }  // namespace
 
 Programme::Programme(const LimitModel& model, int order, const std::function<bool()>& stop, double margin)
@@ -28,7 +19,7 @@ Programme::Programme(const LimitModel& model, int order, const std::function<boo
       stop_(stop),
       lp_(order + 2 + (model.corners() > 1 ? 2 * static_cast<int>(model.corners()) : 0)) {
   lp_.set_stop(stop);
-  for (int i = 0; i <= order; ++i) lp_.set_column_bounds(i, 0.0, model.tap_max() * (1.0 + slack_));
+  for (int i = 0; i <= order; ++i) lp_.set_column_bounds(i, 0.0, model.rows.tap_max() * (1.0 + slack_));
   lp_.set_cost(excess(), 1.0);
   for (std::size_t j = 0; j < model.corners(); ++j) {
     if (model.cone(j)) least_ = std::max(least_, model.error_bound(j));
@@ -64,40 +55,38 @@ void Programme::start_cold() {
   lp_.start_cold();
 }
 
-void Programme::soften(const std::vector<RowId>& close, const Filter& at, const Box& box) {
+void Programme::soften(const std::vector<Chord>& close, const Filter& at, const Box& box) {
   lp_.set_column_bounds(excess(), 0.0, DualSimplex::infinity);
-  for (const RowId& id : close) {
-    const auto tangent = model_.tangent(id, at, box);
+  for (const Chord& chord : close) {
+    const auto tangent = model_.chords.tangent(chord, at, box);
     if (!tangent) continue;
-    draft_limit(*tangent, model_.row(*tangent, box), false, true);
-    add(*tangent);
+    draft_limit(model_.chords.row(*tangent, box), 1.0, false, true);
+    add(row_of(*tangent));
   }
 }
 
-void Programme::add(const RowId& id) {
+void Programme::add(Id id) {
   lp_.add_row(draft_.columns, draft_.values, draft_.low, draft_.high);
-  ids_.push_back(id);
+  ids_.push_back(std::move(id));
 }
 
 void Programme::add_base_rows() {
   draft_.clear();
   for (int i = 0; i <= largest_; ++i) draft_.add(i, 1.0);
   draft_.low = draft_.high = 1.0;
-  add(equation());
+  add(Equation{});
   Box all;
   all.order = largest_;
   all.corners.resize(model_.corners());
-  if (model_.jerk_max() < 1.0) {
-    for (int i = 0; i <= largest_ + 1; ++i) {
-      RowId id;
-      id.kind = RowKind::jerk;
-      id.sample = i;
-      draft_limit(id, model_.row(id, all), true);
-      add(id);
-    }
+  // Jerk in units of a tap, others of their bound: entries of the order of 1.
+  const double jerk = model_.rows.jerk_max();
+  for (int i = 0; jerk < 1.0 && i <= largest_ + 1; ++i) {
+    const proof::TapDifference id{i, 1};
+    draft_limit(model_.rows.row(id, all), jerk, true);
+    add(id);
   }
-  for (const RowId& id : model_.base_force_rows(largest_)) {
-    draft_limit(id, model_.row(id, all), false);
+  for (const proof::Row& id : model_.rows.base_force_rows(largest_)) {
+    draft_limit(model_.row(id, all), 1.0, false);
     add(id);
   }
   tube_rows_ = lp_.rows();
@@ -106,16 +95,11 @@ void Programme::add_base_rows() {
   draft_.low = 0.0, draft_.high = 1.0 + slack;
   for (int k = 1; k <= largest_ + 1; ++k) {
     draft_.add(k - 1, 1.0);
-    RowId id;
-    id.kind = RowKind::tube;
-    id.sample = k;
-    add(id);
+    add(proof::Response{k, 1});
   }
 }
 
-void Programme::draft_limit(const RowId& id, const SparseRow& row, bool both, bool soft) {
-  // Jerk in units of a tap, others of their bound: entries of the order of 1.
-  const double scale = id.kind == RowKind::jerk ? model_.jerk_max() : 1.0;
+void Programme::draft_limit(const SparseRow& row, double scale, bool both, bool soft) {
   on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
   for (const auto& [i, c] : row.taps) on_tap_[static_cast<std::size_t>(i)] += c * scale;
   for (const auto& [k, c] : row.sums) {
@@ -131,7 +115,7 @@ void Programme::draft_limit(const RowId& id, const SparseRow& row, bool both, bo
   draft_.high = bound - row.constant * scale;
 }
 
-void Programme::draft_cone(const RowId& id, const Box& box) {
+void Programme::draft_cone(const proof::Error& id, const Box& box) {
   const auto j = static_cast<std::size_t>(id.corner);
   const double wp = model_.weight_in(j, id.angle), wq = model_.weight_out(j, id.angle);
   draft_.clear();
@@ -145,24 +129,21 @@ void Programme::draft_cone(const RowId& id, const Box& box) {
 }
 
 void Programme::add_cone(std::size_t j, double angle, const Box& box) {
-  RowId id;
-  id.kind = RowKind::cone;
-  id.corner = static_cast<int>(j);
-  id.angle = angle;
+  const proof::Error id{static_cast<int>(j), angle};
   draft_cone(id, box);
   add(id);
 }
 
 /// Vibration rows in units of their bound, so that the programme's tolerance is one relative to it.
-double Programme::vibration_scale(const RowId& id) const {
+double Programme::vibration_scale(const proof::Vibration& id) const {
   const double bound = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
   return bound > 0.01 ? 1.0 / bound : 1.0;
 }
 
-void Programme::draft_vibration(const RowId& id) {
+void Programme::draft_vibration(const proof::Vibration& id) {
   const double scale = vibration_scale(id);
   draft_.clear();
-  for (int i = 0; i <= largest_; ++i) draft_.add(i, scale * model_.vibration_coefficient(id, i));
+  for (int i = 0; i <= largest_; ++i) draft_.add(i, scale * model_.rows.vibration_coefficient(id, i));
   const double residual = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
   draft_.high = scale * residual * (1.0 + slack_);
   draft_.low = -draft_.high;
@@ -173,42 +154,67 @@ void Programme::add_symmetry(const Box& box) {
   for (int i = 0; 2 * i < box.order; ++i) {
     draft_.clear();
     draft_.add(i, 1.0), draft_.add(box.order - i, -1.0);
-    add(equation(box.order));
+    add(Equation{box.order});
   }
+}
+
+bool Programme::redraft(const proof::Error& id, const Box& box) {
+  const auto j = static_cast<std::size_t>(id.corner);
+  if (shared(j, box)) return false;
+  const bool grows = std::cos(id.angle) >= 0.0 && std::cos(model_.theta(j) - id.angle) >= 0.0;
+  if (!grows && box.loose(j)) return false;
+  if (box.only_angle && *box.only_angle != id.angle) return false;
+  draft_cone(id, box);
+  return true;
+}
+
+bool Programme::redraft(const proof::RangeError& id, const Box& box) {
+  if (!shared(static_cast<std::size_t>(id.corner), box)) return false;
+  draft_range_cone(id, box);
+  return true;
+}
+
+bool Programme::redraft(const proof::Blend& id, const Box& box) {
+  const CornerBox& c = box.corner(id.corner);
+  if (c.d1 != c.d2) return false;
+  const SparseRow limit = model_.rows.row(id, box);
+  if (limit.no_terms()) return false;
+  draft_limit(limit, 1.0, false);
+  return true;
+}
+
+bool Programme::redraft(Chord& chord, const Box& box) {
+  const Chords& chords = model_.chords;
+  if (chord.sample > chords.last_sample(chord.family, box) || !chords.single_delay(chord.family, box)) return false;
+  const auto drawn = chords.draw(chord.family, chord.sample, box);
+  if (!drawn) return false;
+  chord = *drawn;
+  draft_limit(chords.row(chord, box), 1.0, false);
+  return true;
 }
 
 /// Gives a cut its coefficients in a new box. False: it is not worth keeping, or says nothing there.
 bool Programme::carry_over(int row, const Box& box, bool symmetric) {
-  RowId& id = ids_[static_cast<std::size_t>(row)];
+  Id& id = ids_[static_cast<std::size_t>(row)];
   const bool active = lp_.active(row);
-  if (id.kind == RowKind::cone && id.corner < 0) return symmetric && id.sample == box.order;
-  if (id.kind == RowKind::vibration) return active || lp_.rows() - base_rows_ <= most_vibration_rows;
-  if (!active && id.kind != RowKind::budget) return false;
-  if (id.kind == RowKind::budget) {
+  if (const auto* equation = std::get_if<Equation>(&id)) return symmetric && equation->order == box.order;
+  if (limit_of<proof::Vibration>(id) != nullptr) return active || lp_.rows() - base_rows_ <= most_vibration_rows;
+  if (limit_of<proof::Budget>(id) != nullptr) {
     if (!box.budget) return false;
     draft_budget(box);
-  } else if (id.kind == RowKind::range_cone) {
-    if (!shared(static_cast<std::size_t>(id.corner), box)) return false;
-    draft_range_cone(id, box);
-  } else if (id.kind == RowKind::cone) {
-    const auto j = static_cast<std::size_t>(id.corner);
-    if (shared(j, box)) return false;
-    const bool grows = std::cos(id.angle) >= 0.0 && std::cos(model_.theta(j) - id.angle) >= 0.0;
-    if (!grows && box.loose(j)) return false;
-    if (box.only_angle && *box.only_angle != id.angle) return false;
-    draft_cone(id, box);
-  } else if (id.kind >= RowKind::power_start) {
-    if (id.sample > model_.last_sample(id, box) || !model_.single_delay(id, box)) return false;
-    const auto chord = model_.chord(id, box);
-    if (!chord) return false;
-    id = *chord;
-    draft_limit(id, model_.row(id, box), false);
+  } else if (!active) {
+    return false;
+  } else if (const auto* error = limit_of<proof::Error>(id)) {
+    if (!redraft(*error, box)) return false;
+  } else if (const auto* range = limit_of<proof::RangeError>(id)) {
+    if (!redraft(*range, box)) return false;
+  } else if (const auto* blend = limit_of<proof::Blend>(id)) {
+    if (!redraft(*blend, box)) return false;
+  } else if (auto chord = chord_of(std::get<proof::Row>(id))) {
+    if (!redraft(*chord, box)) return false;
+    id = row_of(*chord);
   } else {
-    const CornerBox& c = box.corners[static_cast<std::size_t>(id.corner)];
-    if (c.d1 != c.d2) return false;
-    const SparseRow limit = model_.row(id, box);
-    if (limit.taps.empty() && limit.sums.empty()) return false;
-    draft_limit(id, limit, false);
+    return false;  // no other limits are cuts
   }
   lp_.replace_row(row, draft_.columns, draft_.values, draft_.low, draft_.high);
   return true;
@@ -219,12 +225,9 @@ void Programme::prepare(const Box& box, bool symmetric) {
   std::vector<char> has_cone(box.corners.size(), 0);
   for (int row = lp_.rows() - 1; row >= base_rows_; --row) {
     if (carry_over(row, box, symmetric)) {
-      const RowId& id = ids_[static_cast<std::size_t>(row)];
-      if (id.kind != RowKind::cone) continue;
-      if (id.corner < 0)
-        symmetry = true;
-      else
-        has_cone[static_cast<std::size_t>(id.corner)] = 1;
+      const Id& id = ids_[static_cast<std::size_t>(row)];
+      symmetry |= std::holds_alternative<Equation>(id);
+      if (const auto* error = limit_of<proof::Error>(id)) has_cone[static_cast<std::size_t>(error->corner)] = 1;
     } else {
       lp_.remove_row(row);
       ids_[static_cast<std::size_t>(row)] = ids_.back();
@@ -233,7 +236,7 @@ void Programme::prepare(const Box& box, bool symmetric) {
   }
   lp_.set_column_bounds(excess(), -least_, DualSimplex::infinity);
   for (int i = 0; i <= largest_; ++i)
-    lp_.set_column_bounds(i, 0.0, i <= box.order ? model_.tap_max() * (1.0 + slack_) : 0.0);
+    lp_.set_column_bounds(i, 0.0, i <= box.order ? model_.rows.tap_max() * (1.0 + slack_) : 0.0);
   for (int k = 1; k <= largest_ + 1 && !model_.convex(); ++k) {
     const auto i = static_cast<std::size_t>(k);
     const bool bounded = i < box.tube.low.size();
@@ -248,25 +251,37 @@ void Programme::prepare(const Box& box, bool symmetric) {
   if (symmetric && !symmetry) add_symmetry(box);
 }
 
+namespace {
+
+/// Turns a row to its lower side. False: it has none.
+bool turn_over(proof::Row& row) {
+  if (auto* tap = std::get_if<proof::TapDifference>(&row))
+    tap->sign = -1;
+  else if (auto* response = std::get_if<proof::Response>(&row))
+    response->sign = -1;
+  else if (auto* vibration = std::get_if<proof::Vibration>(&row))
+    vibration->angle += std::numbers::pi;
+  else
+    return false;
+  return true;
+}
+
+}  // namespace
+
 Multipliers Programme::multipliers() const {
   Multipliers y;
   for (std::size_t r = 0; r < ids_.size(); ++r) {
-    RowId id = ids_[r];
+    const auto* limit = std::get_if<proof::Row>(&ids_[r]);
     double value = -solution_.multipliers[r];  // > 0: the upper side
-    if (id.kind == RowKind::cone && id.corner < 0) continue;
-    if (std::abs(value) < 1e-13) continue;
+    if (limit == nullptr || std::abs(value) < 1e-13) continue;
+    proof::Row row = *limit;
     if (value < 0.0) {
       value = -value;
-      if (id.kind == RowKind::jerk || id.kind == RowKind::tube)
-        id.sign = -1;
-      else if (id.kind == RowKind::vibration)
-        id.angle += std::numbers::pi;
-      else
-        continue;
+      if (!turn_over(row)) continue;
     }
-    if (id.kind == RowKind::jerk) value *= model_.jerk_max();
-    if (id.kind == RowKind::vibration) value *= vibration_scale(id);
-    y.emplace_back(id, value);
+    if (std::holds_alternative<proof::TapDifference>(row)) value *= model_.rows.jerk_max();
+    if (const auto* vibration = std::get_if<proof::Vibration>(&row)) value *= vibration_scale(*vibration);
+    y.push_back({row, value});
   }
   return y;
 }

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
+#include <variant>
 #include <vector>
 
 #include <accdec/exact/clp_fallback.hpp>
 #include <accdec/exact/dual_simplex.hpp>
-#include <accdec/exact/rows.hpp>
+#include <accdec/exact/limit_model.hpp>
 
 // Internal to the exact method: the rows of its linear programme.
 
@@ -14,6 +16,8 @@ namespace accdec::exact {
 /// Limits are met to within this in the programme, well inside the verifier's 1e-9, so that a limit used to its very
 /// last bit does not fall between a solution that verifies and a refutation.
 inline constexpr double slack = 3e-10;
+/// rad; cuts whose angles are closer than this are the same to the programme's tolerance.
+inline constexpr double same_angle = 1e-11;
 
 /// Linear programme over the taps b_0 .. b_N of the largest order and the excess over the cones (minimised). Its first
 /// rows hold for every box; cuts follow. Cumulative responses are written as sums of taps: the tableau is dense anyway.
@@ -29,7 +33,7 @@ class Programme {
   /// From now on by Clp alone, or by the dense dual simplex first.
   void use_clp_alone(bool alone) { clp_alone_ = alone; }
   /// After `prepare`: asks for no margin of the cones, and adds tangents that the excess may break.
-  void soften(const std::vector<RowId>& close, const Filter& at, const Box& box);
+  void soften(const std::vector<Chord>& close, const Filter& at, const Box& box);
   /// Solves it as it stands: by the dense dual simplex, or by Clp where that loses its digits.
   const LpSolution& solve();
   /// Adds what the filter breaks. False: nothing new. @param allowed  excess over the cones
@@ -56,22 +60,46 @@ class Programme {
   int delay_column(std::size_t j) const { return largest_ + 2 + 2 * static_cast<int>(j); }
   bool shared(std::size_t j, const Box& box) const { return box.budget && box.ranges(j); }
   double broken() const { return slack_ + slack; }  // as far beyond its row a limit counts as broken
-  double vibration_scale(const RowId& id) const;
-  void add(const RowId& id);  // the draft
+  /// Symmetry of filters of one order, or the sum of taps (order 0): no limit, so no part of a proof.
+  struct Equation {
+    int order = 0;
+  };
+  /// What a row of the programme stands for.
+  using Id = std::variant<Equation, proof::Row>;
+  /// The limit of a row if it is of this kind; else null.
+  template <class Limit>
+  static const Limit* limit_of(const Id& id) {
+    const auto* row = std::get_if<proof::Row>(&id);
+    return row != nullptr ? std::get_if<Limit>(row) : nullptr;
+  }
+  double vibration_scale(const proof::Vibration& id) const;
+  void add(Id id);  // the draft
   void add_base_rows();
-  void draft_limit(const RowId& id, const SparseRow& row, bool both, bool soft = false);
-  void draft_cone(const RowId& id, const Box& box);
-  void draft_vibration(const RowId& id);
+  void draft_limit(const SparseRow& row, double scale, bool both, bool soft = false);
+  void draft_cone(const proof::Error& id, const Box& box);
+  void draft_vibration(const proof::Vibration& id);
   void add_cone(std::size_t j, double angle, const Box& box);
   void add_symmetry(const Box& box);
   void draft_budget(const Box& box);
-  void draft_range_cone(const RowId& id, const Box& box);
+  void draft_range_cone(const proof::RangeError& id, const Box& box);
   void prepare_ranges(const Box& box);
   void cut_ranges(std::size_t j, const Filter& filter, const Box& box, double allowed, bool& added);
-  bool known_cone(const RowId& id) const;
-  bool add_limit(const RowId& id, const Box& box);
-  bool add_vibration(const RowId& id);
+  /// Whether a row of this kind is among the cuts that `same` says is the same.
+  template <class Limit, class Same>
+  bool known(const Same& same) const {
+    return std::any_of(ids_.begin() + base_rows_, ids_.end(), [&](const Id& id) {
+      const Limit* old = limit_of<Limit>(id);
+      return old != nullptr && same(*old);
+    });
+  }
+  bool add_limit(const proof::Row& id, const Box& box);
+  bool add_vibration(const proof::Vibration& id);
   bool carry_over(int row, const Box& box, bool symmetric);
+  // Draft the row of one limit in a new box; false: it says nothing there.
+  bool redraft(const proof::Error& id, const Box& box);
+  bool redraft(const proof::RangeError& id, const Box& box);
+  bool redraft(const proof::Blend& id, const Box& box);
+  bool redraft(Chord& chord, const Box& box);
   bool cut_cones(const Filter& filter, const Box& box, double allowed);
   bool cut_vibration(const Filter& filter, const Box& box);
 
@@ -83,7 +111,7 @@ class Programme {
   bool clp_alone_ = false;
   DualSimplex lp_;
   LpSolution solution_;
-  std::vector<RowId> ids_;
+  std::vector<Id> ids_;
   Draft draft_;
   std::vector<double> on_tap_;
 };

@@ -12,23 +12,22 @@ namespace {
 
 /// rad inside of which cuts grow with both distances in spite of rounding
 constexpr double inside = 1e-12;
-/// Cuts whose angles are closer than this are the same to the programme's tolerance.
-constexpr double same_angle = 1e-11;
-
 }  // namespace
 
 bool Programme::cut(const Filter& filter, const Box& box, double allowed) {
   bool added = cut_cones(filter, box, allowed);
-  for (const RowId& id : model_.broken_blend_rows(filter, box, broken())) added |= add_limit(id, box);
-  for (const RowId& id : model_.broken_chords(filter, box, broken())) added |= add_limit(id, box);
+  for (const proof::Row& id : model_.rows.broken_blend_rows(filter, box, broken())) added |= add_limit(id, box);
+  for (const Chord& chord : model_.chords.broken(filter, box, broken())) added |= add_limit(row_of(chord), box);
   return cut_vibration(filter, box) || added;
 }
 
-bool Programme::add_limit(const RowId& id, const Box& box) {
-  for (std::size_t r = static_cast<std::size_t>(base_rows_); r < ids_.size(); ++r) {
-    if (same_limit(ids_[r], id) && ids_[r].low == id.low && ids_[r].high == id.high) return false;
-  }
-  draft_limit(id, model_.row(id, box), false);
+bool Programme::add_limit(const proof::Row& id, const Box& box) {
+  const auto same = [&](const Id& old) {
+    const auto* row = std::get_if<proof::Row>(&old);
+    return row != nullptr && *row == id;
+  };
+  if (std::any_of(ids_.begin() + base_rows_, ids_.end(), same)) return false;
+  draft_limit(model_.row(id, box), 1.0, false);
   add(id);
   return true;
 }
@@ -54,33 +53,21 @@ bool Programme::cut_cones(const Filter& filter, const Box& box, double allowed) 
       angle = std::clamp(angle, theta - 0.5 * std::numbers::pi + inside, 0.5 * std::numbers::pi - inside);
     const double value = p * std::cos(angle) + q * std::cos(theta - angle);
     if (value <= model_.error_bound(j) * (1.0 + broken()) + 1e-13 + std::max(allowed, 0.0) * (1.0 + slack)) continue;
-    RowId id;
-    id.kind = RowKind::cone;
-    id.corner = static_cast<int>(j);
-    id.angle = angle;
-    if (known_cone(id)) continue;  // the programme's own tolerance
+    const auto same = [&](const proof::Error& old) {
+      return old.corner == static_cast<int>(j) && std::abs(old.angle - angle) < same_angle;
+    };
+    if (known<proof::Error>(same)) continue;  // the programme's own tolerance
     add_cone(j, angle, box);
     added = true;
   }
   return added;
 }
 
-bool Programme::known_cone(const RowId& id) const {
-  const auto same = [](const Tangent& a, const Tangent& b) {
-    return a.at == b.at && a.after == b.after && a.high == b.high;
+bool Programme::add_vibration(const proof::Vibration& id) {
+  const auto same = [&](const proof::Vibration& old) {
+    return old.mode == id.mode && old.frequency == id.frequency && std::abs(old.angle - id.angle) < same_angle;
   };
-  return std::any_of(ids_.begin() + base_rows_, ids_.end(), [&](const RowId& old) {
-    return old.kind == id.kind && old.corner == id.corner && std::abs(old.angle - id.angle) < same_angle &&
-           same(old.in, id.in) && same(old.out, id.out);
-  });
-}
-
-bool Programme::add_vibration(const RowId& id) {
-  const auto same = [&](const RowId& old) {
-    return old.kind == RowKind::vibration && old.mode == id.mode && old.frequency == id.frequency &&
-           std::abs(old.angle - id.angle) < same_angle;
-  };
-  if (std::any_of(ids_.begin() + base_rows_, ids_.end(), same)) return false;
+  if (known<proof::Vibration>(same)) return false;
   draft_vibration(id);
   add(id);
   return true;
@@ -92,10 +79,7 @@ bool Programme::cut_vibration(const Filter& filter, const Box& box) {
   const auto uses = vibration_utilisation(filter, t, model_.task().machine);
   for (std::size_t m = 0; m < uses.size(); ++m) {
     if (uses[m].value <= uses[m].bound * (1.0 + broken()) + 1e-13) continue;
-    RowId id;
-    id.kind = RowKind::vibration;
-    id.mode = static_cast<int>(m);
-    id.frequency = uses[m].frequency;
+    proof::Vibration id{static_cast<int>(m), uses[m].frequency, 0.0};
     double c = 0.0, s = 0.0;
     for (int i = 0; i <= box.order; ++i) {
       const double w = 2.0 * std::numbers::pi * id.frequency * t * i;

@@ -28,22 +28,14 @@ void Programme::prepare_ranges(const Box& box) {
     lp_.set_column_bounds(delay_column(j) + 1, 0.0, ranges ? c.k2 - c.k1 : 0.0);
   }
   if (!box.budget) return;
-  const auto has = [&](RowKind kind, int corner) {
-    return std::any_of(ids_.begin() + base_rows_, ids_.end(),
-                       [&](const RowId& id) { return id.kind == kind && id.corner == corner; });
-  };
-  if (!has(RowKind::budget, -1)) {
-    RowId budget;
-    budget.kind = RowKind::budget;
+  if (!known<proof::Budget>([](const proof::Budget&) { return true; })) {
     draft_budget(box);
-    add(budget);
+    add(proof::Budget{});
   }
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    if (!model_.cone(j) || !shared(j, box) || has(RowKind::range_cone, static_cast<int>(j))) continue;
-    RowId id;
-    id.kind = RowKind::range_cone;
-    id.corner = static_cast<int>(j);
-    id.angle = 0.5 * model_.theta(j);
+    const auto of_corner = [&](const proof::RangeError& id) { return id.corner == static_cast<int>(j); };
+    if (!model_.cone(j) || !shared(j, box) || known<proof::RangeError>(of_corner)) continue;
+    proof::RangeError id{static_cast<int>(j), 0.5 * model_.theta(j), {}, {}};
     id.in.at = box.corners[j].k2;
     id.out.at = box.corners[j].k1 - box.corners[j].d2;
     draft_range_cone(id, box);
@@ -51,7 +43,7 @@ void Programme::prepare_ranges(const Box& box) {
   }
 }
 
-void Programme::draft_range_cone(const RowId& id, const Box& box) {
+void Programme::draft_range_cone(const proof::RangeError& id, const Box& box) {
   const auto j = static_cast<std::size_t>(id.corner);
   const RangeRow row = range_row(box, j, id.in, id.out, model_.weight_in(j, id.angle), model_.weight_out(j, id.angle));
   draft_.clear();
@@ -69,16 +61,17 @@ void Programme::cut_ranges(std::size_t j, const Filter& filter, const Box& box, 
   const HighestTangents at = highest_tangents(filter, box, j, delay(j), sample(j));
   const double p = at.distance_in * model_.scale_in(j), q = at.distance_out * model_.scale_out(j);
   const double theta = model_.theta(j), inside = 1e-12;
-  RowId id;
-  id.kind = RowKind::range_cone;
-  id.corner = static_cast<int>(j);
-  id.in = at.in, id.out = at.out;
+  proof::RangeError id{static_cast<int>(j), 0.0, at.in, at.out};
   // Only cuts that grow with both distances hold.
   id.angle = std::clamp(std::atan2(q * std::sin(theta), p + q * std::cos(theta)),
                         theta - 0.5 * std::numbers::pi + inside, 0.5 * std::numbers::pi - inside);
   const double value = p * std::cos(id.angle) + q * std::cos(theta - id.angle);
   if (value <= model_.error_bound(j) * (1.0 + broken()) + 1e-13 + std::max(allowed, 0.0) * (1.0 + slack)) return;
-  if (known_cone(id)) return;  // the programme's own tolerance
+  const auto same = [&](const proof::RangeError& old) {
+    return old.corner == id.corner && std::abs(old.angle - id.angle) < same_angle && old.in == id.in &&
+           old.out == id.out;
+  };
+  if (known<proof::RangeError>(same)) return;  // the programme's own tolerance
   draft_range_cone(id, box);
   add(id);
   added = true;

@@ -21,37 +21,34 @@ class Pruner {
   }
 
  private:
-  using Node = Proof::Node;
-
   void copy(const Box& whole) {
     Box box = whole;
     if (!tighten(model_.task(), from_.target, box)) {
       skip();
-      to_.tree.push_back(Node{});
+      to_.tree.push_back(proof::TooLong{});
       return;
     }
-    Node node = from_.tree[next_++];
-    if (node.kind == Node::refuted) {
-      leaf(node, box);
+    const proof::Node& node = from_.tree[next_++];
+    if (const auto* refuted = std::get_if<proof::Refuted>(&node)) {
+      leaf(refuted->multipliers, box);
       return;
     }
     to_.tree.push_back(node);
-    if (node.kind == Node::too_long) return;
+    if (std::holds_alternative<proof::TooLong>(node)) return;
     const auto [first, second] = parts(whole, node);
     copy(first);
     copy(second);
   }
 
-  void leaf(Node node, Box box) {
+  void leaf(int multipliers, Box box) {
     for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
-    holds_ = holds_ && refutation(model_, from_.multipliers[static_cast<std::size_t>(node.multipliers)], box) > 0.0;
-    node.multipliers = kept(node.multipliers, box);
-    to_.tree.push_back(node);
+    holds_ = holds_ && refutation(model_, from_.multipliers[static_cast<std::size_t>(multipliers)], box) > 0.0;
+    to_.tree.push_back(proof::Refuted{kept(multipliers, box)});
   }
 
   /// Past one node and all below it.
   void skip() {
-    if (from_.tree[next_++].kind != Node::split) return;
+    if (!std::holds_alternative<proof::Split>(from_.tree[next_++])) return;
     skip();
     skip();
   }
@@ -63,16 +60,16 @@ class Pruner {
     if (added) to_.multipliers.push_back(y), used_.emplace_back(y.size(), 0);
     std::vector<char>& used = used_[static_cast<std::size_t>(at->second)];
     for (std::size_t r = 0; r < y.size(); ++r) {
-      if (used[r] == 0 && has_terms(y[r].first, box)) used[r] = 1;
+      if (used[r] == 0 && has_terms(y[r].row, box)) used[r] = 1;
     }
     return at->second;
   }
 
   /// Rows at samples past the end of a shorter filter have none left.
-  bool has_terms(const RowId& id, const Box& box) const {
-    if (id.kind == RowKind::cone || id.kind == RowKind::vibration) return true;
+  bool has_terms(const proof::Row& id, const Box& box) const {
+    if (std::holds_alternative<proof::Error>(id) || std::holds_alternative<proof::Vibration>(id)) return true;
     const SparseRow row = model_.row(id, box);
-    return !row.taps.empty() || !row.sums.empty() || row.constant > 1.0;
+    return !row.no_terms() || row.constant > 1.0;
   }
 
   const LimitModel& model_;

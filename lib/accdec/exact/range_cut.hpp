@@ -3,11 +3,15 @@
 #include <cstddef>
 #include <vector>
 
-#include <accdec/exact/rows.hpp>
+#include <accdec/certificate/certificate.hpp>
+#include <accdec/exact/box.hpp>
+#include <accdec/motion/filter.hpp>
 
 // Internal to the exact method: cuts for a corner whose delay and sample are still ranges.
 
 namespace accdec::exact {
+
+using proof::Tangent;
 
 /// A cut wp p + wq q <= bound over all delays and samples of a corner's ranges, linear in the taps and in the delay d
 /// and the sample k themselves, which the programme has as continuous variables. p_k and q_m, m = k - d, are convex in

@@ -30,10 +30,10 @@ class Relaxation::Impl {
   /// A limit outside the convex class holds where its tangent at a known point holds; from point to point the excess
   /// over these limits and the cones falls (convex-concave procedure).
   std::optional<Filter> repair(const Box& box, bool symmetric, Filter at) {
-    std::vector<RowId> close;
+    std::vector<Chord> close;
     double before = DualSimplex::infinity;
     for (int round = 0; round < 30; ++round) {
-      const double worst = model_.gather_close(at, box, close);
+      const double worst = model_.chords.gather_close(at, box, close);
       if (round > 0 && before <= 1e-10 && worst <= 1.0 + 3.0 * slack) return at;
       programme_.prepare(box, symmetric);
       programme_.soften(close, at, box);

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include <accdec/exact/rows.hpp>
+#include <accdec/exact/limit_model.hpp>
 
 namespace accdec::exact {
 

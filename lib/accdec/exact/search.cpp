@@ -3,6 +3,7 @@
 #include <limits>
 
 #include <accdec/exact/search.hpp>
+#include <accdec/exact/size.hpp>
 #include <accdec/task/delays_below.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -23,20 +24,19 @@ bool single(const LimitModel& model, const Box& box) {
   return true;
 }
 
-Proof::Node widest_split(const LimitModel& model, const Box& box) {
-  Proof::Node node;
-  node.kind = Proof::Node::split;
+proof::Node widest_split(const LimitModel& model, const Box& box) {
+  proof::Split split;
   int widest = -1;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const CornerBox& b = box.corners[j];
     if (2 * (b.d2 - b.d1) > widest && b.d1 < b.d2)
-      widest = 2 * (b.d2 - b.d1), node.corner = static_cast<int>(j), node.on_delay = true;
+      widest = 2 * (b.d2 - b.d1), split.corner = static_cast<int>(j), split.on_delay = true;
     if (model.cone(j) && b.k2 - b.k1 > widest && b.k1 < b.k2)
-      widest = b.k2 - b.k1, node.corner = static_cast<int>(j), node.on_delay = false;
+      widest = b.k2 - b.k1, split.corner = static_cast<int>(j), split.on_delay = false;
   }
-  const CornerBox& b = box.corners[static_cast<std::size_t>(node.corner)];
-  node.at = node.on_delay ? b.d1 + (b.d2 - b.d1) / 2 : b.k1 + (b.k2 - b.k1) / 2;
-  return node;
+  const CornerBox& b = box.corners[static_cast<std::size_t>(split.corner)];
+  split.at = split.on_delay ? b.d1 + (b.d2 - b.d1) / 2 : b.k1 + (b.k2 - b.k1) / 2;
+  return split;
 }
 
 }  // namespace
@@ -71,6 +71,7 @@ Box Search::root() const {
 
 void Search::size_for(int order) {
   if (relaxation_ && order <= sized_ && 2 * order >= sized_) return;
+  require_room(task_, order);
   programmes_ = programmes();
   relaxation_ = std::make_unique<Relaxation>(model_, order, stop_);
   sized_ = order;
@@ -188,10 +189,8 @@ Search::State Search::go_on(State state, const Box& box) {
   return refute(box);
 }
 
-Search::State Search::leave(Proof::Node::Kind kind) {
-  Proof::Node leaf;
-  leaf.kind = kind;
-  current_.tree.push_back(leaf);
+Search::State Search::leave(proof::Node leaf) {
+  current_.tree.push_back(std::move(leaf));
   return State::closed;
 }
 
@@ -222,30 +221,26 @@ int Search::refuted_before(const Box& box) {
 }
 
 Search::State Search::close_by(int multipliers) {
-  Proof::Node leaf;
-  leaf.kind = Proof::Node::refuted;
-  leaf.multipliers = multipliers;
-  current_.tree.push_back(leaf);
   in_tree_[static_cast<std::size_t>(multipliers)] = true;
   remember(multipliers);
-  return State::closed;
+  return leave(proof::Refuted{multipliers});
 }
 
-bool Search::narrow(Box& box, Proof::Node::Kind* why) {
-  if (why) *why = Proof::Node::too_long;
+bool Search::narrow(Box& box, proof::Node* why) {
+  if (why) *why = proof::TooLong{};
   if (!tighten(task_, target_, box)) return false;
   for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
   for (const CornerBox& b : box.corners) {
     if (b.k1 > b.k2) return false;
   }
-  if (why) *why = Proof::Node::unreachable;
+  if (why) *why = proof::Unreachable{};
   return (model_.convex() && !box.budget) || model_.shrink(box);
 }
 
 Search::State Search::refute(Box box) {
   if (stopped()) return State::stopped;
   const Box whole = box;
-  Proof::Node::Kind why;
+  proof::Node why;
   if (!narrow(box, &why)) return leave(why);
   if (const auto node = split_of_long_orders(box)) {
     current_.tree.push_back(*node);
@@ -260,7 +255,7 @@ Search::State Search::refute(Box box) {
   if (outcome.filter) offer(*outcome.filter);
   const auto found = [&] { return best && best->value < target_ * (1.0 - 1e-9); };
   if (found()) return go_on(State::found, whole);
-  const Proof::Node node = box.budget ? choose_split(whole, box, outcome) : widest_split(model_, box);
+  const proof::Node node = box.budget ? choose_split(whole, box, outcome) : widest_split(model_, box);
   if (found()) return State::found;
   current_.tree.push_back(node);
   const auto [first, second] = parts(whole, node);
@@ -271,7 +266,7 @@ Search::State Search::refute(Box box) {
 Search::State Search::refute_single(Box box, Outcome outcome) {
   if (!model_.convex()) {
     if (!task_.design.symmetric) return refute_sums(std::move(box), false, 0);
-    leave(Proof::Node::symmetric);
+    leave(proof::SymmetricOrders{});
     const State state = refute_sums(box, true, 0);
     if (box.order - 1 < std::max(task_.design.order_min, 0)) return state;
     --box.order;
@@ -297,10 +292,7 @@ Search::State Search::refute_single(Box box, Outcome outcome) {
     if (outcome.kind != Outcome::refuted) return undecided();
     leaf[less] = keep(std::move(outcome.multipliers));
   }
-  leave(Proof::Node::refuted);
-  current_.tree.back().multipliers = leaf[0];
-  current_.tree.back().shorter = leaf[1] >= 0 ? leaf[1] : -2;
-  return State::closed;
+  return leave(proof::RefutedSymmetric{leaf[0], leaf[1] >= 0 ? leaf[1] : -2});
 }
 
 }  // namespace accdec::exact

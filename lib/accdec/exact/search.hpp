@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include <accdec/certificate/certificate.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/task/result.hpp>
 
@@ -14,26 +15,16 @@ namespace accdec::exact {
 
 /// Proof that nothing is shorter than `target`: a binary tree over boxes, in preorder.
 struct Proof {
-  struct Node {
-    /// symmetric: the two parts are the box's order and the next smaller one, the latter only if the task allows it
-    enum Kind { split, refuted, too_long, sum_split, unreachable, symmetric, order_split } kind = too_long;
-    int corner = 0;         ///< split
-    bool on_delay = false;  ///< split on the delay, else on the sample
-    int at = 0;             ///< split, order_split: first part <= at, second > at; sum_split: k
-    double level = 0.0;     ///< sum_split: B_k <= level in the first part, >= in the second
-    int multipliers = -1;   ///< refuted: index
-    int shorter = -1;       ///< symmetric filters: of the next smaller order; -1 where `multipliers` holds for all
-  };
   double target = 0.0;  ///< in samples of the task's objective (objective.hpp); infinite: nothing at all
-  std::vector<Node> tree;
+  std::vector<proof::Node> tree;
   std::vector<Multipliers> multipliers;
   std::vector<std::string> conflict{};  ///< where there is no design: the limits in conflict, in words
 };
 /// A proof of one corner's convex limits for a target lower than the one it was begun with: leaves out what is too long
 /// by now, and multipliers no leaf needs. None if a part is not refuted any more, as rounding may have it.
 std::optional<Proof> pruned(const LimitModel& model, const Box& root, const Proof& proof);
-/// "accdec.certificate/1" as JSON, with the objective it is about.
-std::string to_json(const Proof& proof, const DesignBounds& design);
+/// The proof with the objective it is about, without multipliers that no leaf needs.
+std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBounds& design);
 
 /// Verified.
 struct Candidate {
@@ -51,7 +42,10 @@ Filter trimmed(const Filter& filter, const DesignBounds& bounds);
 std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filter, const Box& box);
 
 /// Both parts of a split on a delay, a sample or the order.
-std::pair<Box, Box> parts(const Box& box, const Proof::Node& node);
+std::pair<Box, Box> parts(const Box& box, const proof::Split& split);
+std::pair<Box, Box> parts(const Box& box, const proof::OrderSplit& split);
+/// @throws std::logic_error  of any other node
+std::pair<Box, Box> parts(const Box& box, const proof::Node& node);
 
 /// Looks for something shorter than a target, or proves that there is nothing.
 class Search {
@@ -89,7 +83,7 @@ class Search {
   State go_on(State state, const Box& box);
   void aim(double target);
   /// Several corners: orders far apart are split before any programme is solved; a long one's is expensive.
-  std::optional<Proof::Node> split_of_long_orders(const Box& box) const;
+  std::optional<proof::Node> split_of_long_orders(const Box& box) const;
   /// Of two parts, the second looked at only where the first leaves something to look for.
   template <typename Second>
   static State both(State first, const Second& second) {
@@ -102,16 +96,16 @@ class Search {
   State split_sum(const Box& box, const SumBound& at, bool symmetric, int depth);
   State close(Multipliers y);
   State close_by(int multipliers);
-  State leave(Proof::Node::Kind kind);
+  State leave(proof::Node leaf);
   int keep(Multipliers y);
   void remember(int multipliers);
   /// Multipliers used lately that refute the box, too; -1: none.
   int refuted_before(const Box& box);
   /// Cuts the box by the target and shrinks its tube where it is needed. False: nothing is left.
-  bool narrow(Box& box, Proof::Node::Kind* why = nullptr);
+  bool narrow(Box& box, proof::Node* why = nullptr);
   State refute_single(Box box, Outcome outcome);
   /// The split of the box, of which `whole` is what it was before the target cut it, that promises most.
-  Proof::Node choose_split(const Box& whole, const Box& box, const Outcome& outcome);
+  proof::Node choose_split(const Box& whole, const Box& box, const Outcome& outcome);
   /// By how much the programme of a box misses the corner errors; none: it is refuted.
   std::optional<double> try_part(Box box);
   Box root() const;

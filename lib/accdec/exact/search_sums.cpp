@@ -16,18 +16,18 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
   double worst = 1.0 + 1e-9;
   SumBound split;
   bool broken = false;
-  for (RowId id : model.families()) {
-    for (id.sample = 1; id.sample <= model.last_sample(id, box); ++id.sample) {
-      const double use = model.use(id, filter, box);
+  for (const ChordFamily& family : model.chords.families()) {
+    for (int sample = 1; sample <= model.chords.last_sample(family, box); ++sample) {
+      const double use = model.chords.use(family, sample, filter, box);
       if (use <= worst) continue;
       broken = true;
-      const int d = id.corner < 0 ? 0 : box.corners[static_cast<std::size_t>(id.corner)].d1;
+      const int d = family.corner ? box.corner(*family.corner).d1 : 0;
       double widest = narrowest;
-      for (const int k : {id.sample, id.sample - d, id.sample - 1, id.sample - 1 - d}) {
+      for (const int k : {sample, sample - d, sample - 1, sample - 1 - d}) {
         if (k < 1 || k > box.order) continue;
         const double low = box.tube.low[static_cast<std::size_t>(k)], high = box.tube.high[static_cast<std::size_t>(k)];
         // The speed before counts less: chords are exact in it.
-        const double width = (high - low) * (k == id.sample || k == id.sample - d ? 1.0 : 1e-3);
+        const double width = (high - low) * (k == sample || k == sample - d ? 1.0 : 1e-3);
         if (width <= widest) continue;
         widest = width;
         worst = use;
@@ -41,18 +41,12 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
 }
 
 Search::State Search::close(Multipliers y) {
-  leave(Proof::Node::refuted);
-  current_.tree.back().multipliers = keep(std::move(y));
-  return State::closed;
+  return leave(proof::Refuted{keep(std::move(y))});
 }
 
 Search::State Search::split_sum(const Box& box, const SumBound& at, bool symmetric, int depth) {
   if (at.sample == 0) return undecided();
-  Proof::Node node;
-  node.kind = Proof::Node::sum_split;
-  node.at = at.sample;
-  node.level = at.level;
-  current_.tree.push_back(node);
+  current_.tree.push_back(proof::ResponseSplit{at.sample, at.level});
   Box first = box, second = box;
   first.path.push_back({at.sample, true, at.level});
   second.path.push_back({at.sample, false, at.level});
@@ -63,12 +57,7 @@ Search::State Search::split_sum(const Box& box, const SumBound& at, bool symmetr
 /// A box of single delays and samples, of symmetric filters of exactly its order or of all up to it.
 Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
   if (stopped() || depth > deepest) return undecided();
-  if (!model_.shrink(box)) {
-    Proof::Node node;
-    node.kind = Proof::Node::unreachable;
-    current_.tree.push_back(node);
-    return State::closed;
-  }
+  if (!model_.shrink(box)) return leave(proof::Unreachable{});
   Outcome outcome = relaxation_->solve(box, symmetric);
   if (outcome.kind == Outcome::refuted) return close(std::move(outcome.multipliers));
   if (outcome.kind != Outcome::feasible) {

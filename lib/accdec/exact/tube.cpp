@@ -1,60 +1,64 @@
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/exact/rows.hpp>
+#include <accdec/exact/tube.hpp>
 
 namespace accdec::exact {
-namespace {
 
-/// Start or stop of one axis: x = B_{k-1}, y = B_k, F = s ((m/T + c) y - m/T x) and its mirror image.
-struct Plant {
-  double inertia, drag;               ///< m/T, c
-  double force, power, regeneration;  ///< F/s, P/s^2 and P_regen/s^2
-  bool stop;
-
-  double most_after(double x, double high) const {
-    const double slope = inertia + drag;
-    double y = high;
-    if (!(slope > 0.0)) return y;
-    if (!stop) {
-      if (force < unlimited) y = std::min(y, (force + inertia * x) / slope);
-      if (power < unlimited)
-        y = std::min(y, (inertia * x + std::sqrt(inertia * inertia * x * x + 4.0 * slope * power)) / (2.0 * slope));
-      return y;
-    }
-    if (force < unlimited) y = std::min(y, (force + drag + inertia * x) / slope);
-    // What is left of the speed, w, is at most the smaller or at least the larger root of slope w^2 - inertia (1 - x) w
-    // + regeneration = 0.
-    const double b = inertia * (1.0 - x), square = b * b - 4.0 * slope * regeneration;
-    if (regeneration < unlimited && square > 0.0) {
-      const double small = (b - std::sqrt(square)) / (2.0 * slope), large = (b + std::sqrt(square)) / (2.0 * slope);
-      if (1.0 - y > small + 1e-9) y = std::min(y, 1.0 - large);
-    }
+double TubeLimits::Plant::most_after(double x, double high) const {
+  const double slope = inertia + drag;
+  double y = high;
+  if (!(slope > 0.0)) return y;
+  if (!stop) {
+    if (force < unlimited) y = std::min(y, (force + inertia * x) / slope);
+    if (power < unlimited)
+      y = std::min(y, (inertia * x + std::sqrt(inertia * inertia * x * x + 4.0 * slope * power)) / (2.0 * slope));
     return y;
   }
+  if (force < unlimited) y = std::min(y, (force + drag + inertia * x) / slope);
+  // What is left of the speed, w, is at most the smaller or at least the larger root of slope w^2 - inertia (1 - x) w
+  // + regeneration = 0.
+  const double b = inertia * (1.0 - x), square = b * b - 4.0 * slope * regeneration;
+  if (regeneration < unlimited && square > 0.0) {
+    const double small = (b - std::sqrt(square)) / (2.0 * slope), large = (b + std::sqrt(square)) / (2.0 * slope);
+    if (1.0 - y > small + 1e-9) y = std::min(y, 1.0 - large);
+  }
+  return y;
+}
 
-  /// Least x before a y in [low, high].
-  double least_before(double low, double high) const {
-    double x = 0.0;
-    if (!(inertia > 0.0)) return x;
-    const double slope = inertia + drag;
-    if (!stop) {
-      if (force < unlimited) x = std::max(x, (slope * low - force) / inertia);
-      if (power < unlimited && low > 0.0) x = std::max(x, (slope * low - power / low) / inertia);
-      return x;
-    }
-    if (force < unlimited) x = std::max(x, (slope * low - force - drag) / inertia);
-    if (regeneration < unlimited && high < 1.0) {
-      const auto before = [&](double w) { return (slope * w + regeneration / w) / inertia; };
-      x = std::max(x, 1.0 - std::max(before(1.0 - low), before(1.0 - high)));
-    }
+double TubeLimits::Plant::least_before(double low, double high) const {
+  double x = 0.0;
+  if (!(inertia > 0.0)) return x;
+  const double slope = inertia + drag;
+  if (!stop) {
+    if (force < unlimited) x = std::max(x, (slope * low - force) / inertia);
+    if (power < unlimited && low > 0.0) x = std::max(x, (slope * low - power / low) / inertia);
     return x;
   }
-};
+  if (force < unlimited) x = std::max(x, (slope * low - force - drag) / inertia);
+  if (regeneration < unlimited && high < 1.0) {
+    const auto before = [&](double w) { return (slope * w + regeneration / w) / inertia; };
+    x = std::max(x, 1.0 - std::max(before(1.0 - low), before(1.0 - high)));
+  }
+  return x;
+}
 
-}  // namespace
+TubeLimits::TubeLimits(const Task& task, const ConvexRows& rows)
+    : tap_max_(rows.tap_max()), jerk_max_(rows.jerk_max()) {
+  const std::vector<EventSpeeds> speeds = event_speeds(task);
+  for (std::size_t a = 0; a < speeds.size(); ++a) {
+    const Axis& axis = task.machine.axes[a];
+    for (const bool stop : {false, true}) {
+      const double s = stop ? speeds[a].stop : speeds[a].start;
+      if (s == 0.0) continue;
+      plants_.push_back({axis.mass / task.sample_period, axis.damping, axis.force_max / s, axis.power_max / (s * s),
+                         axis.regeneration_max / (s * s), stop});
+    }
+  }
+}
 
-bool LimitModel::shrink(Box& box) const {
+/// What splits and jerk leave.
+void TubeLimits::begin(Box& box) const {
   Tube& tube = box.tube;
   const int n = box.order;
   tube.low.assign(static_cast<std::size_t>(n) + 2, 0.0);
@@ -75,16 +79,11 @@ bool LimitModel::shrink(Box& box) const {
     double& low = tube.low[tube.low.size() - 1 - k];
     low = std::max(low, 1.0 - sum * (1.0 + 1e-12));
   }
-  std::vector<Plant> plants;
-  for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
-    const Axis& axis = task_.machine.axes[a];
-    for (const bool stop : {false, true}) {
-      const double s = stop ? speeds_[a].stop : speeds_[a].start;
-      if (s == 0.0) continue;
-      plants.push_back({axis.mass / task_.sample_period, axis.damping, axis.force_max / s, axis.power_max / (s * s),
-                        axis.regeneration_max / (s * s), stop});
-    }
-  }
+}
+
+bool TubeLimits::shrink(Box& box) const {
+  begin(box);
+  Tube& tube = box.tube;
   double change = 1.0;
   for (int sweep = 0; sweep < 12 && change > 1e-6; ++sweep) {
     change = 0.0;
@@ -96,12 +95,12 @@ bool LimitModel::shrink(Box& box) const {
     };
     for (std::size_t k = 1; k < tube.low.size(); ++k) {
       double high = std::min(tube.high[k], tube.high[k - 1] + tap_max_);
-      for (const Plant& p : plants) high = p.most_after(tube.high[k - 1], high);
+      for (const Plant& p : plants_) high = p.most_after(tube.high[k - 1], high);
       if (!cut(k, tube.low[k - 1], high)) return false;
     }
     for (std::size_t k = tube.low.size() - 1; k > 0; --k) {
       double low = tube.low[k] - tap_max_;
-      for (const Plant& p : plants) low = std::max(low, p.least_before(tube.low[k], tube.high[k]));
+      for (const Plant& p : plants_) low = std::max(low, p.least_before(tube.low[k], tube.high[k]));
       if (!cut(k - 1, low, tube.high[k])) return false;
     }
   }

@@ -46,19 +46,19 @@ std::string results_hash(const std::string& folder, const ResultsKind& kind) {
   return hash_in(fs::path(folder) / "manifest.json", kind);
 }
 
-void claim_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash) {
+void claim_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash, bool changed) {
   if (fs::exists(folder)) {
     if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: not a folder", folder));
     const std::string finished = results_hash(folder, kind), marked = marked_hash(folder, kind);
     for (const std::string& found : {finished, marked}) {
-      if (found.empty() || found == hash) continue;
+      if (found.empty() || found == hash || (changed && found != "?")) continue;
       throw OutputError(
           fmt::format("{}: holds the results of another {}, or of an earlier form of this one; nothing was changed. "
                       "Choose another --out or remove it",
                       folder, kind.what));
     }
-    if (!marked.empty()) return;
-    if (finished.empty() && holds_anything(folder)) {
+    if (!marked.empty() && marked == hash) return;
+    if (finished.empty() && marked.empty() && holds_anything(folder)) {
       throw OutputError(
           fmt::format("{}: is not empty and holds no {}; nothing was changed. Choose another --out (folders of results "
                       "are told by their {})",

@@ -17,8 +17,10 @@ std::string results_hash(const std::string& folder, const ResultsKind& kind);
 /// Makes a folder these results' own before anything in it is touched: one that is not there or empty gets a marker,
 /// accdec-folder.json, with the schema and the hash; one that has the marker, or a manifest with both, is kept; any
 /// other is refused.
+/// @param changed  results of the same kind with another hash are taken over, for the caller uses them again
 /// @throws OutputError
-void claim_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash);
+void claim_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash,
+                          bool changed = false);
 
 /// Makes a folder for results, with those it lies in, unless it is there already. @throws OutputError
 void create_results_folder(const std::string& folder);

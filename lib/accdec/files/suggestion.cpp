@@ -4,6 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <accdec/files/suggestion.hpp>
 
 namespace accdec {
@@ -75,6 +78,12 @@ std::string suggest(std::string_view word, std::span<const std::string_view> all
     text += allowed[i];
   }
   return text;
+}
+
+std::string unknown_name(std::string_view noun, std::string_view name, const std::vector<std::string>& known) {
+  const std::string near = nearest(name, std::vector<std::string_view>(known.begin(), known.end()));
+  return fmt::format("unknown {} \"{}\"; {}known are {}", noun, name,
+                     near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), fmt::join(known, ", "));
 }
 
 }  // namespace accdec

@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace accdec {
 
@@ -16,5 +17,8 @@ std::string nearest(std::string_view word, std::span<const std::string_view> all
 
 /// "did you mean `error_max_um`?" or, if none is near, "known here: a, b, c".
 std::string suggest(std::string_view word, std::span<const std::string_view> allowed);
+
+/// "unknown solver "ipotp"; did you mean "ipopt"? known are ipopt, clp".
+std::string unknown_name(std::string_view noun, std::string_view name, const std::vector<std::string>& known);
 
 }  // namespace accdec

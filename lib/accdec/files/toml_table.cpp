@@ -1,226 +1,232 @@
 #include <algorithm>
-#include <cmath>
-#include <span>
+#include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include <accdec/files/errors.hpp>
-#include <accdec/files/suggestion.hpp>
+#include <accdec/files/check_keys.hpp>
 #include <accdec/files/toml_table.hpp>
 
 namespace accdec::toml_input {
 namespace {
 
-/// JSON pointers escape "~" and "/".
-std::string escaped(std::string_view key) {
-  std::string text;
-  for (const char c : key) {
-    if (c == '~')
-      text += "~0";
-    else if (c == '/')
-      text += "~1";
-    else
-      text += c;
-  }
-  return text;
+InputError error_at(const std::string& file, const toml::source_region& source, const std::string& pointer,
+                    const std::string& message) {
+  return InputError(file, source.begin.line, source.begin.column, message, pointer);
 }
 
-std::string list(std::span<const std::string_view> words) {
-  return fmt::format("{}", fmt::join(words, ", "));
+std::string missing_text(const std::string& label, const Key& key) {
+  const std::string allowed = allowed_text(key);
+  return fmt::format("{} needs `{}`{}{}", label, key.name, allowed.empty() ? "" : "; ", allowed);
 }
+
+/// A TOML value as KeyCheck sees it.
+class TomlNode {
+ public:
+  TomlNode(const toml::node& node, const std::string& file, const toml::key* name = nullptr)
+      : node_(node), file_(file), name_(name) {}
+
+  bool is_null() const { return false; }
+  bool is_table() const { return node_.is_table(); }
+  bool is_list() const { return node_.is_array(); }
+  bool is_text() const { return node_.is_string(); }
+  bool is_boolean() const { return node_.is_boolean(); }
+  bool is_number() const { return node_.is_number(); }
+  bool is_integer() const { return node_.is_integer(); }
+  double number() const { return *node_.value<double>(); }
+  const std::string& text() const { return node_.as_string()->get(); }
+  std::size_t size() const { return node_.as_array()->size(); }
+  TomlNode element(std::size_t i) const { return {*node_.as_array()->get(i), file_}; }
+  bool has(std::string_view key) const { return node_.as_table()->contains(key); }
+  template <class Do>
+  void for_each_member(Do member) const {
+    for (const auto& [name, value] : *node_.as_table()) member(name.str(), TomlNode(value, file_, &name));
+  }
+
+  std::string_view type_name() const {
+    switch (node_.type()) {
+      case toml::node_type::table: return "a table";
+      case toml::node_type::array: return "an array";
+      case toml::node_type::string: return "a string";
+      case toml::node_type::integer: return "an integer";
+      case toml::node_type::floating_point: return "a number with a fraction";
+      case toml::node_type::boolean: return "a boolean";
+      case toml::node_type::date:
+      case toml::node_type::time:
+      case toml::node_type::date_time: return "a date or time";
+      default: return "nothing";
+    }
+  }
+
+  InputError fault(const std::string& pointer, const std::string& message) const {
+    return error_at(file_, node_.source(), pointer, message);
+  }
+  InputError fault_of_name(const std::string& pointer, const std::string& message) const {
+    return error_at(file_, name_->source(), pointer, message);
+  }
+
+  // The words of the format.
+  static constexpr bool is_toml = true;
+  static std::string subject(std::string_view key) { return fmt::format("`{}` ", key); }
+  static std::string subject(std::string_view key, std::size_t i) { return fmt::format("`{}`: element {} ", key, i); }
+  static std::string equals(const std::string& what) { return what + "= "; }
+  static std::string unknown(std::string_view key, const std::string& label, const std::string& hint) {
+    return fmt::format("unknown key `{}` in {}; {}", key, label, hint);
+  }
+  static std::string missing(const std::string& label, const Key& key) { return missing_text(label, key); }
+  static std::string no_table(std::string_view key, const TomlNode& got) {
+    if (got.node_.is_array_of_tables()) return fmt::format("`{0}` is one table; write [{0}], once, not [[{0}]]", key);
+    return fmt::format("`{0}` must be a table [{0}], got {1}", key, got.type_name());
+  }
+  static std::string no_list(std::string_view key, const TomlNode& got) {
+    if (got.is_table()) return fmt::format("`{0}` is a list of tables; write [[{0}]], not [{0}]", key);
+    return fmt::format("`{0}` must be a list of tables [[{0}]], got {1}", key, got.type_name());
+  }
+  static std::string no_element(std::string_view key, std::size_t i, const TomlNode& got) {
+    return fmt::format("`{0}` must hold tables [[{0}]] only, element {1} is {2}", key, i, got.type_name());
+  }
+
+ private:
+  const toml::node& node_;
+  const std::string& file_;
+  const toml::key* name_;
+};
 
 }  // namespace
 
-std::string Range::text(std::string_view key) const {
-  return fmt::format("allowed is {} {} {} <= {}", low, open_low ? "<" : "<=", key, high);
-}
-
-std::string_view type_name(const toml::node& node) {
-  switch (node.type()) {
-    case toml::node_type::table: return "a table";
-    case toml::node_type::array: return "an array";
-    case toml::node_type::string: return "a string";
-    case toml::node_type::integer: return "an integer";
-    case toml::node_type::floating_point: return "a number with a fraction";
-    case toml::node_type::boolean: return "a boolean";
-    case toml::node_type::date:
-    case toml::node_type::time:
-    case toml::node_type::date_time: return "a date or time";
-    default: return "nothing";
-  }
+Faults check_keys(const toml::table& tree, const std::string& file, const std::string& label,
+                  const std::string& pointer, const std::vector<Key>& keys) {
+  Faults faults;
+  KeyCheck<TomlNode>(keys, faults).table(TomlNode(tree, file), keys, label, pointer);
+  return faults;
 }
 
 Table::Table(const toml::table& table, std::string file, std::string label, std::string pointer,
-             std::initializer_list<std::string_view> keys, std::string (*elsewhere)(std::string_view))
-    : Table(table, std::move(file), std::move(label), std::move(pointer), std::vector<std::string_view>(keys),
-            elsewhere) {}
+             const std::vector<Key>& keys)
+    : table_(&table), keys_(&keys), file_(std::move(file)), label_(std::move(label)), pointer_(std::move(pointer)) {}
 
-Table::Table(const toml::table& table, std::string file, std::string label, std::string pointer,
-             std::vector<std::string_view> keys, std::string (*elsewhere)(std::string_view))
-    : table_(table), file_(std::move(file)), label_(std::move(label)), pointer_(std::move(pointer)) {
-  check_keys(keys, elsewhere);
+const Key& Table::key(std::string_view name) const {
+  if (const Key* found = find_key(*keys_, name)) return *found;
+  throw std::logic_error(fmt::format("{} has no key `{}`", label_, name));
 }
 
-void Table::check_keys(const std::vector<std::string_view>& keys, std::string (*elsewhere)(std::string_view)) const {
-  // The first in the file, not in the alphabet, is the one to name.
-  const toml::key* first = nullptr;
-  for (const auto& [key, node] : table_) {
-    if (std::find(keys.begin(), keys.end(), key.str()) != keys.end()) continue;
-    const auto position = [](const toml::key& k) { return std::pair(k.source().begin.line, k.source().begin.column); };
-    if (first == nullptr || position(key) < position(*first)) first = &key;
-  }
-  if (first == nullptr) return;
-  const std::string known = nearest(first->str(), keys);
-  std::string hint = known.empty() && elsewhere != nullptr ? elsewhere(first->str()) : "";
-  if (hint.empty()) hint = suggest(first->str(), keys);
-  throw InputError(file_, first->source().begin.line, first->source().begin.column,
-                   fmt::format("unknown key `{}` in {}; {}", first->str(), label_, hint),
-                   pointer_ + "/" + escaped(first->str()));
+std::optional<double> Table::number(std::string_view name) const {
+  const Key& k = key(name);
+  const toml::node* node = table_->get(name);
+  const std::optional<double> value = node && node->is_number() ? node->value<double>() : default_number(k);
+  return value ? std::optional(to_si(k, *value)) : std::nullopt;
 }
 
-void Table::fail_node(const toml::node& node, const std::string& pointer, const std::string& message) const {
-  throw InputError(file_, node.source().begin.line, node.source().begin.column, message, pointer);
+std::optional<int> Table::integer(std::string_view name) const {
+  const Key& k = key(name);
+  const toml::node* node = table_->get(name);
+  const auto value = node && node->is_integer() ? node->value<double>() : default_number(k);
+  if (!value || !k.range.holds(*value)) return std::nullopt;
+  return static_cast<int>(*value);
 }
 
-void Table::fail(const std::string& message) const {
-  fail_node(table_, pointer_, message);
+std::optional<std::string> Table::text(std::string_view name) const {
+  key(name);
+  const toml::node* node = table_->get(name);
+  return node ? node->value_exact<std::string>() : std::nullopt;
 }
 
-void Table::fail_at(std::string_view key, const std::string& message) const {
-  const toml::node* node = table_.get(key);
-  if (node == nullptr) fail(message);
-  fail_node(*node, pointer_ + "/" + escaped(key), message);
+std::string Table::word(std::string_view name) const {
+  const Key& k = key(name);
+  const bool known = std::find(k.words.begin(), k.words.end(), k.fallback) != k.words.end();
+  return text(name).value_or(known ? k.fallback : "");
 }
 
-void Table::fail_at(std::string_view key, std::size_t element, const std::string& message) const {
-  const toml::node* node = table_.get(key);
-  const toml::array* array = node == nullptr ? nullptr : node->as_array();
-  if (array == nullptr || element >= array->size()) fail_at(key, message);
-  fail_node((*array)[element], fmt::format("{}/{}/{}", pointer_, escaped(key), element), message);
+bool Table::boolean(std::string_view name) const {
+  const Key& k = key(name);
+  const toml::node* node = table_->get(name);
+  return node && node->is_boolean() ? node->as_boolean()->get() : k.fallback == "true";
 }
 
-std::string Table::place(std::string_view key) const {
-  const toml::node* node = table_.get(key);
-  const auto line = (node == nullptr ? static_cast<const toml::node&>(table_) : *node).source().begin.line;
-  return line > 0 ? fmt::format("line {}", line) : pointer_ + "/" + std::string(key);
-}
-
-void Table::wrong_type(std::string_view key, std::string_view wanted) const {
-  fail_at(key, fmt::format("`{}` must be {}, got {}", key, wanted, type_name(*table_.get(key))));
-}
-
-double Table::checked(const toml::node& node, std::string_view key, const std::string& what, const Range& range) const {
-  const double x = node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
-  if (!std::isfinite(x))
-    fail_node(node, pointer_ + "/" + escaped(key),
-              fmt::format("{} must be finite, got {}; {}", what, x, range.text(key)));
-  if (!range.holds(x))
-    fail_node(node, pointer_ + "/" + escaped(key),
-              fmt::format("{} = {} is out of range; {}", what, x, range.text(key)));
-  return x;
-}
-
-std::optional<double> Table::number(std::string_view key, const Range& range) const {
-  const toml::node* node = table_.get(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_number()) wrong_type(key, "a number");
-  return checked(*node, key, fmt::format("`{}`", key), range);
-}
-
-double Table::required_number(std::string_view key, const Range& range) const {
-  if (!has(key)) fail(fmt::format("{} needs `{}`; {}", label_, key, range.text(key)));
-  return *number(key, range);
-}
-
-std::optional<int> Table::integer(std::string_view key, int low, int high) const {
-  const toml::node* node = table_.get(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_integer()) wrong_type(key, fmt::format("a whole number, {} <= {} <= {}", low, key, high));
-  return static_cast<int>(
-      checked(*node, key, fmt::format("`{}`", key), {static_cast<double>(low), static_cast<double>(high)}));
-}
-
-int Table::required_integer(std::string_view key, int low, int high) const {
-  if (!has(key)) fail(fmt::format("{} needs `{}`; allowed is {} <= {} <= {}", label_, key, low, key, high));
-  return *integer(key, low, high);
-}
-
-std::optional<bool> Table::boolean(std::string_view key) const {
-  const toml::node* node = table_.get(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_boolean()) wrong_type(key, "true or false");
-  return node->as_boolean()->get();
-}
-
-std::optional<std::string> Table::text(std::string_view key, bool empty_allowed, bool long_text) const {
-  const toml::node* node = table_.get(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_string()) wrong_type(key, "a string in quotes");
-  const std::string& value = node->as_string()->get();
-  if (value.empty() && !empty_allowed) fail_at(key, fmt::format("`{}` must not be empty", key));
-  const std::size_t limit = long_text ? 2000 : 200;
-  if (value.size() > limit)
-    fail_at(key, fmt::format("`{}` has {} bytes; at most {} are allowed", key, value.size(), limit));
-  if (std::any_of(value.begin(), value.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; })) {
-    fail_at(key, fmt::format("`{}` holds a control character; printable text on one line is allowed", key));
-  }
-  return value;
-}
-
-std::optional<std::string> Table::word(std::string_view key, std::span<const std::string_view> words) const {
-  const auto value = text(key, true);
-  if (!value || std::find(words.begin(), words.end(), *value) != words.end()) return value;
-  const std::string near = nearest(*value, words);
-  fail_at(key, fmt::format("`{}` = \"{}\" is unknown; {}allowed are {}", key, *value,
-                           near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), list(words)));
-}
-
-std::optional<std::vector<double>> Table::numbers(std::string_view key, const Range& range, std::size_t least,
-                                                  std::size_t most, bool lone) const {
-  const toml::node* node = table_.get(key);
-  if (node == nullptr) return std::nullopt;
-  if (lone && node->is_number()) return std::vector<double>{checked(*node, key, fmt::format("`{}`", key), range)};
-  const toml::array* array = node->as_array();
-  if (array == nullptr) wrong_type(key, lone ? "a number or an array of numbers" : "an array of numbers");
-  if (array->size() < least || array->size() > most) {
-    const std::string allowed = least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most);
-    fail_at(key, fmt::format("`{}` has {} numbers; allowed are {}", key, array->size(), allowed));
-  }
+std::vector<double> Table::numbers(std::string_view name) const {
+  const Key& k = key(name);
+  const toml::node* node = table_->get(name);
   std::vector<double> values;
-  values.reserve(array->size());
-  for (std::size_t i = 0; i < array->size(); ++i) {
-    const toml::node& element = (*array)[i];
-    if (!element.is_number()) {
-      fail_at(key, i, fmt::format("`{}`: element {} must be a number, got {}", key, i, type_name(element)));
-    }
-    values.push_back(checked(element, key, fmt::format("`{}`: element {}", key, i), range));
+  if (!node) return values;
+  if (node->is_number()) return {to_si(k, *node->value<double>())};
+  if (const toml::array* list = node->as_array()) {
+    values.reserve(list->size());
+    for (const toml::node& element : *list) values.push_back(to_si(k, element.value_or(0.0)));
   }
   return values;
 }
 
-const toml::table* Table::table(std::string_view key) const {
-  const toml::node* node = table_.get(key);
-  if (node == nullptr) return nullptr;
-  if (node->is_array_of_tables()) fail_at(key, fmt::format("`{0}` is one table; write [{0}], once, not [[{0}]]", key));
-  if (!node->is_table()) wrong_type(key, fmt::format("a table [{}]", key));
-  return node->as_table();
+std::vector<std::string> Table::texts(std::string_view name) const {
+  if (const auto one = text(name)) return {*one};
+  std::vector<std::string> values;
+  if (const toml::node* node = table_->get(name); node && node->is_array()) {
+    for (const toml::node& element : *node->as_array()) values.push_back(element.value_or(std::string()));
+  }
+  return values;
 }
 
-std::vector<const toml::table*> Table::tables(std::string_view key) const {
-  const toml::node* node = table_.get(key);
-  if (node == nullptr) return {};
-  if (node->is_table()) fail_at(key, fmt::format("`{0}` is a list of tables; write [[{0}]], not [{0}]", key));
-  const toml::array* array = node->as_array();
-  if (array == nullptr) wrong_type(key, fmt::format("a list of tables [[{}]]", key));
-  std::vector<const toml::table*> result;
-  for (std::size_t i = 0; i < array->size(); ++i) {
-    if (!(*array)[i].is_table()) {
-      fail_at(key, i,
-              fmt::format("`{0}` must hold tables [[{0}]] only, element {1} is {2}", key, i, type_name((*array)[i])));
-    }
-    result.push_back((*array)[i].as_table());
+double Table::required_number(std::string_view name) const {
+  if (const auto value = number(name)) return *value;
+  fail_missing(name);
+}
+
+int Table::required_integer(std::string_view name) const {
+  if (const auto value = integer(name)) return *value;
+  fail_missing(name);
+}
+
+std::vector<double> Table::required_numbers(std::string_view name) const {
+  if (!has(name)) fail_missing(name);
+  return numbers(name);
+}
+
+std::optional<Table> Table::table(std::string_view name) const {
+  const Key& k = key(name);
+  const toml::node* node = table_->get(name);
+  if (!node || !node->is_table()) return std::nullopt;
+  return Table(*node->as_table(), file_, fmt::format("[{}]", name), pointer_ + "/" + pointer_step(name), k.keys);
+}
+
+std::vector<Table> Table::tables(std::string_view name) const {
+  const Key& k = key(name);
+  const toml::node* node = table_->get(name);
+  std::vector<Table> all;
+  if (!node || !node->is_array()) return all;
+  for (const toml::node& element : *node->as_array()) {
+    const std::size_t i = all.size();
+    if (!element.is_table()) break;
+    all.emplace_back(*element.as_table(), file_, fmt::format("[[{}]] {}", name, i + 1),
+                     fmt::format("{}/{}/{}", pointer_, pointer_step(name), i), k.keys);
   }
-  return result;
+  return all;
+}
+
+void Table::fail(const std::string& message) const {
+  throw error_at(file_, table_->source(), pointer_, message);
+}
+
+void Table::fail_at(std::string_view name, const std::string& message) const {
+  const toml::node* node = table_->get(name);
+  if (node == nullptr) fail(message);
+  throw error_at(file_, node->source(), pointer_ + "/" + pointer_step(name), message);
+}
+
+void Table::fail_at(std::string_view name, std::size_t element, const std::string& message) const {
+  const toml::node* node = table_->get(name);
+  const toml::array* array = node == nullptr ? nullptr : node->as_array();
+  if (array == nullptr || element >= array->size()) fail_at(name, message);
+  throw error_at(file_, (*array)[element].source(), fmt::format("{}/{}/{}", pointer_, pointer_step(name), element),
+                 message);
+}
+
+void Table::fail_missing(std::string_view name) const {
+  fail(missing_text(label_, key(name)));
+}
+
+std::string Table::place(std::string_view name) const {
+  const toml::node* node = table_->get(name);
+  const auto line = (node == nullptr ? static_cast<const toml::node&>(*table_) : *node).source().begin.line;
+  return line > 0 ? fmt::format("line {}", line) : pointer_ + "/" + std::string(name);
 }
 
 }  // namespace accdec::toml_input

@@ -1,8 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <accdec/formats/filter_table.hpp>
 #include <accdec/formats/task_keys.hpp>
@@ -10,41 +10,23 @@
 namespace accdec {
 namespace {
 
-using toml_input::Range;
 using toml_input::Table;
-
-constexpr std::string_view shapers[] = {"zv", "zvd"};
-
-std::vector<std::string_view> kinds() {
-  std::vector<std::string_view> names;
-  for (const ShapeInfo& shape : shape_list()) names.push_back(shape.name);
-  return names;
-}
 
 /// Reads one parameter into a spec, by the type of the member that keeps it.
 void read_parameter(const Table& table, const ShapeParameter& parameter, FilterSpec& spec) {
-  const Range range{parameter.low, parameter.high, parameter.open_low};
   const auto list = [&](const char* what) {
-    const auto numbers = table.numbers(parameter.key, range, 1, static_cast<std::size_t>(task_keys::order_limit) + 1);
-    if (!numbers) {
+    if (!table.has(parameter.key)) {
       table.fail(fmt::format("a filter of kind \"{}\" needs `{}`; allowed is an array of {}", to_string(spec.kind),
                              parameter.key, what));
     }
-    return *numbers;
+    return table.numbers(parameter.key);
   };
   if (const auto* whole = std::get_if<int FilterSpec::*>(&parameter.member)) {
-    spec.** whole =
-        table.required_integer(parameter.key, static_cast<int>(parameter.low), static_cast<int>(parameter.high));
+    spec.** whole = table.required_integer(parameter.key);
   } else if (const auto* real = std::get_if<double FilterSpec::*>(&parameter.member)) {
-    spec.** real = table.required_number(parameter.key, range);
+    spec.** real = table.required_number(parameter.key);
   } else if (const auto* lengths = std::get_if<std::vector<int> FilterSpec::*>(&parameter.member)) {
-    const std::vector<double> numbers = list("whole numbers of taps");
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      if (numbers[i] != std::floor(numbers[i])) {
-        table.fail_at(parameter.key, i, fmt::format("an average is a whole number of taps long, not {}", numbers[i]));
-      }
-      (spec.**lengths).push_back(static_cast<int>(numbers[i]));
-    }
+    for (const double length : list("whole numbers of taps")) (spec.**lengths).push_back(static_cast<int>(length));
   } else {
     spec.*std::get<std::vector<double> FilterSpec::*>(parameter.member) = list("N + 1 non-negative numbers");
   }
@@ -58,9 +40,9 @@ int own_order(const FilterSpec& spec) {
 }
 
 void read_shaper(const Table& table, FilterSpec& spec) {
-  if (const auto shaper = table.word("shaper", shapers)) {
-    spec.pairs = *shaper == "zv" ? 1 : 2;
-    spec.pair_delay = table.required_integer("shaper_delay", 1, task_keys::order_limit);
+  if (table.has("shaper")) {
+    spec.pairs = table.word("shaper") == "zv" ? 1 : 2;
+    spec.pair_delay = table.required_integer("shaper_delay");
   } else if (table.has("shaper_delay")) {
     table.fail_at("shaper_delay", "`shaper_delay` needs `shaper`; allowed is shaper = \"zv\" or \"zvd\"");
   }
@@ -68,35 +50,23 @@ void read_shaper(const Table& table, FilterSpec& spec) {
 
 }  // namespace
 
-std::vector<std::string_view> filter_keys() {
-  std::vector<std::string_view> keys{"kind", "order"};
-  for (const ShapeInfo& shape : shape_list()) {
-    if (shape.parameter) keys.push_back(shape.parameter->key);
-  }
-  keys.insert(keys.end(), {"shaper", "shaper_delay"});
-  return keys;
-}
-
-FilterSpec read_filter(const toml::table& source, const Table& top, const std::string& name,
-                       std::string (*elsewhere)(std::string_view)) {
-  const Table table(source, top.file(), "[" + name + "]", top.pointer() + "/" + name, filter_keys(), elsewhere);
-  const auto kind = table.word("kind", kinds());
-  if (!kind) table.fail(fmt::format("[{}] needs `kind`; allowed are {}", name, fmt::join(kinds(), ", ")));
+FilterSpec read_filter(const Table& table) {
+  const std::string kind = table.word("kind");
   FilterSpec spec;
-  spec.kind = *shape_from_string(*kind);
+  spec.kind = *shape_from_string(kind);
   const ShapeInfo& shape = info(spec.kind);
   for (const ShapeInfo& other : shape_list()) {
     if (&other == &shape || !other.parameter || !table.has(other.parameter->key)) continue;
     table.fail_at(other.parameter->key, fmt::format("`{}` has no meaning for kind \"{}\"; it goes with kind \"{}\"",
-                                                    other.parameter->key, *kind, other.name));
+                                                    other.parameter->key, kind, other.name));
   }
-  if (shape.has_order) spec.order = table.required_integer("order", 0, task_keys::order_limit);
+  if (shape.has_order) spec.order = table.required_integer("order");
   if (shape.parameter) read_parameter(table, *shape.parameter, spec);
   if (!shape.has_order) {
     spec.order = own_order(spec);
     const int most = task_keys::order_limit;
     if (spec.order > most) table.fail_at(shape.parameter->key, fmt::format("the order is above {}", most));
-    if (const auto order = table.integer("order", 0, most); order && *order != spec.order) {
+    if (const auto order = table.integer("order"); order && *order != spec.order) {
       const std::string given =
           spec.kind == Shape::taps ? fmt::format("{} taps", spec.taps.size()) : std::string(shape.parameter->key);
       table.fail_at("order", fmt::format("`order` = {} does not match the {} given; leave it out or write {}", *order,
@@ -122,7 +92,7 @@ nlohmann::ordered_json filter_to_json(const FilterSpec& spec) {
     std::visit([&](auto member) { filter[std::string(parameter->key)] = spec.*member; }, parameter->member);
   }
   if (spec.pairs > 0) {
-    filter["shaper"] = shapers[spec.pairs - 1];
+    filter["shaper"] = spec.pairs == 1 ? "zv" : "zvd";
     filter["shaper_delay"] = spec.pair_delay;
   }
   return filter;

@@ -1,11 +1,6 @@
 #pragma once
 
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include <nlohmann/json.hpp>
-#include <toml++/toml.h>
 
 #include <accdec/files/toml_table.hpp>
 #include <accdec/motion/filter_spec.hpp>
@@ -15,14 +10,9 @@ namespace accdec {
 // Internal to the room: a filter in a file, [filter] or [baseline], read and written by what `shape_list` says of each
 // kind.
 
-/// Every key such a table may have: kind, order, the shapes' parameters, shaper and shaper_delay.
-std::vector<std::string_view> filter_keys();
-
-/// @param name  of the table, "filter" or "baseline"
-/// @param elsewhere  see toml_input::Table
+/// @param table  checked, with the keys `filter_keys`
 /// @throws InputError at the key that is wrong
-FilterSpec read_filter(const toml::table& source, const toml_input::Table& top, const std::string& name,
-                       std::string (*elsewhere)(std::string_view));
+FilterSpec read_filter(const toml_input::Table& table);
 
 nlohmann::ordered_json filter_to_json(const FilterSpec& spec);
 

@@ -1,5 +1,6 @@
 #include <ctime>
 #include <fstream>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -11,8 +12,10 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <oneapi/tbb/version.h>
+#include <toml++/impl/version.h>
 
 #include <accdec/formats/manifest.hpp>
+#include <accdec/solvers/solver.hpp>
 
 #include "accdec_commit.hpp"
 
@@ -45,17 +48,36 @@ std::set<std::string> linear_algebra() {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::string>> libraries() {
+  std::map<std::string, std::string> found{
+      {"Clp", CLP_VERSION},
+      {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+      {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
+      {"nlohmann-json",
+       fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH)},
+      {"oneTBB", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)},
+      {"toml++", fmt::format("{}.{}.{}", TOML_LIB_MAJOR, TOML_LIB_MINOR, TOML_LIB_PATCH)}};
+  // "NLopt 2.7.1"
+  for (const auto& solver : solvers::registry()) {
+    const std::string version = solver->library_version();
+    if (const std::size_t space = version.rfind(' '); space != std::string::npos)
+      found.emplace(version.substr(0, space), version.substr(space + 1));
+  }
+  return {found.begin(), found.end()};
+}
+
+std::string source_commit() {
+  return ACCDEC_COMMIT;
+}
+
 void add_environment(nlohmann::ordered_json& manifest, const std::string& version) {
   utsname system{};
   ::uname(&system);
   const double memory =
       static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE)) / 0x1p30;
   manifest["accdec"] = version;
-  manifest["commit"] = ACCDEC_COMMIT;
-  manifest["libraries"] = {
-      {"Clp", CLP_VERSION},
-      {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
-      {"oneTBB", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}};
+  manifest["commit"] = source_commit();
+  for (const auto& [name, number] : libraries()) manifest["libraries"][name] = number;
   manifest["linear_algebra"] = linear_algebra();
   manifest["compiler"] = __VERSION__;
 #ifdef NDEBUG

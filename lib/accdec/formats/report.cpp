@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdio>
+#include <initializer_list>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -14,22 +15,32 @@ std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-std::string corner_table(const DesignResult& result) {
-  TextTable table(
-      {"corner", "delay", "error um", "allowed um", "polyline um", "contour um", "least speed mm/s", "time ms"});
+std::string text_of(const ReportTable& report, std::initializer_list<std::size_t> left) {
+  TextTable table(report.head);
+  for (const std::size_t column : left) table.left(column);
+  for (const auto& row : report.rows) table.add(row);
+  return table.empty() ? "" : fmt::format("\n{}", table.str());
+}
+
+}  // namespace
+
+ReportTable corner_report(const DesignResult& result) {
+  ReportTable table{
+      {"corner", "delay", "error um", "allowed um", "polyline um", "contour um", "least speed mm/s", "time ms"}, {}};
   for (std::size_t j = 0; j < result.corners.size(); ++j) {
     const CornerResult& c = result.corners[j];
     std::string allowed = "-";
     if (j < result.task.corners.size() && result.task.corners[j].error_max)
       allowed = fmt::format("{:g}", 1e6 * *result.task.corners[j].error_max);
-    table.add({c.name, fmt::format("{}", c.delay), fmt::format("{:.2f}", 1e6 * c.corner_error), allowed,
-               fmt::format("{:.2f}", 1e6 * c.polyline_error), fmt::format("{:.2f}", 1e6 * c.contour_deviation),
-               fmt::format("{:.2f}", 1e3 * c.speed_min), fmt::format("{:g}", 1e3 * c.corner_time)});
+    table.rows.push_back({c.name, fmt::format("{}", c.delay), fmt::format("{:.2f}", 1e6 * c.corner_error), allowed,
+                          fmt::format("{:.2f}", 1e6 * c.polyline_error),
+                          fmt::format("{:.2f}", 1e6 * c.contour_deviation), fmt::format("{:.2f}", 1e3 * c.speed_min),
+                          fmt::format("{:g}", 1e3 * c.corner_time)});
   }
-  return table.empty() ? "" : fmt::format("\n{}", table.str());
+  return table;
 }
 
-std::string limit_table(const DesignResult& result) {
+ReportTable limit_report(const DesignResult& result) {
   // One line for each kind and axis: the corner in which it is used most.
   std::vector<const LimitUse*> worst;
   for (const LimitUse& use : result.limits) {
@@ -42,10 +53,7 @@ std::string limit_table(const DesignResult& result) {
     else if (use.utilisation > (*same)->utilisation)
       *same = &use;
   }
-  TextTable table({"limit", "axis", "used %", "value", "bound", "unit", "where"});
-  table.left(1);
-  table.left(5);
-  table.left(6);
+  ReportTable table{{"limit", "axis", "used %", "value", "bound", "unit", "where"}, {}};
   for (const LimitUse* use : worst) {
     const LimitName& name = limit_name(use->kind);
     std::string kind(to_string(use->kind));
@@ -54,14 +62,12 @@ std::string limit_table(const DesignResult& result) {
                             ? fmt::format("at {:.4g} Hz", use->frequency)
                             : fmt::format("{} {}, k = {}", use->corner, to_string(use->event), use->sample);
     if (use->utilisation > 1.0 + result.verification.tolerance) where += "  BROKEN";
-    table.add({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),
-               fmt::format("{:.6g}", name.per_si * use->value), fmt::format("{:.6g}", name.per_si * use->bound),
-               std::string(name.unit), where});
+    table.rows.push_back({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),
+                          fmt::format("{:.6g}", name.per_si * use->value),
+                          fmt::format("{:.6g}", name.per_si * use->bound), std::string(name.unit), where});
   }
-  return table.empty() ? "" : fmt::format("\n{}", table.str());
+  return table;
 }
-
-}  // namespace
 
 void TextTable::add(std::vector<std::string> row) {
   if (row.size() != header_.size())
@@ -108,6 +114,8 @@ std::string result_text(const DesignResult& result) {
     }
     if (result.lower_bound) text += fmt::format(", proved not below {:.6g} ms", 1e3 * *result.lower_bound);
     if (result.gap) text += fmt::format(" (gap {:.3g} %)", 100.0 * *result.gap);
+    if (!result.lower_bound && result.status == Status::feasible && result.solver.method != "given")
+      text += ", nothing proved about shorter ones";
     text += "\n";
   }
   if (const SolverReport& s = result.solver; !s.name.empty()) {
@@ -120,7 +128,7 @@ std::string result_text(const DesignResult& result) {
                                                            : v.feasible    ? "all limits hold; worst " + v.worst
                                                                            : "NOT all limits hold; worst " + v.worst);
   }
-  return text + corner_table(result) + limit_table(result);
+  return text + text_of(corner_report(result), {}) + text_of(limit_report(result), {1, 5, 6});
 }
 
 void print_result(const DesignResult& result) {

@@ -26,6 +26,16 @@ class TextTable {
   std::vector<std::size_t> left_{0};
 };
 
+/// A table of a result, in um, mm/s, ms and %.
+struct ReportTable {
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+};
+/// One row a corner.
+ReportTable corner_report(const DesignResult& result);
+/// One row for the worst use of every limit, over all corners.
+ReportTable limit_report(const DesignResult& result);
+
 /// A result for people, in um, mm/s, ms and %: status, filter, cycle time, one line a corner, one line for the worst
 /// use of every limit (over all corners). Everything else stands in the result file.
 std::string result_text(const DesignResult& result);

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <accdec/formats/certificate_json.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/task_writer.hpp>
 
@@ -47,6 +48,7 @@ std::string result_to_json(const DesignResult& result) {
   json["schema"] = "accdec.result/1";
   json["status"] = to_string(result.status);
   json["message"] = result.message;
+  json["stop"] = to_string(result.stop);
   json["task"] = task_to_json(result.task);
   json["sample_period_s"] = result.task.sample_period;
   json["filter"] = nullptr;
@@ -71,7 +73,7 @@ std::string result_to_json(const DesignResult& result) {
   json["solver"] = {{"method", s.method},           {"name", s.name},
                     {"version", s.version},         {"claimed", s.claimed},
                     {"evaluations", s.evaluations}, {"wall_time_s", number(s.wall_time)}};
-  if (!result.certificate.empty()) json["certificate"] = Json::parse(result.certificate);
+  if (result.certificate) json["certificate"] = json_of(*result.certificate);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

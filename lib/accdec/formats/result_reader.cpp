@@ -1,18 +1,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/files/check_keys.hpp>
 #include <accdec/files/json_position.hpp>
-#include <accdec/files/suggestion.hpp>
 #include <accdec/files/text_file.hpp>
+#include <accdec/formats/certificate_json.hpp>
+#include <accdec/formats/json_value.hpp>
 #include <accdec/formats/result_json.hpp>
-#include <accdec/formats/task_keys.hpp>
+#include <accdec/formats/result_keys.hpp>
 #include <accdec/formats/task_tree.hpp>
 
 namespace accdec {
@@ -22,102 +24,72 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// What is wrong and where, before the file's text is searched for the position.
-struct Mistake {
-  std::string pointer, message;
-};
+InputError mistake(const std::string& pointer, const std::string& message) {
+  return InputError("", 0, 0, message, pointer);
+}
 
-/// A member or element with its path.
-class Value {
+/// A JSON value as KeyCheck sees it.
+class JsonNode {
  public:
-  Value(const Json& json, std::string pointer) : json_(json), pointer_(std::move(pointer)) {}
+  explicit JsonNode(const Json& json) : json_(json) {}
 
-  [[noreturn]] void fail(const std::string& message) const { throw Mistake{pointer_, message}; }
-  [[noreturn]] void wrong_type(std::string_view wanted) const {
-    fail(fmt::format("must be {}, got {}", wanted, json_.type_name()));
+  bool is_null() const { return json_.is_null(); }
+  bool is_table() const { return json_.is_object(); }
+  bool is_list() const { return json_.is_array(); }
+  bool is_text() const { return json_.is_string(); }
+  bool is_boolean() const { return json_.is_boolean(); }
+  bool is_number() const { return json_.is_number(); }
+  bool is_integer() const { return json_.is_number_integer(); }
+  double number() const { return json_.get<double>(); }
+  const std::string& text() const { return json_.get_ref<const std::string&>(); }
+  std::size_t size() const { return json_.size(); }
+  JsonNode element(std::size_t i) const { return JsonNode(json_[i]); }
+  bool has(std::string_view key) const { return json_.contains(key); }
+  template <class Do>
+  void for_each_member(Do member) const {
+    for (const auto& [name, value] : json_.items()) member(name, JsonNode(value));
+  }
+  std::string_view type_name() const { return json_.type_name(); }
+
+  InputError fault(const std::string& pointer, const std::string& message) const { return mistake(pointer, message); }
+  InputError fault_of_name(const std::string& pointer, const std::string& message) const {
+    return mistake(pointer, message);
   }
 
-  /// Checks the members of an object. Those after `required` may be missing.
-  void members(std::initializer_list<std::string_view> required,
-               std::initializer_list<std::string_view> optional = {}) const {
-    if (!json_.is_object()) wrong_type("an object");
-    std::vector<std::string_view> known(required);
-    known.insert(known.end(), optional);
-    for (const auto& [key, value] : json_.items()) {
-      if (std::find(known.begin(), known.end(), key) == known.end()) {
-        throw Mistake{pointer_ + "/" + key, fmt::format("unknown member; {}", suggest(key, known))};
-      }
-    }
-    for (const std::string_view key : required) {
-      if (!json_.contains(key)) fail(fmt::format("lacks the member `{}`", key));
-    }
+  // The words of the format; the path stands before them.
+  static constexpr bool is_toml = false;
+  static std::string subject(std::string_view, std::size_t = 0) { return ""; }
+  static std::string equals(const std::string&) { return ""; }
+  static std::string unknown(std::string_view, const std::string&, const std::string& hint) {
+    return "unknown member; " + hint;
   }
-  bool has(std::string_view key) const { return json_.contains(key) && !json_.at(std::string(key)).is_null(); }
-  Value operator[](std::string_view key) const {
-    return {json_.at(std::string(key)), fmt::format("{}/{}", pointer_, key)};
+  static std::string missing(const std::string&, const Key& key) {
+    return fmt::format("lacks the member `{}`", key.name);
   }
-  std::vector<Value> elements() const {
-    if (!json_.is_array()) wrong_type("an array");
-    std::vector<Value> values;
-    for (std::size_t i = 0; i < json_.size(); ++i) values.emplace_back(json_[i], fmt::format("{}/{}", pointer_, i));
-    return values;
+  static std::string no_table(std::string_view, const JsonNode& got) {
+    return fmt::format("must be an object, got {}", got.type_name());
   }
-  std::string text() const {
-    if (!json_.is_string()) wrong_type("a string");
-    return json_.get<std::string>();
+  static std::string no_list(std::string_view, const JsonNode& got) {
+    return fmt::format("must be an array, got {}", got.type_name());
   }
-  bool boolean() const {
-    if (!json_.is_boolean()) wrong_type("true or false");
-    return json_.get<bool>();
-  }
-  double number() const {
-    if (!json_.is_number()) wrong_type("a number");
-    return json_.get<double>();
-  }
-  /// null stands for infinity.
-  double number_or_infinity() const { return json_.is_null() ? unlimited : number(); }
-  std::optional<double> optional_number() const { return json_.is_null() ? std::nullopt : std::optional(number()); }
-  long integer(long low, long high) const {
-    if (!json_.is_number_integer()) wrong_type("a whole number");
-    const double x = json_.get<double>();  // no wrap-around for numbers beyond 64 bits
-    if (x < static_cast<double>(low) || x > static_cast<double>(high))
-      fail(fmt::format("{} is out of range; allowed is {} .. {}", x, low, high));
-    return json_.get<long>();
-  }
-  /// The enumerator whose `to_string` is the text.
-  template <class Enum>
-  Enum word(std::initializer_list<Enum> all) const {
-    return word(std::span<const Enum>(all.begin(), all.size()));
-  }
-  template <class Enum>
-  Enum word(std::span<const Enum> all) const {
-    const std::string given = text();
-    std::string known;
-    for (const Enum e : all) {
-      if (to_string(e) == given) return e;
-      known += (known.empty() ? "" : ", ") + std::string(to_string(e));
-    }
-    fail(fmt::format("\"{}\" is unknown; allowed are {}", given, known));
-  }
-  const Json& json() const { return json_; }
-  const std::string& pointer() const { return pointer_; }
+  static std::string no_element(std::string_view key, std::size_t, const JsonNode& got) { return no_table(key, got); }
 
  private:
   const Json& json_;
-  std::string pointer_;
 };
 
 /// TOML tree of a JSON value, for the one reader of tasks there is. Depth is bounded: a task has three levels.
-toml::array to_toml_array(const Value& value, int depth);
+toml::array to_toml_array(const Json& json, const std::string& at, int depth);
 
-toml::table to_toml_table(const Value& value, int depth = 0) {
+toml::table to_toml_table(const Json& json, const std::string& at, int depth = 0) {
+  if (depth > 4) throw mistake(at, "is nested too deeply for a task");
   toml::table table;
-  for (const auto& [key, member] : value.json().items()) {
-    const Value v = value[key];
-    if (depth > 4) v.fail("is nested too deeply for a task");
+  for (const auto& [key, member] : json.items()) {
+    const std::string place = at + "/" + key;
     if (member.is_object())
-      table.insert(key, to_toml_table(v, depth + 1));
+      table.insert(key, to_toml_table(member, place, depth + 1));
     else if (member.is_array())
-      table.insert(key, to_toml_array(v, depth + 1));
+      table.insert(key, to_toml_array(member, place, depth + 1));
     else if (member.is_string())
       table.insert(key, member.get<std::string>());
     else if (member.is_boolean())
@@ -127,128 +99,149 @@ toml::table to_toml_table(const Value& value, int depth = 0) {
     else if (member.is_number())
       table.insert(key, member.get<double>());
     else
-      v.fail("must not be null; leave the key out");
+      throw mistake(place, "must not be null; leave the key out");
   }
   return table;
 }
 
-toml::array to_toml_array(const Value& value, int depth) {
+toml::array to_toml_array(const Json& json, const std::string& at, int depth) {
   toml::array array;
-  for (const Value& v : value.elements()) {
-    if (v.json().is_object())
-      array.push_back(to_toml_table(v, depth + 1));
-    else if (v.json().is_number())
-      array.push_back(v.number());
-    else if (v.json().is_string())
-      array.push_back(v.text());
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const std::string place = fmt::format("{}/{}", at, i);
+    if (json[i].is_object())
+      array.push_back(to_toml_table(json[i], place, depth + 1));
+    else if (json[i].is_number())
+      array.push_back(json[i].get<double>());
+    else if (json[i].is_string())
+      array.push_back(json[i].get<std::string>());
     else
-      v.fail("must be a number, a string or an object");
+      throw mistake(place, "must be a number, a string or an object");
   }
   return array;
 }
 
-CornerResult read_corner(const Value& value) {
-  value.members({"name", "delay_samples", "corner_error_m", "polyline_error_m", "contour_deviation_m", "speed_min_m_s",
-                 "corner_time_s"});
-  CornerResult corner;
-  corner.name = value["name"].text();
-  corner.delay = static_cast<int>(value["delay_samples"].integer(0, task_keys::delay_limit));
-  corner.corner_error = value["corner_error_m"].number();
-  corner.polyline_error = value["polyline_error_m"].number();
-  corner.contour_deviation = value["contour_deviation_m"].number();
-  corner.speed_min = value["speed_min_m_s"].number();
-  corner.corner_time = value["corner_time_s"].number();
-  return corner;
+/// The enumerator of a name that was checked.
+template <class Enum, std::size_t N>
+Enum named(const Json& name, const std::array<Enum, N>& all) {
+  return *std::find_if(all.begin(), all.end(),
+                       [&](Enum e) { return to_string(e) == name.get_ref<const std::string&>(); });
 }
 
-LimitUse read_limit(const Value& value) {
-  value.members({"kind", "axis", "corner", "event", "value", "bound", "utilisation", "sample"}, {"frequency_Hz"});
-  LimitUse use;
+std::optional<double> optional_number(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() || found->is_null() ? std::nullopt : std::optional(found->get<double>());
+}
+/// null stands for infinity.
+double number_or_infinity(const Json& json) {
+  return json.is_null() ? unlimited : json.get<double>();
+}
+
+CornerResult read_corner(const Json& json) {
+  return {json["name"],
+          json["delay_samples"],
+          json["corner_error_m"],
+          json["polyline_error_m"],
+          json["contour_deviation_m"],
+          json["speed_min_m_s"],
+          json["corner_time_s"]};
+}
+
+LimitUse read_limit(const Json& json) {
   std::array<LimitKind, limit_names.size()> kinds{};
   std::transform(limit_names.begin(), limit_names.end(), kinds.begin(), [](const LimitName& l) { return l.kind; });
-  use.kind = value["kind"].word(std::span<const LimitKind>(kinds));
-  use.axis = value["axis"].text();
-  use.corner = value["corner"].text();
-  use.event = value["event"].word({Event::start, Event::blend, Event::stop, Event::none});
-  use.value = value["value"].number_or_infinity();
-  use.bound = value["bound"].number();
-  use.utilisation = value["utilisation"].number_or_infinity();
-  use.sample = static_cast<int>(value["sample"].integer(-10 * task_keys::order_limit, 10 * task_keys::order_limit));
-  if (value.has("frequency_Hz")) use.frequency = value["frequency_Hz"].number();
+  LimitUse use;
+  use.kind = named(json["kind"], kinds);
+  use.axis = json["axis"].get<std::string>();
+  use.corner = json["corner"].get<std::string>();
+  use.event = named(json["event"], std::array{Event::start, Event::blend, Event::stop, Event::none});
+  use.value = number_or_infinity(json["value"]);
+  use.bound = json["bound"];
+  use.utilisation = number_or_infinity(json["utilisation"]);
+  use.sample = json["sample"];
+  if (const auto frequency = optional_number(json, "frequency_Hz")) use.frequency = *frequency;
   return use;
 }
 
-Filter read_filter(const Value& value) {
-  value.members({"order", "taps"});
-  const long order = value["order"].integer(0, task_keys::order_limit);
-  std::vector<double> taps;
-  for (const Value& tap : value["taps"].elements()) taps.push_back(tap.number());
+Filter read_filter(const Json& json) {
+  const long order = json["order"];
+  std::vector<double> taps = json["taps"];
   if (static_cast<long>(taps.size()) != order + 1) {
-    value["taps"].fail(fmt::format("has {} taps; order {} needs {}", taps.size(), order, order + 1));
+    throw mistake("/filter/taps", fmt::format("has {} taps; order {} needs {}", taps.size(), order, order + 1));
   }
   try {
     return Filter(std::move(taps));
   } catch (const std::invalid_argument& error) {
-    value["taps"].fail(error.what());
+    throw mistake("/filter/taps", error.what());
   }
 }
 
-DesignResult read_members(const Value& top, const std::string& name) {
-  if (!top.json().is_object()) top.wrong_type("an object");
-  if (top.has("schema") && top["schema"].text() != "accdec.result/1") {
-    top["schema"].fail(
-        fmt::format("\"{}\" is another kind of file; allowed is \"accdec.result/1\"", top["schema"].text()));
+void read_corners(const Json& json, DesignResult& result) {
+  for (const Json& corner : json) result.corners.push_back(read_corner(corner));
+  const auto& asked = result.task.corners;
+  if (result.filter && result.corners.size() != asked.size()) {
+    throw mistake("/corners", fmt::format("has {} entries for the task's {} corners; one each is needed",
+                                          result.corners.size(), asked.size()));
   }
-  top.members({"schema", "task", "status", "sample_period_s", "filter", "corners", "cycle_time_s", "corner_time_s",
-               "limits", "verification", "solver", "message"},
-              {"lower_bound_s", "gap", "certificate"});
-  DesignResult result;
-  if (!top["task"].json().is_object()) top["task"].wrong_type("an object");
-  result.task = task_from_tree(to_toml_table(top["task"]), name, "/task", {});
-  result.status = top["status"].word({Status::optimal, Status::feasible, Status::infeasible, Status::failed});
-  if (top["sample_period_s"].number() != result.task.sample_period) {
-    top["sample_period_s"].fail(
-        fmt::format("differs from the task's {} s; they must agree", result.task.sample_period));
+  for (std::size_t j = 0; j < result.corners.size() && j < asked.size(); ++j) {
+    if (result.corners[j].name == asked[j].name) continue;
+    throw mistake(fmt::format("/corners/{}", j),
+                  fmt::format("is named \"{}\", the task's corner \"{}\"; they must stand in the same order",
+                              result.corners[j].name, asked[j].name));
   }
-  if (top.has("filter")) result.filter = read_filter(top["filter"]);
-  for (const Value& corner : top["corners"].elements()) result.corners.push_back(read_corner(corner));
-  if (result.filter && result.corners.size() != result.task.corners.size()) {
-    top["corners"].fail(fmt::format("has {} entries for the task's {} corners; one each is needed",
-                                    result.corners.size(), result.task.corners.size()));
-  }
-  for (std::size_t j = 0; j < result.corners.size() && j < result.task.corners.size(); ++j) {
-    if (result.corners[j].name != result.task.corners[j].name) {
-      top["corners"].elements()[j].fail(
-          fmt::format("is named \"{}\", the task's corner \"{}\"; they must stand in the same order",
-                      result.corners[j].name, result.task.corners[j].name));
-    }
-  }
-  result.cycle_time = top["cycle_time_s"].number();
-  result.corner_time = top["corner_time_s"].number();
-  if (top.has("lower_bound_s")) result.lower_bound = top["lower_bound_s"].number();
-  if (top.has("gap")) result.gap = top["gap"].number();
-  for (const Value& limit : top["limits"].elements()) result.limits.push_back(read_limit(limit));
+}
 
-  const Value v = top["verification"];
-  v.members({"performed", "feasible", "max_violation", "tolerance", "worst"}, {"certificate_checked", "certificate"});
-  result.verification = {v["performed"].boolean(),
-                         v["feasible"].boolean(),
-                         v["max_violation"].number_or_infinity(),
-                         v["tolerance"].number(),
-                         v["worst"].text(),
-                         v.has("certificate_checked") && v["certificate_checked"].boolean(),
-                         v.has("certificate") ? v["certificate"].text() : ""};
-  const Value s = top["solver"];
-  s.members({"method", "name", "version", "claimed", "evaluations", "wall_time_s"});
-  result.solver = {s["method"].text(),
-                   s["name"].text(),
-                   s["version"].text(),
-                   s["claimed"].text(),
-                   s["evaluations"].integer(0, std::numeric_limits<long>::max() / 4),
-                   s["wall_time_s"].number(),
-                   {}};
-  result.message = top["message"].text();
-  if (top.has("certificate")) result.certificate = top["certificate"].json().dump();
+Certificate certificate_of(const Json& json) try {
+  return read_certificate(Value(json, "/certificate"));
+} catch (const Mistake& error) {
+  throw mistake(error.pointer, error.message);
+}
+
+void check_members(const Json& json) {
+  if (!json.is_object()) throw mistake("", fmt::format("must be an object, got {}", json.type_name()));
+  const std::vector<Key>& keys = result_file().keys;
+  const std::string& schema = keys.front().words.front();
+  if (const auto given = json.find("schema"); given != json.end() && given->is_string()) {
+    const auto& kind = given->get_ref<const std::string&>();
+    if (kind != schema)
+      throw mistake("/schema", fmt::format("\"{}\" is another kind of file; allowed is \"{}\"", kind, schema));
+  }
+  Faults faults;
+  KeyCheck<JsonNode>(keys, faults).table(JsonNode(json), keys, "the result", "");
+  faults.raise();
+}
+
+DesignResult read_members(const Json& json, const std::string& name) {
+  check_members(json);
+  DesignResult result;
+  result.task = task_from_tree(to_toml_table(json["task"], "/task"), name, "/task", {});
+  result.status =
+      named(json["status"], std::array{Status::optimal, Status::feasible, Status::infeasible, Status::failed});
+  if (json["sample_period_s"] != result.task.sample_period) {
+    throw mistake("/sample_period_s",
+                  fmt::format("differs from the task's {} s; they must agree", result.task.sample_period));
+  }
+  if (!json["filter"].is_null()) result.filter = read_filter(json["filter"]);
+  read_corners(json["corners"], result);
+  result.cycle_time = json["cycle_time_s"];
+  result.corner_time = json["corner_time_s"];
+  result.lower_bound = optional_number(json, "lower_bound_s");
+  result.gap = optional_number(json, "gap");
+  for (const Json& limit : json["limits"]) result.limits.push_back(read_limit(limit));
+  const Json &v = json["verification"], &s = json["solver"];
+  const auto given = [&](const char* key) { return v.contains(key) && !v[key].is_null(); };
+  result.verification = {v["performed"],
+                         v["feasible"],
+                         number_or_infinity(v["max_violation"]),
+                         v["tolerance"],
+                         v["worst"],
+                         given("certificate_checked") && v["certificate_checked"].get<bool>(),
+                         given("certificate") ? v["certificate"].get<std::string>() : ""};
+  result.solver = {s["method"], s["name"], s["version"], s["claimed"], s["evaluations"], s["wall_time_s"], {}};
+  result.message = json["message"].get<std::string>();
+  if (const auto proof = json.find("certificate"); proof != json.end() && !proof->is_null())
+    result.certificate = std::make_shared<Certificate>(certificate_of(*proof));
+  if (const auto stop = json.find("stop"); stop != json.end() && !stop->is_null())
+    result.stop = named(*stop, std::to_array(stop_reasons));
   return result;
 }
 
@@ -291,15 +284,27 @@ std::optional<std::size_t> too_deep(std::string_view text) {
   return std::nullopt;
 }
 
+/// The same errors with their places in the file. Few enough are shown that looking for them costs little.
+InputErrors positioned(const std::vector<InputError>& errors, bool at_least, std::string_view text,
+                       const std::string& name) {
+  constexpr std::size_t most = 10;
+  std::vector<InputError> all;
+  for (const InputError& error : errors) {
+    if (all.size() == most) break;
+    const auto [line, column] = line_and_column(text, locate(text, error.pointer()));
+    all.emplace_back(name, line, column, fmt::format("{}: {}", readable(error.pointer()), error.message()),
+                     error.pointer());
+  }
+  sort_by_position(all);
+  const std::size_t left_out = errors.size() - all.size();
+  return InputErrors(std::move(all), left_out, at_least);
+}
+
 }  // namespace
 
 DesignResult parse_result(std::string_view text, const std::string& name) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
     throw InputError(name, 1, 1, "the file is empty; a result is JSON with schema \"accdec.result/1\"");
-  const auto positioned = [&](const std::string& pointer, const std::string& message) {
-    const auto [line, column] = line_and_column(text, locate(text, pointer));
-    return InputError(name, line, column, fmt::format("{}: {}", readable(pointer), message), pointer);
-  };
   Json json;
   try {
     json = Json::parse(text.begin(), text.end());
@@ -318,11 +323,11 @@ DesignResult parse_result(std::string_view text, const std::string& name) {
     throw InputError(name, line, column, "brackets nest more than 64 deep; no result does");
   }
   try {
-    return read_members(Value(json, ""), name);
-  } catch (const Mistake& mistake) {
-    throw positioned(mistake.pointer, mistake.message);
+    return read_members(json, name);
+  } catch (const InputErrors& errors) {
+    throw positioned(errors.all(), errors.at_least(), text, name);
   } catch (const InputError& error) {
-    throw positioned(error.pointer(), error.message());
+    throw positioned({error}, false, text, name);
   }
 }
 

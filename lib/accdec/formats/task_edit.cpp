@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -10,42 +9,58 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files/suggestion.hpp>
-#include <accdec/formats/filter_table.hpp>
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/formats/task_keys.hpp>
 
 namespace accdec {
 namespace {
 
-using Keys = std::vector<std::string_view>;
+/// Keys of a table of a task that have a value of their own; "" is the top. Null if there is no such table.
+const std::vector<Key>* keys_of(std::string_view table) {
+  if (table.empty()) return &task_file().keys;
+  const Key* found = find_key(task_file().keys, table);
+  return found && !found->keys.empty() ? &found->keys : nullptr;
+}
 
-/// Keys of every table of a task; "" is the top.
-const std::map<std::string_view, Keys>& tables() {
-  static const std::map<std::string_view, Keys> all = [] {
-    std::map<std::string_view, Keys> t{
-        {"", {"sample_period_ms"}},
-        {"filter", filter_keys()},
-        {"baseline", filter_keys()},
-        {"design", {"order_min", "order_max", "symmetric", "objective", "runs"}},
-        {"program", {"error_max_um"}},
-        {"corner",
-         {"angle_deg", "heading_deg", "turn", "direction_in", "direction_out", "feed_in_mm_min", "feed_out_mm_min",
-          "error_max_um", "speed_min_mm_s", "delay_samples", "weight"}},
-        {"mode", {"frequency_Hz", "residual_max"}},
-        {"axis", {}}};
-    for (const auto& field : task_keys::axis_keys) t["axis"].push_back(field.key);
-    return t;
-  }();
-  return all;
+/// What a study may set anew: not what only names things.
+bool settable(const Key& key) {
+  return key.keys.empty() && key.name != "title" && key.name != "name";
+}
+
+std::vector<std::string_view> settable_names(const std::vector<Key>& keys) {
+  std::vector<std::string_view> names;
+  for (const Key& key : keys) {
+    if (settable(key)) names.push_back(key.name);
+  }
+  return names;
+}
+
+std::vector<std::string_view> table_names() {
+  std::vector<std::string_view> names;
+  for (const Key& key : task_file().keys) {
+    if (!key.keys.empty()) names.push_back(key.name);
+  }
+  return names;
 }
 
 bool is_list(std::string_view table) {
-  return table == "axis" || table == "corner" || table == "mode";
+  const Key* key = find_key(task_file().keys, table);
+  return key && key->type == KeyType::tables;
 }
 
-bool takes_whole_numbers(std::string_view key) {
-  constexpr std::string_view whole[] = {"order", "ramp", "shaper_delay", "order_min", "order_max", "delay_samples"};
-  return std::find(std::begin(whole), std::end(whole), key) != std::end(whole);
+/// "order", "filter.order", "corner.*.weight"
+std::string place_of(std::string_view table, std::string_view key) {
+  if (table.empty()) return std::string(key);
+  return fmt::format("{}.{}{}", table, is_list(table) ? "*." : "", key);
+}
+
+/// Where else in a task a key stands; may be empty.
+std::string other_place(std::string_view key) {
+  if (const Key* top = find_key(task_file().keys, key); top && settable(*top)) return std::string(key);
+  for (const std::string_view table : table_names()) {
+    if (const Key* found = find_key(*keys_of(table), key); found && settable(*found)) return place_of(table, key);
+  }
+  return "";
 }
 
 std::optional<std::size_t> as_index(std::string_view text) {
@@ -75,37 +90,31 @@ TaskKey::TaskKey(const std::string& dotted) : dotted_(dotted) {
     parts_.push_back(dotted.substr(from, dot - from));
   parts_.push_back(dotted.substr(from));
   const std::string table = parts_.size() == 1 ? "" : parts_.front();
-  const auto known = tables().find(table);
-  if (known == tables().end() || (parts_.size() == 1 && tables().contains(parts_.front()))) {
-    const Keys names{"filter", "design", "program", "axis", "corner", "mode"};
+  const std::vector<Key>* known = keys_of(table);
+  if (!known)
     throw std::invalid_argument(
-        known == tables().end()
-            ? fmt::format("unknown task key `{}`: a task has no `{}`; {}", dotted, table, suggest(table, names))
-            : fmt::format("`{}` is a table of a task, not a value; write `{}.{}{}`", dotted, dotted,
-                          is_list(dotted) ? "*." : "", tables().at(parts_.front()).front()));
-  }
+        fmt::format("unknown task key `{}`: a task has no `{}`; {}", dotted, table, suggest(table, table_names())));
+  if (const auto* inner = table.empty() ? keys_of(dotted) : nullptr)
+    throw std::invalid_argument(fmt::format("`{}` is a table of a task, not a value; write `{}`", dotted,
+                                            place_of(dotted, settable_names(*inner).front())));
   const std::size_t wanted = table.empty() ? 1 : is_list(table) ? 3 : 2;
   if (parts_.size() != wanted) {
     throw std::invalid_argument(
         fmt::format("task key `{}` has {} parts; allowed is {}", dotted, parts_.size(),
                     is_list(table) ? fmt::format("{0}.NAME.KEY or {0}.*.KEY", table) : fmt::format("{}.KEY", table)));
   }
-  if (std::find(known->second.begin(), known->second.end(), parts_.back()) == known->second.end()) {
-    Keys candidates = known->second;
-    std::string home;
-    for (const auto& [name, keys] : tables()) {
-      if (std::find(keys.begin(), keys.end(), parts_.back()) == keys.end()) continue;
-      home = name.empty() ? parts_.back() : fmt::format("{}.{}{}", name, is_list(name) ? "*." : "", parts_.back());
-      break;
-    }
+  const Key* found = find_key(*known, key());
+  if (!found || !settable(*found)) {
+    const std::string home = other_place(key());
     throw std::invalid_argument(
         fmt::format("unknown task key `{}`; {}", dotted,
-                    home.empty() ? suggest(parts_.back(), candidates) : fmt::format("did you mean `{}`?", home)));
+                    home.empty() ? suggest(key(), settable_names(*known)) : fmt::format("did you mean `{}`?", home)));
   }
+  whole_ = found->type == KeyType::integer;
 }
 
 void TaskKey::set(toml::table& task, double value) const {
-  if (takes_whole_numbers(key()) && std::trunc(value) == value && std::abs(value) < 1e15) {
+  if (whole_ && std::trunc(value) == value && std::abs(value) < 1e15) {
     set(task, toml::value<std::int64_t>(static_cast<std::int64_t>(value)));
   } else {
     set(task, toml::value<double>(value));
@@ -177,6 +186,14 @@ toml::array value_at(const toml::table& task, const std::string& pointer) {
 }
 
 }  // namespace
+
+std::string task_key_pattern() {
+  std::string text = fmt::format("\"^({}", fmt::join(settable_names(task_file().keys), "|"));
+  for (const std::string_view table : table_names())
+    text += fmt::format("|{}\\\\.{}({})", table, is_list(table) ? "[^.]+\\\\." : "",
+                        fmt::join(settable_names(*keys_of(table)), "|"));
+  return text + ")$\"";
+}
 
 std::optional<std::size_t> setter_of(const toml::table& task, const std::vector<std::vector<TaskKey>>& lists,
                                      const std::string& pointer) {

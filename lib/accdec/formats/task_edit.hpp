@@ -30,7 +30,11 @@ class TaskKey {
  private:
   std::string dotted_;
   std::vector<std::string> parts_;
+  bool whole_ = false;  ///< takes whole numbers
 };
+
+/// A regular expression that matches the keys which TaskKey takes, as a string of JSON, quoted.
+std::string task_key_pattern();
 
 /// The first of some lists of keys that sets the value, or anything in the table, at a JSON pointer of a task
 /// ("/corner/0/angle_deg"). None for the whole task, "".

@@ -1,8 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
-#include <optional>
-#include <vector>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,59 +16,50 @@ namespace accdec {
 namespace {
 
 using Json = nlohmann::json;
-using task_keys::NumberKey;
 
-/// A key of a file, its name in SI, and its unit; none where SI is the key's own.
-struct SiName {
-  std::string si, key;
-  std::optional<NumberKey> unit;
-};
-
-/// "feed_in" of "feed_in_mm_min"; the key itself if it names no unit.
-std::string without_unit(std::string_view key) {
-  constexpr std::string_view units[] = {"_N_s_m", "_mm_min", "_mm_s3", "_mm_s2", "_mm_s", "_samples", "_deg",
-                                        "_um",    "_ms",     "_Hz",    "_kg",    "_N",    "_W"};
-  for (const std::string_view unit : units) {
-    if (key.ends_with(unit)) return std::string(key.substr(0, key.size() - unit.size()));
+/// What a key ends in because of its unit.
+std::string suffix_of(const std::string& unit) {
+  if (unit == "degrees") return "_deg";
+  std::string text = "_";
+  for (const char c : unit) {
+    if (c != '^') text += c == '/' || c == ' ' ? '_' : c;
   }
-  return std::string(key);
+  return text;
 }
 
-/// Of every table of a task, "" is the top, the keys that have another name in SI.
-const std::map<std::string_view, std::vector<SiName>>& si_names() {
-  namespace k = task_keys;
-  static const std::map<std::string_view, std::vector<SiName>> all = [] {
-    std::map<std::string_view, std::vector<SiName>> names;
-    const auto add = [&](std::string_view table, const NumberKey& key) {
-      if (std::string si = without_unit(key.key); si != key.key)
-        names[table].push_back({std::move(si), std::string(key.key), key});
-    };
-    add("", k::sample_period);
-    for (const NumberKey& key : {k::angle, k::heading, k::feed_in, k::feed_out, k::error_max, k::speed_min})
-      add("corner", key);
-    names["corner"].push_back({"delay", "delay_samples", std::nullopt});
-    names["mode"].push_back({"frequency", "frequency_Hz", std::nullopt});
-    add("program", k::error_max);
-    for (const auto& key : k::axis_keys) add("axis", key);
-    return names;
-  }();
-  return all;
+/// "feed_in" of "feed_in_mm_min"; the key itself if it names no unit.
+std::string si_name(const Key& key) {
+  const std::string suffix = suffix_of(key.unit);
+  return key.name.ends_with(suffix) ? key.name.substr(0, key.name.size() - suffix.size()) : key.name;
+}
+
+/// Of a table of a task, "" is the top, the key that has this name in SI and another in files.
+const Key* key_in_si(std::string_view table, std::string_view name) {
+  const Key* found = table.empty() ? nullptr : find_key(task_file().keys, table);
+  if (!table.empty() && !found) return nullptr;
+  for (const Key& key : found ? found->keys : task_file().keys) {
+    if (name != key.name && name == si_name(key)) return &key;
+  }
+  return nullptr;
+}
+
+/// A value in SI in the unit of its key.
+Json in_unit_of(const Key& key, const Json& value) {
+  if (key.type == KeyType::number && value.is_number()) return from_si(key, value.get<double>());
+  return value;
 }
 
 /// Renames and converts what a table gives in SI.
 void to_file_keys(Json& table, std::string_view which, const std::string& file) {
-  const auto names = si_names().find(which);
-  if (!table.is_object() || names == si_names().end()) return;
-  for (const SiName& name : names->second) {
-    const auto found = table.find(name.si);
-    if (found == table.end()) continue;
-    if (table.contains(name.key))
-      throw InputError(file, 0, 0, fmt::format("`{}` and `{}` are both given; allowed is either", name.si, name.key));
-    Json value = *found;
-    if (name.unit && value.is_number()) value = task_keys::in_unit(*name.unit, value.get<double>());
-    table.erase(found);
-    table[name.key] = std::move(value);
+  if (!table.is_object()) return;
+  Json renamed = Json::object();
+  for (const auto& [name, value] : table.items()) {
+    const Key* key = key_in_si(which, name);
+    if (key && table.contains(key->name))
+      throw InputError(file, 0, 0, fmt::format("`{}` and `{}` are both given; allowed is either", name, key->name));
+    renamed[key ? key->name : name] = key ? in_unit_of(*key, value) : value;
   }
+  table = std::move(renamed);
 }
 
 void to_file_keys(Json& task, const std::string& file) {
@@ -125,15 +115,9 @@ std::pair<std::string, double> in_file_unit(const std::string& key, double value
   const std::size_t dot = key.rfind('.');
   const std::string table = key.substr(0, std::min(key.find('.'), key.size()));
   const std::string last = dot == std::string::npos ? key : key.substr(dot + 1);
-  const auto names = si_names().find(dot == std::string::npos ? "" : table);
-  if (names != si_names().end()) {
-    for (const SiName& name : names->second) {
-      if (name.si != last) continue;
-      return {key.substr(0, key.size() - last.size()) + name.key,
-              name.unit ? task_keys::in_unit(*name.unit, value) : value};
-    }
-  }
-  return {key, value};
+  const Key* found = key_in_si(dot == std::string::npos ? "" : table, last);
+  if (!found) return {key, value};
+  return {key.substr(0, key.size() - last.size()) + found->name, in_unit_of(*found, value).get<double>()};
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
-#include <cmath>
-#include <cstdlib>
-#include <limits>
+#include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,70 +7,94 @@
 #include <accdec/formats/filter_table.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/formats/task_writer.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/objective.hpp>
 
 namespace accdec {
-
-namespace task_keys {
-
-double in_unit(const NumberKey& key, double si) {
-  const double about = si / key.to_si(1.0);
-  for (int digits = 1; digits <= 17; ++digits) {
-    const double x = std::strtod(fmt::format("{:.{}g}", about, digits).c_str(), nullptr);
-    if (key.to_si(x) == si) return x;
-  }
-  // The division may have been off by an ulp or two; one of the neighbours is the value that was read.
-  double up = about, down = about;
-  for (int step = 0; step < 8; ++step) {
-    up = std::nextafter(up, std::numeric_limits<double>::infinity());
-    down = std::nextafter(down, -std::numeric_limits<double>::infinity());
-    if (key.to_si(up) == si) return up;
-    if (key.to_si(down) == si) return down;
-  }
-  return about;  // no number converts to it, so it was not read from a file; next best
-}
-
-}  // namespace task_keys
-
 namespace {
 
 using Json = nlohmann::ordered_json;
-using task_keys::NumberKey;
 
-void put(Json& table, const NumberKey& key, double si) {
-  table[std::string(key.key)] = task_keys::in_unit(key, si);
-}
+/// A table of a task in the making. Knows the keys it may have, and their units and order.
+class Written {
+ public:
+  explicit Written(const std::vector<Key>& keys) : keys_(keys) {}
+  /// The table of that name in a task.
+  explicit Written(std::string_view table) : keys_(find_key(task_file().keys, table)->keys) {}
+
+  void number(std::string_view name, double si) { at(name) = from_si(key(name), si); }
+  void value(std::string_view name, Json json) { at(name) = std::move(json); }
+
+  /// In the order of the keys.
+  Json json() const {
+    Json table = Json::object();
+    for (const Key& key : keys_) {
+      if (values_.contains(key.name)) table[key.name] = values_[key.name];
+    }
+    return table;
+  }
+
+ private:
+  const Key& key(std::string_view name) const {
+    if (const Key* found = find_key(keys_, name)) return *found;
+    throw std::logic_error(fmt::format("a task has no key `{}` there", name));
+  }
+  Json& at(std::string_view name) { return values_[key(name).name]; }
+
+  const std::vector<Key>& keys_;
+  Json values_ = Json::object();
+};
 
 Json axis_json(const Axis& axis) {
-  Json table;
-  table["name"] = axis.name;
-  for (const auto& key : task_keys::axis_keys) {
-    const double value = axis.*key.member;
-    const bool written = key.open_low ? value < unlimited : value > 0.0;
-    if (written) put(table, key, value);
+  Written table("axis");
+  table.value("name", axis.name);
+  if (axis.mass > 0.0) table.number("mass_kg", axis.mass);
+  if (axis.damping > 0.0) table.number("damping_N_s_m", axis.damping);
+  for (const AxisLimit& limit : axis_limits) {
+    if (axis.*limit.bound < unlimited) table.number(limit.key, axis.*limit.bound);
   }
-  return table;
+  return table.json();
 }
 
 Json corner_json(const TaskCorner& corner) {
-  Json table;
-  table["name"] = corner.name;
+  Written table("corner");
+  table.value("name", corner.name);
   if (const auto* planar = std::get_if<PlanarLegs>(&corner.legs())) {
-    put(table, task_keys::angle, planar->angle);
-    put(table, task_keys::heading, planar->heading);
-    table["turn"] = planar->turn == Turn::left ? "left" : "right";
+    table.number("angle_deg", planar->angle);
+    table.number("heading_deg", planar->heading);
+    table.value("turn", planar->turn == Turn::left ? "left" : "right");
   } else {
     const auto& directed = std::get<DirectedLegs>(corner.legs());
-    table["direction_in"] = directed.in;
-    table["direction_out"] = directed.out;
+    table.value("direction_in", directed.in);
+    table.value("direction_out", directed.out);
   }
-  put(table, task_keys::feed_in, corner.geometry().feed_in);
-  put(table, task_keys::feed_out, corner.geometry().feed_out);
-  if (corner.error_max) put(table, task_keys::error_max, *corner.error_max);
-  if (corner.speed_min > 0.0) put(table, task_keys::speed_min, corner.speed_min);
-  if (corner.delay) table["delay_samples"] = *corner.delay;
-  table["weight"] = corner.weight;
-  return table;
+  table.number("feed_in_mm_min", corner.geometry().feed_in);
+  table.number("feed_out_mm_min", corner.geometry().feed_out);
+  if (corner.error_max) table.number("error_max_um", *corner.error_max);
+  if (corner.speed_min > 0.0) table.number("speed_min_mm_s", corner.speed_min);
+  if (corner.delay) table.value("delay_samples", *corner.delay);
+  table.number("weight", corner.weight);
+  return table.json();
+}
+
+Json mode_json(const Mode& mode) {
+  Written table("mode");
+  if (mode.frequency_low == mode.frequency_high)
+    table.value("frequency_Hz", mode.frequency_low);
+  else
+    table.value("frequency_Hz", {mode.frequency_low, mode.frequency_high});
+  table.number("residual_max", mode.residual_max);
+  return table.json();
+}
+
+Json design_json(const DesignBounds& design) {
+  Written table("design");
+  table.value("order_min", design.order_min);
+  table.value("order_max", design.order_max);
+  table.value("symmetric", design.symmetric);
+  table.value("objective", to_string(design.objective));
+  table.number("runs", design.runs);
+  return table.json();
 }
 
 void write_table(std::string& out, const std::string& header, const Json& table) {
@@ -83,29 +106,26 @@ void write_table(std::string& out, const std::string& header, const Json& table)
 }  // namespace
 
 nlohmann::ordered_json task_to_json(const Task& task) {
-  Json json;
-  json["title"] = task.title;
-  put(json, task_keys::sample_period, task.sample_period);
-  if (task.filter) json["filter"] = filter_to_json(*task.filter);
-  if (task.baseline) json["baseline"] = filter_to_json(*task.baseline);
-  json["design"]["order_min"] = task.design.order_min;
-  json["design"]["order_max"] = task.design.order_max;
-  json["design"]["symmetric"] = task.design.symmetric;
-  json["design"]["objective"] = to_string(task.design.objective);
-  put(json["design"], task_keys::runs, task.design.runs);
-  for (const Axis& axis : task.machine.axes) json["axis"].push_back(axis_json(axis));
-  for (const TaskCorner& corner : task.corners) json["corner"].push_back(corner_json(corner));
-  for (const Mode& mode : task.machine.modes) {
-    Json table;
-    if (mode.frequency_low == mode.frequency_high)
-      table["frequency_Hz"] = mode.frequency_low;
-    else
-      table["frequency_Hz"] = {mode.frequency_low, mode.frequency_high};
-    table["residual_max"] = mode.residual_max;
-    json["mode"].push_back(std::move(table));
+  Written top(task_file().keys);
+  const auto list = [&](std::string_view name, const auto& parts, auto json_of) {
+    Json all = Json::array();
+    for (const auto& part : parts) all.push_back(json_of(part));
+    if (!all.empty()) top.value(name, std::move(all));
+  };
+  top.value("title", task.title);
+  top.number("sample_period_ms", task.sample_period);
+  if (task.filter) top.value("filter", filter_to_json(*task.filter));
+  if (task.baseline) top.value("baseline", filter_to_json(*task.baseline));
+  top.value("design", design_json(task.design));
+  list("axis", task.machine.axes, axis_json);
+  list("corner", task.corners, corner_json);
+  list("mode", task.machine.modes, mode_json);
+  if (task.program_error_max) {
+    Written program("program");
+    program.number("error_max_um", *task.program_error_max);
+    top.value("program", program.json());
   }
-  if (task.program_error_max) put(json["program"], task_keys::error_max, *task.program_error_max);
-  return json;
+  return top.json();
 }
 
 std::string task_to_toml(const Task& task) {

@@ -7,18 +7,14 @@
 
 #include <fmt/format.h>
 
+#include <accdec/plot/figure_frame.hpp>
 #include <accdec/plot/figure_layout.hpp>
+#include <accdec/plot/figure_style.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#2e7d32",
-                                             "#7b3f98", "#8a6d00", "#b01060", "#00808a"};
-constexpr std::array<const char*, 8> dashes{"solid",  "(9,4)",          "(9,3,2,3)", "(2,3)",
-                                            "(16,4)", "(12,3,2,3,2,3)", "(4,2)",     "(1,4)"};
-constexpr std::array<int, 15> points{7, 6, 5, 4, 9, 8, 11, 12, 2, 13, 1, 10, 3, 15, 14};
-constexpr std::array<const char*, 3> widths{"1.7", "2.8", "1"};  // px, of the first eight styles, the next eight, ...
-static_assert(dashes.size() * widths.size() == most_lines);
+using namespace figure_style;
 
 /// A double-quoted gnuplot string with everything it might act on (quotes, backslashes, backticks, ...) as octal codes.
 /// Single quotes would not do: gnuplot 5.4 ends ''''...' early.
@@ -50,70 +46,6 @@ std::size_t style_index(int style) {
 /// Ten significant digits: more than can be seen, fewer than rounding disturbs from one machine to the next.
 std::string number(double x) {
   return std::isfinite(x) ? fmt::format("{:.10g}", x == 0.0 ? 0.0 : x) : "NaN";
-}
-
-struct Range {
-  double low = INFINITY, high = -INFINITY;
-  void add(double x) {
-    if (!std::isfinite(x)) return;
-    low = std::min(low, x);
-    high = std::max(high, x);
-  }
-};
-
-/// Ranges of the data with a little air, or as given.
-std::pair<Range, Range> ranges(const Panel& panel) {
-  Range x, y;
-  for (const Series& s : panel.series) {
-    for (const double v : s.x) x.add(v);
-    for (const double v : s.y) y.add(v);
-  }
-  for (const Circle& c : panel.circles) {
-    x.add(c.x - c.radius), x.add(c.x + c.radius);
-    y.add(c.y - c.radius), y.add(c.y + c.radius);
-  }
-  for (const LimitLine& limit : panel.limits) y.add(limit.y);
-  if (panel.coloured) {
-    for (const ColouredLines::Piece& piece : panel.coloured->pieces) {
-      for (const double v : piece.x) x.add(v);
-      for (const double v : piece.y) y.add(v);
-    }
-  }
-  if (panel.heat_map) {
-    for (const double edge : cell_edges(panel.heat_map->x, panel.x.log)) x.add(edge);
-    for (const double edge : cell_edges(panel.heat_map->y, panel.y.log)) y.add(edge);
-  }
-  const auto finish = [&](Range& range, const Scale& scale, double air) {
-    if (scale.log) {  // decades: positive data only
-      if (!(range.low > 0.0)) range.low = range.high > 0.0 ? range.high * 1e-6 : 1.0;
-      if (!(range.high > range.low)) range.high = range.low * 10.0;
-    } else {
-      if (!(range.high >= range.low)) range = {0.0, 1.0};
-      // Flat data: as wide as its value, so that rounding is not blown up to a picture.
-      const double size = std::max(std::abs(range.low), std::abs(range.high));
-      double width = range.high - range.low;
-      if (width <= 1e-9 * size || width == 0.0)
-        width = size > 0.0 ? size : 1.0, range.low -= 0.5 * width, range.high += 0.5 * width;
-      range.low -= air * width;
-      range.high += air * width;
-    }
-    if (scale.min) range.low = *scale.min;
-    if (scale.max) range.high = *scale.max;
-  };
-  finish(x, panel.x, 0.0);
-  finish(y, panel.y, panel.heat_map ? 0.0 : 0.06);
-  return {x, y};
-}
-
-/// Widens one range so that a unit is equally long on both.
-void equalise(Range& x, Range& y, double width, double height) {
-  const double unit = std::max((x.high - x.low) / width, (y.high - y.low) / height);
-  const auto widen = [unit](Range& range, double pixels) {
-    const double centre = 0.5 * (range.low + range.high);
-    range = {centre - 0.5 * unit * pixels, centre + 0.5 * unit * pixels};
-  };
-  widen(x, width);
-  widen(y, height);
 }
 
 void check(const Panel& panel) {
@@ -213,8 +145,7 @@ class Writer {
 
   void panel(const Panel& panel, const PanelLayout& place, const PageLayout& page) {
     check(panel);
-    auto [x, y] = ranges(panel);
-    if (panel.equal_aspect) equalise(x, y, place.plot_width, place.plot_height);
+    const auto [x, y] = panel_frame(panel, place.plot_width, place.plot_height);
     line("set lmargin at screen {:.6f}", place.plot_left / page.width);
     line("set rmargin at screen {:.6f}", (place.plot_left + place.plot_width) / page.width);
     line("set tmargin at screen {:.6f}", 1.0 - place.plot_top / page.height);
@@ -260,8 +191,8 @@ class Writer {
   void plot(const Panel& panel, const Range& x, const Range& y) {
     int object = 0;
     for (const Band& band : panel.bands) {
-      line("set object {} rectangle from {},graph 0 to {},graph 1 behind fc rgb '#d4d4d4' fs solid noborder", ++object,
-           number(std::clamp(band.from, x.low, x.high)), number(std::clamp(band.to, x.low, x.high)));
+      line("set object {} rectangle from {},graph 0 to {},graph 1 behind fc rgb '{}' fs solid noborder", ++object,
+           number(std::clamp(band.from, x.low, x.high)), number(std::clamp(band.to, x.low, x.high)), band_colour);
     }
     std::vector<std::string> items;
     const auto data = [&](const std::vector<double>& xs, const std::vector<double>& ys) {
@@ -295,13 +226,13 @@ class Writer {
       if (!s.label.empty()) items.push_back(fmt::format("NaN with linespoints {} {}", sample_with(s), title(s.label)));
     }
     for (const LimitLine& limit : panel.limits) {
-      items.push_back(fmt::format("{} using 1:2 with lines lc rgb '#b00020' lw 1.3 dt (7,5) {}",
-                                  data({x.low, x.high}, {limit.y, limit.y}), title(limit.label)));
+      items.push_back(fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1.3 dt (7,5) {}",
+                                  data({x.low, x.high}, {limit.y, limit.y}), limit_colour, title(limit.label)));
     }
     for (const Circle& circle : panel.circles) items.push_back(round(circle, data, title));
     for (const Band& band : panel.bands) {
       if (!band.label.empty())
-        items.push_back(fmt::format("NaN with lines lc rgb '#d4d4d4' lw 9 {}", title(band.label)));
+        items.push_back(fmt::format("NaN with lines lc rgb '{}' lw 9 {}", band_colour, title(band.label)));
     }
     if (!has_data(panel)) line("set label 2 'no data' at graph 0.5,0.5 center font 'DejaVu Sans,15' tc rgb '#606060'");
     if (items.empty()) items.push_back(fmt::format("{} using 1:2 with dots notitle", data({x.low}, {y.low})));
@@ -317,7 +248,7 @@ class Writer {
       xs.push_back(circle.x + circle.radius * std::cos(turn));
       ys.push_back(circle.y + circle.radius * std::sin(turn));
     }
-    return fmt::format("{} using 1:2 with lines lc rgb '#606060' lw 1.3 dt (4,3) {}", data(xs, ys),
+    return fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1.3 dt (4,3) {}", data(xs, ys), circle_colour,
                        title(circle.label));
   }
 
@@ -339,14 +270,11 @@ class Writer {
       if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     }
     if (low < 0.0 && high > 0.0) {
-      // Two colours that darken away from 0, which is off the paper, too.
       const double most = std::max(-low, high);
-      line("set palette defined (-1 '#123f73', -0.5 '#5f93c4', 0 '#d9d9d2', 0.5 '#d9824a', 1 '#7a1f1f')");
+      line("set palette defined ({})", signed_palette);
       line("set cbrange [{}:{}]", number(-most), number(most));
     } else {
-      // Light to dark, so that lightness alone carries the value, and at its lightest well off the paper, which means
-      // no value.
-      line("set palette defined (0 '#e6bd72', 0.35 '#dd8a4a', 0.65 '#a9443a', 1 '#2b0f3a')");
+      line("set palette defined ({})", heat_palette);
       line("set cbrange [*:*]");
     }
     line("set cblabel {} offset 0.4,0", quoted(map.label));
@@ -363,8 +291,7 @@ class Writer {
       text += "\n";
     }
     text += "END_OF_DATA\n";
-    // Light to dark as on heat maps, but nothing so light that a line would be lost on the page.
-    line("set palette defined (0 '#c9d3d8', 0.35 '#f2b26b', 0.65 '#b5523a', 1 '#2b0f3a')");
+    line("set palette defined ({})", line_palette);
     line("set colorbox\nset cbrange [{}:{}]", number(lines.low), number(lines.high));
     line("set cblabel {} offset 0.4,0", quoted(lines.label));
     return fmt::format("{} using 1:2:3 with lines lw {} lc palette notitle", name, number(lines.line_width));

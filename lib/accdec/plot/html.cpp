@@ -3,15 +3,10 @@
 #include <fmt/format.h>
 
 #include <accdec/plot/html.hpp>
+#include <accdec/plot/html_parts.hpp>
 
 namespace accdec {
 namespace {
-
-constexpr std::string_view style =
-    "body{font:16px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 "
-    "1rem;color:#1a1a1a;background:#fff}"
-    "table{border-collapse:collapse;margin:1rem 0}td,th{border:1px solid #bbb;padding:.25rem .6rem;text-align:left}"
-    "td.n{text-align:right}figure{margin:2rem 0}svg{max-width:100%;height:auto}";
 
 bool is_number(const std::string& text) {
   if (text.empty()) return false;
@@ -38,27 +33,45 @@ std::string html_escaped(std::string_view text) {
 
 std::string html_head(const std::string& title) {
   return fmt::format(
-      "<!DOCTYPE html>\n<html lang=en><head><meta "
-      "charset=utf-8><title>{0}</title><style>{1}</style></head><body>\n<h1>{0}</h1>\n",
-      html_escaped(title), style);
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width,initial-scale=1\"><title>{0}</title><style>{1}</style></head><body>\n<h1>{0}</"
+      "h1>\n",
+      html_escaped(clean_title(title)), html_style);
 }
 
-std::string html_figure(const std::string& name, const std::string& svg) {
+std::string html_foot() {
+  return fmt::format("<script>{}</script>\n</body></html>\n", html_script);
+}
+
+std::string html_paragraph(const std::string& text) {
+  return fmt::format("<p>{}</p>\n", html_escaped(text));
+}
+
+std::string html_folded(const std::string& summary, const std::string& content) {
+  return fmt::format("<details><summary>{}</summary>\n{}</details>\n", html_escaped(summary), content);
+}
+
+std::string html_figure(const std::string& name, const Figure& figure, const std::string& svg) {
   const std::size_t start = svg.find("<svg");
-  return fmt::format("<figure id=\"{}\">\n{}\n</figure>\n", name, start == std::string::npos ? "" : svg.substr(start));
+  return fmt::format(
+      "<figure id=\"{}\">\n<div class=\"wide\">{}</div>\n<script type=\"application/json\">{}</script>\n"
+      "</figure>\n",
+      html_escaped(name), start == std::string::npos ? "" : svg.substr(start), hover_json(figure));
 }
 
-std::string html_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
-  std::string html = "<table><tr>";
-  for (const std::string& cell : head) html += fmt::format("<th>{}</th>", html_escaped(cell));
-  html += "</tr>\n";
-  for (const auto& row : rows) {
+std::string html_table(const HtmlTable& table) {
+  std::string html = fmt::format("<div class=\"wide\"><table{}{}><thead><tr>",
+                                 table.id.empty() ? "" : fmt::format(" id=\"{}\"", html_escaped(table.id)),
+                                 table.sortable ? " class=\"sorts\"" : "");
+  for (const std::string& cell : table.head) html += fmt::format("<th>{}</th>", html_escaped(cell));
+  html += "</tr></thead><tbody>\n";
+  for (const auto& row : table.rows) {
     html += "<tr>";
     for (const std::string& cell : row)
-      html += fmt::format("<td{}>{}</td>", is_number(cell) ? " class=n" : "", html_escaped(cell));
+      html += fmt::format("<td{}>{}</td>", is_number(cell) ? " class=\"n\"" : "", html_escaped(cell));
     html += "</tr>\n";
   }
-  return html + "</table>\n";
+  return html + "</tbody></table></div>\n";
 }
 
 }  // namespace accdec

@@ -141,11 +141,7 @@ class Run {
     std::vector<double> x = free_.restrict(start);
     least_squares.AddParameterBlock(x.data(), static_cast<int>(x.size()));
     least_squares.AddResidualBlock(&cost, nullptr, x.data());
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const nlp::Bound b = free_.bound(i);
-      if (std::isfinite(b.lower)) least_squares.SetParameterLowerBound(x.data(), static_cast<int>(i), b.lower);
-      if (std::isfinite(b.upper)) least_squares.SetParameterUpperBound(x.data(), static_cast<int>(i), b.upper);
-    }
+    set_bounds(least_squares, x);
 
     const double most = options_.own_budget ? 200.0 : 1e9;
     const int rounds = static_cast<int>(std::min(1e9, native_.get("outer_iterations", most)));
@@ -158,22 +154,14 @@ class Run {
       ceres::Solve(settings(&watch), &least_squares, &summary);
       result_.x = free_.expand(x.data());
       evaluator_.poll();
-      if (summary.termination_type == ceres::FAILURE) {
-        result_.claim = Claim::failed;
-        result_.message = "Ceres: " + summary.message;
-        return;
-      }
+      if (summary.termination_type == ceres::FAILURE) return end(Claim::failed, "Ceres: " + summary.message);
       const double f = evaluator_.objective(result_.x);
       result_.claimed_objective = f;
       if (!squares && f - shape_.target < 0.1 * depth) {
         // Down at its target, or below: there may be more to gain.
         depth *= 4.0;
         shape_.target = f - depth;
-        if (depth > 1e18) {
-          result_.claim = Claim::unbounded;
-          result_.message = "objective falls without end";
-          return;
-        }
+        if (depth > 1e18) return end(Claim::unbounded, "objective falls without end");
         stuck = 0;
         continue;
       }
@@ -183,27 +171,35 @@ class Run {
       const double scale =
           squares ? 1.0 : f - shape_.target;  // residual f - target scales the objective's gradient by itself
       if (violation_ <= 0.1 * options_.feasibility_tolerance && moved <= 1e-6 * (scale + largest())) {
-        result_.claim = Claim::solved;
-        result_.message = "Ceres: " + summary.message;
         for (const double y : shape_.multipliers) result_.row_multipliers.push_back(y / scale);
-        return;
+        return end(Claim::solved, "Ceres: " + summary.message);
       }
       if (violation_ > 0.25 * last_violation) shape_.penalty *= growth;
       stuck = violation_ > 0.99 * last_violation && violation_ > options_.feasibility_tolerance ? stuck + 1 : 0;
-      if (stuck >= 10 && shape_.penalty > 1e6) {
-        result_.claim = Claim::infeasible;
-        result_.message = fmt::format("violation stays at {:.3g} whatever the penalty: locally infeasible", violation_);
-        return;
-      }
+      if (stuck >= 10 && shape_.penalty > 1e6)
+        return end(Claim::infeasible,
+                   fmt::format("violation stays at {:.3g} whatever the penalty: locally infeasible", violation_));
       shape_.penalty = std::min(shape_.penalty, 1e12);
       last_violation = violation_;
     }
     update();
-    result_.claim = Claim::evaluation_limit;
-    result_.message = fmt::format("outer iteration limit, violation {:.3g}", violation_);
+    end(Claim::evaluation_limit, fmt::format("outer iteration limit, violation {:.3g}", violation_));
   }
 
  private:
+  void end(Claim claim, std::string message) {
+    result_.claim = claim;
+    result_.message = std::move(message);
+  }
+
+  void set_bounds(ceres::Problem& problem, std::vector<double>& x) const {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const nlp::Bound b = free_.bound(i);
+      if (std::isfinite(b.lower)) problem.SetParameterLowerBound(x.data(), static_cast<int>(i), b.lower);
+      if (std::isfinite(b.upper)) problem.SetParameterUpperBound(x.data(), static_cast<int>(i), b.upper);
+    }
+  }
+
   ceres::Solver::Options settings(StopWatch* watch) const {
     ceres::Solver::Options s;
     s.callbacks.push_back(watch);

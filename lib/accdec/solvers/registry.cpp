@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/files/suggestion.hpp>
 #include <accdec/solvers/registration.hpp>
 
 namespace accdec::solvers {
@@ -41,7 +42,7 @@ const Solver& find_solver(std::string_view name) {
     if (solver->name() == name) return *solver;
     known.push_back(solver->name());
   }
-  throw std::invalid_argument(fmt::format("unknown solver \"{}\"; known are {}", name, fmt::join(known, ", ")));
+  throw std::invalid_argument(unknown_name("solver", name, known));
 }
 
 }  // namespace accdec::solvers

@@ -109,4 +109,20 @@ std::string baseline_text(const BaselineTable& table, const BaselineTable& quart
   return text;
 }
 
+std::string saving_text(const FilterSpec& today, const DesignResult& design) {
+  Task task = design.task;
+  task.filter = today;
+  const DesignResult own = design_delays(task);
+  const std::string parameters = describe_parameters(today);
+  std::string text = fmt::format("\ntoday: {}, order {}{}: ", to_string(today.kind), make_filter(today).order(),
+                                 parameters.empty() ? "" : ", " + parameters);
+  if (!own.filter) return text + own.message + "\n";
+  std::vector<int> delays;
+  for (const CornerResult& corner : own.corners) delays.push_back(corner.delay);
+  const double saved = own.objective() - design.objective();
+  return text + fmt::format("{} ms with delay{} {}; the design saves {} ms ({:.1f} %)\n", milliseconds(own.objective()),
+                            delays.size() == 1 ? "" : "s", fmt::join(delays, " "), milliseconds(saved),
+                            100.0 * saved / own.objective());
+}
+
 }  // namespace accdec::study

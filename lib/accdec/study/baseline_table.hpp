@@ -31,4 +31,9 @@ Task at_shorter_period(Task task, int times);
 /// shorter period is the rounding of orders and delays to whole samples, and is named so.
 std::string baseline_text(const BaselineTable& table, const BaselineTable& quarter);
 
+/// One line: the design beside the filter in use today, with its smallest delays under the same limits, and what is
+/// saved; or why that filter has none.
+/// @param design  with a filter
+std::string saving_text(const FilterSpec& today, const DesignResult& design);
+
 }  // namespace accdec::study

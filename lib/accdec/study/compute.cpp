@@ -72,6 +72,7 @@ void write_result(Writer& write, const DesignResult& result) {
 void write_bound(Writer& write, const DesignResult& result) {
   if (result.lower_bound) write("lower_bound_ms", number(1e3 * *result.lower_bound));
   if (result.gap) write("gap", number(*result.gap));
+  write("stop", std::string(to_string(result.stop)));
 }
 
 /// Peaks that the task sets no limit for are of interest too, so they are measured against limits nobody reaches.
@@ -154,7 +155,8 @@ std::vector<std::string> columns_of(std::string_view computation) {
   if (computation == "slow-down") columns = {"status", "cycle_time_ms", "corner_time_ms", "factor"};
   if (find_baseline(computation)) columns.push_back("parameters");
   if (computation == "given") columns.insert(columns.end(), {"peak_acceleration_mm_s2", "peak_jerk_mm_s3"});
-  if (computation == "optimum" || computation == "delays") columns.insert(columns.end(), {"lower_bound_ms", "gap"});
+  if (computation == "optimum" || computation == "delays")
+    columns.insert(columns.end(), {"lower_bound_ms", "gap", "stop"});
   columns.push_back("message");
   std::vector<std::string> names;
   for (const std::string_view column : columns) names.push_back(fmt::format("{}.{}", computation, column));
@@ -170,12 +172,6 @@ void compute_into(Row& row, const Task& task, std::string_view computation, cons
     write("status", "error");
     write("message", std::string(error.what()));
   }
-}
-
-// The design's messages: "stopped before the proof was complete", "stopped early; the best verified design so far" and
-// the like.
-bool cut_off(std::string_view message) {
-  return message.starts_with("stopped ");
 }
 
 Row error_of(const Row& row, const std::vector<std::string>& computations) {

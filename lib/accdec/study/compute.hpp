@@ -34,10 +34,6 @@ std::vector<std::string> columns_of(std::string_view computation);
 /// Computes one name for a task into a row. Exceptions do not pass: they become status "error" and a message.
 void compute_into(Row& row, const Task& task, std::string_view computation, const DesignOptions& options);
 
-/// Whether a computation's `message` says that its time limit ended it early: with more time, or less beside it, it
-/// might have got further.
-bool cut_off(std::string_view message);
-
 /// What went wrong, if every one of these computations ended with status "error" in a row (there is at least one); else
 /// null.
 Row error_of(const Row& row, const std::vector<std::string>& computations);

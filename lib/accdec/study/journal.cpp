@@ -1,9 +1,9 @@
 #include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <optional>
-#include <sstream>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -20,58 +20,25 @@ constexpr std::string_view magic = "accdec.study.journal/1 ";
 constexpr std::string_view mark = "anew";  ///< the line with which a run begins anew
 
 /// "INDEX SECONDS ROW"; a row is JSON and so has no line feed. Nothing if the line is not of this form.
-std::optional<std::pair<std::size_t, Entry>> parse_line(std::string_view line) {
-  std::size_t index = 0;
-  Entry entry;
+std::optional<JournalLine> parse_line(std::string_view line) {
+  JournalLine entry;
   const char* const end = line.data() + line.size();
-  auto [after, failed] = std::from_chars(line.data(), end, index);
+  auto [after, failed] = std::from_chars(line.data(), end, entry.index);
   if (failed != std::errc() || after == end || *after != ' ') return std::nullopt;
   const auto seconds = std::from_chars(after + 1, end, entry.seconds);
   if (seconds.ec != std::errc() || seconds.ptr == end || *seconds.ptr != ' ') return std::nullopt;
-  entry.row.assign(seconds.ptr + 1, end);
+  entry.row = std::string_view(seconds.ptr + 1, static_cast<std::size_t>(end - seconds.ptr - 1));
+  entry.offset = static_cast<std::uint64_t>(entry.row.data() - line.data());
   if (entry.row.empty() || entry.row.front() != '{' || entry.row.back() != '}') return std::nullopt;
-  return std::pair(index, std::move(entry));
+  return entry;
 }
 
-struct Content {
-  std::map<std::size_t, Entry> entries;
-  bool anew = false;
-  std::size_t whole = 0;  ///< bytes up to the end of the last whole line
-};
-
-Content parse(const std::string& path, const std::string& text, const std::string& study) {
-  Content content;
-  const std::string header = fmt::format("{}{}\n", magic, study);
-  // A header torn by a kill is the beginning of ours and of nothing else.
-  if (text.size() < header.size() && header.starts_with(text)) return content;
-  if (!text.starts_with(magic)) throw JournalError(fmt::format("{}: not a study's journal; it is left as it is", path));
-  if (!text.starts_with(header))
-    throw JournalError(fmt::format(
-        "{}: the journal of another study, or of an earlier form of this one; choose another folder or delete this one",
-        path));
-  content.whole = header.size();
-  while (true) {
-    const std::size_t end = text.find('\n', content.whole);
-    if (end == std::string::npos) return content;
-    const std::string_view line = std::string_view(text).substr(content.whole, end - content.whole);
-    if (line == mark) {
-      content.entries.clear();
-      content.anew = true;
-    } else if (auto entry = parse_line(line)) {
-      content.entries.insert_or_assign(entry->first, std::move(entry->second));
-    } else {
-      throw JournalError(fmt::format("{}: damaged at byte {}; it is left as it is", path, content.whole));
-    }
-    content.whole = end + 1;
-  }
-}
-
-std::string read_all(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw JournalError(fmt::format("{}: cannot be read", path));
-  std::ostringstream text;
-  text << in.rdbuf();
-  return std::move(text).str();
+/// Collects entries; what stands before a mark is void.
+JournalVisitor collect(std::map<std::size_t, Entry>& entries) {
+  return {[&](const JournalLine& line) {
+            entries.insert_or_assign(line.index, Entry{line.seconds, std::string(line.row)});
+          },
+          [&] { entries.clear(); }};
 }
 
 /// The children of a run that was killed hold its lock until they have died too, which is a moment later.
@@ -93,19 +60,67 @@ void write_all(int file, const std::string& path, std::string_view text) {
   }
 }
 
+struct FirstLine {
+  std::string text;
+  bool whole = false;  ///< ends with a line feed
+};
+
+FirstLine first_line(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw JournalError(fmt::format("{}: cannot be read", path));
+  FirstLine line;
+  line.whole = std::getline(in, line.text) && !in.eof();
+  return line;
+}
+
 }  // namespace
 
-Journal::Journal(std::string path, const std::string& study) : path_(std::move(path)) {
+std::uint64_t scan_journal(const std::string& path, const std::string& study, const JournalVisitor& visit) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw JournalError(fmt::format("{}: cannot be read", path));
+  const std::string header = fmt::format("{}{}", magic, study);
+  std::string line;
+  // A line that ends with the file and not with a line feed was torn by a kill.
+  const auto whole = [&] { return std::getline(in, line) && !in.eof(); };
+  if (!whole()) {
+    // A header torn by a kill is the beginning of ours and of nothing else.
+    if (header.starts_with(line)) return 0;
+    if (!line.starts_with(magic))
+      throw JournalError(fmt::format("{}: not a study's journal; it is left as it is", path));
+  }
+  if (!line.starts_with(magic)) throw JournalError(fmt::format("{}: not a study's journal; it is left as it is", path));
+  if (line != header)
+    throw JournalError(fmt::format(
+        "{}: the journal of another study, or of an earlier form of this one; choose another folder or delete this one",
+        path));
+  std::uint64_t at = header.size() + 1;
+  while (whole()) {
+    if (line == mark) {
+      visit.anew();
+    } else if (auto entry = parse_line(line)) {
+      entry->offset += at;
+      visit.entry(*entry);
+    } else {
+      throw JournalError(fmt::format("{}: damaged at byte {}; it is left as it is", path, at));
+    }
+    at += line.size() + 1;
+  }
+  return at;
+}
+
+Journal::Journal(std::string path, const std::string& study, const JournalVisitor* visit) : path_(std::move(path)) {
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0644);
   if (file_ < 0) throw JournalError(fmt::format("{}: {}", path_, std::strerror(errno)));
   try {
     if (!lock(file_)) throw JournalError(fmt::format("{}: in use by another accdec study", path_));
-    Content content = parse(path_, read_all(path_), study);
-    if (::ftruncate(file_, static_cast<off_t>(content.whole)) != 0)
+    const JournalVisitor to = visit ? *visit : collect(entries_);
+    size_ = scan_journal(path_, study, {to.entry, [&] {
+                                          to.anew();
+                                          anew_ = true;
+                                        }});
+    if (::ftruncate(file_, static_cast<off_t>(size_)) != 0)
       throw JournalError(fmt::format("{}: {}", path_, std::strerror(errno)));
-    if (content.whole == 0) write_all(file_, path_, fmt::format("{}{}\n", magic, study));
-    entries_ = std::move(content.entries);
-    anew_ = content.anew;
+    if (size_ == 0) write(fmt::format("{}{}\n", magic, study));
   } catch (...) {
     ::close(file_);
     throw;
@@ -116,18 +131,69 @@ Journal::~Journal() {
   ::close(file_);
 }
 
-void Journal::append(std::size_t index, const Entry& entry) {
-  write_all(file_, path_, fmt::format("{} {} {}\n", index, entry.seconds, entry.row));
+void Journal::write(std::string_view text) {
+  write_all(file_, path_, text);
+  size_ += text.size();
+}
+
+std::uint64_t Journal::append(std::size_t index, const Entry& entry) {
+  const std::string before = fmt::format("{} {} ", index, entry.seconds);
+  const std::uint64_t offset = size_ + before.size();
+  write(fmt::format("{}{}\n", before, entry.row));
+  return offset;
 }
 
 void Journal::begin_anew() {
-  write_all(file_, path_, fmt::format("{}\n", mark));
+  write(fmt::format("{}\n", mark));
   entries_.clear();
   anew_ = true;
 }
 
+std::vector<Entry> read_any_journal(const std::string& path) {
+  std::vector<Entry> entries;
+  const FirstLine header = first_line(path);
+  // A header torn by a kill has no entries behind it.
+  if (!header.whole && magic.starts_with(header.text.substr(0, magic.size()))) return entries;
+  if (!header.text.starts_with(magic))
+    throw JournalError(fmt::format("{}: not a study's journal; it is left as it is", path));
+  if (!header.whole) return entries;
+  for (auto& [index, entry] : read_journal(path, header.text.substr(magic.size()))) entries.push_back(std::move(entry));
+  return entries;
+}
+
+void set_aside_other(const std::string& path, const std::string& study) {
+  const int file = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+  if (file < 0) return;
+  // Closing gives the lock back.
+  struct Closing {
+    int file;
+    ~Closing() { ::close(file); }
+  } closing{file};
+  if (!lock(file)) throw JournalError(fmt::format("{}: in use by another accdec", path));
+  const FirstLine found = first_line(path);
+  const std::string header = fmt::format("{}{}", magic, study);
+  if (found.whole ? found.text == header : header.starts_with(found.text)) return;
+  if (!found.text.starts_with(magic))
+    throw JournalError(fmt::format("{}: not a study's journal; it is left as it is", path));
+  for (int number = 1;; ++number) {
+    const std::string name = fmt::format("{}.{}", path, number);
+    if (::renameat2(AT_FDCWD, path.c_str(), AT_FDCWD, name.c_str(), RENAME_NOREPLACE) == 0) return;
+    if (errno != EEXIST) throw JournalError(fmt::format("{}: {}", name, std::strerror(errno)));
+  }
+}
+
 std::map<std::size_t, Entry> read_journal(const std::string& path, const std::string& study) {
-  return parse(path, read_all(path), study).entries;
+  std::map<std::size_t, Entry> entries;
+  scan_journal(path, study, collect(entries));
+  return entries;
+}
+
+bool journal_in_use(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool used = ::flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(file);
+  return used;
 }
 
 }  // namespace accdec::study

@@ -1,9 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace accdec::study {
 
@@ -18,6 +22,20 @@ struct Entry {
   std::string row;       ///< its line of rows.jsonl, without the line feed
 };
 
+/// An entry where it stands in its journal.
+struct JournalLine {
+  std::size_t index = 0;
+  double seconds = 0.0;
+  std::string_view row;
+  std::uint64_t offset = 0;  ///< bytes from the file's beginning to the row's
+};
+
+/// What to do with a journal's lines in the order they were written.
+struct JournalVisitor {
+  std::function<void(const JournalLine&)> entry;
+  std::function<void()> anew = [] {};  ///< all before is void
+};
+
 /// Append-only record of the points of a study that are done. Every entry is one line, written with one system call as
 /// soon as it is there, so that whatever kills the process leaves whole lines and at most one torn one at the end,
 /// which the next opening cuts off. The file is locked while open: two processes cannot append to the same one. A run
@@ -26,8 +44,9 @@ class Journal {
  public:
   /// Opens or creates. @param study  identifies what is computed (no line feeds); a journal begun for anything else is
   /// refused.
+  /// @param visit  receives the entries found instead of `entries`, unless null: millions need not be held in memory
   /// @throws JournalError
-  Journal(std::string path, const std::string& study);
+  Journal(std::string path, const std::string& study, const JournalVisitor* visit = nullptr);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
@@ -40,12 +59,15 @@ class Journal {
 
   /// Entries found when opening, since the last mark.
   const std::map<std::size_t, Entry>& entries() const { return entries_; }
-  /// @throws JournalError if the disk does not take it.
-  void append(std::size_t index, const Entry& entry);
+  /// Where the row stands in the file, bytes. @throws JournalError if the disk does not take it.
+  std::uint64_t append(std::size_t index, const Entry& entry);
 
  private:
+  void write(std::string_view text);
+
   std::string path_;
   int file_ = -1;
+  std::uint64_t size_ = 0;
   bool anew_ = false;
   std::map<std::size_t, Entry> entries_;
 };
@@ -54,5 +76,21 @@ class Journal {
 /// skipped.
 /// @throws JournalError as the constructor does, and if the file does not exist.
 std::map<std::size_t, Entry> read_journal(const std::string& path, const std::string& study);
+
+/// The entries of a journal whatever it was begun for, in their order.
+/// @throws JournalError if it is no journal, or cannot be read
+std::vector<Entry> read_any_journal(const std::string& path);
+
+/// Gives a journal that was begun for anything else a name of its own, PATH.1, PATH.2, .., so that one for `study` can
+/// be begun; nothing if there is none, or it is this study's.
+/// @throws JournalError if it is no journal, or another process uses it
+void set_aside_other(const std::string& path, const std::string& study);
+/// Passes through such a journal, holding no more than one line of it.
+/// @return bytes up to the end of the last whole line
+/// @throws JournalError as read_journal
+std::uint64_t scan_journal(const std::string& path, const std::string& study, const JournalVisitor& visit);
+
+/// Whether a process is appending to a journal now, as far as its file system tells. False if there is none.
+bool journal_in_use(const std::string& path);
 
 }  // namespace accdec::study

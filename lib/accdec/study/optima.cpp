@@ -2,6 +2,7 @@
 #include <utility>
 
 #include <accdec/design/recheck.hpp>
+#include <accdec/formats/certificate_json.hpp>
 #include <accdec/study/optima.hpp>
 
 namespace accdec::study {
@@ -41,8 +42,8 @@ Optimum find_optimum(std::string name, Task task, const DesignOptions& options, 
   found.check_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   found.accepted = check.accepted;
   if (!check.reasons.empty()) found.objection = check.reasons.front();
-  found.certificate_bytes = found.design.certificate.size();
-  found.design.certificate.clear();
+  if (found.design.certificate) found.certificate_bytes = certificate_to_json(*found.design.certificate).size();
+  found.design.certificate.reset();
   if (with_families) found.families = best_baselines(task);
   return found;
 }

@@ -14,7 +14,7 @@ namespace accdec::study {
 /// limits.
 struct Optimum {
   std::string name;         ///< as the table shall call the task
-  DesignResult design;      ///< of the exact method, without its certificate's text
+  DesignResult design;      ///< of the exact method, without its certificate
   bool accepted = false;    ///< by the independent recheck: limits in simulation, recorded numbers, proof
   std::string objection;    ///< the first reason when not
   double check_time = 0.0;  ///< s, the recheck alone

@@ -60,5 +60,7 @@ std::vector<double> spread(double from, double to, std::size_t count, bool logar
 /// every platform.
 /// @throws std::invalid_argument unless 1 <= number <= count.
 std::vector<std::size_t> shard(std::size_t size, std::size_t number, std::size_t count);
+/// The shard of each point.
+std::vector<std::uint32_t> shard_owners(std::size_t size, std::size_t count);
 
 }  // namespace accdec::study

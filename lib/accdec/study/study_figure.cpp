@@ -17,10 +17,40 @@ std::vector<std::size_t> rows_of(const StudyFigure& figure, const StudyTable& ta
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const bool counts = std::all_of(figure.where.begin(), figure.where.end(),
-                                    [&](const auto& w) { return table.texts(w.first)[i] == w.second; });
+                                    [&](const auto& w) { return table.text(w.first, i) == w.second; });
     if (counts) rows.push_back(i);
   }
   return rows;
+}
+
+/// Values on an axis of a map, and points on a line, beyond which nobody sees one and drawings grow to hundreds of
+/// megabytes.
+constexpr std::size_t most_heat_values = 400, most_line_points = 8000;
+
+/// Of a line's points too many to see, in order of x: of every part the lowest and the highest, so that the picture is
+/// the same. Of a cloud every k-th, which the title says.
+void thin_out(Series& s, std::string& title) {
+  const std::size_t count = s.x.size();
+  if (count <= most_line_points) return;
+  const bool cloud = s.mark == Mark::points;
+  const std::size_t parts = cloud ? most_line_points : most_line_points / 2;
+  std::vector<std::size_t> kept;
+  for (std::size_t p = 0; p < parts; ++p) {
+    const std::size_t begin = p * count / parts, end = (p + 1) * count / parts;
+    if (cloud) {
+      kept.push_back(begin);
+      continue;
+    }
+    const auto first = s.y.begin();
+    const auto [low, high] =
+        std::minmax_element(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(end));
+    const auto a = static_cast<std::size_t>(low - first), b = static_cast<std::size_t>(high - first);
+    kept.insert(kept.end(), {std::min(a, b), std::max(a, b)});
+  }
+  if (cloud) title = fmt::format("{} of {} points", parts, count);
+  for (std::size_t i = 0; i < kept.size(); ++i) s.x[i] = s.x[kept[i]], s.y[i] = s.y[kept[i]];  // kept[i] >= i
+  s.x.resize(kept.size());
+  s.y.resize(kept.size());
 }
 
 /// Points of a curve by rising x; rows without both numbers are left out.
@@ -74,16 +104,16 @@ std::vector<std::string> member_labels(const StudyFigure& figure, const std::vec
 void add_family(Panel& panel, const StudyFigure& figure, const StudyTable& table,
                 const std::vector<std::size_t>& rows) {
   std::vector<std::string> members = figure.members;
-  const std::vector<std::string>& texts = table.texts(figure.family);
+  const auto member = [&](std::size_t i) -> const std::string& { return table.text(figure.family, i); };
   if (members.empty()) {
     for (const std::size_t i : rows) {
-      if (std::find(members.begin(), members.end(), texts[i]) == members.end()) members.push_back(texts[i]);
+      if (std::find(members.begin(), members.end(), member(i)) == members.end()) members.push_back(member(i));
     }
   }
   std::vector<double> numbers(members.size(), std::nan(""));
   std::vector<std::vector<std::pair<double, double>>> points(members.size());
   for (const std::size_t i : rows) {
-    const auto c = static_cast<std::size_t>(std::find(members.begin(), members.end(), texts[i]) - members.begin());
+    const auto c = static_cast<std::size_t>(std::find(members.begin(), members.end(), member(i)) - members.begin());
     if (c == members.size()) continue;
     numbers[c] = table.numbers(figure.family)[i];
     points[c].emplace_back(table.numbers(figure.x)[i], table.numbers(figure.y.front())[i]);
@@ -127,7 +157,7 @@ void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& tabl
                  const std::vector<std::size_t>& rows) {
   std::set<std::string> classes;
   for (const std::size_t i : rows) {
-    if (!table.texts(figure.z)[i].empty()) classes.insert(table.texts(figure.z)[i]);
+    if (!table.text(figure.z, i).empty()) classes.insert(table.text(figure.z, i));
   }
   for (const std::string& name : classes) {
     Series s;
@@ -135,7 +165,7 @@ void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& tabl
     s.mark = Mark::points;
     s.style = static_cast<int>(panel.series.size());
     for (const std::size_t i : rows) {
-      if (table.texts(figure.z)[i] != name) continue;
+      if (table.text(figure.z, i) != name) continue;
       s.x.push_back(table.numbers(figure.x)[i]);
       s.y.push_back(table.numbers(figure.y.front())[i]);
     }
@@ -157,8 +187,19 @@ void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& tabl
   frame(panel.y, figure.y.front());
 }
 
+/// Of values closer together than a map can show every k-th, the same for all.
+std::vector<double> shown_values(const std::set<double>& values) {
+  const std::size_t every = (values.size() + most_heat_values - 1) / most_heat_values;
+  std::vector<double> shown;
+  std::size_t i = 0;
+  for (const double v : values) {
+    if (i++ % every == 0) shown.push_back(v);
+  }
+  return shown;
+}
+
 void add_heat(Panel& panel, const StudyFigure& figure, const StudyTable& table, const std::vector<std::size_t>& rows) {
-  const auto &x = table.numbers(figure.x), &y = table.numbers(figure.y.front());
+  const auto &x = table.numbers(figure.x), &y = table.numbers(figure.y.front()), &z = table.numbers(figure.z);
   std::set<double> xs, ys;
   for (const std::size_t i : rows) {
     if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
@@ -167,15 +208,21 @@ void add_heat(Panel& panel, const StudyFigure& figure, const StudyTable& table, 
   }
   if (xs.empty()) return;
   HeatMap map;
-  map.x.assign(xs.begin(), xs.end());
-  map.y.assign(ys.begin(), ys.end());
+  map.x = shown_values(xs);
+  map.y = shown_values(ys);
+  if (map.x.size() < xs.size() || map.y.size() < ys.size())
+    panel.title =
+        fmt::format("{} of {} values of x and {} of {} of y", map.x.size(), xs.size(), map.y.size(), ys.size());
   map.label = figure.z_label;
   map.values.assign(map.x.size() * map.y.size(), std::nan(""));
+  const auto place = [](const std::vector<double>& values, double v) {
+    return static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), v) - values.begin());
+  };
   for (const std::size_t i : rows) {
     if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
-    const auto column = std::distance(xs.begin(), xs.find(x[i])), line = std::distance(ys.begin(), ys.find(y[i]));
-    map.values[static_cast<std::size_t>(line) * map.x.size() + static_cast<std::size_t>(column)] =
-        table.numbers(figure.z)[i];
+    const std::size_t column = place(map.x, x[i]), line = place(map.y, y[i]);
+    if (column == map.x.size() || line == map.y.size() || map.x[column] != x[i] || map.y[line] != y[i]) continue;
+    map.values[line * map.x.size() + column] = z[i];
   }
   panel.heat_map = std::move(map);
 }
@@ -201,6 +248,7 @@ Figure make_study_figure(const StudyFigure& figure, const StudyTable& table) {
   if (figure.points_only && figure.kind != Kind::pareto) {
     for (Series& s : panel.series) s.mark = Mark::points;
   }
+  for (Series& s : panel.series) thin_out(s, panel.title);
   Figure page;
   page.title = figure.title;
   page.panel_width = 760;

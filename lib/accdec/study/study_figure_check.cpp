@@ -70,8 +70,8 @@ std::string last_part(const std::string& column) {
 }
 
 bool is_text(const std::string& column) {
-  constexpr std::array<std::string_view, 7> words{"case",   "point",   "reason",  "best_shape",
-                                                  "status", "message", "tightest"};
+  constexpr std::array<std::string_view, 8> words{"case",   "point",   "reason",   "best_shape",
+                                                  "status", "message", "tightest", "stop"};
   return std::find(words.begin(), words.end(), column.find('.') == std::string::npos ? column : last_part(column)) !=
          words.end();
 }
@@ -174,6 +174,27 @@ std::string axis_title(const std::vector<std::string>& columns, const Study& stu
                     unit_in(columns.front(), study));
 }
 
+namespace {
+
+/// The axes of a heat map.
+std::optional<FigureFault> check_heat(const StudyFigure& figure, const std::vector<Varied>& axes, bool grid) {
+  if (figure.y.size() > 1) return FigureFault{"y", "a heat map has one `y`"};
+  const bool words = is_text(figure.z);
+  if (!words && !grid)
+    return FigureFault{"kind",
+                       "a Latin hypercube has no grid, which a heat map of numbers needs; its points can be drawn as "
+                       "a curve, which draws no lines here"};
+  for (const auto& [key, column] : {std::pair{"x", figure.x}, std::pair{"y", figure.y.front()}}) {
+    if (!words && find_varied(axes, column) == nullptr)
+      return FigureFault{
+          key, fmt::format("`{}` is not varied; the axes of a heat map are two of the study's variations", column)};
+  }
+  if (figure.x == figure.y.front()) return FigureFault{"y", "a heat map needs two different axes"};
+  return {};
+}
+
+}  // namespace
+
 std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& study, bool grid) {
   const std::vector<Varied> axes = axes_of(study, grid);
   for (auto& condition : figure.where) {
@@ -182,24 +203,14 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
     if (auto fault = check_condition(condition, *axis)) return fault;
   }
   if (figure.kind == Kind::pareto) return check_labels(figure, figure.y.size());
-  const bool heat = figure.kind == Kind::heat, words = heat && is_text(figure.z);
+  const bool heat = figure.kind == Kind::heat;
   if (auto fault = check_scale("x", "log_x", figure.x, figure.log_x, axes)) return fault;
   for (const std::string& y : figure.y) {
     if (auto fault = check_scale("y", "log_y", y, figure.log_y, axes)) return fault;
   }
-  if (heat && figure.y.size() > 1) return FigureFault{"y", "a heat map has one `y`"};
-  if (heat && !words) {
-    if (!grid)
-      return FigureFault{"kind",
-                         "a Latin hypercube has no grid, which a heat map of numbers needs; its points can be drawn as "
-                         "a curve, which draws no lines here"};
-    for (const auto& [key, column] : {std::pair{"x", figure.x}, std::pair{"y", figure.y.front()}}) {
-      if (find_varied(axes, column) == nullptr)
-        return FigureFault{
-            key, fmt::format("`{}` is not varied; the axes of a heat map are two of the study's variations", column)};
-    }
+  if (heat) {
+    if (auto fault = check_heat(figure, axes, grid)) return fault;
   }
-  if (heat && figure.x == figure.y.front()) return FigureFault{"y", "a heat map needs two different axes"};
   figure.points_only = !grid;
 
   const Varied* across = find_varied(axes, figure.x);

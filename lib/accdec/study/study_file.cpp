@@ -68,6 +68,12 @@ Task Study::task(std::size_t index) const {
   return task_from_tree(tree, source.path, "", {});
 }
 
+std::vector<std::string> Study::task_paths() const {
+  std::vector<std::string> paths;
+  for (const Tasks::Source& source : tasks_->cases) paths.push_back(source.path);
+  return paths;
+}
+
 std::string Study::row(std::size_t index, double* method_seconds) const {
   if (method_seconds) *method_seconds = 0.0;
   study::Row row = beginning(*this, plan_->point(index));

@@ -46,8 +46,8 @@ class Study {
   std::vector<StudyRatio> ratios;
   std::vector<StudyFigure> figures;
   /// Method and time limit of every optimum. Rows are the same on every machine and with any number of workers, but for
-  /// optima that the time limit ends early: these are the best design verified by then (status "feasible", message
-  /// "stopped ...").
+  /// optima that the time limit ends early: these are the best design verified by then (status "feasible", stop
+  /// "time limit").
   DesignOptions design;
   study::Isolation isolation = study::Isolation::threads;
   /// What most of the points come from, and where it stands in the file: `samples`, a variation's values, or the cases.
@@ -56,11 +56,14 @@ class Study {
     long line = 0, column = 0;
   } origin;
 
+  struct Tasks;  ///< the cases' trees and the keys; internal to the room
   const study::Plan& plan() const { return *plan_; }
   /// Names of all columns of a row, in order.
   std::vector<std::string> columns() const;
   /// The task of a point. @throws InputError when its values make no task
   Task task(std::size_t index) const;
+  /// Paths of the cases' task files.
+  std::vector<std::string> task_paths() const;
   /// A point's line of rows.jsonl. Never throws for a bad point: its column `point` is "bad" where the values make no
   /// task, "error" where every computation broke off with an error, else "ok"; `reason` says what is wrong.
   /// @param method_seconds  when not null, receives the time spent inside the computations alone
@@ -72,7 +75,6 @@ class Study {
 
  private:
   friend class StudyReader;
-  struct Tasks;  ///< the cases' trees and the keys
   std::shared_ptr<const study::Plan> plan_;
   std::shared_ptr<const Tasks> tasks_;
   std::string hash_;

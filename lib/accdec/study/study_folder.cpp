@@ -2,18 +2,19 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <numeric>
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/files/memory.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
 #include <accdec/files/seconds_since.hpp>
 #include <accdec/formats/manifest.hpp>
 #include <accdec/study/journal.hpp>
+#include <accdec/study/row_store.hpp>
 #include <accdec/study/study_folder.hpp>
 #include <accdec/study/study_report.hpp>
 
@@ -21,10 +22,14 @@ namespace accdec {
 namespace {
 
 namespace fs = std::filesystem;
-using Entries = std::map<std::size_t, study::Entry>;
+using study::RowStore;
 using Clock = std::chrono::steady_clock;
 
 const ResultsKind kind{"accdec.study/1", "study_hash", "study"};
+
+/// What a point takes: 16 bytes for the place of its row, the lists of points to compute, and what figures keep of it.
+/// The rows themselves stay on the disk.
+constexpr double bytes_a_point = 200;
 
 /// A row with the time its computations took in front, "0.25{...}": all that comes back from a child is text.
 std::string timed_row(const Study& study, std::size_t index) {
@@ -43,44 +48,30 @@ std::string identity(const Study& study) {
   return fmt::format("{} {}", study.hash(), study.plan().size());
 }
 
-/// Drops what is no row of this study: damage costs the points it hit, which are then computed anew.
-void drop_damaged(Entries& entries, const Study& study) {
-  std::erase_if(entries, [&](const auto& item) {
-    const auto& [index, entry] = item;
-    return index >= study.plan().size() || !entry.row.starts_with(fmt::format(R"({{"index":{},)", index)) ||
-           !nlohmann::json::accept(entry.row);
-  });
+/// Notes every row of a journal, under the number of its file.
+study::JournalVisitor noting(RowStore& rows, std::size_t file) {
+  return {[&rows, file](const study::JournalLine& line) { rows.put(line.index, file, line.offset, line.row); },
+          [&rows] { rows.clear(); }};
 }
 
-/// Whether the process that computed a point died: what killed it (memory, a signal) need not be there the next time.
-bool lost(const study::Entry& entry) {
-  return entry.row.find(R"("point":"lost")") != std::string::npos;
-}
-
-void drop_lost(Entries& entries) {
-  std::erase_if(entries, [](const auto& item) { return lost(item.second); });
-}
-
-/// Rows of finished results.
-Entries finished_rows(const fs::path& folder, const Study& study) {
-  Entries entries;
-  if (results_hash(folder.string(), kind) != study.hash()) return entries;
-  std::ifstream in(folder / "rows.jsonl", std::ios::binary);
+/// Notes the rows of finished results.
+void note_finished(RowStore& rows, const fs::path& folder, const Study& study) {
+  const fs::path path = folder / "rows.jsonl";
+  if (results_hash(folder.string(), kind) != study.hash() || !fs::is_regular_file(path)) return;
+  const std::size_t file = rows.add_file(path.string());
+  std::ifstream in(path, std::ios::binary);
   std::string line;
-  for (std::size_t i = 0; std::getline(in, line); ++i) entries[i] = {0.0, line};
-  drop_damaged(entries, study);
-  return entries;
+  std::uint64_t at = 0;
+  for (std::size_t i = 0; std::getline(in, line); ++i) {
+    if (i < rows.size()) rows.put(i, file, at, line);
+    at += line.size() + 1;
+  }
 }
 
 /// @param summary  receives the wall time up to here but for the writing itself
-void write_results(const Study& study, const Entries& entries, const StudyRunOptions& options, Clock::time_point began,
+void write_results(const Study& study, RowStore& rows, const StudyRunOptions& options, Clock::time_point began,
                    StudySummary& summary) {
-  std::vector<std::string> lines;
-  for (const auto& [index, entry] : entries) lines.push_back(entry.row);
-  const fs::path folder = options.out;
-  OutputFiles files;
-  for (auto& [name, content] : study_documents(study, lines, &summary.empty_figures))
-    files.add((folder / name).string(), std::move(content));
+  std::vector<OutputFile> files = write_study(study, rows, options.out, &summary.empty_figures);
   summary.wall_time = study::seconds_since(began);
   nlohmann::ordered_json manifest;
   manifest["schema"] = kind.schema;
@@ -94,67 +85,94 @@ void write_results(const Study& study, const Entries& entries, const StudyRunOpt
                           {"workers", summary.workers},           {"wall_time_s", summary.wall_time},
                           {"method_time_s", summary.method_time}, {"method_share", summary.method_share()}};
   add_environment(manifest, options.version);
-  files.add((folder / "manifest.json").string(), manifest.dump(2) + "\n");
-  files.commit();
+  files.emplace_back((fs::path(options.out) / "manifest.json").string()).write(manifest.dump(2) + "\n");
+  files.back().close();
+  for (OutputFile& file : files) file.commit();
 }
 
-std::size_t count_bad(const Entries& entries) {
-  std::size_t bad = 0;
-  for (const auto& [index, entry] : entries) bad += entry.row.find(R"("point":"ok")") == std::string::npos ? 1 : 0;
-  return bad;
+/// The number of shards that the journals of a merge are of; 0 unless they agree.
+std::size_t common_count(const std::vector<std::string>& names) {
+  std::set<std::size_t> counts;
+  for (const std::string& name : names) counts.insert(study::shard_count(name));
+  return counts.size() == 1 ? *counts.begin() : 0;
 }
 
-std::size_t count_lost(const Entries& entries) {
-  return static_cast<std::size_t>(
-      std::count_if(entries.begin(), entries.end(), [](const auto& item) { return lost(item.second); }));
+/// What a merge lacks, and of which shards.
+std::string missing_text(const RowStore& rows, std::size_t count) {
+  std::size_t first = 0;
+  while (rows.has(first)) ++first;
+  std::string text = fmt::format("{} of {} points are missing from the shards, the first is {}; nothing was written",
+                                 rows.size() - rows.count(), rows.size(), first);
+  if (count < 2 || count > rows.size()) return text;
+  std::vector<study::ShardState> shards(count);
+  const std::vector<std::uint32_t> owners = study::shard_owners(rows.size(), count);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    study::ShardState& shard = shards[owners[i] - 1];
+    shard.number = owners[i];
+    ++shard.points;
+    shard.done += rows.has(i) ? 1 : 0;
+  }
+  return fmt::format("{}. Missing: shard {}", text, study::incomplete_text(shards));
 }
 
-Entries collect_shards(const Study& study, const std::vector<std::string>& folders) {
-  Entries all, without;
+void collect_shards(const Study& study, const std::vector<std::string>& folders, RowStore& rows) {
+  std::vector<std::string> names;
   for (const std::string& folder : folders) {
     if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: no folder to merge", folder));
     for (const auto& item : fs::directory_iterator(folder)) {
       if (item.path().extension() != ".journal") continue;
-      Entries part = study::read_journal(item.path().string(), identity(study));
-      for (const auto& [index, entry] : part) {
-        if (lost(entry)) without.emplace(index, entry);
-      }
-      drop_lost(part);
-      all.merge(part);
+      names.push_back(item.path().filename().string());
+      const std::size_t file = rows.add_file(item.path().string());
+      study::JournalVisitor visit = noting(rows, file);
+      // A mark voids what stands before it in this journal, not the other shards.
+      visit.anew = [&rows, file] { rows.clear(file); };
+      study::scan_journal(item.path().string(), identity(study), visit);
     }
   }
-  all.merge(without);  // points lost in one shard's folder may have been computed in another
-  drop_damaged(all, study);
-  if (all.size() != study.plan().size()) {
-    std::size_t first = 0;
-    while (all.contains(first)) ++first;
-    throw std::invalid_argument(
-        fmt::format("{} of {} points are missing from the shards, the first is {}; nothing was written",
-                    study.plan().size() - all.size(), study.plan().size(), first));
-  }
-  return all;
+  if (rows.count() != rows.size()) throw std::invalid_argument(missing_text(rows, common_count(names)));
 }
 
 StudySummary merge(const Study& study, const StudyRunOptions& options, Clock::time_point began) {
-  const Entries all = collect_shards(study, options.merge);
-  StudySummary summary{
-      .points = all.size(), .found = all.size(), .bad = count_bad(all), .lost = count_lost(all), .finished = true};
+  RowStore rows(study.plan().size());
+  collect_shards(study, options.merge, rows);
+  StudySummary summary{.points = rows.size(),
+                       .found = rows.size(),
+                       .bad = rows.count_unanswered(),
+                       .lost = rows.count_lost(),
+                       .finished = true};
   claim_results_folder(options.out, kind, study.hash());
-  write_results(study, all, options, began, summary);
+  write_results(study, rows, options, began, summary);
   return summary;
 }
 
 }  // namespace
 
-StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
-  const auto began = Clock::now();
+void check_study_size(const Study& study, bool large) {
   const std::size_t size = study.plan().size();
-  if (size > largest_study || (size > large_study && !options.large)) {
+  if (size > largest_study || (size > large_study && !large)) {
     throw InputError(study.path, study.origin.line, study.origin.column,
                      fmt::format("the study has {} points, most by {}; {}", size, study.origin.what,
                                  size > largest_study ? fmt::format("allowed is up to {}", largest_study)
                                                       : fmt::format("more than {} need --large", large_study)));
   }
+  if (const double bytes = bytes_a_point * static_cast<double>(size);
+      size > large_study && bytes > available_memory()) {
+    throw InputError(
+        study.path, study.origin.line, study.origin.column,
+        fmt::format("the results of {} points, most by {}, would take about {:.0f} GB of memory, {:.0f} GB "
+                    "are there; nothing was computed",
+                    size, study.origin.what, 1e-9 * bytes, 1e-9 * available_memory()));
+  }
+}
+
+void claim_study_folder(const Study& study, const std::string& folder) {
+  claim_results_folder(folder, kind, study.hash());
+}
+
+StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
+  const auto began = Clock::now();
+  const std::size_t size = study.plan().size();
+  check_study_size(study, options.large);
   const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
   if (!options.merge.empty()) return merge(study, options, began);
   claim_results_folder(options.out, kind, study.hash());
@@ -162,18 +180,19 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   const bool whole = options.shards == 1;
   const fs::path folder = options.out;
   const std::string journal_path =
-      (folder / (whole ? "study.journal" : fmt::format("shard-{}-of-{}.journal", options.shard, options.shards)))
-          .string();
-  study::Journal journal(journal_path, identity(study));
+      (folder / (whole ? "study.journal" : study::shard_journal(options.shard, options.shards))).string();
+  RowStore rows(size);
+  if (whole) note_finished(rows, folder, study);
+  const std::size_t file = rows.add_file(journal_path);
+  const study::JournalVisitor found = noting(rows, file);
+  study::Journal journal(journal_path, identity(study), &found);
   if (options.fresh) journal.begin_anew();
-  Entries entries = journal.entries();
-  drop_damaged(entries, study);
-  if (whole && !journal.anew()) entries.merge(finished_rows(folder, study));
-  drop_lost(entries);
+  if (options.fresh) rows.clear();
+  rows.drop_lost();
 
   std::vector<std::size_t> missing;
   for (const std::size_t i : share) {
-    if (!entries.contains(i)) missing.push_back(i);
+    if (!rows.has(i)) missing.push_back(i);
   }
   StudySummary summary{.points = share.size(), .found = share.size() - missing.size(), .computed = missing.size()};
   study::RunOptions run{options.workers, study.isolation, 0.0};
@@ -186,19 +205,18 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
       [&](std::size_t i, const std::string& why) { return study.lost_row(i, why); },
       [&](std::size_t i, const study::Entry& timed) {
         const study::Entry entry = without_time(timed);
-        journal.append(i, entry);
+        rows.put(i, file, journal.append(i, entry), entry.row);
         summary.method_time += entry.seconds;
-        entries[i] = entry;
         ++progress.done;
         progress.seconds = study::seconds_since(began);
         if (options.progress) options.progress(progress);
       },
       run);
   summary.wall_time = study::seconds_since(began);
-  summary.bad = count_bad(entries);
-  summary.lost = count_lost(entries);
+  summary.bad = rows.count_unanswered();
+  summary.lost = rows.count_lost();
   if (!whole) return summary;
-  write_results(study, entries, options, began, summary);
+  write_results(study, rows, options, began, summary);
   // The rows are safe now; a kill just before this line costs nothing but the reading of a journal that says the same.
   fs::remove(journal_path);
   summary.finished = true;
@@ -207,6 +225,43 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   throw OutputError(error.what());
 } catch (const fs::filesystem_error& error) {
   throw OutputError(error.what());
+}
+
+std::vector<study::ShardState> study_shards(const Study& study, const std::string& folder, std::size_t shards) try {
+  const std::size_t size = study.plan().size();
+  std::vector<study::ShardState> states(shards);
+  std::vector<bool> done(size), lost(size);
+  for (std::size_t s = 0; s < shards; ++s) {
+    study::ShardState& state = states[s];
+    state.number = s + 1;
+    state.points = size / shards + (s < size % shards ? 1 : 0);
+    const std::string path = (fs::path(folder) / study::shard_journal(s + 1, shards)).string();
+    if (!fs::exists(path)) continue;
+    state.in_use = study::journal_in_use(path);
+    std::vector<std::size_t> seen;
+    study::JournalVisitor visit;
+    visit.entry = [&](const study::JournalLine& line) {
+      if (line.index >= size || done[line.index]) return;
+      if (!lost[line.index]) seen.push_back(line.index);
+      lost[line.index] = study::is_lost(line.row);
+      done[line.index] = !lost[line.index];
+      if (done[line.index]) state.seconds += line.seconds;
+    };
+    visit.anew = [&] {
+      for (const std::size_t i : seen) done[i] = lost[i] = false;
+      seen.clear();
+      state.seconds = 0.0;
+    };
+    study::scan_journal(path, identity(study), visit);
+    for (const std::size_t i : seen) done[i] ? ++state.done : ++state.lost;
+  }
+  return states;
+} catch (const study::JournalError& error) {
+  throw OutputError(error.what());
+}
+
+bool study_finished(const Study& study, const std::string& folder) {
+  return results_hash(folder, kind) == study.hash() && fs::exists(fs::path(folder) / "rows.jsonl");
 }
 
 }  // namespace accdec

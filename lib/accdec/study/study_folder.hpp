@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
+#include <accdec/study/shards.hpp>
 #include <accdec/study/study_file.hpp>
 
 namespace accdec {
 
 /// Points beyond which a study must be asked for by a flag.
 inline constexpr std::size_t large_study = 100'000;
-/// Points beyond which there is no study: its rows are held in memory for the tables and figures.
+/// Points beyond which there is no study: a point takes some 100 bytes of memory for places of rows and for figures.
 inline constexpr std::size_t largest_study = 10'000'000;
 
 struct StudyProgress {
@@ -53,7 +54,19 @@ struct StudySummary {
 /// until the new ones are complete. A shard leaves its journal only, shard-I-of-N.journal.
 /// @throws OutputError for a folder with anything but this study's results in it (nothing is changed then), or one that
 /// cannot be written; InputError for a study too large without the flag, at what makes it so; std::invalid_argument for
-/// a shard that does not exist, a merge with points missing.
+/// a shard that does not exist, a merge with points missing (it names the shards that lack them).
 StudySummary run_study(const Study& study, const StudyRunOptions& options);
+
+/// @throws InputError for a study too large, at what makes it so. @param large  allow more than `large_study` points
+void check_study_size(const Study& study, bool large);
+
+/// Makes a folder the study's own. @throws OutputError if it holds anything else
+void claim_study_folder(const Study& study, const std::string& folder);
+
+/// How far the shards of a study in a folder are, one entry each. @throws OutputError
+std::vector<study::ShardState> study_shards(const Study& study, const std::string& folder, std::size_t shards);
+
+/// Whether a folder has the finished results of a study.
+bool study_finished(const Study& study, const std::string& folder);
 
 }  // namespace accdec

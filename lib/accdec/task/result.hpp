@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,8 @@
 
 namespace accdec {
 
+struct Certificate;  // certificate/certificate.hpp
+
 enum class Status {
   optimal,     ///< verified, and proved that nothing is shorter
   feasible,    ///< verified
@@ -18,6 +21,17 @@ enum class Status {
   failed       ///< no verified answer, for the reason in the message
 };
 std::string_view to_string(Status status);
+
+/// Why a design ended. After all but `finished` more time might have led further.
+enum class StopReason {
+  finished,     ///< the method had nothing more to try
+  gap_reached,  ///< the gap asked for
+  time_limit,
+  interrupted  ///< from outside
+};
+inline constexpr StopReason stop_reasons[] = {StopReason::finished, StopReason::gap_reached, StopReason::time_limit,
+                                              StopReason::interrupted};
+std::string_view to_string(StopReason reason);
 
 struct CornerResult {
   std::string name;
@@ -53,6 +67,7 @@ struct SolverReport {
 struct DesignResult {
   Task task;
   Status status = Status::failed;
+  StopReason stop = StopReason::finished;
   std::optional<Filter> filter;
   std::vector<CornerResult> corners;
   double cycle_time = 0.0;            ///< s, machine time: Objective::cycle of objective.hpp
@@ -63,7 +78,7 @@ struct DesignResult {
   VerificationReport verification;
   SolverReport solver;
   std::string message;
-  std::string certificate;  ///< JSON text of the certificate, empty when there is none
+  std::shared_ptr<const Certificate> certificate;  ///< null when there is none
 
   /// s; of the two times the one the task asks to minimise.
   double objective() const { return task.design.objective == Objective::cycle ? cycle_time : corner_time; }

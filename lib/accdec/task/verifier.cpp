@@ -9,9 +9,20 @@
 
 #include <accdec/task/objective.hpp>
 #include <accdec/task/simulation.hpp>
+#include <accdec/task/verification_cost.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
+
+std::string_view to_string(StopReason reason) {
+  switch (reason) {
+    case StopReason::finished: return "finished";
+    case StopReason::gap_reached: return "gap reached";
+    case StopReason::time_limit: return "time limit";
+    case StopReason::interrupted: return "interrupted";
+  }
+  return "finished";
+}
 
 std::string_view to_string(Status status) {
   switch (status) {
@@ -215,6 +226,7 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
   if (delays.size() != task.corners.size()) {
     throw std::invalid_argument(fmt::format("{} delays for {} corners", delays.size(), task.corners.size()));
   }
+  require_simulation_room(task, filter.order(), delays);
   std::vector<LimitUse> uses;
   std::vector<CornerResult> measured;
   for (std::size_t j = 0; j < task.corners.size(); ++j) {

@@ -57,13 +57,26 @@ double planned_time(const Toolpath& path, const Filter& filter, const Task& task
   return plan.errors_hold ? static_cast<double>(plan.simulation.samples) * task.sample_period : unlimited;
 }
 
+class Deadline {
+ public:
+  explicit Deadline(double seconds) : seconds_(seconds) {}
+  bool over() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count() > seconds_;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double seconds_;
+};
+
 /// Trapezoids judged by the whole program, which knows what a few corners do not: rapid moves, for instance, go faster
 /// with longer filters. A coarse grid of orders and ramps, then steps around the best that halve. At most `evaluations`
 /// programs are timed.
 class TrapezoidSearch {
  public:
-  TrapezoidSearch(const Toolpath& path, const Task& task, const Machine& machine, long evaluations)
-      : path_(path), task_(task), machine_(machine), left_(evaluations) {}
+  /// @param time_limit  s
+  TrapezoidSearch(const Toolpath& path, const Task& task, const Machine& machine, long evaluations, double time_limit)
+      : path_(path), task_(task), machine_(machine), left_(evaluations), watch_(time_limit) {}
 
   void run() {
     const int low = task_.design.order_min, high = task_.design.order_max;
@@ -88,6 +101,7 @@ class TrapezoidSearch {
 
  private:
   void offer(int order, int ramp) {
+    if (filter_ && watch_.over()) left_ = 0;
     if (left_ <= 0 || order < task_.design.order_min || order > task_.design.order_max || ramp < 0 || ramp > order / 2)
       return;
     --left_;
@@ -105,6 +119,7 @@ class TrapezoidSearch {
   const Task& task_;
   const Machine& machine_;
   long left_, used_ = 0;
+  const Deadline watch_;
   std::optional<Filter> filter_;
   double time_ = unlimited;
   int order_ = 0, ramp_ = 0;
@@ -195,66 +210,86 @@ class Candidates {
 
 }  // namespace
 
-Task representative_task(const Toolpath& path, const Task& task, std::size_t corners_max) {
-  Task result = task;
-  result.filter.reset();
-  result.corners.clear();
-  result.machine = program_machine(task.machine, path);
-  const std::size_t n = path.dimensions();
+namespace {
 
-  // Classes of 10 degrees, of headings by fifths of each axis's share, and of factors of 1.5 in feeds and tolerance.
-  std::map<std::vector<int>, Class> classes;
-  double runs = 1.0;
-  std::vector<double> fastest(n, 0.0);
-  std::vector<std::size_t> driver(n, 0);
+/// What a program's blocks are like, seen once.
+struct Survey {
+  std::vector<Class> corners;        ///< most frequent first
+  std::vector<std::size_t> fastest;  ///< blocks in which some axis is fastest, each once
+  double runs = 1.0;                 ///< from rest to rest
+};
+
+/// Class of the corner after block b: 10 degrees, headings by fifths of each axis's share, factors of 1.5 in feeds and
+/// tolerance.
+std::vector<int> class_of(const Toolpath& path, std::size_t b, const Eigen::VectorXd& in, const Eigen::VectorXd& out) {
   const auto logarithm = [](double x) {
     return x > 0.0 ? static_cast<int>(std::floor(std::log(x) / std::log(1.5))) : -1000;
   };
+  const double cosine = -in.dot(out) / (in.norm() * out.norm());
+  const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
+  std::vector<int> key{static_cast<int>(angle / 10.0), logarithm(in.norm() / path.duration[b]),
+                       logarithm(out.norm() / path.duration[b + 1]), logarithm(path.tolerance[b])};
+  for (const Eigen::VectorXd* u : {&in, &out}) {
+    for (Eigen::Index a = 0; a < u->size(); ++a) key.push_back(static_cast<int>(5.0 * std::abs((*u)[a]) / u->norm()));
+  }
+  return key;
+}
+
+Survey survey(const Toolpath& path) {
+  Survey found;
+  const std::size_t n = path.dimensions();
+  std::map<std::vector<int>, Class> classes;
+  std::vector<double> most(n, 0.0);
+  found.fastest.assign(n, 0);
   Eigen::VectorXd in, out = leg(path, 0);
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     in = out;
     for (std::size_t a = 0; a < n && path.rapid[b] == 0; ++a) {
       const double speed = std::abs(in[static_cast<Eigen::Index>(a)]) / path.duration[b];
-      if (speed > fastest[a]) fastest[a] = speed, driver[a] = b;
+      if (speed > most[a]) most[a] = speed, found.fastest[a] = b;
     }
     if (b + 1 == path.blocks()) break;
     out = leg(path, b + 1);
-    if (path.joint[b] == Joint::stop) runs += 1.0;
+    if (path.joint[b] == Joint::stop) found.runs += 1.0;
     if (path.joint[b] != Joint::corner || path.rapid[b] != 0 || path.rapid[b + 1] != 0) continue;
-    const double cosine = -in.dot(out) / (in.norm() * out.norm());
-    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
-    std::vector<int> key{static_cast<int>(angle / 10.0), logarithm(in.norm() / path.duration[b]),
-                         logarithm(out.norm() / path.duration[b + 1]), logarithm(path.tolerance[b])};
-    for (const Eigen::VectorXd& u : {in, out}) {
-      for (Eigen::Index a = 0; a < u.size(); ++a) key.push_back(static_cast<int>(5.0 * std::abs(u[a]) / u.norm()));
-    }
-    Class& c = classes[key];
+    Class& c = classes[class_of(path, b, in, out)];
     if (c.count++ == 0) c.member = b;
   }
-  std::vector<Class> frequent;
-  for (const auto& [key, c] : classes) frequent.push_back(c);
-  std::stable_sort(frequent.begin(), frequent.end(), [](const Class& a, const Class& b) { return a.count > b.count; });
-  double all = 0.0, kept = 0.0;
-  for (std::size_t i = 0; i < frequent.size(); ++i) {
-    all += static_cast<double>(frequent[i].count);
-    if (i < corners_max) kept += static_cast<double>(frequent[i].count);
-  }
-  if (frequent.size() > corners_max) frequent.resize(corners_max);
+  for (const auto& [key, c] : classes) found.corners.push_back(c);
+  std::stable_sort(found.corners.begin(), found.corners.end(),
+                   [](const Class& a, const Class& b) { return a.count > b.count; });
+  std::sort(found.fastest.begin(), found.fastest.end());
+  found.fastest.erase(std::unique(found.fastest.begin(), found.fastest.end()), found.fastest.end());
+  return found;
+}
+
+}  // namespace
+
+Task representative_task(const Toolpath& path, const Task& task, std::size_t corners_max) {
+  Task result = task;
+  result.filter.reset();
+  result.corners.clear();
+  result.machine = program_machine(task.machine, path);
+  const Survey found = survey(path);
   result.design.objective = Objective::cycle;
-  result.design.runs = runs;
-  for (const Class& c : frequent) {
-    const std::size_t b = c.member;
+  result.design.runs = found.runs;
+
+  double all = 0.0, kept = 0.0;
+  for (std::size_t i = 0; i < found.corners.size(); ++i) {
+    all += static_cast<double>(found.corners[i].count);
+    if (i < corners_max) kept += static_cast<double>(found.corners[i].count);
+  }
+  for (std::size_t i = 0; i < std::min(corners_max, found.corners.size()); ++i) {
+    const std::size_t b = found.corners[i].member;
     const Eigen::VectorXd u = leg(path, b), w = leg(path, b + 1);
     TaskCorner corner = task_corner(fmt::format("line {}", path.line[b]), u, w, u.norm() / path.duration[b],
                                     w.norm() / path.duration[b + 1]);
     corner.error_max = path.tolerance[b];
     // The classes kept stand for the others, too.
-    corner.weight = static_cast<double>(c.count) * all / kept;
+    corner.weight = static_cast<double>(found.corners[i].count) * all / kept;
     result.corners.push_back(std::move(corner));
   }
-  std::sort(driver.begin(), driver.end());
-  driver.erase(std::unique(driver.begin(), driver.end()), driver.end());
-  for (const std::size_t b : driver) {
+  for (const std::size_t b : found.fastest) {
     const Eigen::VectorXd u = leg(path, b);
     const double feed = u.norm() / path.duration[b];
     TaskCorner corner = task_corner(fmt::format("pass in line {}", path.line[b]), u, u, feed, feed);
@@ -272,15 +307,21 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
   const Machine machine = program_machine(task.machine, path);
   Candidates candidates(path, task, machine, progress);
   // About as much work as reading a program of 50 million blocks.
-  TrapezoidSearch search(path, task, machine, std::clamp(50'000'000L / static_cast<long>(path.blocks()), 40L, 2000L));
+  TrapezoidSearch search(path, task, machine, std::clamp(50'000'000L / static_cast<long>(path.blocks()), 40L, 2000L),
+                         0.2 * time_limit);
   search.run();
   DesignResult found;
   found.filter = search.filter();
   found.message = "no trapezoid holds them";
   found.solver.evaluations = search.evaluations();
   candidates.offer(found, "trapezoid for the program");
-  for (std::size_t i = 0; const BaselineResult& family : best_baselines(representative)) {
-    candidates.offer(family.result, std::string(baselines()[i++].name));
+  const Deadline families(0.3 * time_limit);
+  for (const Baseline& family : baselines()) {
+    // Under a jerk limit these are searched for minutes, which a small program is not worth.
+    const bool slow =
+        family.shape == Shape::exponential || family.shape == Shape::gaussian || family.shape == Shape::blackman_sinc;
+    if (families.over() || (slow && time_limit < 30.0)) continue;
+    candidates.offer(best_baseline(representative, family).result, std::string(family.name));
   }
   DesignOptions options;
   options.time_limit = 0.6 * time_limit;

@@ -26,8 +26,11 @@ double at_speed(const Axis& axis, double v) {
 
 }  // namespace
 
-AvailableAcceleration::AvailableAcceleration(const Machine& machine, double period, int taps)
-    : machine_(machine), period_(period), window_(period * taps), blur_(0.5 * window_ + period), taps_(taps) {
+AvailableAcceleration::AvailableAcceleration(const Machine& machine, double period, LastFilter last)
+    : machine_(machine),
+      period_(period),
+      last_(std::move(last)),
+      blur_(0.5 * period * (last_.filter().order() + 1) + period) {
   for (const Axis& axis : machine.axes) {
     depends_ =
         depends_ || axis.force_max < unlimited || axis.power_max < unlimited || axis.regeneration_max < unlimited;
@@ -75,17 +78,6 @@ std::optional<double> longest_jerk_time(const Machine& machine) {
     if (axis.jerk_max < unlimited) longest = std::max(longest.value_or(0.0), at_speed(axis, 0.0) / axis.jerk_max);
   }
   return longest;
-}
-
-std::string profiles_refusal(const Machine& machine) {
-  for (const Mode& mode : machine.modes) {
-    if (mode.residual_max < 1.0) {
-      return "plan profiles cannot hold vibration bounds ([[mode]]): they judge the frequency response of one filter, "
-             "and here every corner "
-             "has its own; use --plan fixed";
-    }
-  }
-  return {};
 }
 
 }  // namespace accdec

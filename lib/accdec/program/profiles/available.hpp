@@ -2,9 +2,9 @@
 
 #include <cstddef>
 #include <optional>
-#include <string>
 
 #include <accdec/machine/machine.hpp>
+#include <accdec/program/profiles/last_filter.hpp>
 
 namespace accdec {
 
@@ -15,11 +15,10 @@ class AvailableAcceleration {
  public:
   /// @param machine  one axis a dimension of the path, or none; the reference is kept
   /// @param period   s, the sample period T
-  /// @param taps     >= 1, of the boxcar that the sampled motion passes last. Its jerk is the change of the
-  /// acceleration within `taps` T over
-  ///                 that time, so an axis with a jerk limit may change its acceleration by `swing` within that time,
-  ///                 and has no more than that
-  AvailableAcceleration(const Machine& machine, double period, int taps);
+  /// @param last     which the sampled motion passes last. Its jerk is at most the change of the acceleration within
+  ///                 the window over the swing time, so an axis with a jerk limit may change its acceleration by
+  ///                 `swing` within the window, and has no more than that
+  AvailableAcceleration(const Machine& machine, double period, LastFilter last);
 
   /// m/s^2 of an axis at `speed` >= 0 m/s of that axis; `unlimited` if nothing limits it, 0 if the speed cannot be
   /// held.
@@ -31,13 +30,13 @@ class AvailableAcceleration {
   /// Whether the acceleration depends on the speed (force, power or regeneration is limited).
   bool depends_on_speed() const { return depends_; }
   bool any() const { return !machine_.axes.empty(); }
-  /// m/s^2: j_max taps T; `unlimited` without a jerk limit.
+  /// m/s^2: j_max times the swing time; `unlimited` without a jerk limit.
   double swing(std::size_t axis) const {
-    return machine_.axes.empty() ? unlimited : machine_.axes[axis].jerk_max * window_ * jerk_margin;
+    return machine_.axes.empty() ? unlimited : machine_.axes[axis].jerk_max * last_.swing_time() * jerk_margin;
   }
-  /// s: taps T if there is more than one tap, else 0.
-  double window() const { return taps_ > 1 ? window_ : 0.0; }
-  int taps() const { return taps_; }
+  const LastFilter& last() const { return last_; }
+  /// s, of the last filter.
+  double window() const { return last_.window(); }
   double period() const { return period_; }
 
   /// Share of every limit that plans use, so that rounding of positions does not break it.
@@ -45,16 +44,13 @@ class AvailableAcceleration {
 
  private:
   const Machine& machine_;
-  double period_, window_, blur_;
-  int taps_;
+  double period_;
+  LastFilter last_;
+  double blur_;
   bool depends_ = false;
 };
 
 /// The longest a_max/j_max of the axes with a jerk limit, s; none without such an axis.
 std::optional<double> longest_jerk_time(const Machine& machine);
-
-/// Why plan `profiles` cannot take a task; empty if it can. Vibration bounds are refused: they judge one filter's
-/// frequency response, and here every corner has its own.
-std::string profiles_refusal(const Machine& machine);
 
 }  // namespace accdec

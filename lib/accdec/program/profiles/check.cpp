@@ -28,21 +28,31 @@ double segment_distance2(const double* a, const double* b, const double* point, 
 
 SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, double sample_period,
                              std::span<double> errors, Broken broken)
+    : SampleChecker(path, machine, sample_period, errors, std::move(broken), 0, path.blocks() - 1, 0) {}
+
+SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, double sample_period,
+                             std::span<double> errors, Broken broken, std::size_t first, std::size_t last, int unseen)
     : path_(path),
       machine_(machine),
       period_(sample_period),
       n_(path.dimensions()),
       errors_(errors),
       broken_(std::move(broken)),
-      before_(path.point(0), path.point(0) + path.dimensions()),
+      before_(path.point(first), path.point(first) + path.dimensions()),
       now_(before_),
       velocity_(n_),
       acceleration_(n_),
       jerk_(n_),
-      largest_(n_) {
-  std::fill(errors.begin(), errors.end(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < path.points.size(); ++i)
-    largest_[i % n_] = std::max(largest_[i % n_], std::abs(path.points[i]));
+      largest_(n_),
+      unseen_(unseen),
+      first_(first),
+      last_(last),
+      places_{2 * static_cast<std::int64_t>(first), 2 * static_cast<std::int64_t>(first),
+              2 * static_cast<std::int64_t>(first)} {
+  for (std::size_t b = first; b <= last; ++b) errors[b] = std::numeric_limits<double>::infinity();
+  for (std::size_t i = first; i <= last + 1; ++i) {
+    for (std::size_t a = 0; a < n_; ++a) largest_[a] = std::max(largest_[a], std::abs(path.point(i)[a]));
+  }
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
     const auto add = [&](LimitKind kind, double bound) {
@@ -90,8 +100,9 @@ void SampleChecker::look_limits(std::int64_t place_first, std::int64_t place_las
 
 /// The segment to this sample against every joint whose legs its samples may lie on.
 void SampleChecker::look_joints(std::int64_t place_first, std::int64_t place_last) {
-  const std::int64_t last = static_cast<std::int64_t>(path_.blocks()) - 1;
-  const std::int64_t from = std::max<std::int64_t>(1, (std::min(places_[0], place_first) + 1) / 2),
+  const std::int64_t last = static_cast<std::int64_t>(std::min(last_ + 1, path_.blocks() - 1));
+  const std::int64_t from = std::max<std::int64_t>(static_cast<std::int64_t>(first_) + 1,
+                                                   (std::min(places_[0], place_first) + 1) / 2),
                      to = std::min(last, place_last / 2 + 1);
   for (std::int64_t c = from; c <= to; ++c) {
     double& error = errors_[static_cast<std::size_t>(c - 1)];
@@ -110,20 +121,33 @@ void SampleChecker::look(const double* position, std::int64_t place_first, std::
     acceleration_[a] = acceleration;
     velocity_[a] = v;
   }
-  look_limits(place_first, place_last);
+  if (sample_ > unseen_) look_limits(place_first, place_last);
   look_joints(place_first, place_last);
   places_[2] = places_[1];
   places_[1] = places_[0];
   places_[0] = place_first;
 }
 
+/// At rest for as long as a difference of third order reaches back.
+void SampleChecker::settle() {
+  const std::vector<double> end = now_;
+  for (int i = 0; i < 3; ++i) look(end.data(), places_[0], 2 * static_cast<std::int64_t>(path_.blocks()) - 1);
+}
+
+void SampleChecker::take_roots() {
+  for (std::size_t b = first_; b <= last_; ++b) errors_[b] = std::isfinite(errors_[b]) ? std::sqrt(errors_[b]) : 0.0;
+}
+
+void SampleChecker::finish_part(bool at_rest) {
+  if (at_rest) settle();
+  take_roots();
+}
+
 SampleCheck SampleChecker::finish() {
   SampleCheck check;
   check.samples = sample_ + 1;
-  // At rest for as long as a difference of third order reaches back.
-  const std::vector<double> end = now_;
-  for (int i = 0; i < 3; ++i) look(end.data(), places_[0], 2 * static_cast<std::int64_t>(path_.blocks()) - 1);
-  for (double& error : errors_) error = std::isfinite(error) ? std::sqrt(error) : 0.0;
+  settle();
+  take_roots();
   for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
     if (path_.joint[b] == Joint::stop) errors_[b] = std::min(errors_[b], path_.tolerance[b]);
     check.errors_hold = check.errors_hold && holds(errors_[b], path_.tolerance[b]);

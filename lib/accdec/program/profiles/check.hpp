@@ -33,10 +33,15 @@ class SampleChecker {
   /// @param machine  as many axes as the path, or none  @param errors  of every block, see ProgramPlan; written
   SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors,
                 Broken broken);
+  /// Of legs first .. last of it only, the first `unseen` samples, which fill filters and differences, without limits.
+  SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors,
+                Broken broken, std::size_t first, std::size_t last, int unseen);
 
   /// The next sample after the start, m. The places say which joints it may be measured against.
   void look(const double* position, std::int64_t place_first, std::int64_t place_last);
   SampleCheck finish();
+  /// For a part: the errors of its joints. @param at_rest  it ends where the program does
+  void finish_part(bool at_rest);
 
  private:
   struct Worst {
@@ -48,6 +53,8 @@ class SampleChecker {
   void look_limits(std::int64_t place_first, std::int64_t place_last);
   void look_joints(std::int64_t place_first, std::int64_t place_last);
   double value_of(const Worst& worst) const;
+  void settle();
+  void take_roots();
 
   const Toolpath& path_;
   const Machine& machine_;
@@ -58,6 +65,8 @@ class SampleChecker {
   std::vector<Worst> worst_;
   std::vector<double> before_, now_, velocity_, acceleration_, jerk_, largest_;
   std::int64_t sample_ = 0;
+  std::int64_t unseen_ = 0;
+  std::size_t first_ = 0, last_ = 0;    // legs
   std::int64_t places_[3] = {0, 0, 0};  // first places of the last samples
 };
 

@@ -50,7 +50,7 @@ class Search {
     return legs_.tolerance - n_ / stretch * available_.period() * available_.period() / 8.0;
   }
   bool holds(double v, double stretch, double coast) const {
-    return corner_distance(n_, v, stretch * v, available_.window(), ramp_, coast) <= tolerance(stretch);
+    return corner_distance(n_, v, stretch * v, available_.last(), ramp_, coast) <= tolerance(stretch);
   }
   std::optional<CornerPass> with_coast(double coast) const {
     CornerPass pass{legs_.feed, stretch(legs_.feed), coast};
@@ -113,12 +113,8 @@ std::optional<CornerPass> best_coast(const AvailableAcceleration& available, std
 
 }  // namespace
 
-double corner_distance(double n, double v, double tau, double window, double ramp, double coast) {
-  const double p = std::max(tau, window), q = std::min(tau, window);
-  if (p == 0.0) return 0.0;
-  const double ramps = 0.5 * (window - tau) - coast;
-  return n * v * (p / 8.0 + q * q / (24.0 * p)) +
-         (ramps > 0.0 ? n * ramp * ramps * ramps * ramps / (6.0 * window) : 0.0);
+double corner_distance(double n, double v, double tau, const LastFilter& last, double ramp, double coast) {
+  return 0.5 * n * (v * last.deviation(tau) + ramp * last.beyond(0.5 * tau + coast));
 }
 
 CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs) {

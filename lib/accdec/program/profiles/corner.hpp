@@ -27,15 +27,15 @@ struct CornerLegs {
 
 /// The fastest pass within the tolerance and what acceleration the axes have.
 ///
-/// Distance of the path from the corner: by symmetry the boxcars of the corner (tau) and of the whole motion (w)
-/// commute; with n = |u2 - u1|
-///   n v (p/8 + q^2/(24 p)),   p = max(tau, w), q = min(tau, w),
-/// for w = 0 the parabola's n v tau/8. Ramps at both ends, a along the leg, add n a ((w - tau)/2 - coast)^3/(6 w) where
-/// that is positive. The tolerance is held by the polyline through the samples, which is up to |A| T^2/8 inside the
-/// path.
+/// Distance of the path from the corner where the mean of the last filter is: with n = |u2 - u1|
+///   n v/2 E|U + G - M|  (see LastFilter),
+/// for two boxcars, of the corner (tau) and of the whole motion (w), n v (p/8 + q^2/(24 p)), p = max(tau, w), q =
+/// min(tau, w), and without a last filter the parabola's n v tau/8. Ramps at both ends, a along the leg, which begin
+/// h = tau/2 + coast from the corner, add n a/2 E max(|G - M| - h, 0)^2 of one side. The tolerance is held by the
+/// polyline through the samples, which is up to |A| T^2/8 inside the path.
 CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs);
 
 /// The distance above, m.
-double corner_distance(double n, double v, double tau, double window, double ramp, double coast);
+double corner_distance(double n, double v, double tau, const LastFilter& last, double ramp, double coast);
 
 }  // namespace accdec

@@ -12,19 +12,34 @@ constexpr double almost = 1e-5;
 
 }  // namespace
 
-ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, int taps)
-    : path_(path), chain_(chain), period_(sample_period), taps_(taps), n_(path.dimensions()) {
-  std::copy_n(path.point(0), n_, raw_.begin());
+ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last)
+    : ProfileMotion(path, chain, sample_period, last, 0, path.blocks() - 1) {}
+
+ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last,
+                             std::size_t first_leg, std::size_t last_leg)
+    : path_(path),
+      chain_(chain),
+      period_(sample_period),
+      last_(last),
+      taps_(last.order() + 1),
+      n_(path.dimensions()),
+      leg_(first_leg),
+      last_leg_(last_leg),
+      place_(2 * static_cast<std::int64_t>(first_leg)) {
+  for (const double tap : last.taps()) equal_ = equal_ && tap == last.tap(0);
+  leg_pieces(first_leg);
+  std::copy_n(path.point(first_leg), n_, raw_.begin());
+  if (first_leg > 0 && !pieces_.empty()) raw_ = pieces_.front().x;
   out_ = raw_;
   if (taps_ > 1) {
     ring_.resize(static_cast<std::size_t>(taps_) * n_);
-    places_.assign(static_cast<std::size_t>(taps_), 0);
+    places_.assign(static_cast<std::size_t>(taps_), place_);
     for (std::size_t i = 0; i < ring_.size(); ++i) ring_[i] = raw_[i % n_];
     for (std::size_t a = 0; a < n_; ++a) sum_[a] = static_cast<long double>(raw_[a]) * taps_;
   }
-  rest_ = static_cast<std::int64_t>(std::ceil(path.dwell_first / period_ - 1e-9));
+  while (dwell_ < path.dwell.size() && path.dwell[dwell_].first < first_leg) ++dwell_;
+  if (first_leg == 0) rest_ = static_cast<std::int64_t>(std::ceil(path.dwell_first / period_ - 1e-9));
   time_ = period_;
-  leg_pieces(0);
 }
 
 void ProfileMotion::direction(std::size_t b, double* u) const {
@@ -91,7 +106,7 @@ void ProfileMotion::corner_piece(std::size_t c) {
   }
 }
 
-/// At rest in corner c: from the next sample on, until the boxcar is empty and dwells are over.
+/// At rest in corner c: from the next sample on, until the last filter is empty and dwells are over.
 void ProfileMotion::arrive(std::size_t c) {
   std::copy_n(path_.point(c), n_, raw_.begin());
   rest_ = taps_;
@@ -106,7 +121,7 @@ bool ProfileMotion::ends_at_stop() const {
   return piece_ + 1 == pieces_.size() && !in_corner_ && chain_.stops(leg_ + 1);
 }
 
-/// The next sample of the motion before the boxcar, into raw_.
+/// The next sample of the motion before the last filter, into raw_.
 bool ProfileMotion::raw() {
   if (rest_ > 0) {
     --rest_;
@@ -124,6 +139,7 @@ bool ProfileMotion::raw() {
       place_ = 2 * static_cast<std::int64_t>(leg_);
       continue;
     }
+    if (leg_ == last_leg_ && last_leg_ + 1 < path_.blocks()) return false;
     ++place_;
     if (!chain_.stops(leg_ + 1)) {
       in_corner_ = true;
@@ -147,12 +163,14 @@ bool ProfileMotion::raw() {
 void ProfileMotion::smooth() {
   double* row = ring_.data() + slot_ * n_;
   for (std::size_t a = 0; a < n_; ++a) {
-    sum_[a] += static_cast<long double>(raw_[a]) - static_cast<long double>(row[a]);
+    if (equal_) sum_[a] += static_cast<long double>(raw_[a]) - static_cast<long double>(row[a]);
     row[a] = raw_[a];
   }
   places_[slot_] = place_;
-  if (++slot_ == static_cast<std::size_t>(taps_)) {
-    slot_ = 0;
+  const std::size_t newest = slot_, count = static_cast<std::size_t>(taps_);
+  slot_ = slot_ + 1 == count ? 0 : slot_ + 1;
+  if (!equal_) return convolve(newest);
+  if (slot_ == 0) {
     // Summed anew once a round, so that rounding does not add up.
     for (std::size_t a = 0; a < n_; ++a) {
       sum_[a] = 0.0L;
@@ -160,6 +178,18 @@ void ProfileMotion::smooth() {
     }
   }
   for (std::size_t a = 0; a < n_; ++a) out_[a] = static_cast<double>(sum_[a] / taps_);
+}
+
+/// The newest sample and what the others are away from it, which rounds less than a sum of positions.
+void ProfileMotion::convolve(std::size_t newest) {
+  const std::size_t count = static_cast<std::size_t>(taps_);
+  std::array<double, program_axis_count> sum{};
+  const double* tap = last_.taps().data();
+  for (std::size_t i = 0, at = newest; i < count; ++i, at = at == 0 ? count - 1 : at - 1) {
+    if (tap[i] == 0.0) continue;
+    for (std::size_t a = 0; a < n_; ++a) sum[a] += tap[i] * (ring_[at * n_ + a] - raw_[a]);
+  }
+  for (std::size_t a = 0; a < n_; ++a) out_[a] = raw_[a] + sum[a];
 }
 
 bool ProfileMotion::next() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <accdec/motion/filter.hpp>
 #include <accdec/program/profiles/chain.hpp>
 #include <accdec/program/read/toolpath.hpp>
 
@@ -14,18 +15,21 @@ namespace accdec {
 /// In continuous time every leg is steady motion and constant accelerations, every corner a constant acceleration; it
 /// is sampled at T. Only where it comes to rest it waits for the next sample. Sampling keeps limits: the second
 /// difference of the samples over T^2 is a weighted mean of the acceleration, the third over T^3 one of the jerk. At
-/// last the samples pass a boxcar of `taps` taps; at rest they wait until it is empty.
+/// last the samples pass a filter; at rest they wait until it is empty.
 class ProfileMotion {
  public:
   /// References are kept.
-  ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, int taps);
+  ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last);
+  /// Of legs first_leg .. last_leg only, as if it had stood still before and ended before the corner at their end.
+  ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last,
+                std::size_t first_leg, std::size_t last_leg);
 
   /// Moves on by one sample; false if the motion is at rest at its end. The first call gives the first sample after the
   /// start.
   bool next();
   /// m, one value a dimension.
   const double* position() const { return out_.data(); }
-  /// What the sample lies on: 2 b for leg b, 2 b + 1 for the corner after it; of the samples inside the boxcar the
+  /// What the sample lies on: 2 b for leg b, 2 b + 1 for the corner after it; of the samples inside the filter the
   /// first and the last.
   std::int64_t place_first() const { return taps_ == 1 ? place_ : places_[slot_]; }
   std::int64_t place_last() const { return place_; }
@@ -45,15 +49,19 @@ class ProfileMotion {
   bool ends_at_stop() const;
   bool raw();
   void smooth();
+  void convolve(std::size_t newest);
 
   const Toolpath& path_;
   const ProfileChain& chain_;
   const double period_;
+  const Filter& last_;
   const int taps_;
+  bool equal_ = true;  // taps
   const std::size_t n_;
   std::vector<Piece> pieces_;  // of the leg or corner being driven
   std::size_t piece_ = 0;
   std::size_t leg_ = 0;  // being driven, or before the corner being driven
+  std::size_t last_leg_ = 0;
   bool in_corner_ = false;
   bool done_ = false;
   double time_ = 0.0;      // since the beginning of the piece, of the next sample
@@ -61,7 +69,7 @@ class ProfileMotion {
   std::int64_t place_ = 0;
   std::size_t dwell_ = 0;  // next entry of the path's dwells
   std::array<double, program_axis_count> raw_{}, out_{};
-  // the boxcar
+  // the last filter
   std::vector<double> ring_;  // taps rows
   std::vector<std::int64_t> places_;
   std::size_t slot_ = 0;

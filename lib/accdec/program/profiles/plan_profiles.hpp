@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <accdec/motion/filter.hpp>
 #include <accdec/program/profiles/chain.hpp>
 #include <accdec/program/profiles/check.hpp>
 #include <accdec/program/read/toolpath.hpp>
@@ -12,7 +13,7 @@ namespace accdec {
 /// with its own ramps.
 struct ProfilePlan {
   ProfileChain chain;
-  int taps = 1;                ///< of the boxcar that the samples pass last, for the jerk limit; 1: none
+  Filter last{{1.0}};          ///< that the samples pass last, see LastFilter; a single tap: none
   std::vector<double> errors;  ///< m, of the joint at the end of every block, from the samples
   SampleCheck check;           ///< of every sample
   int rounds = 0;              ///< of repair
@@ -22,12 +23,13 @@ struct ProfilePlan {
 /// Plans, samples and verifies. Where samples break a limit or a tolerance nevertheless, that corner or leg is planned
 /// slower and everything verified again; what still breaks one after that is said by `holds`.
 ///
-/// Velocity, acceleration, jerk and tolerances without a jerk limit hold by construction. With a jerk limit the samples
-/// pass a boxcar of about a_max/j_max; several lengths are tried and the fastest kept. Jerk where legs are shorter than
-/// that boxcar, tolerances there, force, power and regeneration are planned with what holds nearly always, and
-/// repaired.
-/// @param machine  as many axes as the path, or none; no vibration bounds, see profiles_refusal
-/// @throws std::invalid_argument for vibration bounds
+/// By construction hold velocity, acceleration, tolerances without a last filter, and vibration bounds: the samples
+/// pass a last filter that holds them, whatever is commanded. With a jerk limit the last filter is a boxcar of about
+/// a_max/j_max; several are tried and the fastest verified plan is kept. Jerk where legs are shorter than the last
+/// filter, tolerances there, force, power and regeneration are planned with what holds nearly always, and repaired.
+/// @param machine  as many axes as the path, or none
+/// @throws std::invalid_argument where no last filter within two and a half periods of the slowest mode holds the
+///         vibration bounds
 ProfilePlan plan_profiles(const Toolpath& path, const Machine& machine, double sample_period);
 
 }  // namespace accdec

@@ -6,9 +6,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/machine/utilisation.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
+#include <accdec/program/profiles/last_filter.hpp>
 #include <accdec/program/profiles/motion.hpp>
 #include <accdec/program/profiles/profile_result.hpp>
+#include <accdec/program/write/samples.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -34,9 +38,26 @@ void judge(ProfileResult& result) {
     if (use.utilisation <= worst) continue;
     worst = use.utilisation;
     result.message =
-        fmt::format("{} {}: {:.1f} % at {}", to_string(use.kind), use.axis, 100.0 * use.utilisation, use.corner);
+        use.kind == LimitKind::vibration
+            ? fmt::format("vibration: {:.1f} % at {:.6g} Hz", 100.0 * use.utilisation, use.frequency)
+            : fmt::format("{} {}: {:.1f} % at {}", to_string(use.kind), use.axis, 100.0 * use.utilisation, use.corner);
   }
   result.message = "a limit is broken: " + result.message;
+}
+
+/// Of the last filter, where its taps are equal; else 0.
+int boxcar_taps(const ProfileResult& result) {
+  return LastFilter(result.plan.last, result.sample_period).boxcar();
+}
+
+/// The last filter holds the bounds of all modes by itself.
+void add_vibration(ProfileResult& result, const Machine& machine) {
+  SampleCheck& check = result.plan.check;
+  for (const LimitUse& use : vibration_utilisation(result.plan.last, result.sample_period, machine)) {
+    check.limits_hold = check.limits_hold && use.utilisation <= 1.0 + verification_tolerance;
+    check.limits.push_back(use);
+    check.limit_lines.push_back(0);
+  }
 }
 
 }  // namespace
@@ -54,6 +75,7 @@ ProfileResult run_profiles(const std::string& name, Toolpath path, const Task& t
   result.sample_period = task.sample_period;
   const Machine machine = program_machine(task.machine, result.path);
   result.plan = plan_profiles(result.path, machine, task.sample_period);
+  add_vibration(result, machine);
   result.cycle_time = static_cast<double>(result.plan.check.samples) * task.sample_period;
   result.lower_bound = program_lower_bound(result.path, machine);
   if (bound_time > 0.0) {
@@ -71,12 +93,16 @@ std::string profiles_summary(const ProfileResult& result) {
                  result.stops);
   fmt::format_to(put, "plan profiles, T = {:.6g} ms, {} samples", result.sample_period * 1e3,
                  result.plan.check.samples);
-  if (result.plan.taps > 1) fmt::format_to(put, ", a last boxcar of {} taps for the jerk", result.plan.taps);
+  if (result.plan.last.order() > 0) {
+    fmt::format_to(put, ", a last {} of {} taps", boxcar_taps(result) > 0 ? "boxcar" : "filter",
+                   result.plan.last.order() + 1);
+  }
   fmt::format_to(put, "\n\n");
   const auto row = [&](std::string_view what, double time) {
     fmt::format_to(put, "  {:<28}{:>14.4f} s{:>10.2f} %\n", what, time, 100.0 * time / result.cycle_time);
   };
   row("cycle time", result.cycle_time);
+  for (const PlanTime& other : result.candidates) row(describe(other), other.time);
   row("bound, continuous motion", result.lower_bound);
   if (const auto& bound = result.corner_bound) {
     row("bound, corners", bound->time);
@@ -94,7 +120,8 @@ std::string profiles_summary(const ProfileResult& result) {
   }
   for (const LimitUse& use : result.plan.check.limits) {
     fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>8.1f} %  {}\n", to_string(use.kind), use.axis, use.bound,
-                   100.0 * use.utilisation, use.corner);
+                   100.0 * use.utilisation,
+                   use.kind == LimitKind::vibration ? fmt::format("{:.6g} Hz", use.frequency) : use.corner);
   }
   fmt::format_to(put, "\n  planned and verified in {:.3g} s\n", result.wall_time);
   fmt::format_to(
@@ -110,8 +137,12 @@ std::string profiles_to_json(const ProfileResult& result) {
   json["program"] = result.program;
   json["status"] = result.message.empty() ? "feasible" : "failed";
   json["sample_period_s"] = result.sample_period;
+  json["plan"] = "profiles";
+  if (!result.candidates.empty()) json["candidates"] = plan_times_to_json(result.candidates);
   json["blocks"] = result.path.blocks();
-  json["last_boxcar_taps"] = result.plan.taps;
+  json["last_boxcar_taps"] = boxcar_taps(result) > 0 ? Json(boxcar_taps(result)) : Json(nullptr);
+  json["last_filter"] = {{"order", result.plan.last.order()},
+                         {"taps", std::vector<double>(result.plan.last.taps().begin(), result.plan.last.taps().end())}};
   json["corners"] = {{"count", result.corners},
                      {"at_rest", result.stops},
                      {"worst_error_m", result.worst_error},
@@ -138,6 +169,7 @@ std::string profiles_to_json(const ProfileResult& result) {
                       {"bound", use.bound},
                       {"utilisation", use.utilisation},
                       {"sample", use.sample}});
+    if (use.kind == LimitKind::vibration) limits.back()["frequency_Hz"] = use.frequency;
   }
   json["limits"] = std::move(limits);
   json["verification"] = {{"performed", true}, {"feasible", result.message.empty()}};
@@ -146,46 +178,29 @@ std::string profiles_to_json(const ProfileResult& result) {
   return json.dump(2) + "\n";
 }
 
-void write_profile_samples(const ProfileResult& result, std::ostream& out) {
-  const Toolpath& path = result.path;
-  const std::size_t n = path.dimensions();
-  fmt::memory_buffer text;
-  const auto put = std::back_inserter(text);
-  fmt::format_to(put, "time_s");
-  for (std::size_t a = 0; a < n; ++a) {
-    const std::string unit = path.axes[a] >= 3 && path.axes[a] < 6 ? "deg" : "mm";
-    fmt::format_to(put, ",{0}_{1},{0}_{1}_s", path.axis_name(a), unit);
-  }
-  fmt::format_to(put, "\n0");
-  std::vector<double> before(path.point(0), path.point(0) + n);
-  for (const double x : before) fmt::format_to(put, ",{:.9f},0", x * 1e3);
-  text.push_back('\n');
-  ProfileMotion motion(path, result.plan.chain, result.sample_period, result.plan.taps);
+void visit_profile_samples(const ProfileResult& result, const SampleVisitor& visit) {
+  const std::size_t n = result.path.dimensions();
+  std::vector<double> before(result.path.point(0), result.path.point(0) + n), velocity(n, 0.0);
+  visit(0, before.data(), velocity.data());
+  ProfileMotion motion(result.path, result.plan.chain, result.sample_period, result.plan.last);
   for (std::int64_t k = 1; motion.next(); ++k) {
-    fmt::format_to(put, "{:.9g}", static_cast<double>(k) * result.sample_period);
     for (std::size_t a = 0; a < n; ++a) {
-      const double x = motion.position()[a];
-      fmt::format_to(put, ",{:.9f},{:.6f}", x * 1e3, (x - before[a]) / result.sample_period * 1e3);
-      before[a] = x;
+      velocity[a] = (motion.position()[a] - before[a]) / result.sample_period;
+      before[a] = motion.position()[a];
     }
-    text.push_back('\n');
-    if (text.size() < 60000) continue;
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    text.clear();
+    visit(k, motion.position(), velocity.data());
   }
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+}
+
+void write_profile_samples(const ProfileResult& result, std::ostream& out) {
+  SampleTable table(result.path, result.sample_period, out);
+  visit_profile_samples(result, [&](std::int64_t k, const double* x, const double* v) { table.row(k, x, v); });
 }
 
 void stream_profile(const ProfileResult& result, std::ostream& out) {
-  const Toolpath& path = result.path;
-  const std::size_t n = path.dimensions();
-  const auto line = [&](const double* position) {
-    for (std::size_t a = 0; a < n; ++a) out << fmt::format("{}{:.9f}", a == 0 ? "" : " ", position[a] * 1e3);
-    out << std::endl;  // the controller waits for it
-  };
-  line(path.point(0));
-  ProfileMotion motion(path, result.plan.chain, result.sample_period, result.plan.taps);
-  while (motion.next()) line(motion.position());
+  stream_row(result.path, result.path.point(0), out);
+  ProfileMotion motion(result.path, result.plan.chain, result.sample_period, result.plan.last);
+  while (motion.next()) stream_row(result.path, motion.position(), out);
 }
 
 }  // namespace accdec

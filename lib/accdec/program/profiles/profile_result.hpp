@@ -6,8 +6,10 @@
 #include <string>
 
 #include <accdec/program/plan/corner_bound.hpp>
+#include <accdec/program/plan/plan_time.hpp>
 #include <accdec/program/profiles/plan_profiles.hpp>
 #include <accdec/program/read/toolpath.hpp>
+#include <accdec/program/write/samples.hpp>
 #include <accdec/task/task.hpp>
 
 namespace accdec {
@@ -25,24 +27,27 @@ struct ProfileResult {
   std::size_t stops = 0;                              ///< of these at rest
   double worst_error = 0.0, worst_utilisation = 0.0;  ///< m, of joints with a tolerance; share of it
   std::uint32_t worst_line = 0;
-  double wall_time = 0.0;  ///< s
-  std::string message;     ///< why the plan is no result; empty if it is one
+  double wall_time = 0.0;            ///< s
+  std::vector<PlanTime> candidates;  ///< plans that were made beside this one
+  std::string message;               ///< why the plan is no result; empty if it is one
 };
 
 /// Plans and verifies a program, see plan_profiles.
 /// @param bound_time  s for program_corner_bound; 0: not asked for
-/// @throws std::invalid_argument for what the plan cannot take: vibration bounds, delays that the program brings along
+/// @throws std::invalid_argument for what the plan cannot take: vibration bounds that no last filter holds, delays that
+/// the program brings along
 ProfileResult run_profiles(const std::string& name, Toolpath path, const Task& task, double bound_time);
 
 /// The table for people.
 std::string profiles_summary(const ProfileResult& result);
 /// Ends with a line feed.
 std::string profiles_to_json(const ProfileResult& result);
+/// Every sample, the start included.
+void visit_profile_samples(const ProfileResult& result, const SampleVisitor& visit);
 /// time_s and position and velocity of every axis in its own unit, as write_samples writes them for the other plans.
 /// Only of a plan that holds.
 void write_profile_samples(const ProfileResult& result, std::ostream& out);
-/// For a controller that takes positions: one line a cycle, the position of every axis in its own unit with nine
-/// decimals, between blanks. The first line is the start; every line is flushed.
+/// For a controller that takes positions, see stream_row.
 void stream_profile(const ProfileResult& result, std::ostream& out);
 
 }  // namespace accdec

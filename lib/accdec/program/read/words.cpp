@@ -78,7 +78,32 @@ bool read_word_number(const char*& p, const char* end, double& value) {
   return p != end && of_number(*p) && read_spaced_number(p, end, value);
 }
 
+/// The comment that begins at a bracket of the line, with its brackets.
+std::string_view bracketed(LineSource& source, std::string_view line, std::size_t from) {
+  const std::size_t end = line.find_first_of("()", from + 1);
+  if (end == line.npos) source.fail(from + 1, "comment without its ')'");
+  if (line[end] == '(') source.fail(end + 1, "'(' inside a comment");
+  return line.substr(from, end + 1 - from);
+}
+
 }  // namespace
+
+void Words::add_code(LineSource& source, char letter, double value, std::size_t column) {
+  const double tenths = std::round(value * 10.0);
+  if (std::abs(value * 10.0 - tenths) > 1e-6 || tenths < 0.0 || tenths > 9999.0)
+    source.fail(column, fmt::format("{}{} is not supported", letter, value));
+  std::size_t& count = letter == 'G' ? g_count_ : m_count_;
+  if (count == codes_max) source.fail(column, "more than 16 codes in a block");
+  (letter == 'G' ? g_ : m_)[count++] = {static_cast<int>(tenths), static_cast<std::uint32_t>(column)};
+}
+
+void Words::add_word(LineSource& source, char letter, double value, std::size_t column) {
+  const std::uint32_t bit = letter_bit(letter);
+  if ((present_ & bit) != 0U) source.fail(column, fmt::format("word {} twice in a block", letter));
+  present_ |= bit;
+  value_[static_cast<std::size_t>(letter - 'A')] = value;
+  column_[static_cast<std::size_t>(letter - 'A')] = static_cast<std::uint32_t>(column);
+}
 
 std::size_t Words::first_column(std::uint32_t letters) const {
   std::size_t column = SIZE_MAX;
@@ -108,52 +133,31 @@ LineKind scan_words(LineSource& source, std::string_view line, Words& words) {
         break;
       }
       if (c == '(') {
-        const char* q = p + 1;
-        while (q != end && *q != ')' && *q != '(') ++q;
-        if (q == end) source.fail(column(p), "comment without its ')'");
-        if (*q == '(') source.fail(column(q), "'(' inside a comment");
-        words.comments_.push_back(
-            line.substr(static_cast<std::size_t>(p - begin), static_cast<std::size_t>(q + 1 - p)));
-        p = q + 1;
+        const std::string_view comment = bracketed(source, line, static_cast<std::size_t>(p - begin));
+        words.comments_.push_back(comment);
+        p += comment.size();
         first = false;
         continue;
       }
       if (first && c == '/') return LineKind::empty;
-      if (first && c == '%') {
-        const char* q = p + 1;
-        while (q != end && (*q == ' ' || *q == '\t')) ++q;
-        if (q == end) return LineKind::percent;
-      }
+      if (first && c == '%' && line.find_first_not_of(" \t", static_cast<std::size_t>(p + 1 - begin)) == line.npos)
+        return LineKind::percent;
       refuse(source, c, column(p));
     }
     if (letter == 'N' && !first) source.fail(column(p), "N numbers a line: it must be its first word");
     first = false;
     const char* const word = p++;
     while (p != end && (*p == ' ' || *p == '\t')) ++p;
-    if (letter == 'O') {
-      needs_interpreter(source, column(word), "O words");
-    }
+    if (letter == 'O') needs_interpreter(source, column(word), "O words");
     double value = 0.0;
     if (!read_word_number(p, end, value)) {
       if (p != end && (*p == '#' || *p == '[')) refuse(source, *p, column(p));
       source.fail(column(word), fmt::format("word {} has no number from -1e12 to 1e12", letter));
     }
-    if (letter == 'G' || letter == 'M') {
-      const double tenths = std::round(value * 10.0);
-      if (std::abs(value * 10.0 - tenths) > 1e-6 || tenths < 0.0 || tenths > 9999.0) {
-        source.fail(column(word), fmt::format("{}{} is not supported", letter, value));
-      }
-      std::size_t& count = letter == 'G' ? words.g_count_ : words.m_count_;
-      if (count == Words::codes_max) source.fail(column(word), "more than 16 codes in a block");
-      (letter == 'G' ? words.g_ : words.m_)[count++] = {static_cast<int>(tenths),
-                                                        static_cast<std::uint32_t>(column(word))};
-      continue;
-    }
-    const std::uint32_t bit = letter_bit(letter);
-    if ((words.present_ & bit) != 0U) source.fail(column(word), fmt::format("word {} twice in a block", letter));
-    words.present_ |= bit;
-    words.value_[static_cast<std::size_t>(letter - 'A')] = value;
-    words.column_[static_cast<std::size_t>(letter - 'A')] = static_cast<std::uint32_t>(column(word));
+    if (letter == 'G' || letter == 'M')
+      words.add_code(source, letter, value, column(word));
+    else
+      words.add_word(source, letter, value, column(word));
   }
   return words.present_ == 0U && words.g_count_ == 0 && words.m_count_ == 0 ? LineKind::empty : LineKind::words;
 }

@@ -48,6 +48,10 @@ class Words {
 
  private:
   friend LineKind scan_words(LineSource& source, std::string_view line, Words& words);
+  /// @throws ReadError for a code of no tenths, or one too many
+  void add_code(LineSource& source, char letter, double value, std::size_t column);
+  /// @throws ReadError for a letter given twice
+  void add_word(LineSource& source, char letter, double value, std::size_t column);
   void clear() {
     present_ = 0;
     g_count_ = m_count_ = 0;

@@ -3,13 +3,16 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/program/plan/feed_schedule.hpp>
 #include <accdec/program/plan/filter_bound.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/write/report.hpp>
+#include <accdec/program/write/samples.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -94,6 +97,7 @@ class Planning {
   /// At the programmed feeds, rapid moves as fast as the filter starts and stops them.
   /// @param tune_curves  see plan_program
   void keep(const Toolpath& path, bool tune_curves) {
+    if (!path.given.empty()) as_commanded(path, false);
     slowed_ = path;
     limit_rapids(slowed_, result_.filter, task_.sample_period, machine_);
     snap_durations(slowed_, result_.filter, task_.sample_period, machine_);
@@ -104,17 +108,16 @@ class Planning {
     offer({base_, std::move(plan)}, result_.filter, false);
   }
   void choose(const Toolpath& path) {
-    if (path.blocks() <= kept_max || !path.given.empty()) as_commanded(path);
+    if (path.blocks() <= kept_max || !path.given.empty()) as_commanded(path, true);
     ScheduledPlan plan = schedule_feeds(path, result_.filter, task_.sample_period, machine_);
     if (!result_.cycle_time_kept && !all_holds(plan.plan) && !all_holds(result_.plan)) keep(path, false);
     offer(std::move(plan), result_.filter, true);
     result_.cycle_time_one_filter = seconds(result_.plan);
   }
+  /// At the programmed feeds, and at those that the plan of one filter chose.
   void per_leg() {
-    LegFilters legs =
-        choose_leg_filters(slowed_, result_.filter, task_.sample_period, machine_, task_.design.order_max);
-    ProgramPlan plan = plan_program(slowed_, legs, task_.sample_period, machine_);
-    offer({std::move(slowed_), std::move(plan)}, std::move(legs), false);
+    if (result_.feeds_chosen && result_.programmed_blocks <= kept_max) per_leg(result_.path, true);
+    per_leg(std::move(slowed_), false);
   }
 
   /// The time of another rule of delays at the programmed feeds, or with those of the plan where it alone was made.
@@ -125,10 +128,32 @@ class Planning {
            task_.sample_period;
   }
 
+  /// With the legs at rest between, which takes a sample more than delays that let the last tap of one and the first
+  /// of the next act together, where these break a limit. Simulated; what is broken nevertheless is named.
+  void exact_stops() {
+    const Toolpath& path = result_.feeds_chosen && result_.cycle_time_kept ? base_ : result_.path;
+    std::vector<int> delays =
+        pairwise_delays(path, result_.legs, task_.sample_period, machine_, DelayRule::exact_stop).delays;
+    for (const int more : {0, 1}) {
+      for (int& delay : delays) delay += delay > 0 ? more : 0;
+      const ProgramPlan plan = check_program(path, result_.legs, task_.sample_period, machine_, delays);
+      result_.cycle_time_exact_stop = seconds(plan);
+      double worst = 1.0 + verification_tolerance;
+      result_.exact_stop_breaks.clear();
+      for (const LimitUse& use : plan.simulation.limits) {
+        if (use.utilisation <= worst) continue;
+        worst = use.utilisation;
+        result_.exact_stop_breaks = fmt::format("{} {}", to_string(use.kind), use.axis);
+      }
+      if (result_.exact_stop_breaks.empty()) return;
+    }
+  }
+
  private:
   /// With the feeds and delays of the program, unchanged: what a plan wrote holds as it is.
-  void as_commanded(const Toolpath& path) {
+  void as_commanded(const Toolpath& path, bool feeds_chosen) {
     ScheduledPlan plan{path, {}};
+    if (!feeds_chosen) limit_rapids(plan.path, result_.filter, task_.sample_period, machine_);
     snap_legs(plan.path, task_.sample_period);
     std::vector<int> delays(path.blocks(), 0);
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
@@ -139,7 +164,12 @@ class Planning {
       delays[block] = static_cast<int>(std::lround(std::min(delay / task_.sample_period, 1e9)));
     }
     plan.plan = check_program(plan.path, result_.filter, task_.sample_period, machine_, std::move(delays));
-    if (all_holds(plan.plan)) offer(std::move(plan), result_.filter, true);
+    if (all_holds(plan.plan)) offer(std::move(plan), result_.filter, feeds_chosen);
+  }
+  void per_leg(Toolpath path, bool feeds_chosen) {
+    LegFilters legs = choose_leg_filters(path, result_.filter, task_.sample_period, machine_, task_.design.order_max);
+    ProgramPlan plan = plan_program(path, legs, task_.sample_period, machine_, !feeds_chosen);
+    offer({std::move(path), std::move(plan)}, std::move(legs), feeds_chosen);
   }
   double seconds(const ProgramPlan& plan) const {
     return static_cast<double>(plan.simulation.samples) * task_.sample_period;
@@ -192,7 +222,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   simulate_program(CommandTiming(result.path, task.sample_period, result.plan.delays), result.legs, 0,
                    result.path.blocks() - 1, result.plan.errors, whole);
   result.cycle_time_no_delay = planning.by_rule(DelayRule::none);
-  result.cycle_time_exact_stop = planning.by_rule(DelayRule::exact_stop);
+  planning.exact_stops();
   count_joints(result);
   judge_limits(result, machine);
   result.solver.method = "given";
@@ -239,6 +269,18 @@ std::string delays_to_csv(const ProgramResult& result) {
   return fmt::to_string(text);
 }
 
+namespace {
+
+/// Of a limit's value for people. Rotary axes are in degrees where the others are in millimetres.
+std::string unit_of(const LimitUse& use) {
+  std::string unit(limit_name(use.kind).unit);
+  const bool rotary = use.axis.size() == 1 && std::string_view("ABCabc").find(use.axis[0]) != std::string_view::npos;
+  if (rotary && unit.starts_with("mm")) unit.replace(0, 2, "deg");
+  return unit;
+}
+
+}  // namespace
+
 std::string program_summary(const ProgramResult& result) {
   fmt::memory_buffer text;
   const auto put = std::back_inserter(text);
@@ -258,10 +300,12 @@ std::string program_summary(const ProgramResult& result) {
     fmt::format_to(put, "  {:<28}{:>14.4f} s{:>10.2f} %\n", what, time, 100.0 * time / result.cycle_time);
   };
   row("cycle time", result.cycle_time);
+  for (const PlanTime& other : result.candidates) row(describe(other), other.time);
   row("  of it delays", result.delay_total);
   if (!result.legs.single()) row("one filter for all legs", result.cycle_time_one_filter);
   if (result.feeds_chosen && result.cycle_time_kept) row("feeds as programmed", *result.cycle_time_kept);
   row("exact stop at every corner", result.cycle_time_exact_stop);
+  if (!result.exact_stop_breaks.empty()) fmt::format_to(put, "    but breaks {}\n", result.exact_stop_breaks);
   row("no delay at any corner", result.cycle_time_no_delay);
   row("bound, continuous motion", result.lower_bound);
   if (result.filter_bound) row("bound, filters and delays", *result.filter_bound);
@@ -296,10 +340,12 @@ std::string program_summary(const ProgramResult& result) {
     fmt::format_to(put, "  {} blocks slowed, on curves or too short for their feed\n", plan.slowed - too_fast);
   }
   if (!plan.simulation.limits.empty())
-    fmt::format_to(put, "\n  {:<14}{:<6}{:>12}{:>10}  {}\n", "limit", "axis", "bound", "use", "where");
+    fmt::format_to(put, "\n  {:<14}{:<6}{:>12}{:>12} {:<8}{:>8}  {}\n", "limit", "axis", "value", "bound", "unit",
+                   "use", "where");
   for (const LimitUse& use : plan.simulation.limits) {
-    fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>8.1f} %  {}\n", to_string(use.kind), use.axis, use.bound,
-                   100.0 * use.utilisation,
+    const double per_si = limit_name(use.kind).per_si;
+    fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>12.6g} {:<8}{:>6.1f} %  {}\n", to_string(use.kind), use.axis,
+                   per_si * use.value, per_si * use.bound, unit_of(use), 100.0 * use.utilisation,
                    use.kind == LimitKind::vibration ? fmt::format("{:.6g} Hz", use.frequency) : use.corner);
   }
   if (result.peak_memory > 0) {
@@ -310,40 +356,6 @@ std::string program_summary(const ProgramResult& result) {
                  result.verification.feasible ? "verified: every sample simulated, all bounds hold" : "NOT verified",
                  result.message.empty() ? "" : ": ", result.message);
   return fmt::to_string(text);
-}
-
-void write_samples(const ProgramResult& result, std::ostream& out) {
-  const Toolpath& path = result.path;
-  const std::size_t n = path.dimensions();
-  fmt::memory_buffer text;
-  const auto put = std::back_inserter(text);
-  fmt::format_to(put, "time_s");
-  for (std::size_t a = 0; a < n; ++a) {
-    const std::string unit = path.axes[a] >= 3 && path.axes[a] < 6 ? "deg" : "mm";
-    fmt::format_to(put, ",{0}_{1},{0}_{1}_s", path.axis_name(a), unit);
-  }
-  fmt::format_to(put, "\n0");
-  for (std::size_t a = 0; a < n; ++a) fmt::format_to(put, ",{:.9g},0", path.point(0)[a] * 1e3);
-  text.push_back('\n');
-  const CommandTiming timing(path, result.sample_period, result.plan.delays);
-  std::vector<double> errors(path.blocks());
-  SimulationOptions options;
-  options.samples = [&](std::int64_t first, std::int64_t count, const double* const* position,
-                        const double* const* velocity) {
-    count = std::min(count, result.plan.simulation.samples + 1 - first);
-    for (std::int64_t k = 0; k < count; ++k) {
-      fmt::format_to(put, "{:.9g}", static_cast<double>(first + k) * result.sample_period);
-      for (std::size_t a = 0; a < n; ++a) {
-        fmt::format_to(put, ",{:.9f},{:.6f}", position[a][k] * 1e3, velocity[a][k] / result.sample_period * 1e3);
-      }
-      text.push_back('\n');
-      if (text.size() < 60000) continue;
-      out.write(text.data(), static_cast<std::streamsize>(text.size()));
-      text.clear();
-    }
-  };
-  simulate_program(timing, result.legs, 0, path.blocks() - 1, errors, options);
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
 }
 
 }  // namespace accdec

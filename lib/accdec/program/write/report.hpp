@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/plan_time.hpp>
 #include <accdec/program/read/toolpath.hpp>
 #include <accdec/program/simulate/leg_filters.hpp>
 #include <accdec/task/result.hpp>
@@ -45,12 +46,14 @@ struct ProgramResult {
       cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000 blocks
   double cycle_time_one_filter = 0.0;  ///< s, planned with `filter` for every leg
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
+  std::string exact_stop_breaks;       ///< the limit that this nevertheless breaks most; empty: it holds all
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
   double lower_bound =
       0.0;  ///< s, see program_lower_bound; at the programmed feeds, rapid moves at their axes' largest velocity
   std::optional<double> filter_bound;  ///< s, see filter_lower_bound; at the programmed feeds, where asked for
   std::int64_t peak_memory = 0;        ///< bytes of the process, by whoever runs it; 0: not asked for
   double delay_total = 0.0;            ///< s, delays of this plan
+  std::vector<PlanTime> candidates;    ///< plans that were made beside this one
   VerificationReport verification;
   SolverReport solver;
   std::string message;
@@ -82,10 +85,6 @@ std::string program_to_json(const ProgramResult& result);
 std::string delays_to_csv(const ProgramResult& result);
 /// The table for people.
 std::string program_summary(const ProgramResult& result);
-
-/// time_s and position of every axis in its own unit and velocity (x_mm, x_mm_s, .. or a_deg, a_deg_s, ..), from the
-/// first sample to the first at rest, written as it is made.
-void write_samples(const ProgramResult& result, std::ostream& out);
 
 /// The program with what realises the plan on a controller that filters its commands: after a delayed joint a dwell of
 /// the delay (G4 P, seconds), which must act before the filter and without an exact stop; feeds where the plan lowered

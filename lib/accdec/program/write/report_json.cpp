@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/program/write/report.hpp>
+#include <accdec/program/write/samples.hpp>
 
 namespace accdec {
 namespace {
@@ -30,6 +31,35 @@ Json limits_json(const ProgramResult& result) {
   return list;
 }
 
+/// By rising order, with the number of blocks that each serves.
+Json leg_filters_json(const ProgramResult& result) {
+  const auto filters = result.legs.filters();
+  std::vector<std::size_t> blocks(filters.size(), 0), order(filters.size());
+  for (std::size_t b = 0; b < result.path.blocks(); ++b) ++blocks[result.legs.index(b)];
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return filters[a].order() < filters[b].order(); });
+  Json list = Json::array();
+  for (const std::size_t i : order) {
+    list.push_back({{"order", filters[i].order()},
+                    {"blocks", blocks[i]},
+                    {"taps", std::vector<double>(filters[i].taps().begin(), filters[i].taps().end())}});
+  }
+  return list;
+}
+
+Json worst_corners_json(const ProgramResult& result) {
+  Json list = Json::array();
+  for (const CornerUse& corner : worst_corners(result, result.worst_shown)) {
+    list.push_back({{"line", corner.line},
+                    {"corner_error_m", number(corner.error)},
+                    {"error_max_m", number(corner.tolerance)},
+                    {"utilisation", number(corner.utilisation)},
+                    {"delay_samples", corner.delay}});
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string program_to_json(const ProgramResult& result) {
@@ -40,23 +70,9 @@ std::string program_to_json(const ProgramResult& result) {
   json["sample_period_s"] = result.sample_period;
   json["filter"] = {{"order", result.filter.order()},
                     {"taps", std::vector<double>(result.filter.taps().begin(), result.filter.taps().end())}};
-  if (!result.legs.single()) {
-    // By rising order, with the number of blocks that each serves.
-    const auto filters = result.legs.filters();
-    std::vector<std::size_t> blocks(filters.size(), 0), order(filters.size());
-    for (std::size_t b = 0; b < result.path.blocks(); ++b) ++blocks[result.legs.index(b)];
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return filters[a].order() < filters[b].order(); });
-    Json list = Json::array();
-    for (const std::size_t i : order) {
-      list.push_back({{"order", filters[i].order()},
-                      {"blocks", blocks[i]},
-                      {"taps", std::vector<double>(filters[i].taps().begin(), filters[i].taps().end())}});
-    }
-    json["leg_filters"] = std::move(list);
-  }
+  if (!result.legs.single()) json["leg_filters"] = leg_filters_json(result);
   json["plan"] = result.legs.single() ? "fixed" : "per-leg";
+  if (!result.candidates.empty()) json["candidates"] = plan_times_to_json(result.candidates);
   json["feeds"] = result.feeds_chosen ? "chosen" : "programmed";
   json["blocks"] = result.programmed_blocks;
   json["commanded_blocks"] = result.path.blocks();
@@ -69,15 +85,7 @@ std::string program_to_json(const ProgramResult& result) {
                      {"worst_error_m", number(result.worst_error)},
                      {"worst_utilisation", number(result.worst_utilisation)},
                      {"worst_line", result.worst_line}};
-  Json worst = Json::array();
-  for (const CornerUse& corner : worst_corners(result, result.worst_shown)) {
-    worst.push_back({{"line", corner.line},
-                     {"corner_error_m", number(corner.error)},
-                     {"error_max_m", number(corner.tolerance)},
-                     {"utilisation", number(corner.utilisation)},
-                     {"delay_samples", corner.delay}});
-  }
-  json["worst_corners"] = std::move(worst);
+  json["worst_corners"] = worst_corners_json(result);
   Json too_fast = Json::array();
   for (const SlowedFeeds& slowed : result.plan.too_fast) {
     too_fast.push_back(
@@ -89,6 +97,7 @@ std::string program_to_json(const ProgramResult& result) {
   if (!result.legs.single()) json["cycle_time_one_filter_s"] = result.cycle_time_one_filter;
   if (result.feeds_chosen && result.cycle_time_kept) json["cycle_time_kept_feeds_s"] = *result.cycle_time_kept;
   json["cycle_time_exact_stop_s"] = result.cycle_time_exact_stop;
+  json["exact_stop_breaks"] = result.exact_stop_breaks.empty() ? Json(nullptr) : Json(result.exact_stop_breaks);
   json["cycle_time_no_delay_s"] = result.cycle_time_no_delay;
   json["lower_bound_s"] = result.lower_bound;
   if (result.filter_bound) json["filter_bound_s"] = *result.filter_bound;

@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <accdec/design/explain.hpp>
+#include <accdec/files/output_files.hpp>
+#include <accdec/formats/explanation.hpp>
+#include <accdec/formats/task_reader.hpp>
+
+#include "output.hpp"
+#include "status_line.hpp"
+
+namespace accdec::cli {
+namespace {
+
+std::atomic<bool> interrupted{false};
+
+extern "C" void ask_to_stop_explaining(int) {
+  interrupted.store(true);
+  std::signal(SIGINT, SIG_DFL);
+}
+
+struct Arguments {
+  std::string task, json, by = "10 %";
+  double time_limit = 10.0;
+};
+
+void run(const Arguments& arguments, Context& context) {
+  const Task task = read_task(arguments.task);
+  require_outputs({arguments.json}, {arguments.task});
+  ExplainOptions options;
+  options.share = fraction(arguments.by).value_or(0.1);
+  options.design.time_limit = arguments.time_limit;
+  options.design.cancel = &interrupted;
+  // The first Ctrl-C asks for what has been found so far, the second ends the program.
+  const auto before = std::signal(SIGINT, ask_to_stop_explaining);
+  const Explanation explanation = [&] {
+    StatusLine line(context.quiet, StatusLine::Lines::none);
+    options.progress = [&line](int done, int total) {
+      const double left = line.seconds() / done * std::max(0, total - done);
+      line.tell(fmt::format("{} of about {} designs, {} left", done, total, clock_text(left)));
+    };
+    return explain_task(task, options);
+  }();
+  std::signal(SIGINT, before);
+
+  if (!arguments.json.empty()) write_file(arguments.json, explanation_to_json(explanation));
+  if (arguments.json != "-" && !context.quiet) fmt::print("{}", explanation_text(explanation));
+  context.exit_code = explanation.base.filter ? exit_ok : exit_no_answer;
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "explain", "Which limits a design uses to the full, and what more room for each saves or makes possible");
+  command->add_option("task", arguments->task, "Task file")->required()->type_name("TASK.toml");
+  add_json_option(*command, arguments->json);
+  command->add_option("--by", arguments->by, "how much more room to try, 10% or 0.1 (default 10 %)")
+      ->check([](const std::string& text) {
+        const auto share = fraction(text);
+        return share && *share > 0.0 ? std::string() : "must be above 0 and below 100 %, as 10% or 0.1, got " + text;
+      });
+  command->add_option("--time-limit", arguments->time_limit, "seconds for each single design (default 10)")
+      ->check(CLI::Range(1e-3, 1e9));
+  command->callback([arguments, &context] { run(*arguments, context); });
+}
+
+}  // namespace accdec::cli

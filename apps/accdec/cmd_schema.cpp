@@ -1,0 +1,36 @@
+#include <array>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <accdec/comparison/suite_keys.hpp>
+#include <accdec/formats/result_keys.hpp>
+#include <accdec/formats/schema_document.hpp>
+#include <accdec/formats/task_keys.hpp>
+#include <accdec/study/study_keys.hpp>
+
+#include "command.hpp"
+
+namespace accdec::cli {
+
+void add_schema(CLI::App& app, Context&) {
+  struct Options {
+    std::string kind;
+    bool markdown = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("schema", "The keys of a kind of file, as a JSON Schema (draft 2020-12)");
+  command->add_option("kind", options->kind, "task, study, suite or result")
+      ->type_name("KIND")
+      ->required()
+      ->check(CLI::IsMember({"task", "study", "suite", "result"}));
+  command->add_flag("--markdown", options->markdown, "A table for people instead");
+  command->callback([options] {
+    for (const FileKind* file : std::array{&task_file(), &study_file(), &suite_file(), &result_file()}) {
+      if (file->name == options->kind) fmt::print("{}", options->markdown ? key_table(*file) : json_schema(*file));
+    }
+  });
+}
+
+}  // namespace accdec::cli

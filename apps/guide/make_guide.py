@@ -1,0 +1,115 @@
+#!/usr/bin/python3
+"""Builds the guide: runs every example, puts what it printed and drew onto its page, and calls Sphinx with warnings as
+errors. An example that exits with another code than 0 fails the build.
+
+usage: make_guide.py PROGRAM OUT [PYTHONPATH]
+  PROGRAM     the accdec program that the examples run
+  OUT         folder for the sources as run and for html/
+  PYTHONPATH  folder that the Python module is in; without it Python examples are shown and not run
+
+Pages are Markdown. A code block {run} is a shell script, {python} a Python program; both run in a folder of the page's
+own, in which `problems` leads to the shipped problems. Figures (.svg) that a block makes stand behind it.
+A file of problems/examples/ becomes a page: comments are its text, commands are blocks.
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+guide = pathlib.Path(__file__).resolve().parent
+root = guide.parent.parent
+
+
+class Page:
+    """The folder one page's blocks run in, and where its figures go."""
+
+    def __init__(self, name, out, program, python):
+        self.name, self.python = name, python
+        self.folder = out / "run" / name
+        self.source = out / "source"
+        self.figures = self.source / "figures" / name
+        self.folder.mkdir(parents=True)
+        self.figures.mkdir(parents=True)
+        (self.folder / "problems").symlink_to(root / "problems")
+        tools = self.folder / ".bin"
+        tools.mkdir()
+        (tools / "accdec").symlink_to(program)
+        self.environment = dict(os.environ, PATH=f"{tools}:{os.environ['PATH']}", NO_COLOR="1")
+        if python:
+            self.environment["PYTHONPATH"] = str(python)
+
+    def run(self, command, shown, language):
+        before = set(self.folder.rglob("*.svg"))
+        done = subprocess.run(command, cwd=self.folder, env=self.environment, text=True, timeout=300,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+        if done.returncode != 0:
+            sys.exit(f"{self.name}: exit code {done.returncode} of\n{shown}\n{done.stdout}")
+        text = f"```{language}\n{shown.rstrip()}\n```\n"
+        if done.stdout.strip():
+            text += f"\n```text\n{done.stdout.rstrip()}\n```\n"
+        for figure in sorted(set(self.folder.rglob("*.svg")) - before):
+            shutil.copy(figure, self.figures)
+            text += f"\n![{figure.stem}](/figures/{self.name}/{figure.name})\n"
+        return text
+
+    def shell(self, script):
+        return self.run(["sh", "-e", "-c", script], script, "sh")
+
+    def program(self, script):
+        if not self.python:
+            return f"```python\n{script.rstrip()}\n```\n"
+        return self.run([sys.executable, "-c", script], script, "python")
+
+    def markdown(self, text):
+        def block(match):
+            return (self.shell if match[1] == "run" else self.program)(match[2]).rstrip("\n")
+        return re.sub(r"^```\{(run|python)\}\n(.*?)^```$", block, text, flags=re.S | re.M)
+
+    def example(self, text):
+        """A shell script: runs of comments and of commands in turn. Here-documents may hold # lines."""
+        lines = text.splitlines()[1:]
+        title = lines.pop(0).lstrip("# ")
+        parts, prose, code, end = [f"# {title}\n"], [], [], None
+
+        def flush():
+            if prose:
+                parts.append("\n".join(prose) + "\n")
+            if code:
+                parts.append(self.shell("\n".join(code) + "\n"))
+            prose.clear(), code.clear()
+        for line in lines:
+            if end is None and line.startswith("#"):
+                if code:
+                    flush()
+                prose.append(line[2:])
+                continue
+            if prose:
+                flush()
+            here = re.search(r"<<'(\w+)'", line)
+            end = here[1] if here and end is None else None if line == end else end
+            code.append(line)
+        flush()
+        return "\n".join(parts)
+
+
+def main():
+    program, out = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+    python = pathlib.Path(sys.argv[3]).resolve() if len(sys.argv) > 3 else None
+    shutil.rmtree(out, ignore_errors=True)
+    source = out / "source"
+    (source / "examples").mkdir(parents=True)
+    shutil.copy(guide / "conf.py", source)
+    for path in sorted(guide.glob("*.md")):
+        (source / path.name).write_text(Page(path.stem, out, program, python).markdown(path.read_text()))
+    for path in sorted((root / "problems" / "examples").iterdir()):
+        page = Page(path.name, out, program, python)
+        (source / "examples" / f"{path.name}.md").write_text(page.example(path.read_text()))
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", str(source), str(out / "html")]
+    if subprocess.run(command).returncode != 0:
+        sys.exit("the guide has errors")
+    print(f"the guide is in {out / 'html' / 'index.html'}")
+
+
+main()

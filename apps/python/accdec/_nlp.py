@@ -1,0 +1,295 @@
+"""The nonlinear problems behind a design, for any optimiser."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Mapping, Optional, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._design import TaskLike
+from ._fields import as_task
+
+Array = npt.NDArray[np.float64]
+
+
+class _Sparse:
+    """A pattern of triplets as a CSR structure, made once; then only numbers are put in order."""
+
+    def __init__(self, rows: npt.NDArray[np.int32], columns: npt.NDArray[np.int32], shape: tuple[int, int]) -> None:
+        self.order = np.lexsort((columns, rows))
+        self.indices = columns[self.order]
+        self.indptr = np.searchsorted(rows[self.order], np.arange(shape[0] + 1))
+        self.shape = shape
+
+    def matrix(self, values: Array) -> Any:
+        from scipy.sparse import csr_matrix
+        return csr_matrix((values[self.order], self.indices, self.indptr), shape=self.shape)
+
+
+class Problem:
+    """A nonlinear problem: minimise fun(x) within bounds on x and on rows(x).
+
+    Made by `problem`; solvers written in Python get one too, whose every call is counted.
+
+    Attributes
+    ----------
+    name : str
+    n, m : int
+        Variables, rows.
+    x0 : ndarray or None
+        A start: a trapezoid with the delays that it needs. None within a solver, which is handed its start.
+    lb, ub, cl, cu : ndarray
+        Bounds of variables and of rows; -inf or inf where there is none, equal for an equality.
+    variable_names, row_names : list of str
+    has_hessian : bool
+    samples : list of int
+        "margin": the sample of the blend at which each corner's error is bounded; empty else.
+
+    Examples
+    --------
+    >>> import accdec
+    >>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0},
+    ...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+    >>> p = accdec.problem(task, "margin", order=20, delays=[8])
+    >>> p.jac(p.x0).shape == (p.m, p.n), p.check_derivatives(p.x0)
+    (True, [])
+    """
+
+    def __init__(self, handle: _core.ProblemHandle, x0: Optional[Array] = None) -> None:
+        self._handle = handle
+        self.name = handle.name
+        self.n, self.m = handle.n, handle.m
+        self.has_hessian = handle.has_hessian
+        self.linear = handle.linear
+        self.lb, self.ub = handle.variable_bounds()
+        self.cl, self.cu = handle.row_bounds()
+        self.x0 = x0
+        self.samples = handle.samples
+        self._jacobian = _Sparse(*handle.jacobian_pattern(), shape=(self.m, self.n))
+        self._hessian: Optional[_Sparse] = None
+        if self.has_hessian:
+            rows, columns = handle.hessian_pattern()
+            self._off = rows != columns
+            self._hessian = _Sparse(np.concatenate([rows, columns[self._off]]),
+                                    np.concatenate([columns, rows[self._off]]), shape=(self.n, self.n))
+
+    def __repr__(self) -> str:
+        return f"<accdec.Problem {self.name}: {self.n} variables, {self.m} rows>"
+
+    @property
+    def variable_names(self) -> list[str]:
+        return self._handle.variable_names()
+
+    @property
+    def row_names(self) -> list[str]:
+        return self._handle.row_names()
+
+    def fun(self, x: npt.ArrayLike) -> float:
+        """The objective."""
+        return self._handle.objective(np.asarray(x, dtype=float))
+
+    def grad(self, x: npt.ArrayLike) -> Array:
+        """Its gradient, dense."""
+        return self._handle.gradient(np.asarray(x, dtype=float))
+
+    def rows(self, x: npt.ArrayLike) -> Array:
+        """The rows, to be held between `cl` and `cu`."""
+        return self._handle.rows(np.asarray(x, dtype=float))
+
+    def jac(self, x: npt.ArrayLike) -> Any:
+        """The rows' Jacobian, a scipy.sparse.csr_matrix of m by n."""
+        return self._jacobian.matrix(self._handle.jacobian(np.asarray(x, dtype=float)))
+
+    def hess(self, x: npt.ArrayLike, multipliers: Optional[npt.ArrayLike] = None, factor: float = 1.0) -> Any:
+        """The Hessian of factor * fun + multipliers . rows, a symmetric scipy.sparse.csr_matrix of n by n."""
+        if self._hessian is None:
+            raise ValueError("this form of the problem has no second derivatives; reduced=False has")
+        y = np.zeros(self.m) if multipliers is None else np.asarray(multipliers, dtype=float)
+        lower = self._handle.hessian(np.asarray(x, dtype=float), factor, y)
+        return self._hessian.matrix(np.concatenate([lower, lower[self._off]]))
+
+    def violation(self, x: npt.ArrayLike) -> float:
+        """The largest absolute violation of any bound."""
+        point, c = np.asarray(x, dtype=float), self.rows(x)
+        parts = [self.lb - point, point - self.ub, self.cl - c, c - self.cu]
+        return max(0.0, *(float(p.max()) for p in parts if p.size))
+
+    @property
+    def bounds(self) -> Any:
+        """As scipy.optimize.Bounds."""
+        from scipy.optimize import Bounds
+        return Bounds(self.lb, self.ub)
+
+    def constraints(self, dense: bool = False) -> list[Any]:
+        """As scipy.optimize.NonlinearConstraint, for minimize; `dense` for methods that take no sparse Jacobian."""
+        from scipy.optimize import BFGS, NonlinearConstraint
+
+        def jac(x: Array) -> Any:
+            return self.jac(x).toarray() if dense else self.jac(x)
+
+        def hess(x: Array, v: Array) -> Any:
+            return self.hess(x, v, factor=0.0)
+
+        return [NonlinearConstraint(self.rows, self.cl, self.cu, jac=jac, hess=hess if self.has_hessian else BFGS())]
+
+    def taps(self, x: npt.ArrayLike) -> Array:
+        """The filter of a point, b_0 .. b_N, sum 1."""
+        return self._handle.taps(np.asarray(x, dtype=float))
+
+    def start(self, index: int, seed: int = 1) -> Array:
+        """Another start: 0 is `x0`, others have every tap and free delay multiplied at random."""
+        return self._handle.start(index, seed)
+
+    def check_derivatives(self, x: npt.ArrayLike, tolerance: float = 1e-6) -> list[str]:
+        """What of gradient, Jacobian and Hessian differs from extrapolated central differences; best empty."""
+        return self._handle.check_derivatives(np.asarray(x, dtype=float), tolerance)
+
+
+Function = Callable[[Problem, Array, Mapping[str, Any]], Any]
+
+
+def problem(task: TaskLike, question: str = "delay", *, order: int, delays: Optional[Sequence[int]] = None,
+            reduced: bool = False) -> Problem:
+    """A nonlinear problem at a given order.
+
+    Parameters
+    ----------
+    task : Task, path or dict
+    question : {"delay", "margin"}
+        "delay": least weighted delay (samples), continuous delays and instants of closest approach; "margin": at given
+        delays the least (error/tolerance)^2 of the worst corner, 1 or less exactly where the delays can be had.
+    order : int
+        N.
+    delays : sequence of int, optional
+        "margin": d_j (default 0). "delay": those at which limits on the blends are imposed.
+    reduced : bool
+        Positions substituted into their bounds: fewer variables, no equality rows, dense rows, no Hessian.
+
+    Returns
+    -------
+    Problem
+
+    Examples
+    --------
+    Any optimiser, here SciPy's:
+
+    >>> import accdec, scipy.optimize
+    >>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0},
+    ...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+    >>> p = accdec.problem(task, "margin", order=20, delays=[8], reduced=True)
+    >>> found = scipy.optimize.minimize(p.fun, p.x0, jac=p.grad, method="SLSQP", bounds=p.bounds,
+    ...                                 constraints=p.constraints(dense=True))
+    >>> ours = accdec.solve(p, "ipopt")
+    >>> found.success, ours.success, abs(found.fun - ours.fun) < 1e-5
+    (True, True, True)
+    """
+    handle = _core.make_problem(as_task(task), question, order, [int(d) for d in delays or []], reduced)
+    return Problem(handle, handle.start(0, 1))
+
+
+def _adapter(function: Function) -> Callable[[_core.ProblemHandle, Array, Mapping[str, Any]], tuple[Array, bool, str]]:
+    def call(handle: _core.ProblemHandle, start: Array, options: Mapping[str, Any]) -> tuple[Array, bool, str]:
+        answer = function(Problem(handle, start), start, options)
+        if isinstance(answer, Mapping) or hasattr(answer, "x"):
+            x, success = answer["x"], bool(answer.get("success", True))
+            return np.asarray(x, dtype=float), success, str(answer.get("message", ""))
+        return np.asarray(answer, dtype=float), True, ""
+    return call
+
+
+def solve(problem: Problem, solver: Union[str, Function] = "ipopt", *, x0: Optional[npt.ArrayLike] = None,
+          tolerance: float = 1e-8, time_limit: float = 60.0, evaluation_limit: int = 1_000_000, seed: int = 1,
+          options: Optional[Mapping[str, Any]] = None) -> Any:
+    """Solve a problem by one of the library's solvers, or by a function; what comes back is recomputed and judged.
+
+    Parameters
+    ----------
+    problem : Problem
+    solver : str or callable
+        A name of `solvers`, or function(problem, start, options) that gives x, or something with `x` (and `success`,
+        `message`), as scipy.optimize does. Its calls are counted; it is stopped at the limits and by Ctrl-C.
+    x0 : array_like, optional
+        The problem's own start unless given.
+    tolerance : float
+        Asked of the solver, relative.
+    time_limit : float
+        s.
+    evaluation_limit : int
+        Of the objective.
+    seed : int
+    options : dict, optional
+        The solver's own.
+
+    Returns
+    -------
+    scipy.optimize.OptimizeResult
+        `x`, `fun` and `maxcv` (largest violation) as recomputed; `success`: all bounds and rows hold to 1e-8 at x;
+        `verdict` ("optimal": first-order optimal, "feasible", "infeasible", "none"); `claim`: what the solver said;
+        `stationarity`, `multipliers`, `nfev`, `njev`, `ncev`, `ncjev`, `nhev`, `wall_time` (s), `history` of
+        (evaluations, s, objective).
+
+    Examples
+    --------
+    >>> import accdec
+    >>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0},
+    ...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+    >>> p = accdec.problem(task, "delay", order=20)
+    >>> accdec.solve(p).verdict
+    'optimal'
+    """
+    from scipy.optimize import OptimizeResult
+    start = problem.x0 if x0 is None else np.asarray(x0, dtype=float)
+    if start is None:
+        raise ValueError("x0: this problem has no start of its own")
+    if not time_limit > 0.0:
+        raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
+    answer = _core.solve(problem._handle, solver if isinstance(solver, str) else _adapter(solver), start.tolist(),
+                         tolerance, time_limit, evaluation_limit, seed,
+                         {str(k): str(v) for k, v in (options or {}).items()})
+    success = answer["verdict"] in ("optimal", "feasible")
+    return OptimizeResult(success=success, status=0 if answer["verdict"] == "optimal" else 1 if success else 4, **answer)
+
+
+def solvers() -> Any:
+    """The library's nonlinear and linear solvers.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row a solver: its name, version, what it takes and what it uses.
+
+    Examples
+    --------
+    >>> import accdec
+    >>> bool(accdec.solvers()["name"].isin(["ipopt", "nlopt-slsqp"]).sum() == 2)
+    True
+    """
+    import pandas
+    return pandas.DataFrame(_core.solvers())
+
+
+def register_solver(name: str, function: Function, *, equality_rows: bool = True) -> None:
+    """Give a solver written in Python a name, so that `design` and `solve` take it.
+
+    Parameters
+    ----------
+    name : str
+        Not taken yet.
+    function : callable
+        As in `solve`.
+    equality_rows : bool
+        Whether it takes rows whose bounds are equal; else it gets the reduced form.
+
+    Examples
+    --------
+    >>> import accdec, scipy.optimize
+    >>> def slsqp(problem, start, options):
+    ...     return scipy.optimize.minimize(problem.fun, start, jac=problem.grad, method="SLSQP", bounds=problem.bounds,
+    ...                                    constraints=problem.constraints(dense=True), options={"maxiter": 200})
+    >>> accdec.register_solver("scipy-slsqp", slsqp, equality_rows=False)
+    >>> "scipy-slsqp" in accdec.solvers()["name"].tolist()
+    True
+    """
+    _core.register_solver(name, _adapter(function), equality_rows)

@@ -1,0 +1,80 @@
+"""Whole programs."""
+
+from __future__ import annotations
+
+import os
+from typing import Optional, Union
+
+from . import _core
+from ._core import Program
+from ._design import Progress, TaskLike, _listener
+from ._fields import as_task
+
+
+def program(
+    file: Union[str, "os.PathLike[str]"],
+    task: TaskLike,
+    *,
+    plan: str = "fixed",
+    feeds: str = "choose",
+    arc_tolerance: float = 2e-6,
+    time_limit: Optional[float] = None,
+    rapid_stops: bool = False,
+    dwells_before_filter: bool = False,
+    filter_bound: bool = False,
+    tool_table: Union[str, "os.PathLike[str]"] = "",
+    progress: Progress = None,
+) -> Program:
+    """Plan a whole program: filter, feeds and the delay of every corner, verified by simulating every sample.
+
+    Parameters
+    ----------
+    file : path
+        RS-274, canonical calls (rs274 -g) or CSV of points and feeds.
+    task : Task, path or dict
+        Sample period, axes, [program] error_max and, if given, the filter; else one is designed.
+    plan : {"fixed", "per-leg"}
+        One filter for the whole program, or its shape in the length that suits each leg, where that is faster.
+    feeds : {"choose", "keep"}
+        F is an upper bound, or every block at its programmed feed.
+    arc_tolerance : float
+        m, largest distance of a chord from its arc.
+    time_limit : float, optional
+        s, for the design of a filter; by default 2 s and 5 ms a block, at most 60.
+    rapid_stops, dwells_before_filter, filter_bound : bool
+        As of the command line.
+    tool_table : path, optional
+        LinuxCNC's, for programs that rs274 has to run.
+    progress : bool or callable, optional
+
+    Returns
+    -------
+    Program
+
+    Raises
+    ------
+    InputError, ValueError
+        With the text of the command line.
+
+    Examples
+    --------
+    >>> import accdec, pathlib, tempfile
+    >>> square = pathlib.Path(tempfile.mkdtemp()) / "square.ngc"
+    >>> _ = square.write_text("G21 G90 G64 P0.05\\nG1 X20 F3000\\nY20\\nX0\\nY0\\nM2\\n")
+    >>> plan = accdec.program(square, {"sample_period": 1e-3, "axes": {"acceleration_max": 5.0}})
+    >>> plan.success, len(plan.delays) >= 4, bool((plan.errors <= plan.tolerances * (1 + 1e-9)).all())
+    (True, True, True)
+    """
+    if plan not in ("fixed", "per-leg"):
+        raise ValueError(f'plan: allowed are "fixed" and "per-leg", got "{plan}" (profiles: by the command line)')
+    if feeds not in ("choose", "keep"):
+        raise ValueError(f'feeds: allowed are "choose" and "keep", got "{feeds}"')
+    if not 1e-9 <= arc_tolerance <= 1e-2:
+        raise ValueError(f"arc_tolerance: allowed is 1e-9 to 1e-2 (m), got {arc_tolerance}")
+    if time_limit is not None and not time_limit > 0.0:
+        raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
+    return _core.program(
+        os.fspath(file), as_task(task, program=True), per_leg=plan == "per-leg", keep_feeds=feeds == "keep",
+        arc_tolerance=arc_tolerance, time_limit=time_limit, rapid_stops=rapid_stops,
+        dwells_before_filter=dwells_before_filter, filter_bound=filter_bound, tool_table=os.fspath(tool_table),
+        progress=_listener(progress))

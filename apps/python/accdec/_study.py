@@ -1,0 +1,138 @@
+"""Parameter studies and comparisons of solvers, as tables of pandas."""
+
+from __future__ import annotations
+
+import builtins
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+from typing import Any, Callable, Optional, Sequence, Union
+
+from . import _core
+
+Path = Union[str, "os.PathLike[str]"]
+Progress = Union[bool, Callable[[int, int, float], object], None]
+
+
+def _print_progress(done: int, total: int, seconds: float) -> None:
+    print(f"\r{done} of {total}, {seconds:.0f} s", end="\n" if done == total else "", flush=True)
+
+
+def _raise(message: dict[str, Any]) -> None:
+    name = message["error"]
+    known: Any = getattr(_core, name, None) or getattr(builtins, name, None) or RuntimeError
+    error = known(message["text"])
+    for attribute, value in message["attributes"].items():
+        setattr(error, attribute, value)
+    raise error
+
+
+def _run(call: str, arguments: dict[str, Any], progress: Progress) -> dict[str, Any]:
+    """In a child of its own, which ends with this call, however that ends."""
+    tell = _print_progress if progress is True else progress if callable(progress) else None
+    folder = str(pathlib.Path(_core.__file__).parent)
+    request = json.dumps({"call": call, "arguments": arguments, "folder": folder})
+    worker = str(pathlib.Path(__file__).with_name("_worker.py"))
+    answer = None
+    with subprocess.Popen([sys.executable, worker, request], stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout is not None
+        try:
+            for line in child.stdout:
+                message = json.loads(line)
+                if "error" in message:
+                    _raise(message)
+                if "answer" in message:
+                    answer = message["answer"]
+                elif tell:
+                    tell(*message["progress"])
+        except BaseException:
+            child.kill()
+            raise
+    if answer is None:
+        raise RuntimeError(f"the process that computed died with {child.returncode}; what it journaled is kept in "
+                           f"{arguments['out']}: run this again to go on")
+    return answer
+
+
+def _table(path: Path, call: str, arguments: dict[str, Any], out: Optional[Path], file: str, progress: Progress,
+           verb: str) -> Any:
+    import pandas
+    with tempfile.TemporaryDirectory(prefix="accdec-") as scratch:
+        folder = os.path.join(scratch, "results") if out is None else os.fspath(out)
+        command = f"accdec.{verb}({os.fspath(path)!r}" + (")" if out is None else f", out={folder!r})")
+        summary = _run(call, {"path": os.fspath(path), "out": folder, "command": command, **arguments}, progress)
+        table = pandas.read_csv(os.path.join(folder, file))
+    table.attrs["summary"] = summary
+    table.attrs["folder"] = None if out is None else folder
+    return table
+
+
+def study(path: Path, *, out: Optional[Path] = None, workers: int = 0, large: bool = False, fresh: bool = False,
+          progress: Progress = None) -> Any:
+    """Run a parameter study.
+
+    Parameters
+    ----------
+    path : path
+        STUDY.toml: base task, what varies, what to compute.
+    out : path, optional
+        Folder for rows, figures and report; an interrupted study goes on there. Without it only the table is kept.
+    workers : int
+        Points computed at a time; 0: all cores.
+    large : bool
+        Allow more than 100 000 points.
+    fresh : bool
+        Compute all points anew, whatever the folder has.
+    progress : bool or callable, optional
+        True shows it; a callable gets (done, total, seconds).
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row a point, columns as in rows.csv (their names have the units); ``attrs["summary"]`` counts points.
+
+    Raises
+    ------
+    InputError, OutputError
+        With the text of the command line.
+
+    Notes
+    -----
+    It runs in a process of its own; Ctrl-C ends that at once, and with `out` the next call goes on.
+    """
+    return _table(path, "run_study", {"workers": workers, "large": large, "fresh": fresh}, out, "rows.csv", progress,
+                  "study")
+
+
+def compare(path: Path, *, solvers: Sequence[str] = (), out: Optional[Path] = None, workers: int = 0,
+            progress: Progress = None) -> Any:
+    """Compare solvers on a suite of problems, every answer verified.
+
+    Parameters
+    ----------
+    path : path
+        SUITE.toml: problems, solvers, limits.
+    solvers : sequence of str, optional
+        Instead of the suite's.
+    out : path, optional
+        Folder for raw data, tables, figures and report; an interrupted comparison goes on there.
+    workers : int
+        Runs at a time; 0: all cores.
+    progress : bool or callable, optional
+        True shows it; a callable gets (done, total, seconds).
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row a run, as in runs.csv.
+
+    Raises
+    ------
+    InputError, OutputError
+        With the text of the command line.
+    """
+    return _table(path, "run_comparison", {"workers": workers, "solvers": list(solvers)}, out, "runs.csv", progress,
+                  "compare")

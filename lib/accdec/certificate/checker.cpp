@@ -1,0 +1,309 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <accdec/certificate/checked_rows.hpp>
+#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate/constant_feed.hpp>
+#include <accdec/task/objective.hpp>
+
+namespace accdec {
+namespace {
+
+class Checker {
+ public:
+  Checker(const Task& task, const proof::BranchAndBound& proof, double target, const std::function<bool()>& stop)
+      : task_(task), rows_(task), proof_(proof), target_(target), stop_(stop) {}
+
+  std::size_t run() {
+    CheckedBox root;
+    root.order_most = task_.design.order_max;
+    for (const TaskCorner& c : task_.corners) {
+      // Nothing changes from d = N + 2 on, nor from k = N + d + 1 on.
+      const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2);
+      root.corners.push_back({d1, d2, 0, d2 + task_.design.order_max + 1});
+    }
+    node(root, 0);
+    if (next_ != proof_.tree.size()) throw Rejected("the tree goes on after its end");
+    return leaves_;
+  }
+
+ private:
+  int least_order() const { return std::max(task_.design.order_min, 0); }
+
+  /// Largest order with which a design in the box can be shorter than the target; cuts delays that cannot. -1: none.
+  int largest_order(CheckedBox& whole) const {
+    std::vector<CheckedRange>& box = whole.corners;
+    whole.budget.reset();
+    const int least = std::max(least_order(), whole.order_least);
+    if (std::isinf(target_)) return whole.order_most < least ? -1 : whole.order_most;
+    const double limit = target_ * (1.0 - 1e-9);
+    // Machine time pays the filter once a run, the corners' own times once a corner.
+    double filter = task_.design.objective == Objective::cycle ? task_.design.runs : 0.0, value = 0.0;
+    for (std::size_t j = 0; j < box.size(); ++j) {
+      if (task_.design.objective == Objective::corner) filter += task_.corners[j].weight;
+      value += task_.corners[j].weight * box[j].d1;
+    }
+    const int order =
+        static_cast<int>(std::min<double>(whole.order_most, std::ceil((limit - value) / filter - 1.0) - 1.0));
+    if (order < least) return -1;
+    for (std::size_t j = 0; j < box.size(); ++j) {
+      const double room = (limit - value - filter * (least + 1)) / task_.corners[j].weight;
+      box[j].d2 = std::min(box[j].d2, box[j].d1 + static_cast<int>(std::clamp(room, 0.0, 1e8)));
+    }
+    // A little more than rounding can have taken away.
+    whole.budget = (limit - value - filter * (least + 1)) + 1e-12 * limit;
+    return order;
+  }
+
+  const proof::Node& next(int depth) {
+    if (next_ >= proof_.tree.size())
+      throw Rejected("the tree is cut off: not every pair of order and delay is refuted");
+    if (depth > 1000) throw Rejected("the tree is too deep");
+    if (stop_ && stop_()) throw Rejected("it could not be checked in the time allowed");
+    return proof_.tree[next_++];
+  }
+
+  void node(CheckedBox box, int depth) {
+    const proof::Node& entry = next(depth);
+    const CheckedBox whole = box;
+    box.order = largest_order(box);
+    if (box.order >= 0) {
+      for (CheckedRange& r : box.corners) r.k2 = std::min(r.k2, box.order + r.d2 + 1);
+    }
+    const bool too_long = std::holds_alternative<proof::TooLong>(entry);
+    const bool empty = box.order < 0 || std::any_of(box.corners.begin(), box.corners.end(),
+                                                    [](const CheckedRange& r) { return r.k1 > r.k2; });
+    if (too_long && !empty) throw Rejected(fmt::format("{} is left out as too long, but is not", describe(box)));
+    if (too_long) return;
+    if (box.order < 0) throw Rejected("the tree goes on where every design is too long");
+    std::visit([&](const auto& n) { check(n, whole, box, depth); }, entry);
+  }
+
+  // A node of each kind: `whole` is the part as splits have left it, `box` what the target leaves of it.
+
+  void check(const proof::TooLong&, const CheckedBox&, const CheckedBox&, int) {}
+
+  void check(const proof::Refuted& n, const CheckedBox&, const CheckedBox& box, int) {
+    leaf(n.multipliers, box, false);
+  }
+
+  void check(const proof::Unreachable&, const CheckedBox&, const CheckedBox& box, int) { unreachable(box); }
+
+  void check(const proof::ResponseSplit& n, const CheckedBox& whole, const CheckedBox& box, int depth) {
+    const auto [first, second] = parts(n, whole, box.order);
+    node(first, depth + 1);
+    node(second, depth + 1);
+  }
+
+  void check(const proof::OrderSplit& n, const CheckedBox& whole, const CheckedBox&, int depth) {
+    if (n.at < std::max(least_order(), whole.order_least) || n.at >= whole.order_most)
+      throw Rejected("the tree splits outside the box");
+    CheckedBox shorter = whole, longer = whole;
+    shorter.order_most = n.at;
+    longer.order_least = n.at + 1;
+    node(shorter, depth + 1);
+    node(longer, depth + 1);
+  }
+
+  void check(const proof::Split& n, const CheckedBox& whole, const CheckedBox&, int depth) {
+    if (n.corner < 0 || n.corner >= static_cast<int>(whole.corners.size()))
+      throw Rejected("the tree splits a corner that is not there");
+    CheckedBox first = whole, second = whole;
+    const auto j = static_cast<std::size_t>(n.corner);
+    CheckedRange &a = first.corners[j], &b = second.corners[j];
+    if (n.at < (n.on_delay ? a.d1 : a.k1) || n.at >= (n.on_delay ? a.d2 : a.k2))
+      throw Rejected("the tree splits outside the box");
+    (n.on_delay ? a.d2 : a.k2) = n.at;
+    (n.on_delay ? b.d1 : b.k1) = n.at + 1;
+    node(first, depth + 1);
+    node(second, depth + 1);
+  }
+
+  void check(const proof::RefutedSymmetric& n, const CheckedBox&, const CheckedBox& box, int) {
+    require_symmetric(box);
+    CheckedBox one = box;
+    leaf(n.multipliers, one, true);
+    if (--one.order >= least_order()) leaf(n.shorter, one, true);
+  }
+
+  void check(const proof::SymmetricOrders&, const CheckedBox&, const CheckedBox& box, int depth) {
+    require_symmetric(box);
+    CheckedBox one = box;
+    exact_order(one, depth + 1);
+    if (--one.order >= least_order()) exact_order(one, depth + 1);
+  }
+
+  /// A shorter symmetric filter becomes one of the box's order, or of one less, by as many zeros at either end, which
+  /// moves its sample k. That order must then not depend on how k was split: it comes from the delays, so they must be
+  /// down to one each.
+  void require_symmetric(const CheckedBox& box) const {
+    if (!task_.design.symmetric) throw Rejected("the tree refutes symmetric filters only, the task allows any");
+    const bool one =
+        std::all_of(box.corners.begin(), box.corners.end(), [](const CheckedRange& r) { return r.d1 == r.d2; });
+    if (!one)
+      throw Rejected(
+          fmt::format("{} refutes symmetric filters of one order for several delays at once", describe(box)));
+  }
+
+  /// Symmetric filters of exactly the box's order.
+  void exact_order(const CheckedBox& box, int depth) {
+    const proof::Node& entry = next(depth);
+    if (const auto* refuted = std::get_if<proof::Refuted>(&entry)) {
+      leaf(refuted->multipliers, box, true);
+    } else if (std::holds_alternative<proof::Unreachable>(entry)) {
+      unreachable(box);
+    } else if (const auto* split = std::get_if<proof::ResponseSplit>(&entry)) {
+      const auto [first, second] = parts(*split, box, box.order);
+      exact_order(first, depth + 1);
+      exact_order(second, depth + 1);
+    } else {
+      throw Rejected("symmetric filters of one order are neither refuted nor split on a response");
+    }
+  }
+
+  /// B_k at most a level, and at least it.
+  static std::pair<CheckedBox, CheckedBox> parts(const proof::ResponseSplit& n, const CheckedBox& box, int order) {
+    if (n.sample < 1 || n.sample > order) throw Rejected("the tree splits a response that is not there");
+    if (!(n.level >= 0.0 && n.level <= 1.0)) throw Rejected("the tree splits a response outside 0 .. 1");
+    std::pair<CheckedBox, CheckedBox> both{box, box};
+    both.first.cuts.push_back({n.sample, true, n.level});
+    both.second.cuts.push_back({n.sample, false, n.level});
+    return both;
+  }
+
+  void unreachable(const CheckedBox& box) {
+    ++leaves_;
+    if (rows_.tube(box)) throw Rejected(fmt::format("{} is called unreachable, but is not", describe(box)));
+  }
+
+  static std::string describe(const CheckedBox& box) {
+    std::string text = fmt::format("order up to {}", box.order);
+    for (const CheckedRange& r : box.corners)
+      text += fmt::format(", d = {} .. {} (k = {} .. {})", r.d1, r.d2, r.k1, r.k2);
+    for (const CheckedCut& c : box.cuts)
+      text += fmt::format(", B_{} {} {:.6g}", c.sample, c.upper ? "<=" : ">=", c.level);
+    return text;
+  }
+
+  void leaf(int index, CheckedBox box, bool symmetric) {
+    if (index < 0 || index >= static_cast<int>(proof_.multipliers.size()))
+      throw Rejected("the tree names multipliers that are not there");
+    ++leaves_;
+    CheckedSum sum(box.order);
+    sum.delays.resize(box.corners.size());
+    sum.samples.resize(box.corners.size());
+    for (const proof::Term& term : proof_.multipliers[static_cast<std::size_t>(index)]) {
+      if (stop_ && stop_()) throw Rejected("it could not be checked in the time allowed");
+      rows_.add(term, box, sum);
+    }
+    if (box.nothing_left) return;
+    Interval suffix(0.0);
+    for (std::size_t i = sum.taps.size(); i-- > 0;) {
+      suffix = suffix + sum.cumulative[i + 1];
+      sum.taps[i] = sum.taps[i] + suffix;
+    }
+    std::vector<double> least;
+    for (const Interval& c : sum.taps) least.push_back(c.lo);
+    if (symmetric) {
+      const std::vector<double> plain = least;
+      for (std::size_t i = 0; i < least.size(); ++i)
+        least[i] = (0.5 * (Interval(plain[i]) + Interval(plain[plain.size() - 1 - i]))).lo;
+    }
+    // For any lambda: sum c b >= lambda + sum u min(0, c - lambda). The best is the c at which the cheapest taps are
+    // full.
+    const double tap_max = rows_.tap_max(), room = 1.0 / tap_max;
+    if (static_cast<double>(least.size()) < room * (1.0 - 1e-12)) return;  // not even full taps reach a sum of 1
+    std::vector<double> sorted = least;
+    const auto full = static_cast<std::ptrdiff_t>(std::min(static_cast<double>(sorted.size() - 1), room));
+    std::nth_element(sorted.begin(), sorted.begin() + full, sorted.end());
+    const double lambda = sorted[static_cast<std::size_t>(full)];
+    Interval bound(lambda);
+    for (const double c : least) {
+      if (c < lambda) bound = bound + Interval(tap_max) * (Interval(c) - Interval(lambda));
+    }
+    bound = bound - sum.rhs;
+    for (std::size_t j = 0; j < box.corners.size(); ++j) {
+      const CheckedRange& r = box.corners[j];
+      if (sum.delays[j].lo < 0.0) bound = bound + Interval(sum.delays[j].lo) * static_cast<double>(r.d2 - r.d1);
+      if (sum.samples[j].lo < 0.0) bound = bound + Interval(sum.samples[j].lo) * static_cast<double>(r.k2 - r.k1);
+    }
+    if (!(bound.lo > 0.0)) {
+      throw Rejected(fmt::format("{} is not refuted by its multipliers (margin {:.3g})", describe(box), bound.lo));
+    }
+  }
+
+  const Task& task_;
+  CheckedRows rows_;
+  const proof::BranchAndBound& proof_;
+  double target_;
+  const std::function<bool()>& stop_;
+  std::size_t next_ = 0, leaves_ = 0;
+};
+
+/// What is wrong with the objective a proof names; empty when it is the task's.
+std::string other_objective(const Task& task, const proof::BranchAndBound& proof) {
+  if (proof.objective != task.design.objective)
+    return fmt::format("the certificate is about the objective \"{}\", the task's is \"{}\"",
+                       to_string(proof.objective), to_string(task.design.objective));
+  if (proof.objective != Objective::cycle || proof.runs == task.design.runs) return {};
+  return fmt::format("the certificate is about {} runs, the task asks for {}", proof.runs, task.design.runs);
+}
+
+/// What a result claims and the certificate says it proves, in samples; infinite: that there is no design.
+/// @throws Rejected if the two are not one
+double target_of(const Task& task, const DesignResult& result, const proof::BranchAndBound& proof) {
+  if (result.status == Status::infeasible) {
+    if (proof.bound_samples) throw Rejected("the certificate proves a bound, not that nothing exists");
+    return unlimited;
+  }
+  if (!result.lower_bound) throw Rejected("the result claims no lower bound");
+  const bool optimal = result.status == Status::optimal;
+  if (optimal && *result.lower_bound < result.objective() * (1.0 - 1e-9))
+    throw Rejected("the status is optimal, but the lower bound is below the cycle time");
+  const double target = (optimal ? result.objective() : *result.lower_bound) / task.sample_period;
+  if (proof.bound_samples && *proof.bound_samples < target * (1.0 - 1e-9))
+    throw Rejected(
+        fmt::format("the certificate proves {} samples, the result claims {}", *proof.bound_samples, target));
+  return proof.bound_samples.value_or(target);
+}
+
+std::string check(const proof::ConstantFeed&, const Task& task, const DesignResult& result,
+                  const std::function<bool()>&) {
+  if (result.status != Status::infeasible) throw Rejected("the certificate is one of infeasibility, the status is not");
+  std::string broken = broken_at_constant_feed(task);
+  if (broken.empty()) throw Rejected("no limit is broken at constant feed");
+  return broken;
+}
+
+std::string check(const proof::Enumeration&, const Task&, const DesignResult&, const std::function<bool()>&) {
+  throw Rejected("the certificate is about the delays of a given filter, the task leaves the filter open");
+}
+
+std::string check(const proof::BranchAndBound& proof, const Task& task, const DesignResult& result,
+                  const std::function<bool()>& stop) {
+  if (const std::string other = other_objective(task, proof); !other.empty()) throw Rejected(other);
+  const double target = target_of(task, result, proof);
+  const std::size_t leaves = Checker(task, proof, target, stop).run();
+  if (std::isinf(target)) return fmt::format("{} parts refuted: nothing holds all limits", leaves);
+  return fmt::format("{} parts refuted: under the limits as written no {} time is shorter than {:.9g} s", leaves,
+                     to_string(task.design.objective), target * task.sample_period);
+}
+
+}  // namespace
+
+CheckReport check_certificate(const Task& task, const DesignResult& result, const std::function<bool()>& stop) {
+  if (!result.certificate) return {false, "there is no certificate"};
+  try {
+    return {true,
+            std::visit([&](const auto& proof) { return check(proof, task, result, stop); }, result.certificate->proof)};
+  } catch (const Rejected& e) {
+    return {false, e.what()};
+  }
+}
+
+}  // namespace accdec

@@ -1,0 +1,194 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/comparison/comparison_run.hpp>
+#include <accdec/comparison/suite_keys.hpp>
+#include <accdec/formats/task_edit.hpp>
+#include <accdec/solvers/solver.hpp>
+
+namespace accdec {
+namespace {
+
+Key text(std::string name, std::string meaning, std::string fallback, std::string example) {
+  return {.name = std::move(name),
+          .type = KeyType::text,
+          .meaning = std::move(meaning),
+          .fallback = std::move(fallback),
+          .example = std::move(example)};
+}
+Key number(std::string name, std::string meaning, std::string unit, double high, std::string fallback,
+           std::string example) {
+  return {.name = std::move(name),
+          .meaning = std::move(meaning),
+          .unit = std::move(unit),
+          .range = {0.0, high, true},
+          .fallback = std::move(fallback),
+          .example = std::move(example)};
+}
+Key integer(std::string name, std::string meaning, Range range, std::string fallback, std::string example) {
+  return {.name = std::move(name),
+          .type = KeyType::integer,
+          .meaning = std::move(meaning),
+          .range = range,
+          .fallback = std::move(fallback),
+          .example = std::move(example)};
+}
+Key names(std::string name, std::string meaning, std::vector<std::string> words, std::string noun,
+          std::string example) {
+  return {.name = std::move(name),
+          .type = KeyType::words,
+          .meaning = std::move(meaning),
+          .words = std::move(words),
+          .noun = std::move(noun),
+          .example = std::move(example)};
+}
+Key word(std::string name, std::string meaning, std::vector<std::string> words, std::string fallback,
+         std::string example) {
+  Key key = names(std::move(name), std::move(meaning), std::move(words), "", std::move(example));
+  key.type = KeyType::word;
+  key.fallback = std::move(fallback);
+  return key;
+}
+Key free_table(std::string name, std::string meaning, std::string example) {
+  Key key = text(std::move(name), std::move(meaning), "", std::move(example));
+  key.type = KeyType::table;
+  key.free = true;
+  return key;
+}
+Key list(std::string name, std::string meaning, std::vector<Key> keys) {
+  return {.name = std::move(name), .type = KeyType::tables, .meaning = std::move(meaning), .keys = std::move(keys)};
+}
+Key required(Key key) {
+  key.required = true;
+  return key;
+}
+
+Key sizes(std::string fallback) {
+  return {.name = "sizes",
+          .type = KeyType::numbers,
+          .meaning = "how many times finer than written each problem is sampled",
+          .range = {1.0, 1000.0},
+          .most = 20,
+          .fallback = std::move(fallback),
+          .example = "[1, 2, 4]",
+          .whole = true};
+}
+
+std::vector<Key> setting_keys() {
+  const study::ComparisonSettings s;
+  const auto text_of = [](double x) { return fmt::format("{}", x); };
+  Key targets{.name = "targets",
+              .type = KeyType::numbers,
+              .meaning = "accuracies of the data profiles and runtime distributions",
+              .range = {0.0, 1e6, true},
+              .most = 8,
+              .fallback = fmt::format("[{}]", fmt::join(s.targets, ", ")),
+              .example = "[1e-1, 1e-2]"};
+  return {integer("starts", "starting points: a trapezoid and seeded perturbations of it", {1, 1000}, text_of(s.starts),
+                  "2"),
+          integer("seed", "of the perturbations and the order of runs", {0, 2e9}, text_of(static_cast<double>(s.seed)),
+                  "7"),
+          integer("repeats", "timings of each run", {1, 1000}, text_of(s.repeats), "9"),
+          number("time_limit_s", "of a run", "s", 1e6, text_of(s.time_limit), "1"),
+          number("kill_after_s", "until the process of a run is killed", "s", 1e7, "2 time_limit_s + 1", "10"),
+          integer("evaluation_limit", "of a run", {1, 2e9}, fmt::format("{}", s.evaluation_limit), "100000"),
+          number("tolerance", "asked of the libraries", "", 1.0, text_of(s.tolerance), "1e-9"),
+          number("feasibility", "by which rows, scaled to 1, are judged", "", 1.0, text_of(s.feasibility), "1e-6"),
+          number("accuracy", "relative, within which the reference counts as reached", "", 1.0, text_of(s.accuracy),
+                 "1e-3"),
+          targets,
+          number("reference_time_limit_s", "of the exact method, for a reference", "s", 1e6,
+                 text_of(s.reference_time_limit), "60"),
+          sizes("[1]")};
+}
+
+std::vector<std::string> questions() {
+  std::vector<std::string> names;
+  for (const auto question : {study::Question::margin, study::Question::delay, study::Question::design})
+    names.emplace_back(study::to_string(question));
+  return names;
+}
+
+std::vector<Key> problem_keys() {
+  Key set = free_table("set", "keys of the task set anew", "{ \"corner.*.error_max_um\" = 60 }");
+  set.conditions = fmt::format(R"({{"propertyNames": {{"pattern": {}}}}})", task_key_pattern());
+  Key delays{.name = "delay_samples",
+             .type = KeyType::numbers,
+             .meaning = "delays of margin, and where delay imposes limits: one number, or one a corner",
+             .unit = "samples",
+             .range = {0.0, most_taps},
+             .most = 10'000,
+             .fallback = "chosen",
+             .example = "12",
+             .lone = true};
+  Key order = integer("order", "N at size 1", {1, most_taps}, "", "30");
+  order.unit = "taps less 1";
+  return {required(text("name", "of the problem", "", "\"flat corner\"")),
+          text("family", "group of problems in tables", "other", "\"convex\""),
+          required(text("task", "task file, relative to the suite", "", "\"../corner/flat-angle.toml\"")),
+          set,
+          required(names("formulation",
+                         "`margin`: least corner error at `delay_samples`; `delay`: least weighted delay, continuous; "
+                         "`design`: whole delays and taps",
+                         questions(), "formulation", "[\"margin\", \"delay\"]")),
+          required(order),
+          sizes("those of the suite"),
+          delays,
+          number("time_limit_s", "of a run of this problem", "s", 1e6, "that of the suite", "10"),
+          word("expected", "whether there is an answer", {"feasible", "infeasible"}, "feasible", "\"infeasible\"")};
+}
+
+std::vector<Key> variant_keys() {
+  Key solver = required(word("solver", "whose options these are", solver_names(), "", "\"ipopt\""));
+  solver.noun = "solver";
+  solver.allowed = "allowed is a name of `accdec solvers`";
+  return {required(text("name", "in tables and figures", "", "\"ipopt, monotone\"")), solver,
+          word("form", "positions as rows or substituted into their bounds", {"sparse", "reduced"},
+               "what `reduced` says", "\"reduced\""),
+          free_table("options", "in the library's own words", "{ mu_strategy = \"monotone\" }")};
+}
+
+FileKind make_suite_file() {
+  std::vector<std::string> entries = solver_names_with_forms();
+  entries.emplace_back("all");
+  Key notes = text("notes", "below the title of the report", "", "\"Every algorithm.\"");
+  notes.empty_text = notes.long_text = true;
+  FileKind file{.name = "suite", .title = "accdec suite"};
+  Key solvers = names("solvers", "who takes part; may be left out where there are variants", entries, "solver",
+                      "[\"ipopt\", \"nlopt-slsqp/reduced\"]");
+  solvers.allowed = "allowed are `all`, or names of `accdec solvers`, NAME/sparse and NAME/reduced";
+  Key reduced = names("reduced", "those that get the reduced form although they take equality rows", solver_names(),
+                      "solver", "[\"nlopt-cobyla\"]");
+  reduced.allowed = "allowed are names of `accdec solvers`";
+  file.keys = {text("title", "of the report", "the file's name", "\"Solvers compared\""), notes, solvers};
+  for (Key& key : setting_keys()) file.keys.push_back(std::move(key));
+  file.keys.push_back(reduced);
+  file.keys.push_back(list("variant", "a further entry: a solver with options of its own", variant_keys()));
+  file.keys.push_back(required(list("problem", "a task and what is asked of it", problem_keys())));
+  file.conditions = R"({"anyOf": [{"required": ["solvers"]}, {"required": ["variant"]}]})";
+  return file;
+}
+
+}  // namespace
+
+std::vector<std::string> solver_names() {
+  std::vector<std::string> names;
+  for (const auto& solver : solvers::registry()) names.push_back(solver->name());
+  return names;
+}
+
+std::vector<std::string> solver_names_with_forms() {
+  std::vector<std::string> names = solver_names();
+  for (const auto& solver : solvers::registry()) {
+    if (!study::takes_both_forms(*solver)) continue;
+    for (const char* form : {"/sparse", "/reduced"}) names.push_back(solver->name() + form);
+  }
+  return names;
+}
+
+const FileKind& suite_file() {
+  static const FileKind file = make_suite_file();
+  return file;
+}
+
+}  // namespace accdec

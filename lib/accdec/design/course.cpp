@@ -1,0 +1,227 @@
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <accdec/certificate/checker.hpp>
+#include <accdec/design/course.hpp>
+#include <accdec/design/larger_order.hpp>
+#include <accdec/design/shape_search.hpp>
+#include <accdec/exact/exact.hpp>
+#include <accdec/exact/size.hpp>
+#include <accdec/task/order_bound.hpp>
+
+namespace accdec {
+namespace {
+
+/// Orders up to which slsqp, which is dense, is faster than ipopt.
+constexpr int dense_order_max = 150;
+
+bool has_design(const DesignResult& result) {
+  return result.status == Status::optimal || result.status == Status::feasible;
+}
+
+/// Whether limits make the set of filters non-convex; none if they do not.
+Task convex_part(const Task& task, bool& all) {
+  Task part = task;
+  all = true;
+  for (Axis& axis : part.machine.axes) {
+    all = all && !(axis.power_max < unlimited) && !(axis.regeneration_max < unlimited);
+    axis.power_max = axis.regeneration_max = unlimited;
+  }
+  for (TaskCorner& corner : part.corners) {
+    all = all && corner.speed_min <= 0.0;
+    corner.speed_min = 0.0;
+  }
+  return part;
+}
+
+class Course {
+ public:
+  Course(const Task& task, const DesignOptions& options) : task_(task), options_(options) {}
+
+  DesignResult run() {
+    bool convex = false;
+    const Task part = convex_part(task_, convex);
+    const bool several = task_.corners.size() > 1;
+    // A lone corner's proof seldom lasts; what another method could add then is little.
+    exact(several ? 0.2 : convex ? 0.9 : 0.3);
+    if (settled() || close_enough()) return *exact_;
+    if (!convex && !has_bound()) bound_of_part(part, 0.1);
+    const double share = several ? 0.35 : 0.2;
+    if (several && task_.design.order_min <= dense_order_max) local("nlopt-slsqp", 0.4 * share);
+    local(options_.solver, share);
+    if (!has_design(*exact_) && !best_) shapes(0.1);
+    if (several || !convex || !has_design(*exact_)) exact(1.0);
+    if (settled()) return *exact_;
+    return finish();
+  }
+
+  /// Where the exact method's programmes are too large.
+  DesignResult run_without_programmes(const std::string& why) {
+    exact_ = DesignResult();
+    exact_->task = task_;
+    exact_->message = why;
+    shapes(0.4);
+    // Beyond these a single step of a local solver may last longer than the time limit leaves.
+    const int most = task_.design.order_max;
+    const int least = std::min(most, std::max(task_.design.order_min, order_lower_bound(task_, most)));
+    if (task_.corners.size() <= 100 && least <= 10'000) local(options_.solver, 1.0);
+    return finish();
+  }
+
+  double left() const { return options_.time_limit - std::chrono::duration<double>(Clock::now() - began_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool over() const { return left() <= 0.0 || (options_.cancel != nullptr && options_.cancel->load()); }
+  bool settled() const { return exact_->status == Status::optimal || exact_->status == Status::infeasible; }
+  bool has_bound() const { return exact_->lower_bound || bound_; }
+  bool close_enough() const { return options_.gap > 0.0 && exact_ && exact_->gap && *exact_->gap <= options_.gap; }
+  void tell(const std::string& line) const {
+    if (options_.progress) options_.progress(line);
+  }
+
+  void exact(double share) {
+    if (exact_ && (over() || close_enough())) return;
+    ExactOptions exact;
+    exact.time_limit = std::min(share * options_.time_limit, left());
+    exact.gap = options_.gap;
+    exact.cancel = options_.cancel;
+    exact.certificate = options_.certificate;
+    if (best_) exact.start = best_->filter;
+    if (options_.progress) {
+      exact.progress = [this](const ExactProgress& p) {
+        const std::string bound = fmt::format("bound {:.3f} ms", p.bound * 1e3);
+        tell(p.incumbent < unlimited
+                 ? fmt::format("{}, best {:.3f} ms, gap {:.1f} %", bound, p.incumbent * 1e3, 100.0 * p.gap)
+                 : bound + ", no design yet");
+      };
+    }
+    DesignResult result = design_exact(task_, exact);
+    if (options_.certificate && !result.certificate) {
+      // Stopped before anything was proved: a bound nobody can check is none.
+      result.lower_bound.reset();
+      result.gap.reset();
+    }
+    if (exact_) {
+      result.solver.evaluations += exact_->solver.evaluations;
+      result.solver.wall_time += exact_->solver.wall_time;
+      offer_bound(*exact_);
+      if (has_design(*exact_)) offer_design(*exact_);
+    }
+    exact_ = std::move(result);
+  }
+
+  void local(const std::string& solver, double share) {
+    if (over() || close_enough()) return;
+    DesignOptions options = options_;
+    options.method = Method::nlp;
+    options.solver = solver;
+    if (solver != options_.solver) options.solver_options.native.clear();
+    options.time_limit = std::min(share * options_.time_limit, left());
+    tell(fmt::format("looking for a design with {} for at most {:.0f} s", solver, options.time_limit));
+    DesignResult result = design_nlp(task_, options);
+    if (!has_design(result)) {
+      // Nothing proved and nothing found: the local search at least knows which limits are in each other's way.
+      local_message_ = result.message;
+      return;
+    }
+    if (!exact_ || !has_design(*exact_) || result.objective() < exact_->objective()) offer_design(std::move(result));
+  }
+
+  void shapes(double share) {
+    if (over()) return;
+    if (auto result = best_shape(task_, std::min(share * options_.time_limit, left()), options_.cancel))
+      offer_design(std::move(*result));
+  }
+
+  /// The bound without power, regeneration and smallest speed is one with them, too.
+  void bound_of_part(const Task& part, double share) {
+    if (over() || !options_.certificate) return;
+    ExactOptions exact;
+    exact.time_limit = std::min(share * options_.time_limit, left());
+    exact.cancel = options_.cancel;
+    DesignResult found = design_exact(part, exact);
+    if (!found.certificate || !found.lower_bound) return;
+    found.task = task_;
+    found.status = Status::feasible;
+    const auto late = [this] { return over(); };
+    if (check_certificate(task_, found, late).accepted) offer_bound(found);
+  }
+
+  void offer_bound(const DesignResult& found) {
+    if (!found.lower_bound) return;
+    if (!bound_ || *found.lower_bound > *bound_->lower_bound) bound_ = found;
+  }
+  void offer_design(DesignResult found) {
+    if (!best_ || found.objective() < best_->objective()) best_ = std::move(found);
+  }
+
+  /// The best design with the highest bound.
+  DesignResult finish() {
+    DesignResult result = *exact_;
+    if (best_ && (!has_design(result) || best_->objective() <= result.objective())) {
+      const SolverReport exact = result.solver;
+      const std::string message = result.message;
+      result = *best_;
+      if (result.solver.method != "exact") {
+        result.solver.name = exact.name.empty() ? result.solver.name : exact.name + "+" + result.solver.name;
+        result.solver.version =
+            exact.version.empty() ? result.solver.version : exact.version + ", " + result.solver.version;
+      }
+      result.solver.method = "exact";
+      result.solver.evaluations += exact.evaluations;
+      result.solver.wall_time += exact.wall_time;
+      result.status = Status::feasible;
+      result.message = has_design(*exact_) ? message : "not proved shortest: " + message;
+      result.stop = exact_->stop;
+      result.lower_bound = exact_->lower_bound, result.certificate = exact_->certificate;
+    }
+    if (bound_ && (!result.lower_bound || *bound_->lower_bound > *result.lower_bound)) {
+      result.lower_bound = bound_->lower_bound;
+      result.certificate = bound_->certificate;
+    }
+    if (!has_design(result)) {
+      if (!local_message_.empty()) result.message += "; " + local_message_;
+      return result;
+    }
+    result.gap.reset();
+    if (!result.lower_bound) return result;
+    result.gap = std::max(0.0, (result.objective() - *result.lower_bound) / result.objective());
+    if (*result.lower_bound < result.objective() * (1.0 - 1e-9)) return result;
+    result.status = Status::optimal;
+    result.lower_bound = result.objective();
+    result.gap = 0.0;
+    result.message.clear();
+    result.stop = StopReason::finished;
+    return result;
+  }
+
+  const Task& task_;
+  const DesignOptions& options_;
+  Clock::time_point began_ = Clock::now();
+  std::optional<DesignResult> exact_;  ///< of the last run of the exact method
+  std::optional<DesignResult> best_;   ///< a design from elsewhere that is shorter
+  std::optional<DesignResult> bound_;  ///< a bound from elsewhere
+  std::string local_message_;
+};
+
+}  // namespace
+
+DesignResult design_by_course(const Task& task, const DesignOptions& options) {
+  Course course(task, options);
+  try {
+    const int most = task.design.order_max;
+    exact::require_room(task, std::min(most, std::max(task.design.order_min, order_lower_bound(task, most))));
+    DesignResult result = course.run();
+    if (result.status == Status::infeasible)
+      result.message += larger_order_note(task, std::min(20.0, course.left()), options.cancel);
+    return result;
+  } catch (const exact::TooLarge& reason) {
+    return course.run_without_programmes(reason.what());
+  }
+}
+
+}  // namespace accdec

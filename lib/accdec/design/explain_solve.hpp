@@ -1,0 +1,59 @@
+#pragma once
+
+#include <algorithm>
+
+#include <accdec/design/explain.hpp>
+#include <accdec/design/recheck.hpp>
+
+// Internal to the room: single solves of an explanation, counted, none taken at its word.
+
+namespace accdec {
+
+struct Solved {
+  DesignResult result;
+  bool designed = false;  ///< a design, verified by simulation
+  bool refuted = false;   ///< there is none; proof rechecked
+  double bound = 0.0;     ///< s, nothing is shorter; proof rechecked, 0 without one
+};
+
+class ExplainSolver {
+ public:
+  ExplainSolver(const ExplainOptions& options, Explanation& explanation)
+      : options_(options), explanation_(explanation) {}
+
+  /// @param any  the first design will do: whether there is one is asked, not how short it is
+  Solved operator()(const Task& task, bool any = false) {
+    if (options_.progress && explanation_.solves > 0) options_.progress(explanation_.solves, std::max(total_, done()));
+    ++explanation_.solves;
+    DesignOptions design = options_.design;
+    design.progress = nullptr;
+    if (any) design.gap = 0.999;
+    Solved solved;
+    solved.result = design_task(task, design);
+    solved.designed = solved.result.filter.has_value();
+    const bool asks_proof =
+        solved.designed ? !any && solved.result.lower_bound.has_value() : solved.result.status == Status::infeasible;
+    if (asks_proof && recheck(solved.result, [this] { return cancelled(); }).accepted) {
+      solved.refuted = !solved.designed;
+      if (solved.designed) solved.bound = *solved.result.lower_bound;
+    }
+    if (cancelled()) explanation_.complete = false;
+    return solved;
+  }
+
+  bool cancelled() const { return options_.design.cancel != nullptr && options_.design.cancel->load(); }
+  /// How many more solves are expected from now.
+  void expect(int more) { total_ = explanation_.solves + more; }
+
+ private:
+  int done() const { return explanation_.solves + 1; }
+
+  const ExplainOptions& options_;
+  Explanation& explanation_;
+  int total_ = 0;
+};
+
+/// Fills cause and remedies of a task that has no design. In explain_remedies.cpp.
+void find_remedies(const Task& task, ExplainSolver& solve, Explanation& explanation);
+
+}  // namespace accdec

@@ -1,0 +1,51 @@
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include <accdec/design/larger_order.hpp>
+#include <accdec/design/shape_search.hpp>
+#include <accdec/exact/search.hpp>
+#include <accdec/exact/size.hpp>
+
+namespace accdec {
+namespace {
+
+/// Programmes of longer filters take too long for a remark.
+constexpr int most_order = 3200;
+
+}  // namespace
+
+std::string larger_order_note(const Task& task, double seconds, const std::atomic<bool>* cancel) {
+  using Clock = std::chrono::steady_clock;
+  const auto began = Clock::now();
+  const auto stop = [&] {
+    return std::chrono::duration<double>(Clock::now() - began).count() > seconds ||
+           (cancel != nullptr && cancel->load());
+  };
+  Task longer = task;
+  longer.design.order_min = std::max(task.design.order_min, task.design.order_max + 1);
+  longer.design.order_max = std::min(most_order, 8 * task.design.order_max);
+  if (longer.design.order_max < longer.design.order_min || stop()) return "";
+  try {
+    exact::Search search(longer, stop);
+    const int least = search.smallest_order();
+    if (stop() && !search.best) return "";
+    if (least > longer.design.order_max)
+      return fmt::format("; none of order {} or less does either", longer.design.order_max);
+    double cycle_time = search.best ? search.best->value * task.sample_period : 0.0;
+    int order = search.best ? search.best->filter.order() : 0;
+    if (!search.best) {
+      longer.design.order_min = least;
+      const auto shape = best_shape(longer, 0.5 * seconds, cancel);
+      if (!shape) return "";
+      cycle_time = shape->objective(), order = shape->filter->order();
+    }
+    return fmt::format("; a longer filter does: with [design] order_max = {} there is a verified design of {:g} ms",
+                       order, 1e3 * cycle_time);
+  } catch (const exact::TooLarge&) {
+    return "";
+  }
+}
+
+}  // namespace accdec

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <accdec/task/task.hpp>
+
+namespace accdec::exact {
+
+/// Delays d1 .. d2 and samples k1 .. k2 of one corner.
+struct CornerBox {
+  int d1 = 0, d2 = 0, k1 = 0, k2 = 0;
+};
+/// B_k >= level or B_k <= level, from a split.
+struct SumBound {
+  int sample = 0;
+  bool upper = false;
+  double level = 0.0;
+};
+/// Bounds low <= B_k <= high, k = 0 .. order + 1.
+struct Tube {
+  std::vector<double> low, high;
+};
+/// One corner's leg distances in samples at full speed, as weights of the taps: lower bounds wherever the caller needs
+/// them.
+struct Distances {
+  std::vector<double> in, out;
+};
+/// A part of all designs.
+struct Box {
+  int order = 0;  ///< largest order in the box; shorter filters are this one with zero taps
+  std::vector<CornerBox> corners;
+  std::vector<SumBound> path{};  ///< splits on cumulative responses
+  Tube tube{};                   ///< what they and the limits leave; empty where no row needs it
+  /// At most sum_j w_j (d_j - d1_j), from the target; only where there are several corners.
+  std::optional<double> budget{};
+  /// One per corner, instead of those at the whole delays and samples of `corners`; empty: those. Only cuts that grow
+  /// with both distances are then drawn.
+  std::vector<Distances> distances{};
+  std::optional<double> only_angle{};                                 ///< rad: the one cut that stands for each cone
+  int order_least = 0, order_most = std::numeric_limits<int>::max();  ///< from splits on the order
+
+  const CornerBox& corner(int j) const { return corners[static_cast<std::size_t>(j)]; }
+  /// Weights of tap i in the least leg distances of corner j.
+  double weight_in(std::size_t j, int i) const {
+    return distances.empty() ? std::max(0, i - corners[j].k2) : distances[j].in[static_cast<std::size_t>(i)];
+  }
+  double weight_out(std::size_t j, int i) const {
+    return distances.empty() ? std::max(0, corners[j].k1 - corners[j].d2 - i)
+                             : distances[j].out[static_cast<std::size_t>(i)];
+  }
+  /// Whether more than one delay or sample is in it, or distances in place of both.
+  bool ranges(std::size_t j) const { return corners[j].k1 < corners[j].k2 || corners[j].d1 < corners[j].d2; }
+  bool loose(std::size_t j) const { return !distances.empty() || ranges(j); }
+};
+
+/// Orders and delays still shorter than `target` (in samples), and what it leaves of the delays: false when none is.
+bool tighten(const Task& task, double target, Box& box);
+
+}  // namespace accdec::exact

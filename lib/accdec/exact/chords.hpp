@@ -1,0 +1,83 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <accdec/exact/rows.hpp>
+
+namespace accdec::exact {
+
+/// A limit outside the convex class at all its samples: power at the start or of a blend, regeneration at the stop or
+/// of a blend, the smallest speed of a blend.
+struct ChordFamily {
+  enum Kind { power, regeneration, speed } kind = power;
+  std::optional<int> corner;  ///< none: start or stop
+  int axis = 0;               ///< power, regeneration
+  int sign = 1;               ///< power, regeneration: direction of travel
+  bool operator==(const ChordFamily&) const = default;
+};
+/// Such a limit at one sample, replaced by its chord over low .. high: m/s, or rad from leg 1's direction (speed).
+struct Chord {
+  ChordFamily family;
+  int sample = 0;
+  double low = 0.0, high = 0.0;
+};
+proof::Row row_of(const Chord& chord);
+/// None of a row that is no chord.
+std::optional<Chord> chord_of(const proof::Row& row);
+
+/// The limits outside the convex class as chords over a box's tube.
+///
+/// Power F V <= P bounds the force by the hyperbola P/V, and what lies below it over V in [l, u] has as its hull what
+/// lies below its chord: F <= P (1/l + 1/u - V/(l u)). A chord from l = P/F_max on holds for all smaller speeds too, by
+/// the force limit. Regeneration is the same with the force turned; the smallest speed cuts a sector of directions by
+/// the chord of its circle. F and V are linear in the cumulative responses.
+class Chords {
+ public:
+  /// Keeps the reference.
+  explicit Chords(const Task& task);
+
+  const std::vector<ChordFamily>& families() const { return families_; }
+  /// Last sample of a family at which its limit can matter.
+  int last_sample(const ChordFamily& family, const Box& box) const;
+  /// Whether such a limit says something of the box: limits of the blend but the smallest speed need a single delay.
+  bool single_delay(const ChordFamily& family, const Box& box) const;
+  /// Use of a limit at a sample, value/bound (bound/value for the smallest speed).
+  double use(const ChordFamily& family, int sample, const Filter& filter, const Box& box) const;
+
+  /// The chord over the box's tube; none if the limit holds throughout or nothing can be said.
+  std::optional<Chord> draw(const ChordFamily& family, int sample, const Box& box) const;
+  /// Whether a chord was drawn over all that the box's tube leaves.
+  bool covers(const Chord& chord, const Box& box) const;
+  SparseRow row(const Chord& chord, const Box& box) const;
+  /// Chords over the box's tube that the filter breaks by more than `slack`.
+  std::vector<Chord> broken(const Filter& filter, const Box& box, double slack) const;
+
+  /// The chord shrunk to the filter's own speed: whatever holds it holds the limit. None where the limit is far.
+  std::optional<Chord> tangent(const Chord& at, const Filter& filter, const Box& box) const;
+  /// Adds the limits that the filter comes close to or breaks; returns the worst use.
+  double gather_close(const Filter& filter, const Box& box, std::vector<Chord>& close) const;
+
+ private:
+  struct Range {
+    double low, high;
+  };
+  void find_families();
+  void add_family(const ChordFamily& family);
+  const Axis& axis(const ChordFamily& family) const;
+  double cosine(const ChordFamily& family) const;
+  double turn(const ChordFamily& family) const;
+  Legs event_legs(const ChordFamily& family) const;
+  int event_delay(const ChordFamily& family, const Box& box) const;
+  double bound(const ChordFamily& family) const;
+  double force_cap(const ChordFamily& family) const;
+  Range speed_range(const ChordFamily& family, int sample, const Box& box) const;
+  Range direction_range(const ChordFamily& family, int sample, const Box& box) const;
+  SparseRow speed_row(const Chord& chord, const Box& box) const;
+
+  const Task& task_;
+  std::vector<EventSpeeds> speeds_;
+  std::vector<ChordFamily> families_;
+};
+
+}  // namespace accdec::exact

@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <accdec/exact/limit_model.hpp>
+#include <accdec/task/verifier.hpp>
+
+namespace accdec::exact {
+
+LimitModel::LimitModel(const Task& task) : rows(task), chords(task), tube(task, rows), task_(task) {}
+
+double LimitModel::error_bound(std::size_t corner) const {
+  const TaskCorner& c = task_.corners[corner];
+  // A little less than what simulation takes for zero, so that its own rounding does not matter.
+  return std::max(*c.error_max, 0.999 * position_floor) /
+         (task_.sample_period * std::max(c.geometry().feed_in, c.geometry().feed_out));
+}
+
+double LimitModel::theta(std::size_t corner) const {
+  const double c = cos_interior(corner);
+  return std::atan2(std::sqrt(std::max(0.0, (1.0 - c) * (1.0 + c))), c);
+}
+double LimitModel::scale_in(std::size_t j) const {
+  const Corner& c = task_.corners[j].geometry();
+  return c.feed_in / std::max(c.feed_in, c.feed_out);
+}
+double LimitModel::scale_out(std::size_t j) const {
+  const Corner& c = task_.corners[j].geometry();
+  return c.feed_out / std::max(c.feed_in, c.feed_out);
+}
+
+double LimitModel::weight_in(std::size_t corner, double angle) const {
+  return scale_in(corner) * std::cos(angle);
+}
+double LimitModel::weight_out(std::size_t corner, double angle) const {
+  const double c = cos_interior(corner);
+  return scale_out(corner) * (c * std::cos(angle) + std::sqrt(std::max(0.0, (1.0 - c) * (1.0 + c))) * std::sin(angle));
+}
+
+namespace {
+
+/// A bound of the box itself on B_sample.
+SparseRow response_row(const proof::Response& id, const Box& box) {
+  SparseRow row;
+  const auto k = static_cast<std::size_t>(id.sample);
+  if (id.sample > 0 && id.sample <= box.order) row.sums.emplace_back(id.sample, id.sign);
+  row.constant = 1.0 - (id.sign > 0 ? box.tube.high[k] : -box.tube.low[k]);
+  return row;
+}
+
+}  // namespace
+
+SparseRow LimitModel::row(const proof::Row& id, const Box& box) const {
+  if (const auto* tap = std::get_if<proof::TapDifference>(&id)) return rows.row(*tap, box);
+  if (const auto* force = std::get_if<proof::EventForce>(&id)) return rows.row(*force, box);
+  if (const auto* blend = std::get_if<proof::Blend>(&id)) return rows.row(*blend, box);
+  if (const auto* response = std::get_if<proof::Response>(&id)) return response_row(*response, box);
+  if (const auto chord = chord_of(id)) return chords.row(*chord, box);
+  throw std::logic_error("such a row is not sparse");
+}
+
+}  // namespace accdec::exact

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <accdec/exact/chords.hpp>
+#include <accdec/exact/rows.hpp>
+#include <accdec/exact/tube.hpp>
+
+namespace accdec::exact {
+
+using Multipliers = proof::Multipliers;
+
+/// The limits of a task as rows in the taps: those that are linear, those outside the convex class as chords over a
+/// box, and the corner errors as cones, of which cuts are drawn. Keeps the reference to the task.
+class LimitModel {
+ public:
+  explicit LimitModel(const Task& task);
+
+  const ConvexRows rows;
+  const Chords chords;
+  const TubeLimits tube;
+
+  const Task& task() const { return task_; }
+  std::size_t corners() const { return task_.corners.size(); }
+  bool convex() const { return chords.families().empty(); }
+
+  bool cone(std::size_t corner) const { return task_.corners[corner].error_max.has_value(); }
+  double error_bound(std::size_t corner) const;               ///< in samples of the faster leg
+  double weight_in(std::size_t corner, double angle) const;   ///< of p in a cut, scaled as error_bound
+  double weight_out(std::size_t corner, double angle) const;  ///< of q
+  double cos_interior(std::size_t corner) const { return task_.corners[corner].geometry().cos_interior(); }
+  double theta(std::size_t corner) const;
+  double scale_in(std::size_t corner) const;
+  double scale_out(std::size_t corner) const;
+
+  /// Coefficients of a row in taps and sums. @throws std::logic_error of errors, budgets and vibration, which are dense
+  SparseRow row(const proof::Row& id, const Box& box) const;
+  bool shrink(Box& box) const { return tube.shrink(box); }
+
+ private:
+  const Task& task_;
+};
+
+/// Lower bound of sum y (form(b) - bound) over all filters in the box, b <= tap_max, sum 1: positive refutes the box.
+/// Minus infinity if a multiplier does not apply to the box.
+/// @param symmetric_order  >= 0: over symmetric filters of exactly this order
+double refutation(const LimitModel& model, const Multipliers& y, const Box& box, int symmetric_order = -1);
+
+}  // namespace accdec::exact

@@ -1,0 +1,35 @@
+#include <cmath>
+
+#include <accdec/exact/search.hpp>
+
+namespace accdec::exact {
+std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBounds& design) {
+  proof::BranchAndBound out;
+  out.objective = design.objective;
+  out.runs = design.runs;
+  if (std::isfinite(proof.target)) out.bound_samples = proof.target;
+  out.conflict = proof.conflict;
+  // Splits that were tried and not taken leave multipliers behind that no leaf uses.
+  std::vector<int> number(proof.multipliers.size(), -1);
+  const auto use = [&](int& index) {
+    if (index < 0) return;
+    int& n = number[static_cast<std::size_t>(index)];
+    if (n < 0) {
+      out.multipliers.push_back(proof.multipliers[static_cast<std::size_t>(index)]);
+      n = static_cast<int>(out.multipliers.size()) - 1;
+    }
+    index = n;
+  };
+  for (proof::Node node : proof.tree) {
+    if (auto* refuted = std::get_if<proof::Refuted>(&node)) {
+      use(refuted->multipliers);
+    } else if (auto* symmetric = std::get_if<proof::RefutedSymmetric>(&node)) {
+      use(symmetric->multipliers);
+      use(symmetric->shorter);
+    }
+    out.tree.push_back(node);
+  }
+  return std::make_shared<Certificate>(Certificate{std::move(out)});
+}
+
+}  // namespace accdec::exact

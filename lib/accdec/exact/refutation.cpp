@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <accdec/exact/limit_model.hpp>
+#include <accdec/exact/range_cut.hpp>
+
+namespace accdec::exact {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// sum y (form - bound) as it is added up: coefficients of taps, cumulative responses, delays and samples.
+class WeightedSum {
+ public:
+  WeightedSum(const LimitModel& model, const Box& box, int order)
+      : model_(model),
+        box_(box),
+        exact_box_(box),
+        taps_(static_cast<std::size_t>(order) + 1, 0.0),
+        sums_(taps_.size() + 1, 0.0),
+        delays_(box.corners.size(), 0.0),
+        samples_(box.corners.size(), 0.0) {
+    exact_box_.order = order;
+  }
+
+  /// False: the row does not apply to the box.
+  bool add(const proof::Term& term) {
+    return std::visit([&](const auto& row) { return add(row, term.multiplier); }, term.row);
+  }
+
+  /// The least over all filters, delays and samples, less what rounding may have added.
+  double least(bool symmetric) {
+    double suffix = 0.0;
+    for (std::size_t i = taps_.size(); i-- > 0;) {
+      suffix += sums_[i + 1];
+      taps_[i] += suffix;
+    }
+    const std::size_t size = taps_.size();
+    for (std::size_t i = 0; symmetric && i < size / 2; ++i)
+      taps_[i] = taps_[size - 1 - i] = 0.5 * (taps_[i] + taps_[size - 1 - i]);
+    double least = cheapest_filter();
+    if (least == infinity) return infinity;
+    for (std::size_t j = 0; j < box_.corners.size(); ++j) {
+      const CornerBox& b = box_.corners[j];
+      least += std::min(0.0, delays_[j]) * (b.d2 - b.d1) + std::min(0.0, samples_[j]) * (b.k2 - b.k1);
+    }
+    return least - rhs_ - (box_.budget ? 1e-11 : 1e-13) * (magnitude_ + std::abs(rhs_));
+  }
+
+ private:
+  /// Least sum c_i b_i: fill the cheapest taps.
+  double cheapest_filter() {
+    const double u = model_.rows.tap_max();
+    if (static_cast<double>(taps_.size()) * u < 1.0 - 1e-12) return infinity;
+    const auto full = std::min(taps_.size() - 1, static_cast<std::size_t>(1.0 / u));
+    std::nth_element(taps_.begin(), taps_.begin() + static_cast<std::ptrdiff_t>(full), taps_.end());
+    double least = 0.0;
+    for (std::size_t i = 0; i < full; ++i) least += u * taps_[i];
+    return least + (1.0 - u * static_cast<double>(full)) * taps_[full];
+  }
+
+  bool counts(double y, double rhs) {
+    rhs_ += rhs;
+    magnitude_ += y;
+    return true;
+  }
+
+  bool add(const proof::Error& id, double y) {
+    const auto j = static_cast<std::size_t>(id.corner);
+    const double wp = y * model_.weight_in(j, id.angle), wq = y * model_.weight_out(j, id.angle);
+    if (box_.loose(j) && (wp < -1e-16 || wq < -1e-16)) return false;
+    for (int i = 0; i <= exact_box_.order; ++i)
+      taps_[static_cast<std::size_t>(i)] += wp * box_.weight_in(j, i) + wq * box_.weight_out(j, i);
+    return counts(y, y * model_.error_bound(j));
+  }
+
+  bool add(const proof::RangeError& id, double y) {
+    const auto j = static_cast<std::size_t>(id.corner);
+    const double wp = y * model_.weight_in(j, id.angle), wq = y * model_.weight_out(j, id.angle);
+    if (!box_.budget || wp < 0.0 || wq < 0.0) return false;
+    const RangeRow row = range_row(exact_box_, j, id.in, id.out, wp, wq);
+    for (std::size_t i = 0; i < taps_.size(); ++i) taps_[i] += row.taps[i];
+    delays_[j] += row.on_delay;
+    samples_[j] += row.on_sample;
+    return counts(y, y * model_.error_bound(j) - row.constant);
+  }
+
+  bool add(const proof::Budget&, double y) {
+    if (!box_.budget) return false;
+    for (std::size_t j = 0; j < box_.corners.size(); ++j) delays_[j] += y * model_.task().corners[j].weight;
+    return counts(y, y * *box_.budget);
+  }
+
+  bool add(const proof::Vibration& id, double y) {
+    for (int i = 0; i <= exact_box_.order; ++i)
+      taps_[static_cast<std::size_t>(i)] += y * model_.rows.vibration_coefficient(id, i);
+    return counts(y, y * model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max);
+  }
+
+  bool add(const proof::TapDifference& id, double y) { return add(model_.rows.row(id, exact_box_), y); }
+  bool add(const proof::EventForce& id, double y) { return add(model_.rows.row(id, exact_box_), y); }
+  bool add(const proof::Blend& id, double y) {
+    const CornerBox& c = box_.corner(id.corner);
+    return c.d1 == c.d2 && add(model_.rows.row(id, exact_box_), y);
+  }
+  bool add(const proof::Response& id, double y) {
+    if (id.sample > exact_box_.order) return true;
+    return has_tube() && add(model_.row(id, exact_box_), y);
+  }
+  bool add(const proof::EventPower& id, double y) { return add(*chord_of(id), y); }
+  bool add(const proof::BlendPower& id, double y) { return add(*chord_of(id), y); }
+  bool add(const proof::Speed& id, double y) { return add(*chord_of(id), y); }
+
+  bool add(const Chord& chord, double y) {
+    if (!model_.chords.single_delay(chord.family, box_)) return false;
+    // Of a longer filter or delay: at constant speed by now.
+    if (chord.sample > model_.chords.last_sample(chord.family, exact_box_)) return true;
+    if (!has_tube() || !model_.chords.covers(chord, exact_box_)) return false;
+    return add(model_.chords.row(chord, exact_box_), y);
+  }
+
+  bool has_tube() const { return static_cast<int>(exact_box_.tube.low.size()) == exact_box_.order + 2; }
+
+  bool add(const SparseRow& row, double y) {
+    if (row.no_terms() && row.constant <= 1.0) return true;
+    for (const auto& [i, x] : row.taps) taps_[static_cast<std::size_t>(i)] += y * x;
+    for (const auto& [k, x] : row.sums) sums_[static_cast<std::size_t>(k)] += y * x;
+    return counts(y, y * (1.0 - row.constant));
+  }
+
+  const LimitModel& model_;
+  const Box& box_;
+  Box exact_box_;  // of the order asked for
+  std::vector<double> taps_, sums_, delays_, samples_;
+  double rhs_ = 0.0, magnitude_ = 0.0;
+};
+
+}  // namespace
+
+double refutation(const LimitModel& model, const Multipliers& y, const Box& box, int symmetric_order) {
+  WeightedSum sum(model, box, symmetric_order >= 0 ? symmetric_order : box.order);
+  for (const proof::Term& term : y) {
+    if (!sum.add(term)) return -infinity;
+  }
+  return sum.least(symmetric_order >= 0);
+}
+
+}  // namespace accdec::exact

@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/files/keys.hpp>
+
+namespace accdec {
+namespace {
+
+struct Unit {
+  std::string_view name;
+  double divisor;
+};
+constexpr Unit units[] = {{"ms", 1e3},     {"mm", 1e3}, {"mm/s", 1e3},  {"mm/s^2", 1e3},
+                          {"mm/s^3", 1e3}, {"um", 1e6}, {"mm/min", 6e4}};
+
+}  // namespace
+
+std::string Range::text(std::string_view key) const {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  if (low == -none && high == none) return fmt::format("allowed is any finite {}", key);
+  if (low == -none) return fmt::format("allowed is {} <= {}", key, high);
+  if (high == none) return fmt::format("allowed is {} {} {}", key, open_low ? ">" : ">=", low);
+  return fmt::format("allowed is {} {} {} <= {}", low, open_low ? "<" : "<=", key, high);
+}
+
+std::string pointer_step(std::string_view key) {
+  std::string text;
+  for (const char c : key) {
+    if (c == '~')
+      text += "~0";
+    else if (c == '/')
+      text += "~1";
+    else
+      text += c;
+  }
+  return text;
+}
+
+const Key* find_key(const std::vector<Key>& keys, std::string_view name) {
+  const auto found = std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
+  return found == keys.end() ? nullptr : &*found;
+}
+
+std::vector<std::string_view> names_of(const std::vector<Key>& keys) {
+  std::vector<std::string_view> names;
+  for (const Key& key : keys) names.push_back(key.name);
+  return names;
+}
+
+double to_si(const Key& key, double value) {
+  if (key.unit == "degrees") return value / 180.0 * std::numbers::pi;
+  for (const Unit& unit : units) {
+    if (unit.name == key.unit) return value / unit.divisor;
+  }
+  return value;
+}
+
+double from_si(const Key& key, double si) {
+  const double about = si / to_si(key, 1.0);
+  for (int digits = 1; digits <= 17; ++digits) {
+    const double x = std::strtod(fmt::format("{:.{}g}", about, digits).c_str(), nullptr);
+    if (to_si(key, x) == si) return x;
+  }
+  // The division may have been off by an ulp or two; one of the neighbours is the value that was read.
+  double up = about, down = about;
+  for (int step = 0; step < 8; ++step) {
+    up = std::nextafter(up, std::numeric_limits<double>::infinity());
+    down = std::nextafter(down, -std::numeric_limits<double>::infinity());
+    if (to_si(key, up) == si) return up;
+    if (to_si(key, down) == si) return down;
+  }
+  return about;  // no number converts to it, so it was not read from a file; next best
+}
+
+std::optional<double> default_number(const Key& key) {
+  if (key.fallback.empty()) return std::nullopt;
+  char* end = nullptr;
+  const double value = std::strtod(key.fallback.c_str(), &end);
+  return *end == '\0' ? std::optional(value) : std::nullopt;
+}
+
+std::string allowed_text(const Key& key) {
+  if (!key.allowed.empty()) return key.allowed;
+  switch (key.type) {
+    case KeyType::number:
+    case KeyType::integer:
+    case KeyType::numbers: return key.range.text(key.name);
+    case KeyType::word:
+    case KeyType::words: return fmt::format("allowed are {}", fmt::join(key.words, ", "));
+    case KeyType::boolean: return "allowed is true or false";
+    case KeyType::text: return "allowed is text in quotes";
+    case KeyType::texts: return "allowed is a string or a list of strings";
+    default: return "";
+  }
+}
+
+}  // namespace accdec

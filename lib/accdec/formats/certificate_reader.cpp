@@ -1,0 +1,176 @@
+#include <cmath>
+#include <limits>
+
+#include <accdec/formats/certificate_json.hpp>
+#include <accdec/formats/json_value.hpp>
+#include <accdec/task/objective.hpp>
+
+namespace accdec {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// One node or row: an array of known length, read by index. Its place is put into words only for an error, because
+/// certificates have hundreds of thousands of them.
+class Entry {
+ public:
+  Entry(const Json& json, const std::string& list, std::size_t index) : json_(json), list_(list), index_(index) {}
+
+  [[noreturn]] void fail(const std::string& message) const {
+    throw Mistake{fmt::format("{}/{}", list_, index_), message};
+  }
+  [[noreturn]] void fail(std::size_t i, const std::string& message) const {
+    throw Mistake{fmt::format("{}/{}/{}", list_, index_, i), message};
+  }
+  std::size_t size() const { return json_.is_array() ? json_.size() : 0; }
+  bool is_text(std::size_t i) const { return i < size() && json_[i].is_string(); }
+  bool is_text(std::size_t i, std::string_view text) const {
+    return is_text(i) && json_[i].get_ref<const std::string&>() == text;
+  }
+  int integer(std::size_t i) const {
+    if (!json_[i].is_number_integer()) fail(i, fmt::format("must be a whole number, got {}", json_[i].type_name()));
+    if (!fits(json_[i])) fail(i, "is out of range");
+    return json_[i].get<int>();
+  }
+  /// Of the entry itself, a whole number.
+  int integer() const {
+    if (!fits(json_)) fail("is out of range");
+    return json_.get<int>();
+  }
+  double number(std::size_t i) const {
+    if (!json_[i].is_number()) fail(i, fmt::format("must be a number, got {}", json_[i].type_name()));
+    return json_[i].get<double>();
+  }
+  bool boolean(std::size_t i) const {
+    if (!json_[i].is_boolean()) fail(i, fmt::format("must be true or false, got {}", json_[i].type_name()));
+    return json_[i].get<bool>();
+  }
+  /// With a name before and the multiplier after what a row names.
+  void needs(std::size_t named) const {
+    if (size() != named + 2) fail(fmt::format("has {} entries; such a row has {}", size(), named + 2));
+  }
+  const Json& json() const { return json_; }
+  std::size_t index() const { return index_; }
+
+ private:
+  /// No wrap-around for numbers beyond 64 bits.
+  static bool fits(const Json& json) {
+    return std::abs(json.get<double>()) <= static_cast<double>(std::numeric_limits<int>::max());
+  }
+  const Json& json_;
+  const std::string& list_;
+  std::size_t index_;
+};
+
+proof::Tangent read_tangent(const Entry& e, std::size_t first) {
+  return {e.integer(first), e.boolean(first + 1), e.boolean(first + 2)};
+}
+
+proof::Row read_row(const Entry& e) {
+  using proof::BlendLimit;
+  const auto is = [&](std::string_view name, std::size_t named) {
+    if (!e.is_text(0, name)) return false;
+    e.needs(named);
+    return true;
+  };
+  const auto blend = [&](BlendLimit limit) {
+    return proof::Blend{limit, e.integer(1), e.integer(2), e.integer(3), e.integer(4)};
+  };
+  const auto event_power = [&](bool stop) {
+    return proof::EventPower{stop, e.integer(1), e.integer(2), e.number(3), e.number(4)};
+  };
+  const auto blend_power = [&](bool regeneration) {
+    return proof::BlendPower{regeneration, e.integer(1), e.integer(2), e.integer(3),
+                             e.integer(4), e.number(5),  e.number(6)};
+  };
+  if (is("jerk", 2)) return proof::TapDifference{e.integer(1), e.integer(2)};
+  if (is("force start", 2)) return proof::EventForce{false, e.integer(1), e.integer(2)};
+  if (is("force stop", 2)) return proof::EventForce{true, e.integer(1), e.integer(2)};
+  if (is("blend acceleration", 4)) return blend(BlendLimit::acceleration);
+  if (is("blend jerk", 4)) return blend(BlendLimit::jerk);
+  if (is("blend force", 4)) return blend(BlendLimit::force);
+  if (is("error", 2)) return proof::Error{e.integer(1), e.number(2)};
+  if (is("range error", 8)) return proof::RangeError{e.integer(1), e.number(2), read_tangent(e, 3), read_tangent(e, 6)};
+  if (is("budget", 0)) return proof::Budget{};
+  if (is("vibration", 3)) return proof::Vibration{e.integer(1), e.number(2), e.number(3)};
+  if (is("power start", 4)) return event_power(false);
+  if (is("regeneration stop", 4)) return event_power(true);
+  if (is("blend power", 6)) return blend_power(false);
+  if (is("blend regeneration", 6)) return blend_power(true);
+  if (is("speed", 4)) return proof::Speed{e.integer(1), e.integer(2), e.number(3), e.number(4)};
+  if (is("response", 2)) return proof::Response{e.integer(1), e.integer(2)};
+  e.fail("is a row of no known kind");
+}
+
+proof::Node read_node(const Entry& e) {
+  const Json& json = e.json();
+  if (json.is_null()) return proof::TooLong{};
+  if (json.is_number_integer()) return proof::Refuted{e.integer()};
+  if (json == "unreachable") return proof::Unreachable{};
+  if (e.size() == 1 && e.is_text(0, "symmetric")) return proof::SymmetricOrders{};
+  if (e.size() == 2 && e.is_text(0, "N")) return proof::OrderSplit{e.integer(1)};
+  if (e.size() == 2) return proof::RefutedSymmetric{e.integer(0), e.integer(1)};
+  if (e.size() == 3 && e.is_text(1, "B")) return proof::ResponseSplit{e.integer(0), e.number(2)};
+  if (e.size() == 3 && e.is_text(1)) {
+    if (!e.is_text(1, "d") && !e.is_text(1, "k")) e.fail(1, "the tree splits neither a delay nor a sample");
+    return proof::Split{e.integer(0), e.is_text(1, "d"), e.integer(2)};
+  }
+  e.fail("is a node of no known kind");
+}
+
+/// Applies `read` to every entry of an array.
+template <class Read>
+auto read_list(const Json& json, const std::string& pointer, const Read& read) {
+  if (!json.is_array()) throw Mistake{pointer, fmt::format("must be an array, got {}", json.type_name())};
+  std::vector<decltype(read(Entry(json, pointer, 0)))> list;
+  list.reserve(json.size());
+  for (std::size_t i = 0; i < json.size(); ++i) list.push_back(read(Entry(json[i], pointer, i)));
+  return list;
+}
+
+proof::BranchAndBound read_branch_and_bound(const Value& value) {
+  value.members({"schema", "kind", "objective", "bound_samples", "multipliers", "tree"}, {"runs", "conflict"});
+  proof::BranchAndBound proof;
+  proof.objective = value["objective"].word({Objective::cycle, Objective::corner});
+  if (proof.objective == Objective::cycle) {
+    if (!value.has("runs")) value.fail("lacks the member `runs`");
+    proof.runs = value["runs"].number();
+  }
+  proof.bound_samples = value["bound_samples"].optional_number();
+  if (value.has("conflict")) {
+    for (const Value& limit : value["conflict"].elements()) proof.conflict.push_back(limit.text());
+  }
+  const std::string sets = value["multipliers"].pointer();
+  proof.multipliers = read_list(value["multipliers"].json(), sets, [&](const Entry& set) {
+    const std::string rows = fmt::format("{}/{}", sets, set.index());
+    return read_list(set.json(), rows, [](const Entry& row) {
+      proof::Term term{read_row(row), 0.0};
+      term.multiplier = row.number(row.size() - 1);
+      return term;
+    });
+  });
+  proof.tree = read_list(value["tree"].json(), value["tree"].pointer(), read_node);
+  return proof;
+}
+
+}  // namespace
+
+Certificate read_certificate(const Value& value) {
+  value.members({"kind"}, {"schema", "objective", "runs", "bound_samples", "conflict", "multipliers", "tree"});
+  const std::string kind = value["kind"].text();
+  if (kind == "enumeration") {
+    value.members({"kind"}, {"schema"});
+    return {proof::Enumeration{}};
+  }
+  value.members({"kind", "schema"}, {"objective", "runs", "bound_samples", "conflict", "multipliers", "tree"});
+  if (value["schema"].text() != "accdec.certificate/1")
+    value["schema"].fail("the certificate's schema is unknown; known is accdec.certificate/1");
+  if (kind == "constant feed") {
+    value.members({"kind", "schema"});
+    return {proof::ConstantFeed{}};
+  }
+  if (kind == "branch and bound") return {read_branch_and_bound(value)};
+  value["kind"].fail(fmt::format("\"{}\" is unknown; allowed are constant feed, enumeration, branch and bound", kind));
+}
+
+}  // namespace accdec

@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/formats/explanation.hpp>
+#include <accdec/formats/report.hpp>
+
+namespace accdec {
+namespace {
+
+/// Without the last digits that rounding leaves.
+std::string ms(double seconds) {
+  return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6);
+}
+
+std::string percent(double share) {
+  return fmt::format("{:g} %", std::round(share * 1e4) * 1e-2);
+}
+
+std::string number(const Lever& lever, double si) {
+  return fmt::format("{:.6g}{}{}", lever.per_si * si, lever.unit.empty() ? "" : " ", lever.unit);
+}
+
+/// One value where all levers have the same, else a value each.
+template <class Value>
+std::string numbers(const Room& room, Value value) {
+  std::vector<std::string> texts;
+  for (const Lever& lever : room.levers) texts.push_back(number(lever, value(lever)));
+  if (std::all_of(texts.begin(), texts.end(), [&](const std::string& t) { return t == texts.front(); }))
+    return texts.front();
+  return texts.size() <= 3 ? fmt::format("{}", fmt::join(texts, ", ")) : "each its own";
+}
+
+/// "1 to 12, 14".
+std::string ranges(const std::vector<int>& samples) {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < samples.size();) {
+    std::size_t j = i;
+    while (j + 1 < samples.size() && samples[j + 1] == samples[j] + 1) ++j;
+    if (j - i < 2) {
+      for (; i <= j; ++i) parts.push_back(std::to_string(samples[i]));
+    } else {
+      parts.push_back(fmt::format("{} to {}", samples[i], samples[j]));
+    }
+    i = j + 1;
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string delays_text(const std::vector<int>& delays) {
+  return fmt::format("{}", fmt::join(delays, " "));
+}
+
+/// Limits of more than one kind.
+bool all_limits(const Room& room) {
+  return std::any_of(room.levers.begin(), room.levers.end(),
+                     [&](const Lever& lever) { return lever.kind != room.levers.front().kind; });
+}
+
+std::string binding_text(const Explanation& e) {
+  if (e.bindings.empty()) return "No limit is used to the full.\n";
+  std::string text = fmt::format("Used to the full ({} or more):\n", percent(full_use));
+  const Binding* before = nullptr;
+  for (const Binding& b : e.bindings) {
+    const LimitName& name = limit_name(b.kind);
+    std::string what(b.kind == LimitKind::speed_min ? "smallest speed" : name.name);
+    std::replace(what.begin(), what.end(), '_', ' ');
+    const bool same =
+        before != nullptr && before->kind == b.kind && before->axis == b.axis && before->corner == b.corner;
+    const std::string where = b.kind == LimitKind::vibration
+                                  ? fmt::format("at {:.6g} Hz", b.frequency)
+                                  : fmt::format("k = {} of the {}", ranges(b.samples), to_string(b.event));
+    if (same) {
+      text.back() = ';';
+      text += fmt::format(" {}\n", where);
+    } else {
+      text += fmt::format("  {}{}{}{} ({:.6g} {}): {}\n", b.corner.empty() ? "" : fmt::format("corner {}, ", b.corner),
+                          what, b.axis.empty() ? "" : " ", b.axis, name.per_si * b.bound, name.unit, where);
+    }
+    before = &b;
+  }
+  return text;
+}
+
+std::string gain_table(const Explanation& e) {
+  TextTable table({"more room for", "now", "then", "saves ms", "saves %", "N", "d", ""});
+  for (const std::size_t column : {1, 2, 7}) table.left(column);
+  const double base = e.base.objective();
+  for (const Gain& g : e.gains) {
+    const std::string proof = g.proved()              ? (g.solved ? "proved" : "proved with others")
+                              : g.at_most < unlimited ? fmt::format("at most {} ms", ms(g.at_most))
+                                                      : "not proved";
+    table.add({g.room.name, numbers(g.room, [](const Lever& l) { return l.value; }),
+               numbers(g.room, [&](const Lever& l) { return l.moved(e.share); }), ms(g.gain),
+               fmt::format("{:.1f}", 100.0 * g.gain / base), std::to_string(g.order), delays_text(g.delays), proof});
+  }
+  return table.str();
+}
+
+std::string gain_text(const Explanation& e) {
+  std::string text;
+  if (!e.gains.empty()) {
+    text += fmt::format("\nWith {} more room, the task designed anew:\n{}\n", percent(e.share), gain_table(e));
+    // All together is no answer to the question which one. Where one [[axis]] stands for all, "of all axes" is one key.
+    const auto best = std::find_if(e.gains.begin(), e.gains.end(), [](const Gain& g) { return !all_limits(g.room); });
+    if (best != e.gains.end() && best->gain > 0.0) {
+      text += fmt::format("{} saves most: {} instead of {} saves {} ms ({:.1f} %).\n", best->room.name,
+                          numbers(best->room, [&](const Lever& l) { return l.moved(e.share); }),
+                          numbers(best->room, [](const Lever& l) { return l.value; }), ms(best->gain),
+                          100.0 * best->gain / e.base.objective());
+    } else if (e.gains.front().gain > 0.0) {
+      text += "No one limit saves anything, only several together.\n";
+    } else {
+      text += "None saves anything.\n";
+    }
+    text += fmt::format("Orders and delays are whole samples of {:g} ms: a saving of 0 may be a part of one.\n",
+                        1e3 * e.base.task.sample_period);
+  }
+  for (const Lever& lever : e.not_moved) text += fmt::format("{} is 0, of which there is no share.\n", lever.name);
+  return text;
+}
+
+std::string remedy_text(const Explanation& e) {
+  if (e.remedies.empty()) return "";
+  TextTable table({"change of", "now", "enough", "change", "then ms", ""});
+  for (const std::size_t column : {1, 2, 5}) table.left(column);
+  std::vector<std::string> useless, unknown;
+  const Remedy* least = nullptr;
+  for (const Remedy& r : e.remedies) {
+    if (r.help == Remedy::Help::no) useless.push_back(r.room.name);
+    if (r.help == Remedy::Help::unknown) unknown.push_back(r.room.name);
+    if (r.help != Remedy::Help::yes) continue;
+    if (least == nullptr) least = &r;
+    std::size_t i = 0;
+    const std::string enough = numbers(r.room, [&](const Lever&) { return r.values[i++]; });
+    const Lever& first = r.room.levers.front();
+    const double change = first.value > 0.0 ? r.values.front() / first.value - 1.0 : 0.0;
+    table.add({r.room.name, numbers(r.room, [](const Lever& l) { return l.value; }), enough,
+               first.value > 0.0 ? fmt::format("{:+.3g} %", 100.0 * change) : "from 0", ms(r.objective),
+               r.smallest ? "less is not enough: proved" : "less may be enough"});
+  }
+  std::string text;
+  if (least != nullptr) {
+    text += fmt::format(
+        "\nSmallest change, each by itself, with which there is a design (verified by simulation; to "
+        "within {} and four digits):\n{}",
+        percent(remedy_tolerance), table.str());
+  }
+  if (!useless.empty()) text += fmt::format("\nNo change helps, by itself, of: {}.\n", fmt::join(useless, ", "));
+  if (!unknown.empty()) text += fmt::format("\nNot settled in the time given: {}.\n", fmt::join(unknown, ", "));
+  return text;
+}
+
+}  // namespace
+
+std::string explanation_text(const Explanation& e) {
+  std::string text = e.base.task.title.empty() ? "" : e.base.task.title + "\n";
+  if (e.base.filter) {
+    std::vector<int> delays;
+    for (const CornerResult& corner : e.base.corners) delays.push_back(corner.delay);
+    const bool whole = e.base.task.design.objective == Objective::cycle;
+    text +=
+        fmt::format("{} of {} ms, order {}, delay{} {}: {}.\n", whole ? "Cycle time" : "Corner times",
+                    ms(e.base.objective()), e.base.filter->order(), delays.size() == 1 ? "" : "s", delays_text(delays),
+                    e.base_proved        ? "proved to be the shortest"
+                    : e.base.lower_bound ? fmt::format("not below {} ms is proved", ms(*e.base.lower_bound))
+                                         : "nothing is proved");
+    text += "\n" + binding_text(e) + gain_text(e);
+  } else {
+    text += fmt::format("No design{}: {}\n", e.base_proved ? ", proved" : "", e.base.message);
+    text += remedy_text(e);
+  }
+  if (!e.complete) text += "\nStopped early: what is missing was not tried.\n";
+  return text;
+}
+
+}  // namespace accdec

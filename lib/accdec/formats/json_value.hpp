@@ -1,0 +1,106 @@
+#pragma once
+
+#include <algorithm>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/files/suggestion.hpp>
+#include <accdec/machine/machine.hpp>
+
+namespace accdec {
+
+/// What is wrong and where, before the file's text is searched for the position.
+struct Mistake {
+  std::string pointer, message;
+};
+
+/// A member or element with its path: reading with errors that name the place. Of the ordered kind: members stand in
+/// the order of the file, so what is written again looks the same.
+class Value {
+ public:
+  using Json = nlohmann::ordered_json;
+  Value(const Json& json, std::string pointer) : json_(json), pointer_(std::move(pointer)) {}
+
+  [[noreturn]] void fail(const std::string& message) const { throw Mistake{pointer_, message}; }
+  [[noreturn]] void wrong_type(std::string_view wanted) const {
+    fail(fmt::format("must be {}, got {}", wanted, json_.type_name()));
+  }
+
+  /// Checks the members of an object. Those after `required` may be missing.
+  void members(std::initializer_list<std::string_view> required,
+               std::initializer_list<std::string_view> optional = {}) const {
+    if (!json_.is_object()) wrong_type("an object");
+    std::vector<std::string_view> known(required);
+    known.insert(known.end(), optional);
+    for (const auto& [key, value] : json_.items()) {
+      if (std::find(known.begin(), known.end(), key) == known.end()) {
+        throw Mistake{pointer_ + "/" + key, fmt::format("unknown member; {}", suggest(key, known))};
+      }
+    }
+    for (const std::string_view key : required) {
+      if (!json_.contains(key)) fail(fmt::format("lacks the member `{}`", key));
+    }
+  }
+  bool has(std::string_view key) const { return json_.contains(key) && !json_.at(std::string(key)).is_null(); }
+  Value operator[](std::string_view key) const {
+    return {json_.at(std::string(key)), fmt::format("{}/{}", pointer_, key)};
+  }
+  std::vector<Value> elements() const {
+    if (!json_.is_array()) wrong_type("an array");
+    std::vector<Value> values;
+    for (std::size_t i = 0; i < json_.size(); ++i) values.emplace_back(json_[i], fmt::format("{}/{}", pointer_, i));
+    return values;
+  }
+  std::string text() const {
+    if (!json_.is_string()) wrong_type("a string");
+    return json_.get<std::string>();
+  }
+  bool boolean() const {
+    if (!json_.is_boolean()) wrong_type("true or false");
+    return json_.get<bool>();
+  }
+  double number() const {
+    if (!json_.is_number()) wrong_type("a number");
+    return json_.get<double>();
+  }
+  /// null stands for infinity.
+  double number_or_infinity() const { return json_.is_null() ? unlimited : number(); }
+  std::optional<double> optional_number() const { return json_.is_null() ? std::nullopt : std::optional(number()); }
+  long integer(long low, long high) const {
+    if (!json_.is_number_integer()) wrong_type("a whole number");
+    const double x = json_.get<double>();  // no wrap-around for numbers beyond 64 bits
+    if (x < static_cast<double>(low) || x > static_cast<double>(high))
+      fail(fmt::format("{} is out of range; allowed is {} .. {}", x, low, high));
+    return json_.get<long>();
+  }
+  /// The enumerator whose `to_string` is the text.
+  template <class Enum>
+  Enum word(std::initializer_list<Enum> all) const {
+    return word(std::span<const Enum>(all.begin(), all.size()));
+  }
+  template <class Enum>
+  Enum word(std::span<const Enum> all) const {
+    const std::string given = text();
+    std::string known;
+    for (const Enum e : all) {
+      if (to_string(e) == given) return e;
+      known += (known.empty() ? "" : ", ") + std::string(to_string(e));
+    }
+    fail(fmt::format("\"{}\" is unknown; allowed are {}", given, known));
+  }
+  const Json& json() const { return json_; }
+  const std::string& pointer() const { return pointer_; }
+
+ private:
+  const Json& json_;
+  std::string pointer_;
+};
+
+}  // namespace accdec

@@ -1,0 +1,271 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/files/errors.hpp>
+#include <accdec/formats/program_record.hpp>
+#include <accdec/formats/task_reader.hpp>
+
+namespace accdec {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view joint_letters = "csl.";  // corner, smooth, straight, stop: in the order of Joint
+
+template <class Value>
+Json list(const std::vector<Value>& values) {
+  Json json = Json::array();
+  for (const Value& value : values) json.push_back(value);
+  return json;
+}
+
+Json taps_json(const Filter& filter) {
+  return std::vector<double>(filter.taps().begin(), filter.taps().end());
+}
+
+Json commands_json(const ProgramResult& result) {
+  const Toolpath& path = result.path;
+  Json json;
+  json["axes"] = list(path.axes);
+  json["points_m"] = path.points;
+  json["duration_s"] = path.duration;
+  // null is no tolerance.
+  json["tolerance_m"] = Json::array();
+  std::string joints, rapid, arcs;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    json["tolerance_m"].push_back(path.tolerance[b] < unlimited ? Json(path.tolerance[b]) : Json(nullptr));
+    joints += joint_letters[static_cast<std::size_t>(path.joint[b])];
+    rapid += path.rapid[b] ? '1' : '0';
+    arcs += path.inside_arc[b] ? '1' : '0';
+  }
+  json["joint"] = joints;
+  json["rapid"] = rapid;
+  json["inside_arc"] = arcs;
+  json["line"] = list(path.line);
+  json["delay_samples"] = list(result.plan.delays);
+  json["error_m"] = Json::array();
+  for (const double error : result.plan.errors)
+    json["error_m"].push_back(std::isfinite(error) ? Json(error) : Json(nullptr));
+  json["dwell"] = Json::array();
+  for (const auto& [block, time] : path.dwell) json["dwell"].push_back({block, time});
+  json["dwell_first_s"] = path.dwell_first;
+  if (!result.legs.single()) {
+    json["filters"] = Json::array();
+    for (const Filter& filter : result.legs.filters()) json["filters"].push_back(taps_json(filter));
+    json["filter_of_block"] = Json::array();
+    for (std::size_t b = 0; b < path.blocks(); ++b) json["filter_of_block"].push_back(result.legs.index(b));
+  }
+  return json;
+}
+
+Json inputs_json(const ProgramInputs& inputs) {
+  const ToolpathOptions& r = inputs.reading;
+  return {{"program", inputs.program},
+          {"program_hash", inputs.program_hash},
+          {"task", inputs.task_path},
+          {"task_text", inputs.task_text},
+          {"arc_tolerance_m", r.read.arc_tolerance},
+          {"clamp_feeds", r.clamp_feeds},
+          {"rapid_stops", r.rapid_stops},
+          {"dwells_before_filter", r.dwells_before_filter},
+          {"interpreted", inputs.interpreted}};
+}
+
+/// What is read back must be as it is written; the words say where it is not.
+class Reader {
+ public:
+  Reader(std::string_view text, std::string name) : name_(std::move(name)) {
+    json_ = Json::parse(text, nullptr, false);
+    if (json_.is_discarded()) fail("is not JSON");
+    if (!is_program_result(text)) fail("is no result of accdec program (schema accdec.program/1)");
+  }
+
+  ProgramRecord read() {
+    ProgramRecord record;
+    ProgramResult& r = record.result;
+    try {
+      r.program = json_.at("program").get<std::string>();
+      r.sample_period = json_.at("sample_period_s").get<double>();
+      r.filter = filter(json_.at("filter").at("taps"));
+      r.legs = LegFilters(r.filter);
+      r.cycle_time = json_.at("cycle_time_s").get<double>();
+      r.delay_total = json_.at("delay_total_s").get<double>();
+      r.programmed_blocks = json_.at("blocks").get<std::size_t>();
+      r.plan.simulation.samples = json_.at("samples").get<std::int64_t>();
+      const Json& corners = json_.at("corners");
+      r.corners = corners.at("count").get<std::size_t>();
+      r.worst_error = corners.at("worst_error_m").get<double>();
+      r.verification.feasible = json_.at("verification").at("feasible").get<bool>();
+      r.status = json_.at("status") == "feasible" ? Status::feasible : Status::failed;
+      for (const Json& limit : json_.at("limits")) r.plan.simulation.limits.push_back(limit_use(limit));
+      if (json_.contains("inputs")) read_inputs(json_["inputs"], record);
+      record.commands = json_.contains("commands") && json_["commands"].is_object() && json_.contains("inputs");
+      if (record.commands) read_commands(json_["commands"], r);
+    } catch (const nlohmann::json::exception& error) {
+      fail(fmt::format("is no whole result of accdec program: {}", error.what()));
+    } catch (const std::invalid_argument& error) {
+      fail(error.what());
+    }
+    if (record.commands && r.sample_period != record.task.sample_period)
+      fail("sample_period_s is not that of the task in it");
+    return record;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const { throw InputError(name_, 0, 0, message); }
+
+  static Filter filter(const Json& taps) { return Filter(taps.get<std::vector<double>>()); }
+
+  LimitUse limit_use(const Json& json) const {
+    LimitUse use;
+    const auto kind = json.at("kind").get<std::string>();
+    const auto name =
+        std::find_if(limit_names.begin(), limit_names.end(), [&](const LimitName& n) { return n.name == kind; });
+    if (name == limit_names.end()) fail(fmt::format("unknown limit \"{}\"", kind));
+    use.kind = name->kind;
+    use.axis = json.at("axis").get<std::string>();
+    use.value = json.at("value").get<double>();
+    use.bound = json.at("bound").get<double>();
+    use.utilisation = json.at("utilisation").get<double>();
+    return use;
+  }
+
+  void read_inputs(const Json& json, ProgramRecord& record) const {
+    ProgramInputs& in = record.inputs;
+    in.program = json.at("program").get<std::string>();
+    in.program_hash = json.at("program_hash").get<std::string>();
+    in.task_path = json.at("task").get<std::string>();
+    in.task_text = json.at("task_text").get<std::string>();
+    in.reading.read.arc_tolerance = json.at("arc_tolerance_m").get<double>();
+    in.reading.clamp_feeds = json.at("clamp_feeds").get<bool>();
+    in.reading.rapid_stops = json.at("rapid_stops").get<bool>();
+    in.reading.dwells_before_filter = json.at("dwells_before_filter").get<bool>();
+    in.interpreted = json.at("interpreted").get<bool>();
+    record.task = parse_task(in.task_text, in.task_path + " (in " + name_ + ")",
+                             {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
+    in.reading.error_max = record.task.program_error_max;
+  }
+
+  static std::vector<double> numbers_or(const Json& json, double missing) {
+    std::vector<double> values;
+    for (const Json& value : json) values.push_back(value.is_null() ? missing : value.get<double>());
+    return values;
+  }
+
+  std::vector<std::uint8_t> flags(const Json& json) const {
+    std::vector<std::uint8_t> values;
+    for (const char c : json.get<std::string>()) values.push_back(c == '1' ? 1 : 0);
+    return values;
+  }
+
+  void read_commands(const Json& json, ProgramResult& result) const {
+    Toolpath& path = result.path;
+    path.axes = json.at("axes").get<std::vector<std::size_t>>();
+    path.points = json.at("points_m").get<std::vector<double>>();
+    path.duration = json.at("duration_s").get<std::vector<double>>();
+    path.tolerance = numbers_or(json.at("tolerance_m"), unlimited);
+    path.line = json.at("line").get<std::vector<std::uint32_t>>();
+    path.rapid = flags(json.at("rapid"));
+    path.inside_arc = flags(json.at("inside_arc"));
+    for (const char letter : json.at("joint").get<std::string>()) {
+      const auto at = joint_letters.find(letter);
+      if (at == std::string_view::npos) fail("commands.joint has a letter that is none of c, s, l and .");
+      path.joint.push_back(static_cast<Joint>(at));
+    }
+    for (const Json& dwell : json.at("dwell"))
+      path.dwell.emplace_back(dwell.at(0).get<std::uint32_t>(), dwell.at(1).get<double>());
+    path.dwell_first = json.at("dwell_first_s").get<double>();
+    result.plan.delays = json.at("delay_samples").get<std::vector<int>>();
+    result.plan.errors = numbers_or(json.at("error_m"), unlimited);
+    if (json.contains("filters")) read_filters(json, result);
+    check(result);
+  }
+
+  void read_filters(const Json& json, ProgramResult& result) const {
+    std::vector<Filter> filters;
+    for (const Json& taps : json.at("filters")) filters.push_back(filter(taps));
+    auto of_block = json.at("filter_of_block").get<std::vector<std::uint16_t>>();
+    const bool known =
+        std::all_of(of_block.begin(), of_block.end(), [&](std::uint16_t i) { return i < filters.size(); });
+    if (filters.empty() || !known || of_block.size() != result.path.blocks())
+      fail("commands.filter_of_block names filters that are not there");
+    result.legs = LegFilters(std::move(filters), std::move(of_block));
+  }
+
+  void check(const ProgramResult& result) const {
+    const Toolpath& path = result.path;
+    const std::size_t blocks = path.blocks();
+    const bool axes_known = !path.axes.empty() && std::is_sorted(path.axes.begin(), path.axes.end()) &&
+                            path.axes.back() < program_axis_count &&
+                            std::adjacent_find(path.axes.begin(), path.axes.end()) == path.axes.end();
+    const bool sizes = blocks > 0 && axes_known && path.points.size() == (blocks + 1) * path.axes.size() &&
+                       path.tolerance.size() == blocks && path.line.size() == blocks && path.rapid.size() == blocks &&
+                       path.inside_arc.size() == blocks && path.joint.size() == blocks &&
+                       result.plan.delays.size() == blocks && result.plan.errors.size() == blocks;
+    if (!sizes) fail("the lists of commands are not of one length");
+    const auto positive = [](double x) { return x > 0.0 && x < 1e9; };
+    const bool in_range =
+        std::all_of(path.duration.begin(), path.duration.end(), positive) &&
+        std::all_of(path.points.begin(), path.points.end(), [](double x) { return std::abs(x) < 1e9; }) &&
+        std::all_of(path.tolerance.begin(), path.tolerance.end(), [](double x) { return x >= 0.0; }) &&
+        std::all_of(path.dwell.begin(), path.dwell.end(),
+                    [&](const auto& d) { return d.first < blocks && d.second >= 0.0 && d.second < 1e9; }) &&
+        path.dwell_first >= 0.0 && path.dwell_first < 1e9 && result.sample_period > 0.0 &&
+        std::all_of(result.plan.delays.begin(), result.plan.delays.end(), [](int d) { return d >= 0; });
+    if (!in_range) fail("commands hold a value out of range: durations are > 0, delays, tolerances and dwells >= 0");
+  }
+
+  std::string name_;
+  Json json_;
+};
+
+}  // namespace
+
+std::string program_to_json(const ProgramResult& result, const ProgramInputs& inputs) {
+  std::string text = program_to_json(result);
+  text.erase(text.find_last_of('}'));
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  // A line each, not a line a number.
+  text += ",\n  \"inputs\": " + inputs_json(inputs).dump(-1, ' ', false, Json::error_handler_t::replace);
+  const bool all = result.path.blocks() <= recorded_blocks_max;
+  text += ",\n  \"commands\": " + (all ? commands_json(result).dump() : std::string("null")) + "\n}\n";
+  return text;
+}
+
+bool is_program_result(std::string_view text) {
+  // The schema is the first member of what accdec writes.
+  return text.substr(0, 200).find("\"accdec.program/1\"") != std::string_view::npos;
+}
+
+ProgramRecord parse_program_record(std::string_view text, const std::string& name) {
+  return Reader(text, name).read();
+}
+
+std::string hash_of_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(path, 0, 0, "cannot be read");
+  // FNV-1a, piece by piece: programs may be larger than memory.
+  std::uint64_t hash = 14695981039346656037ULL;
+  std::vector<char> piece(std::size_t{1} << 16);
+  while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())) || in.gcount() > 0) {
+    for (std::streamsize i = 0; i < in.gcount(); ++i)
+      hash = (hash ^ static_cast<unsigned char>(piece[static_cast<std::size_t>(i)])) * 1099511628211ULL;
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+DesignResult filter_of(const ProgramRecord& record) {
+  DesignResult design;
+  design.task = record.task;
+  design.task.sample_period = record.result.sample_period;
+  design.filter = record.result.filter;
+  design.status = record.result.status;
+  return design;
+}
+
+}  // namespace accdec

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <accdec/program/read/toolpath.hpp>
+#include <accdec/program/write/report.hpp>
+#include <accdec/task/task.hpp>
+
+namespace accdec {
+
+/// Where a program's result came from: enough to read the program again in the same way.
+struct ProgramInputs {
+  std::string program, program_hash;  ///< path and hash of the file
+  std::string task_path, task_text;   ///< the task file, whole
+  ToolpathOptions reading;
+  bool interpreted = false;  ///< run by rs274: what was read is not the file itself
+};
+
+/// A result of `accdec program` read back.
+struct ProgramRecord {
+  ProgramInputs inputs;
+  Task task;              ///< of its text
+  ProgramResult result;   ///< what `recheck_program`, `plot_program` and exports use; the rest is empty
+  bool commands = false;  ///< false: the result is too large to hold them, or older than they are
+};
+
+/// Commanded blocks up to which a result holds its commands: about 10 MB of JSON.
+inline constexpr std::size_t recorded_blocks_max = 50'000;
+
+/// `accdec.program/1` with two members more: "inputs" and, up to recorded_blocks_max, "commands": points, durations,
+/// tolerances, joints, delays and errors of every commanded block, which together with the filter are the plan.
+std::string program_to_json(const ProgramResult& result, const ProgramInputs& inputs);
+
+/// Whether a file's text is a program's result.
+bool is_program_result(std::string_view text);
+
+/// @throws InputError naming what is missing, mistyped or contradicts itself
+ProgramRecord parse_program_record(std::string_view text, const std::string& name);
+
+/// Hash of a file's bytes. @throws InputError if it cannot be read
+std::string hash_of_file(const std::string& path);
+
+/// The result's filter as a design, for exports.
+DesignResult filter_of(const ProgramRecord& record);
+
+}  // namespace accdec

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+
+#include <accdec/plot/figure.hpp>
+
+namespace accdec::figure_style {
+
+// How figures look, whoever draws them: gnuplot here, matplotlib in the Python module.
+
+/// Of styles 0, 1, ... of series, counted round.
+inline constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#2e7d32",
+                                                    "#7b3f98", "#8a6d00", "#b01060", "#00808a"};
+/// px on and off.
+inline constexpr std::array<const char*, 8> dashes{"solid",  "(9,4)",          "(9,3,2,3)", "(2,3)",
+                                                   "(16,4)", "(12,3,2,3,2,3)", "(4,2)",     "(1,4)"};
+/// gnuplot's numbers of symbols.
+inline constexpr std::array<int, 15> points{7, 6, 5, 4, 9, 8, 11, 12, 2, 13, 1, 10, 3, 15, 14};
+/// px, of the first eight styles, the next eight, ...
+inline constexpr std::array<const char*, 3> widths{"1.7", "2.8", "1"};
+static_assert(dashes.size() * widths.size() == most_lines);
+
+inline constexpr const char* limit_colour = "#b00020";
+inline constexpr const char* circle_colour = "#606060";
+inline constexpr const char* band_colour = "#d4d4d4";
+
+/// Light to dark, so that lightness alone carries the value, and at its lightest well off the paper, which means no
+/// value.
+inline constexpr const char* heat_palette = "0 '#e6bd72', 0.35 '#dd8a4a', 0.65 '#a9443a', 1 '#2b0f3a'";
+/// Two colours that darken away from 0, which is off the paper, too.
+inline constexpr const char* signed_palette = "-1 '#123f73', -0.5 '#5f93c4', 0 '#d9d9d2', 0.5 '#d9824a', 1 '#7a1f1f'";
+/// As heat maps, but nothing so light that a line would be lost on the page.
+inline constexpr const char* line_palette = "0 '#c9d3d8', 0.35 '#f2b26b', 0.65 '#b5523a', 1 '#2b0f3a'";
+
+}  // namespace accdec::figure_style

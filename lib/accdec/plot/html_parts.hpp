@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <accdec/plot/figure.hpp>
+
+// Internal to the room: what every page holds.
+
+namespace accdec {
+
+extern const std::string_view html_style;   ///< CSS
+extern const std::string_view html_script;  ///< JavaScript
+
+/// Points beyond which a figure tells no values: a page must stay small.
+inline constexpr std::size_t most_hover_points = 50'000;
+
+/// Where the panels of a figure's drawing are, over what they reach, and their points, as JSON that may stand inside
+/// <script>; without panels for a figure of too many points. Numbers are written so that they read back to the bit.
+std::string hover_json(const Figure& figure);
+
+}  // namespace accdec

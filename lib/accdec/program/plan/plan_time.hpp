@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace accdec {
+
+/// A plan that was made beside the one that is answered, because that has to be the fastest that holds.
+struct PlanTime {
+  std::string plan;       ///< "fixed", "per-leg" or "profiles"
+  double time = 0.0;      ///< s, simulated
+  bool verified = false;  ///< every sample, all bounds
+};
+
+}  // namespace accdec

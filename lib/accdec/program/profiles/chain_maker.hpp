@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <accdec/program/profiles/available.hpp>
+#include <accdec/program/profiles/chain.hpp>
+#include <accdec/program/read/toolpath.hpp>
+
+namespace accdec {
+
+/// Shares of what the limits leave, lowered by repair.
+struct ProfileShares {
+  std::vector<float> acceleration;  ///< by place: 2 b for leg b, 2 b + 1 for the corner after it
+  std::vector<float> speed;         ///< by corner
+  explicit ProfileShares(std::size_t blocks) : acceleration(2 * blocks, 1.0F), speed(blocks + 1, 1.0F) {}
+};
+
+/// Makes the chain of a path, and makes parts of it again where shares have changed.
+class ChainMaker {
+ public:
+  /// References are kept.
+  ChainMaker(const Toolpath& path, const AvailableAcceleration& available);
+
+  /// All of it.
+  const ProfileChain& make(const ProfileShares& shares);
+  /// Legs first .. last with the speeds at both ends as they are. False, and no speed changed, where that cannot be
+  /// driven: then more legs have to change.
+  bool remake(const ProfileShares& shares, std::size_t first, std::size_t last);
+  const ProfileChain& chain() const { return chain_; }
+  ProfileChain take() { return std::move(chain_); }
+
+ private:
+  std::size_t levels() const { return static_cast<std::size_t>(chain_.levels); }
+  const double* unit(std::size_t b) const { return units_.data() + b * n_; }
+  void measure(std::size_t b);
+  void set_ramp(std::size_t b, double share);
+  void set_corner(std::size_t c, double acceleration, double speed);
+
+  const Toolpath& path_;
+  const AvailableAcceleration& available_;
+  const std::size_t n_;
+  ProfileChain chain_;
+  std::vector<double> units_;
+};
+
+}  // namespace accdec

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json_fwd.hpp>
+
+#include <accdec/program/plan/plan_time.hpp>
+#include <accdec/program/read/toolpath.hpp>
+
+namespace accdec {
+
+struct ProgramResult;
+
+/// A motion as a table, written as it is made: time_s and position and velocity of every axis in its own unit (x_mm,
+/// x_mm_s, .. or a_deg, a_deg_s, ..).
+class SampleTable {
+ public:
+  /// References are kept. Writes the header.
+  SampleTable(const Toolpath& path, double sample_period, std::ostream& out);
+  ~SampleTable() { flush(); }
+  SampleTable(const SampleTable&) = delete;
+  SampleTable& operator=(const SampleTable&) = delete;
+  /// Sample k: positions in m, velocities in m/s, one a dimension of the path.
+  void row(std::int64_t k, const double* position, const double* velocity);
+
+ private:
+  void flush();
+  const Toolpath& path_;
+  double period_;
+  std::ostream& out_;
+  fmt::memory_buffer text_;
+};
+
+/// Takes sample k: positions in m, velocities in m/s, one a dimension of the path.
+using SampleVisitor = std::function<void(std::int64_t k, const double* position, const double* velocity)>;
+/// Every sample from the start, which is sample 0, to the first at rest.
+void visit_samples(const ProgramResult& result, const SampleVisitor& visit);
+
+/// From the first sample to the first at rest.
+void write_samples(const ProgramResult& result, std::ostream& out);
+
+/// For a controller that takes positions: one line a cycle, the position of every axis in its own unit with nine
+/// decimals, between blanks; flushed. The first line of a stream is the start.
+void stream_row(const Toolpath& path, const double* position, std::ostream& out);
+/// The whole motion so.
+void stream_samples(const ProgramResult& result, std::ostream& out);
+
+/// "plan fixed" or "plan fixed, not verified": a row of a summary.
+std::string describe(const PlanTime& plan);
+/// A list of plan, cycle_time_s, verified.
+nlohmann::ordered_json plan_times_to_json(const std::vector<PlanTime>& plans);
+
+}  // namespace accdec

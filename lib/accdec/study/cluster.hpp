@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <accdec/study/shards.hpp>
+
+namespace accdec {
+
+/// A Slurm array that was submitted, and the merge that waits for it.
+struct ClusterJob {
+  std::string array, merge;         ///< job numbers; empty if none was submitted
+  std::vector<std::size_t> shards;  ///< of the array
+};
+
+/// A study or comparison that a cluster computes in shards; kept as DIR/slurm/plan.json.
+struct ClusterPlan {
+  std::string command;            ///< subcommand: "study" or "compare"
+  std::string title;              ///< for people
+  std::string folder;             ///< of the results, absolute; all nodes must see it
+  std::string input;              ///< the frozen study or suite, absolute
+  std::vector<std::string> more;  ///< further arguments of shards and merge
+  std::size_t shards = 1;
+  std::vector<ClusterJob> jobs;
+};
+
+/// A task of a plan's arrays, or a merge, that Slurm knows of now.
+struct QueuedTask {
+  std::string job;
+  std::size_t shard = 0;  ///< 0: a merge
+  std::string state;      ///< Slurm's, "R", "PD", ...
+  std::string since, node, reason;
+  int cpus = 1;
+  bool runs() const { return state == "R" || state == "CG"; }
+};
+
+/// Copies a study or suite and all task files it names into a folder, where the copy names the copies.
+/// @return the copy's path
+/// @throws InputError, OutputError
+std::string freeze_inputs(const std::string& file, const std::string& folder);
+
+/// Writes DIR/slurm: plan.json, array.sh and merge.sh.
+/// @param program  path of accdec on the nodes
+/// @throws OutputError
+void write_cluster_plan(const ClusterPlan& plan, const std::string& program);
+
+/// The plan in a results' folder. @throws OutputError if there is none, or one of another subcommand
+ClusterPlan read_cluster_plan(const std::string& folder, const std::string& command);
+bool has_cluster_plan(const std::string& folder);
+
+/// What Slurm has of a plan in its queue; nothing if Slurm is not installed.
+/// @throws std::runtime_error with Slurm's message
+std::vector<QueuedTask> cluster_queue(const ClusterPlan& plan);
+
+/// Submits the shards that are neither complete nor in the queue as an array, and a merge behind all arrays that are
+/// under way; an older merge that still waits is cancelled. Notes the jobs in the plan, which is written anew.
+/// @param sbatch  further arguments for sbatch
+/// @param program  as of write_cluster_plan
+/// @return what was submitted; empty members for nothing
+/// @throws std::runtime_error with Slurm's message, or if it is not installed
+ClusterJob submit_missing(ClusterPlan& plan, const std::vector<study::ShardState>& shards,
+                          const std::vector<std::string>& sbatch, const std::string& program);
+
+/// What runs, what is done, what is lost, and how long it will take, for people.
+std::string cluster_status(const ClusterPlan& plan, const std::vector<study::ShardState>& shards,
+                           const std::vector<QueuedTask>& queue, bool finished);
+
+/// Shards that are neither complete nor in the queue, nor being written by another process.
+std::vector<std::size_t> stranded_shards(const std::vector<study::ShardState>& shards,
+                                         const std::vector<QueuedTask>& queue);
+
+}  // namespace accdec

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace accdec::study {
+
+/// How far one shard of a study or of a comparison is, by its journal.
+struct ShardState {
+  std::size_t number = 1;            ///< 1 .. count
+  std::size_t points = 0, done = 0;  ///< to compute in all, and computed
+  std::size_t lost = 0;              ///< of those not done: the process computing them died; a repetition tries again
+  double seconds = 0.0;              ///< spent inside the computations of what is done
+  bool in_use = false;               ///< a process is appending to the journal
+  bool complete() const { return done >= points; }
+};
+
+/// File name of a shard's journal.
+std::string shard_journal(std::size_t number, std::size_t count);
+
+/// N of such a name; 0 for any other.
+std::size_t shard_count(const std::string& name);
+
+/// Numbers as ranges, "1-3,7"; what Slurm takes for an array. Empty for none. @param numbers  rising
+std::string ranges_text(const std::vector<std::size_t>& numbers);
+
+/// "3/8 (no point of 12), 5/8 (7 of 12 points)": those that are not complete.
+std::string incomplete_text(const std::vector<ShardState>& shards);
+
+}  // namespace accdec::study

@@ -1,0 +1,187 @@
+#include <fmt/format.h>
+
+#include <accdec/design/design.hpp>
+#include <accdec/formats/task_edit.hpp>
+#include <accdec/solvers/solver.hpp>
+#include <accdec/study/compute.hpp>
+#include <accdec/study/study_keys.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr double most_points = 1e7, most = 1e300;
+
+Key text(std::string name, std::string meaning, std::string fallback, std::string example) {
+  return {.name = std::move(name),
+          .type = KeyType::text,
+          .meaning = std::move(meaning),
+          .fallback = std::move(fallback),
+          .example = std::move(example)};
+}
+Key number(std::string name, std::string meaning) {
+  return {.name = std::move(name),
+          .meaning = std::move(meaning),
+          .range = {-most, most},
+          .example = "10",
+          .required = true};
+}
+Key boolean(std::string name, std::string meaning) {
+  return {.name = std::move(name),
+          .type = KeyType::boolean,
+          .meaning = std::move(meaning),
+          .fallback = "false",
+          .example = "true"};
+}
+Key word(std::string name, std::string meaning, std::vector<std::string> words, std::string fallback) {
+  Key key{.name = std::move(name), .type = KeyType::word, .meaning = std::move(meaning)};
+  key.example = fmt::format("\"{}\"", words.back());
+  key.words = std::move(words);
+  key.fallback = std::move(fallback);
+  return key;
+}
+Key texts(std::string name, std::string meaning, std::string fallback, std::string example) {
+  Key key = text(std::move(name), std::move(meaning), std::move(fallback), std::move(example));
+  key.type = KeyType::texts;
+  return key;
+}
+Key required(Key key) {
+  key.required = true;
+  return key;
+}
+Key list(std::string name, std::string meaning, std::vector<Key> keys) {
+  return {.name = std::move(name), .type = KeyType::tables, .meaning = std::move(meaning), .keys = std::move(keys)};
+}
+Key free_table(std::string name, std::string meaning, std::string example) {
+  return {.name = std::move(name),
+          .type = KeyType::table,
+          .meaning = std::move(meaning),
+          .example = std::move(example),
+          .free = true};
+}
+
+std::vector<Key> method_keys() {
+  std::vector<std::string> computations, solver_names;
+  for (const std::string_view name : study::computations()) computations.emplace_back(name);
+  computations.insert(computations.begin() + 1, "shapes");
+  for (const auto& solver : solvers::registry()) solver_names.push_back(solver->name());
+  Key compute{.name = "compute",
+              .type = KeyType::words,
+              .meaning = "what to compute for each point; `shapes` stands for every family of filters",
+              .words = computations,
+              .noun = "computation",
+              .example = "[\"optimum\", \"shapes\"]",
+              .required = true};
+  Key solver = word("solver", "of method nlp", solver_names, DesignOptions().solver);
+  solver.noun = "solver";
+  solver.allowed = "allowed is a name of `accdec solvers`";
+  return {compute,
+          word("method", "how optima are found", {"exact", "nlp"}, "exact"),
+          solver,
+          {.name = "time_limit_s",
+           .meaning = "of every optimum",
+           .unit = "s",
+           .range = {0.0, 1e6, true},
+           .fallback = "60",
+           .example = "10"},
+          word("isolation", "what a point runs in", {"threads", "processes"}, "processes if optima are computed"),
+          word("sampling", "how points are chosen", {"grid", "latin-hypercube"}, "grid"),
+          {.name = "samples",
+           .type = KeyType::integer,
+           .meaning = "points of a Latin hypercube, which needs it",
+           .range = {1, most_points},
+           .example = "1000"},
+          {.name = "seed",
+           .type = KeyType::integer,
+           .meaning = "of a Latin hypercube",
+           .range = {0, 2e9},
+           .fallback = "1",
+           .example = "7"}};
+}
+
+Key case_key() {
+  Key set = free_table("set", "keys of the task that the case has otherwise", "{ \"filter.order\" = 20 }");
+  set.conditions = fmt::format(R"({{"propertyNames": {{"pattern": {}}}}})", task_key_pattern());
+  return list("case", "a task of its own, or the study's with some keys set anew",
+              {required(text("name", "of the case, in the column `case`", "", "\"heavy\"")),
+               text("task", "task file, relative to the study", "that of the study", "\"../corner/power.toml\""), set});
+}
+
+Key vary_key() {
+  Key key =
+      required(texts("key", "key of the task, or several that vary together; * stands for all corners, axes or modes",
+                     "", "\"corner.*.error_max_um\""));
+  key.conditions = fmt::format(R"({{"pattern": {0}, "items": {{"pattern": {0}}}}})", task_key_pattern());
+  Key values{.name = "values",
+             .type = KeyType::numbers,
+             .meaning = "the values in the unit of the key; or `range`",
+             .range = {-most, most},
+             .least = 0,
+             .most = static_cast<std::size_t>(most_points),
+             .example = "[10, 20, 50]"};
+  Key range{.name = "range",
+            .type = KeyType::table,
+            .meaning = "values from .. to; or `values`",
+            .keys = {number("from", "first value"),
+                     number("to", "last value"),
+                     {.name = "count",
+                      .type = KeyType::integer,
+                      .meaning = "how many values",
+                      .range = {1, most_points},
+                      .fallback = "2",
+                      .example = "20"},
+                     boolean("log", "equal ratios instead of equal steps")}};
+  Key vary = list("vary", "a quantity that varies",
+                  {text("name", "of its column", "the first key", "\"tolerance\""), key, values, range});
+  vary.conditions = R"({"oneOf": [{"required": ["values"]}, {"required": ["range"]}]})";
+  return vary;
+}
+
+Key ratio_key() {
+  return list("ratio", "a column made of two others",
+              {required(text("name", "of the column", "", "\"gain\"")),
+               required(text("of", "column above the line", "", "\"boxcar.cycle_time_ms\"")),
+               required(text("to", "column below the line", "", "\"optimum.cycle_time_ms\"")),
+               boolean("excess", "the ratio less 1")});
+}
+
+Key figure_key() {
+  Key title = text("title", "above the figure", "", "\"What a tolerance costs\"");
+  title.empty_text = true;
+  Key name = text("name", "of its file: small letters, digits, - and _", "figure-1, ..", "\"pareto\"");
+  name.conditions = R"({"pattern": "^[a-z0-9_-]+$"})";
+  return list(
+      "figure", "a figure of the report",
+      {name, title,
+       word("kind", "`pareto`: cycle time against corner error", {"curve", "family", "heat", "pareto"}, "curve"),
+       text("x", "column of the x axis; not of pareto", "", "\"corner.*.error_max_um\""),
+       required(texts("y", "columns, one a curve; of pareto computations", "", "[\"optimum.cycle_time_ms\"]")),
+       text("z", "heat: column of the colour", "", "\"best_shape\""),
+       text("family", "family: column with one curve a value", "", "\"corner.A.angle_deg\""),
+       texts("labels", "of the curves", "names of the columns", "[\"optimum\", \"boxcar\"]"),
+       text("x_label", "of the axis", "from the column", "\"Tolerance / um\""),
+       text("y_label", "of the axis", "from the column", "\"Cycle time / ms\""),
+       text("z_label", "of the colours", "from the column", "\"Gain\""), boolean("log_x", "logarithmic x axis"),
+       boolean("log_y", "logarithmic y axis"),
+       free_table("where", "column = value: rows that count", "{ case = \"heavy\" }")});
+}
+
+FileKind make_study_file() {
+  FileKind file{.name = "study", .title = "accdec study"};
+  Key notes = text("notes", "below the title of the report", "", "\"All at 6 m/min.\"");
+  notes.empty_text = notes.long_text = true;
+  file.keys = {text("title", "of the report", "the file's name", "\"Price of smoothness\""), notes,
+               text("task", "task file, relative to the study; or [[case]]", "", "\"../corner/power.toml\"")};
+  for (Key& key : method_keys()) file.keys.push_back(std::move(key));
+  for (Key key : {case_key(), vary_key(), ratio_key(), figure_key()}) file.keys.push_back(std::move(key));
+  file.conditions = R"({"anyOf": [{"required": ["task"]}, {"required": ["case"]}]})";
+  return file;
+}
+
+}  // namespace
+
+const FileKind& study_file() {
+  static const FileKind file = make_study_file();
+  return file;
+}
+
+}  // namespace accdec

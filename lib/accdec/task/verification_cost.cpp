@@ -1,0 +1,35 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/files/memory.hpp>
+#include <accdec/task/verification_cost.hpp>
+
+namespace accdec {
+
+VerificationCost verification_cost(const Task& task, int order, const std::vector<int>& delays) {
+  VerificationCost cost;
+  const double axes = static_cast<double>(task.machine.axes.size());
+  for (const int delay : delays) {
+    // Rest, leg, delay, leg, rest; see simulate_corner.
+    const double samples = axes * (4.0 * (order + 4.0) + std::max(delay, 0));
+    cost.samples += samples;
+    // Position, velocity, acceleration and jerk.
+    cost.bytes = std::max(cost.bytes, 4.0 * sizeof(double) * samples);
+  }
+  return cost;
+}
+
+void require_simulation_room(const Task& task, int order, const std::vector<int>& delays) {
+  const VerificationCost cost = verification_cost(task, order, delays);
+  // Small ones are not worth asking the system.
+  if (cost.bytes < 1e9) return;
+  const double there = available_memory();
+  if (cost.bytes <= 0.8 * there) return;
+  throw std::length_error(
+      fmt::format("simulating a corner of order {} with its delay would take {:.3g} GB of memory, {:.3g} GB are there",
+                  order, 1e-9 * cost.bytes, 1e-9 * there));
+}
+
+}  // namespace accdec

@@ -1,0 +1,148 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/paths.hpp"
+#include "support/run.hpp"
+
+// Results of `accdec program` given to verify, plot and export.
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using Json = nlohmann::ordered_json;
+
+class ProgramResult : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    program_ = folder_.write("part.ngc",
+                             "G21 G90 G64 P0.02\nF6000\nG1 X30 Y0\nX30 Y20 (up)\nG3 X20 Y30 I-10 J0\nG1 X0\nG4 P0.05\n"
+                             "G61.1 G1 X0 Y10\nG64 P0.05\nX10 Y0\nX0 Y0\nM2\n");
+    task_ =
+        folder_.write("mill.toml",
+                      "sample_period_ms = 1.0\n[filter]\nkind = \"trapezoid\"\norder = 40\nramp = 12\n[[axis]]\nname = "
+                      "\"x\"\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 3000\njerk_max_mm_s3 = "
+                      "300000\n[[axis]]\nname = \"y\"\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = "
+                      "3000\njerk_max_mm_s3 = 300000\n");
+    result_ = folder_.path("result.json");
+  }
+  Outcome plan(std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"program", program_, "--task", task_, "--json", result_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+  Outcome verify() { return run({"verify", result_}); }
+  Json json() const { return Json::parse(folder_.read("result.json")); }
+  /// What verify says of a result that was changed.
+  Outcome changed(const Json& json) {
+    folder_.write("result.json", json.dump(1));
+    return verify();
+  }
+
+  TemporaryFolder folder_;
+  std::string program_, task_, result_;
+};
+
+TEST_F(ProgramResult, IsVerifiedFromItsOwnCommands) {
+  for (const std::vector<std::string>& options :
+       std::vector<std::vector<std::string>>{{}, {"--feeds", "keep"}, {"--plan", "per-leg"}, {"--rapid-stops"}}) {
+    SCOPED_TRACE(::testing::PrintToString(options));
+    const Outcome planned = plan(options);
+    ASSERT_EQ(planned.code, 0) << planned.err;
+    const Outcome checked = verify();
+    EXPECT_EQ(checked.code, 0) << checked.out << checked.err;
+    EXPECT_THAT(checked.out, StartsWith("accepted: "));
+    EXPECT_THAT(checked.out, HasSubstr("read again: every programmed point in order"));
+  }
+}
+
+TEST_F(ProgramResult, ForgedClaimsAreRejected) {
+  ASSERT_EQ(plan({"--feeds", "keep"}).code, 0);
+  const Json good = json();
+  const auto rejected = [&](const char* what, Json bad, const char* reason) {
+    const Outcome outcome = changed(bad);
+    EXPECT_EQ(outcome.code, 1) << what << ": " << outcome.out;
+    EXPECT_THAT(outcome.out, HasSubstr(reason)) << what;
+  };
+  Json bad = good;
+  bad["cycle_time_s"] = good["cycle_time_s"].get<double>() - 0.001;
+  rejected("a shorter time", bad, "cycle_time_s is recorded as");
+  bad = good;
+  for (Json& delay : bad["commands"]["delay_samples"]) delay = 0;
+  rejected("no delays", bad, "exceeds its tolerance");
+  bad = good;
+  for (Json& duration : bad["commands"]["duration_s"]) duration = 0.5 * duration.get<double>();
+  rejected("twice the feed", bad, "above its programmed feed");
+  bad = good;
+  for (Json& tolerance : bad["commands"]["tolerance_m"]) tolerance = 1.0;
+  rejected("wider tolerances", bad, "tolerance is wider");
+  bad = good;
+  bad["commands"]["points_m"][2] = good["commands"]["points_m"][2].get<double>() - 0.001;
+  rejected("another path", bad, "the path leaves it");
+  bad = good;
+  bad["limits"][1]["utilisation"] = 0.1;
+  rejected("a limit used less", bad, "utilisation is recorded as");
+  bad = good;
+  bad["limits"].erase(1);
+  rejected("a limit left out", bad, "but not recorded");
+  bad = good;
+  bad["commands"]["dwell"] = Json::array();
+  rejected("no dwell", bad, "its dwell is not kept");
+}
+
+TEST_F(ProgramResult, SaysWhatWasNotComparedWithTheProgram) {
+  ASSERT_EQ(plan().code, 0);
+  folder_.write("part.ngc", "G21 G90 G64 P1\nF6000\nG1 X30 Y0\nM2\n");
+  const Outcome checked = verify();
+  EXPECT_EQ(checked.code, 0) << checked.out;
+  EXPECT_THAT(checked.out, HasSubstr("has changed since"));
+}
+
+TEST_F(ProgramResult, WithoutCommandsItIsNotAccepted) {
+  ASSERT_EQ(plan().code, 0);
+  Json without = json();
+  without["commands"] = nullptr;
+  const Outcome outcome = changed(without);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("holds no commands"));
+  // Damaged ones are bad input.
+  ASSERT_EQ(plan().code, 0);
+  Json damaged = json();
+  damaged["commands"]["delay_samples"].erase(0);
+  EXPECT_EQ(changed(damaged).code, 2);
+  damaged = json();
+  damaged["commands"]["duration_s"][0] = -1;
+  EXPECT_EQ(changed(damaged).code, 2);
+}
+
+TEST_F(ProgramResult, CostsAreEstimatedFirst) {
+  ASSERT_EQ(plan().code, 0);
+  Json absurd = json();
+  absurd["commands"]["delay_samples"][0] = 2000000000;
+  const Outcome outcome = changed(absurd);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("would take about"));
+}
+
+TEST_F(ProgramResult, IsPlottedAndExported) {
+  ASSERT_EQ(plan().code, 0);
+  EXPECT_EQ(run({"plot", result_, "--out", folder_.path("plot.svg")}).code, 0);
+  EXPECT_THAT(folder_.read("plot.svg"), HasSubstr("<svg"));
+  EXPECT_EQ(run({"plot", result_, "--out", folder_.path("p.svg"), "--corner", "A"}).code, 2);
+  const Outcome csv = run({"export", result_, "--format", "csv"});
+  EXPECT_EQ(csv.code, 0) << csv.err;
+  EXPECT_EQ(std::count(csv.out.begin(), csv.out.end(), '\n'), 42) << "a head and 41 taps";
+}
+
+TEST_F(ProgramResult, LimitsAreGivenInTheirUnits) {
+  const Outcome planned = run({"program", program_, "--task", task_});
+  EXPECT_THAT(planned.out, ::testing::ContainsRegex("acceleration +x +[0-9.]+ +3000 mm/s\\^2"));
+  EXPECT_THAT(planned.out, ::testing::ContainsRegex("velocity +y +[0-9.]+ +200 mm/s"));
+}
+
+}  // namespace
+}  // namespace accdec

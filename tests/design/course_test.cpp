@@ -1,0 +1,110 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <accdec/design/design.hpp>
+#include <accdec/design/recheck.hpp>
+#include <accdec/exact/size.hpp>
+#include <accdec/formats/task_reader.hpp>
+
+#include "support/paths.hpp"
+
+// How design_task goes about a task whose proof is too large, does not end, or hangs on order_max.
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Task straight_start(int order_max, const char* more = "") {
+  // 0.1 m/s at 1 m/s^2 and 1 ms: a tap is at most 0.01, so that 100 taps, order 99, are needed and enough.
+  return parse_task(fmt::format(R"(sample_period_ms = 1.0
+[design]
+order_max = {}
+[[axis]]
+acceleration_max_mm_s2 = 1000
+[[corner]]
+angle_deg = 90
+feed_in_mm_min = 6000
+{})",
+                                order_max, more),
+                    "task.toml");
+}
+
+TEST(DesignTask, InfeasibleForItsOrderNamesTheKeyAndALongerFilter) {
+  const DesignResult result = design_task(straight_start(40, "error_max_um = 50\n"));
+  EXPECT_EQ(result.status, Status::infeasible);
+  EXPECT_THAT(result.message, HasSubstr("no filter of order 40 or less ([design] order_max) holds together"));
+  EXPECT_THAT(result.message, HasSubstr("with [design] order_max = 99 there is a verified design"));
+  EXPECT_EQ(design_task(straight_start(99, "error_max_um = 50\n")).status, Status::optimal) << "as the message says";
+  EXPECT_EQ(design_task(straight_start(98, "error_max_um = 50\n")).status, Status::infeasible);
+}
+
+TEST(DesignTask, InfeasibleForEveryOrderDoesNotPromiseALongerFilter) {
+  // Without delay the corner is cut by about v T (taps)/4 at least, far more than 1 um, by every filter that holds the
+  // acceleration; longer ones cut more.
+  const DesignResult result = design_task(straight_start(120, "error_max_um = 1\ndelay_samples = 0\n"));
+  EXPECT_EQ(result.status, Status::infeasible);
+  EXPECT_THAT(result.message, Not(HasSubstr("there is a verified design")));
+}
+
+TEST(DesignTask, WhereTheProofWouldNotFitAStandardShapeIsVerified) {
+  Task task = straight_start(20'000, "error_max_um = 50\n");
+  task.design.order_min = 20'000;
+  task.machine.axes[0].jerk_max = task.machine.axes[1].jerk_max = 500.0;
+  DesignOptions options;
+  options.time_limit = 20.0;
+  const DesignResult result = design_task(task, options);
+  EXPECT_EQ(result.status, Status::feasible) << result.message;
+  EXPECT_THAT(result.message, HasSubstr("GB"));
+  EXPECT_FALSE(result.lower_bound);
+  EXPECT_TRUE(recheck(result).accepted);
+}
+
+TEST(DesignTask, ProgrammesAreEstimatedBeforeTheyAreBuilt) {
+  Task task = straight_start(400);
+  task.machine.axes[0].jerk_max = 500.0;
+  // The dense tableau alone has a row and a column a tap.
+  for (const int order : {100, 1000, 20'000}) {
+    const double tableau = 8.0 * (order + 1.0) * (order + 1.0);
+    EXPECT_GT(exact::programme_bytes(task, order), tableau);
+    EXPECT_LT(exact::programme_bytes(task, order), 4.0 * tableau);
+  }
+  EXPECT_NO_THROW(exact::require_room(task, 1000));
+  EXPECT_THROW(exact::require_room(task, 1'000'000), exact::TooLarge);
+}
+
+// Power and regeneration keep the exact method from a bound for a while; the other limits give one at once. 74 ms is
+// the proved optimum of this task (results/README.md).
+TEST(DesignTask, StoppedEarlyItStillStatesABoundThatIsAccepted) {
+  const Task task = read_task(test_support::source_folder() + "/problems/corner/regeneration.toml");
+  DesignOptions options;
+  options.time_limit = 0.5;
+  const DesignResult result = design_task(task, options);
+  ASSERT_TRUE(result.status == Status::feasible || result.status == Status::optimal) << result.message;
+  EXPECT_GE(result.objective(), 0.074 - 1e-9);
+  if (result.lower_bound) {
+    EXPECT_LE(*result.lower_bound, 0.074 + 1e-9);
+    EXPECT_TRUE(result.gap.has_value());
+  }
+  EXPECT_THAT(recheck(result).reasons, ::testing::IsEmpty());
+}
+
+TEST(DesignTask, SeveralCornersAreNeverWorseThanALocalSolverAlone) {
+  const Task task = read_task(test_support::source_folder() + "/problems/machine/three-corners.toml");
+  DesignOptions options;
+  options.time_limit = 20.0;
+  const DesignResult best = design_task(task, options);
+  options.method = Method::nlp;
+  for (const char* solver : {"nlopt-slsqp", "ipopt"}) {
+    options.solver = solver;
+    options.time_limit = 5.0;
+    const DesignResult alone = design_task(task, options);
+    if (alone.status == Status::feasible) {
+      EXPECT_LE(best.objective(), alone.objective() * (1.0 + 1e-9)) << solver;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace accdec

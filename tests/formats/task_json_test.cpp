@@ -1,0 +1,67 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/formats/task_json.hpp>
+#include <accdec/formats/task_writer.hpp>
+
+namespace accdec {
+namespace {
+
+using testing::HasSubstr;
+
+std::string complaint(const std::string& json) {
+  try {
+    parse_task_json(json, "task");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(TaskJson, NamesInSiAndKeysOfFilesMakeTheSameTask) {
+  const Task si = parse_task_json(
+      R"({"sample_period": 0.0007, "axis": [{"acceleration_max": 6, "mass": 34, "damping": 0.3, "force_max": 465}],
+          "corner": [{"angle_deg": 80, "heading": 0.5, "feed_in": 0.1, "error_max": 33e-6, "speed_min": 0.001,
+                      "delay": 3}],
+          "mode": [{"frequency": [30, 34], "residual_max": 0.1}], "program": {"error_max": 1e-5}})",
+      "task");
+  const Task file = parse_task(
+      "sample_period_ms = 0.7\n[[axis]]\nacceleration_max_mm_s2 = 6000\nmass_kg = 34\ndamping_N_s_m = 0.3\n"
+      "force_max_N = 465\n[[corner]]\nangle_deg = 80\nheading_deg = 28.64788975654116\nfeed_in_mm_min = 6000\n"
+      "error_max_um = 33\nspeed_min_mm_s = 1\ndelay_samples = 3\n[[mode]]\nfrequency_Hz = [30, 34]\n"
+      "residual_max = 0.1\n[program]\nerror_max_um = 10\n",
+      "task");
+  EXPECT_EQ(task_to_toml(si), task_to_toml(file));
+}
+
+TEST(TaskJson, SaysWhatIsWrong) {
+  const std::string corner = R"("corner": [{"angle_deg": 80, "feed_in": 0.1}])";
+  EXPECT_EQ(complaint("{\"sample_period\": 0.001, " + corner + "}"), "");
+  EXPECT_THAT(complaint("[]"), HasSubstr("object"));
+  EXPECT_THAT(complaint("{"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(complaint("{\"sample_period\": 0.001, \"sample_period_ms\": 1, " + corner + "}"),
+              HasSubstr("both given"));
+  EXPECT_THAT(complaint("{\"sample_period\": null, " + corner + "}"), HasSubstr("null"));
+  EXPECT_THAT(complaint("{\"sample_period\": \"short\", " + corner + "}"), HasSubstr("sample_period_ms"));
+  EXPECT_THAT(complaint("{\"sample_period\": 0.001, \"filter\": {\"a\": {\"b\": {\"c\": {\"d\": {\"e\": 1}}}}}, " +
+                        corner + "}"),
+              HasSubstr("nested too deeply"));
+}
+
+TEST(TaskJson, OneNumberIsChanged) {
+  const Task task = parse_task_json(
+      R"({"sample_period": 0.001, "corner": [{"angle_deg": 80, "feed_in": 0.1}, {"angle_deg": 90, "feed_in": 0.1}]})",
+      "task");
+  const Task one = with_setting(task, "corner.B.error_max", 5e-5),
+             same = with_setting(task, "corner.1.error_max_um", 50);
+  EXPECT_EQ(task_to_toml(one), task_to_toml(same));
+  EXPECT_FALSE(one.corners[0].error_max);
+  EXPECT_DOUBLE_EQ(one.corners[1].error_max.value(), 5e-5);
+  EXPECT_DOUBLE_EQ(with_setting(task, "sample_period", 5e-4).sample_period, 5e-4);
+  EXPECT_THROW(with_setting(task, "corner.C.error_max", 5e-5), std::invalid_argument);
+  EXPECT_THROW(with_setting(task, "corner.A.errors_max", 5e-5), std::invalid_argument);
+  EXPECT_THROW(with_setting(task, "corner.A.angle_deg", 200), InputError);
+}
+
+}  // namespace
+}  // namespace accdec

@@ -1,0 +1,69 @@
+"""Whole programs, against the command line and scipy.signal."""
+import json
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+import scipy.signal
+
+import accdec
+
+PROBLEMS = pathlib.Path(__file__).parents[2] / "problems" / "program"
+MILL = PROBLEMS / "mill.toml"
+
+
+@pytest.mark.parametrize("name, plan, feeds", [("star", "fixed", "choose"), ("zigzag", "fixed", "keep"),
+                                               ("trochoid", "per-leg", "choose")])
+def test_the_plan_is_that_of_the_program(tmp_path, name, plan, feeds):
+    file = PROBLEMS / f"{name}.ngc"
+    ours = accdec.program(file, MILL, plan=plan, feeds=feeds)
+    subprocess.run([os.environ["ACCDEC_BINARY"], "program", file, "--task", MILL, "--plan", plan, "--feeds", feeds,
+                    "--json", tmp_path / "plan.json", "-q"], check=True)
+    theirs = json.loads((tmp_path / "plan.json").read_text())
+    assert ours.success and ours.cycle_time == theirs["cycle_time_s"]
+    assert ours.lower_bound == theirs["lower_bound_s"] <= ours.cycle_time
+    assert len(ours.delays) == len(ours.errors) == len(ours.lines) == theirs["commanded_blocks"]
+    assert ours.delays.base is ours and not ours.delays.flags.writeable
+    bounded = np.isfinite(ours.tolerances)
+    assert np.all(ours.errors[bounded] <= ours.tolerances[bounded] * (1 + 1e-9))
+
+
+def test_samples_are_the_filtered_command():
+    """The command as its definition says: blocks end to end, each of its duration, after the delay of the one before."""
+    plan = accdec.program(PROBLEMS / "star.ngc", MILL, feeds="keep")
+    motion = plan.samples()
+    period = motion["time"][1]
+    assert motion["time"][-1] == pytest.approx(plan.cycle_time, rel=1e-12)
+    assert motion["position"] == pytest.approx(
+        motion["position"][0] + np.cumsum(motion["velocity"], axis=0) * period, abs=1e-9)
+    acceleration = np.abs(np.diff(motion["velocity"], axis=0)) / period
+    limits = {axis["name"]: axis["acceleration_max"] for axis in accdec.Task.read(MILL, program=True).axes}
+    for column, name in enumerate(motion["axes"]):
+        assert acceleration[:, column].max() <= limits[name.lower()] * (1 + 1e-9)
+    # Legs may be shortened by 1e-7 of their duration to end on a sample, and so are as much faster.
+    speed = np.hypot(*motion["velocity"].T)
+    assert speed.max() <= 0.1 * (1 + 1.1e-7)
+    smooth = scipy.signal.lfilter(plan.taps, [1.0], np.full(len(plan.taps), 0.1))
+    assert speed[1:len(smooth) + 1] == pytest.approx(smooth, rel=2e-7)  # the start from rest
+
+
+def test_emits_and_draws(tmp_path):
+    plan = accdec.program(PROBLEMS / "star.ngc", MILL)
+    subprocess.run([os.environ["ACCDEC_BINARY"], "program", PROBLEMS / "star.ngc", "--task", MILL,
+                    "--emit", tmp_path / "star.ngc", "-q"], check=True)
+    assert plan.emit() == (tmp_path / "star.ngc").read_text()
+    assert len(accdec.plot(plan).axes) >= 2
+    assert "cycle time" in str(plan)
+
+
+def test_errors_are_those_of_the_program(tmp_path):
+    bad = tmp_path / "bad.ngc"
+    bad.write_text("G21 G90\nG1 X10 F100\nG1 Q\n")
+    said = subprocess.run([os.environ["ACCDEC_BINARY"], "program", bad, "--task", MILL], capture_output=True, text=True)
+    with pytest.raises(ValueError) as raised:
+        accdec.program(bad, MILL)
+    assert str(raised.value) == said.stderr.strip()
+    with pytest.raises(ValueError, match="plan"):
+        accdec.program(bad, MILL, plan="fastest")
