@@ -49,7 +49,6 @@ std::vector<OutputFile> write_study(const Study& study, study::RowStore& rows, c
   const std::size_t bad = rows.count_unanswered();
   std::string html = html_head(study.title);
   html += study_answer(study, table);
-  html += study_outcomes(study, table);
   html += fmt::format("<p>{} points{}.</p>\n", table.size(),
                       bad == 0 ? "" : fmt::format(", {} of them without an answer (column <code>reason</code>)", bad));
   if (!study.notes.empty()) html += html_paragraph(study.notes);
@@ -61,6 +60,7 @@ std::vector<OutputFile> write_study(const Study& study, study::RowStore& rows, c
     write(f.name + ".png", convert_svg(svg, "png"));
     write(f.name + ".svg", svg);
   }
+  html += "<h2>Outcomes</h2>\n" + study_outcomes(study, table);
   html += "<h2>What was varied</h2>\n" + study_variations(study);
   html += "<h2>The base task and its limits</h2>\n" + study_base(study);
   html += "<h2>Rows</h2>\n" + rows_heading(table) + study_rows(table);
