@@ -185,7 +185,7 @@ result = check_files()
 (folder / "good.toml").write_text(as_toml(TASK))
 check_spoilt("task", TASK, "task.toml", as_toml, ("evaluate", "task.toml", "--quiet"))
 check_spoilt("study", STUDY, "study.toml", as_toml, ("study", "study.toml", "--out", "out", "--quiet"))
-check_spoilt("suite", SUITE, "suite.toml", as_toml, ("compare", "suite.toml", "--out", "out", "--quiet"))
+check_spoilt("suite", SUITE, "suite.toml", as_toml, ("compare", "suite.toml", "--out", "compared", "--quiet"))
 check_spoilt("result", result, "result.json", lambda r: json.dumps(r, indent=1), ("verify", "result.json", "--quiet"))
 for failure in failures[:40]:
     print(failure)

@@ -30,18 +30,18 @@ class KeyCheck {
   void table(const Node& node, const std::vector<Key>& keys, const std::string& label, const std::string& pointer) {
     bool all_known = true;
     node.for_each_member([&](std::string_view name, const Node& member) {
-      if (faults_.full()) return;
-      const std::string at = pointer + "/" + pointer_step(name);
-      if (const Key* key = find_key(keys, name)) {
-        value(member, *key, at);
-      } else {
-        all_known = false;
-        faults_.add(member.fault_of_name(at, Node::unknown(name, label, hint(name, keys))));
-      }
+      if (find_key(keys, name) || faults_.full()) return;
+      all_known = false;
+      faults_.add(
+          member.fault_of_name(pointer + "/" + pointer_step(name), Node::unknown(name, label, hint(name, keys))));
     });
-    // What is missing may be what is misspelt.
     for (const Key& key : keys) {
-      if (all_known && key.required && !node.has(key.name)) faults_.add(node.fault(pointer, Node::missing(label, key)));
+      if (faults_.full()) return;
+      if (const auto member = node.find(key.name)) {
+        value(*member, key, pointer + "/" + key.name);
+      } else if (key.required && all_known) {  // what is missing may be what is misspelt
+        faults_.add(node.fault(pointer, Node::missing(label, key)));
+      }
     }
   }
 

@@ -37,7 +37,10 @@ class TomlNode {
   const std::string& text() const { return node_.as_string()->get(); }
   std::size_t size() const { return node_.as_array()->size(); }
   TomlNode element(std::size_t i) const { return {*node_.as_array()->get(i), file_}; }
-  bool has(std::string_view key) const { return node_.as_table()->contains(key); }
+  std::optional<TomlNode> find(std::string_view key) const {
+    const toml::node* found = node_.as_table()->get(key);
+    return found ? std::optional(TomlNode(*found, file_)) : std::nullopt;
+  }
   template <class Do>
   void for_each_member(Do member) const {
     for (const auto& [name, value] : *node_.as_table()) member(name.str(), TomlNode(value, file_, &name));

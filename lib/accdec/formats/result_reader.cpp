@@ -44,7 +44,10 @@ class JsonNode {
   const std::string& text() const { return json_.get_ref<const std::string&>(); }
   std::size_t size() const { return json_.size(); }
   JsonNode element(std::size_t i) const { return JsonNode(json_[i]); }
-  bool has(std::string_view key) const { return json_.contains(key); }
+  std::optional<JsonNode> find(std::string_view key) const {
+    const auto found = json_.find(key);
+    return found == json_.end() ? std::nullopt : std::optional(JsonNode(*found));
+  }
   template <class Do>
   void for_each_member(Do member) const {
     for (const auto& [name, value] : json_.items()) member(name, JsonNode(value));
