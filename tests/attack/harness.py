@@ -43,7 +43,8 @@ class Attack:
             return None, "", "did not end"
         code = done.returncode
         if code is not None and (code < 0 or code > 2):
-            self.fail(f"crashed with {code}: {' '.join(map(str, arguments))}")
+            files = [a for a in map(str, arguments) if os.path.isfile(a)]
+            self.fail(f"crashed with {code}: {' '.join(map(str, arguments))}", *files)
         return code, done.stdout.decode(errors="replace"), done.stderr.decode(errors="replace")
 
     def start(self, *arguments):

@@ -85,6 +85,13 @@ TEST(Cli, WhatWouldTakeTooLongToVerifyIsNotBegun) {
   EXPECT_THAT(outcome.err, HasSubstr("would take about"));
 }
 
+// 1e308 for a sample in a proof once was read as the most negative whole number and used as a place.
+TEST(Cli, VerifySurvivesNumbersThatAreNoSamples) {
+  const Outcome outcome =
+      run({"verify", accdec::test_support::source_folder() + "/tests/cli/forged/sample-out-of-range.json"});
+  EXPECT_THAT(outcome.code, ::testing::AnyOf(1, 2)) << outcome.out << outcome.err;
+}
+
 TEST(Cli, BadUsageIsExitCodeTwo) {
   for (const std::vector<std::string>& arguments :
        std::vector<std::vector<std::string>>{{},

@@ -138,6 +138,59 @@ TEST_F(ProgramResult, IsPlottedAndExported) {
   EXPECT_EQ(std::count(csv.out.begin(), csv.out.end(), '\n'), 42) << "a head and 41 taps";
 }
 
+// A program whose arcs, rapid moves and tight limits once made what was written plan to two samples more: a plan that
+// brings its delays along holds as it is.
+TEST_F(ProgramResult, WhatWasWrittenIsNotPlannedAnew) {
+  folder_.write("mill.toml", R"(sample_period_ms=4.0
+[filter]
+kind="boxcar"
+order=42
+[[axis]]
+name="x"
+velocity_max_mm_s=51.795106156217415
+acceleration_max_mm_s2=418.05556831567407
+jerk_max_mm_s3=9581.15695818172
+[[axis]]
+name="y"
+velocity_max_mm_s=51.795106156217415
+acceleration_max_mm_s2=370.3111851575764
+jerk_max_mm_s3=8486.932975584547
+[[axis]]
+name="z"
+velocity_max_mm_s=51.795106156217415
+acceleration_max_mm_s2=465.27661470549276
+jerk_max_mm_s3=10663.386909126426
+mass_kg=20.0
+damping_N_s_m=50.0
+force_max_N=11.247848774968007
+power_max_W=0.21846882049820546
+)");
+  folder_.write("part.ngc", R"(G21 G90 G17 G64 P0.1124 F1582.7
+G1 X-14.7100 Y-10.5710 Z0.0000
+G1 X-30.7750 Y-25.8875 Z0.0000
+G1 X-27.2632 Y-33.1708 Z0.0000
+G1 X-13.0099 Y-17.3334 Z0.0000
+G3 X-9.4976 Y-13.3786 I-14.9803 J16.8415
+G1 X26.6793 Y1.4575 Z0.0000
+G3 X15.5537 Y0.7253 I-5.6651 J1.1885
+G1 X4.4398 Y-7.8211 Z0.0000
+G3 X6.9996 Y-19.8138 I-0.3211 J-6.3381
+G0 X21.7329 Y-4.4215 Z-12.3637
+G1 X-18.8707 Y-2.7487 Z-23.4805
+G0 X-14.7828 Y-31.0140 Z-23.4805
+M2
+)");
+  const std::string written = folder_.path("written.ngc"), again = folder_.path("again.json");
+  for (const char* feeds : {"choose", "keep"}) {
+    ASSERT_EQ(plan({"--feeds", feeds, "--emit", written}).code, 0);
+    ASSERT_EQ(
+        run({"program", written, "--task", task_, "--feeds", feeds, "--dwells-before-filter", "--json", again}).code,
+        0);
+    EXPECT_EQ(Json::parse(folder_.read("again.json"))["samples"], json()["samples"]) << feeds;
+    EXPECT_EQ(run({"verify", again}).code, 0) << feeds;
+  }
+}
+
 TEST_F(ProgramResult, LimitsAreGivenInTheirUnits) {
   const Outcome planned = run({"program", program_, "--task", task_});
   EXPECT_THAT(planned.out, ::testing::ContainsRegex("acceleration +x +[0-9.]+ +3000 mm/s\\^2"));

@@ -1,8 +1,12 @@
+#include <complex>
+#include <numbers>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <accdec/design/design.hpp>
 #include <accdec/design/recheck.hpp>
+#include <accdec/design/shape_search.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/formats/task_reader.hpp>
 
@@ -59,6 +63,32 @@ TEST(DesignTask, WhereTheProofWouldNotFitAStandardShapeIsVerified) {
   EXPECT_THAT(result.message, HasSubstr("GB"));
   EXPECT_FALSE(result.lower_bound);
   EXPECT_TRUE(recheck(result).accepted);
+}
+
+// No boxcar, trapezoid, Hann or Blackman window of 400 taps leaves so little of a band; Kaiser's does.
+TEST(BestShape, LeavesATenMillionthOfABand) {
+  Task task = parse_task(R"(sample_period_ms = 1.0
+[[axis]]
+acceleration_max_mm_s2 = 6000
+[[mode]]
+frequency_Hz = [20, 30]
+residual_max = 1e-7
+[[corner]]
+angle_deg = 95
+feed_in_mm_min = 6000
+error_max_um = 50
+)",
+                         "task.toml");
+  const auto result = best_shape(task, 30.0);
+  ASSERT_TRUE(result.has_value());
+  EXPECT_TRUE(recheck(*result).accepted);
+  // The sum over the taps at a frequency of the band, term by term.
+  for (const double frequency : {20.0, 23.7, 30.0}) {
+    std::complex<double> sum = 0.0;
+    for (int i = 0; i <= result->filter->order(); ++i)
+      sum += result->filter->tap(i) * std::polar(1.0, -2.0 * std::numbers::pi * frequency * i * 1e-3);
+    EXPECT_LE(std::abs(sum), 1e-7 * (1.0 + 1e-6));
+  }
 }
 
 TEST(DesignTask, ProgrammesAreEstimatedBeforeTheyAreBuilt) {

@@ -93,57 +93,6 @@ TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
   }
 }
 
-// A program whose arcs, rapid moves and tight limits once made what was written plan to two samples more: a plan that
-// brings its delays along holds as it is.
-TEST_F(ProgramCommand, WhatWasWrittenIsNotPlannedAnew) {
-  write("tight.toml", R"(sample_period_ms=4.0
-[filter]
-kind="boxcar"
-order=42
-[[axis]]
-name="x"
-velocity_max_mm_s=51.795106156217415
-acceleration_max_mm_s2=418.05556831567407
-jerk_max_mm_s3=9581.15695818172
-[[axis]]
-name="y"
-velocity_max_mm_s=51.795106156217415
-acceleration_max_mm_s2=370.3111851575764
-jerk_max_mm_s3=8486.932975584547
-[[axis]]
-name="z"
-velocity_max_mm_s=51.795106156217415
-acceleration_max_mm_s2=465.27661470549276
-jerk_max_mm_s3=10663.386909126426
-mass_kg=20.0
-damping_N_s_m=50.0
-force_max_N=11.247848774968007
-power_max_W=0.21846882049820546
-)");
-  write("part.ngc", R"(G21 G90 G17 G64 P0.1124 F1582.7
-G1 X-14.7100 Y-10.5710 Z0.0000
-G1 X-30.7750 Y-25.8875 Z0.0000
-G1 X-27.2632 Y-33.1708 Z0.0000
-G1 X-13.0099 Y-17.3334 Z0.0000
-G3 X-9.4976 Y-13.3786 I-14.9803 J16.8415
-G1 X26.6793 Y1.4575 Z0.0000
-G3 X15.5537 Y0.7253 I-5.6651 J1.1885
-G1 X4.4398 Y-7.8211 Z0.0000
-G3 X6.9996 Y-19.8138 I-0.3211 J-6.3381
-G0 X21.7329 Y-4.4215 Z-12.3637
-G1 X-18.8707 Y-2.7487 Z-23.4805
-G0 X-14.7828 Y-31.0140 Z-23.4805
-M2
-)");
-  for (const std::string feeds : {"choose", "keep"}) {
-    ASSERT_EQ(run("program part.ngc --task tight.toml --json r.json --emit e.ngc --feeds " + feeds).code, 0)
-        << read("err");
-    ASSERT_EQ(run("program e.ngc --task tight.toml --dwells-before-filter --json again.json --feeds " + feeds).code, 0)
-        << read("err");
-    EXPECT_EQ(number_of("again.json", "samples"), number_of("r.json", "samples")) << feeds;
-  }
-}
-
 TEST_F(ProgramCommand, ChosenFeedsAreNotSlowerThanLinuxCnc) {
   // LinuxCNC 2.9's times at 1000 mm/s^2 and 200 mm/s per axis, its own samples checked; see tests/peers.
   write("open.toml", "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n");

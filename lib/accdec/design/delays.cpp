@@ -1,4 +1,7 @@
 #include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -43,20 +46,19 @@ bool holds(const Task& task, const TaskCorner& corner, const Filter& filter, int
   return true;
 }
 
-}  // namespace
-
-DesignResult design_delays(const Task& task, const DesignOptions& options) {
-  const auto began = std::chrono::steady_clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
-  const auto stopped = [&] {
-    return elapsed() > options.time_limit || (options.cancel != nullptr && options.cancel->load());
-  };
-  const Filter filter = make_filter(*task.filter);
-  const DelayFinder smallest(filter);
+/// The delays of the corners as far as they were found.
+struct FoundDelays {
   std::vector<int> delays;
-  std::string impossible, unfinished;
+  std::string impossible;   ///< why there are none; empty: there are
+  bool unfinished = false;  ///< stopped before the last corner
   long tried = 0;
+};
+
+FoundDelays find_delays(const Task& task, const Filter& filter, const std::function<bool()>& stopped,
+                        const std::function<void(const std::string&)>& progress) {
+  const DelayFinder smallest(filter);
   const std::size_t told_every = 1 + task.corners.size() / 100;
+  FoundDelays found;
   for (const TaskCorner& corner : task.corners) {
     const double period = task.sample_period;
     int delay = corner.delay.value_or(
@@ -67,49 +69,70 @@ DesignResult design_delays(const Task& task, const DesignOptions& options) {
     // from N + 2 on nothing changes any more.
     const int last = corner.delay.value_or(std::max(delay, filter.order() + 2));
     std::string broken;
-    while (++tried, !stopped() && !holds(task, corner, filter, delay, &broken) && delay < last) ++delay;
+    while (++found.tried, !stopped() && !holds(task, corner, filter, delay, &broken) && delay < last) ++delay;
     if (stopped()) {
-      unfinished = fmt::format("stopped at corner {} of {}", delays.size() + 1, task.corners.size());
-      break;
+      found.unfinished = true;
+      return found;
     }
     if (!holds(task, corner, filter, delay, &broken)) {
-      impossible = fmt::format("this filter breaks a limit at corner {} whatever its delay; at d = {}: {}", corner.name,
-                               delay, broken);
-      if (corner.delay) impossible = fmt::format("this filter breaks a limit at the given delay: {}", broken);
-      break;
+      found.impossible = corner.delay
+                             ? fmt::format("this filter breaks a limit at the given delay: {}", broken)
+                             : fmt::format("this filter breaks a limit at corner {} whatever its delay; at d = {}: {}",
+                                           corner.name, delay, broken);
+      return found;
     }
-    delays.push_back(delay);
-    if (options.progress && delays.size() % told_every == 0)
-      options.progress(fmt::format("corner {}: d = {}", corner.name, delay));
+    found.delays.push_back(delay);
+    if (progress && found.delays.size() % told_every == 0)
+      progress(fmt::format("corner {}: d = {}", corner.name, delay));
   }
-  if (const double seconds = verification_cost(task, filter.order(), delays).seconds();
-      unfinished.empty() && seconds > 1.0 && elapsed() + seconds > options.time_limit) {
-    unfinished = fmt::format("simulating all corners would take about {:.0f} s more", seconds);
-  }
-  DesignResult result;
-  if (!unfinished.empty()) {
-    result.task = task;
-    result.message = unfinished + fmt::format("; the time limit is {:g} s", options.time_limit);
-  } else if (impossible.empty()) {
-    result = assess(task, filter, delays, false);
-    if (result.status == Status::failed) {
-      // Every corner holds its limits, so this is one the delays have no part in: vibration.
-      result.status = Status::infeasible;
-      result.message = "this filter breaks a limit whatever the delays: " + result.verification.worst;
-    } else {
-      result.status = Status::optimal;
-      result.lower_bound = result.objective();
-      result.gap = 0.0;
-      result.certificate = std::make_shared<Certificate>(Certificate{proof::Enumeration{}});
-    }
-  } else {
-    result.task = task;
+  return found;
+}
+
+/// The design, verified; every smaller delay was tried.
+DesignResult verified(const Task& task, const Filter& filter, const std::vector<int>& delays) {
+  DesignResult result = assess(task, filter, delays, false);
+  if (result.status == Status::failed) {
+    // Every corner holds its limits, so this is one the delays have no part in: vibration.
     result.status = Status::infeasible;
-    result.message = impossible;
+    result.message = "this filter breaks a limit whatever the delays: " + result.verification.worst;
+    return result;
+  }
+  result.status = Status::optimal;
+  result.lower_bound = result.objective();
+  result.gap = 0.0;
+  result.certificate = std::make_shared<Certificate>(Certificate{proof::Enumeration{}});
+  return result;
+}
+
+}  // namespace
+
+DesignResult design_delays(const Task& task, const DesignOptions& options) {
+  const auto began = std::chrono::steady_clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+  const auto cancelled = [&] { return options.cancel != nullptr && options.cancel->load(); };
+  const auto stopped = [&] { return elapsed() > options.time_limit || cancelled(); };
+  const Filter filter = make_filter(*task.filter);
+  const FoundDelays found = find_delays(task, filter, stopped, options.progress);
+  const double simulation = verification_cost(task, filter.order(), found.delays).seconds();
+  DesignResult result;
+  result.task = task;
+  if (found.unfinished) {
+    result.stop = cancelled() ? StopReason::interrupted : StopReason::time_limit;
+    result.message = fmt::format("stopped at corner {} of {}", found.delays.size() + 1, task.corners.size());
+    if (!cancelled()) result.message += fmt::format("; the time limit is {:g} s", options.time_limit);
+  } else if (!found.impossible.empty()) {
+    result.status = Status::infeasible;
+    result.message = found.impossible;
+  } else if (simulation > 1.0 && elapsed() + simulation > options.time_limit) {
+    result.stop = StopReason::time_limit;
+    result.message = fmt::format("simulating all corners would take about {:.0f} s more; the time limit is {:g} s",
+                                 simulation, options.time_limit);
+  } else {
+    result = verified(task, filter, found.delays);
   }
   result.solver.method = "given";
   result.solver.name = "enumeration";
-  result.solver.evaluations = tried;
+  result.solver.evaluations = found.tried;
   result.solver.wall_time = elapsed();
   return result;
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -15,7 +16,17 @@ namespace {
 
 using ShapeOf = std::function<Filter(int order)>;
 
-std::vector<ShapeOf> shapes() {
+/// Kaiser's window: of a band that must be quiet, the larger beta the less is left (1e-7 from about 15 on).
+Filter kaiser(int order, double beta) {
+  std::vector<double> taps;
+  for (int i = 0; i <= order; ++i) {
+    const double x = order > 0 ? 2.0 * i / order - 1.0 : 0.0;
+    taps.push_back(std::cyl_bessel_i(0.0, beta * std::sqrt(std::max(0.0, 1.0 - x * x))));
+  }
+  return Filter(std::move(taps));
+}
+
+std::vector<ShapeOf> shapes(bool quiet) {
   std::vector<ShapeOf> list{[](int n) { return n < 4 ? boxcar(n) : trapezoid(n, n / 4); },
                             [](int n) { return n < 3 ? boxcar(n) : trapezoid(n, n / 3); },
                             [](int n) { return n < 2 ? boxcar(n) : trapezoid(n, n / 2); },
@@ -23,6 +34,9 @@ std::vector<ShapeOf> shapes() {
                             [](int n) { return n < 10 ? boxcar(n) : trapezoid(n, n / 10); },
                             [](int n) { return hann(std::max(n, 2)); },
                             [](int n) { return blackman(std::max(n, 2)); }};
+  for (const double beta : {6.0, 10.0, 14.0, 18.0}) {
+    if (quiet) list.push_back([beta](int n) { return kaiser(n, beta); });
+  }
   return list;
 }
 
@@ -103,7 +117,7 @@ std::optional<DesignResult> best_shape(const Task& task, double seconds, const s
   const auto began = Clock::now();
   const auto elapsed = [began] { return std::chrono::duration<double>(Clock::now() - began).count(); };
   ShapeSearch search(task, [&] { return elapsed() > seconds || (cancel != nullptr && cancel->load()); });
-  for (const ShapeOf& shape : shapes()) search.try_shape(shape);
+  for (const ShapeOf& shape : shapes(!task.machine.modes.empty())) search.try_shape(shape);
   auto result = search.verified();
   if (result) result->solver.wall_time = elapsed();
   return result;
