@@ -106,7 +106,7 @@ std::string gain_text(const Explanation& e) {
     // All together is no answer to the question which one. Where one [[axis]] stands for all, "of all axes" is one key.
     const auto best = std::find_if(e.gains.begin(), e.gains.end(), [](const Gain& g) { return !all_limits(g.room); });
     if (best != e.gains.end() && best->gain > 0.0) {
-      text += fmt::format("{} saves most: {} instead of {} saves {} ms ({:.1f} %).\n", best->room.name,
+      text += fmt::format("Nothing saves more than {}: {} instead of {} saves {} ms ({:.1f} %).\n", best->room.name,
                           numbers(best->room, [&](const Lever& l) { return l.moved(e.share); }),
                           numbers(best->room, [](const Lever& l) { return l.value; }), ms(best->gain),
                           100.0 * best->gain / e.base.objective());
