@@ -12,7 +12,7 @@ README = pathlib.Path(__file__).parents[2] / "apps" / "python" / "README.md"
 
 def main():
     options = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
-    names = ["accdec"] + [f"accdec.{m.name}" for m in pkgutil.iter_modules(accdec.__path__) if not m.name.startswith("__")]
+    names = ["accdec"] + [f"accdec.{module.name}" for module in pkgutil.iter_modules(accdec.__path__)]
     failed = tried = 0
     for name in names:
         result = doctest.testmod(importlib.import_module(name), optionflags=options)

@@ -3,6 +3,8 @@ import os
 import pickle
 import random
 import signal
+import subprocess
+import sys
 import threading
 
 import judge
@@ -75,7 +77,7 @@ def test_verify_rejects_a_forged_result():
 
 @pytest.mark.parametrize("seed", range(30))
 def test_optima_stand_before_highs(seed):
-    """Linear programmes over every (N, d, k), solved by SciPy's HiGHS, find nothing shorter, and find what is claimed."""
+    """Linear programmes over every (N, d, k), solved by HiGHS, find nothing shorter, and find what is claimed."""
     task = tasks.draw(random.Random(1000 + seed), tasks.JUDGED[seed % len(tasks.JUDGED)], longest=9)
     result = accdec.design(accdec.Task(**task))
     if result.outcome == "infeasible":
@@ -90,7 +92,8 @@ def test_optima_stand_before_highs(seed):
 
 def test_the_examples_of_the_docstrings_are_shortest():
     limits = {"acceleration_max_mm_s2": 6000}
-    task = {"sample_period_ms": 1.0, "corner": [{"name": "A", "angle_deg": 95, "feed_in_mm_min": 6000, "error_max_um": 50}]}
+    task = {"sample_period_ms": 1.0,
+            "corner": [{"name": "A", "angle_deg": 95, "feed_in_mm_min": 6000, "error_max_um": 50}]}
     assert judge.exists({**task, "axis": [limits]}, 26) and not judge.exists({**task, "axis": [limits]}, 25)
     limits["jerk_max_mm_s3"] = 5e5
     assert judge.exists({**task, "axis": [limits]}, 41) and not judge.exists({**task, "axis": [limits]}, 40)
@@ -100,7 +103,7 @@ def test_given_filters_and_delays():
     task = everyday()
     boxcar = accdec.taps("boxcar", 19)
     result = accdec.evaluate(task, boxcar, [3])
-    # Two equal feeds, symmetric taps: eps = 2 v T cos(theta/2) E[max(i - N/2 - d/2, 0)], here at a sample as N + d is even.
+    # Equal feeds, symmetric taps: eps = 2 v T cos(theta/2) E[max(i - N/2 - d/2, 0)], at a sample as N + d is even.
     closed = 2 * 0.1 * 1e-3 * np.cos(np.radians(95) / 2) * np.mean(np.maximum(np.arange(20) - 11.0, 0.0))
     assert result.corners[0]["corner_error"] == pytest.approx(closed, rel=1e-12)
     assert not result.success and result.outcome == "failed"  # a boxcar has no finite ramp of acceleration
@@ -134,7 +137,8 @@ def test_infeasible_is_a_result():
 
 def test_progress_comes_in_the_calling_thread():
     seen = []
-    accdec.design(everyday(), solver="ipopt", time_limit=60, progress=lambda line: seen.append((line, threading.get_ident())))
+    accdec.design(everyday(), solver="ipopt", time_limit=60,
+                  progress=lambda line: seen.append((line, threading.get_ident())))
     assert seen and {thread for _, thread in seen} == {threading.get_ident()}
     with pytest.raises(ZeroDivisionError):
         accdec.design(everyday(), solver="ipopt", time_limit=60, progress=lambda line: 1 / 0)
@@ -164,3 +168,14 @@ def test_other_threads_run_meanwhile():
     for thread in threads:
         thread.join()
     assert len(results) == 2 and counted > 10
+
+
+@pytest.mark.parametrize("solver", ["nlopt-slsqp", None])
+def test_a_script_ended_by_ctrl_c_ends_cleanly(solver):
+    """The call returns at once; what a library still computes is waited for, and nothing crashes at exit."""
+    script = ("import os, signal, threading, test_design as t, accdec\n"
+              "threading.Timer(0.6, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+              f"try: accdec.design(t.hard(), solver={solver!r}, time_limit=60)\n"
+              "except KeyboardInterrupt: print('interrupted')\n")
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
+    assert (said.returncode, said.stdout.strip(), said.stderr) == (0, "interrupted", "")

@@ -65,8 +65,8 @@ def test_every_mark_is_drawn(mark):
 
 def test_heat_maps_and_coloured_lines_are_drawn():
     scale = {"label": "s", "log": False, "min": None, "max": None}
-    empty = {"title": "t", "x": {**scale, "log": True}, "y": scale, "limits": [], "bands": [], "circles": [], "series": [],
-             "heat_map": None, "coloured": None, "equal_aspect": False, "has_data": True}
+    empty = {"title": "t", "x": {**scale, "log": True}, "y": scale, "limits": [], "bands": [], "circles": [],
+             "series": [], "heat_map": None, "coloured": None, "equal_aspect": False, "has_data": True}
     heat = {"x": np.array([1.0, 2.0, 4.0]), "y": np.array([0.0]), "values": np.array([1.0, np.nan, 3.0]), "label": "z"}
     signed = {**heat, "values": np.array([-1.0, 0.0, 3.0])}
     coloured = {"pieces": [(np.array([1.0, 2.0]), np.array([0.0, 1.0]), 30.0)], "low": 0.0, "high": 100.0,

@@ -30,8 +30,8 @@ def test_the_plan_is_that_of_the_program(tmp_path, name, plan, feeds):
     assert np.all(ours.errors[bounded] <= ours.tolerances[bounded] * (1 + 1e-9))
 
 
-def test_samples_are_the_filtered_command():
-    """The command as its definition says: blocks end to end, each of its duration, after the delay of the one before."""
+def test_samples_are_a_filtered_motion():
+    """They add up, hold the limits, and start as lfilter makes the programmed feed start."""
     plan = accdec.program(PROBLEMS / "star.ngc", MILL, feeds="keep")
     motion = plan.samples()
     period = motion["time"][1]

@@ -80,7 +80,8 @@ def test_errors_are_those_of_the_program(folder):
 
 
 def test_ctrl_c_ends_a_study_which_goes_on_later(folder):
-    (folder / "study.toml").write_text(STUDY.replace("values = [20, 50, 80]", "range = { from = 1, to = 200, count = 3000 }"))
+    (folder / "study.toml").write_text(STUDY.replace("values = [20, 50, 80]",
+                                                     "range = { from = 1, to = 200, count = 3000 }"))
     threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
         accdec.study(folder / "study.toml", out=folder / "long")

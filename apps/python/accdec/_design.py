@@ -22,11 +22,6 @@ def _listener(progress: Progress) -> Optional[Callable[[str], object]]:
     return progress if callable(progress) else None
 
 
-def _check_open_interval(name: str, value: float, low: float, high: float) -> None:
-    if not low < value < high:
-        raise ValueError(f"{name}: allowed is a number above {low:g}, got {value}")
-
-
 def design(
     task: TaskLike,
     *,

@@ -1,4 +1,4 @@
-"""What a user writes, as the tables of a task file: names for many, single tables for lists of one, arrays for filters."""
+"""What a user writes, as the tables of a task file: single tables for lists of one, arrays for filters."""
 
 from __future__ import annotations
 

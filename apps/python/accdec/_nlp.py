@@ -249,7 +249,8 @@ def solve(problem: Problem, solver: Union[str, Function] = "ipopt", *, x0: Optio
                          tolerance, time_limit, evaluation_limit, seed,
                          {str(k): str(v) for k, v in (options or {}).items()})
     success = answer["verdict"] in ("optimal", "feasible")
-    return OptimizeResult(success=success, status=0 if answer["verdict"] == "optimal" else 1 if success else 4, **answer)
+    status = 0 if answer["verdict"] == "optimal" else 1 if success else 4
+    return OptimizeResult(success=success, status=status, **answer)
 
 
 def solvers() -> Any:

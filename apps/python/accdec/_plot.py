@@ -88,7 +88,8 @@ def _draw_heat(axes: Any, heat: dict[str, Any], panel: dict[str, Any], style: _S
     signed = low < 0.0 < high
     most = max(-low, high)
     mesh = axes.pcolormesh(edges(heat["x"], panel["x"]["log"]), edges(heat["y"], panel["y"]["log"]),
-                           np.where(np.isfinite(values), values, np.nan), cmap=style.palette("signed" if signed else "heat"),
+                           np.where(np.isfinite(values), values, np.nan),
+                           cmap=style.palette("signed" if signed else "heat"),
                            **({"vmin": -most, "vmax": most} if signed else {}))
     axes.figure.colorbar(mesh, ax=axes, label=heat["label"])
 
@@ -157,7 +158,8 @@ def draw(figure: dict[str, Any]) -> Any:
     return made
 
 
-def plot(result: Union[Result, Program], corner: str = "", path: Optional[Union[str, "os.PathLike[str]"]] = None) -> Any:
+def plot(result: Union[Result, Program], corner: str = "",
+         path: Optional[Union[str, "os.PathLike[str]"]] = None) -> Any:
     """Draw the motion, path, taps and frequency response of a result, or the path and the delays of a program.
 
     Parameters

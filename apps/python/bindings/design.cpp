@@ -42,16 +42,16 @@ DesignOptions options_of(const Arguments& given) {
 }
 
 ResultPointer design(const std::shared_ptr<Task>& task, const Arguments& given, const py::object& progress) {
-  DesignOptions options = options_of(given);
-  ResultPointer result;
+  const auto result = std::make_shared<ResultPointer>();
   run_interruptibly(
-      [&](const Work& work) {
-        options.cancel = &work.cancelled;
-        options.progress = work.tell;
-        result = std::make_shared<DesignResult>(design_task(*task, options));
+      [=, options = options_of(given)](const Work& work) {
+        DesignOptions own = options;
+        own.cancel = &work.cancelled;
+        own.progress = work.tell;
+        *result = std::make_shared<DesignResult>(design_task(*task, own));
       },
       progress);
-  return result;
+  return *result;
 }
 
 }  // namespace

@@ -89,8 +89,7 @@ void leave(std::thread worker, const std::shared_ptr<Shared>& shared) {
 
 }  // namespace
 
-void run_interruptibly(const std::function<void(const Work&)>& work, const py::object& progress,
-                       WhenCancelled when_cancelled) {
+void run_interruptibly(const std::function<void(const Work&)>& work, const py::object& progress) {
   const auto shared = std::make_shared<Shared>();
   shared->work = work;
   std::exception_ptr raised;  // by Python code
@@ -100,7 +99,7 @@ void run_interruptibly(const std::function<void(const Work&)>& work, const py::o
     auto [lines, ended] = look(*shared);
     done = ended;
     if (raised) {
-      if (done || when_cancelled == WhenCancelled::wait || Clock::now() - raised_at < leave_after) continue;
+      if (done || Clock::now() - raised_at < leave_after) continue;
       leave(std::move(worker), shared);
       std::rethrow_exception(raised);
     }

@@ -145,23 +145,24 @@ py::dict answer_of(const solvers::Result& r) {
 py::dict solve(const Handle& handle, const py::object& solver, const std::vector<double>& start, double tolerance,
                double time_limit, std::int64_t evaluation_limit, std::uint64_t seed,
                const std::map<std::string, std::string>& native) {
-  std::unique_ptr<PythonSolver> own;
-  if (!py::isinstance<py::str>(solver)) own = std::make_unique<PythonSolver>("function", solver, true);
-  const solvers::Solver& chosen = own ? *own : solvers::find_solver(solver.cast<std::string>());
+  std::shared_ptr<PythonSolver> own;
+  if (!py::isinstance<py::str>(solver)) own = std::make_shared<PythonSolver>("function", solver, true);
+  const solvers::Solver* const chosen = own ? own.get() : &solvers::find_solver(solver.cast<std::string>());
   solvers::Options options;
   options.tolerance = tolerance;
   options.time_limit = time_limit;
   options.evaluation_limit = evaluation_limit;
   options.seed = seed;
   options.native = native;
-  solvers::Result result;
+  const auto result = std::make_shared<solvers::Result>();
   run_interruptibly(
-      [&](const Work& work) {
-        options.cancel = &work.cancelled;
-        result = chosen.solve(handle->get(), start, options);
+      [=](const Work& work) {
+        solvers::Options with_cancel = options;
+        with_cancel.cancel = &work.cancelled;
+        *result = (own ? *own : *chosen).solve(handle->get(), start, with_cancel);
       },
       py::none());
-  return answer_of(result);
+  return answer_of(*result);
 }
 
 py::list solver_list() {

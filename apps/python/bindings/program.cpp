@@ -31,7 +31,7 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
         };
         *result = std::make_shared<ProgramResult>(run_program_file(file, *task, options, tell));
       },
-      progress, WhenCancelled::leave);
+      progress);
   return *result;
 }
 

@@ -181,13 +181,13 @@ void bind_recheck(py::module_& module) {
       "verify",
       [](const std::shared_ptr<DesignResult>& result, double time_limit) {
         const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(time_limit);
-        Recheck check;
+        const auto check = std::make_shared<Recheck>();
         run_interruptibly(
-            [&](const Work& work) {
-              check = recheck(*result, [&] { return work.cancelled || std::chrono::steady_clock::now() > end; });
+            [=](const Work& work) {
+              *check = recheck(*result, [&] { return work.cancelled || std::chrono::steady_clock::now() > end; });
             },
             py::none());
-        return check;
+        return *check;
       },
       py::arg("result"), py::arg("time_limit"));
 }
