@@ -22,22 +22,21 @@ class Follower {
 
   /// Moves on to the block of a position.
   void follow(const double* x) {
-    while (block_ + 1 < path_.blocks()) {
+    for (;; ++block_) {
+      const bool last = block_ + 1 == path_.blocks();
       double along = 0.0, length2 = 0.0, from_next = 0.0;
       const double* p = path_.point(block_);
       for (std::size_t a = 0; a < n_; ++a) {
-        const double u = p[n_ + a] - p[a], w = p[2 * n_ + a] - p[n_ + a];
+        const double u = p[n_ + a] - p[a];
         along += (x[a] - p[a]) * u;
         length2 += u * u;
-        from_next += (x[a] - p[n_ + a]) * w;
+        if (!last) from_next += (x[a] - p[n_ + a]) * (p[2 * n_ + a] - p[n_ + a]);
       }
       part_ = std::clamp(along / length2, 0.0, 1.0);
-      // Past the end of this block, or, where the corner is cut, already on the way along the next.
-      if (along < length2 && !(from_next > 0.0 && part_ > 0.5)) return;
-      if (from_next <= 0.0 && along < length2 * (1.0 + 1e-9)) return;
-      ++block_;
+      // On this block until past its end or, where the corner is cut, on the way along the next.
+      const bool leaving = part_ > 0.5 && from_next > 0.0;
+      if (last || (along < length2 && !leaving)) return;
     }
-    part_ = 1.0;
   }
   std::size_t block() const { return block_; }
   /// The joint nearer to the sample: at the end of this block, or before it (-1: the start of the program).
