@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <accdec/program/profiles/profile_result.hpp>
+#include <accdec/program/write/profile_result.hpp>
 #include <accdec/program/write/report.hpp>
 
 #include "command.hpp"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <accdec/plot/program_page.hpp>
-#include <accdec/program/profiles/profile_result.hpp>
+#include <accdec/program/write/profile_result.hpp>
 
 #include "reference.hpp"
 

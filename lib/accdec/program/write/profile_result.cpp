@@ -10,7 +10,7 @@
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/profiles/last_filter.hpp>
 #include <accdec/program/profiles/motion.hpp>
-#include <accdec/program/profiles/profile_result.hpp>
+#include <accdec/program/write/profile_result.hpp>
 #include <accdec/program/write/samples.hpp>
 #include <accdec/task/verifier.hpp>
 
