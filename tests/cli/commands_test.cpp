@@ -116,7 +116,7 @@ TEST(Cli, UnknownCommandsAndSolversGetASuggestion) {
   const Outcome command = run({"-q", "desing", "t.toml"});
   EXPECT_EQ(command.code, 2);
   EXPECT_THAT(command.err,
-              StartsWith("unknown command \"desing\"; did you mean \"design\"? known are evaluate, design"));
+              StartsWith("unknown command \"desing\"; did you mean \"design\"? known are init, evaluate, design"));
   const Outcome solver = run({"design", problems + "corner/power.toml", "--solver", "iopt"});
   EXPECT_EQ(solver.code, 2);
   EXPECT_THAT(solver.err, HasSubstr("unknown solver \"iopt\"; did you mean \"ipopt\"? known are ipopt"));
