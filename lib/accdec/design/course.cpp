@@ -166,14 +166,15 @@ class Course {
       const SolverReport exact = result.solver;
       const std::string message = result.message;
       result = *best_;
-      if (result.solver.method != "exact") {
+      if (result.solver.method == "exact") {
+        result.solver = exact;  // the last run counts the earlier ones in
+      } else {
         result.solver.name = exact.name.empty() ? result.solver.name : exact.name + "+" + result.solver.name;
         result.solver.version =
             exact.version.empty() ? result.solver.version : exact.version + ", " + result.solver.version;
+        result.solver.evaluations += exact.evaluations;
       }
       result.solver.method = "exact";
-      result.solver.evaluations += exact.evaluations;
-      result.solver.wall_time += exact.wall_time;
       result.status = Status::feasible;
       result.message = has_design(*exact_) ? message : "not proved shortest: " + message;
       result.stop = exact_->stop;
@@ -183,6 +184,7 @@ class Course {
       result.lower_bound = bound_->lower_bound;
       result.certificate = bound_->certificate;
     }
+    result.solver.wall_time = options_.time_limit - left();
     if (!has_design(result)) {
       if (!local_message_.empty()) result.message += "; " + local_message_;
       return result;
