@@ -220,6 +220,36 @@ TEST(Exact, TwoCornersAgreeWithBruteForce) {
   EXPECT_GT(found, 3);
 }
 
+// The search with a target knows no lemmas and no windows: it finds nothing below what they prove, but something at it.
+TEST(Exact, ThreeCornersAgreeWithTheSearchBelowATarget) {
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  for (int i = 0; i < 6; ++i) {
+    SCOPED_TRACE(i);
+    Axis axis;
+    axis.acceleration_max = 8.0;
+    axis.jerk_max = i % 3 == 1 ? unlimited : 4000.0;
+    if (i % 3 == 1) axis.mass = 20.0, axis.force_max = 150.0, axis.damping = 200.0;
+    Task task = plane_task(axis, plane_corner("A", 40 + 100 * u(rng), 30, 0.1, 0.1), 80e-6 * (1.0 + u(rng)));
+    for (const char* name : {"B", "C"}) {
+      const double feed = 0.05 + 0.05 * u(rng);
+      const Task other = plane_task(axis, plane_corner(name, 40 + 100 * u(rng), 0, feed, i < 3 ? feed : 0.06), 60e-6);
+      task.corners.push_back(other.corners[0]);
+      task.corners.back().weight = 1.0 + std::floor(4.0 * u(rng));
+    }
+    if (i % 3 == 2) task.machine.modes = {{60.0, 70.0, 0.3}};
+    task.sample_period = 2e-3;
+    task.design.order_max = 60;
+    task.design.runs = i % 2 == 0 ? 1.0 : 8.0;
+    const DesignResult result = design_exact(task);
+    expect_proved(task, result);
+    if (HasFailure()) break;
+    const double best = result.objective() / task.sample_period;
+    EXPECT_EQ(exact::Search(task, [] { return false; }).below(best), exact::Search::Answer::proved);
+    EXPECT_EQ(exact::Search(task, [] { return false; }).below(best * (1.0 + 1e-6)), exact::Search::Answer::found);
+  }
+}
+
 // The programme holds a residual of half a percent to 1e-10, which is more of it than the verifier grants: its design
 // has to be asked for once more, with a margin.
 TEST(Exact, DesignsThatRoundingKeepsFromVerifyingAreAskedForWithAMargin) {

@@ -144,8 +144,35 @@ struct ResponseSplit {
   bool operator==(const ResponseSplit&) const = default;
 };
 
-using Node =
-    std::variant<TooLong, Unreachable, Refuted, RefutedSymmetric, SymmetricOrders, Split, OrderSplit, ResponseSplit>;
+/// Refuted by what a lemma says of its delays.
+struct ByLemma {
+  int lemma = 0;
+  bool operator==(const ByLemma&) const = default;
+};
+
+using Node = std::variant<TooLong, Unreachable, Refuted, RefutedSymmetric, SymmetricOrders, Split, OrderSplit,
+                          ResponseSplit, ByLemma>;
+
+// ---- Lemmas: no filter has delays of at most these for these corners together, whatever the others' are. They are
+// proved once and used all over a tree.
+
+struct CornerDelay {
+  int corner = 0, delay = 0;
+  bool operator==(const CornerDelay&) const = default;
+};
+/// Filters of any order, shifted until the anchor's error is bounded at the sample `at`, by their taps 0 .. order. The
+/// first and the last stand for all taps at and beyond them.
+struct Window {
+  int order = 0, anchor = 0, at = 0;
+  bool operator==(const Window&) const = default;
+};
+struct Lemma {
+  int order = 0;                 ///< of filters up to this order; not with a window
+  std::optional<Window> window;  ///< of filters of any order
+  std::vector<CornerDelay> delays;
+  std::vector<Node> tree;  ///< of the delays up to these and all samples
+  bool operator==(const Lemma&) const = default;
+};
 
 // ---- Kinds of proofs.
 
@@ -164,6 +191,7 @@ struct BranchAndBound {
   std::optional<double> bound_samples;  ///< of the objective (objective.hpp); none: there is no design at all
   std::vector<std::string> conflict;    ///< where there is no design: the limits in conflict, in words
   std::vector<Multipliers> multipliers;
+  std::vector<Lemma> lemmas;
   std::vector<Node> tree;
   bool operator==(const BranchAndBound&) const = default;
 };

@@ -67,7 +67,23 @@ const Axis& CheckedRows::axis(int a) const {
 void CheckedRows::add(const proof::Term& term, CheckedBox& box, CheckedSum& sum) const {
   const double y = term.multiplier;
   if (!(y >= 0.0) || !std::isfinite(y)) throw Rejected("a multiplier is negative or not a number");
+  if (box.window) require_inside(term.row, box);
   std::visit([&](const auto& row) { add_row(row, Interval(y), box, sum); }, term.row);
+}
+
+void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) const {
+  const auto inside = [&](int tap) { return tap >= 1 && tap < box.order; };
+  bool all = std::holds_alternative<proof::Error>(row);
+  if (const auto* difference = std::get_if<proof::TapDifference>(&row))
+    all = inside(difference->sample) && inside(difference->sample - 1);
+  if (const auto* force = std::get_if<proof::EventForce>(&row)) all = inside(force->sample - 1);
+  if (const auto* blend = std::get_if<proof::Blend>(&row)) {
+    corner(blend->corner);
+    const int d = single_delay(blend->corner, box), tap = blend->sample - 1;
+    all = inside(tap) && inside(tap - d);
+    if (blend->limit == proof::BlendLimit::jerk) all = all && inside(tap - 1) && inside(tap - 1 - d);
+  }
+  if (!all) throw Rejected("a multiplier names a limit beyond its window");
 }
 
 void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
@@ -104,6 +120,7 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
   const Interval wp = weight * ca * Interval(c.geometry().feed_in) / Interval(fastest);
   const Interval wq = weight * (cosine * ca + sine * sa) * Interval(c.geometry().feed_out) / Interval(fastest);
   Interval p = wp, q = wq;
+  if (box.window && (wp.lo < 0.0 || wq.lo < 0.0)) throw Rejected("a tangent cut does not apply to a whole window");
   if (r.k1 < r.k2 || r.d1 < r.d2) {
     // Within a box p and q are only bounded below; a weight below zero by more than rounding would need an upper
     // bound.
@@ -119,7 +136,9 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
       sum.rhs = sum.rhs + Interval(-wq.lo) * static_cast<double>(std::max(0, r.k2 - r.d1));
     }
   }
-  const int n = sum.order(), m = r.k1 - r.d2;
+  const int n = sum.order();
+  // Taps beyond a window's last one are in q less than that one is, from there on not at all.
+  const int m = box.window ? std::min(r.k1 - r.d2, n) : r.k1 - r.d2;
   for (int i = std::max(0, r.k2 + 1); i <= n; ++i) sum.tap(i, p * static_cast<double>(i - r.k2));
   for (int i = 0; i <= std::min(n, m - 1); ++i) sum.tap(i, q * static_cast<double>(m - i));
   const Interval error(std::max(*c.error_max, position_floor));

@@ -26,6 +26,7 @@ struct CheckedBox {
   int order_least = 0, order_most = -1;  ///< from splits on the order
   std::optional<double> budget;          ///< at least what the target leaves of sum_j w_j (d_j - d1_j)
   std::optional<CheckedTube> tube;       ///< only if a row asks for it
+  bool window = false;                   ///< filters of any order: the first and the last tap stand for many
   bool nothing_left = false;             ///< the tube turned out empty: no filter is in the box
 };
 
@@ -83,6 +84,8 @@ class CheckedRows {
   void add_power(const Axis& axis, bool regeneration, const Speeds& legs, int delay, int sample, int sign, double low,
                  double high, const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
   int single_delay(int corner, const CheckedBox& box) const;
+  /// @throws Rejected if a row says something of taps at or beyond the ends of a window
+  void require_inside(const proof::Row& row, const CheckedBox& box) const;
   /// False: nothing is left.
   bool need_tube(CheckedBox& box) const;
 

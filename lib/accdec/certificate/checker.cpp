@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -17,9 +18,24 @@ namespace {
 class Checker {
  public:
   Checker(const Task& task, const proof::BranchAndBound& proof, double target, const std::function<bool()>& stop)
-      : task_(task), rows_(task), proof_(proof), target_(target), stop_(stop) {}
+      : task_(task), rows_(task), proof_(proof), tree_(proof.tree), target_(target), stop_(stop) {}
 
   std::size_t run() {
+    const double target = target_;
+    for (const proof::Lemma& l : proof_.lemmas) {
+      // Whatever it costs, and by no other lemma.
+      target_ = unlimited;
+      lemma(l);
+    }
+    target_ = target;
+    known_ = proof_.lemmas.size();
+    whole_tree(proof_.tree, [&] { node(root(), 0); });
+    return leaves_;
+  }
+
+ private:
+  /// All designs.
+  CheckedBox root() const {
     CheckedBox root;
     root.order_most = task_.design.order_max;
     for (const TaskCorner& c : task_.corners) {
@@ -27,12 +43,70 @@ class Checker {
       const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2);
       root.corners.push_back({d1, d2, 0, d2 + task_.design.order_max + 1});
     }
-    node(root, 0);
-    if (next_ != proof_.tree.size()) throw Rejected("the tree goes on after its end");
-    return leaves_;
+    return root;
   }
 
- private:
+  template <typename Check>
+  void whole_tree(const std::vector<proof::Node>& tree, const Check& check) {
+    tree_ = tree;
+    next_ = 0;
+    check();
+    if (next_ != tree_.size()) throw Rejected("the tree goes on after its end");
+  }
+
+  void lemma(const proof::Lemma& l) {
+    CheckedBox box = root();
+    for (const proof::CornerDelay& d : l.delays) {
+      if (d.corner < 0 || d.corner >= static_cast<int>(box.corners.size()))
+        throw Rejected("a lemma names a corner that is not there");
+      CheckedRange& r = box.corners[static_cast<std::size_t>(d.corner)];
+      r.d2 = std::min(r.d2, d.delay);
+      if (r.d2 < r.d1) throw Rejected("a lemma names a delay that its corner cannot have");
+      r.k2 = r.d2 + task_.design.order_max + 1;
+    }
+    if (!l.window) {
+      box.order_most = std::min(box.order_most, l.order);
+      whole_tree(l.tree, [&] { node(box, 0); });
+      return;
+    }
+    const proof::Window& w = *l.window;
+    if (w.order < 2 || w.order > 1'000'000 || w.anchor < 0 || w.anchor >= static_cast<int>(box.corners.size()))
+      throw Rejected("a lemma's window is none");
+    box.window = true;
+    box.order = w.order;
+    // The anchor's sample is `at` once the filter is shifted. Of the others the first and the last sample stand for all
+    // before and after them: there p and q are no more than what they are at the ends.
+    for (CheckedRange& r : box.corners) r.k2 = r.d2 + w.order + 1;
+    CheckedRange& anchor = box.corners[static_cast<std::size_t>(w.anchor)];
+    if (!task_.corners[static_cast<std::size_t>(w.anchor)].error_max || w.at < 0 || w.at > anchor.k2)
+      throw Rejected("a lemma's window has no anchor");
+    anchor.k1 = anchor.k2 = w.at;
+    whole_tree(l.tree, [&] { window(box, 0); });
+  }
+
+  void window(const CheckedBox& box, int depth) {
+    const proof::Node& entry = next(depth);
+    if (const auto* refuted = std::get_if<proof::Refuted>(&entry)) {
+      leaf(refuted->multipliers, box, false);
+    } else if (const auto* split = std::get_if<proof::Split>(&entry)) {
+      const auto [first, second] = parts(*split, box);
+      window(first, depth + 1);
+      window(second, depth + 1);
+    } else {
+      throw Rejected("filters of any order are neither refuted nor split on a delay or sample");
+    }
+  }
+
+  void check(const proof::ByLemma& n, const CheckedBox&, const CheckedBox& box, int) {
+    if (n.lemma < 0 || n.lemma >= static_cast<int>(known_)) throw Rejected("the tree names a lemma that is not there");
+    ++leaves_;
+    const proof::Lemma& l = proof_.lemmas[static_cast<std::size_t>(n.lemma)];
+    bool covers = l.window || box.order <= l.order;
+    for (const proof::CornerDelay& d : l.delays)
+      covers = covers && box.corners[static_cast<std::size_t>(d.corner)].d2 <= d.delay;
+    if (!covers) throw Rejected(fmt::format("{} is not what lemma {} is about", describe(box), n.lemma));
+  }
+
   int least_order() const { return std::max(task_.design.order_min, 0); }
 
   /// Largest order with which a design in the box can be shorter than the target; cuts delays that cannot. -1: none.
@@ -61,11 +135,10 @@ class Checker {
   }
 
   const proof::Node& next(int depth) {
-    if (next_ >= proof_.tree.size())
-      throw Rejected("the tree is cut off: not every pair of order and delay is refuted");
+    if (next_ >= tree_.size()) throw Rejected("the tree is cut off: not every pair of order and delay is refuted");
     if (depth > 1000) throw Rejected("the tree is too deep");
     if (stop_ && stop_()) throw Rejected("it could not be checked in the time allowed");
-    return proof_.tree[next_++];
+    return tree_[next_++];
   }
 
   void node(CheckedBox box, int depth) {
@@ -111,6 +184,12 @@ class Checker {
   }
 
   void check(const proof::Split& n, const CheckedBox& whole, const CheckedBox&, int depth) {
+    const auto [first, second] = parts(n, whole);
+    node(first, depth + 1);
+    node(second, depth + 1);
+  }
+
+  static std::pair<CheckedBox, CheckedBox> parts(const proof::Split& n, const CheckedBox& whole) {
     if (n.corner < 0 || n.corner >= static_cast<int>(whole.corners.size()))
       throw Rejected("the tree splits a corner that is not there");
     CheckedBox first = whole, second = whole;
@@ -120,8 +199,7 @@ class Checker {
       throw Rejected("the tree splits outside the box");
     (n.on_delay ? a.d2 : a.k2) = n.at;
     (n.on_delay ? b.d1 : b.k1) = n.at + 1;
-    node(first, depth + 1);
-    node(second, depth + 1);
+    return {std::move(first), std::move(second)};
   }
 
   void check(const proof::RefutedSymmetric& n, const CheckedBox&, const CheckedBox& box, int) {
@@ -207,6 +285,7 @@ class Checker {
       suffix = suffix + sum.cumulative[i + 1];
       sum.taps[i] = sum.taps[i] + suffix;
     }
+    double at_ends = unlimited;
     std::vector<double> least;
     for (const Interval& c : sum.taps) least.push_back(c.lo);
     if (symmetric) {
@@ -214,14 +293,21 @@ class Checker {
       for (std::size_t i = 0; i < least.size(); ++i)
         least[i] = (0.5 * (Interval(plain[i]) + Interval(plain[plain.size() - 1 - i]))).lo;
     }
+    const double tap_max = rows_.tap_max();
+    if (box.window) {
+      // The ends are not bounded by a tap's most: lambda is at most their coefficients.
+      at_ends = std::min(least.front(), least.back());
+      least.front() = least.back() = at_ends;
+    }
     // For any lambda: sum c b >= lambda + sum u min(0, c - lambda). The best is the c at which the cheapest taps are
     // full.
-    const double tap_max = rows_.tap_max(), room = 1.0 / tap_max;
-    if (static_cast<double>(least.size()) < room * (1.0 - 1e-12)) return;  // not even full taps reach a sum of 1
+    const double room = 1.0 / tap_max;
+    if (!box.window && static_cast<double>(least.size()) < room * (1.0 - 1e-12))
+      return;  // not even full taps reach a sum of 1
     std::vector<double> sorted = least;
     const auto full = static_cast<std::ptrdiff_t>(std::min(static_cast<double>(sorted.size() - 1), room));
     std::nth_element(sorted.begin(), sorted.begin() + full, sorted.end());
-    const double lambda = sorted[static_cast<std::size_t>(full)];
+    const double lambda = std::min(at_ends, sorted[static_cast<std::size_t>(full)]);
     Interval bound(lambda);
     for (const double c : least) {
       if (c < lambda) bound = bound + Interval(tap_max) * (Interval(c) - Interval(lambda));
@@ -240,9 +326,10 @@ class Checker {
   const Task& task_;
   CheckedRows rows_;
   const proof::BranchAndBound& proof_;
+  std::span<const proof::Node> tree_;
   double target_;
   const std::function<bool()>& stop_;
-  std::size_t next_ = 0, leaves_ = 0;
+  std::size_t next_ = 0, leaves_ = 0, known_ = 0;
 };
 
 /// What is wrong with the objective a proof names; empty when it is the task's.

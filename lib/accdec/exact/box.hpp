@@ -42,19 +42,24 @@ struct Box {
   std::vector<Distances> distances{};
   std::optional<double> only_angle{};                                 ///< rad: the one cut that stands for each cone
   int order_least = 0, order_most = std::numeric_limits<int>::max();  ///< from splits on the order
+  bool window = false;  ///< filters of any order by their taps 0 .. order, see window.hpp
 
   const CornerBox& corner(int j) const { return corners[static_cast<std::size_t>(j)]; }
+  /// The least k - d of corner j. The last column of a window stands for all taps after it, too, and they are not in q.
+  int first_out(std::size_t j) const {
+    const int m = corners[j].k1 - corners[j].d2;
+    return window ? std::min(m, order) : m;
+  }
   /// Weights of tap i in the least leg distances of corner j.
   double weight_in(std::size_t j, int i) const {
     return distances.empty() ? std::max(0, i - corners[j].k2) : distances[j].in[static_cast<std::size_t>(i)];
   }
   double weight_out(std::size_t j, int i) const {
-    return distances.empty() ? std::max(0, corners[j].k1 - corners[j].d2 - i)
-                             : distances[j].out[static_cast<std::size_t>(i)];
+    return distances.empty() ? std::max(0, first_out(j) - i) : distances[j].out[static_cast<std::size_t>(i)];
   }
   /// Whether more than one delay or sample is in it, or distances in place of both.
   bool ranges(std::size_t j) const { return corners[j].k1 < corners[j].k2 || corners[j].d1 < corners[j].d2; }
-  bool loose(std::size_t j) const { return !distances.empty() || ranges(j); }
+  bool loose(std::size_t j) const { return window || !distances.empty() || ranges(j); }
 };
 
 /// Orders and delays still shorter than `target` (in samples), and what it leaves of the delays: false when none is.

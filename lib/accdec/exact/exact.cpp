@@ -7,6 +7,7 @@
 
 #include <accdec/exact/conflict.hpp>
 #include <accdec/exact/exact.hpp>
+#include <accdec/exact/joint.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/contradictions.hpp>
@@ -76,10 +77,12 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
   const int least = search.smallest_order();
   const bool is_convex = convex(task);
   const bool several = task.corners.size() > 1;
+  // Symmetric filters are no part of the joint proof.
+  const bool jointly = several && !task.design.symmetric;
   if (!is_convex || several) offer_shapes(task, search, least, stop);
   if (several) {
     search.sweep_orders(least);
-    search.improve();
+    if (!jointly) search.improve();
   }
   const LinearCost cost = cost_of(task);
   const double fixed = cost.given_delays(task);
@@ -97,6 +100,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     options.progress({low * period, incumbent, search.best ? (incumbent - low * period) / incumbent : 1.0});
   };
   const double step = 1.5 * weights;
+  long joint_programmes = 0;
   // A proof that is short goes for the best design at once; a long one moves its bound target by target.
   const bool straight = search.best && task.corners.size() == 1 && options.gap == 0.0;
   auto answer = straight ? exact::Search::Answer::found : exact::Search::Answer::unknown;
@@ -111,7 +115,28 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
   const auto close_enough = [&] {
     return options.gap > 0.0 && search.proof.target > 0.0 && search.best && high - low <= options.gap * high;
   };
-  while (!stop() && !proved && !close_enough()) {
+  bool rounding = false;  // decides what is left of the joint proof
+  if (jointly && search.best) {
+    exact::Joint joint(task, search, least, stop);
+    using State = exact::Joint::State;
+    State state = State::going_on;
+    const double at_least = low;
+    while (state == State::going_on) {
+      state = joint.step();
+      const double before = low, found = high;
+      low = std::max(low, joint.bound());
+      high = search.best->value;
+      if (low > before || high < found) tell();
+      if (options.gap > 0.0 && high - low <= options.gap * high) break;
+    }
+    rounding = true;
+    // What is said in the end is what the certificate shows.
+    low = at_least;
+    if (auto proof = joint.proof()) search.proof = std::move(*proof), low = std::max(low, search.proof.target);
+    proved = low >= high;
+    joint_programmes = joint.programmes();
+  }
+  while (!stop() && !proved && !rounding && !close_enough()) {
     double target = std::min(high, open);
     if (open <= high && high < infinity) {
       // The bound can still rise to where the open part begins.
@@ -187,7 +212,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     }
   }
   if (options.certificate && search.proof.target > 0.0) result.certificate = exact::certify(search.proof, task.design);
-  result.solver.evaluations = search.programmes();
+  result.solver.evaluations = search.programmes() + joint_programmes;
   result.solver.wall_time = elapsed();
   return result;
 }

@@ -35,6 +35,9 @@ struct ExactOptions {
 /// that the box leaves, and where the linear programme's filter breaks the limit itself, the box is split on a
 /// cumulative response B_k, which bounds the speed. What the limits on starts and stops can reach from there narrows
 /// all other responses. Designs come from the programmes' filters by a convex-concave procedure.
+///
+/// Several corners are proved jointly, see joint.hpp; symmetric filters of several corners, and tasks of which no first
+/// design is known, by boxes that hold the delays of all corners.
 /// @param task  without a filter; delays given or not
 DesignResult design_exact(const Task& task, const ExactOptions& options = {});
 

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include <accdec/exact/programme.hpp>
+#include <accdec/exact/window.hpp>
 
 namespace accdec::exact {
 namespace {
@@ -12,20 +13,26 @@ constexpr int most_vibration_rows = 60;
 
 }  // namespace
 
-Programme::Programme(const LimitModel& model, int order, const std::function<bool()>& stop, double margin)
+Programme::Programme(const LimitModel& model, int order, const std::function<bool()>& stop, double margin, bool window)
     : model_(model),
       largest_(order),
       slack_(margin > 0.0 ? -margin : slack),
       stop_(stop),
+      window_(window),
       lp_(order + 2 + (model.corners() > 1 ? 2 * static_cast<int>(model.corners()) : 0)) {
   lp_.set_stop(stop);
-  for (int i = 0; i <= order; ++i) lp_.set_column_bounds(i, 0.0, model.rows.tap_max() * (1.0 + slack_));
+  for (int i = 0; i <= order; ++i) lp_.set_column_bounds(i, 0.0, tap_bound(i));
   lp_.set_cost(excess(), 1.0);
   for (std::size_t j = 0; j < model.corners(); ++j) {
     if (model.cone(j)) least_ = std::max(least_, model.error_bound(j));
   }
   add_base_rows();
   base_rows_ = lp_.rows();
+}
+
+/// The ends of a window stand for many taps.
+double Programme::tap_bound(int column) const {
+  return window_ && (column == 0 || column == largest_) ? 1.0 : model_.rows.tap_max() * (1.0 + slack_);
 }
 
 const LpSolution& Programme::solve() {
@@ -78,19 +85,22 @@ void Programme::add_base_rows() {
   Box all;
   all.order = largest_;
   all.corners.resize(model_.corners());
+  all.window = window_;
   // Jerk in units of a tap, others of their bound: entries of the order of 1.
   const double jerk = model_.rows.jerk_max();
   for (int i = 0; jerk < 1.0 && i <= largest_ + 1; ++i) {
     const proof::TapDifference id{i, 1};
+    if (window_ && !inside_window(id, all)) continue;
     draft_limit(model_.rows.row(id, all), jerk, true);
     add(id);
   }
   for (const proof::Row& id : model_.rows.base_force_rows(largest_)) {
+    if (window_ && !inside_window(id, all)) continue;
     draft_limit(model_.row(id, all), 1.0, false);
     add(id);
   }
   tube_rows_ = lp_.rows();
-  if (model_.convex()) return;
+  if (model_.convex() || window_) return;
   draft_.clear();
   draft_.low = 0.0, draft_.high = 1.0 + slack;
   for (int k = 1; k <= largest_ + 1; ++k) {
@@ -176,7 +186,7 @@ bool Programme::redraft(const proof::RangeError& id, const Box& box) {
 
 bool Programme::redraft(const proof::Blend& id, const Box& box) {
   const CornerBox& c = box.corner(id.corner);
-  if (c.d1 != c.d2) return false;
+  if (c.d1 != c.d2 || (window_ && !inside_window(id, box))) return false;
   const SparseRow limit = model_.rows.row(id, box);
   if (limit.no_terms()) return false;
   draft_limit(limit, 1.0, false);
@@ -235,9 +245,8 @@ void Programme::prepare(const Box& box, bool symmetric) {
     }
   }
   lp_.set_column_bounds(excess(), -least_, DualSimplex::infinity);
-  for (int i = 0; i <= largest_; ++i)
-    lp_.set_column_bounds(i, 0.0, i <= box.order ? model_.rows.tap_max() * (1.0 + slack_) : 0.0);
-  for (int k = 1; k <= largest_ + 1 && !model_.convex(); ++k) {
+  for (int i = 0; i <= largest_; ++i) lp_.set_column_bounds(i, 0.0, i <= box.order ? tap_bound(i) : 0.0);
+  for (int k = 1; k <= largest_ + 1 && !model_.convex() && !window_; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const bool bounded = i < box.tube.low.size();
     lp_.set_row_bounds(tube_rows_ + k - 1, bounded ? box.tube.low[i] - slack : 0.0,

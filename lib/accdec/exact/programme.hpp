@@ -24,7 +24,8 @@ inline constexpr double same_angle = 1e-11;
 class Programme {
  public:
   /// @param margin  > 0: every limit is asked for with this relative margin instead of the slack
-  Programme(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin);
+  /// @param window  of boxes that are windows
+  Programme(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin, bool window);
 
   /// The last box's cuts that held its solution stay, with their coefficients in the new box; the others go.
   void prepare(const Box& box, bool symmetric);
@@ -73,6 +74,7 @@ class Programme {
     return row != nullptr ? std::get_if<Limit>(row) : nullptr;
   }
   double vibration_scale(const proof::Vibration& id) const;
+  double tap_bound(int column) const;
   void add(Id id);  // the draft
   void add_base_rows();
   void draft_limit(const SparseRow& row, double scale, bool both, bool soft = false);
@@ -108,7 +110,7 @@ class Programme {
   double slack_;
   double least_ = 0.0;  // no more margin than this is asked of the cones
   std::function<bool()> stop_;
-  bool clp_alone_ = false;
+  bool window_ = false, clp_alone_ = false;
   DualSimplex lp_;
   LpSolution solution_;
   std::vector<Id> ids_;

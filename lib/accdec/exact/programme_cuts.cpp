@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include <accdec/exact/programme.hpp>
+#include <accdec/exact/window.hpp>
 #include <accdec/machine/utilisation.hpp>
 
 // Rows that a solution of the programme breaks.
@@ -16,7 +17,9 @@ constexpr double inside = 1e-12;
 
 bool Programme::cut(const Filter& filter, const Box& box, double allowed) {
   bool added = cut_cones(filter, box, allowed);
-  for (const proof::Row& id : model_.rows.broken_blend_rows(filter, box, broken())) added |= add_limit(id, box);
+  for (const proof::Row& id : model_.rows.broken_blend_rows(filter, box, broken()))
+    added |= (!window_ || inside_window(id, box)) && add_limit(id, box);
+  if (window_) return added;
   for (const Chord& chord : model_.chords.broken(filter, box, broken())) added |= add_limit(row_of(chord), box);
   return cut_vibration(filter, box) || added;
 }

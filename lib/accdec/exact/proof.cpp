@@ -20,14 +20,19 @@ std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBound
     }
     index = n;
   };
-  for (proof::Node node : proof.tree) {
+  const auto renumbered = [&](proof::Node node) {
     if (auto* refuted = std::get_if<proof::Refuted>(&node)) {
       use(refuted->multipliers);
     } else if (auto* symmetric = std::get_if<proof::RefutedSymmetric>(&node)) {
       use(symmetric->multipliers);
       use(symmetric->shorter);
     }
-    out.tree.push_back(node);
+    return node;
+  };
+  for (const proof::Node& node : proof.tree) out.tree.push_back(renumbered(node));
+  for (proof::Lemma lemma : proof.lemmas) {
+    for (proof::Node& node : lemma.tree) node = renumbered(node);
+    out.lemmas.push_back(std::move(lemma));
   }
   return std::make_shared<Certificate>(Certificate{std::move(out)});
 }

@@ -3,13 +3,14 @@
 
 #include <accdec/exact/programme.hpp>
 #include <accdec/exact/relaxation.hpp>
+#include <accdec/exact/window.hpp>
 
 namespace accdec::exact {
 
 class Relaxation::Impl {
  public:
-  Impl(const LimitModel& model, int order, const std::function<bool()>& stop, double margin)
-      : model_(model), stop_(stop), programme_(model, order, stop, margin) {}
+  Impl(const LimitModel& model, int order, const std::function<bool()>& stop, double margin, bool window)
+      : model_(model), stop_(stop), programme_(model, order, stop, margin, window) {}
 
   Outcome solve(const Box& box, bool symmetric, bool strongest) {
     programme_.prepare(box, symmetric);
@@ -56,7 +57,8 @@ class Relaxation::Impl {
     double by = 0.0;
     const auto refuted = [&] {
       Multipliers y = programme_.multipliers();
-      const double value = refutation(model_, y, box, symmetric ? box.order : -1);
+      const double value =
+          box.window ? window_refutation(model_, y, box) : refutation(model_, y, box, symmetric ? box.order : -1);
       if (!(value > by)) return false;
       by = value;
       outcome.multipliers = std::move(y);
@@ -96,8 +98,9 @@ class Relaxation::Impl {
   long solved_ = 0;
 };
 
-Relaxation::Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin)
-    : impl_(std::make_unique<Impl>(model, largest_order, stop, margin)) {}
+Relaxation::Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin,
+                       bool window)
+    : impl_(std::make_unique<Impl>(model, largest_order, stop, margin, window)) {}
 Relaxation::~Relaxation() = default;
 Outcome Relaxation::solve(const Box& box, bool symmetric, bool strongest) {
   return impl_->solve(box, symmetric, strongest);

@@ -25,7 +25,9 @@ class Relaxation {
   /// @param stop  polled during a programme, which then ends unresolved; may be empty
   /// @param margin  > 0: limits are asked for with this relative margin, so that a solution holds them in spite of its
   ///                rounding; what is refuted is refuted without it
-  Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop = {}, double margin = 0.0);
+  /// @param window  boxes to come are windows of exactly this order, see window.hpp
+  Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop = {}, double margin = 0.0,
+             bool window = false);
   ~Relaxation();
   /// @param symmetric  only symmetric filters of the box's order (no shorter ones)
   /// @param strongest  multipliers that refute by as much as further cuts give, for boxes beside this one

@@ -4,6 +4,7 @@
 
 #include <accdec/exact/search.hpp>
 #include <accdec/exact/size.hpp>
+#include <accdec/exact/window.hpp>
 #include <accdec/task/delays_below.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -70,10 +71,11 @@ Box Search::root() const {
 }
 
 void Search::size_for(int order) {
-  if (relaxation_ && order <= sized_ && 2 * order >= sized_) return;
+  if (relaxation_ && order <= sized_ && 2 * order >= sized_ && window_.order == 0) return;
+  if (relaxation_ && order == sized_) return;
   require_room(task_, order);
   programmes_ = programmes();
-  relaxation_ = std::make_unique<Relaxation>(model_, order, stop_);
+  relaxation_ = std::make_unique<Relaxation>(model_, order, stop_, 0.0, window_.order > 0);
   sized_ = order;
 }
 
@@ -214,7 +216,8 @@ void Search::remember(int multipliers) {
 
 int Search::refuted_before(const Box& box) {
   const auto refutes = [&](int y) {
-    return refutation(model_, current_.multipliers[static_cast<std::size_t>(y)], box) > 0.0;
+    const Multipliers& multipliers = current_.multipliers[static_cast<std::size_t>(y)];
+    return (box.window ? window_refutation(model_, multipliers, box) : refutation(model_, multipliers, box)) > 0.0;
   };
   const auto found = std::find_if(recent_.begin(), recent_.end(), refutes);
   return found == recent_.end() ? -1 : *found;
@@ -228,6 +231,7 @@ Search::State Search::close_by(int multipliers) {
 
 bool Search::narrow(Box& box, proof::Node* why) {
   if (why) *why = proof::TooLong{};
+  if (box.window) return true;
   if (!tighten(task_, target_, box)) return false;
   for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
   for (const CornerBox& b : box.corners) {

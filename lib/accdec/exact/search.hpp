@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <limits>
@@ -18,6 +19,7 @@ struct Proof {
   double target = 0.0;  ///< in samples of the task's objective (objective.hpp); infinite: nothing at all
   std::vector<proof::Node> tree;
   std::vector<Multipliers> multipliers;
+  std::vector<proof::Lemma> lemmas{};
   std::vector<std::string> conflict{};  ///< where there is no design: the limits in conflict, in words
 };
 /// A proof of one corner's convex limits for a target lower than the one it was begun with: leaves out what is too long
@@ -25,6 +27,21 @@ struct Proof {
 std::optional<Proof> pruned(const LimitModel& model, const Box& root, const Proof& proof);
 /// The proof with the objective it is about, without multipliers that no leaf needs.
 std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBounds& design);
+
+/// A window (window.hpp) and where in it each corner is closest if it is the anchor: of the corners that count, the
+/// first of `order_of_anchors`.
+struct Window {
+  int order = 0;
+  std::vector<int> at;
+  std::vector<int> anchors;  ///< corners with a tolerance, the tightest first
+
+  /// @param most  < 0 where a corner does not count; -1: there is none
+  int anchor(const std::vector<int>& most) const {
+    const auto found =
+        std::find_if(anchors.begin(), anchors.end(), [&](int j) { return most[static_cast<std::size_t>(j)] >= 0; });
+    return found == anchors.end() ? -1 : *found;
+  }
+};
 
 /// Verified.
 struct Candidate {
@@ -39,7 +56,9 @@ Filter trimmed(const Filter& filter, const DesignBounds& bounds);
 /// Where to split to see to the limit that is broken most: at the filter's own response, where both parts' chords meet
 /// the limit, but not too close to an end. None if no limit outside the convex class is broken; sample 0: one is, but
 /// nothing is left to split.
-std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filter, const Box& box);
+/// @param among  if given: of limits of the blend, those of these corners alone, and only where their delay is single
+std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filter, const Box& box,
+                                     const std::vector<char>* among = nullptr);
 
 /// Both parts of a split on a delay, a sample or the order.
 std::pair<Box, Box> parts(const Box& box, const proof::Split& split);
@@ -71,6 +90,22 @@ class Search {
   /// Offers a filter with the delays it needs.
   void offer(Filter filter);
 
+  /// What is known of some corners' delays together.
+  struct Together {
+    bool refuted = false, holds = false;  ///< neither: stopped, or rounding decides
+    std::vector<proof::Node> tree;        ///< refuted: the proof; its multipliers are in `multipliers()`
+  };
+  /// Whether a filter of at most this order holds these corners with delays of at most `most`, one per corner; < 0: the
+  /// corner does not count. Ends after `budget` programmes. Filters met on the way are offered. Several corners, no
+  /// symmetry.
+  Together refute_together(int order, const std::vector<int>& most, long budget);
+  /// The corners that a proof of delays together says something of.
+  std::vector<char> corners_used(const std::vector<proof::Node>& tree) const;
+  const std::vector<Multipliers>& multipliers() const { return current_.multipliers; }
+
+  /// From now on only `refute_together`, for filters of any order.
+  void look_through(Window window) { window_ = std::move(window); }
+
   std::optional<Candidate> best;  ///< verified
   Proof proof;                    ///< of the last target proved
   long programmes() const { return programmes_ + (relaxation_ ? relaxation_->programmes() : 0); }
@@ -93,6 +128,9 @@ class Search {
   }
   State refute(Box box);
   State refute_sums(Box box, bool symmetric, int depth);
+  State refute_together(Box box, int depth);
+  std::optional<proof::Node> split_together(const Filter& filter, const Box& box) const;
+  bool blend_holds(const Filter& filter, const Box& box, std::size_t corner, int delay) const;
   State split_sum(const Box& box, const SumBound& at, bool symmetric, int depth);
   State close(Multipliers y);
   State close_by(int multipliers);
@@ -126,7 +164,10 @@ class Search {
   Proof current_;
   int smallest_order_ = 0;
   std::vector<int> recent_;
-  std::vector<bool> in_tree_;  ///< of the multipliers: whether a leaf of the proof uses them
+  Window window_;
+  std::vector<char> among_;         ///< corners that count in refute_together
+  std::optional<Filter> together_;  ///< what holds them
+  std::vector<bool> in_tree_;       ///< of the multipliers: whether a leaf of the proof uses them
 };
 
 }  // namespace accdec::exact

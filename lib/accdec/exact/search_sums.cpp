@@ -12,11 +12,16 @@ constexpr int deepest = 300;
 
 }  // namespace
 
-std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filter, const Box& box) {
+std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filter, const Box& box,
+                                     const std::vector<char>* among) {
   double worst = 1.0 + 1e-9;
   SumBound split;
   bool broken = false;
   for (const ChordFamily& family : model.chords.families()) {
+    if (among && family.corner) {
+      const CornerBox& c = box.corner(*family.corner);
+      if ((*among)[static_cast<std::size_t>(*family.corner)] == 0 || c.d1 < c.d2) continue;
+    }
     for (int sample = 1; sample <= model.chords.last_sample(family, box); ++sample) {
       const double use = model.chords.use(family, sample, filter, box);
       if (use <= worst) continue;

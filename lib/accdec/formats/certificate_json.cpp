@@ -71,6 +71,27 @@ Json node_json(const proof::OrderSplit& n) {
 Json node_json(const proof::ResponseSplit& n) {
   return {n.sample, "B", n.level};
 }
+Json node_json(const proof::ByLemma& n) {
+  return {"lemma", n.lemma};
+}
+
+Json tree_json(const std::vector<proof::Node>& tree) {
+  Json json = Json::array();
+  for (const proof::Node& node : tree) json.push_back(std::visit([](const auto& n) { return node_json(n); }, node));
+  return json;
+}
+
+Json lemma_json(const proof::Lemma& lemma) {
+  Json json;
+  Json& delays = json["delays"] = Json::array();
+  for (const proof::CornerDelay& d : lemma.delays) delays.push_back({d.corner, d.delay});
+  if (lemma.window)
+    json["window"] = {lemma.window->order, lemma.window->anchor, lemma.window->at};
+  else
+    json["order"] = lemma.order;
+  json["tree"] = tree_json(lemma.tree);
+  return json;
+}
 
 Json proof_json(const proof::ConstantFeed&) {
   return Json::object({{"schema", "accdec.certificate/1"}, {"kind", "constant feed"}});
@@ -83,6 +104,7 @@ Json proof_json(const proof::BranchAndBound& proof) {
   json["bound_samples"] = proof.bound_samples ? Json(*proof.bound_samples) : Json(nullptr);
   if (!proof.conflict.empty()) json["conflict"] = proof.conflict;
   json["kind"] = "branch and bound";
+  for (const proof::Lemma& lemma : proof.lemmas) json["lemmas"].push_back(lemma_json(lemma));
   Json& sets = json["multipliers"] = Json::array();
   for (const proof::Multipliers& terms : proof.multipliers) {
     Json& rows = sets.emplace_back(Json::array());
@@ -94,9 +116,7 @@ Json proof_json(const proof::BranchAndBound& proof) {
   json["objective"] = to_string(proof.objective);
   if (proof.objective == Objective::cycle) json["runs"] = proof.runs;
   json["schema"] = "accdec.certificate/1";
-  Json& tree = json["tree"] = Json::array();
-  for (const proof::Node& node : proof.tree)
-    tree.push_back(std::visit([](const auto& n) { return node_json(n); }, node));
+  json["tree"] = tree_json(proof.tree);
   return json;
 }
 

@@ -109,6 +109,7 @@ proof::Node read_node(const Entry& e) {
   if (json == "unreachable") return proof::Unreachable{};
   if (e.size() == 1 && e.is_text(0, "symmetric")) return proof::SymmetricOrders{};
   if (e.size() == 2 && e.is_text(0, "N")) return proof::OrderSplit{e.integer(1)};
+  if (e.size() == 2 && e.is_text(0, "lemma")) return proof::ByLemma{e.integer(1)};
   if (e.size() == 2) return proof::RefutedSymmetric{e.integer(0), e.integer(1)};
   if (e.size() == 3 && e.is_text(1, "B")) return proof::ResponseSplit{e.integer(0), e.number(2)};
   if (e.size() == 3 && e.is_text(1)) {
@@ -128,8 +129,34 @@ auto read_list(const Json& json, const std::string& pointer, const Read& read) {
   return list;
 }
 
+proof::Lemma read_lemma(const Value& value) {
+  value.members({"delays", "tree"}, {"order", "window"});
+  if (value.has("order") == value.has("window")) value.fail("has either an `order` or a `window`");
+  constexpr long most = 100'000'000;
+  const auto integers = [](const Value& list, std::size_t count) {
+    std::vector<int> numbers;
+    for (const Value& v : list.elements()) numbers.push_back(static_cast<int>(v.integer(-1, most)));
+    if (numbers.size() != count) list.fail(fmt::format("has {} entries; such a list has {}", numbers.size(), count));
+    return numbers;
+  };
+  proof::Lemma lemma;
+  if (value.has("order")) {
+    lemma.order = static_cast<int>(value["order"].integer(-1, most));
+  } else {
+    const std::vector<int> window = integers(value["window"], 3);
+    lemma.window = proof::Window{window[0], window[1], window[2]};
+  }
+  for (const Value& entry : value["delays"].elements()) {
+    const std::vector<int> delay = integers(entry, 2);
+    lemma.delays.push_back({delay[0], delay[1]});
+  }
+  lemma.tree = read_list(value["tree"].json(), value["tree"].pointer(), read_node);
+  return lemma;
+}
+
 proof::BranchAndBound read_branch_and_bound(const Value& value) {
-  value.members({"schema", "kind", "objective", "bound_samples", "multipliers", "tree"}, {"runs", "conflict"});
+  value.members({"schema", "kind", "objective", "bound_samples", "multipliers", "tree"},
+                {"runs", "conflict", "lemmas"});
   proof::BranchAndBound proof;
   proof.objective = value["objective"].word({Objective::cycle, Objective::corner});
   if (proof.objective == Objective::cycle) {
@@ -149,6 +176,9 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
       return term;
     });
   });
+  if (value.has("lemmas")) {
+    for (const Value& lemma : value["lemmas"].elements()) proof.lemmas.push_back(read_lemma(lemma));
+  }
   proof.tree = read_list(value["tree"].json(), value["tree"].pointer(), read_node);
   return proof;
 }
@@ -156,13 +186,15 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
 }  // namespace
 
 Certificate read_certificate(const Value& value) {
-  value.members({"kind"}, {"schema", "objective", "runs", "bound_samples", "conflict", "multipliers", "tree"});
+  value.members({"kind"},
+                {"schema", "objective", "runs", "bound_samples", "conflict", "lemmas", "multipliers", "tree"});
   const std::string kind = value["kind"].text();
   if (kind == "enumeration") {
     value.members({"kind"}, {"schema"});
     return {proof::Enumeration{}};
   }
-  value.members({"kind", "schema"}, {"objective", "runs", "bound_samples", "conflict", "multipliers", "tree"});
+  value.members({"kind", "schema"},
+                {"objective", "runs", "bound_samples", "conflict", "lemmas", "multipliers", "tree"});
   if (value["schema"].text() != "accdec.certificate/1")
     value["schema"].fail("the certificate's schema is unknown; known is accdec.certificate/1");
   if (kind == "constant feed") {

@@ -1,0 +1,91 @@
+#include <limits>
+
+#include <accdec/exact/joint.hpp>
+
+// The joint proof as a certificate has it: a tree in preorder, and the lemmas it needs.
+
+namespace accdec::exact {
+
+/// By a lemma, which gets its number in the proof with its first use.
+bool Joint::write_by(int lemma, Proof& proof, std::vector<int>& number) const {
+  int& n = number[static_cast<std::size_t>(lemma)];
+  if (n < 0) {
+    const Lemma& from = lemmas_[static_cast<std::size_t>(lemma)];
+    proof::Lemma to;
+    to.delays = from.delays;
+    to.tree = from.tree;
+    if (from.wide) {
+      std::vector<int> most(task_.corners.size(), -1);
+      for (const proof::CornerDelay& d : from.delays) most[static_cast<std::size_t>(d.corner)] = d.delay;
+      const int anchor = window_.anchor(most);
+      to.window = proof::Window{window_.order, anchor, window_.at[static_cast<std::size_t>(anchor)]};
+      // Behind the multipliers of the others.
+      for (proof::Node& node : to.tree)
+        if (auto* refuted = std::get_if<proof::Refuted>(&node))
+          refuted->multipliers += static_cast<int>(prover_.multipliers().size());
+    } else {
+      to.order = from.order;
+    }
+    n = static_cast<int>(proof.lemmas.size());
+    proof.lemmas.push_back(std::move(to));
+  }
+  proof.tree.push_back(proof::ByLemma{n});
+  return true;
+}
+
+/// @param index  -1: of the tree there is no more; lemmas have to do
+bool Joint::write(int index, Node part, Proof& proof, std::vector<int>& number) const {
+  Node cut = part;
+  const int order = order_left(cut, proof.target);
+  if (order < 0) {
+    proof.tree.push_back(proof::TooLong{});
+    return true;
+  }
+  const Node* from = index >= 0 ? &nodes_[static_cast<std::size_t>(index)] : nullptr;
+  if (from != nullptr && from->lemma >= 0) return write_by(from->lemma, proof, number);
+  int corner = -1, at = 0, first = -1, second = -1;
+  if (from != nullptr && from->first >= 0) {
+    corner = from->corner, at = from->at, first = from->first, second = from->second;
+  } else {
+    int l = -1;
+    for (std::size_t i = 0; i < lemmas_.size() && l < 0; ++i) {
+      double increase = 0.0;
+      if (lemmas_[i].order < order) continue;
+      const Verdict verdict = judge(lemmas_[i], cut, &corner, &increase);
+      if (verdict == Verdict::closed) return write_by(static_cast<int>(i), proof, number);
+      if (verdict != Verdict::satisfied) l = static_cast<int>(i);
+    }
+    if (l < 0) return false;
+    for (const proof::CornerDelay& d : lemmas_[static_cast<std::size_t>(l)].delays)
+      if (d.corner == corner) at = d.delay;
+  }
+  Node a = part, b = part;
+  if (corner < 0) {
+    a.n2 = at, b.n1 = at + 1;
+    proof.tree.push_back(proof::OrderSplit{at});
+  } else {
+    a.d2[static_cast<std::size_t>(corner)] = at;
+    b.d1[static_cast<std::size_t>(corner)] = at + 1;
+    proof.tree.push_back(proof::Split{corner, true, at});
+  }
+  return write(first, std::move(a), proof, number) && write(second, std::move(b), proof, number);
+}
+
+std::optional<Proof> Joint::proof() const {
+  Proof proof;
+  proof.target = bound();
+  proof.multipliers = prover_.multipliers();
+  for (const Multipliers& y : wide_.multipliers()) proof.multipliers.push_back(y);
+  std::vector<int> number(lemmas_.size(), -1);
+  Node root;
+  for (const TaskCorner& c : task_.corners) {
+    root.d1.push_back(c.delay.value_or(0));
+    root.d2.push_back(c.delay.value_or(task_.design.order_max + 2));
+  }
+  root.n1 = std::max(task_.design.order_min, 0);
+  root.n2 = task_.design.order_max;
+  if (!write(0, std::move(root), proof, number)) return std::nullopt;
+  return proof;
+}
+
+}  // namespace accdec::exact

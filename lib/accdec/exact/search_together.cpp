@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/exact/search.hpp>
+#include <accdec/exact/window.hpp>
+
+// Boxes of several corners whose delays are bounded above and whose orders are bounded, whatever they cost: what the
+// joint proof asks, see joint.hpp. There only the samples are open, and the programme's own filter says which of them
+// to split.
+
+namespace accdec::exact {
+namespace {
+
+/// The least distance of all p' >= p, q' >= q from the corner point.
+double least_distance(double cosine, double p, double q) {
+  if (cosine < 0.0) {
+    if (p < -q * cosine) return q * std::sqrt(1.0 - cosine * cosine);
+    if (q < -p * cosine) return p * std::sqrt(1.0 - cosine * cosine);
+  }
+  return std::sqrt(std::max(0.0, p * p + q * q + 2.0 * p * q * cosine));
+}
+
+/// One corner's error with one filter, in samples of its faster leg.
+class CornerError {
+ public:
+  CornerError(const LimitModel& model, const Filter& filter, std::size_t j)
+      : filter_(filter),
+        cosine_(std::cos(model.theta(j))),
+        in_(model.scale_in(j)),
+        out_(model.scale_out(j)),
+        bound_(model.error_bound(j)) {}
+
+  double at(int delay, int sample) const {
+    const double p = in_ * filter_.remaining_moment(sample), q = out_ * filter_.elapsed_moment(sample - delay);
+    return std::sqrt(std::max(0.0, p * p + q * q + 2.0 * p * q * cosine_));
+  }
+  /// By how much the error is above its bound at least, as the programme sees it.
+  double relaxed(const CornerBox& c) const {
+    if (c.d1 == c.d2 && c.k1 == c.k2) return at(c.d1, c.k1) - bound_;
+    return least_distance(cosine_, in_ * filter_.remaining_moment(c.k2), out_ * filter_.elapsed_moment(c.k1 - c.d2)) -
+           bound_;
+  }
+  bool holds(int delay, const CornerBox& c, int order) const {
+    for (int k = c.k1; k <= std::min(c.k2, order + delay + 1); ++k) {
+      if (at(delay, k) <= bound_ * (1.0 + 1e-9) + 1e-12) return true;
+    }
+    return false;
+  }
+
+ private:
+  const Filter& filter_;
+  double cosine_, in_, out_, bound_;
+};
+
+struct Chosen {
+  proof::Split split;
+  double gain = -std::numeric_limits<double>::infinity();
+};
+
+/// The split of a corner both parts of which the filter misses by most.
+void consider_splits(const CornerError& error, std::size_t j, const CornerBox& c, Chosen& chosen) {
+  const auto take = [&](bool on_delay, int at, double gain) {
+    if (gain <= chosen.gain) return;
+    chosen.gain = gain;
+    chosen.split = {static_cast<int>(j), on_delay, at};
+  };
+  for (int at = c.k1; at < c.k2; ++at) {
+    CornerBox first = c, second = c;
+    first.k2 = at, second.k1 = at + 1;
+    take(false, at, std::min(error.relaxed(first), error.relaxed(second)));
+  }
+  for (int at = c.d1; at < c.d2 && c.k1 == c.k2; ++at) {
+    CornerBox first = c, second = c;
+    first.d2 = at, second.d1 = at + 1;
+    take(true, at, std::min(error.relaxed(first), error.relaxed(second)));
+  }
+}
+
+/// -1 for rows of no corner.
+int corner_of(const proof::Row& id) {
+  return std::visit(
+      [](const auto& row) {
+        if constexpr (requires { row.corner; })
+          return row.corner;
+        else
+          return -1;
+      },
+      id);
+}
+
+}  // namespace
+
+bool Search::blend_holds(const Filter& filter, const Box& box, std::size_t j, int delay) const {
+  Box one = box;
+  for (std::size_t i = 0; i < one.corners.size(); ++i) {
+    if (i != j) one.corners[i].d1 = 0, one.corners[i].d2 = 1;
+  }
+  one.corners[j].d1 = one.corners[j].d2 = delay;
+  const auto broken = model_.rows.broken_blend_rows(filter, one, 1e-9);
+  if (std::any_of(broken.begin(), broken.end(),
+                  [&](const proof::Row& id) { return !box.window || inside_window(id, one); }))
+    return false;
+  if (box.window) return true;
+  for (const ChordFamily& family : model_.chords.families()) {
+    if (family.corner != static_cast<int>(j)) continue;
+    for (int sample = 1; sample <= model_.chords.last_sample(family, one); ++sample) {
+      if (model_.chords.use(family, sample, filter, one) > 1.0 + 1e-9) return false;
+    }
+  }
+  return true;
+}
+
+std::optional<proof::Node> Search::split_together(const Filter& filter, const Box& box) const {
+  Chosen chosen;
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const CornerBox& c = box.corners[j];
+    if (!among_[j]) continue;
+    bool error_holds = !model_.cone(j), limits_hold = false;
+    for (int d = c.d1; d <= c.d2 && !limits_hold; ++d) {
+      if (model_.cone(j) && !CornerError(model_, filter, j).holds(d, c, box.order)) continue;
+      error_holds = true;
+      limits_hold = blend_holds(filter, box, j, d);
+    }
+    if (!error_holds) {
+      consider_splits(CornerError(model_, filter, j), j, c, chosen);
+    } else if (!limits_hold && c.d1 < c.d2 && chosen.gain < -1e9) {
+      // Other limits of the blend ask for single delays; the longest is the one most likely to hold.
+      chosen.gain = -1e9;
+      chosen.split = {static_cast<int>(j), true, c.d2 - 1};
+    }
+  }
+  if (chosen.gain > -std::numeric_limits<double>::infinity()) return chosen.split;
+  if (model_.convex() || box.window) return std::nullopt;
+  const auto broken = widest_break(model_, filter, box, &among_);
+  if (!broken) return std::nullopt;
+  // Nothing is left to split where rounding decides.
+  if (broken->sample == 0) return proof::TooLong{};
+  return proof::ResponseSplit{broken->sample, broken->level};
+}
+
+Search::State Search::refute_together(Box box, int depth) {
+  if (stopped()) return State::stopped;
+  if (depth > 400) return State::open;
+  const Box whole = box;
+  proof::Node why;
+  if (!narrow(box, &why)) return leave(why);
+  if (const int y = refuted_before(box); y >= 0) return close_by(y);
+  Outcome outcome = relaxation_->solve(box, false);
+  if (outcome.kind == Outcome::refuted) return close_by(keep(std::move(outcome.multipliers)));
+  if (!outcome.filter) return undecided();
+  if (!box.window) offer(*outcome.filter);
+  const auto node = split_together(*outcome.filter, box);
+  if (!node) {
+    together_ = *outcome.filter;
+    return State::found;
+  }
+  if (std::holds_alternative<proof::TooLong>(*node)) return State::open;
+  current_.tree.push_back(*node);
+  std::pair<Box, Box> both_parts{whole, whole};
+  if (const auto* response = std::get_if<proof::ResponseSplit>(&*node)) {
+    both_parts.first.path.push_back({response->sample, true, response->level});
+    both_parts.second.path.push_back({response->sample, false, response->level});
+  } else {
+    both_parts = parts(whole, *node);
+  }
+  const State state = refute_together(std::move(both_parts.first), depth + 1);
+  return state == State::closed ? refute_together(std::move(both_parts.second), depth + 1) : state;
+}
+
+Search::Together Search::refute_together(int order, const std::vector<int>& most, long budget) {
+  target_ = std::numeric_limits<double>::infinity();
+  current_.tree.clear();
+  if (window_.order > 0) order = window_.order;
+  Box box = root();
+  box.order_most = order;
+  among_.assign(box.corners.size(), 0);
+  for (std::size_t j = 0; j < most.size(); ++j) {
+    if (most[j] < 0) {
+      if (!task_.corners[j].delay) box.corners[j].d2 = order + 2;
+      box.corners[j].k2 = box.corners[j].d2 + order + 1;
+      continue;
+    }
+    among_[j] = 1;
+    box.corners[j].d2 = std::min(box.corners[j].d2, most[j]);
+    box.corners[j].k2 = box.corners[j].d2 + order + 1;
+  }
+  if (window_.order > 0) {
+    const int anchor = window_.anchor(most);
+    if (anchor < 0) return {};  // nothing to shift by
+    box.order = order;
+    box.window = true;
+    CornerBox& c = box.corners[static_cast<std::size_t>(anchor)];
+    c.k1 = c.k2 = window_.at[static_cast<std::size_t>(anchor)];
+  }
+  size_for(order);
+  together_.reset();
+  budget_end_ = programmes() + budget;
+  Together answer;
+  const State state = refute_together(std::move(box), 0);
+  budget_end_ = std::numeric_limits<long>::max();
+  answer.refuted = state == State::closed;
+  answer.holds = state == State::found;
+  answer.tree = std::move(current_.tree);
+  current_.tree.clear();
+  return answer;
+}
+
+std::vector<char> Search::corners_used(const std::vector<proof::Node>& tree) const {
+  std::vector<char> used(task_.corners.size(), 0);
+  for (const proof::Node& node : tree) {
+    if (const auto* split = std::get_if<proof::Split>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
+    const auto* refuted = std::get_if<proof::Refuted>(&node);
+    if (refuted == nullptr) continue;
+    for (const auto& [id, y] : current_.multipliers[static_cast<std::size_t>(refuted->multipliers)]) {
+      // The error of a corner that does not count is in some programmes, but bounds nothing there.
+      const int corner = corner_of(id);
+      if (corner >= 0 && among_[static_cast<std::size_t>(corner)]) used[static_cast<std::size_t>(corner)] = 1;
+    }
+  }
+  return used;
+}
+
+}  // namespace accdec::exact

@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <accdec/exact/window.hpp>
+
+namespace accdec::exact {
+
+namespace {
+
+/// What a row says of the taps inside.
+struct Inside {
+  const Box& box;
+  bool inner(int tap) const { return tap >= 1 && tap <= box.order - 1; }
+
+  bool operator()(const proof::Error&) const { return true; }
+  bool operator()(const proof::TapDifference& row) const { return inner(row.sample) && inner(row.sample - 1); }
+  bool operator()(const proof::EventForce& row) const { return inner(row.sample - 1); }
+  bool operator()(const proof::Blend& row) const {
+    const CornerBox& c = box.corner(row.corner);
+    const int k = row.sample;
+    if (c.d1 != c.d2 || !inner(k - 1) || !inner(k - 1 - c.d1)) return false;
+    return row.limit != proof::BlendLimit::jerk || (inner(k - 2) && inner(k - 2 - c.d1));
+  }
+  template <class Other>
+  bool operator()(const Other&) const {
+    return false;
+  }
+};
+
+}  // namespace
+
+bool inside_window(const proof::Row& id, const Box& box) {
+  return std::visit(Inside{box}, id);
+}
+
+double window_refutation(const LimitModel& model, const Multipliers& y, const Box& box) {
+  const auto size = static_cast<std::size_t>(box.order) + 1;
+  std::vector<double> c(size, 0.0), on_sum(size + 1, 0.0);
+  double rhs = 0.0, magnitude = 0.0;
+  for (const auto& [id, value] : y) {
+    magnitude += value;
+    if (!inside_window(id, box)) return -std::numeric_limits<double>::infinity();
+    if (const auto* error = std::get_if<proof::Error>(&id)) {
+      const auto j = static_cast<std::size_t>(error->corner);
+      const double wp = value * model.weight_in(j, error->angle), wq = value * model.weight_out(j, error->angle);
+      if (wp < -1e-16 || wq < -1e-16) return -std::numeric_limits<double>::infinity();
+      for (int i = 0; i <= box.order; ++i)
+        c[static_cast<std::size_t>(i)] += wp * box.weight_in(j, i) + wq * box.weight_out(j, i);
+      rhs += value * model.error_bound(j);
+      continue;
+    }
+    const SparseRow row = model.row(id, box);
+    for (const auto& [i, x] : row.taps) c[static_cast<std::size_t>(i)] += value * x;
+    for (const auto& [k, x] : row.sums) on_sum[static_cast<std::size_t>(k)] += value * x;
+    rhs += value * (1.0 - row.constant);
+  }
+  double suffix = 0.0;
+  for (std::size_t i = size; i-- > 0;) {
+    suffix += on_sum[i + 1];
+    c[i] += suffix;
+  }
+  // Least sum c_i b_i: the cheapest taps inside are full, the rest is in the cheaper end.
+  const double end = std::min(c.front(), c.back());
+  std::sort(c.begin() + 1, c.end() - 1);
+  double least = 0.0, left = 1.0;
+  for (std::size_t i = 1; i + 1 < size && c[i] < end && left > 0.0; ++i) {
+    const double tap = std::min(left, model.rows.tap_max());
+    least += tap * c[i];
+    left -= tap;
+  }
+  least += left * end;
+  return least - rhs - 1e-12 * (magnitude + std::abs(rhs));
+}
+
+}  // namespace accdec::exact
