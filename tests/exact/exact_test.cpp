@@ -290,6 +290,20 @@ TEST(Exact, PartsOnTheEdgeDoNotEndTheProof) {
   expect_proved(task, design_exact(task));
 }
 
+// Twenty thousand rows and as many columns are 10 GB: said instead of asked for.
+TEST(Exact, ProgrammesThatDoNotFitIntoMemoryAreNotBegun) {
+  Axis axis;
+  axis.acceleration_max = 6.0;
+  axis.jerk_max = 500.0;
+  Task task = plane_task(axis, plane_corner("A", 95, 0, 0.1, 0.1), 50e-6);
+  for (const int order : {20'000, 1'000'000}) {
+    task.design.order_min = task.design.order_max = order;
+    const DesignResult result = design_exact(task);
+    EXPECT_EQ(result.status, Status::failed);
+    EXPECT_NE(result.message.find("memory"), std::string::npos) << result.message;
+  }
+}
+
 TEST(Exact, EndsAtTheGapAskedFor) {
   Axis axis;
   axis.acceleration_max = 6.0;

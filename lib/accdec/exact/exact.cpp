@@ -43,6 +43,19 @@ void offer_shapes(const Task& task, exact::Search& search, int least, const std:
   }
 }
 
+/// Bytes of the dense tableau of the programmes' first rows, which hold for every box.
+double tableau_bytes(const Task& task, int order) {
+  double rows = 1.0;
+  for (const Axis& axis : task.machine.axes) {
+    if (axis.force_max < unlimited && axis.damping > 0.0) rows += order + 1.0;
+  }
+  if (std::any_of(task.machine.axes.begin(), task.machine.axes.end(),
+                  [](const Axis& axis) { return axis.jerk_max < unlimited; }))
+    rows += order + 2.0;
+  return sizeof(double) * rows * (order + 2.0 + rows);
+}
+constexpr double most_bytes = 2e9;
+
 /// The next target between a bound and what is known to be open or found above it.
 double next_target(double low, double high) {
   for (const double part : {0.8, 0.9, 0.95, 0.97, 0.985}) {
@@ -68,6 +81,18 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     result.status = Status::infeasible;
     result.message = impossible.front();
     if (options.certificate) result.certificate = std::make_shared<Certificate>(Certificate{proof::ConstantFeed{}});
+    result.solver.wall_time = elapsed();
+    return result;
+  }
+
+  // No order below is allowed or fast enough; a programme of that size has to fit into memory.
+  const int first_order = std::max(task.design.order_min, order_lower_bound(task, task.design.order_max));
+  if (const double bytes = tableau_bytes(task, first_order); bytes > most_bytes) {
+    result.status = Status::failed;
+    result.message = fmt::format(
+        "the linear programmes for filters of order {} would take {:.1f} GB of memory, more than "
+        "the {:.0f} GB allowed; a longer sample period or a nonlinear solver (--solver) may do",
+        first_order, bytes / 1e9, most_bytes / 1e9);
     result.solver.wall_time = elapsed();
     return result;
   }
