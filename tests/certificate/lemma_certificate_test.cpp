@@ -7,6 +7,7 @@
 
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/exact/exact.hpp>
+#include <accdec/machine/utilisation.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -190,6 +191,29 @@ TEST(CheckedWindows, CutsHoldForFiltersOfAnyOrder) {
     for (int i = 0; i <= n; ++i)
       value += sum.taps[static_cast<std::size_t>(std::clamp(i + shift, 0, box.order))].lo * filter.tap(i);
     EXPECT_LE(value, sum.rhs.hi + 1e-10) << "order " << n << " shift " << shift << " k " << k << " d " << d;
+  }
+}
+
+TEST(CheckedWindows, VibrationHoldsForFiltersOfAnyOrder) {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<int> order(2, 90), shifted(-30, 45);
+  std::uniform_real_distribution<double> part(0.0, 1.0);
+  Task task = three_corners();
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Filter filter = trapezoid(order(random), 1);
+    const int shift = shifted(random);
+    const double frequency = 10.0 + 200.0 * part(random);
+    task.machine.modes = {{frequency, frequency, residual_vibration(filter, frequency, task.sample_period)}};
+    CheckedBox box;
+    box.window = true;
+    box.order = 40;
+    for (int i = 0; i < 3; ++i) box.corners.push_back({0, 30, 0, 71});
+    CheckedSum sum(box.order);
+    CheckedRows(task).add({proof::Vibration{0, frequency, 6.3 * part(random)}, 1.0}, box, sum);
+    double value = 0.0;
+    for (int i = 0; i <= filter.order(); ++i)
+      value += sum.taps[static_cast<std::size_t>(std::clamp(i + shift, 0, box.order))].lo * filter.tap(i);
+    EXPECT_LE(value, sum.rhs.hi + 1e-10) << "order " << filter.order() << " shift " << shift;
   }
 }
 

@@ -73,7 +73,7 @@ void CheckedRows::add(const proof::Term& term, CheckedBox& box, CheckedSum& sum)
 
 void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) const {
   const auto inside = [&](int tap) { return tap >= 1 && tap < box.order; };
-  bool all = std::holds_alternative<proof::Error>(row);
+  bool all = std::holds_alternative<proof::Error>(row) || std::holds_alternative<proof::Vibration>(row);
   if (const auto* difference = std::get_if<proof::TapDifference>(&row))
     all = inside(difference->sample) && inside(difference->sample - 1);
   if (const auto* force = std::get_if<proof::EventForce>(&row)) all = inside(force->sample - 1);
@@ -145,7 +145,7 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
   sum.rhs = sum.rhs + weight * error / (period() * Interval(fastest));
 }
 
-void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
+void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
   if (row.mode < 0 || row.mode >= static_cast<int>(task_.machine.modes.size()))
     throw Rejected("a multiplier names a mode that is not there");
   const Mode& mode = task_.machine.modes[static_cast<std::size_t>(row.mode)];
@@ -153,7 +153,10 @@ void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, C
     throw Rejected("a multiplier's frequency is outside its band");
   const Interval w = two_pi() * Interval(row.frequency) * period();
   for (std::size_t i = 0; i < sum.taps.size(); ++i) {
-    sum.taps[i] = sum.taps[i] + weight * interval_cos(w * static_cast<double>(i) - Interval(row.angle));
+    // The taps that the end of a window stands for have any phase.
+    const bool end = box.window && (i == 0 || i + 1 == sum.taps.size());
+    const Interval phase = end ? Interval(-1.0) : interval_cos(w * static_cast<double>(i) - Interval(row.angle));
+    sum.taps[i] = sum.taps[i] + weight * phase;
   }
   sum.rhs = sum.rhs + weight * Interval(mode.residual_max);
 }

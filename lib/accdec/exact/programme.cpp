@@ -153,10 +153,13 @@ double Programme::vibration_scale(const proof::Vibration& id) const {
 void Programme::draft_vibration(const proof::Vibration& id) {
   const double scale = vibration_scale(id);
   draft_.clear();
-  for (int i = 0; i <= largest_; ++i) draft_.add(i, scale * model_.rows.vibration_coefficient(id, i));
+  for (int i = 0; i <= largest_; ++i) {
+    draft_.add(
+        i, scale * (window_ ? window_vibration(model_, id, i, largest_) : model_.rows.vibration_coefficient(id, i)));
+  }
   const double residual = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
   draft_.high = scale * residual * (1.0 + slack_);
-  draft_.low = -draft_.high;
+  draft_.low = window_ ? -DualSimplex::infinity : -draft_.high;
 }
 
 void Programme::add_symmetry(const Box& box) {

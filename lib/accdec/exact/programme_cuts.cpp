@@ -19,8 +19,9 @@ bool Programme::cut(const Filter& filter, const Box& box, double allowed) {
   bool added = cut_cones(filter, box, allowed);
   for (const proof::Row& id : model_.rows.broken_blend_rows(filter, box, broken()))
     added |= (!window_ || inside_window(id, box)) && add_limit(id, box);
-  if (window_) return added;
-  for (const Chord& chord : model_.chords.broken(filter, box, broken())) added |= add_limit(row_of(chord), box);
+  if (!window_) {
+    for (const Chord& chord : model_.chords.broken(filter, box, broken())) added |= add_limit(row_of(chord), box);
+  }
   return cut_vibration(filter, box) || added;
 }
 

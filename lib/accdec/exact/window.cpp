@@ -14,6 +14,7 @@ struct Inside {
   bool inner(int tap) const { return tap >= 1 && tap <= box.order - 1; }
 
   bool operator()(const proof::Error&) const { return true; }
+  bool operator()(const proof::Vibration&) const { return true; }
   bool operator()(const proof::TapDifference& row) const { return inner(row.sample) && inner(row.sample - 1); }
   bool operator()(const proof::EventForce& row) const { return inner(row.sample - 1); }
   bool operator()(const proof::Blend& row) const {
@@ -34,6 +35,10 @@ bool inside_window(const proof::Row& id, const Box& box) {
   return std::visit(Inside{box}, id);
 }
 
+double window_vibration(const LimitModel& model, const proof::Vibration& id, int i, int order) {
+  return i == 0 || i == order ? -1.0 : model.rows.vibration_coefficient(id, i);
+}
+
 double window_refutation(const LimitModel& model, const Multipliers& y, const Box& box) {
   const auto size = static_cast<std::size_t>(box.order) + 1;
   std::vector<double> c(size, 0.0), on_sum(size + 1, 0.0);
@@ -48,6 +53,12 @@ double window_refutation(const LimitModel& model, const Multipliers& y, const Bo
       for (int i = 0; i <= box.order; ++i)
         c[static_cast<std::size_t>(i)] += wp * box.weight_in(j, i) + wq * box.weight_out(j, i);
       rhs += value * model.error_bound(j);
+      continue;
+    }
+    if (const auto* vibration = std::get_if<proof::Vibration>(&id)) {
+      for (int i = 0; i <= box.order; ++i)
+        c[static_cast<std::size_t>(i)] += value * window_vibration(model, *vibration, i, box.order);
+      rhs += value * model.task().machine.modes[static_cast<std::size_t>(vibration->mode)].residual_max;
       continue;
     }
     const SparseRow row = model.row(id, box);
