@@ -170,8 +170,9 @@ TEST(CheckedWindows, CutsHoldForFiltersOfAnyOrder) {
     std::uniform_int_distribution<int> sample(0, n + d + 1);
     const int j = static_cast<int>(trial % 3), k = sample(random);
     TaskCorner& corner = task.corners[static_cast<std::size_t>(j)];
-    const double c = corner.geometry.cos_interior();
-    const double p = filter.remaining_moment(k) * corner.feed_in, q = filter.elapsed_moment(k - d) * corner.feed_out;
+    const double c = corner.geometry().cos_interior();
+    const double p = filter.remaining_moment(k) * corner.geometry().feed_in,
+                 q = filter.elapsed_moment(k - d) * corner.geometry().feed_out;
     corner.error_max = task.sample_period * std::sqrt(p * p + q * q + 2.0 * p * q * c);
     const CheckedRows rows(task);
     CheckedBox box;

@@ -113,8 +113,10 @@ TEST(ResultJson, EveryStopReasonComesBack) {
 }
 
 TEST(ResultJson, OtherCertificatesComeBack) {
-  for (const Certificate& certificate : {Certificate{proof::ConstantFeed{}}, Certificate{proof::Enumeration{}},
-                                         Certificate{proof::BranchAndBound{Objective::corner, 1.0, {}, {}, {}, {}}}}) {
+  proof::BranchAndBound bare;
+  bare.objective = Objective::corner;
+  for (const Certificate& certificate :
+       {Certificate{proof::ConstantFeed{}}, Certificate{proof::Enumeration{}}, Certificate{bare}}) {
     DesignResult result = example();
     result.certificate = std::make_shared<Certificate>(certificate);
     const DesignResult again = parse_result(result_to_json(result), "r.json");
