@@ -36,6 +36,7 @@ struct Arguments {
   bool solver_given = false;
   std::vector<std::string> native;
   bool no_certificate = false, baselines = false;
+  double certificate_max = certificate_max_default;
 };
 
 void print_baselines(const Task& task, DesignOptions options) {
@@ -88,7 +89,7 @@ void run(const Arguments& arguments, Context& context) {
   }();
   std::signal(SIGINT, before);
 
-  context.exit_code = deliver(result, arguments.json, context);
+  context.exit_code = deliver(result, arguments.json, context, arguments.certificate_max);
   if (task.baseline && result.filter && !context.quiet && arguments.json != "-")
     fmt::print("{}", study::saving_text(*task.baseline, result));
   if (arguments.baselines) print_baselines(task, options);
@@ -136,6 +137,9 @@ void add_design(CLI::App& app, Context& context) {
       "also print the best that filters of common controllers do, at the task's sample period and a quarter "
       "of it; [baseline] in the task names the filter in use today");
   command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
+  command
+      ->add_option("--certificate-max", arguments->certificate_max, "MB; a larger proof is left out of the file (50)")
+      ->check(CLI::Range(0.0, 1e6));
   command->callback([arguments, command, &context] {
     arguments->solver_given = command->count("--solver") > 0;
     run(*arguments, context);

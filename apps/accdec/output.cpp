@@ -1,5 +1,6 @@
 #include "output.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 #include <accdec/files/output_files.hpp>
@@ -9,11 +10,6 @@
 #include "terminal.hpp"
 
 namespace accdec::cli {
-namespace {
-
-constexpr std::size_t certificate_worth_a_word = 10'000'000;  // bytes
-
-}  // namespace
 
 std::optional<double> fraction(const std::string& text) {
   std::string number = text;
@@ -27,16 +23,18 @@ std::optional<double> fraction(const std::string& text) {
   return value;
 }
 
-int deliver(const DesignResult& result, const std::string& json_path, const Context& context) {
+int deliver(const DesignResult& result, const std::string& json_path, const Context& context, double certificate_max) {
   if (!json_path.empty()) {
-    const std::string json = result_to_json(result);
-    write_file(json_path, json);
-    if (result.certificate && json.size() > certificate_worth_a_word && !context.quiet) {
-      std::fprintf(
-          stderr,
-          "%s: %.0f MB, nearly all of it the proof that `accdec verify` rechecks; --no-certificate leaves it out\n",
-          json_path.c_str(), 1e-6 * static_cast<double>(json.size()));
+    std::string json = result_to_json(result);
+    const double megabytes = 1e-6 * static_cast<double>(json.size());
+    if (result.certificate && megabytes > certificate_max) {
+      DesignResult bare = result;
+      bare.certificate.reset();
+      json = result_to_json(bare);
+      std::fprintf(stderr, "%s: the proof, %.3g MB, was left out; --certificate-max %.0f keeps it\n", json_path.c_str(),
+                   megabytes, std::ceil(megabytes));
     }
+    write_file(json_path, json);
   }
   if (json_path != "-" && !context.quiet) {
     const std::string text = result_text(result);

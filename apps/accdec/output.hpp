@@ -26,8 +26,12 @@ inline void add_json_option(CLI::App& command, std::string& path) {
 /// "1%", "1 %" or "0.01" as a fraction; none if it is neither, or not from 0 to less than 1.
 std::optional<double> fraction(const std::string& text);
 
+inline constexpr double certificate_max_default = 50.0;  ///< MB
+
 /// Writes the result to `json_path` unless that is empty, prints the table unless quiet or standard output carries
 /// JSON, and gives the exit code its status calls for.
-int deliver(const DesignResult& result, const std::string& json_path, const Context& context);
+/// @param certificate_max  MB: with a larger proof the file is written without it, and a line says so
+int deliver(const DesignResult& result, const std::string& json_path, const Context& context,
+            double certificate_max = certificate_max_default);
 
 }  // namespace accdec::cli

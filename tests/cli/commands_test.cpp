@@ -85,6 +85,18 @@ TEST(Cli, WhatWouldTakeTooLongToVerifyIsNotBegun) {
   EXPECT_THAT(outcome.err, HasSubstr("would take about"));
 }
 
+TEST(Cli, ALargeProofIsLeftOutWithAWord) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("r.json"), task = problems + "corner/acceleration-jerk.toml";
+  const Outcome outcome = run({"design", task, "--json", path, "--certificate-max", "0.001", "-q"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("the proof, "));
+  EXPECT_THAT(outcome.err, HasSubstr("--certificate-max 1 keeps it"));
+  EXPECT_FALSE(Json::parse(folder.read("r.json")).contains("certificate"));
+  ASSERT_EQ(run({"design", task, "--json", path, "--certificate-max", "1", "-q"}).err, "");
+  EXPECT_TRUE(Json::parse(folder.read("r.json")).contains("certificate"));
+}
+
 // 1e308 for a sample in a proof once was read as the most negative whole number and used as a place.
 TEST(Cli, VerifySurvivesNumbersThatAreNoSamples) {
   const Outcome outcome =
