@@ -59,6 +59,7 @@ double tick_overhang(const Panel& panel) {
   };
   for (const Series& s : panel.series) std::for_each(s.y.begin(), s.y.end(), see);
   for (const LimitLine& limit : panel.limits) see(limit.y);
+  for (const std::optional<double>& end : {panel.y.min, panel.y.max}) see(end.value_or(0.0));
   if (panel.heat_map) std::for_each(panel.heat_map->y.begin(), panel.heat_map->y.end(), see);
   if (!(high > 0.0)) return 0.0;
   double characters = std::floor(std::log10(high) + 1e-9) + 1.0 + (minus ? 1.0 : 0.0);           // 14000 is five
