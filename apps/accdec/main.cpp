@@ -4,6 +4,7 @@
 #include <iostream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <malloc.h>
@@ -113,6 +114,8 @@ int main(int argc, char** argv) {
   } catch (const OutputError& error) {
     return complain(error.what(), cli::exit_bad_input);
   } catch (const std::invalid_argument& error) {
+    return complain(error.what(), cli::exit_bad_input);
+  } catch (const std::system_error& error) {  // a table that cannot be written
     return complain(error.what(), cli::exit_bad_input);
   } catch (const std::bad_alloc&) {
     return complain("out of memory", cli::exit_no_answer);

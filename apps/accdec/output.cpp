@@ -23,14 +23,28 @@ std::optional<double> fraction(const std::string& text) {
   return value;
 }
 
+namespace {
+
+/// What a file may say that holds no proof: nothing that nobody can recheck.
+DesignResult without_proof(DesignResult result) {
+  result.certificate.reset();
+  if (result.status == Status::optimal) {
+    result.status = Status::feasible;
+    result.message = "proved shortest when it was designed; the proof is not in this file";
+  }
+  result.lower_bound.reset();
+  result.gap.reset();
+  return result;
+}
+
+}  // namespace
+
 int deliver(const DesignResult& result, const std::string& json_path, const Context& context, double certificate_max) {
   if (!json_path.empty()) {
-    std::string json = result_to_json(result);
+    std::string json = result_to_json(result.certificate ? result : without_proof(result));
     const double megabytes = 1e-6 * static_cast<double>(json.size());
     if (result.certificate && megabytes > certificate_max) {
-      DesignResult bare = result;
-      bare.certificate.reset();
-      json = result_to_json(bare);
+      json = result_to_json(without_proof(result));
       std::fprintf(stderr, "%s: the proof, %.3g MB, was left out; --certificate-max %.0f keeps it\n", json_path.c_str(),
                    megabytes, std::ceil(megabytes));
     }

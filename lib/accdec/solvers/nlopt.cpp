@@ -153,6 +153,12 @@ class NloptSolver final : public Solver {
       return result;
     }
     const auto n = static_cast<unsigned>(free.size());
+    // Its dense workspace grows with the square, is counted in ints, and would be written past its end.
+    if (algorithm_.method == NLOPT_LD_SLSQP && n > slsqp_most) {
+      result.claim = Claim::refused;
+      result.message = fmt::format("{} takes at most {} variables, this problem has {}", name(), slsqp_most, n);
+      return result;
+    }
     const Handle opt(nlopt_create(algorithm_.method, n));
     if (conservative()) nlopt_set_param(opt.get(), "dual_maxeval", dual_maxeval);
     if (dual) nlopt_set_param(opt.get(), "dual_algorithm", *dual);
@@ -196,6 +202,8 @@ class NloptSolver final : public Solver {
   }
 
  private:
+  static constexpr unsigned slsqp_most = 4000;
+
   bool conservative() const { return algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ; }
 
   /// Of MMA and CCSAQ: at NLopt's default of 100 000 the dual of a linear problem, which has no curvature, takes
