@@ -1,11 +1,18 @@
 """Sphinx settings of the guide; `make_guide.py` runs the examples first and calls Sphinx with -W."""
+import os
 
 project = "accdec"
 author = "The accdec authors"
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "breathe"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "accdec"
 html_copy_source = False
 html_show_sphinx = False
+autodoc_member_order = "groupwise"
+autodoc_typehints = "none"  # signatures and docstrings have them
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+breathe_projects = {"accdec": os.environ["ACCDEC_DOXYGEN_XML"]}
+breathe_default_project = "accdec"

@@ -1,22 +1,27 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -B
 """Builds the guide: runs every example, puts what it printed and drew onto its page, and calls Sphinx with warnings as
 errors. An example that exits with another code than 0 fails the build.
 
-usage: make_guide.py PROGRAM OUT [PYTHONPATH]
+usage: make_guide.py PROGRAM OUT [--programs DIR] [--python DIR]
   PROGRAM     the accdec program that the examples run
   OUT         folder for the sources as run and for html/
-  PYTHONPATH  folder that the Python module is in; without it Python examples are shown and not run
+  --programs  folder of the compiled programs/*.cpp; without it C++ examples are shown and not run
+  --python    folder that the Python module is in; without it Python examples are shown and not run
 
-Pages are Markdown. A code block {run} is a shell script, {python} a Python program; both run in a folder of the page's
-own, in which `problems` leads to the shipped problems. Figures (.svg) that a block makes stand behind it.
-A file of problems/examples/ becomes a page: comments are its text, commands are blocks.
+Pages are Markdown. A code block {run} is a shell script, {python} a Python program, {cpp} the name of a C++ program of
+programs/; all run in a folder of the page's own, in which `problems` leads to the shipped problems. Figures (.svg) that
+a block makes stand behind it. A file of problems/examples/ becomes a page: comments are its text, commands are blocks.
+Reference pages: see reference.py.
 """
+import argparse
 import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
+
+from reference import write_reference
 
 guide = pathlib.Path(__file__).resolve().parent
 root = guide.parent.parent
@@ -25,8 +30,8 @@ root = guide.parent.parent
 class Page:
     """The folder one page's blocks run in, and where its figures go."""
 
-    def __init__(self, name, out, program, python):
-        self.name, self.python = name, python
+    def __init__(self, name, out, arguments):
+        self.name, self.python, self.programs = name, arguments.python, arguments.programs
         self.folder = out / "run" / name
         self.source = out / "source"
         self.figures = self.source / "figures" / name
@@ -35,10 +40,10 @@ class Page:
         (self.folder / "problems").symlink_to(root / "problems")
         tools = self.folder / ".bin"
         tools.mkdir()
-        (tools / "accdec").symlink_to(program)
+        (tools / "accdec").symlink_to(arguments.program)
         self.environment = dict(os.environ, PATH=f"{tools}:{os.environ['PATH']}", NO_COLOR="1")
-        if python:
-            self.environment["PYTHONPATH"] = str(python)
+        if self.python:
+            self.environment["PYTHONPATH"] = str(self.python)
 
     def run(self, command, shown, language):
         before = set(self.folder.rglob("*.svg"))
@@ -57,15 +62,24 @@ class Page:
     def shell(self, script):
         return self.run(["sh", "-e", "-c", script], script, "sh")
 
-    def program(self, script):
+    def python_program(self, script):
         if not self.python:
             return f"```python\n{script.rstrip()}\n```\n"
         return self.run([sys.executable, "-c", script], script, "python")
 
+    def cpp_program(self, name):
+        name = name.strip()
+        text = (guide / "programs" / f"{name}.cpp").read_text()
+        if not self.programs:
+            return f"```cpp\n{text.rstrip()}\n```\n"
+        return self.run([self.programs / f"guide_{name}"], text, "cpp")
+
     def markdown(self, text):
+        makers = {"run": self.shell, "python": self.python_program, "cpp": self.cpp_program}
+
         def block(match):
-            return (self.shell if match[1] == "run" else self.program)(match[2]).rstrip("\n")
-        return re.sub(r"^```\{(run|python)\}\n(.*?)^```$", block, text, flags=re.S | re.M)
+            return makers[match[1]](match[2]).rstrip("\n")
+        return re.sub(r"^```\{(run|python|cpp)\}\n(.*?)^```$", block, text, flags=re.S | re.M)
 
     def example(self, text):
         """A shell script: runs of comments and of commands in turn. Here-documents may hold # lines."""
@@ -94,20 +108,34 @@ class Page:
         return "\n".join(parts)
 
 
+def arguments_of_line():
+    parser = argparse.ArgumentParser(usage=__doc__)
+    parser.add_argument("program", type=pathlib.Path)
+    parser.add_argument("out", type=pathlib.Path)
+    parser.add_argument("--programs", type=pathlib.Path)
+    parser.add_argument("--python", type=pathlib.Path)
+    arguments = parser.parse_args()
+    for name, path in vars(arguments).items():
+        setattr(arguments, name, path and path.resolve())
+    return arguments
+
+
 def main():
-    program, out = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-    python = pathlib.Path(sys.argv[3]).resolve() if len(sys.argv) > 3 else None
+    arguments = arguments_of_line()
+    out, doxygen = arguments.out, arguments.out / "doxygen"
     shutil.rmtree(out, ignore_errors=True)
     source = out / "source"
     (source / "examples").mkdir(parents=True)
     shutil.copy(guide / "conf.py", source)
+    write_reference(source / "reference", arguments.program, root / "lib", doxygen, arguments.python)
     for path in sorted(guide.glob("*.md")):
-        (source / path.name).write_text(Page(path.stem, out, program, python).markdown(path.read_text()))
+        (source / path.name).write_text(Page(path.stem, out, arguments).markdown(path.read_text()))
     for path in sorted((root / "problems" / "examples").iterdir()):
-        page = Page(path.name, out, program, python)
+        page = Page(path.name, out, arguments)
         (source / "examples" / f"{path.name}.md").write_text(page.example(path.read_text()))
+    environment = dict(os.environ, ACCDEC_DOXYGEN_XML=str(doxygen / "xml"), PYTHONPATH=str(arguments.python or ""))
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", str(source), str(out / "html")]
-    if subprocess.run(command).returncode != 0:
+    if subprocess.run(command, env=environment).returncode != 0:
         sys.exit("the guide has errors")
     print(f"the guide is in {out / 'html' / 'index.html'}")
 

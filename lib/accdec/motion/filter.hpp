@@ -10,11 +10,10 @@ namespace accdec {
 ///
 /// Immutable. Taps are normalised to sum 1, which divides the paper's position convergent factor b_s out for good.
 /// Everything the corner model asks of a filter is one of four sequences, tabulated once:
-///   cumulative(k)        B_k = sum_{i<k} b_i                step response, B_k = 0 for k <= 0 and 1 for k > N
-///   remaining(k)         1 - B_k = sum_{i>=k} b_i           summed from the far end, so that it is exactly 0 past the
-///   last tap elapsed_moment(m)    Q(m) = sum_i b_i max(m - i, 0)     distance gone m samples after a start, in
-///   full-speed samples remaining_moment(k)  p(k) = sum_i b_i max(i - k, 0)     distance left k samples after a stop
-///   was commanded
+/// * cumulative(k), B_k = sum_{i<k} b_i: the step response, 0 for k <= 0 and 1 for k > N
+/// * remaining(k), 1 - B_k = sum_{i>=k} b_i: summed from the far end, so that it is exactly 0 past the last tap
+/// * elapsed_moment(m), Q(m) = sum_i b_i max(m - i, 0): distance gone m samples after a start, in full-speed samples
+/// * remaining_moment(k), p(k) = sum_i b_i max(i - k, 0): distance left k samples after a stop was commanded
 class Filter {
  public:
   /// @param taps  b_0 .. b_N, at least one, each finite and >= 0, positive sum; any scale.

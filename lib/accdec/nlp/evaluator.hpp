@@ -65,7 +65,7 @@ class Evaluator {
   void residuals(std::span<const double> x, std::span<double> r);
   void residual_jacobian(std::span<const double> x, std::span<double> values);
 
-  /// Polls limits and cancellation without an evaluation. @throws StopRun.
+  /// Polls limits and cancellation without an evaluation. @throws StopRun
   void poll();
 
   const Counts& counts() const { return counts_; }

@@ -32,8 +32,9 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, 
                                const Machine& machine = {}, DelayRule rule = DelayRule::smallest);
 
 /// Smallest d >= 0 with which the path through the samples passes a lone joint within `error_max`: the polyline error
-/// never grows with d. @param turn_in, turn_out see DelayFinder: cos(theta) and the full-speed steps v T of both legs
-/// in m
+/// never grows with d.
+/// @param cos_interior       cos(theta), see Corner
+/// @param step_in, step_out  full-speed steps v T of both legs, m
 int smallest_path_delay(const Filter& filter, double cos_interior, double step_in, double step_out, double error_max,
                         int stop_delay);
 

@@ -74,9 +74,8 @@ const Axis* find_axis(const Machine& machine, std::size_t program_axis);
 Machine program_machine(const Machine& machine, const Toolpath& path);
 
 /// Reads a whole program.
-/// @throws ReadError, besides the reader's, for an axis the machine does not have, a feed above an axis' velocity
-/// limit, a rapid
-///         move of an axis without velocity limit, and a corner without tolerance.
+/// @throws ReadError as read_program, and for an axis the machine does not have, a feed above an axis' velocity limit,
+/// a rapid move of an axis without velocity limit, and a corner without tolerance.
 Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options);
 
 }  // namespace accdec

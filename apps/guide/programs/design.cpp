@@ -1,0 +1,8 @@
+#include <accdec/design/design.hpp>
+#include <accdec/formats/report.hpp>
+#include <accdec/formats/task_reader.hpp>
+
+int main() {
+  const accdec::Task task = accdec::read_task("task.toml");
+  accdec::print_result(accdec::design_task(task));
+}
