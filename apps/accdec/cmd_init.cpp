@@ -9,7 +9,7 @@
 #include <accdec/files/errors.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/suggestion.hpp>
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 
 #include "machines.hpp"
 #include "output.hpp"

@@ -21,7 +21,7 @@
 #include <accdec/program/plan/design_program.hpp>
 #include <accdec/program/read/interpreter.hpp>
 #include <accdec/program/read/read_error.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 #include <accdec/program/write/samples.hpp>
 
 #include "output.hpp"
@@ -116,7 +116,7 @@ void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
 
 /// Plan profiles, and because it is never to be slower than they are, the plans of one filter and one a leg.
 void run_profiles_and_others(const Options& options, Context& context, Toolpath path, const Task& task) {
-  constexpr double bound_time = 10.0;  // s, for the bound by linear programmes
+  constexpr double bound_time = 10.0;  // s, for the bound by linear programs
   Toolpath chords = path;
   leave_room_for_arcs(chords, options.arc_tolerance_um * 1e-6);
   ProfileResult profiles = run_profiles(options.program, std::move(chords), task, bound_time);

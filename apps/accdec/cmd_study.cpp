@@ -29,7 +29,7 @@ int run_cluster(const Options& options, const Context& context) {
   }
   const Study study = read_study(options.study);
   check_study_size(study, options.run.large);
-  ClusterWork work{"study", study.title, options.study, options.run.out, {}, study.plan().size(), "points", {}, {},
+  ClusterWork work{"study", study.title, options.study, options.run.out, {}, study.points().size(), "points", {}, {},
                    {},      {}};
   if (options.run.large) work.more.push_back("--large");
   work.claim = [&] { claim_study_folder(study, options.run.out); };

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/recheck.hpp>
+#include <accdec/design/verify_result.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/program_record.hpp>
 #include <accdec/formats/result_json.hpp>
@@ -56,7 +56,7 @@ void add_verify(CLI::App& app, Context& context) {
       return;
     }
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(*limit);
-    const Recheck check = recheck(result, [end] { return std::chrono::steady_clock::now() > end; });
+    const ResultCheck check = verify_result(result, [end] { return std::chrono::steady_clock::now() > end; });
     if (check.accepted) {
       if (context.quiet) return;
       if (!check.verification.performed) {

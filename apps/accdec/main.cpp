@@ -90,7 +90,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace accdec;
-  // Clp takes and returns its work areas with every linear programme. Kept in the process rather than handed back to
+  // Clp takes and returns its work areas with every linear program. Kept in the process rather than handed back to
   // the system each time, a study saves a sixth of its time.
   ::mallopt(M_TRIM_THRESHOLD, 256 << 20);
   ::mallopt(M_TOP_PAD, 16 << 20);

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include <accdec/files/output_files.hpp>
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 #include <accdec/formats/result_json.hpp>
 
 #include "terminal.hpp"

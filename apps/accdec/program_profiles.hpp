@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <accdec/program/write/profile_result.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 
 #include "command.hpp"
 

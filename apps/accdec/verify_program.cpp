@@ -9,7 +9,7 @@
 #include <accdec/formats/program_record.hpp>
 #include <accdec/program/read/read_error.hpp>
 #include <accdec/program/simulate/direct.hpp>
-#include <accdec/program/write/recheck_program.hpp>
+#include <accdec/program/write/verify_program_result.hpp>
 
 namespace accdec::cli {
 namespace {
@@ -59,7 +59,7 @@ void verify_program(const std::string& text, const std::string& path, double lim
   if (seconds > limit)
     return refuse(
         fmt::format("simulating the plan anew would take about {:.0f} s; --time-limit is {:g} s", seconds, limit));
-  ProgramRecheck check = recheck_program(result, record.task);
+  ProgramResultCheck check = verify_program_result(result, record.task);
   std::string note;
   if (const std::string wrong = departure(record, note); !wrong.empty())
     check.reasons.push_back(fmt::format("the commands are not those of {}: {}", record.inputs.program, wrong));

@@ -15,17 +15,17 @@ kinds = {
 headers = {
     "Tasks and results": """task/task.hpp task/result.hpp task/verifier.hpp task/objective.hpp machine/machine.hpp
         machine/limits.hpp machine/utilisation.hpp""",
-    "Designing": """design/design.hpp design/recheck.hpp design/baselines.hpp design/explain.hpp
+    "Designing": """design/design.hpp design/verify_result.hpp design/baselines.hpp design/explain.hpp
         design/explain_levers.hpp""",
-    "Files": """formats/task_reader.hpp formats/task_json.hpp formats/result_json.hpp formats/report.hpp
+    "Files": """formats/task_reader.hpp formats/task_json.hpp formats/result_json.hpp formats/design_report.hpp
         formats/explanation.hpp formats/taps_export.hpp files/errors.hpp plot/figure.hpp plot/plot_result.hpp
         plot/plot_program.hpp""",
     "Filters and motion": """motion/filter.hpp motion/filter_spec.hpp motion/shapes.hpp motion/controller_shapes.hpp
         motion/corner.hpp motion/blend.hpp motion/linear.hpp motion/circle.hpp motion/leg_distance.hpp
         motion/smallest_delay.hpp task/simulation.hpp""",
     "Whole programs": """program/read/line_source.hpp program/read/reader.hpp program/read/toolpath.hpp
-        program/plan/design_program.hpp program/plan/plan.hpp program/plan/plan_time.hpp
-        program/simulate/leg_filters.hpp program/simulate/simulate.hpp program/write/report.hpp
+        program/plan/design_program.hpp program/plan/program_plan.hpp program/plan/plan_time.hpp
+        program/simulate/leg_filters.hpp program/simulate/simulate.hpp program/write/program_report.hpp
         program/write/generate.hpp""",
     "Nonlinear problems and solvers": "nlp/problem.hpp nlp/evaluator.hpp solvers/solver.hpp certificate/checker.hpp",
     "Studies": "study/study_file.hpp study/runner.hpp",

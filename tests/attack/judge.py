@@ -1,4 +1,4 @@
-"""Is any corner as short as N + d = L? Decided by linear programmes over every (N, d, k), solved by HiGHS.
+"""Is any corner as short as N + d = L? Decided by linear programs over every (N, d, k), solved by HiGHS.
 
 For a fixed order N, delay d and sample k all limits but power, regeneration and smallest speed are convex in the taps: rows |A b| <= 1 and
 cones. The cone of the corner error is the objective: the smallest |S[k]| is found by a polygon of tangents that is refined where the
@@ -80,7 +80,7 @@ def smallest_error(rows, cones, position, stop_above, symmetric=False):
 
 
 class Unsolved(RuntimeError):
-    """A linear programme that HiGHS gave no answer to."""
+    """A linear program that HiGHS gave no answer to."""
 
 
 def _pair(task, corner, order, delay, tolerance, symmetric):

@@ -25,7 +25,7 @@ void run(benchmark::State& state, const Task& task) {
   for (auto _ : state) result = design_exact(task);
   state.SetLabel(std::string(to_string(result.status)));
   state.counters["total"] = result.filter ? result.filter->order() + result.corners[0].delay : 0;
-  state.counters["programmes"] = static_cast<double>(result.solver.evaluations);
+  state.counters["linear_programs"] = static_cast<double>(result.solver.evaluations);
 }
 
 void BM_LinearLimits(benchmark::State& state) {

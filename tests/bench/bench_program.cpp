@@ -13,7 +13,7 @@
 
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/feed_schedule.hpp>
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/profiles/plan_profiles.hpp>
 #include <accdec/program/write/generate.hpp>
 

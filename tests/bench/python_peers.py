@@ -71,7 +71,7 @@ def highs(task):
 
 
 class Cone:
-    """Is the error of (N, d, k) within the tolerance? One second-order cone programme by cvxopt."""
+    """Is the error of (N, d, k) within the tolerance? One second-order cone program by cvxopt."""
 
     def __init__(self, task):
         import cvxopt

@@ -8,9 +8,9 @@ a resonance near f Hz (klippy/extras/shaper_defs.py, coefficients below, highest
 Each kernel is sampled every T, and its own demands are measured: largest tap (peak acceleration), largest difference of
 neighbouring taps, both ends included (peak jerk), and the worst residual of an undamped mode from 0.9 f to 1.1 f. The
 question: how short is the shortest non-negative filter that is nowhere worse? accdec answers with a proof; the second
-method is a linear programme (HiGHS) whose rows are necessary conditions, so that an order which it finds infeasible is
+method is a linear program (HiGHS) whose rows are necessary conditions, so that an order which it finds infeasible is
 impossible. Kalico tunes its kernels for damped modes, which accdec's limits do not know: so the table also says what both
-leave of a mode with a damping ratio of 0.1, and how short a filter for that mode could be (linear programmes alone).
+leave of a mode with a damping ratio of 0.1, and how short a filter for that mode could be (linear programs alone).
 """
 
 import json
@@ -56,7 +56,7 @@ def residual(taps, damping=0.0):
 
 
 def filter_of(order, peak, step, allowed, damping=0.0, inside=False):
-    """A filter of this order within the limits by a linear programme, or None. The circle of the residual is replaced by a
+    """A filter of this order within the limits by a linear program, or None. The circle of the residual is replaced by a
     polygon of 72 sides about it (necessary conditions) or inside it, at 41 frequencies."""
     n, sides = order + 1, 72
     difference = np.eye(n + 1, n) - np.eye(n + 1, n, -1)

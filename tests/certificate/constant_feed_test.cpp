@@ -3,7 +3,7 @@
 #include <accdec/certificate/checker.hpp>
 #include <accdec/certificate/constant_feed.hpp>
 #include <accdec/design/design.hpp>
-#include <accdec/design/recheck.hpp>
+#include <accdec/design/verify_result.hpp>
 
 #include "support/tasks.hpp"
 
@@ -71,11 +71,11 @@ TEST(ConstantFeed, NonsenseBesideATrueInfeasibility) {
   task.machine.axes[0].force_max = 9.0;
   const DesignResult result = design_task(task);
   ASSERT_EQ(result.status, Status::infeasible);
-  EXPECT_TRUE(recheck(result).accepted);
+  EXPECT_TRUE(verify_result(result).accepted);
   const auto refused = [&](const std::function<void(DesignResult&)>& forge) {
     DesignResult forged = result;
     forge(forged);
-    return !recheck(forged).accepted;
+    return !verify_result(forged).accepted;
   };
   EXPECT_TRUE(refused([](DesignResult& r) { r.lower_bound = 1.0; }));
   EXPECT_TRUE(refused([](DesignResult& r) { r.gap = 0.5; }));

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/design/recheck.hpp>
+#include <accdec/design/verify_result.hpp>
 #include <accdec/exact/exact.hpp>
 
 #include "support/certificates.hpp"
@@ -88,7 +88,7 @@ class SpeedCertificate : public ChordCertificate {
 TEST_F(SpeedCertificate, SectorsTooNarrow) {
   ASSERT_EQ(result.status, Status::optimal) << result.message;
   EXPECT_TRUE(check(good).accepted) << check(good).reason;
-  EXPECT_TRUE(recheck(result).accepted);
+  EXPECT_TRUE(verify_result(result).accepted);
   EXPECT_GT(each_chord([](json&, json& low, json& high) {
               low = 0.5 * (low.get<double>() + high.get<double>());
               return true;
@@ -120,7 +120,7 @@ TEST_F(PowerCertificate, Accepted) {
   ASSERT_EQ(result.status, Status::optimal) << result.message;
   const CheckReport report = check(good);
   EXPECT_TRUE(report.accepted) << report.reason;
-  EXPECT_TRUE(recheck(result).accepted);
+  EXPECT_TRUE(verify_result(result).accepted);
 }
 
 TEST_F(PowerCertificate, ChordsTooShort) {
@@ -258,7 +258,7 @@ TEST_F(PowerCertificate, ChangedTaps) {
     if (moved == 0.0) continue;
     DesignResult lie = result;
     lie.filter = Filter(changed);
-    const Recheck found = recheck(lie);
+    const ResultCheck found = verify_result(lie);
     EXPECT_FALSE(found.accepted) << i;
     ASSERT_FALSE(found.reasons.empty());
     for (const std::string& reason : found.reasons) {

@@ -4,7 +4,7 @@
 
 #include <accdec/design/design.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <accdec/task/enumeration.hpp>
+#include <accdec/task/check_delays.hpp>
 #include <accdec/task/verifier.hpp>
 
 #include "support/tasks.hpp"

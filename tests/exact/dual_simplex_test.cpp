@@ -15,7 +15,7 @@ namespace {
 constexpr double infinity = DualSimplex::infinity;
 using Status = DualSimplex::Status;
 
-/// A programme as plain dense data.
+/// A linear program as plain dense data.
 struct Lp {
   std::vector<double> cost, low, high, row_low, row_high;
   std::vector<std::vector<double>> rows;
@@ -56,7 +56,7 @@ DualSimplex make(const Lp& lp) {
   return simplex;
 }
 
-/// The optimality conditions, from nothing but the programme, the point and the multipliers.
+/// The optimality conditions, from nothing but the linear program, the point and the multipliers.
 void expect_optimal(const Lp& lp, const DualSimplex& simplex, double tolerance) {
   const auto x = simplex.point();
   const auto y = simplex.multipliers();

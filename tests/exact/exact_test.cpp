@@ -109,7 +109,7 @@ TEST(Exact, JerkAcrossAnExactStopAsksForOneMoreSample) {
   for (const int d : {4, 5}) EXPECT_FALSE(verify_by_simulation(task, *result.filter, {d}).feasible) << d;
 }
 
-/// The least objective, samples: every order, delay and sample by a linear programme of its own, without boxes,
+/// The least objective, samples: every order, delay and sample by a linear program of its own, without boxes,
 /// targets, monotony or proofs.
 double brute_force(const Task& task) {
   const exact::LimitModel model(task);
@@ -250,8 +250,8 @@ TEST(Exact, ThreeCornersAgreeWithTheSearchBelowATarget) {
   }
 }
 
-// The programme holds a residual of half a percent to 1e-10, which is more of it than the verifier grants: its design
-// has to be asked for once more, with a margin.
+// The linear program holds a residual of half a percent to 1e-10, which is more of it than the verifier grants: its
+// design has to be asked for once more, with a margin.
 TEST(Exact, DesignsThatRoundingKeepsFromVerifyingAreAskedForWithAMargin) {
   Axis axis;
   axis.acceleration_max = 8.0;
@@ -263,7 +263,7 @@ TEST(Exact, DesignsThatRoundingKeepsFromVerifyingAreAskedForWithAMargin) {
   }
 }
 
-// A residual this small is more than the programme's own tolerance of it, and took the proof of an earlier version
+// A residual this small is more than the linear program's own tolerance of it, and took the proof of an earlier version
 // down.
 TEST(Exact, ResidualsOfAThousandthAreProved) {
   Axis axis;
@@ -274,7 +274,7 @@ TEST(Exact, ResidualsOfAThousandthAreProved) {
   expect_proved(task, design_exact(task));
 }
 
-// Force rows of two axes, power and two bands: some of its parts have programmes on the edge of being feasible.
+// Force rows of two axes, power and two bands: some of its parts have linear programs on the edge of being feasible.
 TEST(Exact, PartsOnTheEdgeDoNotEndTheProof) {
   Axis x, y;
   x.name = "x0", y.name = "x1";
@@ -377,7 +377,7 @@ TEST(Exact, AMarginIsHeld) {
   EXPECT_TRUE(verify_by_simulation(tighter, *outcome.filter, {d}).feasible);
 }
 
-// Programmes among those of these tasks that Clp knows to be infeasible without giving a ray.
+// Linear programs among those of these tasks that Clp knows to be infeasible without giving a ray.
 TEST(Exact, RefutesWithoutARay) {
   struct Case {
     double angle, tolerance, jerk;

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/certificate/certificate.hpp>
-#include <accdec/design/recheck.hpp>
+#include <accdec/design/verify_result.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/task/verifier.hpp>
@@ -225,12 +225,12 @@ TEST(ResultJson, PositionsOfTaskErrorsAreThoseOfTheResultFile) {
 
 TEST(Recheck, AcceptsWhatWasWrittenAndRejectsWhatWasChanged) {
   const DesignResult result = parse_result(result_to_json(example()), "r.json");
-  const Recheck good = recheck(result);
+  const ResultCheck good = verify_result(result);
   EXPECT_TRUE(good.accepted) << ::testing::PrintToString(good.reasons);
   const auto reasons = [&](auto change) {
     DesignResult changed = result;
     change(changed);
-    const Recheck found = recheck(changed);
+    const ResultCheck found = verify_result(changed);
     EXPECT_EQ(found.accepted, found.reasons.empty());
     return ::testing::PrintToString(found.reasons);
   };

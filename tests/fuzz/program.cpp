@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/read/read_error.hpp>
 
 namespace {

@@ -36,7 +36,7 @@ std::string corner(double heading, double turn, double tolerance) {
 }
 
 TEST(CornerBound, OfARightAngleAlongTheAxesIsWhatTheParabolaLoses) {
-  // There the parabola is the optimum of the linear programme: v_c^2 = 8 a e/sqrt(2), (F - v_c)^2/(a F) + (1 - v_c/F)
+  // There the parabola is the optimum of the linear program: v_c^2 = 8 a e/sqrt(2), (F - v_c)^2/(a F) + (1 - v_c/F)
   // v_c/a lost. Periods of 1 ms and the polygon around the tolerance relax it a little.
   const double a = 1.0, F = 0.1, e = 5e-5, v = std::sqrt(8.0 * a * e / std::numbers::sqrt2);
   const double lost = (F - v) * (F - v) / (a * F) + (1.0 - v / F) * v / a;

@@ -6,7 +6,7 @@
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/filter_bound.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 
 #include "reference.hpp"
 #include "support/paths.hpp"

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <accdec/program/simulate/convolve.hpp>
-#include <accdec/program/simulate/extremes.hpp>
-#include <accdec/program/simulate/nearest.hpp>
+#include <accdec/program/simulate/joint_distance.hpp>
+#include <accdec/program/simulate/motion_extremes.hpp>
 
 namespace accdec {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <accdec/motion/blend.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/plan.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/plan/program_plan.hpp>
+#include <accdec/program/write/program_report.hpp>
 
 #include "reference.hpp"
 

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <accdec/program/profiles/corner.hpp>
 #include <accdec/program/profiles/last_filter.hpp>
-#include <accdec/program/profiles/motion.hpp>
 #include <accdec/program/profiles/plan_profiles.hpp>
+#include <accdec/program/profiles/profile_corner.hpp>
+#include <accdec/program/profiles/profile_motion.hpp>
 
 #include "reference.hpp"
 #include "support/paths.hpp"

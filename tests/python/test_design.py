@@ -77,7 +77,7 @@ def test_verify_rejects_a_forged_result():
 
 @pytest.mark.parametrize("seed", range(30))
 def test_optima_stand_before_highs(seed):
-    """Linear programmes over every (N, d, k), solved by HiGHS, find nothing shorter, and find what is claimed."""
+    """Linear programs over every (N, d, k), solved by HiGHS, find nothing shorter, and find what is claimed."""
     task = tasks.draw(random.Random(1000 + seed), tasks.JUDGED[seed % len(tasks.JUDGED)], longest=9)
     result = accdec.design(accdec.Task(**task))
     if result.outcome == "infeasible":

@@ -6,7 +6,7 @@
 
 #include <accdec/study/cluster.hpp>
 #include <accdec/study/journal.hpp>
-#include <accdec/study/plan.hpp>
+#include <accdec/study/point_set.hpp>
 #include <accdec/study/row_store.hpp>
 #include <accdec/study/shards.hpp>
 #include <accdec/study/study_folder.hpp>

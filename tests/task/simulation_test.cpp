@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/task/enumeration.hpp>
+#include <accdec/task/check_delays.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verifier.hpp>
 

@@ -1,5 +1,5 @@
 #include <accdec/design/design.hpp>
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 #include <accdec/formats/task_reader.hpp>
 
 int main() {

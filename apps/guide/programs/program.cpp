@@ -1,7 +1,7 @@
 #include <iostream>
 
 #include <accdec/formats/task_reader.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 
 int main() {
   using namespace accdec;

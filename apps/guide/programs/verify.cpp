@@ -1,9 +1,9 @@
 #include <iostream>
 
-#include <accdec/design/recheck.hpp>
+#include <accdec/design/verify_result.hpp>
 #include <accdec/formats/result_json.hpp>
 
 int main() {
-  const accdec::Recheck check = accdec::recheck(accdec::read_result("corner.json"));
+  const accdec::ResultCheck check = accdec::verify_result(accdec::read_result("corner.json"));
   std::cout << (check.accepted ? "accepted" : "rejected") << "; proof: " << check.proof << '\n';
 }

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <accdec/design/recheck.hpp>
+#include <accdec/design/verify_result.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/formats/certificate_json.hpp>
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/taps_export.hpp>
 
@@ -166,14 +166,14 @@ verification : dict
 )";
 
 void bind_recheck(py::module_& module) {
-  py::class_<Recheck>(module, "Recheck", recheck_doc)
+  py::class_<ResultCheck>(module, "Recheck", recheck_doc)
       .def_readonly("accepted", &Recheck::accepted)
       .def_readonly("reasons", &Recheck::reasons)
       .def_readonly("proof", &Recheck::proof)
-      .def_property_readonly("verification", [](const Recheck& r) { return verification(r.verification); })
-      .def("__bool__", [](const Recheck& r) { return r.accepted; })
-      .def("__repr__", [](const Recheck& r) {
-        std::string text = r.accepted ? "<accdec.Recheck accepted" : "<accdec.Recheck rejected";
+      .def_property_readonly("verification", [](const ResultCheck& r) { return verification(r.verification); })
+      .def("__bool__", [](const ResultCheck& r) { return r.accepted; })
+      .def("__repr__", [](const ResultCheck& r) {
+        std::string text = r.accepted ? "<accdec.Recheck accepted" : "<accdec.ResultCheck rejected";
         for (const std::string& reason : r.reasons) text += "; " + reason;
         return text + (r.proof.empty() ? "" : "; proof accepted: " + r.proof) + ">";
       });
@@ -181,10 +181,10 @@ void bind_recheck(py::module_& module) {
       "verify",
       [](const std::shared_ptr<DesignResult>& result, double time_limit) {
         const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(time_limit);
-        const auto check = std::make_shared<Recheck>();
+        const auto check = std::make_shared<ResultCheck>();
         run_interruptibly(
             [=](const Work& work) {
-              *check = recheck(*result, [&] { return work.cancelled || std::chrono::steady_clock::now() > end; });
+              *check = verify_result(*result, [&] { return work.cancelled || std::chrono::steady_clock::now() > end; });
             },
             py::none());
         return *check;

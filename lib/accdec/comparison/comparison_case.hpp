@@ -89,7 +89,7 @@ struct Reference {
 };
 std::string_view to_string(Reference::Proof proof);
 
-/// By the exact method: linear programmes with tangent cuts and checked dual multipliers, and branch and bound on
+/// By the exact method: linear programs with tangent cuts and checked dual multipliers, and branch and bound on
 /// responses where power, regeneration or a smallest speed is limited. Known points hold all rows to 1e-7.
 ///   margin  brackets the tolerance between a refuted and a held one, to 5e-5 of the objective, where that is soon done
 ///   to 1e-6 delay   refutes, interval of instants by interval, delays 5e-5 below a known one (DelaySearch); with

@@ -19,7 +19,7 @@
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/manifest.hpp>
 #include <accdec/study/journal.hpp>
-#include <accdec/study/plan.hpp>
+#include <accdec/study/point_set.hpp>
 
 namespace accdec {
 namespace {

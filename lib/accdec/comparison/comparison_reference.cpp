@@ -25,8 +25,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double accuracy = 1e-6;
 /// The widest bracket of a proved optimum; half of what solvers are granted.
 constexpr double closed = 5e-5;
-/// What a known point may break rows by, no more than solvers are granted: the programmes' own tolerance, in units of a
-/// row.
+/// What a known point may break rows by, no more than solvers are granted: the linear programs' own tolerance, in units
+/// of a row.
 constexpr double held = 1e-7;
 
 bool convex(const Task& task) {
@@ -102,7 +102,7 @@ std::optional<Reference> no_filter_at_all(const Task& task, const CaseSpec& spec
   if (order_lower_bound(spec.task, spec.order) > spec.order)
     return infeasible("fastest start within the limits takes a larger order");
   const exact::Outcome outcome = solve(task, spec, delays, samples, infinity);
-  if (outcome.kind == exact::Outcome::refuted) return infeasible("linear programme refuted by its dual multipliers");
+  if (outcome.kind == exact::Outcome::refuted) return infeasible("linear program refuted by its dual multipliers");
   if (outcome.kind == exact::Outcome::feasible) filter = outcome.filter;
   return std::nullopt;
 }
@@ -173,7 +173,7 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
   if (upper - reference.lower <= closed * std::max(1.0, upper) && nlp::largest_violation(problem, x) <= held) {
     reference.proof = Reference::Proof::optimal;
     reference.upper = upper;
-    reference.method = "exact: bisection with refuting linear programmes" + with_splits(task);
+    reference.method = "exact: bisection with refuting linear programs" + with_splits(task);
   } else {
     reference.method = fmt::format("exact bound, bisection not finished (gap {:.2g})", upper - reference.lower);
   }
@@ -239,7 +239,7 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
       continue;
     reference.proof = Reference::Proof::optimal;
     reference.upper = upper;
-    reference.method = "exact: linear programmes that refute intervals of instants" + with_splits(task);
+    reference.method = "exact: linear programs that refute intervals of instants" + with_splits(task);
     if (free.size() > 1) reference.method += "; one filter is best for each corner";
   }
   if (reference.proof != Reference::Proof::optimal && free.size() == 1)

@@ -5,7 +5,7 @@
 
 #include <accdec/comparison/comparison_data.hpp>
 #include <accdec/comparison/comparison_schedule.hpp>
-#include <accdec/study/plan.hpp>
+#include <accdec/study/point_set.hpp>
 
 namespace accdec::study {
 namespace {

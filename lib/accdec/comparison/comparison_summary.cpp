@@ -1,7 +1,7 @@
 #include <stdexcept>
 
 #include <accdec/comparison/comparison_report.hpp>
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 
 namespace accdec {
 

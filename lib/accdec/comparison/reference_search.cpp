@@ -8,7 +8,7 @@ namespace {
 
 constexpr int deepest = 400;
 
-/// The widest response of a box, in the middle: where a programme came to no conclusion, its parts may.
+/// The widest response of a box, in the middle: where a linear program came to no conclusion, its parts may.
 exact::SumBound middle_of(const exact::Box& box) {
   exact::SumBound split;
   double widest = 1e-3;

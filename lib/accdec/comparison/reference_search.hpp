@@ -18,8 +18,8 @@ struct Part {
 /// Least value of a question (an error scale, a delay) over the filters of one order: a bracket, narrowed by branch and
 /// bound.
 ///
-/// To refute a value, linear programmes with tangent cuts and chords (exact::Relaxation) refute part after part, each
-/// by its checked multipliers; a part whose programme has a solution is split on a cumulative response until that
+/// To refute a value, linear programs with tangent cuts and chords (exact::Relaxation) refute part after part, each
+/// by its checked multipliers; a part whose linear program has a solution is split on a cumulative response until that
 /// solution holds every limit, which makes it the new best. What was refuted for a value stays so for smaller ones.
 class ReferenceSearch {
  public:
@@ -34,7 +34,7 @@ class ReferenceSearch {
   double lower = 0.0;          ///< nothing is below
   std::optional<Filter> best;  ///< with value `upper`
   double upper;                ///< infinite before `best`
-  long programmes() const { return relaxation_.programmes(); }
+  long linear_programs() const { return relaxation_.linear_programs(); }
 
  protected:
   /// Sets the cones of a part so that they hold for nothing above `value`.

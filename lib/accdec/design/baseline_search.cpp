@@ -7,7 +7,7 @@
 #include <accdec/motion/controller_shapes.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
-#include <accdec/task/delays_below.hpp>
+#include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -215,7 +215,7 @@ void BaselineSearch::offer(const FilterSpec& spec) {
     if (!known && tones_.size() < most_tones) tones_.push_back({phase, use.bound});
     return;
   }
-  const auto delays = delays_below(filter, task_, cheapest_);
+  const auto delays = delays_by_formula(filter, task_, cheapest_);
   if (!delays) return;
   const double cost = cost_(filter.order(), *delays);
   if (!better(cost)) return;

@@ -5,7 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/certificate/certificate.hpp>
-#include <accdec/design/course.hpp>
+#include <accdec/design/anytime.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/size.hpp>
@@ -69,7 +69,7 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
     return result;
   }
   if (task.filter) return design_delays(task, options);
-  return options.method == Method::exact ? design_by_course(task, options) : local_or_proof(task, options);
+  return options.method == Method::exact ? design_anytime(task, options) : local_or_proof(task, options);
 }
 
 }  // namespace accdec

@@ -12,7 +12,7 @@
 namespace accdec {
 
 enum class Method {
-  exact,  ///< branch on (N, d, k) with linear programmes: proves the shortest corner
+  exact,  ///< branch on (N, d, k) with linear programs: proves the shortest corner
   nlp     ///< smooth relaxation, rounding and repair with any registered solver: verified, nothing proved
 };
 

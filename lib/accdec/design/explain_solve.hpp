@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <accdec/design/explain.hpp>
-#include <accdec/design/recheck.hpp>
+#include <accdec/design/verify_result.hpp>
 
 // Internal to the room: single solves of an explanation, counted, none taken at its word.
 
@@ -33,7 +33,7 @@ class ExplainSolver {
     solved.designed = solved.result.filter.has_value();
     const bool asks_proof =
         solved.designed ? !any && solved.result.lower_bound.has_value() : solved.result.status == Status::infeasible;
-    if (asks_proof && recheck(solved.result, [this] { return cancelled(); }).accepted) {
+    if (asks_proof && verify_result(solved.result, [this] { return cancelled(); }).accepted) {
       solved.refuted = !solved.designed;
       if (solved.designed) solved.bound = *solved.result.lower_bound;
     }

@@ -11,7 +11,7 @@
 namespace accdec {
 namespace {
 
-/// Programmes of longer filters take too long for a remark.
+/// Linear programs of longer filters take too long for a remark.
 constexpr int most_order = 3200;
 
 }  // namespace

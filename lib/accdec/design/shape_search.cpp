@@ -6,7 +6,7 @@
 
 #include <accdec/design/shape_search.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <accdec/task/delays_below.hpp>
+#include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/task/verifier.hpp>
@@ -90,7 +90,7 @@ class ShapeSearch {
     ++tried_;
     Filter filter = shape(order);
     if (filter.order() > task_.design.order_max) return false;
-    auto delays = delays_below(filter, task_, unlimited);
+    auto delays = delays_by_formula(filter, task_, unlimited);
     if (!delays) return false;
     const double cost = cost_(filter.order(), *delays);
     if (found_.size() < 4) {

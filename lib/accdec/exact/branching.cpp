@@ -43,7 +43,7 @@ proof::Node split_node(std::size_t corner, bool on_delay, int at) {
   return proof::Split{static_cast<int>(corner), on_delay, at};
 }
 
-/// Splits by how much delay the programme's filter lacks, weighted.
+/// Splits by how much delay the linear program's filter lacks, weighted.
 std::vector<Scored> candidates(const LimitModel& model, const Box& box, const Outcome& outcome) {
   std::vector<Scored> found;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
@@ -122,7 +122,7 @@ proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
   if (least < box.order)
     tried.push_back({proof::OrderSplit{least + (box.order - least) / 2}, std::numeric_limits<double>::infinity()});
   std::sort(tried.begin(), tried.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
-  // Long filters' programmes cost most and refute much the same wherever they are split.
+  // Long filters' linear programs cost most and refute much the same wherever they are split.
   const std::size_t most = 3 * box.order > 4 * smallest_order_ + 12 ? 2 : most_tried;
   if (tried.size() > most) tried.resize(most);
   std::size_t chosen = 0;

@@ -9,11 +9,11 @@
 
 namespace accdec::exact {
 
-/// Linear programme
+/// Linear program
 ///
 ///   minimise cost x   subject to   low <= x <= high,   row_low <= A x <= row_high
 ///
-/// solved by the bounded dual simplex method on a dense tableau, for the programmes of the exact method: 20 to 300
+/// solved by the bounded dual simplex method on a dense tableau, for the linear programs of the exact method: 20 to 300
 /// columns, nearly all of them bounded, many of the rows dense, and a hundred near relatives to solve one after
 /// another. Rows can be added, replaced and removed and bounds changed at any time; the next solve starts from the
 /// basis of the last. Bounds may be infinite or equal.

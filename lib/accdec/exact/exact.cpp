@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include <accdec/exact/conflict.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/joint.hpp>
+#include <accdec/exact/minimal_conflict.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/contradictions.hpp>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// As many programmes make a short proof.
+/// As many linear programs make a short proof.
 constexpr long shortly = 2000;
 
 bool convex(const Task& task) {
@@ -43,7 +43,7 @@ void offer_shapes(const Task& task, exact::Search& search, int least, const std:
   }
 }
 
-/// Bytes of the dense tableau of the programmes' first rows, which hold for every box.
+/// Bytes of the dense tableau of the linear programs' first rows, which hold for every box.
 double tableau_bytes(const Task& task, int order) {
   double rows = 1.0;
   for (const Axis& axis : task.machine.axes) {
@@ -85,12 +85,12 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     return result;
   }
 
-  // No order below is allowed or fast enough; a programme of that size has to fit into memory.
+  // No order below is allowed or fast enough; a linear program of that size has to fit into memory.
   const int first_order = std::max(task.design.order_min, order_lower_bound(task, task.design.order_max));
   if (const double bytes = tableau_bytes(task, first_order); bytes > most_bytes) {
     result.status = Status::failed;
     result.message = fmt::format(
-        "the linear programmes for filters of order {} would take {:.1f} GB of memory, more than "
+        "the linear programs for filters of order {} would take {:.1f} GB of memory, more than "
         "the {:.0f} GB allowed; a longer sample period or a nonlinear solver (--solver) may do",
         first_order, bytes / 1e9, most_bytes / 1e9);
     result.solver.wall_time = elapsed();
@@ -131,7 +131,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
   auto answer = straight ? exact::Search::Answer::found : exact::Search::Answer::unknown;
   double open = infinity;  // the least target with a part in which rounding decides
   while (!stop() && answer == exact::Search::Answer::found) {
-    answer = search.minimise(high, shortly - search.programmes());
+    answer = search.minimise(high, shortly - search.linear_programs());
     if (answer == exact::Search::Answer::open) open = std::min(open, high);
     high = std::min(high, search.best->value);
     if (answer == exact::Search::Answer::proved) low = search.proof.target, proved = low >= high;
@@ -159,7 +159,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     low = at_least;
     if (auto proof = joint.proof()) search.proof = std::move(*proof), low = std::max(low, search.proof.target);
     proved = low >= high;
-    joint_programmes = joint.programmes();
+    joint_programmes = joint.linear_programs();
   }
   while (!stop() && !proved && !rounding && !close_enough()) {
     double target = std::min(high, open);
@@ -237,7 +237,7 @@ DesignResult design_exact(const Task& task, const ExactOptions& options) {
     }
   }
   if (options.certificate && search.proof.target > 0.0) result.certificate = exact::certify(search.proof, task.design);
-  result.solver.evaluations = search.programmes() + joint_programmes;
+  result.solver.evaluations = search.linear_programs() + joint_programmes;
   result.solver.wall_time = elapsed();
   return result;
 }

@@ -28,13 +28,13 @@ struct ExactOptions {
 /// Shortest weighted cycle time over filter, order and delays by branch and bound on the delays d_j and the samples k_j
 /// at which the corner errors are bounded. In a box of delays and samples the leg distances are at least those at the
 /// last k for leg 1 and at the first k and last d for leg 2, and the order at most what the target leaves; so one
-/// linear programme with tangent cuts for the cones refutes a whole box, and its dual multipliers, kept in the
+/// linear program with tangent cuts for the cones refutes a whole box, and its dual multipliers, kept in the
 /// certificate, are the proof.
 ///
 /// Power, regeneration and smallest speed are not convex: each is relaxed to its chord over the speeds or directions
-/// that the box leaves, and where the linear programme's filter breaks the limit itself, the box is split on a
+/// that the box leaves, and where the linear program's filter breaks the limit itself, the box is split on a
 /// cumulative response B_k, which bounds the speed. What the limits on starts and stops can reach from there narrows
-/// all other responses. Designs come from the programmes' filters by a convex-concave procedure.
+/// all other responses. Designs come from the linear programs' filters by a convex-concave procedure.
 ///
 /// Several corners are proved jointly, see joint.hpp; symmetric filters of several corners, and tasks of which no first
 /// design is known, by boxes that hold the delays of all corners.

@@ -8,7 +8,7 @@ namespace accdec::exact {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Programmes that one attempt at a stronger lemma may take, beside as many as twice the lemma's own proof took.
+/// Linear programs that one attempt at a stronger lemma may take, beside as many as twice the lemma's own proof took.
 constexpr long attempt = 40;
 
 }  // namespace
@@ -191,9 +191,9 @@ Joint::State Joint::step() {
   if (group == nullptr) return undecided_ < target() * (1.0 - 1e-9) ? State::open : State::proved;
   const Open top = group->top();
   group->pop();
-  const long before = programmes();
+  const long before = linear_programs();
   const State state = work_on(top.node, top.bound);
-  spent_[group - open_] += programmes() - before;
+  spent_[group - open_] += linear_programs() - before;
   return state;
 }
 

@@ -30,7 +30,7 @@ class Joint {
   std::optional<Proof> proof() const;
   long lemmas() const { return static_cast<long>(lemmas_.size()); }
   long nodes() const { return static_cast<long>(nodes_.size()); }
-  long programmes() const { return prover_.programmes() + wide_.programmes(); }
+  long linear_programs() const { return prover_.linear_programs() + wide_.linear_programs(); }
 
  private:
   struct Node {
@@ -87,7 +87,7 @@ class Joint {
   std::vector<int> fails_;  ///< by lemma: order from which on no attempt to extend it is worth it
   std::vector<Node> nodes_;
   std::priority_queue<Open> open_[2];  ///< short filters, long filters
-  long spent_[2] = {0, 0};             ///< programmes
+  long spent_[2] = {0, 0};             ///< linear programs
   double undecided_;
   bool begun_ = false;
 };

@@ -4,8 +4,8 @@
 
 #include <accdec/exact/search.hpp>
 
-// Designs for several corners before and during the proof. The proof's own programmes are too loose for good designs
-// where ranges are wide; near a design they are tight.
+// Designs for several corners before and during the proof. The proof's own linear programs are too loose for good
+// designs where ranges are wide; near a design they are tight.
 
 namespace accdec::exact {
 namespace {
@@ -71,7 +71,7 @@ bool Search::improve() {
         c.d1 = std::max(c.d1, delay - 2 * reach), c.d2 = std::min(c.d2, delay + 2 * reach);
         if (model_.cone(j)) c.k1 = std::max(0, k - 2 * reach), c.k2 = k + 2 * reach;
       }
-      budget_end_ = programmes() + 300L * reach;
+      budget_end_ = linear_programs() + 300L * reach;
       const double before = best->value;
       again = refute(box) == State::found && best->value < before;
       budget_end_ = std::numeric_limits<long>::max();

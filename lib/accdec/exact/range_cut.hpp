@@ -14,8 +14,8 @@ namespace accdec::exact {
 using proof::Tangent;
 
 /// A cut wp p + wq q <= bound over all delays and samples of a corner's ranges, linear in the taps and in the delay d
-/// and the sample k themselves, which the programme has as continuous variables. p_k and q_m, m = k - d, are convex in
-/// k and m with the responses as slopes, so each lies above its tangent at any sample a:
+/// and the sample k themselves, which the linear program has as continuous variables. p_k and q_m, m = k - d, are
+/// convex in k and m with the responses as slopes, so each lies above its tangent at any sample a:
 ///   p_k >= p_a - (k - a)(1 - B_e),  q_m >= q_a + (m - a) B_e,  e = a or a + 1,
 /// and the products are bounded by the tube's bounds on B_e (McCormick, Math. Program. 10, 1976). What the target
 /// leaves of the delays of all corners together then decides which of them may be long, without a split.
@@ -33,7 +33,7 @@ struct HighestTangents {
   Tangent in, out;
   double distance_in = 0.0, distance_out = 0.0;
 };
-/// @param delay, sample  of d - d1 and k - k1, from the programme
+/// @param delay, sample  of d - d1 and k - k1, from the linear program
 HighestTangents highest_tangents(const Filter& filter, const Box& box, std::size_t corner, double delay, double sample);
 
 }  // namespace accdec::exact

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <memory>
 
-#include <accdec/exact/programme.hpp>
+#include <accdec/exact/linear_program.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/exact/window.hpp>
 
@@ -47,7 +47,7 @@ class Relaxation::Impl {
     return std::nullopt;
   }
 
-  long programmes() const { return solved_; }
+  long linear_programs() const { return solved_; }
 
  private:
   /// @param refuting  stop as soon as the box is refuted (strongest: no further cut adds to that), else minimise the
@@ -94,7 +94,7 @@ class Relaxation::Impl {
 
   const LimitModel& model_;
   std::function<bool()> stop_;
-  Programme programme_;
+  LinearProgram programme_;
   long solved_ = 0;
 };
 
@@ -108,8 +108,8 @@ Outcome Relaxation::solve(const Box& box, bool symmetric, bool strongest) {
 std::optional<Filter> Relaxation::repair(const Box& box, bool symmetric, const Filter& start) {
   return impl_->repair(box, symmetric, start);
 }
-long Relaxation::programmes() const {
-  return impl_->programmes();
+long Relaxation::linear_programs() const {
+  return impl_->linear_programs();
 }
 
 }  // namespace accdec::exact

@@ -8,21 +8,21 @@
 
 namespace accdec::exact {
 
-/// What the linear programme says of a box.
+/// What the linear program says of a box.
 struct Outcome {
   enum Kind { refuted, feasible, unresolved } kind = unresolved;
   Multipliers multipliers;              ///< refuted
-  double excess = 0.0;                  ///< of the last programme over the cones; their own where it is below 0
+  double excess = 0.0;                  ///< of the last linear program over the cones; their own where it is below 0
   std::vector<double> delays, samples;  ///< feasible: d - d1 and k - k1 of each corner, where it is a range
   std::optional<Filter> filter;  ///< feasible: holds all convex limits of the relaxed box, and the chords of the others
 };
 
-/// The limits of a box as a linear programme (Clp, dual simplex), cut until it is refuted or its solution holds
+/// The limits of a box as a linear program (Clp, dual simplex), cut until it is refuted or its solution holds
 /// them. One object serves a whole search: tangent cuts and the basis are kept from box to box.
 class Relaxation {
  public:
   /// @param largest_order  of all boxes to come
-  /// @param stop  polled during a programme, which then ends unresolved; may be empty
+  /// @param stop  polled during a linear program, which then ends unresolved; may be empty
   /// @param margin  > 0: limits are asked for with this relative margin, so that a solution holds them in spite of its
   ///                rounding; what is refuted is refuted without it
   /// @param window  boxes to come are windows of exactly this order, see window.hpp
@@ -35,7 +35,7 @@ class Relaxation {
   /// A filter of a box of single delays and samples that holds all limits, from one that holds some; none if this way
   /// leads nowhere.
   std::optional<Filter> repair(const Box& box, bool symmetric, const Filter& start);
-  long programmes() const;
+  long linear_programs() const;
 
  private:
   class Impl;

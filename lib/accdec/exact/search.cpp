@@ -5,7 +5,7 @@
 #include <accdec/exact/search.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/exact/window.hpp>
-#include <accdec/task/delays_below.hpp>
+#include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/task/verifier.hpp>
@@ -74,7 +74,7 @@ void Search::size_for(int order) {
   if (relaxation_ && order <= sized_ && 2 * order >= sized_ && window_.order == 0) return;
   if (relaxation_ && order == sized_) return;
   require_room(task_, order);
-  programmes_ = programmes();
+  linear_programs_ = linear_programs();
   relaxation_ = std::make_unique<Relaxation>(model_, order, stop_, 0.0, window_.order > 0);
   sized_ = order;
 }
@@ -96,7 +96,7 @@ Filter Search::mended(const Filter& filter, const Box& box, bool symmetric, cons
     margin = std::max(2.0 * margin, 2.0 * report.max_violation);
     Relaxation tighter(model_, box.order, stop_, margin);
     const Outcome outcome = tighter.solve(box, symmetric);
-    programmes_ += tighter.programmes();
+    linear_programs_ += tighter.linear_programs();
     if (!outcome.filter) break;
     tried = *outcome.filter;
   }
@@ -112,7 +112,7 @@ void Search::offer(Filter filter) {
   }
   filter = trimmed(filter, task_.design);
   if (filter.order() < task_.design.order_min || filter.order() > task_.design.order_max) return;
-  const auto delays = delays_below(filter, task_, best ? best->value : std::numeric_limits<double>::infinity());
+  const auto delays = delays_by_formula(filter, task_, best ? best->value : std::numeric_limits<double>::infinity());
   if (delays) consider(std::move(filter), *delays);
 }
 
@@ -156,7 +156,7 @@ Search::Answer Search::below(double target) {
 
 Search::Answer Search::minimise(double target, long budget) {
   going_on_ = model_.convex() && !task_.design.symmetric && task_.corners.size() == 1;
-  budget_end_ = programmes() + budget;
+  budget_end_ = linear_programs() + budget;
   const Answer answer = search(target);
   budget_end_ = std::numeric_limits<long>::max();
   return answer;

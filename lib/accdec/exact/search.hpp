@@ -76,13 +76,13 @@ class Search {
   /// decides.
   Answer below(double target);
   /// Goes on with a lower target whenever something shorter is found. proved: nothing is shorter than `proof.target`.
-  /// unknown: also after `budget` programmes. One tree serves all targets; for symmetric filters and outside the convex
-  /// class, where leaves belong to one order, and for several corners this is `below`.
+  /// unknown: also after `budget` linear programs. One tree serves all targets; for symmetric filters and outside the
+  /// convex class, where leaves belong to one order, and for several corners this is `below`.
   Answer minimise(double target, long budget);
   /// The smallest order that holds the limits not tied to a tolerance, or order_max + 1; leaves a first design in
   /// `best` if it can.
   int smallest_order();
-  /// Several corners: offers the filters of one programme an order, from `least` on.
+  /// Several corners: offers the filters of one linear program an order, from `least` on.
   void sweep_orders(int least);
   /// Several corners: looks for something shorter near `best`, with as many boxes at most as take about a second.
   /// Whether it found any.
@@ -96,8 +96,8 @@ class Search {
     std::vector<proof::Node> tree;        ///< refuted: the proof; its multipliers are in `multipliers()`
   };
   /// Whether a filter of at most this order holds these corners with delays of at most `most`, one per corner; < 0: the
-  /// corner does not count. Ends after `budget` programmes. Filters met on the way are offered. Several corners, no
-  /// symmetry.
+  /// corner does not count. Ends after `budget` linear programs. Filters met on the way are offered. Several corners,
+  /// no symmetry.
   Together refute_together(int order, const std::vector<int>& most, long budget);
   /// The corners that a proof of delays together says something of.
   std::vector<char> corners_used(const std::vector<proof::Node>& tree) const;
@@ -108,16 +108,16 @@ class Search {
 
   std::optional<Candidate> best;  ///< verified
   Proof proof;                    ///< of the last target proved
-  long programmes() const { return programmes_ + (relaxation_ ? relaxation_->programmes() : 0); }
+  long linear_programs() const { return linear_programs_ + (relaxation_ ? relaxation_->linear_programs() : 0); }
 
  private:
   enum class State { closed, found, stopped, open };  // open: rounding decides
   Answer search(double target);
   State undecided() const { return stopped() ? State::stopped : State::open; }
-  bool stopped() const { return stop_() || programmes() > budget_end_; }
+  bool stopped() const { return stop_() || linear_programs() > budget_end_; }
   State go_on(State state, const Box& box);
   void aim(double target);
-  /// Several corners: orders far apart are split before any programme is solved; a long one's is expensive.
+  /// Several corners: orders far apart are split before any linear program is solved; a long one's is expensive.
   std::optional<proof::Node> split_of_long_orders(const Box& box) const;
   /// Of two parts, the second looked at only where the first leaves something to look for.
   template <typename Second>
@@ -144,7 +144,7 @@ class Search {
   State refute_single(Box box, Outcome outcome);
   /// The split of the box, of which `whole` is what it was before the target cut it, that promises most.
   proof::Node choose_split(const Box& whole, const Box& box, const Outcome& outcome);
-  /// By how much the programme of a box misses the corner errors; none: it is refuted.
+  /// By how much the linear program of a box misses the corner errors; none: it is refuted.
   std::optional<double> try_part(Box box);
   Box root() const;
   void size_for(int order);
@@ -157,7 +157,7 @@ class Search {
   std::function<bool()> stop_;
   std::unique_ptr<Relaxation> relaxation_;
   int sized_ = -1;
-  long programmes_ = 0;
+  long linear_programs_ = 0;
   double target_ = 0.0;
   bool going_on_ = false;
   long budget_end_ = std::numeric_limits<long>::max();

@@ -66,7 +66,7 @@ Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
   Outcome outcome = relaxation_->solve(box, symmetric);
   if (outcome.kind == Outcome::refuted) return close(std::move(outcome.multipliers));
   if (outcome.kind != Outcome::feasible) {
-    // The programme came to no conclusion; its parts may.
+    // The linear program came to no conclusion; its parts may.
     SumBound middle;
     double widest = 1e-3;
     for (int k = 1; k <= box.order; ++k) {

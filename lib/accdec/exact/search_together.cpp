@@ -5,8 +5,8 @@
 #include <accdec/exact/window.hpp>
 
 // Boxes of several corners whose delays are bounded above and whose orders are bounded, whatever they cost: what the
-// joint proof asks, see joint.hpp. There only the samples are open, and the programme's own filter says which of them
-// to split.
+// joint proof asks, see joint.hpp. There only the samples are open, and the linear program's own filter says which of
+// them to split.
 
 namespace accdec::exact {
 namespace {
@@ -34,7 +34,7 @@ class CornerError {
     const double p = in_ * filter_.remaining_moment(sample), q = out_ * filter_.elapsed_moment(sample - delay);
     return std::sqrt(std::max(0.0, p * p + q * q + 2.0 * p * q * cosine_));
   }
-  /// By how much the error is above its bound at least, as the programme sees it.
+  /// By how much the error is above its bound at least, as the linear program sees it.
   double relaxed(const CornerBox& c) const {
     if (c.d1 == c.d2 && c.k1 == c.k2) return at(c.d1, c.k1) - bound_;
     return least_distance(cosine_, in_ * filter_.remaining_moment(c.k2), out_ * filter_.elapsed_moment(c.k1 - c.d2)) -
@@ -194,7 +194,7 @@ Search::Together Search::refute_together(int order, const std::vector<int>& most
   }
   size_for(order);
   together_.reset();
-  budget_end_ = programmes() + budget;
+  budget_end_ = linear_programs() + budget;
   Together answer;
   const State state = refute_together(std::move(box), 0);
   budget_end_ = std::numeric_limits<long>::max();
@@ -212,7 +212,7 @@ std::vector<char> Search::corners_used(const std::vector<proof::Node>& tree) con
     const auto* refuted = std::get_if<proof::Refuted>(&node);
     if (refuted == nullptr) continue;
     for (const auto& [id, y] : current_.multipliers[static_cast<std::size_t>(refuted->multipliers)]) {
-      // The error of a corner that does not count is in some programmes, but bounds nothing there.
+      // The error of a corner that does not count is in some linear programs, but bounds nothing there.
       const int corner = corner_of(id);
       if (corner >= 0 && among_[static_cast<std::size_t>(corner)]) used[static_cast<std::size_t>(corner)] = 1;
     }

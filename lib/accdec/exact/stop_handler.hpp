@@ -7,7 +7,7 @@
 
 namespace accdec::exact {
 
-/// Ends a linear programme (status 5) between two iterations once `stop` says so: a single large one can take longer
+/// Ends a linear program (status 5) between two iterations once `stop` says so: a single large one can take longer
 /// than the whole time limit.
 class StopHandler : public ClpEventHandler {
  public:

@@ -2,7 +2,7 @@
 
 #include <accdec/exact/limit_model.hpp>
 
-// Internal to the exact method: filters of any order in a programme of few columns.
+// Internal to the exact method: filters of any order in a linear program of few columns.
 //
 // A filter may be shifted: its taps count from a sample at which some corner is closest, the anchor, and the columns
 // 0 .. order are those around it. The first and the last column stand for all taps at or beyond them. Moved there, a

@@ -35,7 +35,7 @@ std::string_view without_unit(std::string_view word) {
 }  // namespace
 
 int edit_distance(std::string_view a, std::string_view b) {
-  // Three rows of the dynamic programme: a swap looks two rows back.
+  // three rows of the dynamic program: a swap looks two rows back.
   std::vector<int> before, last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
   for (std::size_t i = 1; i <= a.size(); ++i) {

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/formats/design_report.hpp>
 #include <accdec/formats/explanation.hpp>
-#include <accdec/formats/report.hpp>
 
 namespace accdec {
 namespace {

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include <accdec/program/read/toolpath.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 #include <accdec/task/task.hpp>
 
 namespace accdec {
@@ -21,7 +21,7 @@ struct ProgramInputs {
 struct ProgramRecord {
   ProgramInputs inputs;
   Task task;              ///< of its text
-  ProgramResult result;   ///< what `recheck_program`, `plot_program` and exports use; the rest is empty
+  ProgramResult result;   ///< what `verify_program_result`, `plot_program` and exports use; the rest is empty
   bool commands = false;  ///< false: the result is too large to hold them, or older than they are
 };
 

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/plot/html.hpp>
 #include <accdec/plot/html_result.hpp>

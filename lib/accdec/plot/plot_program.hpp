@@ -1,7 +1,7 @@
 #pragma once
 
 #include <accdec/plot/figure.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 
 namespace accdec {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 #include <accdec/study/baseline_table.hpp>
 
 namespace accdec::study {

@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files/process.hpp>
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 #include <accdec/study/cluster.hpp>
 
 namespace accdec {

@@ -1,7 +1,7 @@
 #include <chrono>
 #include <utility>
 
-#include <accdec/design/recheck.hpp>
+#include <accdec/design/verify_result.hpp>
 #include <accdec/formats/certificate_json.hpp>
 #include <accdec/study/optima.hpp>
 
@@ -38,7 +38,7 @@ Optimum find_optimum(std::string name, Task task, const DesignOptions& options, 
   task.filter.reset();
   found.design = design_task(task, options);
   const auto began = std::chrono::steady_clock::now();
-  const Recheck check = recheck(found.design);
+  const ResultCheck check = verify_result(found.design);
   found.check_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   found.accepted = check.accepted;
   if (!check.reasons.empty()) found.objection = check.reasons.front();

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files/csv_table.hpp>
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/study/optima_report.hpp>
 

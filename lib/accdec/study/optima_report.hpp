@@ -10,7 +10,7 @@ namespace accdec {
 
 /// What `accdec optima` writes but its manifest: optima.csv and optima.md (a row a task), optima.svg and .png (every
 /// standard shape's cycle time over the optimum's), and, unless `growth` is empty, growth.csv, growth.svg and .png
-/// (time, linear programmes and proof size against N + d).
+/// (time, linear programs and proof size against N + d).
 /// @param growth  one task at ever shorter sample periods
 /// @return file name and content
 std::vector<std::pair<std::string, std::string>> optima_documents(const std::vector<study::Optimum>& optima,

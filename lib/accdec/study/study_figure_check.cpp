@@ -47,8 +47,8 @@ struct Varied {
 
 std::vector<Varied> axes_of(const Study& study, bool grid) {
   std::vector<Varied> axes;
-  if (study.plan().cases().size() > 1) axes.push_back({"case", {}, study.plan().cases(), false});
-  for (const study::Variation& v : study.plan().variations()) {
+  if (study.points().cases().size() > 1) axes.push_back({"case", {}, study.points().cases(), false});
+  for (const study::Variation& v : study.points().variations()) {
     Varied axis{v.name, {}, {}, !grid && v.range};
     for (const double value : v.values) {
       if (std::find(axis.numbers.begin(), axis.numbers.end(), value) != axis.numbers.end()) continue;
@@ -142,7 +142,7 @@ const std::pair<std::string_view, std::string_view>* unit_suffix(const std::stri
 }
 
 std::string unit_in(const std::string& column, const Study& study) {
-  for (const study::Variation& v : study.plan().variations()) {
+  for (const study::Variation& v : study.points().variations()) {
     if (v.name == column && unit_of(column).empty()) return unit_of(v.keys.front());
   }
   return unit_of(column);

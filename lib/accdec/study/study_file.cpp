@@ -30,8 +30,8 @@ bool has_shapes(const Study& study) {
 study::Row beginning(const Study& study, const study::Point& point) {
   study::Row row;
   row["index"] = point.index;
-  if (study.plan().cases().size() > 1) row["case"] = study.plan().cases()[point.case_index];
-  for (std::size_t v = 0; v < point.values.size(); ++v) row[study.plan().variations()[v].name] = point.values[v];
+  if (study.points().cases().size() > 1) row["case"] = study.points().cases()[point.case_index];
+  for (std::size_t v = 0; v < point.values.size(); ++v) row[study.points().variations()[v].name] = point.values[v];
   return row;
 }
 
@@ -46,8 +46,8 @@ std::string finished(const Study& study, study::Row row) {
 
 std::vector<std::string> Study::columns() const {
   std::vector<std::string> names{"index"};
-  if (plan_->cases().size() > 1) names.push_back("case");
-  for (const auto& v : plan_->variations()) names.push_back(v.name);
+  if (points_->cases().size() > 1) names.push_back("case");
+  for (const auto& v : points_->variations()) names.push_back(v.name);
   names.insert(names.end(), {"point", "reason"});
   for (const std::string& computation : computations) {
     const auto more = study::columns_of(computation);
@@ -59,7 +59,7 @@ std::vector<std::string> Study::columns() const {
 }
 
 Task Study::task(std::size_t index) const {
-  const study::Point point = plan_->point(index);
+  const study::Point point = points_->point(index);
   const auto& source = tasks_->cases[point.case_index];
   toml::table tree = source.tree;
   for (std::size_t v = 0; v < point.values.size(); ++v) {
@@ -76,7 +76,7 @@ std::vector<std::string> Study::task_paths() const {
 
 std::string Study::row(std::size_t index, double* method_seconds) const {
   if (method_seconds) *method_seconds = 0.0;
-  study::Row row = beginning(*this, plan_->point(index));
+  study::Row row = beginning(*this, points_->point(index));
   try {
     const Task point_task = task(index);
     row["point"] = "ok";
@@ -103,7 +103,7 @@ std::string Study::row(std::size_t index, double* method_seconds) const {
 }
 
 std::string Study::lost_row(std::size_t index, const std::string& reason) const {
-  study::Row row = beginning(*this, plan_->point(index));
+  study::Row row = beginning(*this, points_->point(index));
   row["point"] = "lost";
   row["reason"] = reason;
   return finished(*this, std::move(row));

@@ -8,7 +8,7 @@
 
 #include <accdec/design/design.hpp>
 #include <accdec/files/errors.hpp>
-#include <accdec/study/plan.hpp>
+#include <accdec/study/point_set.hpp>
 #include <accdec/study/runner.hpp>
 
 namespace accdec {
@@ -57,7 +57,7 @@ class Study {
   } origin;
 
   struct Tasks;  ///< the cases' trees and the keys; internal to the room
-  const study::Plan& plan() const { return *plan_; }
+  const study::PointSet& points() const { return *points_; }
   /// Names of all columns of a row, in order.
   std::vector<std::string> columns() const;
   /// The task of a point. @throws InputError when its values make no task
@@ -75,7 +75,7 @@ class Study {
 
  private:
   friend class StudyReader;
-  std::shared_ptr<const study::Plan> plan_;
+  std::shared_ptr<const study::PointSet> points_;
   std::shared_ptr<const Tasks> tasks_;
   std::string hash_;
 };

@@ -45,7 +45,7 @@ study::Entry without_time(const study::Entry& entry) {
 }
 
 std::string identity(const Study& study) {
-  return fmt::format("{} {}", study.hash(), study.plan().size());
+  return fmt::format("{} {}", study.hash(), study.points().size());
 }
 
 /// Notes every row of a journal, under the number of its file.
@@ -78,7 +78,7 @@ void write_results(const Study& study, RowStore& rows, const StudyRunOptions& op
   manifest["study"] = study.path;
   manifest["title"] = study.title;
   manifest["study_hash"] = study.hash();
-  manifest["points"] = study.plan().size();
+  manifest["points"] = study.points().size();
   manifest["points_without_answer"] = summary.bad;
   manifest["command"] = options.command;
   manifest["last_run"] = {{"points_computed", summary.computed},  {"points_found", summary.found},
@@ -133,7 +133,7 @@ void collect_shards(const Study& study, const std::vector<std::string>& folders,
 }
 
 StudySummary merge(const Study& study, const StudyRunOptions& options, Clock::time_point began) {
-  RowStore rows(study.plan().size());
+  RowStore rows(study.points().size());
   collect_shards(study, options.merge, rows);
   StudySummary summary{.points = rows.size(),
                        .found = rows.size(),
@@ -148,7 +148,7 @@ StudySummary merge(const Study& study, const StudyRunOptions& options, Clock::ti
 }  // namespace
 
 void check_study_size(const Study& study, bool large) {
-  const std::size_t size = study.plan().size();
+  const std::size_t size = study.points().size();
   if (size > largest_study || (size > large_study && !large)) {
     throw InputError(study.path, study.origin.line, study.origin.column,
                      fmt::format("the study has {} points, most by {}; {}", size, study.origin.what,
@@ -171,7 +171,7 @@ void claim_study_folder(const Study& study, const std::string& folder) {
 
 StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   const auto began = Clock::now();
-  const std::size_t size = study.plan().size();
+  const std::size_t size = study.points().size();
   check_study_size(study, options.large);
   const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
   if (!options.merge.empty()) return merge(study, options, began);
@@ -228,7 +228,7 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
 }
 
 std::vector<study::ShardState> study_shards(const Study& study, const std::string& folder, std::size_t shards) try {
-  const std::size_t size = study.plan().size();
+  const std::size_t size = study.points().size();
   std::vector<study::ShardState> states(shards);
   std::vector<bool> done(size), lost(size);
   for (std::size_t s = 0; s < shards; ++s) {

@@ -61,7 +61,7 @@ std::string sentence_on(const std::string& computation, const StudyTable& table)
 
 /// A limit's value, or that it is varied: by a variation of the key of this axis, of all axes, or of a mode.
 std::string value_or_varied(const Study& study, std::string_view table, std::string_view key, double value) {
-  for (const study::Variation& v : study.plan().variations()) {
+  for (const study::Variation& v : study.points().variations()) {
     for (const std::string& k : v.keys) {
       if (k.starts_with(table) && k.ends_with(fmt::format(".{}", key))) return fmt::format("varied ({})", v.name);
     }
@@ -98,7 +98,7 @@ std::string limits_html(const Study& study, const Task& task) {
 
 /// The first point of a case that makes a task, of a few.
 std::optional<Task> sample_task(const Study& study, std::size_t c) {
-  const std::size_t per_case = study.plan().size() / study.plan().cases().size();
+  const std::size_t per_case = study.points().size() / study.points().cases().size();
   for (const std::size_t i : {std::size_t{0}, per_case / 2, per_case - 1}) {
     try {
       return study.task(c * per_case + i);
@@ -141,9 +141,9 @@ std::string study_outcomes(const Study& study, const StudyTable& table) {
 
 std::string study_variations(const Study& study) {
   HtmlTable table{{"varied", "task keys", "values"}, {}};
-  if (study.plan().cases().size() > 1)
-    table.rows.push_back({"case", "", fmt::format("{}", fmt::join(study.plan().cases(), ", "))});
-  for (const study::Variation& v : study.plan().variations())
+  if (study.points().cases().size() > 1)
+    table.rows.push_back({"case", "", fmt::format("{}", fmt::join(study.points().cases(), ", "))});
+  for (const study::Variation& v : study.points().variations())
     table.rows.push_back({v.name, fmt::format("{}", fmt::join(v.keys, ", ")), values_of(v)});
   return html_table(table);
 }
@@ -154,7 +154,7 @@ std::string study_base(const Study& study) {
   for (std::size_t c = 0; c < paths.size(); ++c) {
     const std::string file = std::filesystem::path(paths[c]).filename().string();
     const std::string name =
-        study.plan().cases().size() > 1 ? fmt::format("{} ({})", study.plan().cases()[c], file) : file;
+        study.points().cases().size() > 1 ? fmt::format("{} ({})", study.points().cases()[c], file) : file;
     const std::optional<Task> task = sample_task(study, c);
     if (!task) {
       html += html_paragraph(fmt::format("{}: its first, middle and last points make no task.", name));

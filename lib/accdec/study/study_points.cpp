@@ -67,8 +67,8 @@ void refuse_case(const Study::Tasks& tasks, const StudyPlaces& places, std::size
 }  // namespace
 
 void check_points(const Study& study, const Study::Tasks& tasks, const StudyPlaces& places) {
-  const std::size_t per_case = study.plan().size() / study.plan().cases().size();
-  for (std::size_t c = 0; c < study.plan().cases().size(); ++c) {
+  const std::size_t per_case = study.points().size() / study.points().cases().size();
+  for (std::size_t c = 0; c < study.points().cases().size(); ++c) {
     const auto fault = [&](std::size_t i) { return fault_of([&] { study.task(c * per_case + i); }); };
     // Nearly always the first will do, and the others need not even be listed.
     if (!fault(0) || !fault(per_case / 2) || !fault(per_case - 1)) continue;

@@ -198,9 +198,9 @@ class StudyReader {
     const int seed = top.required_integer("seed");
     if (!grid && places_.variations.empty()) top.fail("a Latin hypercube needs at least one [[vary]]");
     try {
-      study.plan_ = std::make_shared<study::Plan>(places_.names, places_.variations,
-                                                  grid ? study::Sampling::grid : study::Sampling::latin_hypercube,
-                                                  static_cast<std::size_t>(samples), static_cast<std::uint64_t>(seed));
+      study.points_ = std::make_shared<study::PointSet>(
+          places_.names, places_.variations, grid ? study::Sampling::grid : study::Sampling::latin_hypercube,
+          static_cast<std::size_t>(samples), static_cast<std::uint64_t>(seed));
     } catch (const std::invalid_argument& error) {
       top.fail(error.what());
     }

@@ -77,7 +77,7 @@ class Rows {
   std::vector<CoinBigIndex> start_{0};
 };
 
-/// The linear programme of one corner. Column k is the speed of leg 1 in period k over its feed, column count + k that
+/// The linear program of one corner. Column k is the speed of leg 1 in period k over its feed, column count + k that
 /// of leg 2; the corner's moment is the beginning of period `before`.
 class CornerProgramme {
  public:

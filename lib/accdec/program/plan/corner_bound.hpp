@@ -17,7 +17,7 @@ struct BoundCorner {
 };
 
 /// A time that such a corner costs at least beside passing it at both feeds, s, >= 0, whatever filters, delays and
-/// feeds: by the dual of a linear programme, whose multipliers are put into the bound here, so that nothing rests on
+/// feeds: by the dual of a linear program, whose multipliers are put into the bound here, so that nothing rests on
 /// the solver's word.
 ///
 /// Assumed of the motion: x = sum of u_i s_i with both s_i never falling and no faster than the feed, the two legs
@@ -34,14 +34,14 @@ struct CornerBound {
   double time = 0.0;        ///< s
   std::size_t corners = 0;  ///< joints that turn
   std::size_t counted = 0;  ///< of these between legs long enough to come to their feeds: the others cost nothing here
-  std::size_t classes = 0;  ///< linear programmes solved
+  std::size_t classes = 0;  ///< linear programs solved
   bool complete = true;     ///< false if time ran out: further classes of corners cost nothing
 };
 
 /// Way over feed of every block, the corner bounds of every joint whose two legs are long enough to go from rest to
 /// their feed and back (solved once for all corners of the same directions, feeds and tolerance), starts and stops of
 /// such legs, and dwells.
-/// @param machine  as many axes as the path  @param time_limit  s, for the linear programmes
+/// @param machine  as many axes as the path  @param time_limit  s, for the linear programs
 CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit);
 
 }  // namespace accdec

@@ -12,7 +12,7 @@
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/design_program.hpp>
 #include <accdec/program/plan/feed_search.hpp>
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {

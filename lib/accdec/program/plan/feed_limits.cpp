@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <accdec/program/plan/corner_limits.hpp>
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 
 namespace accdec {
 namespace {

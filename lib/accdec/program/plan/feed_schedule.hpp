@@ -1,7 +1,7 @@
 #pragma once
 
 #include <accdec/program/plan/feed_caps.hpp>
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 
 namespace accdec {
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include <accdec/program/plan/joint_delays.hpp>
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 
 namespace accdec {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include <accdec/program/plan/joint_delays.hpp>
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 
 namespace accdec {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/plan/repair.hpp>
 
 namespace accdec {

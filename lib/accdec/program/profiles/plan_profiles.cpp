@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include <accdec/program/profiles/motion.hpp>
 #include <accdec/program/profiles/plan_profiles.hpp>
+#include <accdec/program/profiles/profile_motion.hpp>
 #include <accdec/program/profiles/profile_repair.hpp>
 
 namespace accdec {

@@ -4,7 +4,7 @@
 
 #include <accdec/motion/filter.hpp>
 #include <accdec/program/profiles/chain.hpp>
-#include <accdec/program/profiles/check.hpp>
+#include <accdec/program/profiles/sample_check.hpp>
 #include <accdec/program/read/toolpath.hpp>
 
 namespace accdec {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/program/plan/plan.hpp>
-#include <accdec/program/profiles/motion.hpp>
+#include <accdec/program/plan/program_plan.hpp>
+#include <accdec/program/profiles/profile_motion.hpp>
 #include <accdec/program/profiles/profile_repair.hpp>
 
 namespace accdec {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <accdec/program/profiles/chain_maker.hpp>
-#include <accdec/program/profiles/check.hpp>
+#include <accdec/program/profiles/sample_check.hpp>
 
 namespace accdec {
 

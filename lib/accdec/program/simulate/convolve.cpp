@@ -1,5 +1,5 @@
 #include <accdec/program/simulate/convolve.hpp>
-#include <accdec/program/simulate/lanes.hpp>
+#include <accdec/program/simulate/simd_lanes.hpp>
 
 namespace accdec {
 namespace {

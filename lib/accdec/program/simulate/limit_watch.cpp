@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <accdec/program/simulate/extremes.hpp>
 #include <accdec/program/simulate/limit_watch.hpp>
+#include <accdec/program/simulate/motion_extremes.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {

@@ -3,8 +3,8 @@
 
 #include <accdec/program/read/move.hpp>
 #include <accdec/program/simulate/convolve.hpp>
+#include <accdec/program/simulate/joint_distance.hpp>
 #include <accdec/program/simulate/motion_buffer.hpp>
-#include <accdec/program/simulate/nearest.hpp>
 
 namespace accdec {
 namespace {

@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 
+#include <accdec/program/simulate/joint_distance.hpp>
 #include <accdec/program/simulate/limit_watch.hpp>
 #include <accdec/program/simulate/motion_buffer.hpp>
-#include <accdec/program/simulate/nearest.hpp>
 #include <accdec/program/simulate/simulate.hpp>
 
 namespace accdec {

@@ -5,7 +5,7 @@
 
 #include <accdec/program/plan/corner_limits.hpp>
 #include <accdec/program/read/number.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 
 namespace accdec {
 namespace {

@@ -9,7 +9,7 @@
 #include <accdec/machine/utilisation.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/profiles/last_filter.hpp>
-#include <accdec/program/profiles/motion.hpp>
+#include <accdec/program/profiles/profile_motion.hpp>
 #include <accdec/program/write/profile_result.hpp>
 #include <accdec/program/write/samples.hpp>
 #include <accdec/task/verifier.hpp>
@@ -106,7 +106,7 @@ std::string profiles_summary(const ProfileResult& result) {
   row("bound, continuous motion", result.lower_bound);
   if (const auto& bound = result.corner_bound) {
     row("bound, corners", bound->time);
-    fmt::format_to(put, "    {} of {} corners between legs that come to their feed, {} linear programmes{}\n",
+    fmt::format_to(put, "    {} of {} corners between legs that come to their feed, {} linear programs{}\n",
                    bound->counted, bound->corners, bound->classes,
                    bound->complete ? "" : ", stopped by the time limit");
   }

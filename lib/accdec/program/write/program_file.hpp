@@ -6,7 +6,7 @@
 
 #include <accdec/program/plan/design_program.hpp>
 #include <accdec/program/read/toolpath.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 #include <accdec/task/task.hpp>
 
 namespace accdec {

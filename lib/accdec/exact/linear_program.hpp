@@ -9,23 +9,24 @@
 #include <accdec/exact/dual_simplex.hpp>
 #include <accdec/exact/limit_model.hpp>
 
-// Internal to the exact method: the rows of its linear programme.
+// Internal to the exact method: the rows of its linear program.
 
 namespace accdec::exact {
 
-/// Limits are met to within this in the programme, well inside the verifier's 1e-9, so that a limit used to its very
-/// last bit does not fall between a solution that verifies and a refutation.
+/// Limits are met to within this in the linear program, well inside the verifier's 1e-9, so that a limit used to its
+/// very last bit does not fall between a solution that verifies and a refutation.
 inline constexpr double slack = 3e-10;
-/// rad; cuts whose angles are closer than this are the same to the programme's tolerance.
+/// rad; cuts whose angles are closer than this are the same to the linear program's tolerance.
 inline constexpr double same_angle = 1e-11;
 
-/// Linear programme over the taps b_0 .. b_N of the largest order and the excess over the cones (minimised). Its first
+/// Linear program over the taps b_0 .. b_N of the largest order and the excess over the cones (minimised). Its first
 /// rows hold for every box; cuts follow. Cumulative responses are written as sums of taps: the tableau is dense anyway.
-class Programme {
+class LinearProgram {
  public:
   /// @param margin  > 0: every limit is asked for with this relative margin instead of the slack
   /// @param window  of boxes that are windows
-  Programme(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin, bool window);
+  LinearProgram(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin,
+                bool window);
 
   /// The last box's cuts that held its solution stay, with their coefficients in the new box; the others go.
   void prepare(const Box& box, bool symmetric);
@@ -49,7 +50,7 @@ class Programme {
   long pivots() const { return lp_.pivots(); }
 
  private:
-  /// A row on its way into the programme.
+  /// A row on its way into the linear program.
   struct Draft {
     std::vector<int> columns;
     std::vector<double> values;
@@ -65,7 +66,7 @@ class Programme {
   struct Equation {
     int order = 0;
   };
-  /// What a row of the programme stands for.
+  /// What a row of the linear program stands for.
   using Id = std::variant<Equation, proof::Row>;
   /// The limit of a row if it is of this kind; else null.
   template <class Limit>

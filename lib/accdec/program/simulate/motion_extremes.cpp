@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include <accdec/program/simulate/extremes.hpp>
-#include <accdec/program/simulate/lanes.hpp>
+#include <accdec/program/simulate/motion_extremes.hpp>
+#include <accdec/program/simulate/simd_lanes.hpp>
 
 namespace accdec {
 namespace {

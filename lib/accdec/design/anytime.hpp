@@ -8,8 +8,8 @@ namespace accdec {
 /// a design, which the exact method then goes on from; where power, regeneration or a smallest speed keep it from any
 /// bound, the bound that the other limits give. What comes is the best verified design of them all with the highest
 /// bound.
-/// Programmes that would not fit into the memory there is are not begun: then standard shapes and local solvers are
-/// left, and nothing is proved.
-DesignResult design_by_course(const Task& task, const DesignOptions& options);
+/// Linear programs that would not fit into the memory there is are not begun: then standard shapes and local solvers
+/// are left, and nothing is proved.
+DesignResult design_anytime(const Task& task, const DesignOptions& options);
 
 }  // namespace accdec

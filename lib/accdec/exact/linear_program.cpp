@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <accdec/exact/programme.hpp>
+#include <accdec/exact/linear_program.hpp>
 #include <accdec/exact/window.hpp>
 
 namespace accdec::exact {
@@ -13,7 +13,8 @@ constexpr int most_vibration_rows = 60;
 
 }  // namespace
 
-Programme::Programme(const LimitModel& model, int order, const std::function<bool()>& stop, double margin, bool window)
+LinearProgram::LinearProgram(const LimitModel& model, int order, const std::function<bool()>& stop, double margin,
+                             bool window)
     : model_(model),
       largest_(order),
       slack_(margin > 0.0 ? -margin : slack),
@@ -31,11 +32,11 @@ Programme::Programme(const LimitModel& model, int order, const std::function<boo
 }
 
 /// The ends of a window stand for many taps.
-double Programme::tap_bound(int column) const {
+double LinearProgram::tap_bound(int column) const {
   return window_ && (column == 0 || column == largest_) ? 1.0 : model_.rows.tap_max() * (1.0 + slack_);
 }
 
-const LpSolution& Programme::solve() {
+const LpSolution& LinearProgram::solve() {
   if (clp_alone_) return solution_ = solve_by_clp(lp_, stop_);
   solution_.status = lp_.solve();
   if (solution_.status == DualSimplex::Status::trouble) return solution_ = solve_by_clp(lp_, stop_);
@@ -45,7 +46,7 @@ const LpSolution& Programme::solve() {
   return solution_;
 }
 
-Filter Programme::filter(const Box& box, bool symmetric) const {
+Filter LinearProgram::filter(const Box& box, bool symmetric) const {
   std::vector<double> taps(static_cast<std::size_t>(box.order) + 1);
   for (std::size_t i = 0; i < taps.size(); ++i) taps[i] = std::max(0.0, solution_.point[i]);
   if (symmetric) {
@@ -56,13 +57,13 @@ Filter Programme::filter(const Box& box, bool symmetric) const {
   return Filter(std::move(taps));
 }
 
-void Programme::start_cold() {
+void LinearProgram::start_cold() {
   while (lp_.rows() > base_rows_) lp_.remove_row(lp_.rows() - 1);
   ids_.resize(static_cast<std::size_t>(base_rows_));
   lp_.start_cold();
 }
 
-void Programme::soften(const std::vector<Chord>& close, const Filter& at, const Box& box) {
+void LinearProgram::soften(const std::vector<Chord>& close, const Filter& at, const Box& box) {
   lp_.set_column_bounds(excess(), 0.0, DualSimplex::infinity);
   for (const Chord& chord : close) {
     const auto tangent = model_.chords.tangent(chord, at, box);
@@ -72,12 +73,12 @@ void Programme::soften(const std::vector<Chord>& close, const Filter& at, const 
   }
 }
 
-void Programme::add(Id id) {
+void LinearProgram::add(Id id) {
   lp_.add_row(draft_.columns, draft_.values, draft_.low, draft_.high);
   ids_.push_back(std::move(id));
 }
 
-void Programme::add_base_rows() {
+void LinearProgram::add_base_rows() {
   draft_.clear();
   for (int i = 0; i <= largest_; ++i) draft_.add(i, 1.0);
   draft_.low = draft_.high = 1.0;
@@ -109,7 +110,7 @@ void Programme::add_base_rows() {
   }
 }
 
-void Programme::draft_limit(const SparseRow& row, double scale, bool both, bool soft) {
+void LinearProgram::draft_limit(const SparseRow& row, double scale, bool both, bool soft) {
   on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
   for (const auto& [i, c] : row.taps) on_tap_[static_cast<std::size_t>(i)] += c * scale;
   for (const auto& [k, c] : row.sums) {
@@ -125,7 +126,7 @@ void Programme::draft_limit(const SparseRow& row, double scale, bool both, bool 
   draft_.high = bound - row.constant * scale;
 }
 
-void Programme::draft_cone(const proof::Error& id, const Box& box) {
+void LinearProgram::draft_cone(const proof::Error& id, const Box& box) {
   const auto j = static_cast<std::size_t>(id.corner);
   const double wp = model_.weight_in(j, id.angle), wq = model_.weight_out(j, id.angle);
   draft_.clear();
@@ -138,19 +139,19 @@ void Programme::draft_cone(const proof::Error& id, const Box& box) {
   draft_.high = model_.error_bound(j) * (1.0 + slack_);
 }
 
-void Programme::add_cone(std::size_t j, double angle, const Box& box) {
+void LinearProgram::add_cone(std::size_t j, double angle, const Box& box) {
   const proof::Error id{static_cast<int>(j), angle};
   draft_cone(id, box);
   add(id);
 }
 
-/// Vibration rows in units of their bound, so that the programme's tolerance is one relative to it.
-double Programme::vibration_scale(const proof::Vibration& id) const {
+/// Vibration rows in units of their bound, so that the linear program's tolerance is one relative to it.
+double LinearProgram::vibration_scale(const proof::Vibration& id) const {
   const double bound = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
   return bound > 0.01 ? 1.0 / bound : 1.0;
 }
 
-void Programme::draft_vibration(const proof::Vibration& id) {
+void LinearProgram::draft_vibration(const proof::Vibration& id) {
   const double scale = vibration_scale(id);
   draft_.clear();
   for (int i = 0; i <= largest_; ++i) {
@@ -162,7 +163,7 @@ void Programme::draft_vibration(const proof::Vibration& id) {
   draft_.low = window_ ? -DualSimplex::infinity : -draft_.high;
 }
 
-void Programme::add_symmetry(const Box& box) {
+void LinearProgram::add_symmetry(const Box& box) {
   draft_.low = draft_.high = 0.0;
   for (int i = 0; 2 * i < box.order; ++i) {
     draft_.clear();
@@ -171,7 +172,7 @@ void Programme::add_symmetry(const Box& box) {
   }
 }
 
-bool Programme::redraft(const proof::Error& id, const Box& box) {
+bool LinearProgram::redraft(const proof::Error& id, const Box& box) {
   const auto j = static_cast<std::size_t>(id.corner);
   if (shared(j, box)) return false;
   const bool grows = std::cos(id.angle) >= 0.0 && std::cos(model_.theta(j) - id.angle) >= 0.0;
@@ -181,13 +182,13 @@ bool Programme::redraft(const proof::Error& id, const Box& box) {
   return true;
 }
 
-bool Programme::redraft(const proof::RangeError& id, const Box& box) {
+bool LinearProgram::redraft(const proof::RangeError& id, const Box& box) {
   if (!shared(static_cast<std::size_t>(id.corner), box)) return false;
   draft_range_cone(id, box);
   return true;
 }
 
-bool Programme::redraft(const proof::Blend& id, const Box& box) {
+bool LinearProgram::redraft(const proof::Blend& id, const Box& box) {
   const CornerBox& c = box.corner(id.corner);
   if (c.d1 != c.d2 || (window_ && !inside_window(id, box))) return false;
   const SparseRow limit = model_.rows.row(id, box);
@@ -196,7 +197,7 @@ bool Programme::redraft(const proof::Blend& id, const Box& box) {
   return true;
 }
 
-bool Programme::redraft(Chord& chord, const Box& box) {
+bool LinearProgram::redraft(Chord& chord, const Box& box) {
   const Chords& chords = model_.chords;
   if (chord.sample > chords.last_sample(chord.family, box) || !chords.single_delay(chord.family, box)) return false;
   const auto drawn = chords.draw(chord.family, chord.sample, box);
@@ -207,7 +208,7 @@ bool Programme::redraft(Chord& chord, const Box& box) {
 }
 
 /// Gives a cut its coefficients in a new box. False: it is not worth keeping, or says nothing there.
-bool Programme::carry_over(int row, const Box& box, bool symmetric) {
+bool LinearProgram::carry_over(int row, const Box& box, bool symmetric) {
   Id& id = ids_[static_cast<std::size_t>(row)];
   const bool active = lp_.active(row);
   if (const auto* equation = std::get_if<Equation>(&id)) return symmetric && equation->order == box.order;
@@ -233,7 +234,7 @@ bool Programme::carry_over(int row, const Box& box, bool symmetric) {
   return true;
 }
 
-void Programme::prepare(const Box& box, bool symmetric) {
+void LinearProgram::prepare(const Box& box, bool symmetric) {
   bool symmetry = false;
   std::vector<char> has_cone(box.corners.size(), 0);
   for (int row = lp_.rows() - 1; row >= base_rows_; --row) {
@@ -280,7 +281,7 @@ bool turn_over(proof::Row& row) {
 
 }  // namespace
 
-Multipliers Programme::multipliers() const {
+Multipliers LinearProgram::multipliers() const {
   Multipliers y;
   for (std::size_t r = 0; r < ids_.size(); ++r) {
     const auto* limit = std::get_if<proof::Row>(&ids_[r]);

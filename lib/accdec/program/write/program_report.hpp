@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <accdec/program/plan/plan.hpp>
 #include <accdec/program/plan/plan_time.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/read/toolpath.hpp>
 #include <accdec/program/simulate/leg_filters.hpp>
 #include <accdec/task/result.hpp>

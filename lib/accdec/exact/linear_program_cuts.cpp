@@ -2,11 +2,11 @@
 #include <cmath>
 #include <numbers>
 
-#include <accdec/exact/programme.hpp>
+#include <accdec/exact/linear_program.hpp>
 #include <accdec/exact/window.hpp>
 #include <accdec/machine/utilisation.hpp>
 
-// Rows that a solution of the programme breaks.
+// Rows that a solution of the linear program breaks.
 
 namespace accdec::exact {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 constexpr double inside = 1e-12;
 }  // namespace
 
-bool Programme::cut(const Filter& filter, const Box& box, double allowed) {
+bool LinearProgram::cut(const Filter& filter, const Box& box, double allowed) {
   bool added = cut_cones(filter, box, allowed);
   for (const proof::Row& id : model_.rows.broken_blend_rows(filter, box, broken()))
     added |= (!window_ || inside_window(id, box)) && add_limit(id, box);
@@ -25,7 +25,7 @@ bool Programme::cut(const Filter& filter, const Box& box, double allowed) {
   return cut_vibration(filter, box) || added;
 }
 
-bool Programme::add_limit(const proof::Row& id, const Box& box) {
+bool LinearProgram::add_limit(const proof::Row& id, const Box& box) {
   const auto same = [&](const Id& old) {
     const auto* row = std::get_if<proof::Row>(&old);
     return row != nullptr && *row == id;
@@ -36,7 +36,7 @@ bool Programme::add_limit(const proof::Row& id, const Box& box) {
   return true;
 }
 
-bool Programme::cut_cones(const Filter& filter, const Box& box, double allowed) {
+bool LinearProgram::cut_cones(const Filter& filter, const Box& box, double allowed) {
   bool added = false;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     if (!model_.cone(j) || box.only_angle) continue;
@@ -60,14 +60,14 @@ bool Programme::cut_cones(const Filter& filter, const Box& box, double allowed) 
     const auto same = [&](const proof::Error& old) {
       return old.corner == static_cast<int>(j) && std::abs(old.angle - angle) < same_angle;
     };
-    if (known<proof::Error>(same)) continue;  // the programme's own tolerance
+    if (known<proof::Error>(same)) continue;  // the linear program's own tolerance
     add_cone(j, angle, box);
     added = true;
   }
   return added;
 }
 
-bool Programme::add_vibration(const proof::Vibration& id) {
+bool LinearProgram::add_vibration(const proof::Vibration& id) {
   const auto same = [&](const proof::Vibration& old) {
     return old.mode == id.mode && old.frequency == id.frequency && std::abs(old.angle - id.angle) < same_angle;
   };
@@ -77,7 +77,7 @@ bool Programme::add_vibration(const proof::Vibration& id) {
   return true;
 }
 
-bool Programme::cut_vibration(const Filter& filter, const Box& box) {
+bool LinearProgram::cut_vibration(const Filter& filter, const Box& box) {
   bool added = false;
   const double t = model_.task().sample_period;
   const auto uses = vibration_utilisation(filter, t, model_.task().machine);

@@ -9,7 +9,7 @@
 namespace accdec {
 
 /// What an independent recheck of a stored result found.
-struct Recheck {
+struct ResultCheck {
   bool accepted = false;
   std::vector<std::string> reasons;  ///< why not; empty when accepted
   VerificationReport verification;   ///< of the simulation run now
@@ -21,6 +21,6 @@ struct Recheck {
 /// those used, and the proof behind `optimal` or a lower bound.
 /// An infeasible result carries nothing besides: no bound, gap, filter, corner or limit.
 /// @param stop  polled while a proof is checked; true rejects it
-Recheck recheck(const DesignResult& result, const std::function<bool()>& stop = {});
+ResultCheck verify_result(const DesignResult& result, const std::function<bool()>& stop = {});
 
 }  // namespace accdec

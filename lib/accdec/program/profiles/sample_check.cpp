@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <accdec/program/plan/plan.hpp>
-#include <accdec/program/profiles/check.hpp>
+#include <accdec/program/plan/program_plan.hpp>
+#include <accdec/program/profiles/sample_check.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {

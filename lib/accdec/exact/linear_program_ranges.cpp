@@ -2,15 +2,15 @@
 #include <cmath>
 #include <numbers>
 
-#include <accdec/exact/programme.hpp>
+#include <accdec/exact/linear_program.hpp>
 #include <accdec/exact/range_cut.hpp>
 
-// The part of the linear programme that several corners share: their delays and samples as columns, and what the target
+// The part of the linear program that several corners share: their delays and samples as columns, and what the target
 // leaves of the delays together.
 
 namespace accdec::exact {
 
-void Programme::draft_budget(const Box& box) {
+void LinearProgram::draft_budget(const Box& box) {
   draft_.clear();
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     draft_.add(delay_column(j), model_.task().corners[j].weight);
@@ -20,7 +20,7 @@ void Programme::draft_budget(const Box& box) {
 }
 
 /// Bounds of the columns, and the rows that no earlier box left.
-void Programme::prepare_ranges(const Box& box) {
+void LinearProgram::prepare_ranges(const Box& box) {
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const CornerBox& c = box.corners[j];
     const bool ranges = shared(j, box) && model_.cone(j);
@@ -43,7 +43,7 @@ void Programme::prepare_ranges(const Box& box) {
   }
 }
 
-void Programme::draft_range_cone(const proof::RangeError& id, const Box& box) {
+void LinearProgram::draft_range_cone(const proof::RangeError& id, const Box& box) {
   const auto j = static_cast<std::size_t>(id.corner);
   const RangeRow row = range_row(box, j, id.in, id.out, model_.weight_in(j, id.angle), model_.weight_out(j, id.angle));
   draft_.clear();
@@ -57,7 +57,7 @@ void Programme::draft_range_cone(const proof::RangeError& id, const Box& box) {
   draft_.high = model_.error_bound(j) * (1.0 + slack_) - row.constant;
 }
 
-void Programme::cut_ranges(std::size_t j, const Filter& filter, const Box& box, double allowed, bool& added) {
+void LinearProgram::cut_ranges(std::size_t j, const Filter& filter, const Box& box, double allowed, bool& added) {
   const HighestTangents at = highest_tangents(filter, box, j, delay(j), sample(j));
   const double p = at.distance_in * model_.scale_in(j), q = at.distance_out * model_.scale_out(j);
   const double theta = model_.theta(j), inside = 1e-12;
@@ -71,7 +71,7 @@ void Programme::cut_ranges(std::size_t j, const Filter& filter, const Box& box, 
     return old.corner == id.corner && std::abs(old.angle - id.angle) < same_angle && old.in == id.in &&
            old.out == id.out;
   };
-  if (known<proof::RangeError>(same)) return;  // the programme's own tolerance
+  if (known<proof::RangeError>(same)) return;  // the linear program's own tolerance
   draft_range_cone(id, box);
   add(id);
   added = true;

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/certificate/checker.hpp>
-#include <accdec/design/course.hpp>
+#include <accdec/design/anytime.hpp>
 #include <accdec/design/larger_order.hpp>
 #include <accdec/design/shape_search.hpp>
 #include <accdec/exact/exact.hpp>
@@ -58,7 +58,7 @@ class Course {
     return finish();
   }
 
-  /// Where the exact method's programmes are too large.
+  /// Where the exact method's linear programs are too large.
   DesignResult run_without_programmes(const std::string& why) {
     exact_ = DesignResult();
     exact_->task = task_;
@@ -212,7 +212,7 @@ class Course {
 
 }  // namespace
 
-DesignResult design_by_course(const Task& task, const DesignOptions& options) {
+DesignResult design_anytime(const Task& task, const DesignOptions& options) {
   Course course(task, options);
   try {
     const int most = task.design.order_max;

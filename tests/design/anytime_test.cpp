@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 
 #include <accdec/design/design.hpp>
-#include <accdec/design/recheck.hpp>
 #include <accdec/design/shape_search.hpp>
+#include <accdec/design/verify_result.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/formats/task_reader.hpp>
 
@@ -62,7 +62,7 @@ TEST(DesignTask, WhereTheProofWouldNotFitAStandardShapeIsVerified) {
   EXPECT_EQ(result.status, Status::feasible) << result.message;
   EXPECT_THAT(result.message, HasSubstr("GB"));
   EXPECT_FALSE(result.lower_bound);
-  EXPECT_TRUE(recheck(result).accepted);
+  EXPECT_TRUE(verify_result(result).accepted);
 }
 
 // No boxcar, trapezoid, Hann or Blackman window of 400 taps leaves so little of a band; Kaiser's does.
@@ -81,7 +81,7 @@ error_max_um = 50
                          "task.toml");
   const auto result = best_shape(task, 30.0);
   ASSERT_TRUE(result.has_value());
-  EXPECT_TRUE(recheck(*result).accepted);
+  EXPECT_TRUE(verify_result(*result).accepted);
   // The sum over the taps at a frequency of the band, term by term.
   for (const double frequency : {20.0, 23.7, 30.0}) {
     std::complex<double> sum = 0.0;
@@ -117,7 +117,7 @@ TEST(DesignTask, StoppedEarlyItStillStatesABoundThatIsAccepted) {
     EXPECT_LE(*result.lower_bound, 0.074 + 1e-9);
     EXPECT_TRUE(result.gap.has_value());
   }
-  EXPECT_THAT(recheck(result).reasons, ::testing::IsEmpty());
+  EXPECT_THAT(verify_result(result).reasons, ::testing::IsEmpty());
 }
 
 TEST(DesignTask, SeveralCornersAreNeverWorseThanALocalSolverAlone) {

@@ -12,6 +12,6 @@ namespace accdec {
 /// quick choice by formula, with nine tenths of the verification's tolerance as slack: whoever uses it verifies by
 /// simulation. O(axes (N + d)) a delay that holds, less for most that do not.
 /// @param task  its own filter, if any, is ignored
-std::optional<std::vector<int>> delays_below(const Filter& filter, const Task& task, double samples);
+std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Task& task, double samples);
 
 }  // namespace accdec

@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include <accdec/program/read/move.hpp>
-#include <accdec/program/simulate/lanes.hpp>
-#include <accdec/program/simulate/nearest.hpp>
+#include <accdec/program/simulate/joint_distance.hpp>
+#include <accdec/program/simulate/simd_lanes.hpp>
 
 namespace accdec {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/exact/conflict.hpp>
+#include <accdec/exact/minimal_conflict.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/task/conflict.hpp>
 

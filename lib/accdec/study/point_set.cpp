@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/study/plan.hpp>
+#include <accdec/study/point_set.hpp>
 
 namespace accdec::study {
 namespace {
@@ -31,8 +31,8 @@ double between(const Variation& v, double t) {
 
 }  // namespace
 
-Plan::Plan(std::vector<std::string> cases, std::vector<Variation> variations, Sampling sampling, std::size_t samples,
-           std::uint64_t seed)
+PointSet::PointSet(std::vector<std::string> cases, std::vector<Variation> variations, Sampling sampling,
+                   std::size_t samples, std::uint64_t seed)
     : cases_(std::move(cases)), variations_(std::move(variations)) {
   if (cases_.empty()) throw std::invalid_argument("a study needs at least one case");
   std::set<std::string> names;
@@ -65,7 +65,7 @@ Plan::Plan(std::vector<std::string> cases, std::vector<Variation> variations, Sa
   }
 }
 
-Point Plan::point(std::size_t index) const {
+Point PointSet::point(std::size_t index) const {
   if (index >= size()) throw std::out_of_range(fmt::format("point {} of a study of {}", index, size()));
   Point point{index, index / points_per_case_, std::vector<double>(variations_.size())};
   std::size_t rest = index % points_per_case_;

@@ -21,20 +21,20 @@ enum class Sampling { grid, latin_hypercube };
 
 struct Point {
   std::size_t index = 0;       ///< 0 .. size - 1
-  std::size_t case_index = 0;  ///< into Plan::cases
+  std::size_t case_index = 0;  ///< into PointSet::cases
   std::vector<double> values;  ///< one a variation
 };
 
 /// The points of a study: every case with every combination of values (the first variation slowest), or with a seeded
 /// Latin hypercube sample, the same for each case. What point i is depends on nothing but the plan, so any subset can
 /// be computed anywhere.
-class Plan {
+class PointSet {
  public:
   /// @param samples  points a case of the hypercube; not used by the grid
   /// @throws std::invalid_argument naming a variation without values, no case, two alike names, no samples, a size
   /// beyond 2^53.
-  Plan(std::vector<std::string> cases, std::vector<Variation> variations, Sampling sampling = Sampling::grid,
-       std::size_t samples = 0, std::uint64_t seed = 0);
+  PointSet(std::vector<std::string> cases, std::vector<Variation> variations, Sampling sampling = Sampling::grid,
+           std::size_t samples = 0, std::uint64_t seed = 0);
 
   std::size_t size() const { return cases_.size() * points_per_case_; }
   /// @throws std::out_of_range

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/task/enumeration.hpp>
+#include <accdec/task/check_delays.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verifier.hpp>
 

@@ -4,7 +4,7 @@
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/simulate/simulate.hpp>
 
 #include "reference.hpp"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 #include <accdec/program/write/samples.hpp>
 
 namespace accdec {

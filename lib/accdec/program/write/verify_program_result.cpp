@@ -7,7 +7,7 @@
 
 #include <accdec/machine/limits.hpp>
 #include <accdec/program/simulate/direct.hpp>
-#include <accdec/program/write/recheck_program.hpp>
+#include <accdec/program/write/verify_program_result.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -47,7 +47,7 @@ class Check {
  public:
   Check(const ProgramResult& result, const Task& task) : result_(result), task_(task) {}
 
-  ProgramRecheck run() {
+  ProgramResultCheck run() {
     const Toolpath& path = result_.path;
     const DirectMotion motion = direct_motion(path, result_.sample_period, result_.plan.delays, result_.legs);
     if (motion.samples != result_.plan.simulation.samples)
@@ -124,7 +124,7 @@ class Check {
 
   const ProgramResult& result_;
   const Task& task_;
-  ProgramRecheck report_;
+  ProgramResultCheck report_;
 };
 
 double distance(const double* a, const double* b, std::size_t n) {
@@ -155,7 +155,7 @@ std::map<std::size_t, double> dwells(const Toolpath& path) {
 
 }  // namespace
 
-ProgramRecheck recheck_program(const ProgramResult& result, const Task& task) {
+ProgramResultCheck verify_program_result(const ProgramResult& result, const Task& task) {
   return Check(result, task).run();
 }
 

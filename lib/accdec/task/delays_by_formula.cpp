@@ -3,7 +3,7 @@
 
 #include <accdec/machine/limits.hpp>
 #include <accdec/motion/smallest_delay.hpp>
-#include <accdec/task/delays_below.hpp>
+#include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -102,7 +102,7 @@ class BlendCheck {
 
 }  // namespace
 
-std::optional<std::vector<int>> delays_below(const Filter& filter, const Task& task, double samples) {
+std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Task& task, double samples) {
   const DelayFinder smallest(filter);
   std::vector<int> delays;
   const LinearCost linear = cost_of(task);

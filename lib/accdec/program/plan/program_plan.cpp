@@ -3,7 +3,7 @@
 
 #include <accdec/program/plan/corner_limits.hpp>
 #include <accdec/program/plan/curve_feeds.hpp>
-#include <accdec/program/plan/plan.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/plan/repair.hpp>
 #include <accdec/task/verifier.hpp>
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <optional>
 
-#include <accdec/program/profiles/corner.hpp>
+#include <accdec/program/profiles/profile_corner.hpp>
 
 namespace accdec {
 namespace {

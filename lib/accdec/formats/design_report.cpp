@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/formats/report.hpp>
+#include <accdec/formats/design_report.hpp>
 
 namespace accdec {
 namespace {

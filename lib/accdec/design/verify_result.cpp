@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <accdec/certificate/checker.hpp>
-#include <accdec/design/recheck.hpp>
-#include <accdec/task/enumeration.hpp>
+#include <accdec/design/verify_result.hpp>
+#include <accdec/task/check_delays.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -156,7 +156,7 @@ void check_nothing_besides(const DesignResult& result, std::vector<std::string>&
   refuse(result.verification.performed || result.verification.feasible, "a verified design");
 }
 
-void check_proof(const DesignResult& result, Recheck& report, const std::function<bool()>& stop) {
+void check_proof(const DesignResult& result, ResultCheck& report, const std::function<bool()>& stop) {
   const auto reject = [&](std::string reason) { report.reasons.push_back(std::move(reason)); };
   if (result.gap && !result.lower_bound) reject("a gap is recorded without a lower bound");
   if (result.lower_bound) {
@@ -189,8 +189,8 @@ void check_proof(const DesignResult& result, Recheck& report, const std::functio
 
 }  // namespace
 
-Recheck recheck(const DesignResult& result, const std::function<bool()>& stop) {
-  Recheck report;
+ResultCheck verify_result(const DesignResult& result, const std::function<bool()>& stop) {
+  ResultCheck report;
   if (result.status == Status::infeasible && result.certificate && !result.task.filter) {
     const CheckReport check = check_certificate(result.task, result, stop);
     report.proof = check.reason;

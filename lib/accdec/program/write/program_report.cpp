@@ -11,7 +11,7 @@
 #include <accdec/program/plan/feed_schedule.hpp>
 #include <accdec/program/plan/filter_bound.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
-#include <accdec/program/write/report.hpp>
+#include <accdec/program/write/program_report.hpp>
 #include <accdec/program/write/samples.hpp>
 #include <accdec/task/verifier.hpp>
 

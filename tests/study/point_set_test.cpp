@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include <accdec/study/plan.hpp>
+#include <accdec/study/point_set.hpp>
 
 namespace accdec::study {
 namespace {
@@ -19,8 +19,8 @@ Variation list(const std::string& name, std::vector<double> values) {
   return {name, {name}, std::move(values), false, false};
 }
 
-TEST(Plan, GridHasEveryCombinationOnceFirstVariationSlowest) {
-  const Plan plan({"a", "b"}, {list("u", {1, 2, 3}), list("v", {10, 20})});
+TEST(PointSet, GridHasEveryCombinationOnceFirstVariationSlowest) {
+  const PointSet plan({"a", "b"}, {list("u", {1, 2, 3}), list("v", {10, 20})});
   ASSERT_EQ(plan.size(), 12u);
   EXPECT_THAT(plan.point(0).values, ElementsAre(1, 10));
   EXPECT_THAT(plan.point(1).values, ElementsAre(1, 20));
@@ -33,10 +33,10 @@ TEST(Plan, GridHasEveryCombinationOnceFirstVariationSlowest) {
   EXPECT_THROW(plan.point(12), std::out_of_range);
 }
 
-TEST(Plan, LatinHypercubePutsOnePointIntoEveryStratumOfEveryAxis) {
+TEST(PointSet, LatinHypercubePutsOnePointIntoEveryStratumOfEveryAxis) {
   const std::size_t n = 37;
-  const Plan plan({""}, {{"u", {"u"}, {2.0, 5.0}, true, false}, {"v", {"v"}, {1.0, 1000.0}, true, true}},
-                  Sampling::latin_hypercube, n, 11);
+  const PointSet plan({""}, {{"u", {"u"}, {2.0, 5.0}, true, false}, {"v", {"v"}, {1.0, 1000.0}, true, true}},
+                      Sampling::latin_hypercube, n, 11);
   ASSERT_EQ(plan.size(), n);
   std::set<int> u, v;
   for (std::size_t i = 0; i < n; ++i) {
@@ -50,11 +50,11 @@ TEST(Plan, LatinHypercubePutsOnePointIntoEveryStratumOfEveryAxis) {
   EXPECT_EQ(*v.rbegin(), static_cast<int>(n) - 1);
 }
 
-TEST(Plan, LatinHypercubeSpreadsListsEvenlyAndFollowsItsSeed) {
+TEST(PointSet, LatinHypercubeSpreadsListsEvenlyAndFollowsItsSeed) {
   const auto make = [](std::uint64_t seed) {
-    return Plan({""}, {list("u", {1, 2, 3})}, Sampling::latin_hypercube, 30, seed);
+    return PointSet({""}, {list("u", {1, 2, 3})}, Sampling::latin_hypercube, 30, seed);
   };
-  const Plan a = make(1), b = make(1), c = make(2);
+  const PointSet a = make(1), b = make(1), c = make(2);
   int count[4] = {};
   bool same = true, other = false;
   for (std::size_t i = 0; i < 30; ++i) {
@@ -67,7 +67,7 @@ TEST(Plan, LatinHypercubeSpreadsListsEvenlyAndFollowsItsSeed) {
   EXPECT_TRUE(other);
 }
 
-TEST(Plan, ShardsShareOutEveryPoint) {
+TEST(PointSet, ShardsShareOutEveryPoint) {
   std::vector<std::size_t> all;
   for (std::size_t i = 1; i <= 4; ++i) {
     const auto part = shard(10, i, 4);
@@ -80,7 +80,7 @@ TEST(Plan, ShardsShareOutEveryPoint) {
   EXPECT_THROW(shard(10, 5, 4), std::invalid_argument);
 }
 
-TEST(Plan, ShardsOfAGridHaveTheirPartOfEveryValueOfEveryAxis) {
+TEST(PointSet, ShardsOfAGridHaveTheirPartOfEveryValueOfEveryAxis) {
   // 20 values and 10 shards: stripes would give each shard two of the twenty.
   const std::size_t values = 20, others = 500, shards = 10;
   for (std::size_t number = 1; number <= shards; ++number) {
@@ -99,7 +99,7 @@ TEST(Plan, ShardsOfAGridHaveTheirPartOfEveryValueOfEveryAxis) {
   EXPECT_EQ(shard(7, 3, std::size_t{1} << 60).size(), 1u) << "more shards than points cost no memory";
 }
 
-TEST(Plan, ShardsAreTheSameOnEveryPlatform) {
+TEST(PointSet, ShardsAreTheSameOnEveryPlatform) {
   // The generator is the standard's: its 10000th value from seed 5489 is fixed there; that what is made of it is
   // integers and exact floating point only shows in a deal recomputed here in whole numbers.
   std::mt19937_64 rng(1);
@@ -111,7 +111,7 @@ TEST(Plan, ShardsAreTheSameOnEveryPlatform) {
     EXPECT_THAT(shard(6, number, 6), ElementsAre(deal[number - 1]));
 }
 
-TEST(Plan, RangesHaveExactEnds) {
+TEST(PointSet, RangesHaveExactEnds) {
   EXPECT_THAT(spread(1, 2, 3, false), ElementsAre(1, 1.5, 2));
   const auto log = spread(1, 1000, 4, true);
   EXPECT_NEAR(log[1], 10, 1e-12);
@@ -121,16 +121,16 @@ TEST(Plan, RangesHaveExactEnds) {
   EXPECT_THROW(spread(0, 1, 0, false), std::invalid_argument);
 }
 
-TEST(Plan, RefusesWhatHasNoPoints) {
-  EXPECT_THAT([] { Plan({"a"}, {list("u", {})}); },
+TEST(PointSet, RefusesWhatHasNoPoints) {
+  EXPECT_THAT([] { PointSet({"a"}, {list("u", {})}); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("`u` has no values")));
-  EXPECT_THAT([] { Plan({}, {}); }, ThrowsMessage<std::invalid_argument>(HasSubstr("case")));
+  EXPECT_THAT([] { PointSet({}, {}); }, ThrowsMessage<std::invalid_argument>(HasSubstr("case")));
   EXPECT_THAT(
       [] {
-        Plan({"a"}, {list("u", {1}), list("u", {1})});
+        PointSet({"a"}, {list("u", {1}), list("u", {1})});
       },
       ThrowsMessage<std::invalid_argument>(HasSubstr("two")));
-  EXPECT_THROW(Plan({"a"}, {list("u", {1})}, Sampling::latin_hypercube, 0), std::invalid_argument);
+  EXPECT_THROW(PointSet({"a"}, {list("u", {1})}, Sampling::latin_hypercube, 0), std::invalid_argument);
 }
 
 }  // namespace

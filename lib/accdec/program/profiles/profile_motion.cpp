@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/program/profiles/motion.hpp>
+#include <accdec/program/profiles/profile_motion.hpp>
 
 namespace accdec {
 namespace {
