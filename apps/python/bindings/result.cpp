@@ -173,7 +173,7 @@ void bind_recheck(py::module_& module) {
       .def_property_readonly("verification", [](const ResultCheck& r) { return verification(r.verification); })
       .def("__bool__", [](const ResultCheck& r) { return r.accepted; })
       .def("__repr__", [](const ResultCheck& r) {
-        std::string text = r.accepted ? "<accdec.Recheck accepted" : "<accdec.ResultCheck rejected";
+        std::string text = r.accepted ? "<accdec.Recheck accepted" : "<accdec.Recheck rejected";
         for (const std::string& reason : r.reasons) text += "; " + reason;
         return text + (r.proof.empty() ? "" : "; proof accepted: " + r.proof) + ">";
       });
