@@ -48,6 +48,29 @@ inline AxisState axis_state(const Axis& axis, double velocity, double accelerati
   return {velocity, acceleration, jerk, force, power, -power};
 }
 
+/// The states of an axis one sample after the other, from steady motion on: what a limit needs to know of the samples
+/// before is kept here and nowhere else.
+class AxisSampler {
+ public:
+  /// Samples before the one asked for that its state depends on.
+  static constexpr int memory = 1;
+
+  /// @param period  sample period T, s, > 0  @param axis  the reference is kept
+  AxisSampler(const Axis& axis, double period) : axis_(&axis), period_(period) {}
+  /// @param velocity, acceleration  of the next sample, m/s and m/s^2
+  AxisState next(double velocity, double acceleration) {
+    const double jerk = (acceleration - acceleration_) / period_;
+    acceleration_ = acceleration;
+    return axis_state(*axis_, velocity, acceleration, jerk);
+  }
+  /// A sample whose state nobody asks for.
+  void skip(double acceleration) { acceleration_ = acceleration; }
+
+ private:
+  const Axis* axis_;
+  double period_, acceleration_ = 0.0;
+};
+
 /// A limit of an axis: where its bound stands and what is compared with it. To add one, add a line here; see the recipe
 /// in lib/accdec/README.md for who repeats the formula on purpose.
 struct AxisLimit {

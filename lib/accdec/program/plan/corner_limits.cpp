@@ -71,13 +71,11 @@ bool CornerLimits::holds(const Filter& filter_in, const Filter& filter_out, cons
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
     const double v1 = in[a], v2 = out[a];
-    double before = 0.0;
+    AxisSampler sampler(axis, period_);
     for (int k = 0; k <= last; ++k) {
       const double v = v1 * filter_in.remaining(k) + v2 * filter_out.cumulative(k - delay);
       const double acceleration = (v2 * filter_out.tap(k - 1 - delay) - v1 * filter_in.tap(k - 1)) / period_;
-      if (!accdec::holds(axis, axis_state(axis, v, acceleration, (acceleration - before) / period_), slack))
-        return false;
-      before = acceleration;
+      if (!accdec::holds(axis, sampler.next(v, acceleration), slack)) return false;
     }
   }
   return true;
