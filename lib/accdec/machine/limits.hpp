@@ -123,6 +123,10 @@ inline constexpr int most_differences = [] {
   return most;
 }();
 
+/// Samples past the order of a filter at which a change of the command has left every limited value: one a difference,
+/// that of the velocity included. Delays longer than the order by so many change nothing.
+inline constexpr int settling = 1 + most_differences;
+
 /// Whether a sample holds every limit of its axis. @param slack  factor on all bounds
 inline bool holds(const Axis& axis, const AxisState& state, double slack) {
   return [&]<std::size_t... i>(std::index_sequence<i...>) {

@@ -90,7 +90,7 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
     for (const AxisEvent& e : {AxisEvent{Event::start, 0.0, in, 0}, AxisEvent{Event::blend, in, out, delay},
                                AxisEvent{Event::stop, out, 0.0, 0}}) {
       AxisSampler sampler(axis, sample_period);
-      const int last = filter.order() + 2 + (e.event == Event::blend ? std::max(e.delay, 0) : 0);
+      const int last = filter.order() + settling + (e.event == Event::blend ? std::max(e.delay, 0) : 0);
       for (int k = std::min(0, e.delay); k <= last; ++k) {
         const double v = e.in * filter.remaining(k) + e.out * filter.cumulative(k - e.delay);
         const double acc = (e.out * filter.tap(k - 1 - e.delay) - e.in * filter.tap(k - 1)) / sample_period;

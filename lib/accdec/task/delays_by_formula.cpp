@@ -17,7 +17,7 @@ constexpr double slack = 1.0 + 0.9 * verification_tolerance;
 /// change.
 bool ramp_holds(const Filter& filter, const Axis& axis, double speed, bool stop, double period) {
   AxisSampler sampler(axis, period);
-  for (int k = 0; k <= filter.order() + 2; ++k) {
+  for (int k = 0; k <= filter.order() + settling; ++k) {
     const double v = speed * (stop ? filter.remaining(k) : filter.cumulative(k));
     const double acceleration = (stop ? -speed : speed) * filter.tap(k - 1) / period;
     if (!holds(axis, sampler.next(v, acceleration), slack)) return false;
@@ -54,7 +54,7 @@ class BlendCheck {
   }
 
   bool holds(int delay) {
-    const int last = filter_.order() + delay + 2;
+    const int last = filter_.order() + delay + settling;
     for (int k : {hint_, hint_ + 1}) {
       if (k <= last && !sample_holds(k, delay)) return false;
     }
@@ -128,7 +128,7 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
   for (std::size_t j = 0; j < delays.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     // At N + 1 the legs no longer overlap, but the last step of one acceleration still meets the first of the other.
-    const int last = corner.delay.value_or(std::max(delays[j], filter.order() + 2));
+    const int last = corner.delay.value_or(std::max(delays[j], filter.order() + settling));
     BlendCheck check(filter, corner, task);
     while (!check.holds(delays[j])) {
       cost += linear.delay[j];
