@@ -3,6 +3,7 @@
 #include <complex>
 
 #include <accdec/design/tap_range.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -68,7 +69,7 @@ bool axis_breaks(const Axis& axis, Between v, Between a, Between before, double 
 bool ramp_breaks(const TapRange& range, const Axis& axis, double speed, bool stops, double period) {
   if (speed == 0.0) return false;
   Between before{0.0, 0.0};
-  for (int k = 0; k <= range.order() + 2; ++k) {
+  for (int k = 0; k <= range.order() + settling; ++k) {
     const Between gone = cumulative(range, k);
     const Between v = speed * (stops ? Between{1.0, 1.0} - gone : gone);
     const Between a = ((stops ? -speed : speed) / period) * tap(range, k - 1);
@@ -142,7 +143,7 @@ bool error_breaks(const TapRange& range, const TaskCorner& corner, int delay, do
 bool blend_breaks(const TapRange& range, const TaskCorner& corner, int delay, const Task& task) {
   const double period = task.sample_period;
   const Corner& g = corner.geometry();
-  const int last = range.order() + delay + 2;
+  const int last = range.order() + delay + settling;
   std::vector<double> speed_squared(corner.speed_min > 0.0 ? static_cast<std::size_t>(last) + 1 : 0, 0.0);
   for (std::size_t x = 0; x < task.machine.axes.size(); ++x) {
     const auto e = static_cast<Eigen::Index>(x);
@@ -234,7 +235,7 @@ double lower_cost(const TapRange& range, const Task& task, const LinearCost& cos
   for (std::size_t j = 0; j < delays.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     // From N + 2 on nothing changes any more.
-    const int last = corner.delay.value_or(std::max(delays[j], range.order() + 2));
+    const int last = corner.delay.value_or(std::max(delays[j], range.order() + settling));
     int good = last, bad = delays[j] - 1;
     if (misses(range, corner, last, period)) return unlimited;
     while (good - bad > 1) (misses(range, corner, (good + bad) / 2, period) ? bad : good) = (good + bad) / 2;
@@ -244,7 +245,7 @@ double lower_cost(const TapRange& range, const Task& task, const LinearCost& cos
   }
   for (std::size_t j = 0; j < delays.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
-    const int last = corner.delay.value_or(std::max(delays[j], range.order() + 2));
+    const int last = corner.delay.value_or(std::max(delays[j], range.order() + settling));
     while (error_breaks(range, corner, delays[j], period) || blend_breaks(range, corner, delays[j], task)) {
       if (++delays[j] > last) return unlimited;
       bound += cost.delay[j];

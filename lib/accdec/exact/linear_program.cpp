@@ -87,13 +87,15 @@ void LinearProgram::add_base_rows() {
   all.order = largest_;
   all.corners.resize(model_.corners());
   all.window = window_;
-  // Jerk in units of a tap, others of their bound: entries of the order of 1.
-  const double jerk = model_.rows.jerk_max();
-  for (int i = 0; jerk < 1.0 && i <= largest_ + 1; ++i) {
-    const proof::TapDifference id{i, 1};
-    if (window_ && !inside_window(id, all)) continue;
-    draft_limit(model_.rows.row(id, all), jerk, true);
-    add(id);
+  // Differences in units of a tap, others of their bound: entries of the order of 1.
+  for (const RampLimit& ramp : model_.rows.ramps()) {
+    const double reach = std::ldexp(1.0, ramp.differences - 1);  // of any taps from 0 to 1
+    for (int i = 0; ramp.max < reach && i <= largest_ + ramp.differences; ++i) {
+      const proof::TapDifference id{i, 1, ramp.kind};
+      if (window_ && !inside_window(id, all)) continue;
+      draft_limit(model_.rows.row(id, all), ramp.max, true);
+      add(id);
+    }
   }
   for (const proof::Row& id : model_.rows.base_force_rows(largest_)) {
     if (window_ && !inside_window(id, all)) continue;
@@ -292,7 +294,8 @@ Multipliers LinearProgram::multipliers() const {
       value = -value;
       if (!turn_over(row)) continue;
     }
-    if (std::holds_alternative<proof::TapDifference>(row)) value *= model_.rows.jerk_max();
+    if (const auto* difference = std::get_if<proof::TapDifference>(&row))
+      value *= model_.rows.ramp_max(difference->limit);
     if (const auto* vibration = std::get_if<proof::Vibration>(&row)) value *= vibration_scale(*vibration);
     y.push_back({row, value});
   }

@@ -108,16 +108,15 @@ Panel motion_panel(const Quantity& quantity, const std::string& axis, const std:
   return panel;
 }
 
-std::vector<Panel> axis_panels(const SampledMotion& motion, Eigen::Index index, const Axis& axis,
+std::vector<Panel> axis_panels(const SampledMotion& motion, double period, Eigen::Index index, const Axis& axis,
                                const std::vector<double>& time) {
   std::vector<Panel> panels;
   for (const Quantity& quantity : quantities_of(axis)) {
+    AxisSampler sampler(axis, period);
     std::vector<double> values;
-    for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) {
-      values.push_back(signed_value(
-          axis_state(axis, motion.velocity(n, index), motion.acceleration(n, index), motion.jerk(n, index)),
-          quantity.kind));
-    }
+    for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
+      values.push_back(
+          signed_value(sampler.next(motion.velocity(n, index), motion.acceleration(n, index)), quantity.kind));
     panels.push_back(motion_panel(quantity, axis.name, time, values));
   }
   return panels;
@@ -291,7 +290,7 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
     const auto a = static_cast<Eigen::Index>(axis);
     const bool moves =
         std::abs(task.geometry().direction_in[a]) > 1e-12 || std::abs(task.geometry().direction_out[a]) > 1e-12;
-    if (moves) axes.push_back(axis_panels(motion, a, result.task.machine.axes[axis], time));
+    if (moves) axes.push_back(axis_panels(motion, period, a, result.task.machine.axes[axis], time));
   }
   add_side_by_side(figure.panels, std::move(axes));
   figure.panels.push_back(response_panel(filter, period, result.task.machine.modes));

@@ -77,29 +77,32 @@ double norm(const double* v, std::size_t n) {
 /// The limits of one machine, and how much of each a sample uses.
 class Uses {
  public:
-  Uses(const Machine& machine, double period) : machine_(machine), period_(period) {}
+  Uses(const Machine& machine, double period) : period_(period) {
+    for (const Axis& axis : machine.axes) axes_.push_back({&axis, AxisSampler(axis, period)});
+  }
   /// Index in `axis_limits` of the limit most used by the next sample; -1 if none by 98 %.
   int next(const double* v) {
     int binding = -1;
     double most = 0.98;
-    for (std::size_t a = 0; a < machine_.axes.size(); ++a) {
-      const Axis& axis = machine_.axes[a];
-      const double acceleration = (v[a] - v_[a]) / period_, jerk = (acceleration - a_[a]) / period_;
-      const AxisState state = axis_state(axis, v[a], acceleration, jerk);
+    for (Followed& followed : axes_) {
+      const AxisState state = followed.sampler.next(*v, (*v - followed.velocity) / period_);
       for (std::size_t i = 0; i < axis_limits.size(); ++i) {
-        const double use = axis_limits[i].value(state) / (axis.*axis_limits[i].bound);
+        const double use = axis_limits[i].value(state) / (followed.axis->*axis_limits[i].bound);
         if (use > most) most = use, binding = static_cast<int>(i);
       }
-      v_[a] = v[a];
-      a_[a] = acceleration;
+      followed.velocity = *v++;
     }
     return binding;
   }
 
  private:
-  const Machine& machine_;
+  struct Followed {
+    const Axis* axis;
+    AxisSampler sampler;
+    double velocity = 0.0;  ///< m/s, of the last sample
+  };
   double period_;
-  std::array<double, program_axis_count> v_{}, a_{};
+  std::vector<Followed> axes_;
 };
 
 /// The two axes of the largest extent.
