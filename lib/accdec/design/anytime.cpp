@@ -18,10 +18,6 @@ namespace {
 /// Orders up to which slsqp, which is dense, is faster than ipopt.
 constexpr int dense_order_max = 150;
 
-bool has_design(const DesignResult& result) {
-  return result.status == Status::optimal || result.status == Status::feasible;
-}
-
 /// Whether limits make the set of filters non-convex; none if they do not.
 Task convex_part(const Task& task, bool& all) {
   Task part = task;
@@ -52,8 +48,8 @@ class Course {
     const double share = several ? 0.35 : 0.2;
     if (several && task_.design.order_min <= dense_order_max) local("nlopt-slsqp", 0.4 * share);
     local(options_.solver, share);
-    if (!has_design(*exact_) && !best_) shapes(0.1);
-    if (several || !convex || !has_design(*exact_)) exact(1.0);
+    if (!exact_->has_design() && !best_) shapes(0.1);
+    if (several || !convex || !exact_->has_design()) exact(1.0);
     if (settled()) return *exact_;
     return finish();
   }
@@ -109,7 +105,7 @@ class Course {
       result.solver.evaluations += exact_->solver.evaluations;
       result.solver.wall_time += exact_->solver.wall_time;
       offer_bound(*exact_);
-      if (has_design(*exact_)) offer_design(*exact_);
+      if (exact_->has_design()) offer_design(*exact_);
     }
     exact_ = std::move(result);
   }
@@ -123,12 +119,12 @@ class Course {
     options.time_limit = std::min(share * options_.time_limit, left());
     tell(fmt::format("looking for a design with {} for at most {:.0f} s", solver, options.time_limit));
     DesignResult result = design_nlp(task_, options);
-    if (!has_design(result)) {
+    if (!result.has_design()) {
       // Nothing proved and nothing found: the local search at least knows which limits are in each other's way.
       local_message_ = result.message;
       return;
     }
-    if (!exact_ || !has_design(*exact_) || result.objective() < exact_->objective()) offer_design(std::move(result));
+    if (!exact_ || !exact_->has_design() || result.objective() < exact_->objective()) offer_design(std::move(result));
   }
 
   void shapes(double share) {
@@ -162,7 +158,7 @@ class Course {
   /// The best design with the highest bound.
   DesignResult finish() {
     DesignResult result = *exact_;
-    if (best_ && (!has_design(result) || best_->objective() <= result.objective())) {
+    if (best_ && (!result.has_design() || best_->objective() <= result.objective())) {
       const SolverReport exact = result.solver;
       const std::string message = result.message;
       result = *best_;
@@ -176,7 +172,7 @@ class Course {
       }
       result.solver.method = "exact";
       result.status = Status::feasible;
-      result.message = has_design(*exact_) ? message : "not proved shortest: " + message;
+      result.message = exact_->has_design() ? message : "not proved shortest: " + message;
       result.stop = exact_->stop;
       result.lower_bound = exact_->lower_bound, result.certificate = exact_->certificate;
     }
@@ -185,7 +181,7 @@ class Course {
       result.certificate = bound_->certificate;
     }
     result.solver.wall_time = options_.time_limit - left();
-    if (!has_design(result)) {
+    if (!result.has_design()) {
       if (!local_message_.empty()) result.message += "; " + local_message_;
       return result;
     }

@@ -206,8 +206,7 @@ ResultCheck verify_result(const DesignResult& result, const std::function<bool()
     if (!report.accepted) report.reasons.push_back("claims infeasible: " + reason);
     return report;
   }
-  const bool has_design = result.status == Status::optimal || result.status == Status::feasible;
-  if (!has_design) {
+  if (!result.has_design()) {
     report.reasons.push_back(fmt::format("the result is {}: there is no design to verify", to_string(result.status)));
     return report;
   }

@@ -165,7 +165,7 @@ LimitUse read_limit(const Json& json) {
   return use;
 }
 
-Filter read_filter(const Json& json) {
+Filter filter_from(const Json& json) {
   const long order = json["order"];
   std::vector<double> taps = json["taps"];
   if (static_cast<long>(taps.size()) != order + 1) {
@@ -223,7 +223,7 @@ DesignResult read_members(const Json& json, const std::string& name) {
     throw mistake("/sample_period_s",
                   fmt::format("differs from the task's {} s; they must agree", result.task.sample_period));
   }
-  if (!json["filter"].is_null()) result.filter = read_filter(json["filter"]);
+  if (!json["filter"].is_null()) result.filter = filter_from(json["filter"]);
   read_corners(json["corners"], result);
   result.cycle_time = json["cycle_time_s"];
   result.corner_time = json["corner_time_s"];

@@ -12,7 +12,7 @@
 namespace accdec {
 namespace {
 
-constexpr std::int64_t points_max = 40'000;
+constexpr std::int64_t page_points_max = 40'000;
 constexpr std::array<double, 7> turns{0.0, 5.0, 20.0, 45.0, 75.0, 105.0, 180.0};
 
 /// Follows a motion along its path: the block that a sample lies on, by the projection onto it.
@@ -106,7 +106,7 @@ class Uses {
 };
 
 /// The two axes of the largest extent.
-std::array<std::size_t, 2> view_of(const Toolpath& path) {
+std::array<std::size_t, 2> page_view_of(const Toolpath& path) {
   const std::size_t n = path.dimensions();
   std::vector<std::pair<double, std::size_t>> extent;
   for (std::size_t a = 0; a < n; ++a) {
@@ -123,8 +123,8 @@ std::array<std::size_t, 2> view_of(const Toolpath& path) {
 }
 
 std::string arrays(const Toolpath& path, const Machine& machine, const PageMotion& motion, std::int64_t count) {
-  const std::array<std::size_t, 2> view = view_of(path);
-  const std::int64_t every = std::max<std::int64_t>(1, (count + points_max - 1) / points_max);
+  const std::array<std::size_t, 2> view = page_view_of(path);
+  const std::int64_t every = std::max<std::int64_t>(1, (count + page_points_max - 1) / page_points_max);
   Uses uses(machine, motion.sample_period);
   std::string t, x, y, v, l;
   int binding = -1;
