@@ -1,5 +1,4 @@
 #include <atomic>
-#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -15,6 +14,7 @@
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/study/baseline_table.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 #include "status_line.hpp"
 
@@ -106,7 +106,7 @@ void add_design(CLI::App& app, Context& context) {
   command
       ->add_option("--method", arguments->method,
                    "exact: proved shortest (default); nlp: by a nonlinear solver (ipopt unless --solver names one)")
-      ->check(CLI::IsMember({"exact", "nlp"}));
+      ->check(one_of({"exact", "nlp"}));
   command->add_option("--solver", arguments->solver,
                       "nonlinear solver to use (see `accdec solvers`); implies --method nlp");
   command
@@ -114,11 +114,7 @@ void add_design(CLI::App& app, Context& context) {
                    "seconds for the whole design, then the best so far; the default is 600")
       ->type_name("SECONDS")
       ->capture_default_str()
-      ->check([](const std::string& text) {
-        double seconds = 0.0;
-        const bool number = CLI::detail::lexical_cast(text, seconds) && std::isfinite(seconds) && seconds > 0.0;
-        return number ? std::string() : "must be a number of seconds > 0, got " + text;
-      });
+      ->check(positive_number());
   command
       ->add_option("--gap", arguments->gap,
                    "end once the design is proved to be within this of the shortest, 1% or 0.01 (default 0)")
@@ -139,7 +135,7 @@ void add_design(CLI::App& app, Context& context) {
   command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
   command
       ->add_option("--certificate-max", arguments->certificate_max, "MB; a larger proof is left out of the file (50)")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(number_between(0.0, 1e6));
   command->callback([arguments, command, &context] {
     arguments->solver_given = command->count("--solver") > 0;
     run(*arguments, context);

@@ -11,6 +11,7 @@
 #include <accdec/formats/explanation.hpp>
 #include <accdec/formats/task_reader.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 #include "status_line.hpp"
 
@@ -67,7 +68,7 @@ void add_explain(CLI::App& app, Context& context) {
         return share && *share > 0.0 ? std::string() : "must be above 0 and below 100 %, as 10% or 0.1, got " + text;
       });
   command->add_option("--time-limit", arguments->time_limit, "seconds for each single design (default 10)")
-      ->check(CLI::Range(1e-3, 1e9));
+      ->check(number_between(1e-3, 1e9));
   command->callback([arguments, &context] { run(*arguments, context); });
 }
 

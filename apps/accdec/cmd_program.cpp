@@ -24,6 +24,7 @@
 #include <accdec/program/write/program_report.hpp>
 #include <accdec/program/write/samples.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 #include "program_profiles.hpp"
 #include "status_line.hpp"
@@ -115,7 +116,8 @@ void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
 }
 
 /// Plan profiles, and because it is never to be slower than they are, the plans of one filter and one a leg.
-void run_profiles_and_others(const Options& options, Context& context, Toolpath path, const Task& task) {
+void run_profiles_and_others(const Options& options, Context& context, Toolpath path, const Task& task,
+                             const ProgramInputs& inputs) {
   constexpr double bound_time = 10.0;  // s, for the bound by linear programs
   Toolpath chords = path;
   leave_room_for_arcs(chords, options.arc_tolerance_um * 1e-6);
@@ -132,7 +134,7 @@ void run_profiles_and_others(const Options& options, Context& context, Toolpath 
       others.back().solver = choice.solver;
     }
   }
-  write_fastest(std::move(profiles), std::move(others), path, task.machine,
+  write_fastest(std::move(profiles), std::move(others), inputs, path, task.machine,
                 {options.json, options.samples, options.stream, options.figure}, context);
 }
 
@@ -168,7 +170,7 @@ void run(const Options& options, Context& context) {
   ProgramInputs inputs;
   if (!options.json.empty()) inputs = inputs_of(options, reading, interpreted);
   if (options.plan == "profiles") {
-    run_profiles_and_others(options, context, std::move(path), task);
+    run_profiles_and_others(options, context, std::move(path), task, inputs);
     return;
   }
   const ProgramFilter choice = choose_filter(options, context, path, task, feeds);
@@ -239,26 +241,26 @@ void add_program(CLI::App& app, Context& context) {
                     "that zooms into the path, coloured by speed, and says where time is lost");
   command->add_option("--arc-tolerance-um", options->arc_tolerance_um, "Largest distance of a chord from its arc")
       ->type_name("UM")
-      ->check(CLI::Range(1e-3, 1e4))
+      ->check(number_between(1e-3, 1e4))
       ->capture_default_str();
   command
       ->add_option("--time-limit", options->time_limit,
                    "s, for the design of a filter where the task has none; default 2 s and 5 ms a block, at most 60")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command
       ->add_option("--plan", options->plan,
                    "fixed: one filter for the whole program; per-leg: the filter of each leg follows what the limits "
                    "allow in its direction, where that is faster; profiles: every corner its own filter and speed, for "
                    "controllers that take a position every cycle (--samples, --stream); never slower than the others, "
                    "which are made beside it")
-      ->check(CLI::IsMember({"fixed", "per-leg", "profiles"}))
+      ->check(one_of({"fixed", "per-leg", "profiles"}))
       ->capture_default_str();
   command
       ->add_option(
           "--feeds", options->feeds,
           "choose: F is an upper bound, feeds and steps of feed inside blocks are chosen; keep: every block at "
           "its programmed feed")
-      ->check(CLI::IsMember({"choose", "keep"}))
+      ->check(one_of({"choose", "keep"}))
       ->capture_default_str();
   add_output_option(*command, "--stream", options->stream,
                     "With --plan profiles: one line a cycle of positions, - for standard output");

@@ -39,8 +39,9 @@ void write(const ProfileOutputs& outputs, Context& context, const std::string& j
 
 }  // namespace
 
-void write_fastest(ProfileResult profiles, std::vector<ProgramResult> others, const Toolpath& programmed,
-                   const Machine& machine, const ProfileOutputs& outputs, Context& context) {
+void write_fastest(ProfileResult profiles, std::vector<ProgramResult> others, const ProgramInputs& inputs,
+                   const Toolpath& programmed, const Machine& machine, const ProfileOutputs& outputs,
+                   Context& context) {
   const auto page_of = [&](const std::string& name, double time, const auto& samples) {
     return program_page(
         programmed, program_machine(machine, programmed),
@@ -70,7 +71,7 @@ void write_fastest(ProfileResult profiles, std::vector<ProgramResult> others, co
   fastest.candidates = profiles.candidates;
   fastest.candidates.push_back(mine);
   write(
-      outputs, context, program_to_json(fastest), program_summary(fastest), {},
+      outputs, context, program_to_json(fastest, inputs), program_summary(fastest), {},
       [&](std::ostream& out) { write_samples(fastest, out); }, [&](std::ostream& out) { stream_samples(fastest, out); },
       [&] {
         return page_of(fastest.legs.single() ? "fixed" : "per-leg", fastest.cycle_time,

@@ -94,9 +94,11 @@ DesignResult verified(const Task& task, const Filter& filter, const std::vector<
   DesignResult result = assess(task, filter, delays, false);
   if (result.status == Status::failed) {
     // Every corner holds its limits, so this is one the delays have no part in: vibration.
-    result.status = Status::infeasible;
-    result.message = "this filter breaks a limit whatever the delays: " + result.verification.worst;
-    return result;
+    DesignResult none;
+    none.task = task;
+    none.status = Status::infeasible;
+    none.message = "this filter breaks a limit whatever the delays: " + result.verification.worst;
+    return none;
   }
   result.status = Status::optimal;
   result.lower_bound = result.objective();
