@@ -90,8 +90,15 @@ void run(const Arguments& arguments, Context& context) {
   std::signal(SIGINT, before);
 
   context.exit_code = deliver(result, arguments.json, context, arguments.certificate_max);
-  if (task.baseline && result.filter && !context.quiet && arguments.json != "-")
-    fmt::print("{}", study::saving_text(*task.baseline, result));
+  if (!context.quiet && arguments.json != "-") {
+    if (task.baseline && result.filter) {
+      fmt::print("{}", study::saving_text(*task.baseline, result));
+      if (!arguments.baselines) fmt::print("`--baselines` sets it beside the filters that controllers have.\n");
+    }
+    if (result.status == Status::infeasible) {
+      fmt::print("`accdec explain {}` says how much each limit has to give.\n", arguments.task);
+    }
+  }
   if (arguments.baselines) print_baselines(task, options);
 }
 

@@ -21,6 +21,7 @@
 #include <accdec/program/plan/design_program.hpp>
 #include <accdec/program/read/interpreter.hpp>
 #include <accdec/program/read/read_error.hpp>
+#include <accdec/program/write/fastest_plan.hpp>
 #include <accdec/program/write/program_report.hpp>
 #include <accdec/program/write/samples.hpp>
 
@@ -105,37 +106,19 @@ void check_outputs(const Options& options) {
   refuse(options.stream, profiles, "--stream", "profiles");
 }
 
-/// The path may be off a chord's end by the tolerance, and the chord off its arc by more: room for that.
-void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
-  const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    const double tolerance = path.tolerance[b];
-    const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
-    if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
-  }
-}
-
 /// Plan profiles, and because it is never to be slower than they are, the plans of one filter and one a leg.
-void run_profiles_and_others(const Options& options, Context& context, Toolpath path, const Task& task,
+void run_profiles_and_others(const Options& options, Context& context, const Toolpath& path, const Task& task,
                              const ProgramInputs& inputs) {
-  constexpr double bound_time = 10.0;  // s, for the bound by linear programs
-  Toolpath chords = path;
-  leave_room_for_arcs(chords, options.arc_tolerance_um * 1e-6);
-  ProfileResult profiles = run_profiles(options.program, std::move(chords), task, bound_time);
-  std::vector<ProgramResult> others;
-  // Of the longest programs the search for a filter would take longer than the plan.
-  constexpr std::size_t most_blocks = 200'000;
-  if (path.blocks() <= most_blocks) {
-    const ProgramFilter choice = choose_filter(options, context, path, task, Feeds::choose);
-    if (choice.filter) {
-      // The plan of one filter is a candidate of the one a leg.
-      others.push_back(
-          run_program(options.program, path, *choice.filter, task, true, options.filter_bound, Feeds::choose));
-      others.back().solver = choice.solver;
-    }
-  }
-  write_fastest(std::move(profiles), std::move(others), inputs, path, task.machine,
-                {options.json, options.samples, options.stream, options.figure}, context);
+  ProgramFileOptions how;
+  how.arc_tolerance = options.arc_tolerance_um * 1e-6;
+  how.filter_bound = options.filter_bound;
+  how.time_limit = options.time_limit;
+  const auto fastest = [&] {
+    StatusLine status(context.quiet);
+    return run_fastest_plan(options.program, path, task, how, [&](const std::string& line) { status.tell(line); });
+  }();
+  write_fastest(fastest, inputs, path, task.machine, {options.json, options.samples, options.stream, options.figure},
+                context);
 }
 
 std::string figure_of(const Options& options, const Task& task, const Toolpath& programmed, const ProgramResult& result,
@@ -170,7 +153,7 @@ void run(const Options& options, Context& context) {
   ProgramInputs inputs;
   if (!options.json.empty()) inputs = inputs_of(options, reading, interpreted);
   if (options.plan == "profiles") {
-    run_profiles_and_others(options, context, std::move(path), task, inputs);
+    run_profiles_and_others(options, context, path, task, inputs);
     return;
   }
   const ProgramFilter choice = choose_filter(options, context, path, task, feeds);

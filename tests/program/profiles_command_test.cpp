@@ -139,7 +139,7 @@ TEST_F(ProfilesCommand, PagesStandAlone) {
   for (const std::string plan : {"fixed", "profiles"}) {
     ASSERT_EQ(run("--time-limit 1 --figure page.html --plan " + plan), 0) << read("err");
     const std::string page = read("page.html");
-    EXPECT_THAT(page, HasSubstr("<canvas id=path"));
+    EXPECT_THAT(page, HasSubstr("<canvas id=\"path\""));
     EXPECT_THAT(page, HasSubstr("75 to 105 degrees"));
     EXPECT_THAT(page, testing::Not(HasSubstr("src=")));
     EXPECT_THAT(page, testing::Not(HasSubstr("src=")));

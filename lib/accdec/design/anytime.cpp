@@ -89,6 +89,7 @@ class Course {
     if (best_) exact.start = best_->filter;
     if (options_.progress) {
       exact.progress = [this](const ExactProgress& p) {
+        if (!(p.bound < unlimited)) return;  // there is none: the answer says why
         const std::string bound = fmt::format("bound {:.3f} ms", p.bound * 1e3);
         tell(p.incumbent < unlimited
                  ? fmt::format("{}, best {:.3f} ms, gap {:.1f} %", bound, p.incumbent * 1e3, 100.0 * p.gap)

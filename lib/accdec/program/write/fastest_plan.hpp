@@ -1,0 +1,23 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <variant>
+
+#include <accdec/program/write/profile_result.hpp>
+#include <accdec/program/write/program_file.hpp>
+
+namespace accdec {
+
+/// `accdec program --plan profiles`: that plan, and beside it, of programs of up to 200 000 blocks, those of one filter
+/// and of one a leg; the fastest that holds all limits, with the times of the others as its candidates. Where none
+/// holds, the plan profiles with a message.
+/// @param path     as read; the feeds are chosen
+/// @param options  for the plans beside it; arc_tolerance as the path was read with
+/// @param tell     one line a step, may be empty
+/// @throws std::invalid_argument as run_profiles
+std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, const Toolpath& path,
+                                                            const Task& task, const ProgramFileOptions& options,
+                                                            const std::function<void(const std::string&)>& tell);
+
+}  // namespace accdec
