@@ -10,6 +10,8 @@
 
 namespace accdec::exact {
 
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
 /// Delays d1 .. d2 and samples k1 .. k2 of one corner.
 struct CornerBox {
   int d1 = 0, d2 = 0, k1 = 0, k2 = 0;

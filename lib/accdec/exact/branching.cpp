@@ -29,7 +29,7 @@ int needed_delay(const LimitModel& model, const Filter& filter, std::size_t j, c
 }
 
 /// A level of a range at which both parts keep at least a fifth.
-int inside(double at, int first, int last) {
+int within(double at, int first, int last) {
   const int margin = (last - first) / 5;
   return std::clamp(static_cast<int>(std::floor(at)), first + margin, last - 1 - margin);
 }
@@ -59,7 +59,7 @@ std::vector<Scored> candidates(const LimitModel& model, const Box& box, const Ou
     }
     // The sample first: it bounds both distances.
     if (c.k1 < c.k2)
-      found.push_back({split_node(j, false, inside(c.k1 + outcome.samples[j], c.k1, c.k2)), 1.01 * lacking});
+      found.push_back({split_node(j, false, within(c.k1 + outcome.samples[j], c.k1, c.k2)), 1.01 * lacking});
   }
   if (!found.empty()) return found;
   // Errors hold, other limits of the blend do not: they ask for single delays.

@@ -7,7 +7,6 @@
 namespace accdec::exact {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Linear programs that one attempt at a stronger lemma may take, beside as many as twice the lemma's own proof took.
 constexpr long attempt = 40;
 

@@ -10,7 +10,7 @@
 namespace accdec {
 namespace {
 
-constexpr double position_rounding = 1e-9;  // m
+constexpr double departure_rounding = 1e-9;  // m
 
 double distance(const double* a, const double* b, std::size_t n) {
   double sum = 0.0;
@@ -43,9 +43,9 @@ bool same_time(double a, double b) {
 }
 
 /// Walks along the commands that a programmed block became.
-class Walk {
+class DepartureWalk {
  public:
-  Walk(const Toolpath& commanded, const Toolpath& programmed)
+  DepartureWalk(const Toolpath& commanded, const Toolpath& programmed)
       : commanded_(commanded), programmed_(programmed), own_(dwells(commanded)), asked_(dwells(programmed)) {}
 
   std::string run() {
@@ -69,14 +69,14 @@ class Walk {
         return "its commands are recorded as of another line or kind of move";
       const double* end = commanded_.point(at_ + 1);
       const auto [part, off] = foot_on(from, to, end, n);
-      if (off > position_rounding || part < passed - position_rounding / length ||
-          part > 1.0 + position_rounding / length)
+      if (off > departure_rounding || part < passed - departure_rounding / length ||
+          part > 1.0 + departure_rounding / length)
         return "the path leaves it";
       passed = part;
       const double piece = distance(commanded_.point(at_), end, n);
-      if (piece > speed * commanded_.duration[at_] * (1.0 + 1e-5) + position_rounding)
+      if (piece > speed * commanded_.duration[at_] * (1.0 + 1e-5) + departure_rounding)
         return "is commanded above its programmed feed";
-      if (distance(end, to, n) <= position_rounding) return nullptr;
+      if (distance(end, to, n) <= departure_rounding) return nullptr;
       if (commanded_.joint[at_] != Joint::straight || own_.contains(at_)) return "the commands stop inside it";
     }
   }
@@ -107,10 +107,10 @@ class Walk {
 
 std::string departs_from(const Toolpath& commanded, const Toolpath& programmed) {
   if (commanded.axes != programmed.axes) return "other axes move than in the program";
-  if (distance(commanded.point(0), programmed.point(0), programmed.dimensions()) > position_rounding)
+  if (distance(commanded.point(0), programmed.point(0), programmed.dimensions()) > departure_rounding)
     return "it begins elsewhere";
   if (!same_time(commanded.dwell_first, programmed.dwell_first)) return "the dwell before the first block is another";
-  return Walk(commanded, programmed).run();
+  return DepartureWalk(commanded, programmed).run();
 }
 
 }  // namespace accdec
