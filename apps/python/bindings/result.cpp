@@ -167,9 +167,9 @@ verification : dict
 
 void bind_recheck(py::module_& module) {
   py::class_<ResultCheck>(module, "Recheck", recheck_doc)
-      .def_readonly("accepted", &Recheck::accepted)
-      .def_readonly("reasons", &Recheck::reasons)
-      .def_readonly("proof", &Recheck::proof)
+      .def_readonly("accepted", &ResultCheck::accepted)
+      .def_readonly("reasons", &ResultCheck::reasons)
+      .def_readonly("proof", &ResultCheck::proof)
       .def_property_readonly("verification", [](const ResultCheck& r) { return verification(r.verification); })
       .def("__bool__", [](const ResultCheck& r) { return r.accepted; })
       .def("__repr__", [](const ResultCheck& r) {
