@@ -8,7 +8,7 @@
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/larger_order.hpp>
 #include <accdec/design/shape_search.hpp>
-#include <accdec/exact/exact.hpp>
+#include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/task/order_bound.hpp>
 
@@ -35,7 +35,7 @@ Task convex_part(const Task& task, bool& all) {
 
 class Course {
  public:
-  Course(const Task& task, const DesignOptions& options) : task_(task), options_(options) {}
+  Course(const Task& task, const DesignOptions& options) : task_(task), options_(options), exact_run_(task) {}
 
   DesignResult run() {
     bool convex = false;
@@ -96,15 +96,13 @@ class Course {
                  : bound + ", no design yet");
       };
     }
-    DesignResult result = design_exact(task_, exact);
+    DesignResult result = exact_run_.go_on(exact);
     if (options_.certificate && !result.certificate) {
       // Stopped before anything was proved: a bound nobody can check is none.
       result.lower_bound.reset();
       result.gap.reset();
     }
     if (exact_) {
-      result.solver.evaluations += exact_->solver.evaluations;
-      result.solver.wall_time += exact_->solver.wall_time;
       offer_bound(*exact_);
       if (exact_->has_design()) offer_design(*exact_);
     }
@@ -164,7 +162,7 @@ class Course {
       const std::string message = result.message;
       result = *best_;
       if (result.solver.method == "exact") {
-        result.solver = exact;  // the last run counts the earlier ones in
+        result.solver = exact;
       } else {
         result.solver.name = exact.name.empty() ? result.solver.name : exact.name + "+" + result.solver.name;
         result.solver.version =
@@ -200,6 +198,7 @@ class Course {
 
   const Task& task_;
   const DesignOptions& options_;
+  ExactRun exact_run_;
   Clock::time_point began_ = Clock::now();
   std::optional<DesignResult> exact_;  ///< of the last run of the exact method
   std::optional<DesignResult> best_;   ///< a design from elsewhere that is shorter

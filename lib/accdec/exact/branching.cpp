@@ -3,6 +3,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/search.hpp>
 
 // Where a box of several corners is split. With one corner the widest range will do; with several most ranges do not
@@ -140,6 +141,20 @@ proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
     if (a == refuted_gain && b == refuted_gain) break;
   }
   return tried[chosen].node;
+}
+
+/// The error by what the filter misses. Where the filter holds it, other limits of the blend are in the way, which bind
+/// only a single delay, or the order that a longer delay leaves.
+proof::Node Search::split_alone(const Filter& filter, const Box& box) const {
+  const CornerBox& c = box.corners.front();
+  const CornerError error(model_, filter, 0);
+  int first = c.d1;
+  while (first <= c.d2 && !error.holds(first, c, box.order)) ++first;
+  ErrorSplit chosen;
+  if (first > c.d2) consider_splits(error, 0, c, true, chosen);
+  if (chosen.gain > 0.0) return chosen.split;
+  if (c.d1 < c.d2) return proof::Split{0, true, c.d1 + (c.d2 - c.d1) / 2};
+  return proof::Split{0, false, c.k1 + (c.k2 - c.k1) / 2};
 }
 
 }  // namespace accdec::exact

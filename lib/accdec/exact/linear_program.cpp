@@ -14,13 +14,14 @@ constexpr int most_vibration_rows = 60;
 }  // namespace
 
 LinearProgram::LinearProgram(const LimitModel& model, int order, const std::function<bool()>& stop, double margin,
-                             bool window)
+                             BoxKind kind)
     : model_(model),
       largest_(order),
       slack_(margin > 0.0 ? -margin : slack),
       stop_(stop),
-      window_(window),
-      lp_(order + 2 + (model.corners() > 1 ? 2 * static_cast<int>(model.corners()) : 0)) {
+      window_(kind == BoxKind::window),
+      ranges_(kind == BoxKind::budget && model.corners() > 1),
+      lp_(order + 2 + (ranges_ ? 2 * static_cast<int>(model.corners()) : 0)) {
   lp_.set_stop(stop);
   for (int i = 0; i <= order; ++i) lp_.set_column_bounds(i, 0.0, tap_bound(i));
   lp_.set_cost(excess(), 1.0);
@@ -258,9 +259,9 @@ void LinearProgram::prepare(const Box& box, bool symmetric) {
     lp_.set_row_bounds(tube_rows_ + k - 1, bounded ? box.tube.low[i] - slack : 0.0,
                        bounded ? box.tube.high[i] + slack : 1.0 + slack);
   }
-  if (model_.corners() > 1) prepare_ranges(box);
+  if (ranges_) prepare_ranges(box);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    if (model_.cone(j) && has_cone[j] == 0 && !shared(j, box))
+    if (model_.cone(j) && has_cone[j] == 0 && !shared(j, box) && box.bounds_error(j))
       add_cone(j, box.only_angle.value_or(0.5 * model_.theta(j)), box);
   }
   if (symmetric && !symmetry) add_symmetry(box);
