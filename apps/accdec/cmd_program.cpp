@@ -106,7 +106,8 @@ void check_outputs(const Options& options) {
 }
 
 /// Plan profiles, and because it is never to be slower than they are, the plans of one filter and one a leg.
-void run_profiles_and_others(const Options& options, Context& context, const Toolpath& path, const Task& task) {
+void run_profiles_and_others(const Options& options, Context& context, const Toolpath& path, const Task& task,
+                             const ProgramInputs& inputs) {
   ProgramFileOptions how;
   how.filter_bound = options.filter_bound;
   how.time_limit = options.time_limit;
@@ -115,7 +116,8 @@ void run_profiles_and_others(const Options& options, Context& context, const Too
     return run_fastest_plan(options.program, path, options.arc_tolerance_um * 1e-6, task, how,
                             [&](const std::string& line) { status.tell(line); });
   }();
-  write_fastest(fastest, path, task.machine, {options.json, options.samples, options.stream, options.figure}, context);
+  write_fastest(fastest, inputs, path, task.machine, {options.json, options.samples, options.stream, options.figure},
+                context);
 }
 
 std::string figure_of(const Options& options, const Task& task, const Toolpath& programmed, const ProgramResult& result,
@@ -150,7 +152,7 @@ void run(const Options& options, Context& context) {
   ProgramInputs inputs;
   if (!options.json.empty()) inputs = inputs_of(options, reading, interpreted);
   if (options.plan == "profiles") {
-    run_profiles_and_others(options, context, path, task);
+    run_profiles_and_others(options, context, path, task, inputs);
     return;
   }
   const ProgramFilter choice = choose_filter(options, context, path, task, feeds);

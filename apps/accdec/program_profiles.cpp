@@ -39,8 +39,9 @@ void write(const ProfileOutputs& outputs, Context& context, const std::string& j
 
 }  // namespace
 
-void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, const Toolpath& programmed,
-                   const Machine& machine, const ProfileOutputs& outputs, Context& context) {
+void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, const ProgramInputs& inputs,
+                   const Toolpath& programmed, const Machine& machine, const ProfileOutputs& outputs,
+                   Context& context) {
   const auto page = [&](const auto& r, const std::string& plan, const auto& samples) {
     return program_page(
         programmed, program_machine(machine, programmed),
@@ -59,7 +60,7 @@ void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, co
   }
   const ProgramResult& other = std::get<ProgramResult>(fastest);
   write(
-      outputs, context, program_to_json(other), program_summary(other), {},
+      outputs, context, outputs.json.empty() ? "" : program_to_json(other, inputs), program_summary(other), {},
       [&](std::ostream& out) { write_samples(other, out); }, [&](std::ostream& out) { stream_samples(other, out); },
       [&] {
         return page(other, other.legs.single() ? "fixed" : "per-leg",

@@ -3,6 +3,7 @@
 #include <string>
 #include <variant>
 
+#include <accdec/formats/program_record.hpp>
 #include <accdec/program/write/profile_result.hpp>
 #include <accdec/program/write/program_report.hpp>
 
@@ -16,8 +17,9 @@ struct ProfileOutputs {
 };
 
 /// Writes what run_fastest_plan answered.
+/// @param inputs      kept in the JSON of the other plans, for `accdec verify`
 /// @param programmed  the path as the program has it, for the page
-void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, const Toolpath& programmed,
-                   const Machine& machine, const ProfileOutputs& outputs, Context& context);
+void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, const ProgramInputs& inputs,
+                   const Toolpath& programmed, const Machine& machine, const ProfileOutputs& outputs, Context& context);
 
 }  // namespace accdec::cli
