@@ -110,12 +110,12 @@ void check_outputs(const Options& options) {
 void run_profiles_and_others(const Options& options, Context& context, const Toolpath& path, const Task& task,
                              const ProgramInputs& inputs) {
   ProgramFileOptions how;
-  how.arc_tolerance = options.arc_tolerance_um * 1e-6;
   how.filter_bound = options.filter_bound;
   how.time_limit = options.time_limit;
   const auto fastest = [&] {
     StatusLine status(context.quiet);
-    return run_fastest_plan(options.program, path, task, how, [&](const std::string& line) { status.tell(line); });
+    return run_fastest_plan(options.program, path, options.arc_tolerance_um * 1e-6, task, how,
+                            [&](const std::string& line) { status.tell(line); });
   }();
   write_fastest(fastest, inputs, path, task.machine, {options.json, options.samples, options.stream, options.figure},
                 context);

@@ -60,7 +60,7 @@ void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, co
   }
   const ProgramResult& other = std::get<ProgramResult>(fastest);
   write(
-      outputs, context, program_to_json(other, inputs), program_summary(other), {},
+      outputs, context, outputs.json.empty() ? "" : program_to_json(other, inputs), program_summary(other), {},
       [&](std::ostream& out) { write_samples(other, out); }, [&](std::ostream& out) { stream_samples(other, out); },
       [&] {
         return page(other, other.legs.single() ? "fixed" : "per-leg",

@@ -70,8 +70,10 @@ def test_profiles_are_the_fastest_plan(tmp_path):
             assert np.abs(acceleration).max() <= axis["acceleration_max"] * (1 + 1e-9)
     bounded = np.isfinite(ours.tolerances)
     assert np.all(ours.errors[bounded] <= ours.tolerances[bounded] * (1 + 1e-9))
-    with pytest.raises(TypeError, match="ProfileProgram"):
-        accdec.plot(ours)
+    figure = accdec.plot(ours, path=tmp_path / "star.png")
+    drawn = next(axes for axes in figure.axes if axes.lines).lines[0].get_ydata()
+    speed = 1e3 * np.hypot(*motion["velocity"].T)
+    assert len(drawn) <= 40_000 and drawn == pytest.approx(speed[::len(speed) // 20_000], rel=1e-9, abs=1e-9)
 
 
 def test_a_plan_beside_profiles_may_be_the_fastest(tmp_path):

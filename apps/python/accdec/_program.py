@@ -17,7 +17,7 @@ def program(
     *,
     plan: str = "fixed",
     feeds: str = "choose",
-    arc_tolerance: float = 2e-6,
+    arc_tolerance: Optional[float] = None,
     time_limit: Optional[float] = None,
     rapid_stops: bool = False,
     dwells_before_filter: bool = False,
@@ -39,8 +39,8 @@ def program(
         it, and the fastest that holds all limits is the answer.
     feeds : {"choose", "keep"}
         F is an upper bound, or every block at its programmed feed.
-    arc_tolerance : float
-        m, largest distance of a chord from its arc.
+    arc_tolerance : float, optional
+        m, largest distance of a chord from its arc; by default that of the command line.
     time_limit : float, optional
         s, for the design of a filter; by default 2 s and 5 ms a block, at most 60.
     rapid_stops, dwells_before_filter, filter_bound : bool
@@ -75,7 +75,7 @@ def program(
         raise ValueError(f'plan: allowed are "fixed", "per-leg" and "profiles", got "{plan}"')
     if feeds not in ("choose", "keep"):
         raise ValueError(f'feeds: allowed are "choose" and "keep", got "{feeds}"')
-    if not 1e-9 <= arc_tolerance <= 1e-2:
+    if arc_tolerance is not None and not 1e-9 <= arc_tolerance <= 1e-2:
         raise ValueError(f"arc_tolerance: allowed is 1e-9 to 1e-2 (m), got {arc_tolerance}")
     if time_limit is not None and not time_limit > 0.0:
         raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")

@@ -49,9 +49,7 @@ py::object fastest(const std::string& file, const std::shared_ptr<Task>& task, c
   const auto result = std::make_shared<std::variant<ProfilePointer, Pointer>>();
   run_interruptibly(
       [=](const Work& work) {
-        const auto tell = teller(work);
-        const Toolpath path = read_program_file(file, *task, options, tell);
-        auto found = run_fastest_plan(file, path, *task, options, tell);
+        auto found = run_fastest_plan_file(file, *task, options, teller(work));
         if (auto* profiles = std::get_if<ProfileResult>(&found)) {
           *result = std::make_shared<ProfileResult>(std::move(*profiles));
         } else {
@@ -236,10 +234,10 @@ void bind_program(py::module_& module) {
   module.def(
       "program",
       [](const std::string& file, const std::shared_ptr<Task>& task, const std::string& how, bool keep_feeds,
-         double arc_tolerance, std::optional<double> time_limit, bool rapid_stops, bool dwells_before_filter,
-         bool filter_bound, const std::string& tool_table, const py::object& progress) {
+         std::optional<double> arc_tolerance, std::optional<double> time_limit, bool rapid_stops,
+         bool dwells_before_filter, bool filter_bound, const std::string& tool_table, const py::object& progress) {
         ProgramFileOptions options;
-        options.arc_tolerance = arc_tolerance;
+        if (arc_tolerance) options.arc_tolerance = *arc_tolerance;
         options.tool_table = tool_table;
         options.rapid_stops = rapid_stops;
         options.dwells_before_filter = dwells_before_filter;

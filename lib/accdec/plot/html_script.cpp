@@ -27,7 +27,7 @@ canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #c
 @media (max-width:60rem){.beside{display:block}}
 @media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}figure svg{max-width:none;width:44rem}}
 @media print{body{margin:0;max-width:none}.wide,.tall,pre{overflow:visible;max-height:none}pre{white-space:pre-wrap}
-figure{break-inside:avoid}table{font-size:.7rem}.beside{display:block}.tip{display:none}}
+figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem}.sorts th{white-space:normal;position:static}.beside{display:block}.tip,.unprinted{display:none}}
 )css";
 
 // Values under the pointer: of the nearest point of a line, or of the cell, in the drawing's own pixels.

@@ -27,13 +27,14 @@ PlanTime time_of(const ProgramResult& r) {
 }  // namespace
 
 std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, const Toolpath& path,
-                                                            const Task& task, const ProgramFileOptions& options,
+                                                            double arc_tolerance, const Task& task,
+                                                            const ProgramFileOptions& options,
                                                             const std::function<void(const std::string&)>& tell) {
-  constexpr double bound_time = 10.0;  // s, for the bound by linear programs
-  // Of the longest programs the search for a filter would take longer than the plan.
+  // Of the longest programs the search for a filter, and the bound by linear programs, would take longer than the plan.
   constexpr std::size_t most_blocks = 200'000;
+  const double bound_time = path.blocks() <= most_blocks ? 10.0 : 3.0;  // s
   Toolpath chords = path;
-  leave_room_for_arcs(chords, options.arc_tolerance);
+  leave_room_for_arcs(chords, arc_tolerance);
   ProfileResult profiles = run_profiles(name, std::move(chords), task, bound_time);
   if (path.blocks() > most_blocks) return profiles;
   ProgramFileOptions choosing = options;
@@ -50,6 +51,13 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
   }
   profiles.candidates = {theirs};
   return profiles;
+}
+
+std::variant<ProfileResult, ProgramResult> run_fastest_plan_file(const std::string& file, const Task& task,
+                                                                 const ProgramFileOptions& options,
+                                                                 const std::function<void(const std::string&)>& tell) {
+  const Toolpath path = read_program_file(file, task, options, tell);
+  return run_fastest_plan(file, path, options.arc_tolerance, task, options, tell);
 }
 
 }  // namespace accdec
