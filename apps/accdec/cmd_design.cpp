@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdint>
@@ -46,6 +47,11 @@ void print_baselines(const Task& task, DesignOptions options) {
   fmt::print("{}", study::baseline_text(here, quarter));
 }
 
+/// About what simulating a design for the report and writing it takes, s; of few corners nothing worth mentioning.
+double delivery_seconds(const Task& task) {
+  return 2e-5 * static_cast<double>(task.corners.size());
+}
+
 void run(const Arguments& arguments, Context& context) {
   const Task task = read_task(arguments.task);
   require_outputs({arguments.json}, {arguments.task});
@@ -65,7 +71,7 @@ void run(const Arguments& arguments, Context& context) {
   if (task.filter && arguments.solver_given && !context.quiet) {
     fmt::print(stderr, "the filter is given: its delays are enumerated, {} is not used\n", options.solver);
   }
-  options.time_limit = arguments.time_limit;
+  options.time_limit = std::max(0.5 * arguments.time_limit, arguments.time_limit - delivery_seconds(task));
   options.gap = fraction(arguments.gap).value_or(0.0);
   if (options.gap > 0.0 && options.method == Method::nlp) {
     throw std::invalid_argument("--gap goes with the exact method: no other proves a bound");

@@ -6,6 +6,7 @@
 
 #include <accdec/certificate/checker.hpp>
 #include <accdec/design/anytime.hpp>
+#include <accdec/design/fixed_order.hpp>
 #include <accdec/design/larger_order.hpp>
 #include <accdec/design/shape_search.hpp>
 #include <accdec/exact/exact_run.hpp>
@@ -89,7 +90,8 @@ class Course {
     if (best_) exact.start = best_->filter;
     if (options_.progress) {
       exact.progress = [this](const ExactProgress& p) {
-        if (!(p.bound < unlimited)) return;  // there is none: the answer says why
+        // Of parts that hold nothing the bound is infinite: no news before that is said.
+        if (!(p.bound < unlimited)) return;
         const std::string bound = fmt::format("bound {:.3f} ms", p.bound * 1e3);
         tell(p.incumbent < unlimited
                  ? fmt::format("{}, best {:.3f} ms, gap {:.1f} %", bound, p.incumbent * 1e3, 100.0 * p.gap)
@@ -116,11 +118,16 @@ class Course {
     options.solver = solver;
     if (solver != options_.solver) options.solver_options.native.clear();
     options.time_limit = std::min(share * options_.time_limit, left());
-    tell(fmt::format("looking for a design with {} for at most {:.0f} s", solver, options.time_limit));
-    DesignResult result = design_nlp(task_, options);
+    tell(fmt::format("looking for a design with {} for at most {:.2g} s", solver, options.time_limit));
+    DesignResult result;
+    try {
+      result = design_nlp(task_, options);
+    } catch (const SolverRefuses& why) {
+      result.message = why.what();
+    }
     if (!result.has_design()) {
       // Nothing proved and nothing found: the local search at least knows which limits are in each other's way.
-      local_message_ = result.message;
+      if (result.stop == StopReason::finished) local_message_ = result.message;  // a stop of its own is no news
       return;
     }
     if (!exact_ || !exact_->has_design() || result.objective() < exact_->objective()) offer_design(std::move(result));
@@ -181,6 +188,10 @@ class Course {
     }
     result.solver.wall_time = options_.time_limit - left();
     if (!result.has_design()) {
+      if (result.lower_bound)
+        result.message += fmt::format("; proved: none is shorter than {:.6g} ms", 1e3 * *result.lower_bound);
+      else
+        result.message += "; nothing is proved about how short one may be";
       if (!local_message_.empty()) result.message += "; " + local_message_;
       return result;
     }

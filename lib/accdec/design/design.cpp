@@ -44,7 +44,8 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   if (proof.has_design()) {
     // Whatever limits the local search blamed, they are not in conflict.
     nlp.message = fmt::format("{} found no design{}; there is one: the exact method has {:g} ms", options.solver,
-                              nlp.solver.claimed.empty() ? "" : fmt::format(" (last claim: {})", nlp.solver.claimed),
+                              nlp.solver.claimed.empty() ? fmt::format(" ({})", nlp.message)
+                                                         : fmt::format(" (last claim: {})", nlp.solver.claimed),
                               1e3 * proof.objective());
   }
   return nlp;

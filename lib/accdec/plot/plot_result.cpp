@@ -239,7 +239,8 @@ Panel response_panel(const Filter& filter, double sample_period, const std::vect
         {first ? "bound" : "", {mode.frequency_low - half, mode.frequency_high + half}, {level, level}, Mark::line, 2});
   }
   Series response{"", {}, {}, Mark::line, 0};
-  constexpr int points = 800;
+  // Each takes a pass over all taps.
+  const int points = static_cast<int>(std::clamp(1e8 / (filter.order() + 1.0), 100.0, 800.0));
   for (int i = 0; i <= points; ++i) {
     const double f = top * i / points;
     response.x.push_back(f);
@@ -248,6 +249,31 @@ Panel response_panel(const Filter& filter, double sample_period, const std::vect
   panel.x.min = 0.0, panel.x.max = top;
   panel.series.push_back(response);
   return panel;
+}
+
+/// Leaves of a long curve the ends and the extremes of as many pieces as a drawing can show.
+void thin_out(Series& series) {
+  constexpr std::size_t pieces = 2000;
+  const std::size_t count = series.x.size();
+  if (count <= 8 * pieces) return;
+  Series thin = series;
+  thin.x.clear(), thin.y.clear();
+  for (std::size_t p = 0; p < pieces; ++p) {
+    const std::size_t first = count * p / pieces, last = count * (p + 1) / pieces - 1;
+    const auto at = [](const std::vector<double>& v, std::size_t i) {
+      return v.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    std::vector<std::size_t> kept{first, last};
+    for (const std::vector<double>* v : {&series.x, &series.y}) {
+      const auto [low, high] = std::minmax_element(at(*v, first), at(*v, last + 1));
+      kept.push_back(static_cast<std::size_t>(low - v->begin()));
+      kept.push_back(static_cast<std::size_t>(high - v->begin()));
+    }
+    std::sort(kept.begin(), kept.end());
+    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+    for (const std::size_t i : kept) thin.x.push_back(series.x[i]), thin.y.push_back(series.y[i]);
+  }
+  series = std::move(thin);
 }
 
 std::size_t find_corner(const DesignResult& result, const std::string& name) {
@@ -295,6 +321,9 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   add_side_by_side(figure.panels, std::move(axes));
   figure.panels.push_back(response_panel(filter, period, result.task.machine.modes));
   figure.panels.push_back(taps_panel(filter));
+  for (Panel& panel : figure.panels) {
+    for (Series& series : panel.series) thin_out(series);
+  }
   return figure;
 }
 

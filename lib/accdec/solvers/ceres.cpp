@@ -275,6 +275,11 @@ class CeresSolver final : public Solver {
     FreeVariables free(problem, start);
     Result result;
     result.x.assign(start.begin(), start.end());
+    result.message = too_large(problem, static_cast<double>(free.size()), options.time_limit);
+    if (!result.message.empty()) {
+      result.claim = Claim::refused;
+      return result;
+    }
     try {
       if (free.size() > 0) {
         Run(evaluator, free, native, options, result).go(start);
@@ -287,6 +292,20 @@ class CeresSolver final : public Solver {
     }
     conclude(evaluator, result);
     return result;
+  }
+
+ private:
+  /// Nothing stops a dense factorisation once it has begun.
+  static std::string too_large(const nlp::Problem& problem, double n, double time_limit) {
+    constexpr double operations_a_second = 2e9;  // of DENSE_QR, measured
+    const double rows = problem.num_rows() + std::max(1.0, static_cast<double>(problem.num_residuals())) + n;
+    if (std::string why = tables_too_large(3.0 * rows * n); !why.empty()) return why;
+    const double seconds = 2.0 * rows * n * n / operations_a_second;
+    if (seconds <= 0.5 + 0.05 * time_limit) return "";
+    return fmt::format(
+        "one step, a dense factorisation of {:.0f} rows and {:.0f} variables, takes about {:.2g} s, too "
+        "long for a time limit of {:.3g} s",
+        rows, n, seconds, time_limit);
   }
 };
 

@@ -159,6 +159,14 @@ class NloptSolver final : public Solver {
       result.message = fmt::format("{} takes at most {} variables, this problem has {}", name(), slsqp_most, n);
       return result;
     }
+    // Its rows are dense, once here and once inside; populations are of twenty points a variable.
+    const double points = algorithm_.method == NLOPT_GN_ISRES ? 20.0 * (n + 1.0) : 0.0;
+    const double size = static_cast<double>(n) + problem.num_rows();
+    result.message = tables_too_large(2.0 * n * problem.num_rows() + points * size);
+    if (!result.message.empty()) {
+      result.claim = Claim::refused;
+      return result;
+    }
     const Handle opt = optimizer(n, native, options);
     if (dual) nlopt_set_param(opt.get(), "dual_algorithm", *dual);
     // A tenth of the tolerance, for the verifier's sake: it computes the rows anew.
