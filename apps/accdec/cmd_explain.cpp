@@ -26,7 +26,7 @@ extern "C" void ask_to_stop_explaining(int) {
 
 struct Arguments {
   std::string task, json, by = "10 %";
-  double time_limit = 10.0;
+  double time_limit = 10.0, total_limit = 120.0;
 };
 
 void run(const Arguments& arguments, Context& context) {
@@ -35,6 +35,7 @@ void run(const Arguments& arguments, Context& context) {
   ExplainOptions options;
   options.share = fraction(arguments.by).value_or(0.1);
   options.design.time_limit = arguments.time_limit;
+  options.total_limit = arguments.total_limit;
   options.design.cancel = &interrupted;
   // The first Ctrl-C asks for what has been found so far, the second ends the program.
   const auto before = std::signal(SIGINT, ask_to_stop_explaining);
@@ -67,6 +68,10 @@ void add_explain(CLI::App& app, Context& context) {
         return share && *share > 0.0 ? std::string() : "must be above 0 and below 100 %, as 10% or 0.1, got " + text;
       });
   command->add_option("--time-limit", arguments->time_limit, "seconds for each single design (default 10)")
+      ->check(CLI::Range(1e-3, 1e9));
+  command
+      ->add_option("--total-limit", arguments->total_limit,
+                   "seconds for all designs together, then what is known (default 120)")
       ->check(CLI::Range(1e-3, 1e9));
   command->callback([arguments, &context] { run(*arguments, context); });
 }
