@@ -5,7 +5,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from test_design import everyday
+from test_design import everyday, hard
 
 import accdec
 
@@ -78,6 +78,13 @@ def test_a_finer_period_saves_rounding():
     # Every design at T is one at T/2 with taps halved, nearly: never longer by more than a sample.
     assert fine["cycle_time"][0] <= coarse["cycle_time"][0] + 1e-3
     assert fine.attrs["results"]["designed"].task.sample_period == pytest.approx(0.5e-3, rel=1e-15)
+
+
+def test_its_time_is_limited():
+    """The design found first is there, even if nothing else is."""
+    ours = accdec.explain(hard(), time_limit=1.5, design_time_limit=1.0)
+    assert not ours.complete and ours.result.success
+    assert "Stopped early" in str(ours)
 
 
 def test_wrong_arguments_are_named():

@@ -10,12 +10,14 @@ from ._design import Progress, TaskLike, _listener
 from ._fields import as_task
 
 
-def _check(time_limit: float) -> None:
-    if not 0.0 < time_limit < float("inf"):
-        raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
+def _check(**limits: float) -> None:
+    for name, limit in limits.items():
+        if not 0.0 < limit < float("inf"):
+            raise ValueError(f"{name}: must be a number of seconds > 0, got {limit}")
 
 
-def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 10.0, progress: Progress = None) -> Explanation:
+def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 300.0, design_time_limit: float = 10.0,
+            progress: Progress = None) -> Explanation:
     """Say which limits bind where, and what more room for each saves or makes possible.
 
     The task is designed anew with more room for every limit. Of a task that has no design the smallest change of each
@@ -26,8 +28,8 @@ def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 10.0, progre
     task : Task, path or dict
     by : float
         How much more room to try, a share of every limit, 0 < by < 1.
-    time_limit : float
-        s, of every single design.
+    time_limit, design_time_limit : float
+        s, of all designs, then what is known, and `complete` is False; of every single one.
     progress : bool or callable, optional
 
     Returns
@@ -49,8 +51,9 @@ def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 10.0, progre
     """
     if not 0.0 < by < 1.0:
         raise ValueError(f"by: must be above 0 and below 1, got {by}")
-    _check(time_limit)
-    return _core.explain(as_task(task), share=by, time_limit=time_limit, progress=_listener(progress))
+    _check(time_limit=time_limit, design_time_limit=design_time_limit)
+    return _core.explain(as_task(task), share=by, time_limit=time_limit,
+                         design_time_limit=design_time_limit, progress=_listener(progress))
 
 
 def baselines(task: TaskLike, *, finer: int = 1, time_limit: float = 600.0, progress: Progress = None) -> Any:
@@ -86,7 +89,7 @@ def baselines(task: TaskLike, *, finer: int = 1, time_limit: float = 600.0, prog
     import pandas
     if not 1 <= finer <= 1000:
         raise ValueError(f"finer: allowed is 1 to 1000, got {finer}")
-    _check(time_limit)
+    _check(time_limit=time_limit)
     rows = _core.baselines(as_task(task), finer=finer, time_limit=time_limit, progress=_listener(progress))
     results = [row.pop("result") for row in rows]
     best = results[0].fun

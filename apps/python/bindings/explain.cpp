@@ -15,13 +15,14 @@ namespace accdec::python {
 namespace {
 
 std::shared_ptr<Explanation> explain(const std::shared_ptr<Task>& task, double share, double time_limit,
-                                     const py::object& progress) {
+                                     double design_time_limit, const py::object& progress) {
   const auto result = std::make_shared<std::shared_ptr<Explanation>>();
   run_interruptibly(
       [=](const Work& work) {
         ExplainOptions options;
         options.share = share;
-        options.design.time_limit = time_limit;
+        options.time_limit = time_limit;
+        options.design.time_limit = design_time_limit;
         options.design.cancel = &work.cancelled;
         options.progress = [&](int done, int total) { work.tell(fmt::format("{} of about {} designs", done, total)); };
         *result = std::make_shared<Explanation>(explain_task(*task, options));
@@ -106,7 +107,7 @@ void bind_explain(py::module_& module) {
       .def("to_json", &explanation_to_json)
       .def("__str__", &explanation_text);
   module.def("explain", &explain, py::arg("task"), py::kw_only(), py::arg("share"), py::arg("time_limit"),
-             py::arg("progress"));
+             py::arg("design_time_limit"), py::arg("progress"));
   module.def("baselines", &baselines, py::arg("task"), py::kw_only(), py::arg("finer"), py::arg("time_limit"),
              py::arg("progress"));
 }

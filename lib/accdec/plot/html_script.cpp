@@ -25,7 +25,7 @@ canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #c
 .beside{display:grid;grid-template-columns:minmax(0,20rem) minmax(0,1fr);gap:1.5rem}
 .tip{position:fixed;pointer-events:none;background:#222;color:#fff;font-size:.85rem;padding:.3rem .5rem;border-radius:.25rem;white-space:pre;z-index:2}
 @media (max-width:60rem){.beside{display:block}}
-@media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}figure svg{max-width:none;width:44rem}}
+@media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}figure svg{max-width:none;width:44rem}#limits td,#corners th{white-space:nowrap}}
 @media print{body{margin:0;max-width:none}.wide,.tall,pre{overflow:visible;max-height:none}pre{white-space:pre-wrap}
 figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem}.sorts th{white-space:normal;position:static}.beside{display:block}.tip,.unprinted{display:none}}
 )css";
