@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -15,19 +13,13 @@
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/study/baseline_table.hpp>
 
+#include "interrupt.hpp"
 #include "option_checks.hpp"
 #include "output.hpp"
 #include "status_line.hpp"
 
 namespace accdec::cli {
 namespace {
-
-std::atomic<bool> interrupted{false};
-
-extern "C" void ask_to_stop(int) {
-  interrupted.store(true);
-  std::signal(SIGINT, SIG_DFL);
-}
 
 struct Arguments {
   std::string task, json, method, solver;
@@ -84,16 +76,14 @@ void run(const Arguments& arguments, Context& context) {
       throw std::invalid_argument(fmt::format("--option takes NAME=VALUE, got \"{}\"", pair));
     options.solver_options.native[pair.substr(0, equals)] = pair.substr(equals + 1);
   }
-  // The first Ctrl-C asks for the best verified design so far, the second ends the program.
-  options.cancel = &interrupted;
-  const auto before = std::signal(SIGINT, ask_to_stop);
+  options.cancel = &Interrupt::asked();
+  const Interrupt interrupt;
   const DesignResult result = [&] {
     StatusLine status(context.quiet, StatusLine::Lines::news, options.time_limit);
     DesignOptions told = options;
     if (!context.quiet) told.progress = [&status](const std::string& line) { status.tell(line); };
     return design_task(task, told);
   }();
-  std::signal(SIGINT, before);
 
   context.exit_code = deliver(result, arguments.json, context, arguments.certificate_max);
   if (!context.quiet && arguments.json != "-") {

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <memory>
 #include <string>
 
@@ -11,19 +9,13 @@
 #include <accdec/formats/explanation.hpp>
 #include <accdec/formats/task_reader.hpp>
 
+#include "interrupt.hpp"
 #include "option_checks.hpp"
 #include "output.hpp"
 #include "status_line.hpp"
 
 namespace accdec::cli {
 namespace {
-
-std::atomic<bool> interrupted{false};
-
-extern "C" void ask_to_stop_explaining(int) {
-  interrupted.store(true);
-  std::signal(SIGINT, SIG_DFL);
-}
 
 struct Arguments {
   std::string task, json, by = "10 %";
@@ -37,9 +29,8 @@ void run(const Arguments& arguments, Context& context) {
   options.share = fraction(arguments.by).value_or(0.1);
   options.time_limit = arguments.time_limit;
   options.design.time_limit = arguments.design_time_limit;
-  options.design.cancel = &interrupted;
-  // The first Ctrl-C asks for what has been found so far, the second ends the program.
-  const auto before = std::signal(SIGINT, ask_to_stop_explaining);
+  options.design.cancel = &Interrupt::asked();
+  const Interrupt interrupt;
   const Explanation explanation = [&] {
     StatusLine line(context.quiet, StatusLine::Lines::none, arguments.time_limit);
     line.tell("the task as it is");
@@ -49,7 +40,6 @@ void run(const Arguments& arguments, Context& context) {
     };
     return explain_task(task, options);
   }();
-  std::signal(SIGINT, before);
 
   if (!arguments.json.empty()) write_file(arguments.json, explanation_to_json(explanation));
   if (arguments.json != "-" && !context.quiet) fmt::print("{}", explanation_text(explanation));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -28,6 +29,14 @@ void bind_study(py::module_& module);
 
 /// A figure of the library as dicts, lists and arrays.
 py::dict figure_dict(const Figure& figure);
+
+/// What `make` makes of every item.
+template <class Item, class Make>
+py::list list_of(const std::vector<Item>& items, Make make) {
+  py::list list;
+  for (const Item& item : items) list.append(make(item));
+  return list;
+}
 
 /// A path as Python gives it, a text or anything with __fspath__.
 inline std::string file_name(const py::object& path) {

@@ -29,13 +29,6 @@ py::array_t<double> array(const std::vector<double>& v) {
   return py::array_t<double>(static_cast<py::ssize_t>(v.size()), v.data());
 }
 
-template <class Item, class Make>
-py::list list_of(const std::vector<Item>& items, Make make) {
-  py::list list;
-  for (const Item& item : items) list.append(make(item));
-  return list;
-}
-
 py::dict scale(const Scale& s) {
   return py::dict(py::arg("label") = s.label, py::arg("log") = s.log, py::arg("min") = s.min, py::arg("max") = s.max);
 }

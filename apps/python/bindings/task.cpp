@@ -62,13 +62,6 @@ py::dict axis_dict(const Axis& axis) {
   return d;
 }
 
-template <class Item, class Make>
-py::list list_of(const std::vector<Item>& items, Make make) {
-  py::list list;
-  for (const Item& item : items) list.append(make(item));
-  return list;
-}
-
 std::string describe(const Task& task) {
   std::string axes, corners;
   for (const Axis& axis : task.machine.axes) axes += (axes.empty() ? "" : ", ") + axis.name;

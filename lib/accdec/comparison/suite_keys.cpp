@@ -9,13 +9,6 @@
 namespace accdec {
 namespace {
 
-Key text(std::string name, std::string meaning, std::string fallback, std::string example) {
-  return {.name = std::move(name),
-          .type = KeyType::text,
-          .meaning = std::move(meaning),
-          .fallback = std::move(fallback),
-          .example = std::move(example)};
-}
 Key number(std::string name, std::string meaning, std::string unit, double high, std::string fallback,
            std::string example) {
   return {.name = std::move(name),
@@ -50,7 +43,7 @@ Key word(std::string name, std::string meaning, std::vector<std::string> words, 
   return key;
 }
 Key free_table(std::string name, std::string meaning, std::string example) {
-  Key key = text(std::move(name), std::move(meaning), "", std::move(example));
+  Key key = text_key(std::move(name), std::move(meaning), "", std::move(example));
   key.type = KeyType::table;
   key.free = true;
   return key;
@@ -123,9 +116,9 @@ std::vector<Key> problem_keys() {
              .lone = true};
   Key order = integer("order", "N at size 1", {1, most_taps}, "", "30");
   order.unit = "taps less 1";
-  return {required(text("name", "of the problem", "", "\"flat corner\"")),
-          text("family", "group of problems in tables", "other", "\"convex\""),
-          required(text("task", "task file, relative to the suite", "", "\"../corner/flat-angle.toml\"")),
+  return {required(text_key("name", "of the problem", "", "\"flat corner\"")),
+          text_key("family", "group of problems in tables", "other", "\"convex\""),
+          required(text_key("task", "task file, relative to the suite", "", "\"../corner/flat-angle.toml\"")),
           set,
           required(names("formulation",
                          "`margin`: least corner error at `delay_samples`; `delay`: least weighted delay, continuous; "
@@ -142,7 +135,7 @@ std::vector<Key> variant_keys() {
   Key solver = required(word("solver", "whose options these are", solver_names(), "", "\"ipopt\""));
   solver.noun = "solver";
   solver.allowed = "allowed is a name of `accdec solvers`";
-  return {required(text("name", "in tables and figures", "", "\"ipopt, monotone\"")), solver,
+  return {required(text_key("name", "in tables and figures", "", "\"ipopt, monotone\"")), solver,
           word("form", "positions as rows or substituted into their bounds", {"sparse", "reduced"},
                "what `reduced` says", "\"reduced\""),
           free_table("options", "in the library's own words", "{ mu_strategy = \"monotone\" }")};
@@ -151,7 +144,7 @@ std::vector<Key> variant_keys() {
 FileKind make_suite_file() {
   std::vector<std::string> entries = solver_names_with_forms();
   entries.emplace_back("all");
-  Key notes = text("notes", "below the title of the report", "", "\"Every algorithm.\"");
+  Key notes = text_key("notes", "below the title of the report", "", "\"Every algorithm.\"");
   notes.empty_text = notes.long_text = true;
   FileKind file{.name = "suite", .title = "accdec suite"};
   Key solvers = names("solvers", "who takes part; may be left out where there are variants", entries, "solver",
@@ -160,7 +153,7 @@ FileKind make_suite_file() {
   Key reduced = names("reduced", "those that get the reduced form although they take equality rows", solver_names(),
                       "solver", "[\"nlopt-cobyla\"]");
   reduced.allowed = "allowed are names of `accdec solvers`";
-  file.keys = {text("title", "of the report", "the file's name", "\"Solvers compared\""), notes, solvers};
+  file.keys = {text_key("title", "of the report", "the file's name", "\"Solvers compared\""), notes, solvers};
   for (Key& key : setting_keys()) file.keys.push_back(std::move(key));
   file.keys.push_back(reduced);
   file.keys.push_back(list("variant", "a further entry: a solver with options of its own", variant_keys()));

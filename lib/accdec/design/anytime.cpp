@@ -56,7 +56,7 @@ class Course {
   }
 
   /// Where the exact method's linear programs are too large.
-  DesignResult run_without_programmes(const std::string& why) {
+  DesignResult run_without_linear_programs(const std::string& why) {
     exact_ = DesignResult();
     exact_->task = task_;
     exact_->message = why;
@@ -229,7 +229,7 @@ DesignResult design_anytime(const Task& task, const DesignOptions& options) {
       result.message += larger_order_note(task, std::min(20.0, course.left()), options.cancel);
     return result;
   } catch (const exact::TooLarge& reason) {
-    return course.run_without_programmes(reason.what());
+    return course.run_without_linear_programs(reason.what());
   }
 }
 

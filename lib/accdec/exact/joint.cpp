@@ -33,6 +33,10 @@ Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()>
     return model.error_bound(static_cast<std::size_t>(a)) < model.error_bound(static_cast<std::size_t>(b));
   });
   wide_.look_through(window_);
+  nodes_.push_back(root_node(task));
+}
+
+Joint::Node Joint::root_node(const Task& task) {
   Node root;
   for (const TaskCorner& c : task.corners) {
     root.d1.push_back(c.delay.value_or(0));
@@ -40,7 +44,7 @@ Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()>
   }
   root.n1 = std::max(task.design.order_min, 0);
   root.n2 = task.design.order_max;
-  nodes_.push_back(std::move(root));
+  return root;
 }
 
 /// The orders that no filter has.

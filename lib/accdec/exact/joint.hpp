@@ -57,6 +57,8 @@ class Joint {
   enum class Verdict { satisfied, closed, unit, violated };
 
   double target() const { return designs_.best->value; }
+  /// All delays and orders that the task allows.
+  static Node root_node(const Task& task);
   Node& node(int index) { return nodes_[static_cast<std::size_t>(index)]; }
   double cost(const Node& node) const;
   int order_left(Node& node, double target) const;

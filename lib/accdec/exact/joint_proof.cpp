@@ -77,14 +77,7 @@ std::optional<Proof> Joint::proof() const {
   proof.multipliers = prover_.multipliers();
   for (const Multipliers& y : wide_.multipliers()) proof.multipliers.push_back(y);
   std::vector<int> number(lemmas_.size(), -1);
-  Node root;
-  for (const TaskCorner& c : task_.corners) {
-    root.d1.push_back(c.delay.value_or(0));
-    root.d2.push_back(c.delay.value_or(task_.design.order_max + 2));
-  }
-  root.n1 = std::max(task_.design.order_min, 0);
-  root.n2 = task_.design.order_max;
-  if (!write(0, std::move(root), proof, number)) return std::nullopt;
+  if (!write(0, root_node(task_), proof, number)) return std::nullopt;
   return proof;
 }
 

@@ -10,21 +10,21 @@ namespace accdec::exact {
 class Relaxation::Impl {
  public:
   Impl(const LimitModel& model, int order, const std::function<bool()>& stop, double margin, BoxKind kind)
-      : model_(model), stop_(stop), programme_(model, order, stop, margin, kind) {}
+      : model_(model), stop_(stop), program_(model, order, stop, margin, kind) {}
 
   Outcome solve(const Box& box, bool symmetric, bool strongest) {
-    programme_.prepare(box, symmetric);
+    program_.prepare(box, symmetric);
     Outcome outcome = cut(box, symmetric, true, strongest);
     if (outcome.kind != Outcome::unresolved) return outcome;
     // Once more from the start, and then by another's arithmetic.
     for (const bool clp : {false, true}) {
       if (outcome.kind != Outcome::unresolved || (stop_ && stop_())) break;
-      programme_.start_cold();
-      programme_.prepare(box, symmetric);
-      programme_.use_clp_alone(clp);
+      program_.start_cold();
+      program_.prepare(box, symmetric);
+      program_.use_clp_alone(clp);
       outcome = cut(box, symmetric, true, strongest);
     }
-    programme_.use_clp_alone(false);
+    program_.use_clp_alone(false);
     return outcome;
   }
 
@@ -36,8 +36,8 @@ class Relaxation::Impl {
     for (int round = 0; round < 30; ++round) {
       const double worst = model_.chords.gather_close(at, box, close);
       if (round > 0 && before <= 1e-10 && worst <= 1.0 + 3.0 * slack) return at;
-      programme_.prepare(box, symmetric);
-      programme_.soften(close, at, box);
+      program_.prepare(box, symmetric);
+      program_.soften(close, at, box);
       const Outcome outcome = cut(box, symmetric, false, false);
       if (!outcome.filter) return std::nullopt;
       if (outcome.excess > std::max(1e-10, 0.95 * before)) return std::nullopt;
@@ -56,7 +56,7 @@ class Relaxation::Impl {
     Outcome outcome;
     double by = 0.0;
     const auto refuted = [&] {
-      Multipliers y = programme_.multipliers();
+      Multipliers y = program_.multipliers();
       const double value =
           box.window ? window_refutation(model_, y, box) : refutation(model_, y, box, symmetric ? box.order : -1);
       if (!(value > by)) return false;
@@ -67,7 +67,7 @@ class Relaxation::Impl {
     };
     for (int round = 0; round < 200; ++round) {
       ++solved_;
-      const LpSolution& solution = programme_.solve();
+      const LpSolution& solution = program_.solve();
       if (solution.status == DualSimplex::Status::infeasible) {
         if (refuting) refuted();
         return outcome;
@@ -79,12 +79,12 @@ class Relaxation::Impl {
         refuted();
         if (by > 0.0 && (!strongest || by <= 1.05 * before)) return outcome;
       }
-      Filter filter = programme_.filter(box, symmetric);
-      if (!programme_.cut(filter, box, refuting ? 0.0 : outcome.excess)) {
+      Filter filter = program_.filter(box, symmetric);
+      if (!program_.cut(filter, box, refuting ? 0.0 : outcome.excess)) {
         if (by > 0.0) return outcome;
         outcome.filter = std::move(filter);
-        for (std::size_t j = 0; j < box.corners.size() && programme_.has_ranges(); ++j)
-          outcome.delays.push_back(programme_.delay(j)), outcome.samples.push_back(programme_.sample(j));
+        for (std::size_t j = 0; j < box.corners.size() && program_.has_ranges(); ++j)
+          outcome.delays.push_back(program_.delay(j)), outcome.samples.push_back(program_.sample(j));
         outcome.kind = Outcome::feasible;
         return outcome;
       }
@@ -94,7 +94,7 @@ class Relaxation::Impl {
 
   const LimitModel& model_;
   std::function<bool()> stop_;
-  LinearProgram programme_;
+  LinearProgram program_;
   long solved_ = 0;
 };
 

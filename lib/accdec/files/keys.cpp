@@ -41,6 +41,14 @@ std::string pointer_step(std::string_view key) {
   return text;
 }
 
+Key text_key(std::string name, std::string meaning, std::string fallback, std::string example) {
+  return {.name = std::move(name),
+          .type = KeyType::text,
+          .meaning = std::move(meaning),
+          .fallback = std::move(fallback),
+          .example = std::move(example)};
+}
+
 const Key* find_key(const std::vector<Key>& keys, std::string_view name) {
   const auto found = std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
   return found == keys.end() ? nullptr : &*found;

@@ -55,6 +55,9 @@ struct Key {
   std::string conditions{};  ///< what only keys together can break, as further keywords of the table's JSON Schema
 };
 
+/// A key that holds a text.
+Key text_key(std::string name, std::string meaning, std::string fallback, std::string example);
+
 /// A step of a JSON pointer, in which "~" and "/" are written otherwise.
 std::string pointer_step(std::string_view key);
 

@@ -11,13 +11,6 @@ namespace {
 
 constexpr double most_points = 1e7, most = 1e300;
 
-Key text(std::string name, std::string meaning, std::string fallback, std::string example) {
-  return {.name = std::move(name),
-          .type = KeyType::text,
-          .meaning = std::move(meaning),
-          .fallback = std::move(fallback),
-          .example = std::move(example)};
-}
 Key number(std::string name, std::string meaning) {
   return {.name = std::move(name),
           .meaning = std::move(meaning),
@@ -40,7 +33,7 @@ Key word(std::string name, std::string meaning, std::vector<std::string> words, 
   return key;
 }
 Key texts(std::string name, std::string meaning, std::string fallback, std::string example) {
-  Key key = text(std::move(name), std::move(meaning), std::move(fallback), std::move(example));
+  Key key = text_key(std::move(name), std::move(meaning), std::move(fallback), std::move(example));
   key.type = KeyType::texts;
   return key;
 }
@@ -101,9 +94,10 @@ std::vector<Key> method_keys() {
 Key case_key() {
   Key set = free_table("set", "keys of the task that the case has otherwise", "{ \"filter.order\" = 20 }");
   set.conditions = fmt::format(R"({{"propertyNames": {{"pattern": {}}}}})", task_key_pattern());
-  return list("case", "a task of its own, or the study's with some keys set anew",
-              {required(text("name", "of the case, in the column `case`", "", "\"heavy\"")),
-               text("task", "task file, relative to the study", "that of the study", "\"../corner/power.toml\""), set});
+  return list(
+      "case", "a task of its own, or the study's with some keys set anew",
+      {required(text_key("name", "of the case, in the column `case`", "", "\"heavy\"")),
+       text_key("task", "task file, relative to the study", "that of the study", "\"../corner/power.toml\""), set});
 }
 
 Key vary_key() {
@@ -131,46 +125,46 @@ Key vary_key() {
                       .example = "20"},
                      boolean("log", "equal ratios instead of equal steps")}};
   Key vary = list("vary", "a quantity that varies",
-                  {text("name", "of its column", "the first key", "\"tolerance\""), key, values, range});
+                  {text_key("name", "of its column", "the first key", "\"tolerance\""), key, values, range});
   vary.conditions = R"({"oneOf": [{"required": ["values"]}, {"required": ["range"]}]})";
   return vary;
 }
 
 Key ratio_key() {
   return list("ratio", "a column made of two others",
-              {required(text("name", "of the column", "", "\"gain\"")),
-               required(text("of", "column above the line", "", "\"boxcar.cycle_time_ms\"")),
-               required(text("to", "column below the line", "", "\"optimum.cycle_time_ms\"")),
+              {required(text_key("name", "of the column", "", "\"gain\"")),
+               required(text_key("of", "column above the line", "", "\"boxcar.cycle_time_ms\"")),
+               required(text_key("to", "column below the line", "", "\"optimum.cycle_time_ms\"")),
                boolean("excess", "the ratio less 1")});
 }
 
 Key figure_key() {
-  Key title = text("title", "above the figure", "", "\"What a tolerance costs\"");
+  Key title = text_key("title", "above the figure", "", "\"What a tolerance costs\"");
   title.empty_text = true;
-  Key name = text("name", "of its file: small letters, digits, - and _", "figure-1, ..", "\"pareto\"");
+  Key name = text_key("name", "of its file: small letters, digits, - and _", "figure-1, ..", "\"pareto\"");
   name.conditions = R"({"pattern": "^[a-z0-9_-]+$"})";
   return list(
       "figure", "a figure of the report",
       {name, title,
        word("kind", "`pareto`: cycle time against corner error", {"curve", "family", "heat", "pareto"}, "curve"),
-       text("x", "column of the x axis; not of pareto", "", "\"corner.*.error_max_um\""),
+       text_key("x", "column of the x axis; not of pareto", "", "\"corner.*.error_max_um\""),
        required(texts("y", "columns, one a curve; of pareto computations", "", "[\"optimum.cycle_time_ms\"]")),
-       text("z", "heat: column of the colour", "", "\"best_shape\""),
-       text("family", "family: column with one curve a value", "", "\"corner.A.angle_deg\""),
+       text_key("z", "heat: column of the colour", "", "\"best_shape\""),
+       text_key("family", "family: column with one curve a value", "", "\"corner.A.angle_deg\""),
        texts("labels", "of the curves", "names of the columns", "[\"optimum\", \"boxcar\"]"),
-       text("x_label", "of the axis", "from the column", "\"Tolerance / um\""),
-       text("y_label", "of the axis", "from the column", "\"Cycle time / ms\""),
-       text("z_label", "of the colours", "from the column", "\"Gain\""), boolean("log_x", "logarithmic x axis"),
+       text_key("x_label", "of the axis", "from the column", "\"Tolerance / um\""),
+       text_key("y_label", "of the axis", "from the column", "\"Cycle time / ms\""),
+       text_key("z_label", "of the colours", "from the column", "\"Gain\""), boolean("log_x", "logarithmic x axis"),
        boolean("log_y", "logarithmic y axis"),
        free_table("where", "column = value: rows that count", "{ case = \"heavy\" }")});
 }
 
 FileKind make_study_file() {
   FileKind file{.name = "study", .title = "accdec study"};
-  Key notes = text("notes", "below the title of the report", "", "\"All at 6 m/min.\"");
+  Key notes = text_key("notes", "below the title of the report", "", "\"All at 6 m/min.\"");
   notes.empty_text = notes.long_text = true;
-  file.keys = {text("title", "of the report", "the file's name", "\"Price of smoothness\""), notes,
-               text("task", "task file, relative to the study; or [[case]]", "", "\"../corner/power.toml\"")};
+  file.keys = {text_key("title", "of the report", "the file's name", "\"Price of smoothness\""), notes,
+               text_key("task", "task file, relative to the study; or [[case]]", "", "\"../corner/power.toml\"")};
   for (Key& key : method_keys()) file.keys.push_back(std::move(key));
   for (Key key : {case_key(), vary_key(), ratio_key(), figure_key()}) file.keys.push_back(std::move(key));
   file.conditions = R"({"anyOf": [{"required": ["task"]}, {"required": ["case"]}]})";

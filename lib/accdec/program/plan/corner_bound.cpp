@@ -79,9 +79,9 @@ class Rows {
 
 /// The linear program of one corner. Column k is the speed of leg 1 in period k over its feed, column count + k that
 /// of leg 2; the corner's moment is the beginning of period `before`.
-class CornerProgramme {
+class CornerLinearProgram {
  public:
-  CornerProgramme(const BoundCorner& corner, const Machine& machine, std::size_t dimensions, double period)
+  CornerLinearProgram(const BoundCorner& corner, const Machine& machine, std::size_t dimensions, double period)
       : corner_(corner),
         dimensions_(dimensions),
         period_(period),
@@ -209,7 +209,7 @@ double corner_time_bound(const BoundCorner& corner, const Machine& machine, std:
                          double sample_period) {
   // Any period gives a bound; more than some 300 periods only take longer.
   const double period = std::max(sample_period, (corner.reach_in + corner.reach_out) / 300.0);
-  return CornerProgramme(corner, machine, dimensions, period).lost();
+  return CornerLinearProgram(corner, machine, dimensions, period).lost();
 }
 
 CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, double sample_period,
