@@ -67,6 +67,16 @@ DelayProblem::DelayProblem(const Task& task, const FormulationOptions& options)
     : order_(options.order), reduced_(options.reduced) {
   set_name("least weighted delay");
   const CumulativeVariables b = add_cumulative_variables(*this, order_);
+  Affine objective = add_closest(task);
+  for (Closest& c : closest_) add_error_rows(c, task.corners[c.corner].name, options.margin);
+  add_limit_rows(*this, b, task, options);
+  set_objective(std::move(objective));
+  if (reduced_) omit_hessian();
+  finish();
+  for (Closest& c : closest_) find_slots(c);
+}
+
+Affine DelayProblem::add_closest(const Task& task) {
   Affine objective;
   fixed_delays_.assign(task.corners.size(), 0.0);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
@@ -89,60 +99,58 @@ DelayProblem::DelayProblem(const Task& task, const FormulationOptions& options)
     if (!corner.delay) objective.add(c.delay, corner.weight);
     closest_.push_back(c);
   }
-  for (Closest& c : closest_) {
-    const std::string& name = task.corners[c.corner].name;
-    if (reduced_) {
-      c.row_error = add_row("corner error, corner " + name, {-nlp::infinity, 1.0 - options.margin});
-      for (int i = 0; i < order_; ++i) reserve_jacobian(c.row_error, i);
-      reserve_jacobian(c.row_error, c.instant);
-      reserve_jacobian(c.row_error, c.delay);
-      continue;
-    }
-    c.p = add_variable("P " + name, {0.0, nlp::infinity});
-    c.q = add_variable("Q " + name, {0.0, nlp::infinity});
-    c.row_p = add_row("distance in, corner " + name, {0.0, 0.0});
-    c.row_q = add_row("distance out, corner " + name, {0.0, 0.0});
-    add_to_row(c.row_p, {0.0, {{c.p, -1.0}}});
-    add_to_row(c.row_q, {0.0, {{c.q, -1.0}}});
-    for (const int row : {c.row_p, c.row_q}) {
-      for (int i = 0; i < order_; ++i) reserve_jacobian(row, i);
-      reserve_jacobian(row, c.instant);
-    }
-    reserve_jacobian(c.row_q, c.delay);
-    for (int i = 0; i < order_; ++i) {
-      reserve_hessian(c.instant, i);
-      reserve_hessian(c.delay, i);
-    }
-    reserve_hessian(c.instant, c.instant);
-    reserve_hessian(c.instant, c.delay);
-    reserve_hessian(c.delay, c.delay);
-    c.row_error = add_row("corner error, corner " + name, {-nlp::infinity, 1.0 - options.margin});
-    const Affine p{0.0, {{c.p, 1.0}}}, q{0.0, {{c.q, 1.0}}};
-    add_product(c.row_error, 1.0, p, p);
-    add_product(c.row_error, 1.0, q, q);
-    add_product(c.row_error, 2.0 * c.cosine, p, q);
+  return objective;
+}
+
+void DelayProblem::add_error_rows(Closest& c, const std::string& name, double margin) {
+  if (reduced_) {
+    c.row_error = add_row("corner error, corner " + name, {-nlp::infinity, 1.0 - margin});
+    for (int i = 0; i < order_; ++i) reserve_jacobian(c.row_error, i);
+    reserve_jacobian(c.row_error, c.instant);
+    reserve_jacobian(c.row_error, c.delay);
+    return;
   }
-  add_limit_rows(*this, b, task, options);
-  set_objective(std::move(objective));
-  if (reduced_) omit_hessian();
-  finish();
-  for (Closest& c : closest_) {
-    const auto slots = [&](int row) {
-      std::vector<int> found;
-      for (const auto& extra : rows_[at(row)].extra) found.push_back(extra.second);
-      return found;
-    };
-    c.slots_p = slots(reduced_ ? c.row_error : c.row_p);
-    if (reduced_) continue;
-    c.slots_q = slots(c.row_q);
-    for (int i = 0; i < order_; ++i) {
-      c.hessian_t.push_back(hessian_slot(c.instant, i));
-      c.hessian_d.push_back(hessian_slot(c.delay, i));
-    }
-    c.hessian_tt = hessian_slot(c.instant, c.instant);
-    c.hessian_td = hessian_slot(c.instant, c.delay);
-    c.hessian_dd = hessian_slot(c.delay, c.delay);
+  c.p = add_variable("P " + name, {0.0, nlp::infinity});
+  c.q = add_variable("Q " + name, {0.0, nlp::infinity});
+  c.row_p = add_row("distance in, corner " + name, {0.0, 0.0});
+  c.row_q = add_row("distance out, corner " + name, {0.0, 0.0});
+  add_to_row(c.row_p, {0.0, {{c.p, -1.0}}});
+  add_to_row(c.row_q, {0.0, {{c.q, -1.0}}});
+  for (const int row : {c.row_p, c.row_q}) {
+    for (int i = 0; i < order_; ++i) reserve_jacobian(row, i);
+    reserve_jacobian(row, c.instant);
   }
+  reserve_jacobian(c.row_q, c.delay);
+  for (int i = 0; i < order_; ++i) {
+    reserve_hessian(c.instant, i);
+    reserve_hessian(c.delay, i);
+  }
+  reserve_hessian(c.instant, c.instant);
+  reserve_hessian(c.instant, c.delay);
+  reserve_hessian(c.delay, c.delay);
+  c.row_error = add_row("corner error, corner " + name, {-nlp::infinity, 1.0 - margin});
+  const Affine p{0.0, {{c.p, 1.0}}}, q{0.0, {{c.q, 1.0}}};
+  add_product(c.row_error, 1.0, p, p);
+  add_product(c.row_error, 1.0, q, q);
+  add_product(c.row_error, 2.0 * c.cosine, p, q);
+}
+
+void DelayProblem::find_slots(Closest& c) const {
+  const auto slots = [&](int row) {
+    std::vector<int> found;
+    for (const auto& extra : rows_[at(row)].extra) found.push_back(extra.second);
+    return found;
+  };
+  c.slots_p = slots(reduced_ ? c.row_error : c.row_p);
+  if (reduced_) return;
+  c.slots_q = slots(c.row_q);
+  for (int i = 0; i < order_; ++i) {
+    c.hessian_t.push_back(hessian_slot(c.instant, i));
+    c.hessian_d.push_back(hessian_slot(c.delay, i));
+  }
+  c.hessian_tt = hessian_slot(c.instant, c.instant);
+  c.hessian_td = hessian_slot(c.instant, c.delay);
+  c.hessian_dd = hessian_slot(c.delay, c.delay);
 }
 
 void DelayProblem::rows(std::span<const double> x, std::span<double> c) const {

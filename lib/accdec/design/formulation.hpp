@@ -58,6 +58,11 @@ class DelayProblem : public QuadraticProblem {
     std::vector<int> hessian_t, hessian_d;  // (t, B_i), (d, B_i)
     int hessian_tt = -1, hessian_td = -1, hessian_dd = -1;
   };
+  /// Variables of every corner that asks for a closest approach, and the weighted sum of its delays. @return that sum
+  Affine add_closest(const Task& task);
+  void add_error_rows(Closest& c, const std::string& name, double margin);
+  /// Where derivatives stand, once the problem is finished.
+  void find_slots(Closest& c) const;
   int order_ = 0;
   bool reduced_ = false;
   std::vector<Closest> closest_;

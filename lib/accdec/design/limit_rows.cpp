@@ -187,8 +187,8 @@ class RowBuilder {
       }
       const std::string name = fmt::format("vibration at {:.6g} Hz", f);
       if (mode.residual_max == 0.0) {
-        affine(name + ", cosine", std::move(real), {0.0, 0.0});
-        affine(name + ", sine", std::move(imaginary), {0.0, 0.0});
+        affine(name + ", cosine", real, {0.0, 0.0});
+        affine(name + ", sine", imaginary, {0.0, 0.0});
         continue;
       }
       if (!options_.reduced) {
