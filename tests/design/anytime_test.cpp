@@ -97,8 +97,8 @@ TEST(DesignTask, ProgrammesAreEstimatedBeforeTheyAreBuilt) {
   // The dense tableau alone has a row and a column a tap.
   for (const int order : {100, 1000, 20'000}) {
     const double tableau = 8.0 * (order + 1.0) * (order + 1.0);
-    EXPECT_GT(exact::programme_bytes(task, order), tableau);
-    EXPECT_LT(exact::programme_bytes(task, order), 4.0 * tableau);
+    EXPECT_GT(exact::linear_program_bytes(task, order), tableau);
+    EXPECT_LT(exact::linear_program_bytes(task, order), 4.0 * tableau);
   }
   EXPECT_NO_THROW(exact::require_room(task, 1000));
   EXPECT_THROW(exact::require_room(task, 1'000'000), exact::TooLarge);

@@ -13,7 +13,7 @@ constexpr double bytes_max = 4e9;
 
 }  // namespace
 
-double programme_bytes(const Task& task, int order) {
+double linear_program_bytes(const Task& task, int order) {
   const double n = order + 2.0, corners = static_cast<double>(task.corners.size());
   const double columns = n + (corners > 1.0 ? 2.0 * corners : 0.0);
   double sums = 0.0;  // rows in cumulative responses: half of their coefficients are there
@@ -33,11 +33,11 @@ double programme_bytes(const Task& task, int order) {
 }
 
 void require_room(const Task& task, int order) {
-  const double bytes = programme_bytes(task, order), there = std::min(bytes_max, 0.5 * available_memory());
+  const double bytes = linear_program_bytes(task, order), there = std::min(bytes_max, 0.5 * available_memory());
   if (bytes <= there) return;
   throw TooLarge(
-      fmt::format("the proof's linear programs for order {} and {} corner{} would take {:.3g} GB, {:.3g} GB "
-                  "are allowed them here",
+      fmt::format("the proof's linear programs for order {} and {} corner{} would take {:.3g} GB of memory, {:.3g} "
+                  "GB are allowed them here",
                   order, task.corners.size(), task.corners.size() == 1 ? "" : "s", 1e-9 * bytes, 1e-9 * there));
 }
 

@@ -14,7 +14,7 @@ class TooLarge : public std::length_error {
 
 /// About what the dense tableau of one linear program and its rows take, in bytes, while it grows: an estimate from
 /// above that is right to a factor of two.
-double programme_bytes(const Task& task, int order);
+double linear_program_bytes(const Task& task, int order);
 
 /// To be called before a linear program is built. @throws TooLarge
 void require_room(const Task& task, int order);
