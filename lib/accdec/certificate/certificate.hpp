@@ -192,6 +192,9 @@ struct BranchAndBound {
   double runs = 1.0;                    ///< Objective::cycle
   std::optional<double> bound_samples;  ///< of the objective (objective.hpp); none: there is no design at all
   std::vector<std::string> conflict;    ///< where there is no design: the limits in conflict, in words
+  /// Where corners that ask the same are one (equal_corners.hpp): by corner of the task, which one of the proof's it
+  /// is. These are counted in the order of their first members. Empty: all as in the task.
+  std::vector<int> corner_of{};
   std::vector<Multipliers> multipliers;
   std::vector<Lemma> lemmas;
   std::vector<Node> tree;

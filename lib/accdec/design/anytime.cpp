@@ -11,7 +11,9 @@
 #include <accdec/design/shape_search.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
+#include <accdec/task/equal_corners.hpp>
 #include <accdec/task/order_bound.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -217,9 +219,32 @@ class Course {
   std::string local_message_;
 };
 
-}  // namespace
+/// The proof of a merged task as one of the whole.
+std::shared_ptr<const Certificate> of_whole(const Certificate& certificate, const MergedTask& merged) {
+  Certificate whole = certificate;
+  if (auto* proof = std::get_if<proof::BranchAndBound>(&whole.proof)) proof->corner_of = merged.of;
+  return std::make_shared<Certificate>(std::move(whole));
+}
 
-DesignResult design_anytime(const Task& task, const DesignOptions& options) {
+/// The result of a merged task as one of the whole; none if rounding makes a difference.
+std::optional<DesignResult> expand(const Task& task, const MergedTask& merged, const DesignResult& found) {
+  DesignResult result = found;
+  if (has_design(found)) {
+    std::vector<int> delays;
+    for (const CornerResult& c : found.corners) delays.push_back(c.delay);
+    result = assess(task, *found.filter, merged.expand(delays), false);
+    if (!has_design(result)) return std::nullopt;
+    result.status = found.status, result.stop = found.stop, result.message = found.message;
+    result.solver = found.solver, result.gap = found.gap;
+    // The same sum in another order.
+    result.lower_bound = found.status == Status::optimal ? result.objective() : found.lower_bound;
+  }
+  result.task = task;
+  if (found.certificate) result.certificate = of_whole(*found.certificate, merged);
+  return result;
+}
+
+DesignResult design_as_it_is(const Task& task, const DesignOptions& options) {
   Course course(task, options);
   try {
     const int most = task.design.order_max;
@@ -231,6 +256,16 @@ DesignResult design_anytime(const Task& task, const DesignOptions& options) {
   } catch (const exact::TooLarge& reason) {
     return course.run_without_linear_programs(reason.what());
   }
+}
+
+}  // namespace
+
+DesignResult design_anytime(const Task& task, const DesignOptions& options) {
+  const MergedTask merged = merge_equal_corners(task);
+  if (merged.smaller()) {
+    if (auto result = expand(task, merged, design_as_it_is(merged.task, options))) return *result;
+  }
+  return design_as_it_is(task, options);
 }
 
 }  // namespace accdec

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/exact/exact_run.hpp>
+#include <accdec/exact/size.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -25,19 +26,6 @@ long shortly(int order) {
   const double length = std::max(1.0, order / 50.0);
   return static_cast<long>(2000.0 / (length * length));
 }
-
-/// Bytes of the dense tableau of the linear programs' first rows, which hold for every box.
-double tableau_bytes(const Task& task, int order) {
-  double rows = 1.0;
-  for (const Axis& axis : task.machine.axes) {
-    if (axis.force_max < unlimited && axis.damping > 0.0) rows += order + 1.0;
-  }
-  if (std::any_of(task.machine.axes.begin(), task.machine.axes.end(),
-                  [](const Axis& axis) { return axis.jerk_max < unlimited; }))
-    rows += order + 2.0;
-  return sizeof(double) * rows * (order + 2.0 + rows);
-}
-constexpr double most_bytes = 2e9;
 
 /// The next target between a bound and what is known to be open or found above it.
 double large_step(double low, double high) {
@@ -79,15 +67,14 @@ std::optional<DesignResult> ExactRun::refusal() const {
     if (options_.certificate) result.certificate = std::make_shared<Certificate>(Certificate{proof::ConstantFeed{}});
     return result;
   }
-  // No order below is allowed or fast enough.
-  const int first = std::max(task_.design.order_min, order_lower_bound(task_, task_.design.order_max));
-  const double bytes = tableau_bytes(task_, first);
-  if (bytes <= most_bytes) return std::nullopt;
-  result.status = Status::failed;
-  result.message = fmt::format(
-      "the linear programs for filters of order {} would take {:.1f} GB of memory, more than the {:.0f} GB allowed; a "
-      "longer sample period or a nonlinear solver (--solver) may do",
-      first, bytes / 1e9, most_bytes / 1e9);
+  try {
+    // No order below is allowed or fast enough.
+    exact::require_room(task_, std::max(task_.design.order_min, order_lower_bound(task_, task_.design.order_max)));
+    return std::nullopt;
+  } catch (const exact::TooLarge& reason) {
+    result.status = Status::failed;
+    result.message = fmt::format("{}; a longer sample period or a nonlinear solver (--solver) may do", reason.what());
+  }
   return result;
 }
 

@@ -186,7 +186,7 @@ void Joint::single_corner(std::size_t j) {
       low = at.delay;
     }
   }
-  if (!sees_all_) longest_refuted(j, false, low);
+  if (!sees_all_ || !task_.corners[j].error_max) longest_refuted(j, false, low);
 }
 
 /// Splits the open node at a delay that a lemma says no filter has.

@@ -36,8 +36,8 @@ void require_room(const Task& task, int order) {
   const double bytes = linear_program_bytes(task, order), there = std::min(bytes_max, 0.5 * available_memory());
   if (bytes <= there) return;
   throw TooLarge(
-      fmt::format("the proof's linear programs for order {} and {} corner{} would take {:.3g} GB, {:.3g} GB "
-                  "are allowed them here",
+      fmt::format("the proof's linear programs for order {} and {} corner{} would take {:.3g} GB of memory, {:.3g} "
+                  "GB are allowed them here",
                   order, task.corners.size(), task.corners.size() == 1 ? "" : "s", 1e-9 * bytes, 1e-9 * there));
 }
 

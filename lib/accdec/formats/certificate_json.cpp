@@ -102,6 +102,7 @@ Json proof_json(const proof::BranchAndBound& proof) {
   json["bound_samples"] = proof.bound_samples ? Json(*proof.bound_samples) : Json(nullptr);
   if (!proof.conflict.empty()) json["conflict"] = proof.conflict;
   json["kind"] = "branch and bound";
+  if (!proof.corner_of.empty()) json["corner_of"] = proof.corner_of;
   for (const proof::Lemma& lemma : proof.lemmas) json["lemmas"].push_back(lemma_json(lemma));
   Json& sets = json["multipliers"] = Json::array();
   for (const proof::Multipliers& terms : proof.multipliers) {

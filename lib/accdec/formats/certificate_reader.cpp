@@ -157,7 +157,7 @@ proof::Lemma read_lemma(const Value& value) {
 
 proof::BranchAndBound read_branch_and_bound(const Value& value) {
   value.members({"schema", "kind", "objective", "bound_samples", "multipliers", "tree"},
-                {"runs", "conflict", "lemmas"});
+                {"runs", "conflict", "corner_of", "lemmas"});
   proof::BranchAndBound proof;
   proof.objective = value["objective"].word({Objective::cycle, Objective::corner});
   if (proof.objective == Objective::cycle) {
@@ -167,6 +167,10 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
   proof.bound_samples = value["bound_samples"].optional_number();
   if (value.has("conflict")) {
     for (const Value& limit : value["conflict"].elements()) proof.conflict.push_back(limit.text());
+  }
+  if (value.has("corner_of")) {
+    for (const Value& kind : value["corner_of"].elements())
+      proof.corner_of.push_back(static_cast<int>(kind.integer(0, 100'000'000)));
   }
   const std::string sets = value["multipliers"].pointer();
   proof.multipliers = read_list(value["multipliers"].json(), sets, [&](const Entry& set) {
@@ -187,15 +191,15 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
 }  // namespace
 
 Certificate read_certificate(const Value& value) {
-  value.members({"kind"},
-                {"schema", "objective", "runs", "bound_samples", "conflict", "lemmas", "multipliers", "tree"});
+  value.members({"kind"}, {"schema", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
+                           "multipliers", "tree"});
   const std::string kind = value["kind"].text();
   if (kind == "enumeration") {
     value.members({"kind"}, {"schema"});
     return {proof::Enumeration{}};
   }
   value.members({"kind", "schema"},
-                {"objective", "runs", "bound_samples", "conflict", "lemmas", "multipliers", "tree"});
+                {"objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas", "multipliers", "tree"});
   if (value["schema"].text() != "accdec.certificate/1")
     value["schema"].fail("the certificate's schema is unknown; known is accdec.certificate/1");
   if (kind == "constant feed") {

@@ -1,0 +1,79 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include <accdec/task/equal_corners.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr double same_part = 1e-12;
+
+bool same(double a, double b) {
+  return std::abs(a - b) <= same_part * std::min(std::abs(a), std::abs(b));
+}
+
+bool same_limits(const Axis& a, const Axis& b) {
+  const auto all = [](const Axis& x) {
+    return std::tie(x.velocity_max, x.acceleration_max, x.jerk_max, x.mass, x.damping, x.force_max, x.power_max,
+                    x.regeneration_max);
+  };
+  return all(a) == all(b);
+}
+
+}  // namespace
+
+bool ask_the_same(const Machine& machine, const TaskCorner& a, const TaskCorner& b) {
+  if (a.error_max != b.error_max || a.speed_min != b.speed_min || a.delay != b.delay) return false;
+  const Corner &g = a.geometry(), &h = b.geometry();
+  if (g.feed_in != h.feed_in || g.feed_out != h.feed_out || g.axes() != h.axes()) return false;
+  // The error is |p - q| and what the turn adds to it: of legs nearly in line the turn's own digits count.
+  if (!same(1.0 + g.cos_interior(), 1.0 + h.cos_interior())) return false;
+  std::vector<char> taken(static_cast<std::size_t>(h.axes()), 0);
+  const auto matches = [&](Eigen::Index x, Eigen::Index y) {
+    const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
+    if (taken[j] != 0 || (i != j && !same_limits(machine.axes[i], machine.axes[j]))) return false;
+    return (same(g.direction_in[x], h.direction_in[y]) && same(g.direction_out[x], h.direction_out[y])) ||
+           (same(g.direction_in[x], -h.direction_in[y]) && same(g.direction_out[x], -h.direction_out[y]));
+  };
+  for (Eigen::Index x = 0; x < g.axes(); ++x) {
+    Eigen::Index y = 0;
+    while (y < h.axes() && !matches(x, y)) ++y;
+    if (y == h.axes()) return false;
+    taken[static_cast<std::size_t>(y)] = 1;
+  }
+  return true;
+}
+
+std::vector<int> MergedTask::expand(const std::vector<int>& delays) const {
+  std::vector<int> all;
+  for (const int j : of) all.push_back(delays[static_cast<std::size_t>(j)]);
+  return all;
+}
+
+MergedTask merge_equal_corners(const Task& task) {
+  MergedTask merged{task, {}};
+  merged.task.corners.clear();
+  using Key = std::tuple<double, double, double, double, int>;
+  std::map<Key, std::vector<int>> alike;
+  for (const TaskCorner& corner : task.corners) {
+    const Key key{corner.geometry().feed_in, corner.geometry().feed_out, corner.error_max.value_or(-1.0),
+                  corner.speed_min, corner.delay.value_or(-1)};
+    std::vector<int>& kinds = alike[key];
+    const auto at = [&](int j) -> TaskCorner& { return merged.task.corners[static_cast<std::size_t>(j)]; };
+    const auto known =
+        std::find_if(kinds.begin(), kinds.end(), [&](int j) { return ask_the_same(task.machine, at(j), corner); });
+    if (known == kinds.end()) {
+      merged.of.push_back(static_cast<int>(merged.task.corners.size()));
+      kinds.push_back(merged.of.back());
+      merged.task.corners.push_back(corner);
+    } else {
+      merged.of.push_back(*known);
+      at(*known).weight += corner.weight;
+    }
+  }
+  return merged;
+}
+
+}  // namespace accdec

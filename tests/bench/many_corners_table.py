@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Designs the tasks of many_corners.py one after another and checks each proof.
+
+  many_corners_table.py FOLDER [--accdec build/release/apps/accdec] [--time-limit 60] [--out results/exact]
+
+FOLDER holds the tasks. Writes many_corners.csv, one row a task, and many_corners.svg, processor time over the number of
+corners (gnuplot). Rows that the table has already are kept: remove those that are to be run again.
+"""
+import argparse
+import csv
+import json
+import pathlib
+import resource
+import subprocess
+import time
+
+COLUMNS = ("kind", "corners", "seed", "status", "cycle_ms", "bound_ms", "gap_percent", "processor_s", "wall_s",
+           "linear_programs", "check_s", "proof")
+PLOT = """
+set terminal svg size 700,420 noenhanced font 'DejaVu Sans,12' background '#ffffff'
+set output '{out}/many_corners.svg'
+set datafile separator ','
+set logscale y
+set format y '%g'
+set xrange [1.5:12.5]
+set xtics (2, 3, 4, 6, 8, 12)
+set yrange [0.01:200]
+set xlabel 'corners that share the filter'
+set ylabel 'processor time / s'
+set key left top
+set grid lc rgb '#dddddd'
+f = '{out}/many_corners.csv'
+plot {curves}, NaN with points lc rgb '#808080' pt 6 title 'stopped without a whole proof'
+"""
+MARKS = {"jerk": ("#000000", 0), "force": ("#0b5fa5", 0.12), "vibration": ("#c8501e", 0.24), "power": ("#2e7d32", -0.12),
+         "unequal": ("#8e44ad", -0.24)}
+
+
+def processor_time():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def run(arguments):
+    before, began = processor_time(), time.monotonic()
+    done = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    return done, processor_time() - before, time.monotonic() - began
+
+
+def row_of(accdec, task, limit):
+    result = task.with_suffix(".json")
+    _, processor, wall = run([accdec, "design", task, "--time-limit", str(limit), "--json", result])
+    found = json.loads(result.read_text())
+    check, checking, _ = run([accdec, "verify", result])
+    result.unlink()
+    kind, corners, seed = task.stem.split("-")
+    proof = "accepted" if found.get("certificate") and check.returncode == 0 else "none"
+    return (kind, corners, seed, found["status"], f"{1e3 * found['cycle_time_s']:.6g}",
+            f"{1e3 * (found['lower_bound_s'] or 0):.6g}", f"{100 * (found['gap'] or 0):.2f}", f"{processor:.2f}",
+            f"{wall:.2f}", found["solver"]["evaluations"], f"{checking:.2f}", proof)
+
+
+def draw(out):
+    curves = []
+    for kind, (colour, beside) in MARKS.items():
+        for status, mark, title in ((1, 7, f"title '{kind}'"), (0, 6, "notitle")):
+            shown = f"(strcol(1) eq '{kind}' && (strcol(4) eq 'optimal') == {status} ? $8 : NaN)"
+            curves.append(f"f using ($2+{beside}):{shown} with points lc rgb '{colour}' pt {mark} {title}")
+    subprocess.run(["gnuplot"], input=PLOT.format(out=out, curves=", ".join(curves)), text=True, check=True)
+
+
+def size_of(row):
+    return int(row[1]), row[0], int(row[2])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--accdec", default="build/release/apps/accdec")
+    parser.add_argument("--time-limit", type=float, default=60.0)
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("results/exact"))
+    given = parser.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+    table = given.out / "many_corners.csv"
+    rows = list(csv.reader(table.open()))[1:] if table.exists() else []
+    known = {tuple(r[:3]) for r in rows}
+    tasks = [t for t in given.folder.glob("*.toml") if tuple(t.stem.split("-")) not in known]
+    for task in sorted(tasks, key=lambda t: size_of(t.stem.split("-"))):
+        rows.append([str(x) for x in row_of(given.accdec, task, given.time_limit)])
+        with table.open("w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(COLUMNS)
+            writer.writerows(sorted(rows, key=size_of))
+    draw(given.out)
+
+
+if __name__ == "__main__":
+    main()
