@@ -154,7 +154,7 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
   const std::string text = read("e.ngc");
   std::size_t at = 0;
   for (const char* words :
-       {"%\n", "\nN10\n(start)\n", "\nT1 M6\n", "\nG54 G43 H1\n", "\nS12000 M3\n", "\nM8\n", "\nG0 X10 Y10\n",
+       {"%\n", "\nN10 (start)\n", "\nT1 M6\n", "\nG54 G43 H1\n", "\nS12000 M3\n", "\nM8\n", "\nG0 X10 Y10\n",
         "\nG61.1\n", "\nG1 X60 F3000\n", "\nG4 P0.5\n", "\nG1 Y30\n", "\nM1\n", "\nG1 Y60\n", "\nS8000.5\n",
         "\nG64 P0.02\n", "\nG1 X10\n", "\nG1 X25.4 F", "\nM5 M9\n", "\nM30\n%\n"}) {
     const std::size_t found = text.find(words, at);
@@ -171,6 +171,32 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
   // Read as any program, a dwell is an exact stop as well.
   ASSERT_EQ(run("program e.ngc --feeds keep --task task.toml --json stops.json").code, 0) << read("err");
   EXPECT_GT(number_of("stops.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
+}
+
+// Numbers and comments stay on the line of their block, on its first part where it was split; each stands once.
+TEST_F(ProgramCommand, EmittedNumbersAndCommentsStayWithTheirBlocks) {
+  write("part.ngc",
+        "N5 (head)\nG21 G90 G64 P0.05\n(alone)\nN10 T1 M6 (tool)\nN20 G1 X60 F3000 (first) (cut)\n"
+        "N25 X60\nN30 G3 X70 Y10 I0 J10 ; arc\n/N40 G1 Y40\nG1 Y60 M8 (coolant)\nN50 G4 P0.5 (wait)\nN60 M30 (end)\n");
+  for (const char* feeds : {"keep", "choose"}) {
+    ASSERT_EQ(run(std::string("program part.ngc --task task.toml --json r.json --emit e.ngc --feeds ") + feeds).code, 0)
+        << read("err");
+    const std::string text = read("e.ngc");
+    for (const char* line : {"\nN5 (head)\n", "\n(alone)\n", "\nN10 T1 M6 (tool)\n", "\nN25\n", "\nN50 (wait)\n",
+                             "\nM8\n", "\nN60 (end)\nM30\n"})
+      EXPECT_THAT(text, HasSubstr(line));
+    EXPECT_THAT(text, ::testing::ContainsRegex("\nN20 G1 X[0-9.]+( F[0-9.]+)? \\(first\\) \\(cut\\)\n"));
+    EXPECT_THAT(text, ::testing::ContainsRegex("\nN30 G1 X[0-9.]+ Y[0-9.]+( F[0-9.]+)? ; arc\n"));
+    EXPECT_THAT(text, ::testing::ContainsRegex("\nG1 (X[0-9.]+ )?Y[0-9.]+( F[0-9.]+)? \\(coolant\\)\n"));
+    for (const char* once : {"N20", "(first)", "N30", "; arc", "(coolant)"})
+      EXPECT_EQ(text.find(once), text.rfind(once)) << once;
+    ASSERT_EQ(
+        run(std::string("program e.ngc --task task.toml --dwells-before-filter --emit again.ngc --feeds ") + feeds)
+            .code,
+        0)
+        << read("err");
+    EXPECT_EQ(read("again.ngc"), text);
+  }
 }
 
 TEST_F(ProgramCommand, EmittedOrderAndAxes) {

@@ -104,7 +104,7 @@ void write_limit(ListWriter& writer, const LimitUse& use) {
 }
 
 /// The members of an object as text, without its brackets.
-std::string members(const Json& object) {
+std::string members_text(const Json& object) {
   const std::string text = object.dump(2, ' ', false, Json::error_handler_t::replace);
   return text.substr(1, text.size() - 3);
 }
@@ -139,11 +139,11 @@ std::string result_to_json(const DesignResult& result) {
                     {"version", s.version},         {"claimed", s.claimed},
                     {"evaluations", s.evaluations}, {"wall_time_s", number(s.wall_time)}};
   if (result.certificate) tail["certificate"] = json_of(*result.certificate);
-  std::string text = "{" + members(head);
+  std::string text = "{" + members_text(head);
   append_list(text, "corners", result.corners, write_corner);
-  text += "," + members(times);
+  text += "," + members_text(times);
   append_list(text, "limits", result.limits, write_limit);
-  text += "," + members(tail);
+  text += "," + members_text(tail);
   return text + "\n}\n";
 }
 

@@ -43,7 +43,8 @@ class MoveSink {
   /// (0).
   virtual void stop(double dwell) = 0;
   /// Words at this point that are not about motion (spindle, tool, coolant, offsets, M0), as they would be written.
-  virtual void pass(std::string_view /*words*/) {}
+  /// @param with_move  a line number or comment that stands on the line of the next move
+  virtual void pass(std::string_view /*words*/, bool /*with_move*/ = false) {}
   /// Whether the program stands between two %, and the word that ended it (M2, M30; empty: the end of the file).
   virtual void frame(bool /*percent*/, std::string_view /*end*/) {}
 };

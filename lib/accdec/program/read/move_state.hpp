@@ -25,7 +25,7 @@ class MoveState {
   /// @param turns  >= 1  @param radius  nullptr: the centre is set in `arc`; else in m
   void arc(Arc arc, bool clockwise, int turns, const double* radius, Plane plane, std::size_t column);
   void stop(double dwell) { sink_.stop(dwell); }
-  void pass(std::string_view words) { sink_.pass(words); }
+  void pass(std::string_view words, bool with_move = false) { sink_.pass(words, with_move); }
   void frame(bool percent, std::string_view end) { sink_.frame(percent, end); }
 
   /// Axes of a plane, in the order in which angles turn positively.

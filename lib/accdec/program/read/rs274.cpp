@@ -120,9 +120,8 @@ class Interpreter {
     bool opened = false;
     while (source_.next(line)) {
       const LineKind kind = scan_words(source_, line, words_);
-      pass_notes();
       switch (kind) {
-        case LineKind::empty: break;
+        case LineKind::empty: pass_line(""); break;
         case LineKind::percent:
           if (opened) return finish();
           opened = percent_ = true;
@@ -137,16 +136,25 @@ class Interpreter {
 
  private:
   void finish() { state_.frame(percent_, end_); }
-  /// Numbers of lines and comments, where they stand.
-  void pass_notes() {
-    if (words_.has('N')) state_.pass("N" + plain_number(words_['N'], 6));
-    for (const std::string_view comment : words_.comments()) state_.pass(comment);
+  /// A line that moves nothing: its number, words and comments.
+  void pass_line(const std::string& words) {
+    std::string text = words_.has('N') ? "N" + plain_number(words_['N'], 6) : "";
+    const auto put = [&](std::string_view part) { text.append(text.empty() || part.empty() ? "" : " ").append(part); };
+    put(words);
+    for (const std::string_view comment : words_.comments()) put(comment);
+    if (!text.empty()) state_.pass(text);
+  }
+  /// The words of a line that moves, and then what stays on it.
+  void pass_with_move(const std::string& words) {
+    if (!words.empty()) state_.pass(words);
+    if (words_.has('N')) state_.pass("N" + plain_number(words_['N'], 6), true);
+    for (const std::string_view comment : words_.comments()) state_.pass(comment, true);
   }
   bool execute();
   bool modal_codes();
   void check_numbers() const;
   void path_control(int tenths);
-  void pass_words();
+  std::string other_words() const;
   void move();
   void arc_move(const ProgramPoint& to, std::size_t column);
   ProgramPoint target() const;
@@ -196,9 +204,10 @@ bool Interpreter::execute() {
     if (words_['P'] < 0.0) source_.fail(words_.column('P'), "a dwell cannot be negative");
     state_.stop(words_['P']);
   }
-  pass_words();
   // An arc without end words ends where it starts, in its plane.
-  if (words_.any_axis() || (words_.present() & Words::arc_centers) != 0U) move();
+  const bool moves = words_.any_axis() || (words_.present() & Words::arc_centers) != 0U;
+  moves ? pass_with_move(other_words()) : pass_line(other_words());
+  if (moves) move();
   refuse_unused();
   if (stop) {
     state_.stop(0.0);
@@ -210,10 +219,10 @@ bool Interpreter::execute() {
 }
 
 /// What is not about motion and comes before it.
-void Interpreter::pass_words() {
+std::string Interpreter::other_words() const {
   constexpr std::uint32_t numbers = letter_bit('S') | letter_bit('T') | letter_bit('H') | letter_bit('D');
-  if (words_.m_codes().empty() && words_.g_codes().empty() && (words_.present() & numbers) == 0U) return;
   std::string text;
+  if (words_.m_codes().empty() && words_.g_codes().empty() && (words_.present() & numbers) == 0U) return text;
   const auto put = [&](const std::string& word) { text.append(text.empty() ? "" : " ").append(word); };
   for (const Words::Item& g : words_.g_codes()) {
     if (const Group group = classify(g.tenths); group >= g_cutter && group != g_feed_mode) put(name('G', g.tenths));
@@ -224,7 +233,7 @@ void Interpreter::pass_words() {
   for (const Words::Item& m : words_.m_codes()) {
     if (classify_m(m.tenths) != m_stop) put(name('M', m.tenths));
   }
-  if (!text.empty()) state_.pass(text);
+  return text;
 }
 
 /// Words that are only passed over, but have a form.

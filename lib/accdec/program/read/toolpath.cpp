@@ -29,7 +29,7 @@ class Builder : public MoveSink {
     if (dwell > 0.0 && path_.blocks() == 0) path_.dwell_first += dwell;
     if (dwell > 0.0 && path_.blocks() > 0) path_.dwell.emplace_back(path_.blocks() - 1, dwell);
   }
-  void pass(std::string_view words) override { keep(std::string(words), false); }
+  void pass(std::string_view words, bool with_move) override { keep(std::string(words), false, with_move); }
   void frame(bool percent, std::string_view end) override {
     path_.percent = percent;
     path_.end = end;
@@ -37,8 +37,8 @@ class Builder : public MoveSink {
   Toolpath finish();
 
  private:
-  void keep(std::string words, bool dwell) {
-    path_.passed.push_back({static_cast<std::uint32_t>(path_.blocks()), std::move(words), dwell});
+  void keep(std::string words, bool dwell, bool with_block = false) {
+    path_.passed.push_back({static_cast<std::uint32_t>(path_.blocks()), std::move(words), dwell, with_block});
   }
   void add_axes(unsigned moving);
   double rapid_duration(const Move& move) const;

@@ -45,6 +45,7 @@ struct Toolpath {
     std::uint32_t block = 0;  ///< before which one
     std::string words;        ///< as to be written
     bool dwell = false;       ///< a dwell of the program; `dwell` above has its time
+    bool with_block = false;  ///< a line number or comment that stands on the block's own line
   };
   std::vector<Passed> passed;          ///< dwells, and words that are not about motion, in their order
   std::vector<std::uint32_t> clamped;  ///< lines of feeds above an axis' velocity limit, lowered to it; ascending

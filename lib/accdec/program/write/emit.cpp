@@ -32,6 +32,7 @@ class Emission {
       if (text_.size() > 60000) flush();
     }
     passed(path_.blocks());
+    leave_notes();
     line("{}", path_.end.empty() ? "M2" : path_.end);
     if (path_.percent) line("%");
     flush();
@@ -110,6 +111,10 @@ class Emission {
   void passed(std::size_t b) {
     for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_) {
       const std::string& words = path_.passed[next_passed_].words;
+      if (path_.passed[next_passed_].with_block) {
+        note(words);
+        continue;
+      }
       // A program written here and read again does not collect its own remarks.
       bool own = false;
       for (const char* remark :
@@ -118,6 +123,24 @@ class Emission {
       }
       if (!own) line("{}", words);
     }
+  }
+
+  /// Line numbers and comments go with the first command that their block became.
+  void note(const std::string& words) {
+    const bool number = words.starts_with('N');
+    if (number && (!number_.empty() || !comments_.empty())) leave_notes();
+    (number ? number_ : comments_).append(number ? words + " " : " " + words);
+  }
+  /// Those of blocks too short to be written.
+  void leave_notes() {
+    const std::string all = number_ + (comments_.empty() ? "" : comments_.substr(1));
+    if (!all.empty()) line("{}", all.substr(0, all.find_last_not_of(' ') + 1));
+    number_.clear(), comments_.clear();
+  }
+  template <class... Arguments>
+  void command(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    line("{}{}{}", number_, fmt::format(format, std::forward<Arguments>(arguments)...), comments_);
+    number_.clear(), comments_.clear();
   }
 
   /// Of the next joint within whose tolerance a corner is rounded: where a block was split near one, the motion passes
@@ -170,14 +193,14 @@ class Emission {
     const std::string to = words(path_.point(b + 1));
     if (to.empty()) return;  // shorter than what is written
     if (rapid(b, limits)) {
-      line("G0{}", to);
+      command("G0{}", to);
       return;
     }
     const std::string feed = this->feed(b);
     if (feed == feed_) {
-      line("G1{}", to);
+      command("G1{}", to);
     } else {
-      line("G1{} F{}", to, feed);
+      command("G1{} F{}", to, feed);
       feed_ = feed;
     }
   }
@@ -207,6 +230,7 @@ class Emission {
   std::ostream& out_;
   fmt::memory_buffer text_;
   std::string mode_, feed_;
+  std::string number_, comments_;     // of the block to come: "N10 ", " (one) (two)"
   std::vector<std::string> written_;  // of every axis; a program begins at the origin unless it is told otherwise
   std::size_t next_passed_ = 0;
 };
