@@ -35,6 +35,7 @@ SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, doubl
     : path_(path),
       machine_(machine),
       period_(sample_period),
+      rate_(1.0 / sample_period),
       n_(path.dimensions()),
       errors_(errors),
       broken_(std::move(broken)),
@@ -56,7 +57,12 @@ SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, doubl
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
     const auto add = [&](LimitKind kind, double bound) {
-      if (bound < unlimited) worst_.push_back({kind, a, bound, 0.0, 0, 0});
+      // Half a unit in the last place of every position that a difference of first, second or third order takes.
+      const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * largest_[a] * rate_;
+      if (bound < unlimited) {
+        worst_.push_back(
+            {kind, a, bound, 0.0, 0, 0, 2.0 * rounding, 4.0 * rounding * rate_, 8.0 * rounding * rate_ * rate_});
+      }
     };
     add(LimitKind::velocity, axis.velocity_max);
     add(LimitKind::acceleration, axis.acceleration_max);
@@ -70,17 +76,17 @@ SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, doubl
 double SampleChecker::value_of(const Worst& worst) const {
   const Axis& axis = machine_.axes[worst.axis];
   const double v = velocity_[worst.axis], a = acceleration_[worst.axis];
-  // Half a unit in the last place of every position that a difference of first, second or third order takes.
-  const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * largest_[worst.axis];
-  const double dv = 2.0 * rounding / period_, da = 4.0 * rounding / (period_ * period_);
-  const double force = axis.mass * a + axis.damping * v, df = axis.mass * da + axis.damping * dv;
   switch (worst.kind) {
-    case LimitKind::velocity: return std::abs(v) - dv;
-    case LimitKind::acceleration: return std::abs(a) - da;
-    case LimitKind::jerk: return std::abs(jerk_[worst.axis]) - 8.0 * rounding / (period_ * period_ * period_);
+    case LimitKind::velocity: return std::abs(v) - worst.dv;
+    case LimitKind::acceleration: return std::abs(a) - worst.da;
+    case LimitKind::jerk: return std::abs(jerk_[worst.axis]) - worst.dj;
+    default: break;
+  }
+  const double force = axis.mass * a + axis.damping * v, df = axis.mass * worst.da + axis.damping * worst.dv;
+  switch (worst.kind) {
     case LimitKind::force: return std::abs(force) - df;
-    case LimitKind::power: return force * v - df * std::abs(v) - dv * std::abs(force);
-    case LimitKind::regeneration: return -force * v - df * std::abs(v) - dv * std::abs(force);
+    case LimitKind::power: return force * v - df * std::abs(v) - worst.dv * std::abs(force);
+    case LimitKind::regeneration: return -force * v - df * std::abs(v) - worst.dv * std::abs(force);
     default: return 0.0;
   }
 }
@@ -88,6 +94,7 @@ double SampleChecker::value_of(const Worst& worst) const {
 void SampleChecker::look_limits(std::int64_t place_first, std::int64_t place_last) {
   for (Worst& worst : worst_) {
     const double value = value_of(worst);
+    if (!(value > worst.value) && !(value > worst.bound)) continue;
     if (broken_ && value > worst.bound * (1.0 + verification_tolerance)) {
       broken_(std::min(places_[2], place_first), place_last, worst.kind, value / worst.bound);
     }
@@ -116,8 +123,8 @@ void SampleChecker::look(const double* position, std::int64_t place_first, std::
   for (std::size_t a = 0; a < n_; ++a) {
     before_[a] = now_[a];
     now_[a] = position[a];
-    const double v = (now_[a] - before_[a]) / period_, acceleration = (v - velocity_[a]) / period_;
-    jerk_[a] = (acceleration - acceleration_[a]) / period_;
+    const double v = (now_[a] - before_[a]) * rate_, acceleration = (v - velocity_[a]) * rate_;
+    jerk_[a] = (acceleration - acceleration_[a]) * rate_;
     acceleration_[a] = acceleration;
     velocity_[a] = v;
   }

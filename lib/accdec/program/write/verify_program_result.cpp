@@ -162,7 +162,7 @@ ProgramResultCheck verify_program_result(const ProgramResult& result, const Task
 std::string departs_from(const Toolpath& commanded, const Toolpath& programmed) {
   if (commanded.axes != programmed.axes) return "other axes move than in the program";
   const std::size_t n = programmed.dimensions();
-  if (distance(commanded.point(0), programmed.point(0), n) > position_rounding) return "it begins elsewhere";
+  if (distance(commanded.asked(0), programmed.point(0), n) > position_rounding) return "it begins elsewhere";
   if (commanded.dwell_first < programmed.dwell_first) return "the dwell before the first block is shorter";
   const auto own = dwells(commanded), asked = dwells(programmed);
   std::size_t c = 0;
@@ -173,13 +173,13 @@ std::string departs_from(const Toolpath& commanded, const Toolpath& programmed) 
     double passed = 0.0;  // part of the block
     for (;; ++c) {
       if (c == commanded.blocks()) return at_line("the commands end before it does");
-      const double* end = commanded.point(c + 1);
+      const double* end = commanded.asked(c + 1);
       const auto [part, off] = foot_on(from, to, end, n);
       if (off > position_rounding || part < passed - position_rounding / length ||
           part > 1.0 + position_rounding / length)
         return at_line("the path leaves it");
       passed = part;
-      const double piece = distance(commanded.point(c), end, n);
+      const double piece = distance(commanded.asked(c), end, n);
       if (piece > speed * commanded.duration[c] * (1.0 + 1e-5) + position_rounding)
         return at_line("is commanded above its programmed feed");
       if (distance(end, to, n) <= position_rounding) break;
