@@ -160,6 +160,11 @@ TEST(ArcCaps, OfAHelixThePlaneCounts) {
   EXPECT_NEAR(helix.least * share, flat.least, 1e-3 * flat.least);
 }
 
+ScheduledPlan schedule(const std::string& text, const Machine& machine, const Filter& filter, bool widen) {
+  const Toolpath path = path_of(text, machine, 1e-7, widen);
+  return schedule_feeds(path, filter, period, program_machine(machine, path));
+}
+
 /// Largest distance of filtered samples from the programmed circle around (20, radius), by plain convolution, where the
 /// filter sees the circle alone.
 double radius_error(const ScheduledPlan& plan, const Filter& filter, double radius) {
@@ -184,8 +189,8 @@ TEST(CompensateArcs, TheRadiusErrorFallsToSecondOrder) {
     for (const double rise : {0.0, 8.0}) {
       const Filter filter = boxcar(29);
       const std::string text = circle_program(radius, 3, 0.5, rise, 12000.0);
-      const ScheduledPlan plain = schedule_feeds(path_of(text, machine, 1e-7), filter, period, machine);
-      const ScheduledPlan wide = schedule_feeds(path_of(text, machine, 1e-7, true), filter, period, machine);
+      const ScheduledPlan plain = schedule(text, machine, filter, false);
+      const ScheduledPlan wide = schedule(text, machine, filter, true);
       ASSERT_TRUE(all_holds(plain.plan) && all_holds(wide.plan));
       const double r = 1e-3 * radius, e = radius_error(plain, filter, r), left = radius_error(wide, filter, r);
       // v^2 s^2/(2 R) at v^2/R = 1 m/s^2 .. sqrt(2) times that, s^2 = (30^2 - 1)/12 samples.
@@ -217,8 +222,8 @@ TEST(CompensateArcs, LimitsAndTolerancesHoldByPlainConvolution) {
   for (const bool jerk : {false, true}) {
     const Machine machine = machine_of(1.0, jerk ? 50.0 : unlimited);
     const Filter filter = jerk ? trapezoid(46, 20) : boxcar(24);
-    const ScheduledPlan plain = schedule_feeds(path_of(text, machine, 1e-7), filter, period, machine);
-    const ScheduledPlan wide = schedule_feeds(path_of(text, machine, 1e-7, true), filter, period, machine);
+    const ScheduledPlan plain = schedule(text, machine, filter, false);
+    const ScheduledPlan wide = schedule(text, machine, filter, true);
     ASSERT_TRUE(all_holds(wide.plan));
     const Reference reference(wide.path, filter, period, wide.plan.delays);
     for (std::size_t b = 0; b + 1 < wide.path.blocks(); ++b) {
