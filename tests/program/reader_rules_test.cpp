@@ -146,8 +146,8 @@ TEST(ReaderRules, CanonicalCallsAreKnownOrRefused) {
   expect_error(feed + "STRAIGHT_FEEED(1,2,3)\n", "2:1", "unknown call; allowed: ");
   expect_error(feed + "SPLINE_FEED(1,2,3)\n", "2:1", "unknown call");
   expect_error(feed + "  3 N..... ARC_FEED_X(1,2,3)\n", "2:12", "unknown call");
-  expect_error(feed + "NURBS_FEED(3, ...)\n", "2:1", "NURBS_FEED is not supported; allowed: ");
-  expect_error(feed + "START_SPEED_FEED_SYNC(1.000000,0)\n", "2:1", "not supported");
+  expect_error(feed + "NURBS_FEED(3, ...)\n", "2:1", "NURBS_FEED is printed without its control points");
+  expect_error(feed + "START_SPEED_FEED_SYNC(1.000000,0)\n", "2:1", "moves with the spindle");
   expect_error(feed + "CANON_ERROR(bad)\n", "2:1", "not supported");
   expect_error(feed + "STRAIGHT_FEED(1,2,3) STRAIGHT_FEED(2,2,3)\n", "2:22", "one call a line");
   expect_error(feed + "STRAIGHT_FEED(1,2,3)x\n", "2:21", "one call a line");
@@ -178,12 +178,12 @@ TEST(ReaderRules, ContradictionsInABlockAreRefused) {
   expect_error("T1.5\n", "1:1", "T must be a whole number");
   expect_error("G43 H-1\n", "1:5", "H must be");
   expect_error("N-5 G1\n", "1:1", "N must be");
-  expect_error("F100\nG4 G2 X1 I.5 P2\n", "2:4", "G4 cannot stand in one block with G2 or G3");
+  expect_error("F100\nG4 G2 X1 I.5 P2\n", "2:4", "G4 cannot stand in one block with G2, G3 or G5");
   expect_error("F100\nG80 X2\n", "2:5", "without a motion");
   EXPECT_EQ(
       read("G40 G54 G94 G97 G98 G49 G80 G90 G17 G21\nM3 M8 M6 M48 T1\nG0 G80 X1\nG80 G1 X2 F1\nX3 M0\n").moves.size(),
       3U);
-  expect_error("G5 X1\n", "1:1", "G5 is not supported; supported: G0 G1 G2 G3 G4 ");
+  expect_error("G6 X1\n", "1:1", "G6 is not supported; supported: G0 G1 G2 G3 G4 ");
   expect_error("M98 P1\n", "1:1", "M98 is not supported; supported: M0 ");
 }
 

@@ -171,7 +171,7 @@ TEST(Reader, NamesTheErrorAndItsPlace) {
   expect_error("G1 F1 X1e400\n", "1:9", "word E");
   expect_error("G1 F1 X" + std::string(400, '9') + "\n", "1:7", "word X has no number");
   expect_error("X1\n", "1:1", "without a motion");
-  expect_error("G5 X1\n", "1:1", "G5 is not supported");
+  expect_error("G6 X1\n", "1:1", "G6 is not supported");
   expect_error("G61.3\n", "1:1", "G61.3 is not supported");
   expect_error("M98 P1\n", "1:1", "M98 is not supported");
   expect_error("G1 G2 X1 F1\n", "1:4", "contradicts");

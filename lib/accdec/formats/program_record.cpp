@@ -35,6 +35,7 @@ Json commands_json(const ProgramResult& result) {
   Json json;
   json["axes"] = list(path.axes);
   json["points_m"] = path.points;
+  if (!path.programmed.empty()) json["programmed_m"] = path.programmed;
   json["duration_s"] = path.duration;
   // null is no tolerance.
   json["tolerance_m"] = Json::array();
@@ -73,6 +74,7 @@ Json inputs_json(const ProgramInputs& inputs) {
           {"task_text", inputs.task_text},
           {"arc_tolerance_m", r.read.arc_tolerance},
           {"clamp_feeds", r.clamp_feeds},
+          {"compensate_arcs", r.widen_arcs},
           {"rapid_stops", r.rapid_stops},
           {"dwells_before_filter", r.dwells_before_filter},
           {"interpreted", inputs.interpreted}};
@@ -162,6 +164,7 @@ class Reader {
     in.task_text = json.at("task_text").get<std::string>();
     in.reading.read.arc_tolerance = json.at("arc_tolerance_m").get<double>();
     in.reading.clamp_feeds = json.at("clamp_feeds").get<bool>();
+    in.reading.widen_arcs = json.value("compensate_arcs", false);
     in.reading.rapid_stops = json.at("rapid_stops").get<bool>();
     in.reading.dwells_before_filter = json.at("dwells_before_filter").get<bool>();
     in.interpreted = json.at("interpreted").get<bool>();
@@ -186,6 +189,7 @@ class Reader {
     Toolpath& path = result.path;
     path.axes = json.at("axes").get<std::vector<std::size_t>>();
     path.points = json.at("points_m").get<std::vector<double>>();
+    if (json.contains("programmed_m")) path.programmed = json["programmed_m"].get<std::vector<double>>();
     path.duration = json.at("duration_s").get<std::vector<double>>();
     path.tolerance = numbers_or(json.at("tolerance_m"), unlimited);
     path.line = json.at("line").get<std::vector<std::uint32_t>>();
@@ -223,6 +227,7 @@ class Reader {
                             path.axes.back() < program_axis_count &&
                             std::adjacent_find(path.axes.begin(), path.axes.end()) == path.axes.end();
     const bool sizes = blocks > 0 && axes_known && path.points.size() == (blocks + 1) * path.axes.size() &&
+                       (path.programmed.empty() || path.programmed.size() == path.points.size()) &&
                        path.tolerance.size() == blocks && path.line.size() == blocks && path.rapid.size() == blocks &&
                        path.inside_arc.size() == blocks && path.joint.size() == blocks &&
                        result.plan.delays.size() == blocks && result.plan.errors.size() == blocks;

@@ -7,6 +7,8 @@
 namespace accdec {
 namespace {
 
+// Of the tolerance, the radius error to be planned for where the command makes most of it good; simulation mends.
+constexpr double inside_widened = 5.0, end_widened = 2.0;
 constexpr double slowest = 1e-3;  // of the feed: no joint is passed slower, a delay does the rest
 
 double norm2(const double* v, std::size_t n) {
@@ -25,6 +27,7 @@ FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& fi
       window_(window),
       period_(sample_period),
       finder_(filter),
+      arcs_(path, feeds, filter, window, sample_period),
       acceleration_(path.blocks(), unlimited) {
   const std::size_t n = feeds.dimensions;
   for (std::size_t b = 0; b < path.blocks(); ++b) {
@@ -135,7 +138,7 @@ double FeedCaps::steady_change(std::size_t b, double v) const {
 
 double FeedCaps::steady_error(std::size_t b, double v) const {
   const std::size_t n = feeds_.dimensions;
-  const double* joint = path_.point(b + 1);
+  const double* joint = path_.asked(b + 1);
   const double mean = filter_.mean_delay(), step = v * period_;
   std::array<double, program_axis_count> sum{};
   // Taps before the mean see the path beyond the joint, those after it the path before.
@@ -173,6 +176,11 @@ double FeedCaps::steady_error(std::size_t b, double v) const {
 
 double FeedCaps::smooth(std::size_t b, double tolerance) const {
   const double top = std::max(feed(b), feed(b + 1));
+  // What widened arcs leave of the radius error is small inside them, and some of it remains at their ends.
+  const bool widened = path_.widen_arcs && (arc_of(path_, b) != nullptr || arc_of(path_, b + 1) != nullptr);
+  const double bound = path_.joint[b] == Joint::straight ? unlimited : tolerance;
+  if (const auto v = arcs_.speed(b, widened ? inside_widened * bound : bound)) return std::max(*v, slowest * top);
+  tolerance *= widened ? end_widened : 1.0;
   double v = top;
   // On a curve the change goes with the square of the speed, in a lone joint with the speed.
   for (int k = 0; k < 12; ++k) {
@@ -190,63 +198,65 @@ double FeedCaps::smooth(std::size_t b, double tolerance) const {
   return std::max(low, slowest * top);
 }
 
+struct FeedCaps::Zone {
+  double length = 0.0, speed = unlimited;
+  void add(double l, double v) {
+    length = std::max(length, l);
+    speed = std::min(speed, v);
+  }
+};
+
+/// Holds the speed v of joint b over a way of `left` behind it (ahead) or before it: whole blocks, and a part of one.
+void FeedCaps::hold(std::size_t b, double v, double left, bool ahead, std::vector<double>& cap,
+                    std::vector<Zone>& part) const {
+  const auto ends = [&](std::size_t joint) {
+    return path_.joint[joint] == Joint::corner || path_.joint[joint] == Joint::stop;
+  };
+  for (std::size_t i = ahead ? b + 1 : b;; ahead ? ++i : --i) {
+    if (left < feeds_.length[i] * 0.9) {
+      part[i].add(left, v);
+      return;
+    }
+    cap[i] = std::min(cap[i], v);
+    left -= feeds_.length[i];
+    if (left <= 0.0 || ends(b)) return;
+    if (ahead ? i + 1 == feeds_.blocks() || ends(i) : i == 0 || ends(i - 1)) return;
+  }
+}
+
+/// Of one block: the part held at the joint before it, the middle, and the part held at the joint after it.
+void FeedCaps::add_pieces(std::size_t b, double cap, Zone first, Zone last, std::vector<FeedPiece>& pieces) const {
+  const double length = feeds_.length[b];
+  if (first.speed >= cap) first.length = 0.0;
+  if (last.speed >= cap) last.length = 0.0;
+  if (first.length + last.length > 0.98 * length) {
+    const double scale = length / (first.length + last.length);
+    first.length *= scale;
+    last.length = length - first.length;
+  }
+  const double middle = length - first.length - last.length;
+  const auto block = static_cast<std::uint32_t>(b);
+  if (first.length > 0.0) pieces.push_back({block, first.length, first.speed, 0.0});
+  if (middle > 0.0) pieces.push_back({block, middle, cap, 0.0});
+  if (last.length > 0.0) pieces.push_back({block, last.length, last.speed, 0.0});
+}
+
 std::vector<FeedPiece> FeedCaps::pieces(const std::vector<double>& speed, const std::vector<int>& delay) const {
   const std::size_t blocks = feeds_.blocks();
-  struct Zone {
-    double length = 0.0, speed = unlimited;
-    void add(double l, double v) {
-      length = std::max(length, l);
-      speed = std::min(speed, v);
-    }
-  };
   std::vector<Zone> begin(blocks), end(blocks);
   std::vector<double> cap(blocks);
   for (std::size_t b = 0; b < blocks; ++b) cap[b] = feed(b);
   for (std::size_t b = 0; b + 1 < blocks; ++b) {
-    const bool corner = path_.joint[b] == Joint::corner || path_.joint[b] == Joint::stop;
     const double v = speed[b];
     if (!(v < unlimited) || (v >= cap[b] && v >= cap[b + 1])) continue;
-    const double hold = std::max(v * period_, v * (window_.half() - 0.5 * delay[b] * period_));
-    double left = hold;
-    for (std::size_t i = b;; --i) {
-      if (left < feeds_.length[i] * 0.9) {
-        end[i].add(left, v);
-        break;
-      }
-      cap[i] = std::min(cap[i], v);
-      left -= feeds_.length[i];
-      if (corner || i == 0 || left <= 0.0 || path_.joint[i - 1] == Joint::corner || path_.joint[i - 1] == Joint::stop)
-        break;
-    }
-    left = hold;
-    for (std::size_t i = b + 1;; ++i) {
-      if (left < feeds_.length[i] * 0.9) {
-        begin[i].add(left, v);
-        break;
-      }
-      cap[i] = std::min(cap[i], v);
-      left -= feeds_.length[i];
-      if (corner || i + 1 == blocks || left <= 0.0 || path_.joint[i] == Joint::corner || path_.joint[i] == Joint::stop)
-        break;
-    }
+    const double way = std::max(v * period_, v * (window_.half() - 0.5 * delay[b] * period_));
+    hold(b, v, way, false, cap, end);
+    hold(b, v, way, true, cap, begin);
   }
   std::vector<FeedPiece> pieces;
   pieces.reserve(blocks + blocks / 2);
   for (std::size_t b = 0; b < blocks; ++b) {
-    const double length = feeds_.length[b];
-    Zone first = begin[b], last = end[b];
-    if (first.speed >= cap[b]) first.length = 0.0;
-    if (last.speed >= cap[b]) last.length = 0.0;
-    if (first.length + last.length > 0.98 * length) {
-      const double scale = length / (first.length + last.length);
-      first.length *= scale;
-      last.length = length - first.length;
-    }
-    const double middle = length - first.length - last.length;
-    const auto block = static_cast<std::uint32_t>(b);
-    if (first.length > 0.0) pieces.push_back({block, first.length, first.speed, 0.0});
-    if (middle > 0.0) pieces.push_back({block, middle, cap[b], 0.0});
-    if (last.length > 0.0) pieces.push_back({block, last.length, last.speed, 0.0});
+    add_pieces(b, cap[b], begin[b], end[b], pieces);
     if (b + 1 < blocks) pieces.back().rest = delay[b] * period_;
   }
   return pieces;

@@ -4,6 +4,7 @@
 
 #include <accdec/motion/filter.hpp>
 #include <accdec/motion/smallest_delay.hpp>
+#include <accdec/program/plan/arc_caps.hpp>
 #include <accdec/program/plan/feed_march.hpp>
 #include <accdec/program/plan/feed_window.hpp>
 #include <accdec/program/read/toolpath.hpp>
@@ -27,7 +28,7 @@ class FeedCaps {
   /// time with the ramps to the neighbours' feeds at constant acceleration. @param tolerance  m
   CornerFeed corner(std::size_t b, double tolerance) const;
   /// Largest constant speed with which the smooth joint at the end of block b is passed within its tolerance, the
-  /// window ending or beginning there within the limits.
+  /// window ending or beginning there within the limits; well inside an arc that of the arc, see ArcCaps.
   double smooth(std::size_t b, double tolerance) const;
   /// Speed of block b: that of the program.
   double feed(std::size_t b) const { return feeds_.length[b] / path_.duration[b]; }
@@ -42,6 +43,9 @@ class FeedCaps {
   double steady_error(std::size_t b, double v) const;
   double steady_change(std::size_t b, double v) const;
   std::size_t walk(std::size_t b, double distance) const;
+  struct Zone;
+  void hold(std::size_t b, double v, double left, bool ahead, std::vector<double>& cap, std::vector<Zone>& part) const;
+  void add_pieces(std::size_t b, double cap, Zone first, Zone last, std::vector<FeedPiece>& pieces) const;
 
   const Toolpath& path_;
   const FeedPath& feeds_;
@@ -49,6 +53,7 @@ class FeedCaps {
   const FeedWindow& window_;
   double period_;
   DelayFinder finder_;
+  ArcCaps arcs_;
   std::vector<double> acceleration_;  // along every block, m/s^2
 };
 

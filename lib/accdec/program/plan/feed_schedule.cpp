@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/program/plan/compensate_arcs.hpp>
 #include <accdec/program/plan/feed_schedule.hpp>
 #include <accdec/program/plan/split_blocks.hpp>
 
@@ -124,6 +125,7 @@ class Scheduler {
       const std::uint32_t b = block_of_[i] = pieces[i].block;
       if (i + 1 < pieces.size() && pieces[i + 1].block != b) plan.delays[i] = delay_[b];
     }
+    if (path_.widen_arcs) compensate_arcs(result.path, filters_, plan.delays, period_);
     plan.errors.assign(pieces.size(), 0.0);
     SimulationOptions options;
     if (!machine_.axes.empty()) options.machine = &machine_;

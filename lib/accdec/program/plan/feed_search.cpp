@@ -8,6 +8,7 @@
 
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/feed_search.hpp>
+#include <accdec/program/plan/stretches.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -16,37 +17,10 @@ namespace {
 constexpr std::size_t whole_max = 20'000;  // blocks up to which a program is judged as a whole
 constexpr int rounds_to_judge = 3;
 
-/// Blocks first .. first + count - 1 by themselves.
-Toolpath stretch_of(const Toolpath& path, std::size_t first, std::size_t count) {
-  const auto n = static_cast<std::ptrdiff_t>(path.dimensions());
-  const auto from = static_cast<std::ptrdiff_t>(first), to = from + static_cast<std::ptrdiff_t>(count);
-  const auto part = [&](const auto& values) {
-    return std::remove_cvref_t<decltype(values)>(values.begin() + from, values.begin() + to);
-  };
-  Toolpath out;
-  out.axes = path.axes;
-  out.points.assign(path.points.begin() + from * n, path.points.begin() + (to + 1) * n);
-  out.duration = part(path.duration);
-  out.tolerance = part(path.tolerance);
-  out.joint = part(path.joint);
-  out.line = part(path.line);
-  out.rapid = part(path.rapid);
-  out.inside_arc = part(path.inside_arc);
-  out.joint.back() = Joint::stop;
-  return out;
-}
-
-std::vector<Toolpath> stretches(const Toolpath& path) {
-  if (path.blocks() <= whole_max) return {stretch_of(path, 0, path.blocks())};
-  std::vector<Toolpath> parts;
-  for (std::size_t i = 0; i < 4; ++i) parts.push_back(stretch_of(path, (2 * i + 1) * path.blocks() / 8, whole_max / 4));
-  return parts;
-}
-
 class Search {
  public:
   Search(const Toolpath& path, double sample_period, const Machine& machine, const FilterSearchOptions& options)
-      : parts_(stretches(path)),
+      : parts_(stretches(path, whole_max)),
         period_(sample_period),
         machine_(machine),
         options_(options),

@@ -37,6 +37,7 @@ Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces
   out.clamped = path.clamped;
   out.percent = path.percent;
   out.end = path.end;
+  out.widen_arcs = path.widen_arcs;
   reserve(out, count);
   std::vector<std::uint32_t> last(path.blocks());  // piece of every block
   out.points.insert(out.points.end(), path.point(0), path.point(0) + n);
@@ -58,6 +59,11 @@ Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces
     out.line.push_back(path.line[b]);
     out.rapid.push_back(path.rapid[b]);
     out.inside_arc.push_back(ends ? path.inside_arc[b] : 0);
+  }
+  for (PathArc arc : path.arcs) {
+    arc.first = arc.first > 0 ? last[arc.first - 1] + 1 : 0;
+    arc.last = last[arc.last];
+    out.arcs.push_back(arc);
   }
   for (const auto& [b, time] : path.dwell) out.dwell.emplace_back(last[b], time);
   for (const auto& [b, time] : path.given) out.given.emplace_back(last[b], time);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include <accdec/program/plan/stretches.hpp>
 #include <accdec/program/profiles/plan_profiles.hpp>
 #include <accdec/program/profiles/profile_motion.hpp>
 #include <accdec/program/profiles/profile_repair.hpp>
@@ -18,23 +19,32 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
   maker.make(shares);
   const LegRange all{0, path.blocks() - 1};
   constexpr int rounds_max = 60;
+  const int phases = path.blocks() > 50'000 ? 4 : 1;
   for (plan.rounds = 0;; ++plan.rounds) {
     // Parts that held by themselves may not in the whole, which is sampled at other times: by more in every round.
     ProfileRepair repair(path, available, shares, all, 2 * plan.rounds);
-    SampleChecker checker(path, machine, sample_period, plan.errors,
-                          [&](std::int64_t first, std::int64_t last_place, LimitKind kind, double ratio) {
-                            repair.limit(first, last_place, kind, ratio);
-                          });
-    ProfileMotion motion(path, maker.chain(), sample_period, last);
-    while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
-    plan.check = checker.finish();
+    const auto sample = [&](double first_sample) {
+      SampleChecker checker(path, machine, sample_period, plan.errors,
+                            [&](std::int64_t first, std::int64_t last_place, LimitKind kind, double ratio) {
+                              repair.limit(first, last_place, kind, ratio);
+                            });
+      ProfileMotion motion(path, maker.chain(), sample_period, last, all.first, all.last, first_sample);
+      while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
+      plan.check = checker.finish();
+      if (!plan.check.errors_hold) repair.errors(maker.chain(), plan.errors, all);
+    };
+    sample(sample_period);
     if (plan.holds() || plan.rounds == rounds_max) break;
-    if (!plan.check.errors_hold) repair.errors(maker.chain(), plan.errors, all);
-    repair_parts(path, machine, available, shares, maker, plan.errors, repair.touched(), 2 * plan.rounds);
+    // What is slowed moves all samples after it: of a long program all that may break is looked for at once.
+    for (int i = 1; i < phases && plan.rounds == 0; ++i) sample(sample_period * i / phases);
+    repair_parts(path, machine, available, shares, maker, plan.errors, repair.touched(), 2 * plan.rounds, phases);
   }
   plan.chain = maker.take();
   return plan;
 }
+
+/// Blocks up to which last filters are compared by the whole program.
+constexpr std::size_t predicted_whole_max = 40'000;
 
 /// Continuous time of a first chain and the waits for the last filter at its stops, s.
 double predicted_time(const Toolpath& path, const Machine& machine, double sample_period, const Filter& last) {
@@ -57,9 +67,12 @@ ProfilePlan plan_profiles(const Toolpath& path, const Machine& machine, double s
         "plan profiles finds no filter for the vibration bounds ([[mode]]) among averages and pairs of impulses up to "
         "two and a half periods of the slowest mode; use --plan fixed");
   }
+  const std::vector<Toolpath> parts =
+      filters.size() > 1 ? stretches(path, predicted_whole_max) : std::vector<Toolpath>{};
   std::vector<std::pair<double, std::size_t>> candidates;
   for (std::size_t i = 0; i < filters.size(); ++i) {
-    const double time = filters.size() > 1 ? predicted_time(path, machine, sample_period, filters[i]) : 0.0;
+    double time = 0.0;
+    for (const Toolpath& part : parts) time += predicted_time(part, machine, sample_period, filters[i]);
     candidates.emplace_back(time, i);
   }
   std::sort(candidates.begin(), candidates.end());

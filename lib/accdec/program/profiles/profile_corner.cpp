@@ -61,7 +61,7 @@ class CornerSearch {
       return pass;
     }
     double low = 0.0, high = legs_.feed;
-    for (int i = 0; i < 30; ++i) {
+    for (int i = 0; i < 20; ++i) {  // to a millionth of the feed
       const double middle = 0.5 * (low + high);
       (holds(middle, stretch(middle), coast) ? low : high) = middle;
     }

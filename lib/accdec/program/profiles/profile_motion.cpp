@@ -13,10 +13,10 @@ constexpr double almost = 1e-5;
 }  // namespace
 
 ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last)
-    : ProfileMotion(path, chain, sample_period, last, 0, path.blocks() - 1) {}
+    : ProfileMotion(path, chain, sample_period, last, 0, path.blocks() - 1, sample_period) {}
 
 ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last,
-                             std::size_t first_leg, std::size_t last_leg)
+                             std::size_t first_leg, std::size_t last_leg, double first_sample)
     : path_(path),
       chain_(chain),
       period_(sample_period),
@@ -39,7 +39,7 @@ ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, do
   }
   while (dwell_ < path.dwell.size() && path.dwell[dwell_].first < first_leg) ++dwell_;
   if (first_leg == 0) rest_ = static_cast<std::int64_t>(std::ceil(path.dwell_first / period_ - 1e-9));
-  time_ = period_;
+  time_ = first_sample;
 }
 
 void ProfileMotion::direction(std::size_t b, double* u) const {

@@ -21,8 +21,9 @@ class ProfileMotion {
   /// References are kept.
   ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last);
   /// Of legs first_leg .. last_leg only, as if it had stood still before and ended before the corner at their end.
+  /// @param first_sample  s after the start, in (0, T]: a part of a longer motion is sampled at any times
   ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last,
-                std::size_t first_leg, std::size_t last_leg);
+                std::size_t first_leg, std::size_t last_leg, double first_sample);
 
   /// Moves on by one sample; false if the motion is at rest at its end. The first call gives the first sample after the
   /// start.

@@ -117,8 +117,14 @@ namespace {
 class PartRepair {
  public:
   PartRepair(const Toolpath& path, const Machine& machine, const AvailableAcceleration& available,
-             ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors)
-      : path_(path), machine_(machine), available_(available), shares_(shares), maker_(maker), errors_(errors) {}
+             ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors, int phases)
+      : path_(path),
+        machine_(machine),
+        available_(available),
+        shares_(shares),
+        maker_(maker),
+        errors_(errors),
+        phases_(phases) {}
 
   /// How far beside a leg it acts, with room for the samples that fill the filter: s.
   double reach() const { return 1.5 * available_.window() + 8.0 * available_.period(); }
@@ -142,12 +148,16 @@ class PartRepair {
     for (std::size_t more = 8; !maker_.remake(shares_, sampled.first, sampled.last); more *= 2) {
       sampled = around(sampled, 0.0, more);
     }
-    return sample(sampled, judged, round);
+    std::vector<LegRange> broken;
+    for (int i = phases_; i > 0 && broken.empty(); --i) {
+      broken = sample(sampled, judged, round, available_.period() * i / phases_);
+    }
+    return broken;
   }
 
  private:
   /// Lowers what breaks.
-  std::vector<LegRange> sample(LegRange sampled, LegRange judged, int round) {
+  std::vector<LegRange> sample(LegRange sampled, LegRange judged, int round, double first_sample) {
     const ProfileChain& chain = maker_.chain();
     ProfileRepair repair(path_, available_, shares_, sampled, round);
     const auto broken = [&](std::int64_t first, std::int64_t last, LimitKind kind, double ratio) {
@@ -155,7 +165,8 @@ class PartRepair {
     };
     SampleChecker checker(path_, machine_, available_.period(), errors_, broken, sampled.first, sampled.last,
                           sampled.first > 0 ? available_.last().filter().order() + 4 : 0);
-    ProfileMotion motion(path_, chain, available_.period(), available_.last().filter(), sampled.first, sampled.last);
+    ProfileMotion motion(path_, chain, available_.period(), available_.last().filter(), sampled.first, sampled.last,
+                         first_sample);
     while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
     checker.finish_part(sampled.last + 1 == path_.blocks());
     repair.errors(chain, errors_, judged);
@@ -168,14 +179,15 @@ class PartRepair {
   ProfileShares& shares_;
   ChainMaker& maker_;
   std::vector<double>& errors_;
+  const int phases_;
 };
 
 }  // namespace
 
 void repair_parts(const Toolpath& path, const Machine& machine, const AvailableAcceleration& available,
                   ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors, std::vector<LegRange> touched,
-                  int round) {
-  PartRepair repair(path, machine, available, shares, maker, errors);
+                  int round, int phases) {
+  PartRepair repair(path, machine, available, shares, maker, errors, phases);
   constexpr int rounds_max = 80;
   for (int i = 0; i < rounds_max && !touched.empty(); ++i) {
     std::vector<LegRange> next;

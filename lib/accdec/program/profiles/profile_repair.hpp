@@ -46,9 +46,10 @@ class ProfileRepair {
 /// between the speeds at its ends, sampled and judged, and what still breaks something is lowered and comes up in the
 /// next round. The samples lie at other times than those of the whole program, which has to be sampled again after
 /// that.
+/// @param phases  times within a sample at which a part has to hold, because the whole motion is sampled at others
 /// @param touched  see ProfileRepair  @param errors  of every block, written where judged
 void repair_parts(const Toolpath& path, const Machine& machine, const AvailableAcceleration& available,
                   ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors, std::vector<LegRange> touched,
-                  int round);
+                  int round, int phases);
 
 }  // namespace accdec

@@ -36,6 +36,7 @@ SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, doubl
     : path_(path),
       machine_(machine),
       period_(sample_period),
+      rate_(1.0 / sample_period),
       n_(path.dimensions()),
       errors_(errors),
       broken_(std::move(broken)),
@@ -56,8 +57,12 @@ SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, doubl
   }
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
+    // Half a unit in the last place of every position that a difference of first, second or third order takes.
+    const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * largest_[a] * rate_;
     for (const AxisLimit& limit : axis_limits) {
-      if (axis.*limit.bound < unlimited) worst_.push_back({limit.kind, a, axis.*limit.bound, 0.0, 0, 0});
+      if (!(axis.*limit.bound < unlimited)) continue;
+      worst_.push_back({limit.kind, a, axis.*limit.bound, 0.0, 0, 0, 2.0 * rounding, 4.0 * rounding * rate_,
+                        8.0 * rounding * rate_ * rate_});
     }
   }
 }
@@ -65,17 +70,15 @@ SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, doubl
 double SampleChecker::value_of(const Worst& worst) const {
   const Axis& axis = machine_.axes[worst.axis];
   const double v = velocity_[worst.axis], a = acceleration_[worst.axis];
-  // Half a unit in the last place of every position that a difference of first, second or third order takes.
-  const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * largest_[worst.axis];
-  const double dv = 2.0 * rounding / period_, da = 4.0 * rounding / (period_ * period_);
-  const double force = axis.mass * a + axis.damping * v, df = axis.mass * da + axis.damping * dv;
+  const auto force = [&] { return axis.mass * a + axis.damping * v; };
+  const auto rounded = [&] { return axis.mass * worst.da + axis.damping * worst.dv; };  // of a force
   switch (worst.kind) {
-    case LimitKind::velocity: return std::abs(v) - dv;
-    case LimitKind::acceleration: return std::abs(a) - da;
-    case LimitKind::jerk: return std::abs(jerk_[worst.axis]) - 8.0 * rounding / (period_ * period_ * period_);
-    case LimitKind::force: return std::abs(force) - df;
-    case LimitKind::power: return force * v - df * std::abs(v) - dv * std::abs(force);
-    case LimitKind::regeneration: return -force * v - df * std::abs(v) - dv * std::abs(force);
+    case LimitKind::velocity: return std::abs(v) - worst.dv;
+    case LimitKind::acceleration: return std::abs(a) - worst.da;
+    case LimitKind::jerk: return std::abs(jerk_[worst.axis]) - worst.dj;
+    case LimitKind::force: return std::abs(force()) - rounded();
+    case LimitKind::power: return force() * v - rounded() * std::abs(v) - worst.dv * std::abs(force());
+    case LimitKind::regeneration: return -force() * v - rounded() * std::abs(v) - worst.dv * std::abs(force());
     case LimitKind::vibration:
     case LimitKind::corner_error:
     case LimitKind::speed_min: break;  // none of an axis; named so that the compiler misses a new one
@@ -86,6 +89,7 @@ double SampleChecker::value_of(const Worst& worst) const {
 void SampleChecker::look_limits(std::int64_t place_first, std::int64_t place_last) {
   for (Worst& worst : worst_) {
     const double value = value_of(worst);
+    if (!(value > worst.value) && !(value > worst.bound)) continue;
     if (broken_ && value > worst.bound * (1.0 + verification_tolerance)) {
       broken_(std::min(places_[2], place_first), place_last, worst.kind, value / worst.bound);
     }
@@ -114,8 +118,8 @@ void SampleChecker::look(const double* position, std::int64_t place_first, std::
   for (std::size_t a = 0; a < n_; ++a) {
     before_[a] = now_[a];
     now_[a] = position[a];
-    const double v = (now_[a] - before_[a]) / period_, acceleration = (v - velocity_[a]) / period_;
-    jerk_[a] = (acceleration - acceleration_[a]) / period_;
+    const double v = (now_[a] - before_[a]) * rate_, acceleration = (v - velocity_[a]) * rate_;
+    jerk_[a] = (acceleration - acceleration_[a]) * rate_;
     acceleration_[a] = acceleration;
     velocity_[a] = v;
   }

@@ -49,6 +49,7 @@ class SampleChecker {
     std::size_t axis = 0;
     double bound = 0.0, value = 0.0;
     std::int64_t sample = 0, place = 0;
+    double dv = 0.0, da = 0.0, dj = 0.0;  ///< what rounding may add to velocity, acceleration, jerk
   };
   void look_limits(std::int64_t place_first, std::int64_t place_last);
   void look_joints(std::int64_t place_first, std::int64_t place_last);
@@ -58,7 +59,7 @@ class SampleChecker {
 
   const Toolpath& path_;
   const Machine& machine_;
-  const double period_;
+  const double period_, rate_;  // s, 1/s
   const std::size_t n_;
   std::span<double> errors_;
   Broken broken_;

@@ -165,7 +165,17 @@ void CanonicalReader::other_call() {
         zeros(0, "offsets and rotations other than 0 are not supported");
       }
       break;
-    case CallKind::unsupported: source_.fail(call_.column + 1, std::string(name) + " is not supported" + allowed_calls);
+    case CallKind::unsupported:
+      if (name.starts_with("NURBS")) {
+        source_.fail(call_.column + 1, std::string(name) +
+                                           " is printed without its control points: give the program itself, whose "
+                                           "G5 to G5.3 are read where it has no parameters, expressions and O words");
+      }
+      if (name.starts_with("START_SPEED_FEED_SYNC") || name == "RIGID_TAP") {
+        source_.fail(call_.column + 1,
+                     std::string(name) + " moves with the spindle: such moves cannot be planned by time");
+      }
+      source_.fail(call_.column + 1, std::string(name) + " is not supported" + allowed_calls);
     case CallKind::unknown: source_.fail(call_.column + 1, std::string(name) + " is an unknown call" + allowed_calls);
   }
 }

@@ -31,6 +31,8 @@ struct Move {
   std::uint32_t column = 0;
 };
 
+struct Arc;
+
 /// Receives a program move by move, in order.
 class MoveSink {
  public:
@@ -39,6 +41,8 @@ class MoveSink {
   virtual void begin(const ProgramPoint& at) = 0;
   /// Moves of no length come, too: they carry no path but count as blocks.
   virtual void move(const Move& move) = 0;
+  /// The next `chords` moves stand for this arc.
+  virtual void arc(const Arc& /*arc*/, int /*chords*/) {}
   /// The motion before this point must come to rest here, and stays for `dwell` s (G4) or until the operator goes on
   /// (0).
   virtual void stop(double dwell) = 0;

@@ -63,7 +63,21 @@ void MoveState::arc(Arc arc, bool clockwise, int turns, const double* radius, Pl
   }
   const int chords = chord_count(arc, arc_tolerance_);
   if (chords == 0) source_.fail(column, "arc of more than 10 million chords: the arc tolerance is too small for it");
+  sink_.arc(arc, chords);
   for (int i = 1; i <= chords; ++i) send(chord_end(arc, i, chords), false, i < chords, column);
+}
+
+void MoveState::spline(const std::vector<ControlPoint>& control, int order, std::size_t column) {
+  if (feed <= 0.0) source_.fail(column, no_feed);
+  const auto points = flatten_spline(control, order, arc_tolerance_);
+  if (points.empty())
+    source_.fail(column, "spline of more than 10 million chords: the arc tolerance is too small for it");
+  ProgramPoint to = position;
+  for (const auto& point : points) {
+    to[0] = point[0];
+    to[1] = point[1];
+    send(to, false, &point != &points.back(), column);
+  }
 }
 
 }  // namespace accdec

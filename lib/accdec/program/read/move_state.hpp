@@ -3,6 +3,7 @@
 #include <accdec/program/read/arc.hpp>
 #include <accdec/program/read/line_source.hpp>
 #include <accdec/program/read/move.hpp>
+#include <accdec/program/read/spline.hpp>
 
 namespace accdec {
 
@@ -24,6 +25,8 @@ class MoveState {
   void straight(const ProgramPoint& to, bool rapid, std::size_t column);
   /// @param turns  >= 1  @param radius  nullptr: the centre is set in `arc`; else in m
   void arc(Arc arc, bool clockwise, int turns, const double* radius, Plane plane, std::size_t column);
+  /// In X and Y. @param order  degree + 1, 2 .. the number of control points
+  void spline(const std::vector<ControlPoint>& control, int order, std::size_t column);
   void stop(double dwell) { sink_.stop(dwell); }
   void pass(std::string_view words, bool with_move = false) { sink_.pass(words, with_move); }
   void frame(bool percent, std::string_view end) { sink_.frame(percent, end); }

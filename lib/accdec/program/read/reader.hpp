@@ -18,12 +18,12 @@ enum class ProgramFormat { rs274, canonical, csv };
 ProgramFormat read_program(LineSource& source, const ReadOptions& options, MoveSink& sink);
 
 /// RS-274 as LinuxCNC and Fanuc controls share it: G0 G1 G2 G3 (centre or radius form, helices, P turns), G4 P
-/// (seconds), G17 G18 G19, G20 G21, G61 G61.1 G64 P, G90 G91, G90.1 G91.1, G94, F, axes X Y Z A B C U V W, N, comments,
-/// block delete (deleted), %, M0 M1 M2 M30. Passed over: S T H D, M3 to M9, M48 M49, and what leaves the shape of the
-/// path alone (G40 G43 G49 G54 to G59.3 G80 G96 G97 G98 G99). In a block the order of execution is that of LinuxCNC: F
-/// comes before G20 and G21 and counts in the unit before them. Arcs without end words are full circles. Two words of
-/// one modal group, but for G80, are refused, as is everything else: parameters (#), expressions ([ ]), O words,
-/// cycles, offsets, probing.
+/// (seconds), LinuxCNC's splines G5 G5.1 G5.2 G5.3 (flattened within the arc tolerance), G17 G18 G19, G20 G21, G61
+/// G61.1 G64 P, G90 G91, G90.1 G91.1, G94, F, axes X Y Z A B C U V W, N, comments, block delete (deleted), %, M0 M1 M2
+/// M30. Passed over: S T H D, M3 to M9, M48 M49, and what leaves the shape of the path alone (G40 G43 G49 G54 to G59.3
+/// G80 G96 G97 G98 G99). In a block the order of execution is that of LinuxCNC: F comes before G20 and G21 and counts
+/// in the unit before them. Arcs without end words are full circles. Two words of one modal group, but for G80, are
+/// refused, as is everything else: parameters (#), expressions ([ ]), O words, cycles, offsets, probing.
 void read_rs274(LineSource& source, const ReadOptions& options, MoveSink& sink);
 
 /// Calls as `rs274 -g` prints them, with or without its line numbers: STRAIGHT_TRAVERSE, STRAIGHT_FEED, ARC_FEED,

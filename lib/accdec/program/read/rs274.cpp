@@ -6,6 +6,7 @@
 #include <accdec/program/read/move_state.hpp>
 #include <accdec/program/read/number.hpp>
 #include <accdec/program/read/reader.hpp>
+#include <accdec/program/read/spline_words.hpp>
 #include <accdec/program/read/words.hpp>
 
 namespace accdec {
@@ -30,7 +31,8 @@ enum Group : int {
   g_unknown
 };
 constexpr const char* g_allowed =
-    "; supported: G0 G1 G2 G3 G4 G17 G18 G19 G20 G21 G40 G43 G49 G54 to G59.3 G61 G61.1 G64 G80 G90 G90.1 G91 G91.1 "
+    "; supported: G0 G1 G2 G3 G4 G5 G5.1 G5.2 G5.3 G17 G18 G19 G20 G21 G40 G43 G49 G54 to G59.3 G61 G61.1 G64 G80 G90 "
+    "G90.1 G91 G91.1 "
     "G94 G96 to G99";
 
 Group classify(int tenths) {
@@ -38,7 +40,11 @@ Group classify(int tenths) {
     case 0:
     case 10:
     case 20:
-    case 30: return g_motion;
+    case 30:
+    case 50:
+    case 51:
+    case 52:
+    case 53: return g_motion;
     case 40: return g_dwell;
     case 170:
     case 180:
@@ -113,7 +119,7 @@ std::string name(char letter, int tenths) {
 class Interpreter {
  public:
   Interpreter(LineSource& source, const ReadOptions& options, MoveSink& sink)
-      : source_(source), state_(source, sink, options.arc_tolerance) {}
+      : source_(source), state_(source, sink, options.arc_tolerance), splines_(source, state_) {}
 
   void run() {
     std::string_view line;
@@ -135,7 +141,10 @@ class Interpreter {
   }
 
  private:
-  void finish() { state_.frame(percent_, end_); }
+  void finish() {
+    splines_.leave(1);
+    state_.frame(percent_, end_);
+  }
   /// A line that moves nothing: its number, words and comments.
   void pass_line(const std::string& words) {
     std::string text = words_.has('N') ? "N" + plain_number(words_['N'], 6) : "";
@@ -155,6 +164,7 @@ class Interpreter {
   void check_numbers() const;
   void path_control(int tenths);
   std::string other_words() const;
+  std::size_t column_of_move() const;
   void move();
   void arc_move(const ProgramPoint& to, std::size_t column);
   ProgramPoint target() const;
@@ -168,6 +178,7 @@ class Interpreter {
 
   LineSource& source_;
   MoveState state_;
+  SplineWords splines_;
   Words words_;
   std::uint32_t used_ = 0;
   int motion_ = -1;  // tenths; -1: none yet, 800: cancelled
@@ -204,8 +215,10 @@ bool Interpreter::execute() {
     if (words_['P'] < 0.0) source_.fail(words_.column('P'), "a dwell cannot be negative");
     state_.stop(words_['P']);
   }
-  // An arc without end words ends where it starts, in its plane.
-  const bool moves = words_.any_axis() || (words_.present() & Words::arc_centers) != 0U;
+  bool spline = false;
+  for (const Words::Item& g : words_.g_codes()) spline = spline || is_spline(g.tenths);
+  // An arc without end words ends where it starts, in its plane; G5.2 and G5.3 need none.
+  const bool moves = spline || words_.any_axis() || (words_.present() & Words::arc_centers) != 0U;
   moves ? pass_with_move(other_words()) : pass_line(other_words());
   if (moves) move();
   refuse_unused();
@@ -267,7 +280,7 @@ bool Interpreter::modal_codes() {
     switch (group) {
       case g_motion:
         motion_ = g.tenths;
-        if (motion_ >= 20) arc = &g;
+        if (motion_ >= 20) arc = &g;  // or a spline
         break;
       case g_cancel_cycle:
         if ((seen & (1U << g_motion)) == 0U) motion_ = 800;  // beside G0 to G3 it is they that count
@@ -290,7 +303,7 @@ bool Interpreter::modal_codes() {
   }
   if (dwell && arc != nullptr) {
     source_.fail(arc->column,
-                 "G4 cannot stand in one block with G2 or G3, which both use P: write them in separate blocks");
+                 "G4 cannot stand in one block with G2, G3 or G5, which use P, too: write them in separate blocks");
   }
   if (dwell && path != nullptr && path->tenths == 640 && words_.has('P')) {
     source_.fail(words_.column('P'), "P could belong to G4 or to G64: write them in separate blocks");
@@ -323,17 +336,31 @@ ProgramPoint Interpreter::target() const {
   return to;
 }
 
+/// Of the first axis word, else of a centre, else of a G word.
+std::size_t Interpreter::column_of_move() const {
+  if (words_.any_axis()) return words_.first_column(Words::axes);
+  if ((words_.present() & Words::arc_centers) != 0U) return words_.first_column(Words::arc_centers);
+  return words_.g_codes().front().column;
+}
+
 void Interpreter::move() {
-  if (!words_.any_axis() && motion_ != 20 && motion_ != 30) return;  // I J K R will be refused
+  const bool curve = motion_ == 20 || motion_ == 30 || is_spline(motion_);
+  if (!words_.any_axis() && !curve) return;  // I J K R will be refused
   used_ |= Words::axes;
-  const std::size_t column = words_.first_column(words_.any_axis() ? Words::axes : Words::arc_centers);
+  const std::size_t column = column_of_move();
   const ProgramPoint to = target();
+  if (is_spline(motion_)) {
+    used_ |= splines_.block(words_, motion_, plane_, absolute_, to, column);
+    if (motion_ == 53) motion_ = -1;
+    return;
+  }
+  splines_.leave(column);
   switch (motion_) {
     case 0: state_.straight(to, true, column); return;
     case 10: state_.straight(to, false, column); return;
     case 20:
     case 30: arc_move(to, column); return;
-    default: source_.fail(column, "axis word without a motion: G0, G1, G2 or G3 must come first");
+    default: source_.fail(column, "axis word without a motion: G0, G1, G2, G3 or G5 must come first");
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/program/read/arc.hpp>
 #include <accdec/program/read/number.hpp>
 #include <accdec/program/read/read_error.hpp>
 #include <accdec/program/read/toolpath.hpp>
@@ -23,6 +24,10 @@ class Builder : public MoveSink {
 
   void begin(const ProgramPoint& at) override { path_.begin = position_ = at; }
   void move(const Move& move) override;
+  void arc(const Arc& arc, int chords) override {
+    arc_ = arc;
+    arc_chords_ = chords;
+  }
   void stop(double dwell) override {
     if (dwell > 0.0) keep("G4 P" + plain_number(dwell, 9), true);
     stopped_ = stopped_ || dwell == 0.0 || !options_.dwells_before_filter;
@@ -45,6 +50,7 @@ class Builder : public MoveSink {
   double limited_duration(const Move& move);
   void close_joint(const Move& next);
   void give_delay(std::size_t b);
+  void keep_arc(std::size_t b);
   [[noreturn]] void fail(const Move& move, const std::string& message) const {
     throw ReadError(source_.name(), move.line, move.column, message);
   }
@@ -60,6 +66,8 @@ class Builder : public MoveSink {
   unsigned used_ = 0;  // bit a: axis a has moved
   Move last_;
   bool stopped_ = false;
+  Arc arc_;
+  int arc_chords_ = 0;  // of the arc that are still to come
 };
 
 void Builder::add_axes(unsigned moving) {
@@ -81,6 +89,14 @@ void Builder::add_axes(unsigned moving) {
     }
   }
   path_.points = std::move(points);
+  const auto moved = [&](std::size_t& column) {
+    column =
+        static_cast<std::size_t>(std::find(path_.axes.begin(), path_.axes.end(), old[column]) - path_.axes.begin());
+  };
+  for (PathArc& arc : path_.arcs) {
+    moved(arc.x);
+    moved(arc.y);
+  }
 }
 
 double Builder::rapid_duration(const Move& move) const {
@@ -178,7 +194,34 @@ void Builder::close_joint(const Move& next) {
   path_.tolerance.back() = tolerance;
 }
 
+/// Block b is a chord of the arc under way.
+void Builder::keep_arc(std::size_t b) {
+  const auto column = [&](std::size_t axis) {
+    return static_cast<std::size_t>(std::find(path_.axes.begin(), path_.axes.end(), axis) - path_.axes.begin());
+  };
+  const auto block = static_cast<std::uint32_t>(b);
+  // A plane's axis that never moves has no column; the chords alone stand for such an arc.
+  if (column(arc_.first) == path_.axes.size() || column(arc_.second) == path_.axes.size()) return;
+  const bool goes_on = !path_.arcs.empty() && path_.arcs.back().last + 1 == b && b > 0 && path_.inside_arc[b - 1] != 0;
+  if (!goes_on) {
+    PathArc& arc = path_.arcs.emplace_back();
+    arc.first = block;
+    arc.x = column(arc_.first);
+    arc.y = column(arc_.second);
+    arc.center_x = arc_.center_first;
+    arc.center_y = arc_.center_second;
+    const auto radius = [&](const ProgramPoint& p) {
+      return std::hypot(p[arc_.first] - arc_.center_first, p[arc_.second] - arc_.center_second);
+    };
+    arc.radius = 0.5 * (radius(arc_.from) + radius(arc_.to));
+    arc.angle = arc_.angle;
+  }
+  path_.arcs.back().last = block;
+}
+
 void Builder::move(const Move& move) {
+  const bool of_arc = arc_chords_ > 0;
+  arc_chords_ -= of_arc ? 1 : 0;
   unsigned moving = 0;
   double length2 = 0.0;
   for (std::size_t a = 0; a < program_axis_count; ++a) {
@@ -210,6 +253,7 @@ void Builder::move(const Move& move) {
   path_.joint.push_back(Joint::stop);
   path_.rapid.push_back(move.rapid ? 1 : 0);
   path_.inside_arc.push_back(move.inside_arc ? 1 : 0);
+  if (of_arc) keep_arc(path_.blocks() - 1);
   path_.line.push_back(static_cast<std::uint32_t>(move.line));
   position_ = move.to;
   last_ = move;
@@ -220,10 +264,20 @@ Toolpath Builder::finish() {
   if (path_.blocks() == 0) {
     throw ReadError(source_.name(), std::max<std::int64_t>(1, source_.line_number()), 1, "the program does not move");
   }
+  path_.widen_arcs = options_.widen_arcs;
   return std::move(path_);
 }
 
 }  // namespace
+
+double PathArc::from(const double* point, double& dx, double& dy) const {
+  dx = point[x] - center_x;
+  dy = point[y] - center_y;
+  const double r = std::hypot(dx, dy);
+  dx /= r;
+  dy /= r;
+  return r;
+}
 
 std::string Toolpath::axis_name(std::size_t dimension) const {
   return std::string(1, static_cast<char>(program_axes[axes[dimension]] | 0x20));

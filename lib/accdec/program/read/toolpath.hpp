@@ -25,6 +25,16 @@ enum class Joint : std::uint8_t {
 /// on says little.
 inline constexpr double smooth_turn = 0.34906585039886592;  // 20 degrees
 
+/// An arc or helix of a path, which its chords stand for: their ends lie on it.
+struct PathArc {
+  std::uint32_t first = 0, last = 0;      ///< its blocks
+  std::size_t x = 0, y = 1;               ///< columns of its plane; positive angles turn from x to y
+  double center_x = 0.0, center_y = 0.0;  ///< m
+  double radius = 0.0;                    ///< m, mean of both ends, which may differ by rounding
+  double angle = 0.0;                     ///< rad, signed
+  double from(const double* point, double& dx, double& dy) const;  ///< the centre: the distance, m, and its direction
+};
+
 /// The straight moves of a program in the order of execution; block b leads from point b to point b + 1, and joint b is
 /// the one at its end. Moves of no length are not kept. About 45 bytes a block for two axes.
 struct Toolpath {
@@ -35,7 +45,11 @@ struct Toolpath {
   std::vector<Joint> joint;         ///< one a block; the last is `stop`
   std::vector<std::uint32_t> line;  ///< of every block
   std::vector<std::uint8_t> rapid;  ///< whether a block is a rapid move: its duration is what the velocity limits allow
-  std::vector<std::uint8_t> inside_arc;                 ///< whether the joint lies between two chords of one arc
+  std::vector<std::uint8_t> inside_arc;  ///< whether the joint lies between two chords of one arc
+  std::vector<PathArc> arcs;             ///< ascending
+  std::vector<double> programmed;  ///< rows as points: where the program has them, where compensate_arcs moved the
+                                   ///< points away; empty: nowhere
+  bool widen_arcs = false;         ///< the commanded radius of arcs may be widened, see compensate_arcs
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;                             ///< before the first block, s
   ProgramPoint begin{};                                 ///< where the program begins, m, axes that never move included
@@ -56,6 +70,9 @@ struct Toolpath {
   std::size_t blocks() const { return duration.size(); }
   std::size_t dimensions() const { return axes.size(); }
   const double* point(std::size_t i) const { return points.data() + i * axes.size(); }
+  /// Where the motion is to pass: what errors are measured from.
+  const double* asked(std::size_t i) const { return asked_points() + i * axes.size(); }
+  const double* asked_points() const { return programmed.empty() ? points.data() : programmed.data(); }
   std::string axis_name(std::size_t dimension) const;
 };
 
@@ -63,6 +80,7 @@ struct ToolpathOptions {
   ReadOptions read;
   std::optional<double> error_max;  ///< m, tolerance where the program gives none
   bool clamp_feeds = false;         ///< feeds above an axis' velocity limit are lowered to it, else they are an error
+  bool widen_arcs = false;          ///< see Toolpath
   bool rapid_stops = false;         ///< stop wherever rapid and feed moves meet
   bool dwells_before_filter =
       false;  ///< G4 holds the command back and asks for no stop: a given delay, where the program does not stop anyway

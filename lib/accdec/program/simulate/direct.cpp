@@ -148,7 +148,7 @@ DirectMotion direct_motion(const Toolpath& path, double sample_period, std::span
 }
 
 double direct_error(const DirectMotion& motion, const Toolpath& path, std::size_t b) {
-  const double* joint = path.point(b + 1);
+  const double* joint = path.asked(b + 1);
   const std::size_t n = path.dimensions();
   const bool between = path.joint[b] == Joint::smooth || path.joint[b] == Joint::straight;
   double least = std::numeric_limits<double>::infinity();

@@ -126,7 +126,7 @@ class Simulator {
       done = 0;
     }
     if (squared_.size() < done) squared_.resize(done);
-    nearest_squared(position_.data(), dimensions(), path_.points.data(), pending_.data(), done, squared_.data());
+    nearest_squared(position_.data(), dimensions(), path_.asked_points(), pending_.data(), done, squared_.data());
     for (std::size_t i = 0; i < done; ++i) {
       const std::size_t block = pending_[i].block;
       const double error = std::sqrt(std::max(0.0, squared_[i]));
@@ -170,13 +170,13 @@ double Simulator<axes>::least_error_of(const JointWindow& joint) {
     parts_.push_back({joint.block, first, last, first + places / 2, joint.path});
   }
   if (squared_.size() < parts_.size()) squared_.resize(parts_.size());
-  nearest_squared(position_.data(), dimensions(), path_.points.data(), parts_.data(), parts_.size(), squared_.data());
+  nearest_squared(position_.data(), dimensions(), path_.asked_points(), parts_.data(), parts_.size(), squared_.data());
   return std::sqrt(*std::min_element(squared_.begin(), squared_.begin() + static_cast<std::ptrdiff_t>(parts_.size())));
 }
 
 template <std::size_t axes>
 double Simulator<axes>::searched_error_of(const JointWindow& joint) const {
-  const double* corner = path_.point(joint.block + 1);
+  const double* corner = path_.asked(joint.block + 1);
   const std::size_t n = dimensions();
   const auto& position = position_;
   const auto distance2 = [&](std::int64_t k) {

@@ -152,6 +152,14 @@ class Emission {
     return 0.0001;
   }
 
+  /// How far a widened arc has moved a point, m, up to whole micrometres: the motion passes within the tolerance of
+  /// where the program has it, and may be so much farther from where it is commanded.
+  double moved(std::size_t i) const {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < n_; ++a) sum += std::pow(path_.point(i)[a] - path_.asked(i)[a], 2);
+    return std::ceil(std::sqrt(sum) * 1e6) * 1e-6;
+  }
+
   /// How the joint at the block's end is to be passed.
   void path_mode(std::size_t b) {
     if (b + 1 == path_.blocks()) return;
@@ -161,7 +169,7 @@ class Emission {
     else if (path_.tolerance[b] == 0.0)
       mode = "G61";
     else if (path_.tolerance[b] < unlimited)
-      mode = "G64 P" + plain_number(path_.tolerance[b] * 1e3, 9);
+      mode = "G64 P" + plain_number((path_.tolerance[b] + moved(b + 1)) * 1e3, 9);
     // Straight on with any tolerance or none; as written, coordinates may turn it by their rounding.
     if (path_.joint[b] == Joint::straight && (mode == "G64" || mode == "G61")) {
       if (mode_.starts_with("G64 P")) return;

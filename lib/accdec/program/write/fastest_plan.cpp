@@ -56,8 +56,8 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
 std::variant<ProfileResult, ProgramResult> run_fastest_plan_file(const std::string& file, const Task& task,
                                                                  const ProgramFileOptions& options,
                                                                  const std::function<void(const std::string&)>& tell) {
-  const Toolpath path = read_program_file(file, task, options, tell);
-  return run_fastest_plan(file, path, options.arc_tolerance, task, options, tell);
+  const ProgramFile read = read_program_file(file, task, options, tell);
+  return run_fastest_plan(file, read.path, read.reading.read.arc_tolerance, task, options, tell);
 }
 
 }  // namespace accdec

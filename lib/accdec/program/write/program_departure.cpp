@@ -67,13 +67,13 @@ class DepartureWalk {
       if (at_ == commanded_.blocks()) return "the commands end before it does";
       if (commanded_.line[at_] != programmed_.line[b] || commanded_.rapid[at_] != programmed_.rapid[b])
         return "its commands are recorded as of another line or kind of move";
-      const double* end = commanded_.point(at_ + 1);
+      const double* end = commanded_.asked(at_ + 1);
       const auto [part, off] = foot_on(from, to, end, n);
       if (off > departure_rounding || part < passed - departure_rounding / length ||
           part > 1.0 + departure_rounding / length)
         return "the path leaves it";
       passed = part;
-      const double piece = distance(commanded_.point(at_), end, n);
+      const double piece = distance(commanded_.asked(at_), end, n);
       if (piece > speed * commanded_.duration[at_] * (1.0 + 1e-5) + departure_rounding)
         return "is commanded above its programmed feed";
       if (distance(end, to, n) <= departure_rounding) return nullptr;
@@ -107,7 +107,7 @@ class DepartureWalk {
 
 std::string departs_from(const Toolpath& commanded, const Toolpath& programmed) {
   if (commanded.axes != programmed.axes) return "other axes move than in the program";
-  if (distance(commanded.point(0), programmed.point(0), programmed.dimensions()) > departure_rounding)
+  if (distance(commanded.asked(0), programmed.point(0), programmed.dimensions()) > departure_rounding)
     return "it begins elsewhere";
   if (!same_time(commanded.dwell_first, programmed.dwell_first)) return "the dwell before the first block is another";
   return DepartureWalk(commanded, programmed).run();

@@ -8,20 +8,36 @@
 #include <accdec/program/write/program_file.hpp>
 
 namespace accdec {
+namespace {
 
-Toolpath read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
-                           const std::function<void(const std::string&)>& tell) {
-  ToolpathOptions reading;
-  reading.read.arc_tolerance = options.arc_tolerance;
+constexpr double longest_chords = 2e-6;  // m from their arcs
+
+}  // namespace
+
+double chord_tolerance(const Task& task) {
+  constexpr double least = 1e-7;
+  double acceleration = unlimited;
+  for (const Axis& axis : task.machine.axes) acceleration = std::min(acceleration, axis.acceleration_max);
+  if (!(acceleration < unlimited)) return longest_chords;
+  return std::clamp(acceleration * task.sample_period * task.sample_period / 8.0, least, longest_chords);
+}
+
+ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
+                              const std::function<void(const std::string&)>& tell) {
+  ProgramFile result;
+  ToolpathOptions& reading = result.reading;
+  reading.read.arc_tolerance =
+      options.arc_tolerance.value_or(options.feeds == Feeds::choose ? chord_tolerance(task) : longest_chords);
+  reading.widen_arcs = options.compensate_arcs;
   reading.error_max = task.program_error_max;
   reading.clamp_feeds = options.feeds == Feeds::choose;
   reading.rapid_stops = options.rapid_stops;
   reading.dwells_before_filter = options.dwells_before_filter;
   try {
     LineSource source{std::filesystem::path(file)};
-    Toolpath path = read_toolpath(source, task.machine, reading);
+    result.path = read_toolpath(source, task.machine, reading);
     if (source.byte_order_mark() && tell) tell(file + ": begins with a byte order mark, which is passed over");
-    return path;
+    return result;
   } catch (const NeedsInterpreter& reason) {
     std::string calls;
     try {
@@ -31,7 +47,9 @@ Toolpath read_program_file(const std::string& file, const Task& task, const Prog
     }
     if (tell) tell(std::string(reason.what()) + ": run by rs274; lines are those of its output");
     LineSource source(file + " (rs274 -g)", calls);
-    return read_toolpath(source, task.machine, reading);
+    result.path = read_toolpath(source, task.machine, reading);
+    result.interpreted = true;
+    return result;
   }
 }
 
@@ -49,10 +67,40 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
                                       : design_filter_for_feeds(path, task, limit, tell);
 }
 
+ProgramResult plan_program_file(const std::string& name, ProgramFile& file, const ProgramFilter& choice,
+                                const Task& task, const ProgramFileOptions& options) {
+  constexpr std::size_t most_blocks = 200'000;  // longer ones are planned in one way
+  const bool finer = options.feeds == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
+                     file.path.blocks() <= most_blocks && file.reading.read.arc_tolerance < longest_chords;
+  const auto plan = [&](Toolpath path, Feeds feeds) {
+    return run_program(name, std::move(path), *choice.filter, task, options.per_leg, options.filter_bound, feeds);
+  };
+  ProgramResult result = plan(std::move(file.path), finer ? Feeds::choose_only : options.feeds);
+  double planning = result.solver.wall_time;
+  if (finer) {
+    ProgramFileOptions coarse = options;
+    coarse.arc_tolerance = longest_chords;
+    ProgramFile again = read_program_file(name, task, coarse, {});
+    ProgramResult other = plan(std::move(again.path), options.feeds);
+    planning += other.solver.wall_time;
+    const bool as_asked = !options.compensate_arcs || !other.path.programmed.empty() || result.path.programmed.empty();
+    const bool better = other.verification.feasible && as_asked &&
+                        (!result.verification.feasible || other.cycle_time < result.cycle_time);
+    if (!result.cycle_time_kept) result.cycle_time_kept = other.cycle_time_kept;
+    if (better) {
+      result = std::move(other);
+      file.reading = again.reading;
+    }
+  }
+  result.solver = choice.solver;
+  result.solver.wall_time += planning;
+  return result;
+}
+
 ProgramResult run_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
                                const std::function<void(const std::string&)>& tell) {
-  Toolpath path = read_program_file(file, task, options, tell);
-  const ProgramFilter choice = filter_for_program(path, task, options, tell);
+  ProgramFile program = read_program_file(file, task, options, tell);
+  const ProgramFilter choice = filter_for_program(program.path, task, options, tell);
   if (!choice.filter) {
     ProgramResult none;
     none.program = file;
@@ -61,12 +109,7 @@ ProgramResult run_program_file(const std::string& file, const Task& task, const 
     none.solver = choice.solver;
     return none;
   }
-  ProgramResult result =
-      run_program(file, std::move(path), *choice.filter, task, options.per_leg, options.filter_bound, options.feeds);
-  const double planning = result.solver.wall_time;
-  result.solver = choice.solver;
-  result.solver.wall_time += planning;
-  return result;
+  return plan_program_file(file, program, choice, task, options);
 }
 
 }  // namespace accdec

@@ -12,7 +12,6 @@
 #include <accdec/program/plan/filter_bound.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/write/program_report.hpp>
-#include <accdec/program/write/samples.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -127,7 +126,7 @@ class Planning {
   /// At the programmed feeds, and at those that the plan of one filter chose.
   void per_leg() {
     if (result_.feeds_chosen && result_.programmed_blocks <= kept_max) per_leg(result_.path, true);
-    per_leg(std::move(slowed_), false);
+    if (slowed_.blocks() > 0) per_leg(std::move(slowed_), false);
   }
 
   /// The time of another rule of delays at the programmed feeds, or with those of the plan where it alone was made.
@@ -186,8 +185,11 @@ class Planning {
   }
   void offer(ScheduledPlan plan, LegFilters legs, bool feeds_chosen) {
     const bool first = result_.plan.delays.empty();
-    const bool better = all_holds(plan.plan) &&
-                        (!all_holds(result_.plan) || plan.plan.simulation.samples < result_.plan.simulation.samples);
+    // Where arcs were to be widened, a plan that does is better than a faster one that does not.
+    const bool widened = !plan.path.programmed.empty(), had_widened = !result_.path.programmed.empty();
+    const bool faster = plan.plan.simulation.samples < result_.plan.simulation.samples;
+    const bool better =
+        all_holds(plan.plan) && (!all_holds(result_.plan) || (widened == had_widened ? faster : widened));
     if (!first && !better) return;
     result_.path = std::move(plan.path);
     result_.plan = std::move(plan.plan);
@@ -219,10 +221,9 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   result.lower_bound = program_lower_bound(path, machine);
   if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
   Planning planning(result, task, machine);
-  if (feeds == Feeds::keep || per_leg || path.blocks() <= kept_max) {
-    planning.keep(path, feeds == Feeds::keep || path.blocks() <= tuned_max);
-  }
-  if (feeds == Feeds::choose) planning.choose(path);
+  const bool keep = feeds == Feeds::keep || (feeds == Feeds::choose && (per_leg || path.blocks() <= kept_max));
+  if (keep) planning.keep(path, feeds == Feeds::keep || path.blocks() <= tuned_max);
+  if (feeds != Feeds::keep) planning.choose(path);
   if (per_leg) planning.per_leg();
   result.cycle_time = static_cast<double>(result.plan.simulation.samples) * task.sample_period;
   path = {};
@@ -237,6 +238,18 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   result.solver.method = "given";
   result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+double widest(const Toolpath& path) {
+  double most = 0.0;
+  const std::size_t n = path.dimensions();
+  for (std::size_t i = 0; i <= path.blocks() && !path.programmed.empty(); ++i) {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < n; ++a)
+      sum += (path.point(i)[a] - path.asked(i)[a]) * (path.point(i)[a] - path.asked(i)[a]);
+    most = std::max(most, std::sqrt(sum));
+  }
+  return most;
 }
 
 std::vector<CornerUse> worst_corners(const ProgramResult& result, std::size_t count) {
@@ -275,95 +288,6 @@ std::string delays_to_csv(const ProgramResult& result) {
     if (path.tolerance[b] < unlimited) fmt::format_to(put, "{:.9g}", path.tolerance[b]);
     fmt::format_to(put, "\n");
   }
-  return fmt::to_string(text);
-}
-
-namespace {
-
-/// Of a limit's value for people. Rotary axes are in degrees where the others are in millimetres.
-std::string unit_of(const LimitUse& use) {
-  std::string unit(limit_name(use.kind).unit);
-  const bool rotary = use.axis.size() == 1 && std::string_view("ABCabc").find(use.axis[0]) != std::string_view::npos;
-  if (rotary && unit.starts_with("mm")) unit.replace(0, 2, "deg");
-  return unit;
-}
-
-}  // namespace
-
-std::string program_summary(const ProgramResult& result) {
-  fmt::memory_buffer text;
-  const auto put = std::back_inserter(text);
-  const ProgramPlan& plan = result.plan;
-  fmt::format_to(put, "{}: {} blocks, {} corners, {} delayed, {} exact stops\n", result.program,
-                 result.programmed_blocks, result.corners, result.delayed, result.exact_stops);
-  std::string taps = fmt::format("filter of {} taps", result.filter.order() + 1);
-  if (!result.legs.single()) {
-    const auto [least, most] =
-        std::minmax_element(result.legs.filters().begin(), result.legs.filters().end(),
-                            [](const Filter& a, const Filter& b) { return a.order() < b.order(); });
-    taps = fmt::format("{} filters of {} to {} taps, one a leg", result.legs.filters().size(), least->order() + 1,
-                       most->order() + 1);
-  }
-  fmt::format_to(put, "{}, T = {:.6g} ms, {} samples\n\n", taps, result.sample_period * 1e3, plan.simulation.samples);
-  const auto row = [&](std::string_view what, double time) {
-    fmt::format_to(put, "  {:<28}{:>14.4f} s{:>10.2f} %\n", what, time, 100.0 * time / result.cycle_time);
-  };
-  row("cycle time", result.cycle_time);
-  for (const PlanTime& other : result.candidates) row(describe(other), other.time);
-  row("  of it delays", result.delay_total);
-  if (!result.legs.single()) row("one filter for all legs", result.cycle_time_one_filter);
-  if (result.feeds_chosen && result.cycle_time_kept) row("feeds as programmed", *result.cycle_time_kept);
-  row("exact stop at every corner", result.cycle_time_exact_stop);
-  if (!result.exact_stop_breaks.empty()) fmt::format_to(put, "    but breaks {}\n", result.exact_stop_breaks);
-  row("no delay at any corner", result.cycle_time_no_delay);
-  row("bound, continuous motion", result.lower_bound);
-  if (result.filter_bound) row("bound, filters and delays", *result.filter_bound);
-  fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n",
-                 result.worst_error * 1e6, 100.0 * result.worst_utilisation, result.worst_line);
-  if (const std::vector<CornerUse> worst = worst_corners(result, result.worst_shown); !worst.empty()) {
-    fmt::format_to(put, "\n  {:<14}{:>12}{:>14}{:>10}{:>9}\n", "worst corners", "error", "tolerance", "use", "delay");
-    for (const CornerUse& corner : worst) {
-      fmt::format_to(put, "  {:<14}{:>9.3f} um{:>11.3f} um{:>8.1f} %{:>9}\n", fmt::format("line {}", corner.line),
-                     corner.error * 1e6, corner.tolerance * 1e6, 100.0 * corner.utilisation, corner.delay);
-    }
-    fmt::format_to(put, "\n");
-  }
-  if (result.feeds_chosen) {
-    fmt::format_to(put, "  feeds chosen, in {} steps inside {} blocks\n",
-                   result.path.blocks() - result.programmed_blocks, result.programmed_blocks);
-  }
-  if (!result.path.clamped.empty()) {
-    fmt::format_to(put, "  feeds above an axis' velocity limit lowered to it in {} lines, the first {}\n",
-                   result.path.clamped.size(), result.path.clamped.front());
-  }
-  if (plan.raised > 0) {
-    fmt::format_to(put, "  {} delays raised because moves overlap, in {} rounds\n", plan.raised, plan.rounds);
-  }
-  std::size_t too_fast = 0;
-  for (const SlowedFeeds& slowed : plan.too_fast) {
-    too_fast += slowed.blocks;
-    fmt::format_to(put, "  {} blocks slowed to start and stop within {}, most in line {} to {:.1f} % of its feed\n",
-                   slowed.blocks, slowed.limit, slowed.line, 100.0 * slowed.factor);
-  }
-  if (plan.slowed > too_fast) {
-    fmt::format_to(put, "  {} blocks slowed, on curves or too short for their feed\n", plan.slowed - too_fast);
-  }
-  if (!plan.simulation.limits.empty())
-    fmt::format_to(put, "\n  {:<14}{:<6}{:>12}{:>12} {:<8}{:>8}  {}\n", "limit", "axis", "value", "bound", "unit",
-                   "use", "where");
-  for (const LimitUse& use : plan.simulation.limits) {
-    const double per_si = limit_name(use.kind).per_si;
-    fmt::format_to(put, "  {:<14}{:<6}{:>12.6g}{:>12.6g} {:<8}{:>6.1f} %  {}\n", to_string(use.kind), use.axis,
-                   per_si * use.value, per_si * use.bound, unit_of(use), 100.0 * use.utilisation,
-                   use.kind == LimitKind::vibration ? fmt::format("{:.6g} Hz", use.frequency) : use.corner);
-  }
-  if (result.peak_memory > 0) {
-    fmt::format_to(put, "\n  planned and verified in {:.3g} s, at most {:.0f} MB of memory\n", result.solver.wall_time,
-                   static_cast<double>(result.peak_memory) * 1e-6);
-  }
-  fmt::format_to(put, "\n  {}{}{}\n",
-                 result.verification.feasible ? "verified: every sample simulated, all bounds hold" : "NOT verified",
-                 result.message.empty() ? "" : ": ", result.message);
   return fmt::to_string(text);
 }
 

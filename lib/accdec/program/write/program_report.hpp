@@ -18,8 +18,9 @@ namespace accdec {
 
 /// What becomes of programmed feeds.
 enum class Feeds {
-  keep,   ///< commanded as they are, but for blocks that would break a limit
-  choose  ///< upper bounds: feeds and steps of feed inside blocks are chosen, see schedule_feeds
+  keep,        ///< commanded as they are, but for blocks that would break a limit
+  choose,      ///< upper bounds: feeds and steps of feed inside blocks are chosen, see schedule_feeds
+  choose_only  ///< as choose, but without the plan that keeps them beside it
 };
 
 /// What `accdec program` answers; `accdec.program/1` in JSON.
@@ -40,11 +41,11 @@ struct ProgramResult {
   double worst_error = 0.0;        ///< m, over joints that have a tolerance
   double worst_utilisation = 0.0;  ///< error/tolerance, and its line
   std::uint32_t worst_line = 0;
-  std::size_t worst_shown = 5;  ///< corners that JSON and the summary list, see worst_corners
-  double cycle_time = 0.0;      ///< s, samples of the simulation times T
-  std::optional<double>
-      cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000 blocks
-  double cycle_time_one_filter = 0.0;  ///< s, planned with `filter` for every leg
+  std::size_t worst_shown = 5;            ///< corners that JSON and the summary list, see worst_corners
+  double cycle_time = 0.0;                ///< s, samples of the simulation times T
+  std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000
+                                          ///< blocks
+  double cycle_time_one_filter = 0.0;     ///< s, planned with `filter` for every leg
   double cycle_time_exact_stop = 0.0;  ///< s, with an exact stop after every block (the chords of an arc are one block)
   std::string exact_stop_breaks;       ///< the limit that this nevertheless breaks most; empty: it holds all
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
@@ -70,6 +71,8 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
 /// and the worst of the joints, vibration, whether all holds.
 /// @param machine  as many axes as the path
 void judge_program(ProgramResult& result, const Machine& machine);
+/// Largest distance by which points of arcs were moved out, m, see compensate_arcs.
+double widest(const Toolpath& path);
 
 /// A joint and how much of its tolerance it uses.
 struct CornerUse {

@@ -74,6 +74,7 @@ std::string program_to_json(const ProgramResult& result) {
   json["plan"] = result.legs.single() ? "fixed" : "per-leg";
   if (!result.candidates.empty()) json["candidates"] = plan_times_to_json(result.candidates);
   json["feeds"] = result.feeds_chosen ? "chosen" : "programmed";
+  if (!result.path.programmed.empty()) json["arcs_widened_m"] = widest(result.path);
   json["blocks"] = result.programmed_blocks;
   json["commanded_blocks"] = result.path.blocks();
   json["feeds_clamped"] = result.path.clamped.size();
