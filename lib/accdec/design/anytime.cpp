@@ -262,10 +262,12 @@ DesignResult design_as_it_is(const Task& task, const DesignOptions& options) {
 
 DesignResult design_anytime(const Task& task, const DesignOptions& options) {
   const MergedTask merged = merge_equal_corners(task);
-  if (merged.smaller()) {
-    if (auto result = expand(task, merged, design_as_it_is(merged.task, options))) return *result;
-  }
-  return design_as_it_is(task, options);
+  if (!merged.smaller()) return design_as_it_is(task, options);
+  const DesignResult found = design_as_it_is(merged.task, options);
+  if (auto result = expand(task, merged, found)) return *result;
+  DesignOptions rest = options;
+  rest.time_limit = std::max(1e-3, options.time_limit - found.solver.wall_time);
+  return design_as_it_is(task, rest);
 }
 
 }  // namespace accdec

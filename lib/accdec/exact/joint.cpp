@@ -5,12 +5,6 @@
 #include <accdec/exact/joint.hpp>
 
 namespace accdec::exact {
-namespace {
-
-/// Linear programs that one attempt at a stronger lemma may take, beside as many as twice the lemma's own proof took.
-constexpr long attempt = 40;
-
-}  // namespace
 
 Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()> stop)
     : task_(task),
@@ -45,31 +39,6 @@ Joint::Node Joint::root_node(const Task& task) {
   root.n1 = std::max(task.design.order_min, 0);
   root.n2 = task.design.order_max;
   return root;
-}
-
-/// The orders that no filter has.
-void Joint::begin() {
-  std::vector<proof::Node> tree;
-  const std::vector<int> all(task_.corners.size(), -1);
-  for (int none = least_ - 1; none >= node(0).n1 && none >= least_ - 3 && !stop_(); --none) {
-    if (!refutes(false, none, all, 2000, tree)) continue;
-    add(lemma(false, none, all, std::move(tree)));
-    split(0, -1, none);
-    node(1).lemma = 0;
-    tip_ = 2;
-    break;
-  }
-  begun_ = tip_ != 0 || !stop_();
-}
-
-/// From here on there are nodes of short and of long filters.
-void Joint::branch() {
-  branched_ = true;
-  if (short_ >= task_.design.order_max || node(tip_).n1 > short_) return push(tip_, 0.0);
-  split(tip_, -1, short_);
-  const int first = node(tip_).first, second = node(tip_).second;
-  push(first, 0.0);
-  push(second, 0.0);
 }
 
 double Joint::cost(const Node& node) const {
@@ -147,56 +116,6 @@ void Joint::add(Lemma lemma) {
 void Joint::share() {
   if (prover_.best && prover_.best->value < target()) designs_.best = prover_.best;
   prover_.best = designs_.best;
-}
-
-/// A lemma of one corner: the longest delay above `low` that it cannot have, by bisection. Its number; -1: none.
-int Joint::longest_refuted(std::size_t j, bool wide, int low) {
-  const int shorter = std::min(task_.design.order_max, least_ + least_ / 4 + 2);
-  std::vector<int> most(task_.corners.size(), -1);
-  std::vector<proof::Node> tree, best;
-  // The best design's delay holds, if not with this order then with its own.
-  int high = std::min(designs_.best->delays[j], shorter + 2);
-  const long budget = wide ? 200 : std::numeric_limits<long>::max() / 2;
-  while (high - low > 1 && !stop_()) {
-    most[j] = low + (high - low) / 2;
-    if (refutes(wide, shorter, most, budget, tree)) {
-      low = most[j];
-      best = std::move(tree);
-    } else {
-      high = most[j];
-    }
-  }
-  if (best.empty()) return -1;
-  most[j] = low;
-  add(lemma(wide, shorter, most, std::move(best)));
-  return static_cast<int>(lemmas_.size()) - 1;
-}
-
-/// Lemmas of one corner through a window, where a few linear programs show as much of filters of any order as many do
-/// of short ones. Together they are a first bound. What a window does not see is asked of short filters.
-void Joint::single_corner(std::size_t j) {
-  if (task_.corners[j].delay) return;
-  share();
-  int low = -1;
-  if (task_.corners[j].error_max) {
-    const int by = longest_refuted(j, true, -1);
-    if (by >= 0) {
-      const proof::CornerDelay at = lemmas_[static_cast<std::size_t>(by)].delays.front();
-      close_first(by, at);
-      low = at.delay;
-    }
-  }
-  if (!sees_all_ || !task_.corners[j].error_max) longest_refuted(j, false, low);
-}
-
-/// Splits the open node at a delay that a lemma says no filter has.
-void Joint::close_first(int lemma, const proof::CornerDelay& at) {
-  const Node& open = node(tip_);
-  const auto j = static_cast<std::size_t>(at.corner);
-  if (at.delay < open.d1[j] || at.delay >= open.d2[j]) return;
-  split(tip_, at.corner, at.delay);
-  node(node(tip_).first).lemma = lemma;
-  tip_ = node(tip_).second;
 }
 
 /// Short filters first, for what is learned there mostly holds for long ones, too; but not for ever.
@@ -339,72 +258,6 @@ Joint::State Joint::check(int at, int order) {
   if (stop_()) return State::stopped;
   undecided_ = std::min(undecided_, cost(node(at)));
   return State::open;
-}
-
-/// @param wide  for filters of any order; else up to `order`
-bool Joint::refutes(bool wide, int order, const std::vector<int>& most, long budget, std::vector<proof::Node>& tree) {
-  Search& prover = wide ? wide_ : prover_;
-  Search::Together answer = prover.refute_together(order, most, budget);
-  share();
-  if (answer.refuted) tree = std::move(answer.tree);
-  return answer.refuted;
-}
-
-Joint::Lemma Joint::lemma(bool wide, int order, const std::vector<int>& most, std::vector<proof::Node> tree) const {
-  Lemma lemma;
-  lemma.wide = wide;
-  lemma.order = wide ? std::numeric_limits<int>::max() : order;
-  lemma.tree = std::move(tree);
-  for (std::size_t j = 0; j < most.size(); ++j)
-    if (most[j] >= 0) lemma.delays.push_back({static_cast<int>(j), most[j]});
-  return lemma;
-}
-
-/// Of a proof that these delays do not hold together: the fewest corners and the largest delays it holds for.
-void Joint::learn(const Node& node, bool wide, int order, std::vector<proof::Node> tree) {
-  const Search& prover = wide ? wide_ : prover_;
-  const std::vector<int>& d1 = node.d1;
-  std::vector<int> most = d1;
-  const std::vector<char> used = prover.corners_used(tree);
-  std::vector<std::size_t> corners;
-  for (std::size_t j = 0; j < most.size(); ++j) {
-    if (used[j])
-      corners.push_back(j);
-    else
-      most[j] = -1;
-  }
-  const long budget = attempt + static_cast<long>(tree.size());
-  // Those that are cheap to raise are worth leaving out most.
-  std::sort(corners.begin(), corners.end(),
-            [&](std::size_t a, std::size_t b) { return cost_.delay[a] < cost_.delay[b]; });
-  for (std::size_t i = 0; i < corners.size() && corners.size() > 1;) {
-    const std::size_t j = corners[i];
-    const int had = most[j];
-    most[j] = -1;
-    if (refutes(wide, order, most, budget, tree)) {
-      const std::vector<char> still = prover.corners_used(tree);
-      std::erase_if(corners, [&](std::size_t k) { return !still[k]; });
-      for (std::size_t k = 0; k < most.size(); ++k)
-        if (!still[k]) most[k] = -1;
-    } else {
-      most[j] = had;
-      ++i;
-    }
-  }
-  std::vector<char> stuck(most.size(), 0);
-  const double room = target() - cost(node);
-  while (!stop_()) {
-    std::size_t lowest = most.size();
-    double least = infinity;
-    for (const std::size_t j : corners) {
-      const double more = cost_.delay[j] * (most[j] + 1 - d1[j]);
-      if (!stuck[j] && more < least && more < room && !task_.corners[j].delay) least = more, lowest = j;
-    }
-    if (lowest == most.size()) break;
-    ++most[lowest];
-    if (!refutes(wide, order, most, budget, tree)) --most[lowest], stuck[lowest] = 1;
-  }
-  add(lemma(wide, order, most, std::move(tree)));
 }
 
 }  // namespace accdec::exact
