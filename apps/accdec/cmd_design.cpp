@@ -1,5 +1,5 @@
+#include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -15,6 +15,7 @@
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/study/baseline_table.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 #include "status_line.hpp"
 
@@ -46,6 +47,11 @@ void print_baselines(const Task& task, DesignOptions options) {
   fmt::print("{}", study::baseline_text(here, quarter));
 }
 
+/// About what simulating a design for the report and writing it takes, s; of few corners nothing worth mentioning.
+double delivery_seconds(const Task& task) {
+  return 2e-5 * static_cast<double>(task.corners.size());
+}
+
 void run(const Arguments& arguments, Context& context) {
   const Task task = read_task(arguments.task);
   require_outputs({arguments.json}, {arguments.task});
@@ -65,7 +71,7 @@ void run(const Arguments& arguments, Context& context) {
   if (task.filter && arguments.solver_given && !context.quiet) {
     fmt::print(stderr, "the filter is given: its delays are enumerated, {} is not used\n", options.solver);
   }
-  options.time_limit = arguments.time_limit;
+  options.time_limit = std::max(0.5 * arguments.time_limit, arguments.time_limit - delivery_seconds(task));
   options.gap = fraction(arguments.gap).value_or(0.0);
   if (options.gap > 0.0 && options.method == Method::nlp) {
     throw std::invalid_argument("--gap goes with the exact method: no other proves a bound");
@@ -90,8 +96,15 @@ void run(const Arguments& arguments, Context& context) {
   std::signal(SIGINT, before);
 
   context.exit_code = deliver(result, arguments.json, context, arguments.certificate_max);
-  if (task.baseline && result.filter && !context.quiet && arguments.json != "-")
-    fmt::print("{}", study::saving_text(*task.baseline, result));
+  if (!context.quiet && arguments.json != "-") {
+    if (task.baseline && result.filter) {
+      fmt::print("{}", study::saving_text(*task.baseline, result));
+      if (!arguments.baselines) fmt::print("`--baselines` sets it beside the filters that controllers have.\n");
+    }
+    if (result.status == Status::infeasible) {
+      fmt::print("`accdec explain {}` says how much each limit has to give.\n", arguments.task);
+    }
+  }
   if (arguments.baselines) print_baselines(task, options);
 }
 
@@ -106,7 +119,7 @@ void add_design(CLI::App& app, Context& context) {
   command
       ->add_option("--method", arguments->method,
                    "exact: proved shortest (default); nlp: by a nonlinear solver (ipopt unless --solver names one)")
-      ->check(CLI::IsMember({"exact", "nlp"}));
+      ->check(one_of({"exact", "nlp"}));
   command->add_option("--solver", arguments->solver,
                       "nonlinear solver to use (see `accdec solvers`); implies --method nlp");
   command
@@ -114,11 +127,7 @@ void add_design(CLI::App& app, Context& context) {
                    "seconds for the whole design, then the best so far; the default is 600")
       ->type_name("SECONDS")
       ->capture_default_str()
-      ->check([](const std::string& text) {
-        double seconds = 0.0;
-        const bool number = CLI::detail::lexical_cast(text, seconds) && std::isfinite(seconds) && seconds > 0.0;
-        return number ? std::string() : "must be a number of seconds > 0, got " + text;
-      });
+      ->check(positive_number());
   command
       ->add_option("--gap", arguments->gap,
                    "end once the design is proved to be within this of the shortest, 1% or 0.01 (default 0)")
@@ -139,7 +148,7 @@ void add_design(CLI::App& app, Context& context) {
   command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
   command
       ->add_option("--certificate-max", arguments->certificate_max, "MB; a larger proof is left out of the file (50)")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(number_between(0.0, 1e6));
   command->callback([arguments, command, &context] {
     arguments->solver_given = command->count("--solver") > 0;
     run(*arguments, context);

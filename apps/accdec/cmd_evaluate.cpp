@@ -7,6 +7,7 @@
 #include <accdec/motion/circle.hpp>
 #include <accdec/task/verifier.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 
 namespace accdec::cli {
@@ -40,9 +41,9 @@ void add_evaluate(CLI::App& app, Context& context) {
   auto* radius = command
                      ->add_option("--circle-radius-mm", options->circle_radius_mm,
                                   "also the radius error of a circle of this radius")
-                     ->check(CLI::PositiveNumber);
+                     ->check(positive_number());
   auto* feed =
-      command->add_option("--circle-feed-mm-min", options->circle_feed_mm_min, "its feed")->check(CLI::PositiveNumber);
+      command->add_option("--circle-feed-mm-min", options->circle_feed_mm_min, "its feed")->check(positive_number());
   radius->needs(feed);
   feed->needs(radius);
   command->callback([options, &context] {

@@ -11,6 +11,7 @@
 #include <accdec/formats/explanation.hpp>
 #include <accdec/formats/task_reader.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 #include "status_line.hpp"
 
@@ -26,7 +27,7 @@ extern "C" void ask_to_stop_explaining(int) {
 
 struct Arguments {
   std::string task, json, by = "10 %";
-  double time_limit = 10.0;
+  double time_limit = 300.0, design_time_limit = 10.0;
 };
 
 void run(const Arguments& arguments, Context& context) {
@@ -34,12 +35,14 @@ void run(const Arguments& arguments, Context& context) {
   require_outputs({arguments.json}, {arguments.task});
   ExplainOptions options;
   options.share = fraction(arguments.by).value_or(0.1);
-  options.design.time_limit = arguments.time_limit;
+  options.time_limit = arguments.time_limit;
+  options.design.time_limit = arguments.design_time_limit;
   options.design.cancel = &interrupted;
   // The first Ctrl-C asks for what has been found so far, the second ends the program.
   const auto before = std::signal(SIGINT, ask_to_stop_explaining);
   const Explanation explanation = [&] {
-    StatusLine line(context.quiet, StatusLine::Lines::none);
+    StatusLine line(context.quiet, StatusLine::Lines::none, arguments.time_limit);
+    line.tell("the task as it is");
     options.progress = [&line](int done, int total) {
       const double left = line.seconds() / done * std::max(0, total - done);
       line.tell(fmt::format("{} of about {} designs, {} left", done, total, clock_text(left)));
@@ -66,8 +69,16 @@ void add_explain(CLI::App& app, Context& context) {
         const auto share = fraction(text);
         return share && *share > 0.0 ? std::string() : "must be above 0 and below 100 %, as 10% or 0.1, got " + text;
       });
-  command->add_option("--time-limit", arguments->time_limit, "seconds for each single design (default 10)")
-      ->check(CLI::Range(1e-3, 1e9));
+  command
+      ->add_option("--time-limit", arguments->time_limit,
+                   "seconds for the whole explanation, then what is known by then; the default is 300")
+      ->type_name("SECONDS")
+      ->check(positive_number());
+  command
+      ->add_option("--design-time-limit", arguments->design_time_limit,
+                   "seconds for each single design; the default is 10")
+      ->type_name("SECONDS")
+      ->check(positive_number());
   command->callback([arguments, &context] { run(*arguments, context); });
 }
 

@@ -10,6 +10,7 @@
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/taps_export.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 
 namespace accdec::cli {
@@ -25,7 +26,7 @@ void add_export(CLI::App& app, Context& context) {
       ->type_name("RESULT.json");
   command->add_option("--format", arguments->format, "csv, c, json, npy, or cascade (lengths of moving averages)")
       ->required()
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(taps_formats), std::end(taps_formats))));
+      ->check(one_of(std::vector<std::string>(std::begin(taps_formats), std::end(taps_formats))));
   add_output_option(*command, "--out", arguments->out, "Write to FILE; - is standard output, the default");
   command->callback([arguments, &context] {
     const std::string text = read_text_file(arguments->result, result_file_limit);

@@ -5,6 +5,7 @@
 #include <accdec/files/output_file.hpp>
 #include <accdec/program/write/generate.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 
 namespace accdec::cli {
@@ -21,14 +22,15 @@ void add_generate(CLI::App& app, Context&) {
                    "pocket | zigzag | trochoid | engraving | raster | star | hilbert | relief | spiral")
       ->required()
       ->type_name("KIND")
-      ->check(CLI::IsMember(
-          {"pocket", "zigzag", "trochoid", "engraving", "raster", "star", "hilbert", "relief", "spiral"}));
+      ->check(one_of({"pocket", "zigzag", "trochoid", "engraving", "raster", "star", "hilbert", "relief", "spiral"}));
   command->add_option("--blocks", options->generate.blocks, "About how many blocks")
       ->check(CLI::Range(10L, 1000000000L))
       ->capture_default_str();
-  command->add_option("--feed", options->generate.feed, "mm/min")->check(CLI::Range(1e-3, 1e8))->capture_default_str();
+  command->add_option("--feed", options->generate.feed, "mm/min")
+      ->check(number_between(1e-3, 1e8))
+      ->capture_default_str();
   command->add_option("--tolerance", options->generate.tolerance, "mm, of G64 P")
-      ->check(CLI::Range(1e-6, 1e3))
+      ->check(number_between(1e-6, 1e3))
       ->capture_default_str();
   add_output_option(*command, "--out", options->out, "File to write, - for standard output")->capture_default_str();
   command->callback([options] {

@@ -12,6 +12,7 @@
 #include <accdec/formats/design_report.hpp>
 
 #include "machines.hpp"
+#include "option_checks.hpp"
 #include "output.hpp"
 
 namespace accdec::cli {
@@ -66,7 +67,7 @@ void add_init(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("init", "Write a commented task to start from");
   command->add_option("--machine", arguments->machine, "kind of machine, see --list (default mill)")
-      ->check(CLI::IsMember(names()));
+      ->check(one_of(names()));
   add_output_option(*command, "--out", arguments->out, "Write to FILE; - is standard output, the default");
   command->add_flag("--list", arguments->list, "say which machines there are, and write nothing");
   command->add_flag("--force", arguments->force, "replace a file that is there");

@@ -14,6 +14,7 @@
 #include <accdec/study/optima_report.hpp>
 
 #include "command.hpp"
+#include "option_checks.hpp"
 #include "status_line.hpp"
 
 namespace accdec::cli {
@@ -94,7 +95,7 @@ void add_optima(CLI::App& app, Context& context) {
       ->required()
       ->type_name("DIR");
   command->add_option("--time-limit", arguments->time_limit, "seconds for each design")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   command
       ->add_option("--growth", arguments->growth, "Also solve this single-corner task at ever shorter sample periods")

@@ -17,10 +17,12 @@
 #include <accdec/plot/figure.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/program_page.hpp>
+#include <accdec/program/write/fastest_plan.hpp>
 #include <accdec/program/write/program_file.hpp>
 #include <accdec/program/write/program_report.hpp>
 #include <accdec/program/write/samples.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 #include "program_profiles.hpp"
 #include "status_line.hpp"
@@ -69,36 +71,15 @@ void check_outputs(const Options& options) {
   }
 }
 
-/// The path may be off a chord's end by the tolerance, and the chord off its arc by more: room for that.
-void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
-  const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    const double tolerance = path.tolerance[b];
-    const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
-    if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
-  }
-}
-
 /// Plan profiles, and because it is never to be slower than they are, the plans of one filter and one a leg.
 void run_profiles_and_others(const Options& options, Context& context, const ProgramFile& file, const Task& task) {
-  // Of the longest programs the search for a filter, and the bound by linear programs, would take longer than the plan.
-  constexpr std::size_t most_blocks = 200'000;
-  const Toolpath& path = file.path;
-  const double bound_time = path.blocks() <= most_blocks ? 10.0 : 3.0;  // s
-  Toolpath chords = path;
-  leave_room_for_arcs(chords, file.reading.read.arc_tolerance);
-  ProfileResult profiles = run_profiles(options.program, std::move(chords), task, bound_time);
-  std::vector<ProgramResult> others;
-  if (path.blocks() <= most_blocks) {
-    const ProgramFilter choice = choose_filter(options, context, path, task);
-    if (choice.filter) {
-      // The plan of one filter is a candidate of the one a leg.
-      others.push_back(
-          run_program(options.program, path, *choice.filter, task, true, options.file.filter_bound, Feeds::choose));
-      others.back().solver = choice.solver;
-    }
-  }
-  write_fastest(std::move(profiles), std::move(others), path, task.machine,
+  const ProgramInputs inputs = options.json.empty() ? ProgramInputs{} : inputs_of(options, file);
+  const auto fastest = [&] {
+    StatusLine status(context.quiet);
+    return run_fastest_plan(options.program, file.path, file.reading.read.arc_tolerance, task, options.file,
+                            [&](const std::string& line) { status.tell(line); });
+  }();
+  write_fastest(fastest, inputs, file.path, task.machine,
                 {options.json, options.samples, options.stream, options.figure}, context);
 }
 
@@ -192,7 +173,7 @@ void add_inputs(CLI::App& command, Options& options) {
                   "Largest distance of a chord from its arc; default: what an arc's fastest motion leaves of the arc "
                   "between two samples, a T^2/8, from 0.1 to 2; 2 with --feeds keep")
       ->type_name("UM")
-      ->check(CLI::Range(1e-3, 1e4));
+      ->check(number_between(1e-3, 1e4));
   command.add_option("--tool-table", options.file.tool_table, "LinuxCNC's, for programs that rs274 has to run")
       ->type_name("FILE");
   command.add_flag(
@@ -223,20 +204,20 @@ void add_planning(CLI::App& command, Options& options) {
   command
       .add_option("--time-limit", options.file.time_limit,
                   "s, for the design of a filter where the task has none; default 2 s and 5 ms a block, at most 60")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command
       .add_option("--plan", options.plan,
                   "fixed: one filter for the whole program; per-leg: the filter of each leg follows what the limits "
                   "allow in its direction, where that is faster; profiles: every corner its own filter and speed, for "
                   "controllers that take a position every cycle (--samples, --stream); never slower than the others, "
                   "which are made beside it")
-      ->check(CLI::IsMember({"fixed", "per-leg", "profiles"}))
+      ->check(one_of({"fixed", "per-leg", "profiles"}))
       ->capture_default_str();
   command
       .add_option("--feeds", options.feeds,
                   "choose: F is an upper bound, feeds and steps of feed inside blocks are chosen; keep: every block at "
                   "its programmed feed")
-      ->check(CLI::IsMember({"choose", "keep"}))
+      ->check(one_of({"choose", "keep"}))
       ->capture_default_str();
   command.add_flag("--compensate-arcs", options.file.compensate_arcs,
                    "Command arcs on a radius larger by what the filter takes away, v^2 s^2/(2 R); errors are measured "

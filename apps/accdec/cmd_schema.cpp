@@ -11,6 +11,7 @@
 #include <accdec/study/study_keys.hpp>
 
 #include "command.hpp"
+#include "option_checks.hpp"
 
 namespace accdec::cli {
 
@@ -24,7 +25,7 @@ void add_schema(CLI::App& app, Context&) {
   command->add_option("kind", options->kind, "task, study, suite or result")
       ->type_name("KIND")
       ->required()
-      ->check(CLI::IsMember({"task", "study", "suite", "result"}));
+      ->check(one_of({"task", "study", "suite", "result"}));
   command->add_flag("--markdown", options->markdown, "A table for people instead");
   command->callback([options] {
     for (const FileKind* file : std::array{&task_file(), &study_file(), &suite_file(), &result_file()}) {

@@ -13,6 +13,7 @@
 #include <accdec/task/verification_cost.hpp>
 
 #include "command.hpp"
+#include "option_checks.hpp"
 #include "verify_program.hpp"
 
 namespace accdec::cli {
@@ -44,9 +45,10 @@ void add_verify(CLI::App& app, Context& context) {
   auto limit = std::make_shared<double>(60.0);
   command->add_option("--time-limit", *limit, "Seconds for the check; what takes longer is not accepted")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command->callback([path, limit, &context] {
     const std::string text = read_text_file(*path, result_file_limit);
+    if (is_profile_result(text)) return refuse_profiles(context);
     if (is_program_result(text)) return verify_program(text, *path, *limit, context);
     const DesignResult result = parse_result(text, *path);
     if (const double seconds = simulation_seconds(result); seconds > *limit) {
@@ -66,6 +68,7 @@ void add_verify(CLI::App& app, Context& context) {
                    check.verification.worst.empty() ? "none" : check.verification.worst);
       }
       if (!check.proof.empty()) fmt::print("proof accepted: {}\n", check.proof);
+      fmt::print("not checked, because no recheck can find it: message, stop, solver\n");
       return;
     }
     context.exit_code = exit_no_answer;

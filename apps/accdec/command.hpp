@@ -12,7 +12,7 @@ enum ExitCode {
 };
 
 /// What main and the subcommands share. A subcommand stores its exit code here from its CLI11 callback; exceptions of
-/// type InputError (io) and std::invalid_argument become exit_bad_input in main, all others exit_no_answer.
+/// type InputError and std::invalid_argument become exit_bad_input in main, all others exit_no_answer.
 struct Context {
   bool quiet = false;
   int exit_code = exit_ok;

@@ -17,6 +17,7 @@
 #include <accdec/formats/manifest.hpp>
 
 #include "command.hpp"
+#include "option_checks.hpp"
 
 namespace accdec::cli {
 namespace {
@@ -79,7 +80,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& success) {  // --help and --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    app.exit(error);
+    std::fprintf(stderr, "%s\n", usage_message(app, error).c_str());
     return exit_bad_input;
   }
   return context.exit_code;

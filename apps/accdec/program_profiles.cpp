@@ -39,42 +39,32 @@ void write(const ProfileOutputs& outputs, Context& context, const std::string& j
 
 }  // namespace
 
-void write_fastest(ProfileResult profiles, std::vector<ProgramResult> others, const Toolpath& programmed,
-                   const Machine& machine, const ProfileOutputs& outputs, Context& context) {
-  const auto page_of = [&](const std::string& name, double time, const auto& samples) {
+void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, const ProgramInputs& inputs,
+                   const Toolpath& programmed, const Machine& machine, const ProfileOutputs& outputs,
+                   Context& context) {
+  const auto page = [&](const auto& r, const std::string& plan, const auto& samples) {
     return program_page(
         programmed, program_machine(machine, programmed),
-        {fmt::format("{}: {:.6g} s, plan {}", profiles.program, time, name), profiles.sample_period, samples});
+        {fmt::format("{}: {:.6g} s, plan {}", r.program, r.cycle_time, plan), r.sample_period, samples});
   };
-  const PlanTime mine{"profiles", profiles.cycle_time, profiles.message.empty()};
-  const ProgramResult* best = nullptr;
-  for (const ProgramResult& other : others) {
-    profiles.candidates.push_back(
-        {other.legs.single() ? "fixed" : "per-leg", other.cycle_time, other.verification.feasible});
-    if (!other.verification.feasible) continue;
-    const double shortest = best != nullptr ? best->cycle_time : mine.time;
-    if (other.cycle_time < shortest || (best == nullptr && !mine.verified)) best = &other;
-  }
-  if (best == nullptr) {
+  if (const auto* profiles = std::get_if<ProfileResult>(&fastest)) {
     write(
-        outputs, context, profiles_to_json(profiles), profiles_summary(profiles), profiles.message,
-        [&](std::ostream& out) { write_profile_samples(profiles, out); },
-        [&](std::ostream& out) { stream_profile(profiles, out); },
+        outputs, context, profiles_to_json(*profiles), profiles_summary(*profiles), profiles->message,
+        [&](std::ostream& out) { write_profile_samples(*profiles, out); },
+        [&](std::ostream& out) { stream_profile(*profiles, out); },
         [&] {
-          return page_of("profiles", profiles.cycle_time,
-                         [&](const SampleVisitor& visit) { visit_profile_samples(profiles, visit); });
+          return page(*profiles, "profiles",
+                      [&](const SampleVisitor& visit) { visit_profile_samples(*profiles, visit); });
         });
     return;
   }
-  ProgramResult fastest = *best;
-  fastest.candidates = profiles.candidates;
-  fastest.candidates.push_back(mine);
+  const ProgramResult& other = std::get<ProgramResult>(fastest);
   write(
-      outputs, context, program_to_json(fastest), program_summary(fastest), {},
-      [&](std::ostream& out) { write_samples(fastest, out); }, [&](std::ostream& out) { stream_samples(fastest, out); },
+      outputs, context, outputs.json.empty() ? "" : program_to_json(other, inputs), program_summary(other), {},
+      [&](std::ostream& out) { write_samples(other, out); }, [&](std::ostream& out) { stream_samples(other, out); },
       [&] {
-        return page_of(fastest.legs.single() ? "fixed" : "per-leg", fastest.cycle_time,
-                       [&](const SampleVisitor& visit) { visit_samples(fastest, visit); });
+        return page(other, other.legs.single() ? "fixed" : "per-leg",
+                    [&](const SampleVisitor& visit) { visit_samples(other, visit); });
       });
 }
 

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <string>
-#include <vector>
+#include <variant>
 
+#include <accdec/formats/program_record.hpp>
 #include <accdec/program/write/profile_result.hpp>
 #include <accdec/program/write/program_report.hpp>
 
@@ -15,10 +16,10 @@ struct ProfileOutputs {
   std::string json, samples, stream, page;
 };
 
-/// Plan profiles, never slower than the plans of one filter: those are `others`, and the fastest that holds is written,
-/// with the times of all.
+/// Writes what run_fastest_plan answered.
+/// @param inputs      kept in the JSON of the other plans, for `accdec verify`
 /// @param programmed  the path as the program has it, for the page
-void write_fastest(ProfileResult profiles, std::vector<ProgramResult> others, const Toolpath& programmed,
-                   const Machine& machine, const ProfileOutputs& outputs, Context& context);
+void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, const ProgramInputs& inputs,
+                   const Toolpath& programmed, const Machine& machine, const ProfileOutputs& outputs, Context& context);
 
 }  // namespace accdec::cli

@@ -19,6 +19,7 @@ void put(const std::string& text) {
 }
 
 constexpr const char* clear_line = "\r\x1b[K";
+constexpr double silent = 1.0;  // s
 
 }  // namespace
 
@@ -56,7 +57,7 @@ StatusLine::~StatusLine() {
 void StatusLine::tell(const std::string& news) {
   if (quiet_) return;
   if (!terminal_) {
-    if (elsewhere_ == Lines::news) put(news + "\n");
+    if (elsewhere_ == Lines::news && seconds() >= silent) put(news + "\n");
     return;
   }
   const std::lock_guard lock(mutex_);

@@ -6,9 +6,15 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/text_file.hpp>
+#include <accdec/formats/program_comparison.hpp>
 #include <accdec/formats/program_record.hpp>
+#include <accdec/program/plan/filter_bound.hpp>
+#include <accdec/program/plan/lower_bound.hpp>
+#include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/read/read_error.hpp>
 #include <accdec/program/simulate/direct.hpp>
+#include <accdec/program/write/program_departure.hpp>
 #include <accdec/program/write/verify_program_result.hpp>
 
 namespace accdec::cli {
@@ -16,29 +22,72 @@ namespace {
 
 constexpr double steps_a_second = 2e8;  // of direct_motion on one core of 2.6 GHz, long double
 
-/// Holds the commands against the program. @param note  receives what was done, or why nothing was
-std::string departure(const ProgramRecord& record, std::string& note) {
+/// Why the files that a result was made from do not tell whether it is right; empty if they do.
+std::string changed_inputs(const ProgramInputs& in) {
+  const auto there = [](const std::string& path) { return std::filesystem::is_regular_file(path); };
+  if (!there(in.program))
+    return fmt::format("{} is not there: without the program its points, tolerances and feeds cannot be checked",
+                       in.program);
+  if (hash_of_file(in.program) != in.program_hash)
+    return fmt::format("{} has changed since: the result is of another program", in.program);
+  if (there(in.task_path) && read_text_file(in.task_path) != in.task_text)
+    return fmt::format("{} has changed since: the result is of another task", in.task_path);
+  return "";
+}
+
+/// Reads the program again, holds the commands against it, and makes what is recorded of it anew.
+void compare_with_program(const ProgramRecord& record, ProgramResultCheck& check) {
   const ProgramInputs& in = record.inputs;
-  if (in.interpreted) {
-    note = "the program was run by rs274 and is not read again: points, tolerances and feeds are those recorded";
-    return "";
-  }
-  if (!std::filesystem::is_regular_file(in.program)) {
-    note = fmt::format("{} is not there: points, tolerances and feeds are those recorded", in.program);
-    return "";
-  }
-  if (hash_of_file(in.program) != in.program_hash) {
-    note = fmt::format("{} has changed since: points, tolerances and feeds are those recorded", in.program);
-    return "";
-  }
   LineSource source{std::filesystem::path(in.program)};
-  const Toolpath programmed = read_toolpath(source, record.task.machine, in.reading);
-  note = fmt::format(
-      "{} read again: every programmed point in order, no feed above and no tolerance wider than its own", in.program);
-  return departs_from(record.result.path, programmed);
+  Toolpath programmed = read_toolpath(source, record.task.machine, in.reading);
+  if (const std::string wrong = departs_from(record.result.path, programmed); !wrong.empty())
+    check.reasons.push_back(fmt::format("the commands are not those of {}: {}", in.program, wrong));
+  ProgramResult& found = check.found;
+  found.programmed_blocks = programmed.blocks();
+  found.feeds_chosen = record.result.feeds_chosen;
+  const bool stepped = found.path.blocks() != programmed.blocks();
+  if (found.feeds_chosen ? !in.reading.clamp_feeds : stepped)
+    check.reasons.push_back("feeds are recorded as what the commands are not");
+  found.path.clamped = programmed.clamped;
+  const Machine machine = program_machine(record.task.machine, programmed);
+  snap_durations(programmed, found.filter, found.sample_period, machine);
+  found.lower_bound = program_lower_bound(programmed, machine);
+  if (record.filter_bound) found.filter_bound = filter_lower_bound(programmed, machine, found.sample_period);
+}
+
+/// Of programs that rs274 ran, whose output is not kept.
+const std::vector<std::string> of_the_program{"blocks", "feeds", "feeds_clamped", "lower_bound_s", "filter_bound_s"};
+
+/// Whether the text has a member of this name, "a.b" for one of an object.
+bool has_member(const std::string& text, const std::string& name) {
+  return text.find(fmt::format("\"{}\":", name.substr(name.find('.') + 1))) != std::string::npos;
+}
+
+void print_accepted(const std::string& text, const ProgramRecord& record, const ProgramResultCheck& check) {
+  fmt::print("accepted: {}\n", check.shown);
+  std::vector<std::string> open = program_members_not_checked();
+  if (record.inputs.interpreted) {
+    fmt::print("the program was run by rs274 and is not read again: points, tolerances and feeds are those recorded\n");
+    open.insert(open.end(), of_the_program.begin(), of_the_program.end());
+  } else {
+    fmt::print("{} read again: every programmed point in order, no feed above and no tolerance other than its own\n",
+               record.inputs.program);
+  }
+  if (!std::filesystem::is_regular_file(record.inputs.task_path))
+    fmt::print("{} is not there: the task is the one in the result\n", record.inputs.task_path);
+  std::erase_if(open, [&](const std::string& name) { return !has_member(text, name); });
+  fmt::print("not checked, because they say how the plan was found or what others take: {}\n", fmt::join(open, ", "));
 }
 
 }  // namespace
+
+void refuse_profiles(Context& context) {
+  context.exit_code = exit_no_answer;
+  if (context.quiet) return;
+  fmt::print(
+      "rejected\n  a result of --plan profiles holds no commands to simulate anew: run accdec program again, which "
+      "verifies every sample of what it plans\n");
+}
 
 void verify_program(const std::string& text, const std::string& path, double limit, Context& context) {
   const ProgramRecord record = parse_program_record(text, path);
@@ -59,16 +108,15 @@ void verify_program(const std::string& text, const std::string& path, double lim
   if (seconds > limit)
     return refuse(
         fmt::format("simulating the plan anew would take about {:.0f} s; --time-limit is {:g} s", seconds, limit));
+  if (const std::string why = changed_inputs(record.inputs); !why.empty()) return refuse(why);
   ProgramResultCheck check = verify_program_result(result, record.task);
-  std::string note;
-  if (const std::string wrong = departure(record, note); !wrong.empty())
-    check.reasons.push_back(fmt::format("the commands are not those of {}: {}", record.inputs.program, wrong));
-  if (!check.reasons.empty()) {
-    refuse(fmt::format("{}", check.reasons.front()));
-    for (std::size_t i = 1; i < check.reasons.size() && !context.quiet; ++i) fmt::print("  {}\n", check.reasons[i]);
-    return;
-  }
-  if (!context.quiet) fmt::print("accepted: {}\n{}\n", check.shown, note);
+  if (!record.inputs.interpreted) compare_with_program(record, check);
+  check.found.worst_shown = result.worst_shown;
+  const std::vector<std::string> differences =
+      program_differences(text, check.found, record.inputs.interpreted ? of_the_program : std::vector<std::string>{});
+  check.reasons.insert(check.reasons.end(), differences.begin(), differences.end());
+  if (!check.reasons.empty()) return refuse(fmt::format("{}", fmt::join(check.reasons, "\n  ")));
+  if (!context.quiet) print_accepted(text, record, check);
 }
 
 }  // namespace accdec::cli

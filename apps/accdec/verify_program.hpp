@@ -11,4 +11,7 @@ namespace accdec::cli {
 /// @param limit  s; what is estimated to take longer is not begun
 void verify_program(const std::string& text, const std::string& path, double limit, Context& context);
 
+/// Says why a result of --plan profiles is not accepted.
+void refuse_profiles(Context& context);
+
 }  // namespace accdec::cli

@@ -9,7 +9,9 @@ myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "accdec"
 html_copy_source = False
-html_show_sphinx = False
+html_show_sphinx = html_show_copyright = False
+html_static_path = ["static"]
+html_css_files = ["wide.css"]
 autodoc_member_order = "groupwise"
 autodoc_typehints = "none"  # signatures and docstrings have them
 napoleon_google_docstring = False

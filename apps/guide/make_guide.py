@@ -127,6 +127,7 @@ def main():
     source = out / "source"
     (source / "examples").mkdir(parents=True)
     shutil.copy(guide / "conf.py", source)
+    shutil.copytree(guide / "static", source / "static")
     write_reference(source / "reference", arguments.program, root / "lib", doxygen, arguments.python)
     for path in sorted(guide.glob("*.md")):
         (source / path.name).write_text(Page(path.stem, out, arguments).markdown(path.read_text()))

@@ -83,6 +83,28 @@ def mutate_text(rng, text):
     return bytes(data)
 
 
+# What a recheck finds by itself. Where a limit is used most may be told otherwise where it is used alike, a proof that
+# holds may be said to have been checked, and a lower bound than the proved one is true.
+CHECKED = ("sample_period_s", "cycle_time_s", "corner_time_s", "corners", "limits", "verification", "filter")
+FREE = ("sample", "event", "worst", "frequency_Hz", "name", "certificate_checked", "certificate")
+
+
+def _changed_number(original, forged, where=""):
+    """The first checked number that is another one by more than what verify grants rounding; None without."""
+    if isinstance(original, dict) and isinstance(forged, dict):
+        pairs = [(key, original[key], forged.get(key)) for key in original if key not in FREE]
+    elif isinstance(original, list) and isinstance(forged, list):
+        if len(original) != len(forged):
+            return where
+        pairs = [(i, a, b) for i, (a, b) in enumerate(zip(original, forged))]
+    else:
+        numbers = all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in (original, forged))
+        same = abs(original - forged) <= 1e-8 * abs(original) + 1e-8 if numbers else original == forged
+        return None if same else where
+    found = (_changed_number(a, b, f"{where}.{key}") for key, a, b in pairs)
+    return next((f for f in found if f), None)
+
+
 def _lie(task, original, path):
     """What is false in an accepted result; None if all of it is true. The task is part of the file and was not changed on purpose."""
     try:
@@ -92,7 +114,14 @@ def _lie(task, original, path):
     if result["task"] != original["task"]:
         return None  # another task: its truth is not known here
     if result["status"] == "infeasible":
-        return None if original["status"] == "infeasible" else "an infeasibility that is none"
+        if original["status"] != "infeasible":
+            return "an infeasibility that is none"
+    if [c["delay_samples"] for c in result["corners"]] == [c["delay_samples"] for c in original["corners"]]:
+        other = next((w for w in (_changed_number(original[k], result.get(k), k) for k in CHECKED) if w), None)
+        if other:
+            return f"{other} is not what it was"
+    if result["status"] == "infeasible":
+        return None
     use, name = model.worst_use(task, result["filter"]["taps"], [c["delay_samples"] for c in result["corners"]])
     if use > 1.0 + 1e-7:
         return f"breaks {name}: {use:.9f}"

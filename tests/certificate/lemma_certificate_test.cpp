@@ -237,7 +237,7 @@ TEST(CheckedWindows, RowsOfTheEndsAreRejected) {
   };
   for (const int k : {0, 1, 2, 20, 39, 40, 41}) EXPECT_EQ(accepted(proof::TapDifference{k, 1}), k >= 2 && k <= 39) << k;
   for (const int k : {1, 2, 6, 7, 20, 40, 41, 46})
-    EXPECT_EQ(accepted(proof::Blend{proof::BlendLimit::acceleration, 0, 0, k, 1}), k >= 7 && k <= 40) << k;
+    EXPECT_EQ(accepted(proof::Blend{LimitKind::acceleration, 0, 0, k, 1}), k >= 7 && k <= 40) << k;
   EXPECT_TRUE(accepted(proof::Error{0, 0.8}));
   EXPECT_FALSE(accepted(proof::Error{0, 2.0}));
   EXPECT_FALSE(accepted(proof::Budget{}));

@@ -144,6 +144,62 @@ TEST(Cli, UnknownCommandsAndSolversGetASuggestion) {
   EXPECT_THAT(solver.err, HasSubstr("unknown solver \"iopt\"; did you mean \"ipopt\"? known are ipopt"));
 }
 
+TEST(Cli, UnknownOptionsAndValuesOfOptionsGetASuggestion) {
+  const std::string task = problems + "corner/power.toml";
+  const auto said = [](const std::vector<std::string>& arguments) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << ::testing::PrintToString(arguments);
+    EXPECT_EQ(outcome.out, "");
+    return outcome.err;
+  };
+  EXPECT_THAT(said({"design", task, "--metod", "nlp"}),
+              StartsWith("unknown option \"--metod\"; did you mean \"--method\"?"));
+  EXPECT_THAT(said({"design", "--time-limt=3"}), HasSubstr("did you mean \"--time-limit\"?"));
+  EXPECT_THAT(said({"--qiet", "design", task}), HasSubstr("did you mean \"--quiet\"?"));
+  EXPECT_THAT(said({"design", task, "--method", "exat"}),
+              HasSubstr("--method: unknown value \"exat\"; did you mean \"exact\"?"));
+  EXPECT_THAT(said({"program", task, "--task", task, "--plan", "perleg"}), HasSubstr("did you mean \"per-leg\"?"));
+  EXPECT_THAT(said({"program", task, "--task", task, "--feeds", "kep"}), HasSubstr("did you mean \"keep\"?"));
+  EXPECT_THAT(said({"export", "r.json", "--format", "cvs"}), HasSubstr("did you mean \"csv\"?"));
+  EXPECT_THAT(said({"init", "--machine", "mil"}), HasSubstr("did you mean \"mill\"?"));
+}
+
+// "nan" is in every range, if one asks whether it is below or above.
+TEST(Cli, NumbersOfOptionsAreFiniteAndInRange) {
+  const std::string task = problems + "corner/power.toml", g = problems + "program/star.ngc";
+  const std::string mill = problems + "program/mill.toml";
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"verify", task, "--time-limit"},
+                                             {"design", task, "--time-limit"},
+                                             {"design", task, "--gap"},
+                                             {"design", task, "--seed"},
+                                             {"design", task, "--certificate-max"},
+                                             {"explain", task, "--time-limit"},
+                                             {"explain", task, "--by"},
+                                             {"optima", task, "--out", "/nowhere", "--time-limit"},
+                                             {"optima", task, "--out", "/nowhere", "--halvings"},
+                                             {"evaluate", task, "--circle-feed-mm-min", "100", "--circle-radius-mm"},
+                                             {"evaluate", task, "--circle-radius-mm", "100", "--circle-feed-mm-min"},
+                                             {"program", g, "--task", mill, "--time-limit"},
+                                             {"program", g, "--task", mill, "--arc-tolerance-um"},
+                                             {"program", g, "--task", mill, "--worst"},
+                                             {"generate", "star", "--feed"},
+                                             {"generate", "star", "--tolerance"},
+                                             {"generate", "star", "--blocks"},
+                                             {"study", task, "--workers"},
+                                             {"study", task, "--slurm"},
+                                             {"compare", task, "--workers"}}) {
+    for (const char* number : {"nan", "-1", "inf", "1e999", "x", ""}) {
+      std::vector<std::string> arguments = command;
+      arguments.back() += std::string("=") + number;
+      SCOPED_TRACE(::testing::PrintToString(arguments));
+      const Outcome outcome = run(arguments);
+      EXPECT_EQ(outcome.code, 2);
+      EXPECT_THAT(outcome.err, HasSubstr(command.back()));
+    }
+  }
+}
+
 /// The tables of keys in problems/README.md are those of the program; if not: problems/update-keys.
 TEST(Cli, TheDocumentedKeysAreThoseOfTheReaders) {
   std::ifstream file(problems + "README.md");

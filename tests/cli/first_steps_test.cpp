@@ -138,6 +138,7 @@ TEST(Explain, BadUsage) {
   for (const char* by : {"0", "100%", "x", "-5%"}) EXPECT_EQ(run({"explain", task, "--by", by}).code, 2) << by;
   EXPECT_EQ(run({"explain", task, "--time-limit", "0"}).code, 2);
   EXPECT_EQ(run({"explain", "none.toml"}).code, 2);
+  EXPECT_THAT(run({"explain", "--help"}).out, HasSubstr("the default is 300"));
 }
 
 // Every option that help shows is completed in every shell: nothing is written down twice.

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -82,24 +84,108 @@ TEST_F(ProgramResult, ForgedClaimsAreRejected) {
   rejected("wider tolerances", bad, "tolerance is wider");
   bad = good;
   bad["commands"]["points_m"][2] = good["commands"]["points_m"][2].get<double>() - 0.001;
-  rejected("another path", bad, "the path leaves it");
+  rejected("another path", bad, "the commands stop inside it");
   bad = good;
   bad["limits"][1]["utilisation"] = 0.1;
   rejected("a limit used less", bad, "utilisation is recorded as");
   bad = good;
   bad["limits"].erase(1);
-  rejected("a limit left out", bad, "but not recorded");
+  rejected("a limit left out", bad, "limits[1] should be");
   bad = good;
   bad["commands"]["dwell"] = Json::array();
   rejected("no dwell", bad, "its dwell is not kept");
 }
 
-TEST_F(ProgramResult, SaysWhatWasNotComparedWithTheProgram) {
-  ASSERT_EQ(plan().code, 0);
-  folder_.write("part.ngc", "G21 G90 G64 P1\nF6000\nG1 X30 Y0\nM2\n");
+/// Pointers to every number, word and truth value of a JSON value.
+void leaves(const Json& json, const Json::json_pointer& at, std::vector<Json::json_pointer>& all) {
+  if (json.is_object()) {
+    for (const auto& [key, value] : json.items()) leaves(value, at / key, all);
+  } else if (json.is_array()) {
+    for (std::size_t i = 0; i < json.size(); ++i) leaves(json[i], at / i, all);
+  } else {
+    all.push_back(at);
+  }
+}
+
+/// Another value of the same type, by more than rounding.
+Json forged(const Json& value) {
+  if (value.is_boolean()) return !value.get<bool>();
+  if (value.is_number_integer()) return value.get<long>() + 100'000;  // a sample beside may use a limit alike
+  if (value.is_number()) return value.get<double>() == 0.0 ? 1e-3 : value.get<double>() * (1.0 + 1e-3);
+  return value.is_string() ? Json(value.get<std::string>() + "x") : Json(1.0);
+}
+
+// All that verify does not say it leaves out is compared: each value of the summary is forged, one at a time.
+TEST_F(ProgramResult, NoValueOfTheSummaryCanBeForged) {
+  ASSERT_EQ(plan({"--plan", "per-leg", "--filter-bound"}).code, 0);
+  const Json good = json();
   const Outcome checked = verify();
-  EXPECT_EQ(checked.code, 0) << checked.out;
-  EXPECT_THAT(checked.out, HasSubstr("has changed since"));
+  ASSERT_EQ(checked.code, 0) << checked.out;
+  EXPECT_THAT(checked.out, HasSubstr("not checked, because they say how the plan was found"));
+  std::vector<Json::json_pointer> all;
+  for (const auto& [name, value] : good.items()) {
+    if (name != "inputs" && name != "commands" && name != "leg_filters")
+      leaves(value, Json::json_pointer("/" + name), all);
+  }
+  std::size_t looked_at = 0;
+  for (const Json::json_pointer& at : all) {
+    std::string member = at.to_string().substr(1);
+    std::replace(member.begin(), member.end(), '/', '.');
+    if (checked.out.find(member.starts_with("corners.") ? member : member.substr(0, member.find('.'))) !=
+        std::string::npos)
+      continue;                                                                     // said not to be checked
+    if (at.to_string().starts_with("/filter/taps/") && at.back() != "3") continue;  // one stands for all
+    Json bad = good;
+    bad[at] = forged(good[at]);
+    EXPECT_NE(changed(bad).code, 0) << at.to_string() << " as " << bad[at].dump();
+    ++looked_at;
+  }
+  EXPECT_GT(looked_at, 60U);
+  Json more = good;
+  more["surprise"] = 1;
+  EXPECT_EQ(changed(more).code, 1);
+  more = good;
+  more.erase("worst_corners");
+  EXPECT_NE(changed(more).code, 0);
+}
+
+TEST_F(ProgramResult, OfAnotherProgramOrTaskItIsRejected) {
+  ASSERT_EQ(plan().code, 0);
+  const std::string program = folder_.read("part.ngc"), task = folder_.read("mill.toml");
+  folder_.write("part.ngc", "G21 G90 G64 P1\nF6000\nG1 X30 Y0\nM2\n");
+  EXPECT_EQ(verify().code, 1);
+  EXPECT_THAT(verify().out, HasSubstr("part.ngc has changed since"));
+  folder_.write("part.ngc", program);
+  folder_.write("mill.toml", task + "\n# other\n");
+  EXPECT_EQ(verify().code, 1);
+  EXPECT_THAT(verify().out, HasSubstr("mill.toml has changed since"));
+  // The task is in the result, the program is not.
+  std::filesystem::remove(task_);
+  EXPECT_EQ(verify().code, 0);
+  EXPECT_THAT(verify().out, HasSubstr("the task is the one in the result"));
+  std::filesystem::remove(program_);
+  EXPECT_EQ(verify().code, 1);
+  EXPECT_THAT(verify().out, HasSubstr("part.ngc is not there"));
+}
+
+TEST_F(ProgramResult, OfProfilesIsRefusedInWords) {
+  ASSERT_EQ(plan({"--plan", "profiles"}).code, 0);
+  const bool profiles = json()["schema"] == "accdec.profiles/1";
+  const Outcome checked = verify();
+  EXPECT_EQ(checked.code, profiles ? 1 : 0) << checked.out;
+  EXPECT_THAT(checked.out, HasSubstr(profiles ? "holds no commands to simulate anew" : "accepted"));
+  folder_.write("result.json", "{\"schema\": \"accdec.profiles/1\"}");
+  EXPECT_EQ(verify().code, 1);
+}
+
+TEST_F(ProgramResult, KeysStandOnce) {
+  ASSERT_EQ(plan().code, 0);
+  std::string text = folder_.read("result.json");
+  text.replace(text.find("\"status\""), 0, "\"status\": \"failed\", ");
+  folder_.write("result.json", text);
+  const Outcome outcome = verify();
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("stands twice"));
 }
 
 TEST_F(ProgramResult, WithoutCommandsItIsNotAccepted) {

@@ -136,5 +136,67 @@ TEST(DesignTask, SeveralCornersAreNeverWorseThanALocalSolverAlone) {
   }
 }
 
+Task many_corners(int count) {
+  std::string corners;
+  for (int j = 0; j < count; ++j)
+    corners +=
+        fmt::format("[[corner]]\nangle_deg = {}\nfeed_in_mm_min = 3000\nerror_max_um = {}\n", 40 + j % 100, 30 + j);
+  return parse_task(
+      "sample_period_ms = 1.0\n[design]\norder_max = 60\n[[axis]]\nacceleration_max_mm_s2 = 6000\n" + corners,
+      "task.toml");
+}
+
+// The local solver that is tried first takes 4000 variables; more corners than it takes once ended the design.
+TEST(DesignTask, ASolverThatRefusesDoesNotEndTheDesign) {
+  DesignOptions options;
+  options.time_limit = 2.0;
+  const DesignResult result = design_task(many_corners(1100), options);
+  EXPECT_TRUE(result.verification.feasible) << result.message;
+}
+
+// What would take longer than the time limit leaves room for is not begun.
+TEST(DesignTask, StepsThatWouldTakeTooLongAreNotBegun) {
+  DesignOptions options;
+  options.method = Method::nlp;
+  options.solver = "ipopt";
+  options.time_limit = 1.0;
+  const DesignResult result = design_nlp(many_corners(20'000), options);
+  EXPECT_EQ(result.status, Status::failed);
+  EXPECT_EQ(result.stop, StopReason::time_limit);
+  EXPECT_THAT(result.message, HasSubstr("a step of a local solver on 20000 corners"));
+  // A dense factorisation of as many rows and variables as taps: memory or hours.
+  options.solver = "ceres-al";
+  Task task = straight_start(20'000, "error_max_um = 50\n");
+  task.design.order_min = 20'000;
+  EXPECT_THROW(design_task(task, options), std::invalid_argument);
+}
+
+TEST(DesignTask, StoppedWithoutADesignItSaysOnceWhatIsProved) {
+  DesignOptions options;
+  options.time_limit = 1.0;
+  std::string told;
+  options.progress = [&](const std::string& line) { told += line + "\n"; };
+  const DesignResult result =
+      design_task(parse_task("sample_period_ms = 1.0\n[[axis]]\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = "
+                             "500000\n[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = "
+                             "50\n[[mode]]\nfrequency_Hz = [38, 46]\nresidual_max = 1e-7\n",
+                             "task.toml"),
+                  options);
+  ASSERT_FALSE(result.filter) << "a faster machine: choose a harder task";
+  const std::string& message = result.message;
+  EXPECT_EQ(message.find("stopped"), message.rfind("stopped")) << message;
+  EXPECT_THAT(message, HasSubstr("proved"));
+  EXPECT_THAT(told, Not(HasSubstr("inf")));
+}
+
+TEST(DesignTask, NumbersOfTheTaskAreToldAsTheyWereGiven) {
+  const DesignResult result = design_task(parse_task(
+      "sample_period_ms = 1.0\n[[axis]]\nmass_kg = 1\ndamping_N_s_m = 100000\nforce_max_N = 2047.335\n[[corner]]\n"
+      "angle_deg = 95\nfeed_in_mm_min = 6000.25\nerror_max_um = 50\n",
+      "task.toml"));
+  EXPECT_EQ(result.status, Status::infeasible);
+  EXPECT_THAT(result.message, HasSubstr("the limit is 2047.335 N"));
+}
+
 }  // namespace
 }  // namespace accdec

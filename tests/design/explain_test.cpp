@@ -216,5 +216,18 @@ TEST(Explain, CancelledItSaysSo) {
   EXPECT_TRUE(e.base.filter);
 }
 
+TEST(Explain, EndsWithItsTimeLimit) {
+  Axis axis;
+  axis.acceleration_max = 9.0;
+  axis.jerk_max = 1500.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 25, 0.12, 0.1), 40e-6);
+  ExplainOptions options;
+  options.time_limit = 1e-9;
+  const Explanation e = explain_task(task, options);
+  EXPECT_FALSE(e.complete);
+  EXPECT_TRUE(e.gains.empty());
+  EXPECT_EQ(e.solves, 1);
+}
+
 }  // namespace
 }  // namespace accdec

@@ -26,7 +26,7 @@ std::vector<int> delays_of(const DesignResult& result) {
   return delays;
 }
 
-void expect_proved(const Task& task, const DesignResult& result) {
+void expect_proved_with_power(const Task& task, const DesignResult& result) {
   const CheckReport report = check_certificate(task, result);
   EXPECT_TRUE(report.accepted) << report.reason;
   if (result.status == Status::infeasible) return;
@@ -48,7 +48,7 @@ DesignResult proved_exact_stop(const Axis& axis, double v, double t) {
   task.sample_period = t;
   task.design.order_max = 80;
   DesignResult result = design_exact(task);
-  expect_proved(task, result);
+  expect_proved_with_power(task, result);
   return result;
 }
 
@@ -138,7 +138,7 @@ TEST(ExactPower, NothingOnAGridIsShorter) {
     SCOPED_TRACE(i);
     const Task task = small_task(rng);
     const DesignResult result = design_exact(task);
-    expect_proved(task, result);
+    expect_proved_with_power(task, result);
     if (HasFailure()) return;
     const bool none = result.status == Status::infeasible;
     const int total = none ? 100 : result.filter->order() + result.corners[0].delay;

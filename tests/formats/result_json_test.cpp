@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/certificate/certificate.hpp>
+#include <accdec/design/design.hpp>
 #include <accdec/design/verify_result.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/task_reader.hpp>
@@ -59,9 +60,9 @@ Certificate certificate_of_every_kind() {
   proof.multipliers = {{{TapDifference{3, -1}, 0.1},
                         {EventForce{false, 1, 4}, 1e-300},
                         {EventForce{true, 0, 5}, 0.0},
-                        {proof::Blend{BlendLimit::acceleration, 1, 0, 7, 1}, 1.0 / 3.0},
-                        {proof::Blend{BlendLimit::jerk, 0, 1, 7, -1}, 1.0},
-                        {proof::Blend{BlendLimit::force, 0, 1, 7, -1}, 1.0},
+                        {proof::Blend{LimitKind::acceleration, 1, 0, 7, 1}, 1.0 / 3.0},
+                        {proof::Blend{LimitKind::jerk, 0, 1, 7, -1}, 1.0},
+                        {proof::Blend{LimitKind::force, 0, 1, 7, -1}, 1.0},
                         {Error{1, 0.1}, 2.0},
                         {RangeError{0, -0.7, {5, true, false}, {-2, false, true}}, 2.0},
                         {Budget{}, 5.0},
@@ -250,9 +251,60 @@ TEST(Recheck, AcceptsWhatWasWrittenAndRejectsWhatWasChanged) {
   EXPECT_THAT(reasons([](auto& r) { r.status = Status::optimal; }), HasSubstr("claims optimal without a certificate"));
   EXPECT_THAT(reasons([](auto& r) { r.lower_bound = 0.01; }), HasSubstr("lower bound without a certificate"));
   EXPECT_THAT(reasons([](auto& r) { r.gap = 0.01; }), HasSubstr("a gap is recorded without a lower bound"));
+  EXPECT_THAT(reasons([](auto& r) { r.lower_bound = 0.01; }), HasSubstr("lower bound is recorded without a gap"));
+  EXPECT_THAT(reasons([](auto& r) { r.verification.performed = false; }), HasSubstr("verification.performed"));
+  EXPECT_THAT(reasons([](auto& r) { r.verification.max_violation = 0.5; }), HasSubstr("verification.max_violation"));
+  EXPECT_THAT(reasons([](auto& r) { r.verification.tolerance = 1e-3; }), HasSubstr("verification.tolerance"));
+  EXPECT_THAT(reasons([](auto& r) { r.verification.worst = "none"; }), HasSubstr("verification.worst"));
+  EXPECT_THAT(reasons([](auto& r) { r.verification.certificate_checked = true; }), HasSubstr("without a certificate"));
+  EXPECT_THAT(reasons([](auto& r) { r.verification.certificate = "proved"; }), HasSubstr("verification.certificate"));
   EXPECT_THAT(reasons([](auto& r) { r.status = Status::failed; }), HasSubstr("no design to verify"));
   EXPECT_THAT(reasons([](auto& r) { r.task.corners[0].error_max = 1e-6; }),
               HasSubstr("a limit is broken: corner error"));
+}
+
+TEST(Recheck, AnInfeasibleResultCarriesNothingBesides) {
+  // A limit that constant feed breaks, and a given filter that breaks one whatever the delay.
+  Task open = example().task, given = open;
+  open.filter.reset();
+  for (TaskCorner& corner : open.corners) corner.delay.reset();
+  for (Axis& axis : open.machine.axes) axis.damping = 1e3, axis.force_max = 1.0;
+  for (TaskCorner& corner : given.corners) corner.delay.reset();
+  for (Axis& axis : given.machine.axes) axis.jerk_max = 1e-6;
+  for (const Task& task : {open, given}) {
+    const DesignResult result = parse_result(result_to_json(design_task(task, {})), "r.json");
+    ASSERT_EQ(result.status, Status::infeasible);
+    const ResultCheck good = verify_result(result);
+    EXPECT_TRUE(good.accepted) << ::testing::PrintToString(good.reasons);
+    const auto rejected = [&](auto change) {
+      DesignResult changed = result;
+      change(changed);
+      return !verify_result(changed).accepted;
+    };
+    EXPECT_TRUE(rejected([](auto& r) { r.cycle_time = 1.0; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.corner_time = 1.0; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.stop = StopReason::time_limit; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.lower_bound = 1.0; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.gap = 1.0; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.filter = Filter({1.0}); }));
+    EXPECT_TRUE(rejected([](auto& r) { r.corners.push_back({}); }));
+    EXPECT_TRUE(rejected([](auto& r) { r.limits.push_back({}); }));
+    EXPECT_TRUE(rejected([](auto& r) { r.verification.performed = true; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.verification.feasible = true; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.verification.max_violation = 0.1; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.verification.tolerance = 1e-9; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.verification.worst = "jerk x"; }));
+    EXPECT_TRUE(rejected([](auto& r) { r.verification.certificate = "proved"; }));
+  }
+}
+
+TEST(ResultJson, TapsAreNotScaledAndKeysStandOnce) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(result_to_json(example()));
+  for (auto& tap : json["filter"]["taps"]) tap = 2.0 * tap.get<double>();
+  EXPECT_THAT(message_of(json.dump()), HasSubstr("filter.taps: have the sum 2; it must be 1"));
+  std::string text = result_to_json(example());
+  text.replace(text.find("\"gap\""), 0, "\"status\": \"optimal\",\n  ");
+  EXPECT_THAT(message_of(text), HasSubstr("stands twice"));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using test::random_corner_in_space;
 using test::random_filter;
 using test::uniform;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// What a limit counts, from the simulated stream alone.
 double counted(LimitKind kind, const Axis& axis, const Convolution& plain, Eigen::Index a, int n) {

@@ -19,13 +19,13 @@ using test::Random;
 using test::random_filter;
 using test::uniform;
 
-constexpr double pi = std::numbers::pi;
-constexpr double period = 1e-3;
+using std::numbers::pi;
+constexpr double fast_period = 1e-3;
 
 double plain_response(const Filter& filter, double f) {
   std::complex<long double> sum = 0;
   for (int i = 0; i <= filter.order(); ++i) {
-    const long double x = 2.0L * std::numbers::pi_v<long double> * f * i * period;
+    const long double x = 2.0L * std::numbers::pi_v<long double> * f * i * fast_period;
     sum += static_cast<long double>(filter.tap(i)) * std::complex<long double>(std::cos(x), -std::sin(x));
   }
   return static_cast<double>(std::abs(sum));
@@ -34,12 +34,12 @@ double plain_response(const Filter& filter, double f) {
 // Dirichlet kernel: |sin((N + 1) x/2) / ((N + 1) sin(x/2))|, x = 2 pi f T.
 TEST(Vibration, BoxcarIsTheDirichletKernel) {
   for (double f : {1.0, 12.5, 24.39, 99.0, 250.0, 499.0}) {
-    const double x = 2 * pi * f * period;
-    EXPECT_NEAR(residual_vibration(boxcar(40), f, period), std::abs(std::sin(20.5 * x) / (41 * std::sin(x / 2))),
+    const double x = 2 * pi * f * fast_period;
+    EXPECT_NEAR(residual_vibration(boxcar(40), f, fast_period), std::abs(std::sin(20.5 * x) / (41 * std::sin(x / 2))),
                 1e-14);
   }
-  EXPECT_NEAR(residual_vibration(boxcar(39), 25.0, period), 0.0, 1e-15);
-  EXPECT_DOUBLE_EQ(residual_vibration(s_curve(20), 0.0, period), 1.0);
+  EXPECT_NEAR(residual_vibration(boxcar(39), 25.0, fast_period), 0.0, 1e-15);
+  EXPECT_DOUBLE_EQ(residual_vibration(s_curve(20), 0.0, fast_period), 1.0);
 }
 
 // ZV shaper: taps 1/2 at 0 and n leave an undamped mode at f = 1/(2 n T) at rest; |cos(pi f n T)| elsewhere.
@@ -48,8 +48,8 @@ TEST(Vibration, ZvShaperLeavesNoResidual) {
     std::vector<double> taps(static_cast<std::size_t>(n) + 1, 0.0);
     taps.front() = taps.back() = 1;
     const Filter zv(taps);
-    EXPECT_NEAR(residual_vibration(zv, 1 / (2 * n * period), period), 0.0, 1e-15);
-    EXPECT_NEAR(residual_vibration(zv, 17.0, period), std::abs(std::cos(pi * 17.0 * n * period)), 1e-14);
+    EXPECT_NEAR(residual_vibration(zv, 1 / (2 * n * fast_period), fast_period), 0.0, 1e-15);
+    EXPECT_NEAR(residual_vibration(zv, 17.0, fast_period), std::abs(std::cos(pi * 17.0 * n * fast_period)), 1e-14);
   }
 }
 
@@ -66,12 +66,12 @@ TEST(Vibration, ResidualIsTheAmplitudeAnUndampedModeKeeps) {
     double x = 0, v = 0;
     for (int k = 1; k <= filter.order() + 1; ++k) {
       v -= filter.cumulative(k) - filter.cumulative(k - 1);
-      const double c = std::cos(w * period), s = std::sin(w * period);
+      const double c = std::cos(w * fast_period), s = std::sin(w * fast_period);
       const double next_x = c * x + s / w * v, next_v = -w * s * x + c * v;
       x = next_x;
       v = next_v;
     }
-    EXPECT_NEAR(std::hypot(w * x, v), residual_vibration(filter, f, period), 1e-12);
+    EXPECT_NEAR(std::hypot(w * x, v), residual_vibration(filter, f, fast_period), 1e-12);
   }
 }
 
@@ -85,7 +85,7 @@ TEST(Vibration, WorstFrequencyOfABandEqualsADenseGrid) {
     mode.frequency_high = mode.frequency_low + (i % 4 == 0 ? 0.0 : test::log_uniform(random, 0.01, 400));
     mode.residual_max = 0.05;
     machine.modes = {mode};
-    const LimitUse use = vibration_utilisation(filter, period, machine).at(0);
+    const LimitUse use = vibration_utilisation(filter, fast_period, machine).at(0);
     EXPECT_EQ(use.kind, LimitKind::vibration);
     EXPECT_EQ(use.event, Event::none);
     EXPECT_GE(use.frequency, mode.frequency_low);
@@ -96,19 +96,19 @@ TEST(Vibration, WorstFrequencyOfABandEqualsADenseGrid) {
     const int n = 2000;
     for (int j = 0; j <= n; ++j) {
       const double f = mode.frequency_low + (mode.frequency_high - mode.frequency_low) * j / n;
-      worst = std::max(worst, residual_vibration(filter, f, period));
+      worst = std::max(worst, residual_vibration(filter, f, fast_period));
     }
     // From above and from below: |dH/df| <= 2 pi N T, and at an inner maximum the grid is short by second order only.
     EXPECT_GE(use.value, worst - 1e-12);
     const double cell = (mode.frequency_high - mode.frequency_low) / n;
-    EXPECT_LE(use.value, worst + 0.5 * cell * 2 * pi * filter.order() * period + 1e-12);
+    EXPECT_LE(use.value, worst + 0.5 * cell * 2 * pi * filter.order() * fast_period + 1e-12);
   }
 }
 
 TEST(Vibration, EveryModeInOrder) {
   Machine machine;
   machine.modes = {{38, 46, 0.05}, {100, 100, 0.0}, {0.001, 0.001, 1.0}};
-  const auto uses = vibration_utilisation(boxcar(9), period, machine);
+  const auto uses = vibration_utilisation(boxcar(9), fast_period, machine);
   ASSERT_EQ(uses.size(), 3u);
   EXPECT_DOUBLE_EQ(uses[0].frequency, 38);  // falls towards its zero at 100 Hz
   EXPECT_EQ(uses[1].bound, 0.0);
@@ -121,7 +121,7 @@ TEST(Vibration, RefusesBadBands) {
        {Mode{0, 10, 0.1}, Mode{-5, 10, 0.1}, Mode{20, 10, 0.1}, Mode{1, HUGE_VAL, 0.1}, Mode{std::nan(""), 2, 1}}) {
     Machine machine;
     machine.modes = {bad};
-    EXPECT_THROW(vibration_utilisation(boxcar(3), period, machine), std::invalid_argument);
+    EXPECT_THROW(vibration_utilisation(boxcar(3), fast_period, machine), std::invalid_argument);
   }
 }
 
@@ -130,15 +130,15 @@ TEST(Vibration, RefusesBadBands) {
 TEST(Vibration, FirstSideLobeOfALongBoxcar) {
   const int order = 400;
   Machine machine;
-  const double zero = 1 / ((order + 1) * period);
+  const double zero = 1 / ((order + 1) * fast_period);
   machine.modes = {{zero, 500, 1}};
-  const LimitUse use = vibration_utilisation(boxcar(order), period, machine).at(0);
+  const LimitUse use = vibration_utilisation(boxcar(order), fast_period, machine).at(0);
   // For large N the lobe is that of sin(x)/x: 0.217234 at x = 4.493409.
   EXPECT_NEAR(use.value, 0.217234, 2e-5);
   EXPECT_NEAR(use.frequency / zero, 4.493409 / pi, 1e-4);
 }
 
-// Also maxima that share an eighth of the response's shortest period with a minimum.
+// Also maxima that share an eighth of the response's shortest fast_period with a minimum.
 TEST(Vibration, FindsMaximaBesideAMinimum) {
   Random random(9);
   for (int i = 0; i < 400; ++i) {
@@ -147,7 +147,7 @@ TEST(Vibration, FindsMaximaBesideAMinimum) {
     Machine machine;
     const double low = uniform(random, 5.0, 60.0), width = uniform(random, 1.0, 60.0);
     machine.modes = {{low, low + width, 0.05}};
-    const LimitUse use = vibration_utilisation(filter, period, machine).front();
+    const LimitUse use = vibration_utilisation(filter, fast_period, machine).front();
     constexpr int points = 5000;
     double largest = 0.0;
     for (int k = 0; k <= points; ++k) largest = std::max(largest, plain_response(filter, low + width * k / points));

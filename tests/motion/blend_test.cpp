@@ -21,7 +21,7 @@ using test::random_corner_in_space;
 using test::random_filter;
 using test::uniform;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double degree = pi / 180.0;
 
 /// Positions and speeds differ by rounding only: 1e-12 of the largest value of the kind in the blend.

@@ -14,7 +14,7 @@ namespace {
 using test::Random;
 using test::uniform;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(Corner, PlanarAngleHeadingAndTurn) {
   Random random(1);

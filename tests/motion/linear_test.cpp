@@ -17,8 +17,8 @@ using test::log_uniform;
 using test::Random;
 using test::uniform;
 
-constexpr double pi = std::numbers::pi;
-constexpr double degree = pi / 180.0;
+using std::numbers::pi;
+constexpr double one_degree = pi / 180.0;
 
 /// Position by integrating the two clipped ramps numerically (midpoint rule, exact for each linear piece when the kinks
 /// fall on cell edges, else wrong by less than v tau / n^2): shares nothing with the closed form but the start, Eq.
@@ -72,9 +72,9 @@ TEST(Linear, EqualFeedsGiveEquations6And12) {
   const double v0 = 0.5, tau = 0.041;
   for (double theta : {1.0, 45.0, 90.0, 95.0, 150.0, 179.0}) {
     for (double part : {0.0, 0.25, 0.5, 0.9, 1.0, 1.7}) {
-      const LinearCorner corner(theta * degree, v0, v0, tau, part * tau);
+      const LinearCorner corner(theta * one_degree, v0, v0, tau, part * tau);
       const double overlap = std::max(0.0, 1 - part);
-      const double expected = v0 * tau / 4 * std::cos(theta * degree / 2) * overlap * overlap;
+      const double expected = v0 * tau / 4 * std::cos(theta * one_degree / 2) * overlap * overlap;
       EXPECT_NEAR(corner.corner_error(), expected, 1e-15 * v0 * tau) << theta << " " << part;
       EXPECT_NEAR(corner.approximate_corner_error(), expected, 1e-15 * v0 * tau);
       if (part < 1) {
@@ -111,11 +111,11 @@ TEST(Linear, StraightPassAtEqualFeedsGoesThroughThePoint) {
 
 // Notes on Eq. (9): exact 4925.6 against 4831.9 at c = 2, v0 = 5e5 um/s, tau = 41 ms, theta = 90 deg.
 TEST(Linear, Equation9IsShortByTwoPercentAtTwiceTheFeed) {
-  const LinearCorner corner(90 * degree, 0.5, 1.0, 0.041);
+  const LinearCorner corner(90 * one_degree, 0.5, 1.0, 0.041);
   EXPECT_NEAR(corner.corner_error() * 1e6, 4925.6, 0.05);
   EXPECT_NEAR(corner.approximate_corner_error() * 1e6, 4831.9, 0.05);
   EXPECT_NEAR(corner.approximate_corner_error(), 0.5 * 0.041 / 2 * (2.0 / 3.0) * std::cos(pi / 4), 1e-16);  // Eq. (9)
-  const LinearCorner delayed(70 * degree, 0.5, 1.0, 0.041, 0.01);
+  const LinearCorner delayed(70 * one_degree, 0.5, 1.0, 0.041, 0.01);
   const double t = (0.041 + 2 * 0.01) / 3;  // Eq. (15)
   EXPECT_NEAR(delayed.velocity(t)[1], 0.0, 1e-15);
   EXPECT_NEAR(delayed.approximate_corner_error(), delayed.position(t)[1], 1e-16);
@@ -133,13 +133,13 @@ TEST(Linear, Table1) {
   const double delays[] = {0, 10, 20, 41}, period = 1e-3;
   for (const Row& row : rows) {
     for (int i = 0; i < 4; ++i) {
-      const LinearCorner corner(95 * degree, row.v1 * 0.1, 3 * row.v1 * 0.1, 41 * period, delays[i] * period);
+      const LinearCorner corner(95 * one_degree, row.v1 * 0.1, 3 * row.v1 * 0.1, 41 * period, delays[i] * period);
       EXPECT_EQ(std::round(corner.sampled_corner_error(period) * 1e6), row.printed[i]) << row.v1 << " " << delays[i];
     }
   }
   const double first[] = {5462.1, 3117.6, 1430.0};
   for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(LinearCorner(95 * degree, 0.5, 1.5, 0.041, delays[i] * period).sampled_corner_error(period) * 1e6,
+    EXPECT_NEAR(LinearCorner(95 * one_degree, 0.5, 1.5, 0.041, delays[i] * period).sampled_corner_error(period) * 1e6,
                 first[i], 0.05);
   }
 }

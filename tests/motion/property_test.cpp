@@ -20,7 +20,7 @@ using test::Random;
 using test::random_filter;
 using test::uniform;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double period = 1e-3;
 
 Corner corner_of(double angle, double v1, double v2) {

@@ -142,6 +142,22 @@ TEST(PlotResult, PathPassesTheCornerAtTheErrorItStates) {
   EXPECT_NEAR(path.circles.at(0).radius, nearest, 1e-6);
 }
 
+TEST(PlotResult, LongCurvesKeepTheirEndsAndExtremes) {
+  const Task task = parse_task(
+      "sample_period_ms = 0.01\n[filter]\nkind = \"trapezoid\"\norder = 60000\nramp = 20000\n[[axis]]\n"
+      "acceleration_max_mm_s2 = 6000\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\ndelay_samples = 1000\n",
+      "task.toml");
+  const Figure figure = plot_result(evaluate_task(task), "");
+  for (const Panel& panel : figure.panels) {
+    for (const Series& series : panel.series) EXPECT_LE(series.x.size(), 16'000U) << panel.title;
+  }
+  const Series& taps = figure.panels.back().series.back();
+  EXPECT_EQ(taps.x.front(), 0.0);
+  EXPECT_EQ(taps.x.back(), 60000.0);
+  // The flat top of a trapezoid: 60 001 taps less a ramp of 20 000 at either end, of area 1.
+  EXPECT_NEAR(*std::max_element(taps.y.begin(), taps.y.end()), 1.0 / 40001.0, 1e-9);
+}
+
 TEST(PlotResult, ChoosesTheCornerByName) {
   EXPECT_THAT(plot_result(result(), "second").title, HasSubstr("corner second, delay 20 samples"));
   EXPECT_THROW(plot_result(result(), "secnod"), std::invalid_argument);

@@ -107,7 +107,7 @@ TEST(ProfileCorner, IsAParabolaOfTheSpeedThatItsToleranceAllows) {
   for (const double turn : {5.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0}) {
     const double in[] = {1.0, 0.0},
                  out[] = {std::cos(turn * std::numbers::pi / 180.0), std::sin(turn * std::numbers::pi / 180.0)};
-    CornerLegs legs;
+    ProfileLegs legs;
     legs.in = in;
     legs.out = out;
     legs.ramp_in = legs.ramp_out = a;

@@ -49,6 +49,40 @@ def test_samples_are_a_filtered_motion():
     assert speed[1:len(smooth) + 1] == pytest.approx(smooth, rel=2e-7)  # the start from rest
 
 
+def test_profiles_are_the_fastest_plan(tmp_path):
+    ours = accdec.program(PROBLEMS / "star.ngc", MILL, plan="profiles")
+    subprocess.run([os.environ["ACCDEC_BINARY"], "program", PROBLEMS / "star.ngc", "--task", MILL, "--plan", "profiles",
+                    "--samples", tmp_path / "star.csv", "--json", tmp_path / "plan.json", "-q"], check=True)
+    theirs = json.loads((tmp_path / "plan.json").read_text())
+    assert ours.success and ours.plan == theirs["plan"] == "profiles" and ours.cycle_time == theirs["cycle_time_s"]
+    assert all(ours.cycle_time <= other["cycle_time"] for other in ours.candidates if other["verified"])
+    assert ours.candidates and not ours.errors.flags.writeable
+    motion, table = ours.samples(), np.genfromtxt(tmp_path / "star.csv", delimiter=",", names=True)
+    period = motion["time"][1]
+    assert np.allclose(motion["time"], table["time_s"], rtol=1e-12)
+    for column, name in enumerate(motion["axes"]):
+        assert np.allclose(1e3 * motion["position"][:, column], table[f"{name.lower()}_mm"], atol=1e-6)
+    # The samples themselves hold the limits and end where the program does.
+    for axis in accdec.Task.read(MILL, program=True).axes:
+        column = [name.lower() for name in motion["axes"]].index(axis["name"]) if axis["name"] in "xy" else None
+        if column is not None:
+            acceleration = np.diff(motion["velocity"][:, column]) / period
+            assert np.abs(acceleration).max() <= axis["acceleration_max"] * (1 + 1e-9)
+    bounded = np.isfinite(ours.tolerances)
+    assert np.all(ours.errors[bounded] <= ours.tolerances[bounded] * (1 + 1e-9))
+    figure = accdec.plot(ours, path=tmp_path / "star.png")
+    drawn = next(axes for axes in figure.axes if axes.lines).lines[0].get_ydata()
+    speed = 1e3 * np.hypot(*motion["velocity"].T)
+    assert len(drawn) <= 40_000 and drawn == pytest.approx(speed[::len(speed) // 20_000], rel=1e-9, abs=1e-9)
+
+
+def test_a_plan_beside_profiles_may_be_the_fastest(tmp_path):
+    """Under a jerk limit and with short blocks one filter is."""
+    ours = accdec.program(PROBLEMS / "raster.ngc", MILL, plan="profiles")
+    times = {other["plan"]: other["cycle_time"] for other in ours.candidates}
+    assert ours.success and ours.plan not in times and all(ours.cycle_time <= time for time in times.values())
+
+
 def test_emits_and_draws(tmp_path):
     plan = accdec.program(PROBLEMS / "star.ngc", MILL)
     subprocess.run([os.environ["ACCDEC_BINARY"], "program", PROBLEMS / "star.ngc", "--task", MILL,

@@ -68,6 +68,27 @@ TEST_F(StudyResume, AKilledFreshRunGoesOnWithoutFreshAndTakesNothingOld) {
   expect_same_results("whole", "out");
 }
 
+TEST_F(StudyResume, AFreshRunTakesOverTheFolderOfAnEarlierForm) {
+  study(60);
+  ASSERT_EQ(run("study study.toml --out out").exit_code, 0);
+  const std::string before = content(home_ / "out/rows.jsonl");
+  study(50);
+  ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);
+  EXPECT_EQ(run("study study.toml --out out").exit_code, 2);
+  EXPECT_EQ(content(home_ / "out/rows.jsonl"), before);
+  ASSERT_TRUE(killed_after("study study.toml --out out --fresh --workers 1", "out", 60));
+  EXPECT_EQ(content(home_ / "out/rows.jsonl"), before) << "the old results stay until the new ones are complete";
+  const Outcome rest = run("study study.toml --out out");
+  ASSERT_EQ(rest.exit_code, 0) << rest.output;
+  EXPECT_THAT(rest.output, Not(HasSubstr("200 points: 200 computed")));
+  expect_same_results("whole", "out");
+  // A folder that is no study's stays untouched.
+  fs::create_directory(home_ / "other");
+  write(home_ / "other/rows.jsonl", "mine");
+  EXPECT_EQ(run("study study.toml --out other --fresh").exit_code, 2);
+  EXPECT_EQ(content(home_ / "other/rows.jsonl"), "mine");
+}
+
 TEST_F(StudyResume, PointsLostWithTheirProcessAreComputedByTheNextRun) {
   study(60, "isolation = \"processes\"");
   ASSERT_EQ(run("study study.toml --out whole").exit_code, 0);

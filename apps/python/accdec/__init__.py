@@ -13,8 +13,10 @@ Keyword arguments and results are in SI (m, s, kg, N, W, rad). Where a name ends
 `feed_in_mm_min`), as in task files, that unit counts instead.
 """
 
-from ._core import InputError, OutputError, Program, Recheck, Result, StopRun, Task, __version__
+from ._core import (Explanation, InputError, OutputError, ProfileProgram, Program, Recheck, Result, StopRun, Task,
+                    __version__)
 from ._design import design, evaluate, read_result, verify
+from ._explain import baselines, explain
 from ._motion import residual_vibration, simulate, smallest_delay, taps
 from ._nlp import Problem, problem, register_solver, solve, solvers
 from ._plot import export, plot
@@ -22,7 +24,8 @@ from ._program import program
 from ._study import compare, study
 
 __all__ = [
-    "InputError", "OutputError", "Problem", "Program", "Recheck", "Result", "StopRun", "Task", "__version__",
-    "compare", "design", "evaluate", "export", "plot", "problem", "program", "read_result", "register_solver",
-    "residual_vibration", "simulate", "smallest_delay", "solve", "solvers", "study", "taps", "verify",
+    "Explanation", "InputError", "OutputError", "Problem", "ProfileProgram", "Program", "Recheck", "Result",
+    "StopRun", "Task", "__version__", "baselines", "compare", "design", "evaluate", "explain", "export", "plot",
+    "problem", "program", "read_result", "register_solver", "residual_vibration", "simulate", "smallest_delay", "solve",
+    "solvers", "study", "taps", "verify",
 ]

@@ -170,6 +170,14 @@ def read_result(path: Union[str, "os.PathLike[str]"]) -> Result:
     -------
     Result
         As recorded; `verify` recomputes it.
+
+    Examples
+    --------
+    >>> import accdec, pathlib, tempfile
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "result.json"
+    >>> accdec.design({"sample_period": 1e-3, "corners": {"angle_deg": 90, "feed_in": 0.1}}).write(path)
+    >>> accdec.read_result(path).outcome
+    'optimal'
     """
     return _core.Result.read(path)
 

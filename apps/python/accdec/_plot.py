@@ -10,7 +10,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _core
-from ._core import Program, Result
+from ._core import ProfileProgram, Program, Result
 
 PX = 1 / 100  # inch: figures are laid out in px
 _SYMBOLS = {1: "+", 2: "x", 3: "*", 4: "s", 5: "s", 6: "o", 7: "o", 8: "^", 9: "^", 10: "v", 11: "v", 12: "D", 13: "D",
@@ -158,13 +158,42 @@ def draw(figure: dict[str, Any]) -> Any:
     return made
 
 
-def plot(result: Union[Result, Program], corner: str = "",
+def _motion_figure(plan: ProfileProgram) -> dict[str, Any]:
+    """The path in the colour of its speed, and the speed over time, from the samples; of long motions every k-th."""
+    motion = plan.samples()
+    every = max(1, len(motion["time"]) // 20_000)
+    time, position, velocity = (motion[name][::every] for name in ("time", "position", "velocity"))
+    speed = 1e3 * np.linalg.norm(velocity, axis=1)
+    widest = sorted(np.argsort(-np.ptp(position, axis=0), kind="stable")[:2])
+    first, second = widest[0], widest[-1]
+    x, y = 1e3 * position[:, first], 1e3 * position[:, second]
+    panel = {"title": "", "limits": [], "bands": [], "circles": [], "series": [], "heat_map": None, "coloured": None,
+             "equal_aspect": False, "has_data": True}
+
+    def scale(label: str) -> dict[str, Any]:
+        return {"label": label, "log": False, "min": None, "max": None}
+
+    # Rapid moves would leave one colour for all cutting.
+    usual = 1.05 * float(np.quantile(speed, 0.95))
+    pieces = [(x[i:i + 2], y[i:i + 2], speed[i + 1]) for i in range(len(x) - 1)]
+    coloured = {"pieces": pieces, "low": 0.0, "high": usual if 0.0 < usual < 0.5 * speed.max() else float(speed.max()),
+                "line_width": 2.0, "label": "speed / (mm/s)"}
+    names = motion["axes"]
+    return {"title": f"plan profiles, {plan.cycle_time:.6g} s", "columns": 1, "panel_width": 760, "panel_height": 300,
+            "panels": [{**panel, "x": scale(f"{names[first]} / mm"), "y": scale(f"{names[second]} / mm"),
+                        "coloured": coloured, "equal_aspect": True},
+                       {**panel, "x": scale("time / s"), "y": scale("speed / (mm/s)"),
+                        "series": [{"label": "", "x": time, "y": speed, "mark": "line", "style": 0}]}]}
+
+
+def plot(result: Union[Result, Program, ProfileProgram], corner: str = "",
          path: Optional[Union[str, "os.PathLike[str]"]] = None) -> Any:
-    """Draw the motion, path, taps and frequency response of a result, or the path and the delays of a program.
+    """Draw the motion, path, taps and frequency response of a result, or the path of a program.
 
     Parameters
     ----------
-    result : Result or Program
+    result : Result, Program or ProfileProgram
+        Programs by corner errors and delays, plan "profiles" by its speed.
     corner : str
         Of a result, its name; the first unless given.
     path : path, optional
@@ -186,6 +215,8 @@ def plot(result: Union[Result, Program], corner: str = "",
     """
     if isinstance(result, Program):
         made = draw(_core.program_figure(result))
+    elif isinstance(result, ProfileProgram):
+        made = draw(_motion_figure(result))
     elif isinstance(result, Result):
         made = draw(_core.result_figure(result, corner))
     else:

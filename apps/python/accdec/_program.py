@@ -6,7 +6,7 @@ import os
 from typing import Optional, Union
 
 from . import _core
-from ._core import Program
+from ._core import ProfileProgram, Program
 from ._design import Progress, TaskLike, _listener
 from ._fields import as_task
 
@@ -17,14 +17,14 @@ def program(
     *,
     plan: str = "fixed",
     feeds: str = "choose",
-    arc_tolerance: float = 2e-6,
+    arc_tolerance: Optional[float] = None,
     time_limit: Optional[float] = None,
     rapid_stops: bool = False,
     dwells_before_filter: bool = False,
     filter_bound: bool = False,
     tool_table: Union[str, "os.PathLike[str]"] = "",
     progress: Progress = None,
-) -> Program:
+) -> Union[Program, ProfileProgram]:
     """Plan a whole program: filter, feeds and the delay of every corner, verified by simulating every sample.
 
     Parameters
@@ -33,12 +33,14 @@ def program(
         RS-274, canonical calls (rs274 -g) or CSV of points and feeds.
     task : Task, path or dict
         Sample period, axes, [program] error_max and, if given, the filter; else one is designed.
-    plan : {"fixed", "per-leg"}
-        One filter for the whole program, or its shape in the length that suits each leg, where that is faster.
+    plan : {"fixed", "per-leg", "profiles"}
+        One filter for the whole program; its shape in the length that suits each leg, where that is faster; or every
+        corner its own filter and speed, for controllers that take a position every cycle: the others are made beside
+        it, and the fastest that holds all limits is the answer.
     feeds : {"choose", "keep"}
         F is an upper bound, or every block at its programmed feed.
-    arc_tolerance : float
-        m, largest distance of a chord from its arc.
+    arc_tolerance : float, optional
+        m, largest distance of a chord from its arc; by default that of the command line.
     time_limit : float, optional
         s, for the design of a filter; by default 2 s and 5 ms a block, at most 60.
     rapid_stops, dwells_before_filter, filter_bound : bool
@@ -49,7 +51,8 @@ def program(
 
     Returns
     -------
-    Program
+    Program or ProfileProgram
+        The latter with ``plan="profiles"`` where that is the fastest plan. Its `plan` says which it is.
 
     Raises
     ------
@@ -64,17 +67,20 @@ def program(
     >>> plan = accdec.program(square, {"sample_period": 1e-3, "axes": {"acceleration_max": 5.0}})
     >>> plan.success, len(plan.delays) >= 4, bool((plan.errors <= plan.tolerances * (1 + 1e-9)).all())
     (True, True, True)
+    >>> faster = accdec.program(square, {"sample_period": 1e-3, "axes": {"acceleration_max": 5.0}}, plan="profiles")
+    >>> faster.plan, faster.cycle_time < plan.cycle_time, [other["plan"] for other in faster.candidates]
+    ('profiles', True, ['per-leg'])
     """
-    if plan not in ("fixed", "per-leg"):
-        raise ValueError(f'plan: allowed are "fixed" and "per-leg", got "{plan}" (profiles: by the command line)')
+    if plan not in ("fixed", "per-leg", "profiles"):
+        raise ValueError(f'plan: allowed are "fixed", "per-leg" and "profiles", got "{plan}"')
     if feeds not in ("choose", "keep"):
         raise ValueError(f'feeds: allowed are "choose" and "keep", got "{feeds}"')
-    if not 1e-9 <= arc_tolerance <= 1e-2:
+    if arc_tolerance is not None and not 1e-9 <= arc_tolerance <= 1e-2:
         raise ValueError(f"arc_tolerance: allowed is 1e-9 to 1e-2 (m), got {arc_tolerance}")
     if time_limit is not None and not time_limit > 0.0:
         raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
     return _core.program(
-        os.fspath(file), as_task(task, program=True), per_leg=plan == "per-leg", keep_feeds=feeds == "keep",
+        os.fspath(file), as_task(task, program=True), plan=plan, keep_feeds=feeds == "keep",
         arc_tolerance=arc_tolerance, time_limit=time_limit, rapid_stops=rapid_stops,
         dwells_before_filter=dwells_before_filter, filter_bound=filter_bound, tool_table=os.fspath(tool_table),
         progress=_listener(progress))

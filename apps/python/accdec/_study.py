@@ -102,6 +102,26 @@ def study(path: Path, *, out: Optional[Path] = None, workers: int = 0, large: bo
     Notes
     -----
     It runs in a process of its own; Ctrl-C ends that at once, and with `out` the next call goes on.
+
+    Examples
+    --------
+    >>> import accdec, pathlib, tempfile
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0}, corners={"name": "A", "angle_deg": 95,
+    ...             "feed_in": 0.1, "error_max": 50e-6}).write(folder / "task.toml")
+    >>> _ = (folder / "study.toml").write_text('''
+    ... title = "Tolerances"
+    ... task = "task.toml"
+    ... compute = ["optimum"]
+    ... [[vary]]
+    ... key = "corner.A.error_max_um"
+    ... name = "tolerance_um"
+    ... values = [20, 50]
+    ... ''')
+    >>> accdec.study(folder / "study.toml")[["tolerance_um", "optimum.status", "optimum.cycle_time_ms"]]
+       tolerance_um optimum.status  optimum.cycle_time_ms
+    0          20.0        optimal                   30.0
+    1          50.0        optimal                   27.0
     """
     return _table(path, "run_study", {"workers": workers, "large": large, "fresh": fresh}, out, "rows.csv", progress,
                   "study")
@@ -133,6 +153,27 @@ def compare(path: Path, *, solvers: Sequence[str] = (), out: Optional[Path] = No
     ------
     InputError, OutputError
         With the text of the command line.
+
+    Examples
+    --------
+    >>> import accdec, pathlib, tempfile
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0}, corners={"angle_deg": 95, "feed_in": 0.1,
+    ...             "error_max": 50e-6}).write(folder / "task.toml")
+    >>> _ = (folder / "suite.toml").write_text('''
+    ... title = "Two solvers"
+    ... solvers = ["ipopt", "nlopt-slsqp"]
+    ... repeats = 1
+    ... time_limit_s = 2
+    ... [[problem]]
+    ... name = "acceleration"
+    ... family = "convex"
+    ... task = "task.toml"
+    ... formulation = "margin"
+    ... order = 20
+    ... ''')
+    >>> sorted(set(accdec.compare(folder / "suite.toml")["solver"]))
+    ['ipopt', 'nlopt-slsqp']
     """
     return _table(path, "run_comparison", {"workers": workers, "solvers": list(solvers)}, out, "runs.csv", progress,
                   "compare")

@@ -44,11 +44,13 @@ py::dict simulate(const Task& task, const Numbers& taps, std::size_t corner, int
     motion = simulate_corner(filter, task.corners.at(corner).geometry(), delay, task.sample_period);
     const Eigen::Index rows = motion.velocity.rows(), axes = motion.velocity.cols();
     force.resize(rows, axes), power.resize(rows, axes), time.resize(rows);
+    std::vector<AxisSampler> samplers;
+    for (const Axis& axis : task.machine.axes) samplers.emplace_back(axis, task.sample_period);
     for (Eigen::Index n = 0; n < rows; ++n) {
       time[n] = static_cast<double>(n - motion.corner) * task.sample_period;
       for (Eigen::Index a = 0; a < axes; ++a) {
-        const AxisState state = axis_state(task.machine.axes[static_cast<std::size_t>(a)], motion.velocity(n, a),
-                                           motion.acceleration(n, a), motion.jerk(n, a));
+        const AxisState state =
+            samplers[static_cast<std::size_t>(a)].next(motion.velocity(n, a), motion.acceleration(n, a));
         force(n, a) = state.force, power(n, a) = state.motoring;
       }
     }

@@ -96,8 +96,9 @@ py::object certificate(const DesignResult& r) {
 py::list keys() {
   py::list list;
   for (const char* const name :
-       {"message", "success", "status", "fun", "x", "mip_gap", "mip_dual_bound", "nfev", "outcome", "order", "delays",
-        "cycle_time", "corner_time", "corners", "limits", "verification", "solver", "certificate", "task"})
+       {"message", "success", "status",       "fun",    "x",           "mip_gap",    "mip_dual_bound",
+        "nfev",    "outcome", "stop",         "order",  "delays",      "cycle_time", "corner_time",
+        "corners", "limits",  "verification", "solver", "certificate", "task"})
     list.append(name);
   return list;
 }
@@ -105,8 +106,8 @@ py::list keys() {
 /// As SciPy shows its results; what is long is said to be there.
 std::string describe(const py::object& self) {
   std::string text;
-  for (const char* const name : {"message", "success", "status", "outcome", "fun", "x", "mip_gap", "mip_dual_bound",
-                                 "nfev", "order", "delays", "cycle_time", "corner_time"}) {
+  for (const char* const name : {"message", "success", "status", "outcome", "stop", "fun", "x", "mip_gap",
+                                 "mip_dual_bound", "nfev", "order", "delays", "cycle_time", "corner_time"}) {
     const auto value = py::str(self.attr(name)).cast<std::string>();
     text += fmt::format("{:>15}: {}\n", name, value);
   }
@@ -129,6 +130,8 @@ status : int
     As scipy.optimize.milp's: 0 proved optimal; 1 verified, nothing proved; 2 infeasible; 4 failed, see `message`.
 outcome : str
     The same in words: "optimal", "feasible", "infeasible", "failed".
+stop : str
+    Why the design ended: "finished" (nothing more to try), "gap reached", "time limit", "interrupted".
 message : str
 mip_dual_bound : float or None
     s; no design is shorter, proved.
@@ -173,7 +176,7 @@ void bind_recheck(py::module_& module) {
       .def_property_readonly("verification", [](const ResultCheck& r) { return verification(r.verification); })
       .def("__bool__", [](const ResultCheck& r) { return r.accepted; })
       .def("__repr__", [](const ResultCheck& r) {
-        std::string text = r.accepted ? "<accdec.Recheck accepted" : "<accdec.ResultCheck rejected";
+        std::string text = r.accepted ? "<accdec.Recheck accepted" : "<accdec.Recheck rejected";
         for (const std::string& reason : r.reasons) text += "; " + reason;
         return text + (r.proof.empty() ? "" : "; proof accepted: " + r.proof) + ">";
       });
@@ -209,6 +212,7 @@ void bind_result(py::module_& module) {
       .def_property_readonly("success", &success)
       .def_property_readonly("status", &status_number)
       .def_property_readonly("outcome", [](const DesignResult& r) { return to_string(r.status); })
+      .def_property_readonly("stop", [](const DesignResult& r) { return to_string(r.stop); })
       .def_property_readonly("message", [](const DesignResult& r) { return r.message; })
       .def_property_readonly("mip_gap", [](const DesignResult& r) { return r.gap; })
       .def_property_readonly("mip_dual_bound", [](const DesignResult& r) { return r.lower_bound; })

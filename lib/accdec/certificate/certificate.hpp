@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/task.hpp>
 
 namespace accdec {
@@ -16,9 +17,11 @@ namespace proof {
 // ---- Rows: a limit at one place, in the form "value/bound - 1 <= 0" that holds for every design. Samples, axes,
 // corners and modes are counted as in the task; sign -1 is the lower side of a two-sided limit.
 
-/// Difference of tap `sample` and the one before it, at start and stop.
+/// A limit on differences of the acceleration at start and stop of the fastest leg, as one of tap `sample` and those
+/// before it: of two taps for the jerk.
 struct TapDifference {
   int sample = 0, sign = 1;
+  LimitKind limit = LimitKind::jerk;
   bool operator==(const TapDifference&) const = default;
 };
 /// Force of one axis at the start along leg 1 or the stop along leg 2.
@@ -27,10 +30,9 @@ struct EventForce {
   int axis = 0, sample = 0;
   bool operator==(const EventForce&) const = default;
 };
-enum class BlendLimit { acceleration, jerk, force };
-/// A limit of one axis while the legs overlap.
+/// A limit of one axis while the legs overlap: of the acceleration, of differences of it, or of the force.
 struct Blend {
-  BlendLimit limit = BlendLimit::acceleration;
+  LimitKind limit = LimitKind::acceleration;
   int corner = 0, axis = 0, sample = 0, sign = 1;
   bool operator==(const Blend&) const = default;
 };

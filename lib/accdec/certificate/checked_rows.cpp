@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/task/verifier.hpp>
@@ -9,6 +10,26 @@ namespace accdec {
 void require_limit(double bound) {
   if (!(bound < unlimited)) throw Rejected("a multiplier names a limit that is not there");
 }
+
+namespace {
+
+/// How often the acceleration is differenced over T to give what a limit bounds: the checker's own list. None: other
+/// limits.
+std::optional<int> differences(LimitKind kind) {
+  if (kind == LimitKind::acceleration) return 0;
+  if (kind == LimitKind::jerk) return 1;
+  return std::nullopt;
+}
+
+/// Adds the n-th difference at `at`, times c and `step` for every difference, of what `term` adds.
+template <class Term>
+void add_difference(int n, int at, const Interval& c, const Interval& step, const Term& term) {
+  if (n == 0) return term(at, c);
+  add_difference(n - 1, at, c * step, step, term);
+  add_difference(n - 1, at - 1, -1.0 * c * step, step, term);
+}
+
+}  // namespace
 
 CheckedRows::CheckedRows(const Task& task) : task_(task) {
   const Interval t(task.sample_period);
@@ -39,11 +60,19 @@ CheckedRows::CheckedRows(const Task& task) : task_(task) {
     if (fastest == 0.0) continue;
     if (axis.acceleration_max < unlimited)
       tap_max_ = std::min(tap_max_, (Interval(axis.acceleration_max) * t / fastest).hi);
-    if (axis.jerk_max < unlimited) jerk_max_ = std::min(jerk_max_, (Interval(axis.jerk_max) * t * t / fastest).hi);
+    jerk_max_ = std::min(jerk_max_, ramp_max(LimitKind::jerk, axis, fastest));
     if (axis.force_max < unlimited && axis.damping == 0.0 && axis.mass > 0.0) {
       tap_max_ = std::min(tap_max_, (Interval(axis.force_max) * t / (Interval(axis.mass) * fastest)).hi);
     }
   }
+}
+
+double CheckedRows::ramp_max(LimitKind kind, const Axis& axis, double fastest) const {
+  const double bound = axis.*axis_limit(kind).bound;
+  if (!(bound < unlimited) || fastest == 0.0) return unlimited;
+  Interval max = Interval(bound) * period() / fastest;
+  for (int n = *differences(kind); n > 0; --n) max = max * period();
+  return max.hi;
 }
 
 Interval CheckedRows::speed(const TaskCorner& c, std::size_t axis, bool in) const {
@@ -75,23 +104,27 @@ void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) c
   const auto inside = [&](int tap) { return tap >= 1 && tap < box.order; };
   bool all = std::holds_alternative<proof::Error>(row) || std::holds_alternative<proof::Vibration>(row);
   if (const auto* difference = std::get_if<proof::TapDifference>(&row))
-    all = inside(difference->sample) && inside(difference->sample - 1);
+    all = inside(difference->sample) && inside(difference->sample - differences(difference->limit).value_or(0));
   if (const auto* force = std::get_if<proof::EventForce>(&row)) all = inside(force->sample - 1);
   if (const auto* blend = std::get_if<proof::Blend>(&row)) {
     corner(blend->corner);
     const int d = single_delay(blend->corner, box), tap = blend->sample - 1;
-    all = inside(tap) && inside(tap - d);
-    if (blend->limit == proof::BlendLimit::jerk) all = all && inside(tap - 1) && inside(tap - 1 - d);
+    const int oldest = tap - differences(blend->limit).value_or(0);
+    all = inside(tap) && inside(tap - d) && inside(oldest) && inside(oldest - d);
   }
   if (!all) throw Rejected("a multiplier names a limit beyond its window");
 }
 
 void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
-  require_limit(jerk_max_);
-  if (row.sample < 0 || row.sample > static_cast<int>(sum.taps.size())) return;
-  const Interval c = weight * (row.sign < 0 ? -1.0 : 1.0) / Interval(jerk_max_);
-  sum.tap(row.sample, c);
-  sum.tap(row.sample - 1, -1.0 * c);
+  const int n = differences(row.limit).value_or(0);
+  if (n == 0) throw Rejected("a multiplier names a difference that no limit bounds");
+  double max = unlimited;
+  for (std::size_t a = 0; a < start_.size(); ++a)
+    max = std::min(max, ramp_max(row.limit, task_.machine.axes[a], std::max(start_[a], stop_[a])));
+  require_limit(max);
+  if (row.sample < 0 || row.sample > sum.order() + n) return;
+  const Interval c = weight * (row.sign < 0 ? -1.0 : 1.0) / Interval(max);
+  add_difference(n, row.sample, c, Interval(1.0), [&](int i, const Interval& f) { sum.tap(i, f); });
   sum.rhs = sum.rhs + weight;
 }
 
@@ -162,7 +195,6 @@ void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, C
 }
 
 void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
-  using proof::BlendLimit;
   const int k = row.sample;
   const TaskCorner& c = corner(row.corner);
   const Axis& x = axis(row.axis);
@@ -175,35 +207,27 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
   const int n = sum.order();
   const auto tap = [&](int i) { return i >= 0 && i <= n; };
   const auto response = [&](int at) { return at >= 1 && at <= n; };
-  const bool touches = tap(k - 1) || tap(k - 1 - d) ||
-                       (row.limit == BlendLimit::jerk && (tap(k - 2) || tap(k - 2 - d))) ||
-                       (row.limit == BlendLimit::force && (response(k) || response(k - d)));
+  const std::optional<int> times = differences(row.limit);
+  bool touches = row.limit == LimitKind::force && (response(k) || response(k - d));
+  for (int j = 0; j <= times.value_or(0); ++j) touches = touches || tap(k - 1 - j) || tap(k - 1 - j - d);
   if (!touches) return;
   const auto acceleration = [&](int at, const Interval& f) {
     sum.tap(at - 1, -1.0 * f * in / period());
     sum.tap(at - 1 - d, f * out / period());
   };
-  switch (row.limit) {
-    case BlendLimit::acceleration:
-      require_limit(x.acceleration_max);
-      acceleration(k, y / Interval(x.acceleration_max));
-      break;
-    case BlendLimit::jerk: {
-      require_limit(x.jerk_max);
-      const Interval f = y / (period() * Interval(x.jerk_max));
-      acceleration(k, f);
-      acceleration(k - 1, -1.0 * f);
-      break;
-    }
-    case BlendLimit::force: {
-      require_limit(x.force_max);
-      const Interval f = y / Interval(x.force_max), drag = f * Interval(x.damping);
-      acceleration(k, f * Interval(x.mass));
-      sum.rhs = sum.rhs - drag * in;
-      sum.response(k, -1.0 * drag * in);
-      sum.response(k - d, drag * out);
-      break;
-    }
+  if (times) {
+    const double bound = x.*axis_limit(row.limit).bound;
+    require_limit(bound);
+    add_difference(*times, k, y / Interval(bound), Interval(1.0) / period(), acceleration);
+  } else if (row.limit == LimitKind::force) {
+    require_limit(x.force_max);
+    const Interval f = y / Interval(x.force_max), drag = f * Interval(x.damping);
+    acceleration(k, f * Interval(x.mass));
+    sum.rhs = sum.rhs - drag * in;
+    sum.response(k, -1.0 * drag * in);
+    sum.response(k - d, drag * out);
+  } else {
+    throw Rejected("a multiplier names a limit that blends have no rows of");
   }
   sum.rhs = sum.rhs + weight;
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-double number(const Row& row, const char* key, double missing = nan) {
+double number_in(const Row& row, const char* key, double missing = nan) {
   const auto found = row.find(key);
   return found != row.end() && found->is_number() ? found->get<double>() : missing;
 }
@@ -34,12 +34,12 @@ ComparedCase case_of(const Row& row) {
   c.variables = row.at("variables");
   c.rows = row.at("rows");
   c.method = row.at("method");
-  c.time_limit = number(row, "time_limit_s", 0.0);
+  c.time_limit = number_in(row, "time_limit_s", 0.0);
   c.expect_infeasible = row.at("expected") == "infeasible";
   c.proof = row.at("proof");
   c.infeasible = c.proof == "infeasible proved";
-  c.lower = c.infeasible ? nan : number(row, "lower", -infinite);
-  c.reference = c.proof == "proved" ? number(row, "upper") : nan;
+  c.lower = c.infeasible ? nan : number_in(row, "lower", -infinite);
+  c.reference = c.proof == "proved" ? number_in(row, "upper") : nan;
   return c;
 }
 
@@ -125,8 +125,8 @@ class Reader {
     std::vector<std::string> by(data_.cases.size());
     for (const Row& run : runs_) {
       const std::size_t c = index_of(run) / data_.solvers.size() / static_cast<std::size_t>(data_.starts);
-      if (!found_feasible(run) || !(number(run, "objective", infinite) < best[c])) continue;
-      best[c] = number(run, "objective");
+      if (!found_feasible(run) || !(number_in(run, "objective", infinite) < best[c])) continue;
+      best[c] = number_in(run, "objective");
       by[c] = run.at("solver");
     }
     const auto contradict = [&](const ComparedCase& c, const std::string& what) {
@@ -168,7 +168,7 @@ class Reader {
       return {Judgement::impossible, claim == "infeasible", nan};  // "no design" says only that none was found
     Outcome o;
     const bool feasible = found_feasible(row);
-    if (feasible) o.gap = (number(row, "objective") - c.reference) / std::max(1.0, std::abs(c.reference));
+    if (feasible) o.gap = (number_in(row, "objective") - c.reference) / std::max(1.0, std::abs(c.reference));
     o.success = feasible && o.gap <= data_.accuracy;
     o.judgement = o.success              ? Judgement::reached
                   : verdict == "optimal" ? Judgement::stationary
@@ -188,7 +188,7 @@ class Reader {
     std::vector<double> costs;
     for (const Row* row : repeats) {
       outcomes.push_back(judged(*row, c));
-      const double t = number(*row, "wall_time_s");
+      const double t = number_in(*row, "wall_time_s");
       if (std::isfinite(t)) a.times.push_back(t);
       costs.push_back(outcomes.back().success && std::isfinite(t) ? std::max(t, 1e-9) : infinite);
       a.successes += outcomes.back().success ? 1 : 0;
@@ -211,7 +211,7 @@ class Reader {
 
   static double evaluations_of(const Row& row) {
     const auto n = row.find("evaluations");
-    return n == row.end() ? 0.0 : std::max(number(*n, "objective", 0.0), number(*n, "rows", 0.0));
+    return n == row.end() ? 0.0 : std::max(number_in(*n, "objective", 0.0), number_in(*n, "rows", 0.0));
   }
 
   static void take_single(Attempt& a, const Row& row, const Outcome& outcome) {
@@ -219,15 +219,15 @@ class Reader {
     a.gap = outcome.gap;
     a.claim = row.at("claim");
     a.accepted = a.claim != "refused";
-    a.objective = number(row, "objective");
-    a.violation = number(row, "violation");
-    a.evaluation_time = number(row, "evaluation_time_s", 0.0);
-    a.verification_time = number(row, "verification_time_s", 0.0);
+    a.objective = number_in(row, "objective");
+    a.violation = number_in(row, "violation");
+    a.evaluation_time = number_in(row, "evaluation_time_s", 0.0);
+    a.verification_time = number_in(row, "verification_time_s", 0.0);
     if (const auto n = row.find("evaluations"); n != row.end()) {
       a.evaluations = evaluations_of(row);
-      a.gradients = number(*n, "gradient", 0.0);
-      a.jacobians = number(*n, "jacobian", 0.0);
-      a.hessians = number(*n, "hessian", 0.0);
+      a.gradients = number_in(*n, "gradient", 0.0);
+      a.jacobians = number_in(*n, "jacobian", 0.0);
+      a.hessians = number_in(*n, "hessian", 0.0);
     }
   }
 
@@ -243,7 +243,7 @@ class Reader {
     std::vector<double> times, evaluations;
     for (std::size_t r = 0; r < repeats.size(); ++r) {
       const Row& row = *repeats[r];
-      const double wall = number(row, "wall_time_s");
+      const double wall = number_in(row, "wall_time_s");
       Meeting meeting;
       const auto history = row.find("history");
       for (const Row& step : history != row.end() ? *history : Row::array()) {

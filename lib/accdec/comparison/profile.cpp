@@ -8,14 +8,12 @@
 namespace accdec::study {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// `values` sorted; position in 0 .. size - 1.
 double between(const std::vector<double>& values, double position) {
   const auto low = static_cast<std::size_t>(position);
   const double t = position - static_cast<double>(low);
   if (t == 0.0) return values[low];  // and so no 0 times infinity
-  return std::isinf(values[low + 1]) ? infinity : values[low] + t * (values[low + 1] - values[low]);
+  return std::isinf(values[low + 1]) ? HUGE_VAL : values[low] + t * (values[low + 1] - values[low]);
 }
 
 }  // namespace
@@ -48,7 +46,7 @@ std::vector<std::vector<double>> performance_ratios(const std::vector<std::vecto
   std::vector<std::vector<double>> ratios = costs;
   if (costs.empty()) return ratios;
   for (std::size_t p = 0; p < costs.front().size(); ++p) {
-    double least = infinity;
+    double least = HUGE_VAL;
     for (const auto& solver : costs) {
       if (solver.size() != costs.front().size())
         throw std::invalid_argument("every solver needs a cost for every problem");
@@ -56,7 +54,7 @@ std::vector<std::vector<double>> performance_ratios(const std::vector<std::vecto
       if (among.empty()) least = std::min(least, solver[p]);
     }
     for (const std::size_t s : among) least = std::min(least, costs.at(s)[p]);
-    for (auto& solver : ratios) solver[p] = std::isinf(solver[p]) ? infinity : solver[p] / least;
+    for (auto& solver : ratios) solver[p] = std::isinf(solver[p]) ? HUGE_VAL : solver[p] / least;
   }
   return ratios;
 }

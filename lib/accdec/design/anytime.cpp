@@ -6,9 +6,10 @@
 
 #include <accdec/certificate/checker.hpp>
 #include <accdec/design/anytime.hpp>
+#include <accdec/design/fixed_order.hpp>
 #include <accdec/design/larger_order.hpp>
 #include <accdec/design/shape_search.hpp>
-#include <accdec/exact/exact.hpp>
+#include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/task/order_bound.hpp>
 
@@ -17,10 +18,6 @@ namespace {
 
 /// Orders up to which slsqp, which is dense, is faster than ipopt.
 constexpr int dense_order_max = 150;
-
-bool has_design(const DesignResult& result) {
-  return result.status == Status::optimal || result.status == Status::feasible;
-}
 
 /// Whether limits make the set of filters non-convex; none if they do not.
 Task convex_part(const Task& task, bool& all) {
@@ -39,7 +36,7 @@ Task convex_part(const Task& task, bool& all) {
 
 class Course {
  public:
-  Course(const Task& task, const DesignOptions& options) : task_(task), options_(options) {}
+  Course(const Task& task, const DesignOptions& options) : task_(task), options_(options), exact_run_(task) {}
 
   DesignResult run() {
     bool convex = false;
@@ -52,8 +49,8 @@ class Course {
     const double share = several ? 0.35 : 0.2;
     if (several && task_.design.order_min <= dense_order_max) local("nlopt-slsqp", 0.4 * share);
     local(options_.solver, share);
-    if (!has_design(*exact_) && !best_) shapes(0.1);
-    if (several || !convex || !has_design(*exact_)) exact(1.0);
+    if (!exact_->has_design() && !best_) shapes(0.1);
+    if (several || !convex || !exact_->has_design()) exact(1.0);
     if (settled()) return *exact_;
     return finish();
   }
@@ -93,23 +90,23 @@ class Course {
     if (best_) exact.start = best_->filter;
     if (options_.progress) {
       exact.progress = [this](const ExactProgress& p) {
+        // Of parts that hold nothing the bound is infinite: no news before that is said.
+        if (!(p.bound < unlimited)) return;
         const std::string bound = fmt::format("bound {:.3f} ms", p.bound * 1e3);
         tell(p.incumbent < unlimited
                  ? fmt::format("{}, best {:.3f} ms, gap {:.1f} %", bound, p.incumbent * 1e3, 100.0 * p.gap)
                  : bound + ", no design yet");
       };
     }
-    DesignResult result = design_exact(task_, exact);
+    DesignResult result = exact_run_.go_on(exact);
     if (options_.certificate && !result.certificate) {
       // Stopped before anything was proved: a bound nobody can check is none.
       result.lower_bound.reset();
       result.gap.reset();
     }
     if (exact_) {
-      result.solver.evaluations += exact_->solver.evaluations;
-      result.solver.wall_time += exact_->solver.wall_time;
       offer_bound(*exact_);
-      if (has_design(*exact_)) offer_design(*exact_);
+      if (exact_->has_design()) offer_design(*exact_);
     }
     exact_ = std::move(result);
   }
@@ -121,14 +118,19 @@ class Course {
     options.solver = solver;
     if (solver != options_.solver) options.solver_options.native.clear();
     options.time_limit = std::min(share * options_.time_limit, left());
-    tell(fmt::format("looking for a design with {} for at most {:.0f} s", solver, options.time_limit));
-    DesignResult result = design_nlp(task_, options);
-    if (!has_design(result)) {
+    tell(fmt::format("looking for a design with {} for at most {:.2g} s", solver, options.time_limit));
+    DesignResult result;
+    try {
+      result = design_nlp(task_, options);
+    } catch (const SolverRefuses& why) {
+      result.message = why.what();
+    }
+    if (!result.has_design()) {
       // Nothing proved and nothing found: the local search at least knows which limits are in each other's way.
-      local_message_ = result.message;
+      if (result.stop == StopReason::finished) local_message_ = result.message;  // a stop of its own is no news
       return;
     }
-    if (!exact_ || !has_design(*exact_) || result.objective() < exact_->objective()) offer_design(std::move(result));
+    if (!exact_ || !exact_->has_design() || result.objective() < exact_->objective()) offer_design(std::move(result));
   }
 
   void shapes(double share) {
@@ -162,12 +164,12 @@ class Course {
   /// The best design with the highest bound.
   DesignResult finish() {
     DesignResult result = *exact_;
-    if (best_ && (!has_design(result) || best_->objective() <= result.objective())) {
+    if (best_ && (!result.has_design() || best_->objective() <= result.objective())) {
       const SolverReport exact = result.solver;
       const std::string message = result.message;
       result = *best_;
       if (result.solver.method == "exact") {
-        result.solver = exact;  // the last run counts the earlier ones in
+        result.solver = exact;
       } else {
         result.solver.name = exact.name.empty() ? result.solver.name : exact.name + "+" + result.solver.name;
         result.solver.version =
@@ -176,7 +178,7 @@ class Course {
       }
       result.solver.method = "exact";
       result.status = Status::feasible;
-      result.message = has_design(*exact_) ? message : "not proved shortest: " + message;
+      result.message = exact_->has_design() ? message : "not proved shortest: " + message;
       result.stop = exact_->stop;
       result.lower_bound = exact_->lower_bound, result.certificate = exact_->certificate;
     }
@@ -185,7 +187,11 @@ class Course {
       result.certificate = bound_->certificate;
     }
     result.solver.wall_time = options_.time_limit - left();
-    if (!has_design(result)) {
+    if (!result.has_design()) {
+      if (result.lower_bound)
+        result.message += fmt::format("; proved: none is shorter than {:.6g} ms", 1e3 * *result.lower_bound);
+      else
+        result.message += "; nothing is proved about how short one may be";
       if (!local_message_.empty()) result.message += "; " + local_message_;
       return result;
     }
@@ -203,6 +209,7 @@ class Course {
 
   const Task& task_;
   const DesignOptions& options_;
+  ExactRun exact_run_;
   Clock::time_point began_ = Clock::now();
   std::optional<DesignResult> exact_;  ///< of the last run of the exact method
   std::optional<DesignResult> best_;   ///< a design from elsewhere that is shorter

@@ -38,8 +38,13 @@ int least_order(Shape shape) {
     case Shape::blackman:
     case Shape::blackman_sinc: return 2;
     case Shape::gaussian: return 1;
-    default: return 0;
+    case Shape::boxcar:
+    case Shape::trapezoid:
+    case Shape::averages:
+    case Shape::exponential:
+    case Shape::taps: break;
   }
+  return 0;
 }
 
 /// The taps of a family with a real parameter before they are divided by their sum, each monotone in what is searched:
@@ -130,7 +135,10 @@ void BaselineSearch::order(int n) {
       case Shape::s_curve:
       case Shape::hann:
       case Shape::blackman: offer(spec); break;
-      default: search_parameter(spec);
+      case Shape::exponential:
+      case Shape::gaussian:
+      case Shape::blackman_sinc: search_parameter(spec); break;
+      case Shape::taps: break;  // no family
     }
   }
 }

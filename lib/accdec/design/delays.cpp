@@ -8,6 +8,7 @@
 #include <accdec/certificate/certificate.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/design/limit_rows.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/verification_cost.hpp>
 #include <accdec/task/verifier.hpp>
@@ -67,7 +68,7 @@ FoundDelays find_delays(const Task& task, const Filter& filter, const std::funct
                          : 0);
     // At N + 1 the legs no longer overlap, but the last step of one acceleration still meets the first of the other:
     // from N + 2 on nothing changes any more.
-    const int last = corner.delay.value_or(std::max(delay, filter.order() + 2));
+    const int last = corner.delay.value_or(std::max(delay, filter.order() + settling));
     std::string broken;
     while (++found.tried, !stopped() && !holds(task, corner, filter, delay, &broken) && delay < last) ++delay;
     if (stopped()) {
@@ -93,9 +94,11 @@ DesignResult verified(const Task& task, const Filter& filter, const std::vector<
   DesignResult result = assess(task, filter, delays, false);
   if (result.status == Status::failed) {
     // Every corner holds its limits, so this is one the delays have no part in: vibration.
-    result.status = Status::infeasible;
-    result.message = "this filter breaks a limit whatever the delays: " + result.verification.worst;
-    return result;
+    DesignResult none;
+    none.task = task;
+    none.status = Status::infeasible;
+    none.message = "this filter breaks a limit whatever the delays: " + result.verification.worst;
+    return none;
   }
   result.status = Status::optimal;
   result.lower_bound = result.objective();

@@ -23,10 +23,6 @@ ExactOptions exact_options(const DesignOptions& options) {
   return exact;
 }
 
-bool has_design(const DesignResult& result) {
-  return result.status == Status::optimal || result.status == Status::feasible;
-}
-
 /// A local solver cannot prove that there is no design; the exact method may, and a fifth of the time is kept for it.
 DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   const auto began = std::chrono::steady_clock::now();
@@ -34,7 +30,7 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   most.time_limit *= 0.8;
   DesignResult nlp = design_nlp(task, most);
   const bool cancelled = options.cancel != nullptr && options.cancel->load();
-  if (has_design(nlp) || cancelled) return nlp;
+  if (nlp.has_design() || cancelled) return nlp;
   ExactOptions exact = exact_options(options);
   exact.time_limit -= std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   if (exact.time_limit <= 0.0) return nlp;
@@ -45,10 +41,11 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
     return nlp;
   }
   if (proof.status == Status::infeasible) return proof;
-  if (has_design(proof)) {
+  if (proof.has_design()) {
     // Whatever limits the local search blamed, they are not in conflict.
     nlp.message = fmt::format("{} found no design{}; there is one: the exact method has {:g} ms", options.solver,
-                              nlp.solver.claimed.empty() ? "" : fmt::format(" (last claim: {})", nlp.solver.claimed),
+                              nlp.solver.claimed.empty() ? fmt::format(" ({})", nlp.message)
+                                                         : fmt::format(" (last claim: {})", nlp.solver.claimed),
                               1e3 * proof.objective());
   }
   return nlp;

@@ -52,8 +52,9 @@ struct Remedy {
 };
 
 struct ExplainOptions {
-  DesignOptions design;  ///< of every single solve; its progress is not told
-  double share = 0.1;    ///< more room to try, 0 < share < 1
+  DesignOptions design;           ///< of every single solve; its progress is not told
+  double time_limit = unlimited;  ///< s, of all solves together; then what is known
+  double share = 0.1;             ///< more room to try, 0 < share < 1
   /// Told before every solve but the first: how many are done, and how many there will be as far as is known.
   std::function<void(int done, int total)> progress;
 };
@@ -68,7 +69,7 @@ struct Explanation {
   std::vector<Lever> not_moved;   ///< limits whose value is 0: there is no share of it
   std::vector<Remedy> remedies;   ///< of an infeasible task: smallest change first, then those that do not help
   int solves = 0;
-  bool complete = true;  ///< false: cancelled
+  bool complete = true;  ///< false: cancelled, or the time was over
 };
 
 /// Explains a task by solving it again with more room for its limits.

@@ -15,19 +15,23 @@ struct Span {
   int zero, last;  ///< rows: k = 0, and the last that belongs to the event
 };
 
-void axis_bindings(const SampledMotion& m, const Axis& axis, Eigen::Index a, const std::string& corner,
+void axis_bindings(const SampledMotion& m, double period, const Axis& axis, Eigen::Index a, const std::string& corner,
                    std::vector<Binding>& out) {
   const Span spans[] = {{Event::start, m.start, m.cruise_in},
                         {Event::blend, m.corner, m.cruise_out},
                         {Event::stop, m.stop, static_cast<int>(m.velocity.rows()) - 1}};
+  AxisSampler sampler(axis, period);
+  std::vector<AxisState> states;
+  for (Eigen::Index row = 0; row < m.velocity.rows(); ++row)
+    states.push_back(sampler.next(m.velocity(row, a), m.acceleration(row, a)));
   for (const AxisLimit& limit : axis_limits) {
     const double bound = axis.*limit.bound;
     if (bound >= unlimited) continue;
     for (const Span& span : spans) {
       Binding binding{limit.kind, axis.name, corner, span.event, {}, bound, 0.0};
       for (int row = span.zero; row <= span.last; ++row) {
-        const AxisState state = axis_state(axis, m.velocity(row, a), m.acceleration(row, a), m.jerk(row, a));
-        if (limit.value(state) >= full_use * bound) binding.samples.push_back(row - span.zero);
+        if (limit.value(states[static_cast<std::size_t>(row)]) >= full_use * bound)
+          binding.samples.push_back(row - span.zero);
       }
       if (!binding.samples.empty()) out.push_back(std::move(binding));
     }
@@ -45,7 +49,7 @@ std::vector<Binding> find_bindings(const DesignResult& design) {
     const SampledMotion motion =
         simulate_corner(*design.filter, corner.geometry(), design.corners[j].delay, task.sample_period);
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a)
-      axis_bindings(motion, task.machine.axes[a], static_cast<Eigen::Index>(a), corner.name, found);
+      axis_bindings(motion, task.sample_period, task.machine.axes[a], static_cast<Eigen::Index>(a), corner.name, found);
     for (const LimitUse& use : design.limits) {
       if (use.corner != corner.name || !use.axis.empty() || !full(use)) continue;
       found.push_back({use.kind, "", use.corner, use.event, {use.sample}, use.bound, 0.0});

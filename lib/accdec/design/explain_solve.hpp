@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 
 #include <accdec/design/explain.hpp>
 #include <accdec/design/verify_result.hpp>
@@ -27,6 +28,7 @@ class ExplainSolver {
     ++explanation_.solves;
     DesignOptions design = options_.design;
     design.progress = nullptr;
+    design.time_limit = std::max(1e-3, std::min(design.time_limit, left()));
     if (any) design.gap = 0.999;
     Solved solved;
     solved.result = design_task(task, design);
@@ -41,16 +43,22 @@ class ExplainSolver {
     return solved;
   }
 
-  bool cancelled() const { return options_.design.cancel != nullptr && options_.design.cancel->load(); }
+  /// By the user, or by the end of the time.
+  bool cancelled() const {
+    return left() <= 0.0 || (options_.design.cancel != nullptr && options_.design.cancel->load());
+  }
   /// How many more solves are expected from now.
   void expect(int more) { total_ = explanation_.solves + more; }
 
  private:
+  using Clock = std::chrono::steady_clock;
   int done() const { return explanation_.solves + 1; }
+  double left() const { return options_.time_limit - std::chrono::duration<double>(Clock::now() - began_).count(); }
 
   const ExplainOptions& options_;
   Explanation& explanation_;
   int total_ = 0;
+  Clock::time_point began_ = Clock::now();
 };
 
 /// Fills cause and remedies of a task that has no design. In explain_remedies.cpp.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/fixed_order.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/objective.hpp>
@@ -32,6 +33,22 @@ Filter guess(int order) {
 
 }  // namespace
 
+std::string step_too_long(const Task& task, int order, double time_limit) {
+  constexpr double seconds_an_entry = 1e-6;
+  double limits = 0.0;  // of all axes
+  for (const Axis& axis : task.machine.axes) {
+    for (const AxisLimit& limit : axis_limits) limits += axis.*limit.bound < unlimited ? 1.0 : 0.0;
+  }
+  // Of each corner two leg distances over all taps, and three neighbours a sample and limit of the blend.
+  const double n = order + 1.0, corners = static_cast<double>(task.corners.size());
+  const double entries = corners * (2.0 * n + 3.0 * 1.5 * n * limits);
+  const double seconds = seconds_an_entry * entries;
+  if (seconds <= 0.5 + 0.05 * time_limit) return "";
+  return fmt::format(
+      "a step of a local solver on {} corners at order {} takes about {:.2g} s, too long for a time limit of {:.3g} s",
+      task.corners.size(), order, seconds, time_limit);
+}
+
 FixedOrderDesigner::FixedOrderDesigner(const Task& task, const DesignOptions& options)
     : task_(task), options_(options), solver_(solvers::find_solver(options.solver)) {
   reduced_ = options.reduced.value_or(false) || !solver_.capabilities().equality_rows;
@@ -52,7 +69,7 @@ solvers::Result FixedOrderDesigner::solve(const nlp::Problem& problem, const std
   wall_time_ += result.wall_time;
   claimed_ = std::string(to_string(result.claim));
   last_message_ = result.message;
-  if (result.claim == solvers::Claim::refused) throw std::invalid_argument(solver_.name() + ": " + result.message);
+  if (result.claim == solvers::Claim::refused) throw SolverRefuses(solver_.name() + ": " + result.message);
   return result;
 }
 

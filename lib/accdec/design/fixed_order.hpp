@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,15 @@
 #include <accdec/solvers/solver.hpp>
 
 namespace accdec {
+
+/// A solver does not take a problem: too many variables, say. The words are for the user.
+class SolverRefuses : public std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Why a step of a local solver on the problems of this order may take longer than the time limit leaves room for;
+/// empty if it need not. An estimate: about a microsecond for each number in the rows, as measured with ipopt.
+std::string step_too_long(const Task& task, int order, double time_limit);
 
 /// The two smooth problems at one order after another, solved by one solver: rows on vibration bands and on the blend's
 /// limits, which depend on the answer, are refined from solve to solve. Keeps the clock, the counts and the frequencies

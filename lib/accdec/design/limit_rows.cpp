@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/limit_rows.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/utilisation.hpp>
 
 namespace accdec {
@@ -86,22 +87,23 @@ class RowBuilder {
     for (int i = 0; i <= b_.order(); ++i) affine(fmt::format("acceleration, tap {}", i), b_.tap(i), {0.0, upper});
   }
 
-  void jerk() {
-    double bound = nlp::infinity;  // on |b_i - b_{i-1}|
+  /// A limit on the n-th difference of the acceleration, at start and stop of the fastest leg.
+  void ramp(const AxisLimit& limit, int n) {
+    double bound = nlp::infinity;  // on the n-th difference of the taps
     std::string name;
     for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
       const AxisSpeeds speeds = axis_speeds(task_, index(a));
       const double fastest = std::max(speeds.start, speeds.stop);
-      const double limit = task_.machine.axes[a].jerk_max;
-      if (fastest > 0.0 && limit * period_ * period_ / fastest < bound) {
-        bound = limit * period_ * period_ / fastest;
+      const double allowed = task_.machine.axes[a].*limit.bound * std::pow(period_, n + 1) / fastest;
+      if (fastest > 0.0 && allowed < bound) {
+        bound = allowed;
         name = task_.machine.axes[a].name;
       }
     }
-    if (bound >= 1.0) return;
-    for (int i = 0; i <= b_.order() + 1; ++i) {
-      affine(fmt::format("jerk {}, k = {}", name, i + 1), (1.0 / bound) * (b_.tap(i) + -1.0 * b_.tap(i - 1)),
-             {-one_, one_});
+    if (bound >= std::ldexp(1.0, n - 1)) return;  // beyond what any taps from 0 to 1 reach
+    for (int i = 0; i <= b_.order() + n; ++i) {
+      affine(fmt::format("{} {}, k = {}", to_string(limit.kind), name, i + 1),
+             (1.0 / bound) * difference(n, [&](int j) { return b_.tap(i - j); }), {-one_, one_});
     }
   }
 
@@ -149,9 +151,13 @@ class RowBuilder {
       bounded(axis, event, k, LimitKind::power, force, v);
       bounded(axis, event, k, LimitKind::regeneration, force, v);
     }
-    if (axis.jerk_max == unlimited) return;
-    for (int k = delay + 1; k <= n + 2; ++k) {
-      bounded(axis, event, k, LimitKind::jerk, 1.0 / period_ * (acceleration(k) + -1.0 * acceleration(k - 1)));
+    for (const AxisLimit& limit : axis_limits) {
+      const int times = limit.differences;
+      if (times < 1 || axis.*limit.bound == unlimited) continue;
+      for (int k = delay + 1; k <= n + 1 + times; ++k) {
+        bounded(axis, event, k, limit.kind,
+                std::pow(period_, -times) * difference(times, [&](int j) { return acceleration(k - j); }));
+      }
     }
   }
 
@@ -205,6 +211,14 @@ class RowBuilder {
  private:
   static Eigen::Index index(std::size_t a) { return static_cast<Eigen::Index>(a); }
 
+  /// The n-th difference of a sequence. @param ago  its value j samples ago
+  template <class Sequence>
+  static Affine difference(int n, const Sequence& ago) {
+    Affine sum = ago(0);
+    for (int j = 1; j <= n; ++j) sum += difference_weight(n, j) * ago(j);
+    return sum;
+  }
+
   void affine(std::string name, const Affine& value, nlp::Bound bound) {
     problem_.add_to_row(problem_.add_row(std::move(name), bound), value);
   }
@@ -229,14 +243,8 @@ class RowBuilder {
         problem_.add_product(problem_.add_row(std::move(name), scaled), 1.0 / bound, quantity, speed);
       }
     };
-    switch (kind) {
-      case LimitKind::acceleration: add(axis.acceleration_max, {-one_, one_}); break;
-      case LimitKind::jerk: add(axis.jerk_max, {-one_, one_}); break;
-      case LimitKind::force: add(axis.force_max, {-one_, one_}); break;
-      case LimitKind::power: add(axis.power_max, {-nlp::infinity, one_}); break;
-      case LimitKind::regeneration: add(axis.regeneration_max, {-one_, nlp::infinity}); break;
-      default: break;
-    }
+    const bool low = kind != LimitKind::power, high = kind != LimitKind::regeneration;  // sides that are bounded
+    add(axis.*axis_limit(kind).bound, {low ? -one_ : -nlp::infinity, high ? one_ : nlp::infinity});
   }
 
   QuadraticProblem& problem_;
@@ -252,7 +260,9 @@ void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, con
                     const FormulationOptions& options) {
   RowBuilder rows(problem, b, task, options);
   rows.taps();
-  rows.jerk();
+  for (const AxisLimit& limit : axis_limits) {
+    if (limit.differences > 0) rows.ramp(limit, limit.differences);
+  }
   for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
     rows.start_and_stop(a);
     for (std::size_t j = 0; j < task.corners.size(); ++j) rows.blend(a, task.corners[j], options.blend_delays[j]);

@@ -280,6 +280,16 @@ class Search {
 }  // namespace
 
 DesignResult design_nlp(const Task& task, const DesignOptions& options) {
+  solvers::find_solver(options.solver);
+  const int last = task.design.order_max;
+  const int first = std::min(last, std::max(task.design.order_min, order_lower_bound(task, last)));
+  if (std::string why = step_too_long(task, first, options.time_limit); !why.empty()) {
+    DesignResult failed;
+    failed.task = task;
+    failed.stop = StopReason::time_limit;
+    failed.message = std::move(why);
+    return failed;
+  }
   return Search(task, options).run();
 }
 

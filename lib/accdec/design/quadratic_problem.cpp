@@ -6,7 +6,7 @@
 namespace accdec {
 namespace {
 
-std::size_t at(int i) {
+std::size_t nth(int i) {
   return static_cast<std::size_t>(i);
 }
 
@@ -44,7 +44,7 @@ Affine& Affine::operator*=(double factor) {
 
 double Affine::operator()(std::span<const double> x) const {
   double sum = constant;
-  for (const auto& [index, coefficient] : terms) sum += coefficient * x[at(index)];
+  for (const auto& [index, coefficient] : terms) sum += coefficient * x[nth(index)];
   return sum;
 }
 
@@ -69,30 +69,30 @@ int QuadraticProblem::add_row(std::string name, nlp::Bound bound) {
 }
 
 void QuadraticProblem::add_to_row(int row, const Affine& a) {
-  rows_[at(row)].affine += a;
+  rows_[nth(row)].affine += a;
 }
 
 void QuadraticProblem::add_product(int row, double coefficient, Affine left, Affine right) {
   merge(left);
   merge(right);
-  rows_[at(row)].products.push_back({coefficient, std::move(left), std::move(right), {}, {}, {}});
+  rows_[nth(row)].products.push_back({coefficient, std::move(left), std::move(right), {}, {}, {}});
 }
 
 void QuadraticProblem::finish() {
   merge(objective_);
   jacobian_pattern_.clear();
-  std::vector<int> slot_of(at(num_variables()), -1);  // valid for the row in hand
+  std::vector<int> slot_of(nth(num_variables()), -1);  // valid for the row in hand
   for (int r = 0; r < num_rows(); ++r) {
-    Row& row = rows_[at(r)];
+    Row& row = rows_[nth(r)];
     merge(row.affine);
     std::vector<int> touched;
     const auto slot = [&](int variable) {
-      if (slot_of[at(variable)] < 0) {
-        slot_of[at(variable)] = static_cast<int>(jacobian_pattern_.size());
+      if (slot_of[nth(variable)] < 0) {
+        slot_of[nth(variable)] = static_cast<int>(jacobian_pattern_.size());
         jacobian_pattern_.push_back({r, variable});
         touched.push_back(variable);
       }
-      return slot_of[at(variable)];
+      return slot_of[nth(variable)];
     };
     for (const auto& term : row.affine.terms) row.slots.push_back(slot(term.first));
     for (Product& p : row.products) {
@@ -100,7 +100,7 @@ void QuadraticProblem::finish() {
       for (const auto& term : p.right.terms) p.right_slots.push_back(slot(term.first));
     }
     for (auto& [variable, where] : row.extra) where = slot(variable);
-    for (const int variable : touched) slot_of[at(variable)] = -1;
+    for (const int variable : touched) slot_of[nth(variable)] = -1;
   }
   if (!with_hessian_) return;
   std::vector<std::pair<int, int>> entries = reserved_hessian_;
@@ -146,7 +146,7 @@ nlp::ProblemClass QuadraticProblem::problem_class() const {
 
 void QuadraticProblem::gradient(std::span<const double> /*x*/, std::span<double> g) const {
   std::fill(g.begin(), g.end(), 0.0);
-  for (const auto& [index, coefficient] : objective_.terms) g[at(index)] = coefficient;
+  for (const auto& [index, coefficient] : objective_.terms) g[nth(index)] = coefficient;
 }
 
 void QuadraticProblem::rows(std::span<const double> x, std::span<double> c) const {
@@ -160,13 +160,13 @@ void QuadraticProblem::rows(std::span<const double> x, std::span<double> c) cons
 void QuadraticProblem::jacobian(std::span<const double> x, std::span<double> values) const {
   std::fill(values.begin(), values.end(), 0.0);
   for (const Row& row : rows_) {
-    for (std::size_t i = 0; i < row.slots.size(); ++i) values[at(row.slots[i])] += row.affine.terms[i].second;
+    for (std::size_t i = 0; i < row.slots.size(); ++i) values[nth(row.slots[i])] += row.affine.terms[i].second;
     for (const Product& p : row.products) {
       const double left = p.coefficient * p.left(x), right = p.coefficient * p.right(x);
       for (std::size_t i = 0; i < p.left_slots.size(); ++i)
-        values[at(p.left_slots[i])] += right * p.left.terms[i].second;
+        values[nth(p.left_slots[i])] += right * p.left.terms[i].second;
       for (std::size_t i = 0; i < p.right_slots.size(); ++i)
-        values[at(p.right_slots[i])] += left * p.right.terms[i].second;
+        values[nth(p.right_slots[i])] += left * p.right.terms[i].second;
     }
   }
 }
@@ -181,7 +181,7 @@ void QuadraticProblem::hessian(std::span<const double> /*x*/, double /*objective
       for (const auto& [i, l] : p.left.terms) {
         for (const auto& [j, t] : p.right.terms) {
           // d2(lr)/dxi dxj = l_i r_j + l_j r_i; the lower triangle holds each off-diagonal pair once.
-          values[at(p.hessian_slots[slot++])] += factor * l * t * (i == j ? 2.0 : 1.0);
+          values[nth(p.hessian_slots[slot++])] += factor * l * t * (i == j ? 2.0 : 1.0);
         }
       }
     }

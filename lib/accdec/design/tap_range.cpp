@@ -3,13 +3,14 @@
 #include <complex>
 
 #include <accdec/design/tap_range.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
 
 /// A limit is broken for certain only beyond the verification's tolerance.
-constexpr double slack = 1.0 + 2.0 * verification_tolerance;
+constexpr double range_slack = 1.0 + 2.0 * verification_tolerance;
 
 struct Between {
   double low, high;
@@ -54,21 +55,21 @@ Between start(const TapRange& range, int m) {
 }
 
 bool axis_breaks(const Axis& axis, Between v, Between a, Between before, double period) {
-  if (magnitude(v) > axis.velocity_max * slack || magnitude(a) > axis.acceleration_max * slack) return true;
-  if (axis.jerk_max < unlimited && magnitude(a - before) / period > axis.jerk_max * slack) return true;
+  if (magnitude(v) > axis.velocity_max * range_slack || magnitude(a) > axis.acceleration_max * range_slack) return true;
+  if (axis.jerk_max < unlimited && magnitude(a - before) / period > axis.jerk_max * range_slack) return true;
   if (axis.force_max == unlimited && axis.power_max == unlimited && axis.regeneration_max == unlimited) return false;
   const Between force = axis.mass * a + axis.damping * v;
-  if (magnitude(force) > axis.force_max * slack) return true;
+  if (magnitude(force) > axis.force_max * range_slack) return true;
   if (axis.power_max == unlimited && axis.regeneration_max == unlimited) return false;
   const Between power = force * v;
-  return power.low > axis.power_max * slack || -power.high > axis.regeneration_max * slack;
+  return power.low > axis.power_max * range_slack || -power.high > axis.regeneration_max * range_slack;
 }
 
 /// Whether every filter breaks a limit of one axis on a start to `speed`, or a stop from it.
 bool ramp_breaks(const TapRange& range, const Axis& axis, double speed, bool stops, double period) {
   if (speed == 0.0) return false;
   Between before{0.0, 0.0};
-  for (int k = 0; k <= range.order() + 2; ++k) {
+  for (int k = 0; k <= range.order() + settling; ++k) {
     const Between gone = cumulative(range, k);
     const Between v = speed * (stops ? Between{1.0, 1.0} - gone : gone);
     const Between a = ((stops ? -speed : speed) / period) * tap(range, k - 1);
@@ -88,7 +89,7 @@ bool rings(const TapRange& range, const std::vector<Tone>& tones) {
       radius += 0.5 * (range.high[i] - range.low[i]);
       phase *= turn;
     }
-    if (std::abs(sum) - radius > tone.residual_max * slack + 1e-12) return true;
+    if (std::abs(sum) - radius > tone.residual_max * range_slack + 1e-12) return true;
   }
   return false;
 }
@@ -99,7 +100,7 @@ bool misses(const TapRange& range, const TaskCorner& corner, int delay, double p
   if (!corner.error_max) return false;
   const Corner& g = corner.geometry();
   const double cosine = g.cos_interior(), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-  const double allowed = std::max(*corner.error_max * slack, position_floor);
+  const double allowed = std::max(*corner.error_max * range_slack, position_floor);
   for (int k = 0; k <= range.order() + delay + 1; ++k) {
     const double p = g.feed_in * period * stop(range, k).low, q = g.feed_out * period * start(range, k - delay).low;
     double nearest = 0.0;
@@ -131,7 +132,7 @@ bool error_breaks(const TapRange& range, const TaskCorner& corner, int delay, do
   const Corner& g = corner.geometry();
   const double cosine = g.cos_interior();
   if (!corner.error_max || cosine >= 0.0) return false;  // `misses` has said so before
-  const double allowed = std::max(*corner.error_max * slack, position_floor);
+  const double allowed = std::max(*corner.error_max * range_slack, position_floor);
   for (int k = 0; k <= range.order() + delay + 1; ++k) {
     const Between p = (g.feed_in * period) * stop(range, k), q = (g.feed_out * period) * start(range, k - delay);
     if (nearest_in(p, q, cosine) <= allowed) return false;
@@ -142,7 +143,7 @@ bool error_breaks(const TapRange& range, const TaskCorner& corner, int delay, do
 bool blend_breaks(const TapRange& range, const TaskCorner& corner, int delay, const Task& task) {
   const double period = task.sample_period;
   const Corner& g = corner.geometry();
-  const int last = range.order() + delay + 2;
+  const int last = range.order() + delay + settling;
   std::vector<double> speed_squared(corner.speed_min > 0.0 ? static_cast<std::size_t>(last) + 1 : 0, 0.0);
   for (std::size_t x = 0; x < task.machine.axes.size(); ++x) {
     const auto e = static_cast<Eigen::Index>(x);
@@ -158,7 +159,7 @@ bool blend_breaks(const TapRange& range, const TaskCorner& corner, int delay, co
     }
   }
   return std::any_of(speed_squared.begin(), speed_squared.end(),
-                     [&](double s) { return corner.speed_min > std::sqrt(s) * slack; });
+                     [&](double s) { return corner.speed_min > std::sqrt(s) * range_slack; });
 }
 
 }  // namespace
@@ -234,7 +235,7 @@ double lower_cost(const TapRange& range, const Task& task, const LinearCost& cos
   for (std::size_t j = 0; j < delays.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     // From N + 2 on nothing changes any more.
-    const int last = corner.delay.value_or(std::max(delays[j], range.order() + 2));
+    const int last = corner.delay.value_or(std::max(delays[j], range.order() + settling));
     int good = last, bad = delays[j] - 1;
     if (misses(range, corner, last, period)) return unlimited;
     while (good - bad > 1) (misses(range, corner, (good + bad) / 2, period) ? bad : good) = (good + bad) / 2;
@@ -244,7 +245,7 @@ double lower_cost(const TapRange& range, const Task& task, const LinearCost& cos
   }
   for (std::size_t j = 0; j < delays.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
-    const int last = corner.delay.value_or(std::max(delays[j], range.order() + 2));
+    const int last = corner.delay.value_or(std::max(delays[j], range.order() + settling));
     while (error_breaks(range, corner, delays[j], period) || blend_breaks(range, corner, delays[j], task)) {
       if (++delays[j] > last) return unlimited;
       bound += cost.delay[j];

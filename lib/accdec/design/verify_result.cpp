@@ -118,6 +118,8 @@ void compare_numbers(const DesignResult& recorded, const DesignResult& found, st
   Comparison compare(reasons);
   compare.number("cycle_time_s", recorded.cycle_time, found.cycle_time, 0.0);
   compare.number("corner_time_s", recorded.corner_time, found.corner_time, 0.0);
+  if (recorded.verification.performed != found.verification.performed)
+    reasons.push_back("verification.performed is recorded wrongly");
   if (recorded.verification.feasible != found.verification.feasible)
     reasons.push_back("verification.feasible is recorded wrongly");
   compare.number("verification.tolerance", recorded.verification.tolerance, found.verification.tolerance, 0.0);
@@ -152,15 +154,49 @@ void check_nothing_besides(const DesignResult& result, std::vector<std::string>&
   refuse(result.filter.has_value(), "a filter");
   refuse(!result.corners.empty(), "corners");
   refuse(!result.limits.empty(), "limits");
-  refuse(result.cycle_time != 0.0, "a cycle time");
-  refuse(result.verification.performed || result.verification.feasible, "a verified design");
+  refuse(result.cycle_time != 0.0 || result.corner_time != 0.0, "a time");
+  refuse(result.stop != StopReason::finished, "that the search was stopped");
+  const VerificationReport& v = result.verification;
+  refuse(v.performed || v.feasible, "a verified design");
+  refuse(v.max_violation != 0.0 || v.tolerance != 0.0 || !v.worst.empty(), "what a simulation found");
+}
+
+/// What is recorded of a check of the certificate is what this one finds.
+void check_certificate_words(const DesignResult& result, ResultCheck& report) {
+  const VerificationReport& v = result.verification;
+  if (v.certificate_checked && !result.certificate)
+    report.reasons.push_back("verification.certificate_checked is recorded without a certificate");
+  if (!v.certificate.empty() && v.certificate != report.proof)
+    report.reasons.push_back(
+        fmt::format("verification.certificate is recorded as \"{}\", found: {}", v.certificate, report.proof));
+}
+
+/// @return whether the result claims that there is no design, which is then all that is checked
+bool check_infeasible(const DesignResult& result, ResultCheck& report, const std::function<bool()>& stop) {
+  if (result.status != Status::infeasible || (!result.certificate && !result.task.filter)) return false;
+  if (result.task.filter) {
+    report.proof = "every delay of the given filter breaks a limit";
+    if (const std::string reason = check_no_delays(result.task, make_filter(*result.task.filter)); !reason.empty())
+      report.reasons.push_back("claims infeasible: " + reason);
+  }
+  const bool enumerated = result.task.filter && (!result.certificate ||
+                                                 std::holds_alternative<proof::Enumeration>(result.certificate->proof));
+  if (!enumerated) {
+    const CheckReport check = check_certificate(result.task, result, stop);
+    report.proof = check.reason;
+    if (!check.accepted) report.reasons.push_back("the certificate does not hold: " + check.reason);
+  }
+  check_nothing_besides(result, report.reasons);
+  return true;
 }
 
 void check_proof(const DesignResult& result, ResultCheck& report, const std::function<bool()>& stop) {
   const auto reject = [&](std::string reason) { report.reasons.push_back(std::move(reason)); };
   if (result.gap && !result.lower_bound) reject("a gap is recorded without a lower bound");
+  if (result.lower_bound && !result.gap) reject("a lower bound is recorded without a gap");
   if (result.lower_bound) {
     const double gap = (result.objective() - *result.lower_bound) / result.objective();
+    if (*result.lower_bound < 0.0) reject("the lower bound is negative");
     if (gap < -tolerance) reject("the lower bound exceeds the cycle time");
     if (result.gap && std::abs(*result.gap - gap) > tolerance)
       reject(fmt::format("gap is recorded as {:.12g}, found {:.12g}", *result.gap, gap));
@@ -191,23 +227,12 @@ void check_proof(const DesignResult& result, ResultCheck& report, const std::fun
 
 ResultCheck verify_result(const DesignResult& result, const std::function<bool()>& stop) {
   ResultCheck report;
-  if (result.status == Status::infeasible && result.certificate && !result.task.filter) {
-    const CheckReport check = check_certificate(result.task, result, stop);
-    report.proof = check.reason;
-    if (!check.accepted) report.reasons.push_back("the certificate does not hold: " + check.reason);
-    check_nothing_besides(result, report.reasons);
+  if (check_infeasible(result, report, stop)) {
+    check_certificate_words(result, report);
     report.accepted = report.reasons.empty();
     return report;
   }
-  if (result.status == Status::infeasible && result.task.filter) {
-    const std::string reason = check_no_delays(result.task, make_filter(*result.task.filter));
-    report.accepted = reason.empty();
-    report.proof = "every delay of the given filter breaks a limit";
-    if (!report.accepted) report.reasons.push_back("claims infeasible: " + reason);
-    return report;
-  }
-  const bool has_design = result.status == Status::optimal || result.status == Status::feasible;
-  if (!has_design) {
+  if (!result.has_design()) {
     report.reasons.push_back(fmt::format("the result is {}: there is no design to verify", to_string(result.status)));
     return report;
   }
@@ -229,6 +254,7 @@ ResultCheck verify_result(const DesignResult& result, const std::function<bool()
   compare_choice(result, report.reasons);
   compare_numbers(result, found, report.reasons);
   check_proof(result, report, stop);
+  check_certificate_words(result, report);
   report.accepted = report.reasons.empty();
   return report;
 }

@@ -10,6 +10,8 @@
 
 namespace accdec::exact {
 
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
 /// Delays d1 .. d2 and samples k1 .. k2 of one corner.
 struct CornerBox {
   int d1 = 0, d2 = 0, k1 = 0, k2 = 0;
@@ -59,6 +61,8 @@ struct Box {
   }
   /// Whether more than one delay or sample is in it, or distances in place of both.
   bool ranges(std::size_t j) const { return corners[j].k1 < corners[j].k2 || corners[j].d1 < corners[j].d2; }
+  /// Whether any tap is far enough out to be in a corner's least distances.
+  bool bounds_error(std::size_t j) const { return !distances.empty() || order > corners[j].k2 || first_out(j) > 0; }
   bool loose(std::size_t j) const { return window || !distances.empty() || ranges(j); }
 };
 

@@ -3,6 +3,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/search.hpp>
 
 // Where a box of several corners is split. With one corner the widest range will do; with several most ranges do not
@@ -29,7 +30,7 @@ int needed_delay(const LimitModel& model, const Filter& filter, std::size_t j, c
 }
 
 /// A level of a range at which both parts keep at least a fifth.
-int inside(double at, int first, int last) {
+int within(double at, int first, int last) {
   const int margin = (last - first) / 5;
   return std::clamp(static_cast<int>(std::floor(at)), first + margin, last - 1 - margin);
 }
@@ -59,7 +60,7 @@ std::vector<Scored> candidates(const LimitModel& model, const Box& box, const Ou
     }
     // The sample first: it bounds both distances.
     if (c.k1 < c.k2)
-      found.push_back({split_node(j, false, inside(c.k1 + outcome.samples[j], c.k1, c.k2)), 1.01 * lacking});
+      found.push_back({split_node(j, false, within(c.k1 + outcome.samples[j], c.k1, c.k2)), 1.01 * lacking});
   }
   if (!found.empty()) return found;
   // Errors hold, other limits of the blend do not: they ask for single delays.
@@ -140,6 +141,20 @@ proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
     if (a == refuted_gain && b == refuted_gain) break;
   }
   return tried[chosen].node;
+}
+
+/// The error by what the filter misses. Where the filter holds it, other limits of the blend are in the way, which bind
+/// only a single delay, or the order that a longer delay leaves.
+proof::Node Search::split_alone(const Filter& filter, const Box& box) const {
+  const CornerBox& c = box.corners.front();
+  const CornerError error(model_, filter, 0);
+  int first = c.d1;
+  while (first <= c.d2 && !error.holds(first, c, box.order)) ++first;
+  ErrorSplit chosen;
+  if (first > c.d2) consider_splits(error, 0, c, true, chosen);
+  if (chosen.gain > 0.0) return chosen.split;
+  if (c.d1 < c.d2) return proof::Split{0, true, c.d1 + (c.d2 - c.d1) / 2};
+  return proof::Split{0, false, c.k1 + (c.k2 - c.k1) / 2};
 }
 
 }  // namespace accdec::exact

@@ -13,7 +13,7 @@ constexpr double smallest_entry = 1e-11;  ///< entries of a pivot row below this
 constexpr double smallest_pivot = 1e-8;
 constexpr double far = 1e7;  ///< stands for an infinite bound until the basis is dual feasible
 
-std::size_t at(int i) {
+std::size_t nth(int i) {
   return static_cast<std::size_t>(i);
 }
 
@@ -21,10 +21,10 @@ std::size_t at(int i) {
 
 DualSimplex::Status DualSimplex::solve() {
   for (int j = 0; j < static_cast<int>(low_.size()); ++j) {
-    if (low_[at(j)] <= high_[at(j)]) continue;
-    multipliers_.assign(at(rows()), 0.0);
+    if (low_[nth(j)] <= high_[nth(j)]) continue;
+    multipliers_.assign(nth(rows()), 0.0);
     if (j >= columns_)
-      multipliers_[at(j - columns_)] = 1.0;  // both sides of one row: no ray of this form tells them apart
+      multipliers_[nth(j - columns_)] = 1.0;  // both sides of one row: no ray of this form tells them apart
     return Status::trouble;
   }
   Status status = attempt();
@@ -54,9 +54,9 @@ DualSimplex::Status DualSimplex::attempt() {
     compute_basics();
   }
   for (int j = 0; j < columns_; ++j) {
-    const At state = at_[at(nonbasic_[at(j)])];
+    const At state = at_[nth(nonbasic_[nth(j)])];
     if (state < far_below) continue;
-    return std::abs(dual_[at(j)]) > dual_tolerance ? Status::unbounded : Status::trouble;
+    return std::abs(dual_[nth(j)]) > dual_tolerance ? Status::unbounded : Status::trouble;
   }
   return take_point() ? Status::optimal : Status::trouble;
 }
@@ -64,11 +64,11 @@ DualSimplex::Status DualSimplex::attempt() {
 void DualSimplex::compute_duals() {
   std::fill(dual_.begin(), dual_.end(), 0.0);
   for (int j = 0; j < columns_; ++j) {
-    if (nonbasic_[at(j)] < columns_) dual_[at(j)] = cost_[at(nonbasic_[at(j)])];
+    if (nonbasic_[nth(j)] < columns_) dual_[nth(j)] = cost_[nth(nonbasic_[nth(j)])];
   }
   for (std::size_t i = 0; i < basic_.size(); ++i) {
-    if (basic_[i] >= columns_ || cost_[at(basic_[i])] == 0.0) continue;
-    const double c = cost_[at(basic_[i])];
+    if (basic_[i] >= columns_ || cost_[nth(basic_[i])] == 0.0) continue;
+    const double c = cost_[nth(basic_[i])];
     const double* row = tableau_row(static_cast<int>(i));
     for (std::size_t j = 0; j < stride_; ++j) dual_[j] += c * row[j];
   }
@@ -76,10 +76,10 @@ void DualSimplex::compute_duals() {
 
 bool DualSimplex::dual_feasible() {
   for (int j = 0; j < columns_; ++j) {
-    const int v = nonbasic_[at(j)];
-    if (low_[at(v)] == high_[at(v)]) continue;
-    const double d = dual_[at(j)];
-    if ((d > dual_tolerance && at_[at(v)] != lower) || (d < -dual_tolerance && at_[at(v)] != upper)) return false;
+    const int v = nonbasic_[nth(j)];
+    if (low_[nth(v)] == high_[nth(v)]) continue;
+    const double d = dual_[nth(j)];
+    if ((d > dual_tolerance && at_[nth(v)] != lower) || (d < -dual_tolerance && at_[nth(v)] != upper)) return false;
   }
   return true;
 }
@@ -87,8 +87,8 @@ bool DualSimplex::dual_feasible() {
 /// Every nonbasic variable to the bound its reduced cost asks for.
 void DualSimplex::settle_nonbasics() {
   for (int j = 0; j < columns_; ++j) {
-    const auto v = at(nonbasic_[at(j)]);
-    const double d = dual_[at(j)], low = low_[v], high = high_[v];
+    const auto v = nth(nonbasic_[nth(j)]);
+    const double d = dual_[nth(j)], low = low_[v], high = high_[v];
     const bool has_low = low > -infinity, has_high = high < infinity;
     // Without the bound it asks for, a reduced cost this small is taken for rounding.
     const bool rounding = std::abs(d) < 1e-7;
@@ -115,35 +115,35 @@ void DualSimplex::settle_nonbasics() {
 /// What the columns' bounds imply, and a little less: no solution is there.
 double DualSimplex::least_activity(int variable) const {
   double sum = 0.0;
-  if (variable < columns_) return std::min(high_[at(variable)], 0.0) - far;
-  const Row& row = rows_[at(variable - columns_)];
+  if (variable < columns_) return std::min(high_[nth(variable)], 0.0) - far;
+  const Row& row = rows_[nth(variable - columns_)];
   for (std::size_t e = 0; e < row.columns.size(); ++e) {
-    const double a = row.values[e], side = a > 0.0 ? low_[at(row.columns[e])] : high_[at(row.columns[e])];
+    const double a = row.values[e], side = a > 0.0 ? low_[nth(row.columns[e])] : high_[nth(row.columns[e])];
     if (a != 0.0) sum += a * side;
   }
-  return std::max(sum, std::min(high_[at(variable)], 0.0) - far) - 1.0;
+  return std::max(sum, std::min(high_[nth(variable)], 0.0) - far) - 1.0;
 }
 
 double DualSimplex::most_activity(int variable) const {
   double sum = 0.0;
-  if (variable < columns_) return std::max(low_[at(variable)], 0.0) + far;
-  const Row& row = rows_[at(variable - columns_)];
+  if (variable < columns_) return std::max(low_[nth(variable)], 0.0) + far;
+  const Row& row = rows_[nth(variable - columns_)];
   for (std::size_t e = 0; e < row.columns.size(); ++e) {
-    const double a = row.values[e], side = a > 0.0 ? high_[at(row.columns[e])] : low_[at(row.columns[e])];
+    const double a = row.values[e], side = a > 0.0 ? high_[nth(row.columns[e])] : low_[nth(row.columns[e])];
     if (a != 0.0) sum += a * side;
   }
-  return std::min(sum, std::max(low_[at(variable)], 0.0) + far) + 1.0;
+  return std::min(sum, std::max(low_[nth(variable)], 0.0) + far) + 1.0;
 }
 
 void DualSimplex::compute_basics() {
   std::vector<double>& x = scratch_values_;
   x.assign(stride_, 0.0);
-  for (int j = 0; j < columns_; ++j) x[at(j)] = value_[at(nonbasic_[at(j)])];
+  for (int j = 0; j < columns_; ++j) x[nth(j)] = value_[nth(nonbasic_[nth(j)])];
   for (std::size_t i = 0; i < basic_.size(); ++i) {
     const double* row = tableau_row(static_cast<int>(i));
     double sum = 0.0;
     for (std::size_t j = 0; j < stride_; ++j) sum += row[j] * x[j];
-    value_[at(basic_[i])] = sum;
+    value_[nth(basic_[i])] = sum;
   }
 }
 
@@ -155,8 +155,8 @@ DualSimplex::Status DualSimplex::iterate() {
     if (count % (5 * (columns_ + rows()) + 50) == 0) perturb();
     const int i = leaving_row();
     if (i < 0) return Status::optimal;
-    const int v = basic_[at(i)];
-    const double above = value_[at(v)] - high_[at(v)], below = low_[at(v)] - value_[at(v)];
+    const int v = basic_[nth(i)];
+    const double above = value_[nth(v)] - high_[nth(v)], below = low_[nth(v)] - value_[nth(v)];
     const double sigma = above > below ? 1.0 : -1.0;
     const int position = entering_position(i, sigma, std::max(above, below));
     if (position < 0) return take_ray(i, sigma) ? Status::infeasible : Status::trouble;
@@ -172,7 +172,7 @@ int DualSimplex::leaving_row() const {
   double largest = 0.0;
   for (std::size_t i = 0; i < basic_.size(); ++i) {
     const int v = basic_[i];
-    const double x = value_[at(v)], infeasibility = std::max(x - high_[at(v)], low_[at(v)] - x);
+    const double x = value_[nth(v)], infeasibility = std::max(x - high_[nth(v)], low_[nth(v)] - x);
     if (!(infeasibility > primal_tolerance)) continue;
     const double* row = tableau_row(static_cast<int>(i));
     double weight = v >= columns_ ? 1.0 : 1e-6;
@@ -194,13 +194,13 @@ int DualSimplex::entering_position(int i, double sigma, double infeasibility) {
   for (int j = 0; j < columns_; ++j) {
     const double a = sigma * row[j];
     if (std::abs(a) < smallest_entry) continue;
-    const auto v = at(nonbasic_[at(j)]);
+    const auto v = nth(nonbasic_[nth(j)]);
     if (low_[v] == high_[v]) continue;
     const At state = at_[v];
     const bool rises = state == lower || state == far_below || state == free;
     const bool falls = state == upper || state == far_above || state == free;
     if ((a < 0.0 && rises) || (a > 0.0 && falls)) {
-      const double d = state == free ? 0.0 : std::max(0.0, falls ? -dual_[at(j)] : dual_[at(j)]);
+      const double d = state == free ? 0.0 : std::max(0.0, falls ? -dual_[nth(j)] : dual_[nth(j)]);
       candidates_.push_back({j, d, std::abs(a)});
     }
   }
@@ -216,7 +216,7 @@ int DualSimplex::entering_position(int i, double sigma, double infeasibility) {
                                        [&](const Candidate& c) { return c.dual <= least * c.size; });
     const auto end = static_cast<std::size_t>(middle - candidates_.begin());
     for (std::size_t c = begin; c < end; ++c) {
-      const auto v = at(nonbasic_[at(candidates_[c].position)]);
+      const auto v = nth(nonbasic_[nth(candidates_[c].position)]);
       slope -= at_[v] >= free ? infinity : candidates_[c].size * (high_[v] - low_[v]);
     }
     group_end_.push_back(end);
@@ -228,16 +228,16 @@ int DualSimplex::entering_position(int i, double sigma, double infeasibility) {
   auto group = static_cast<int>(group_end_.size()) - 1;
   int best = -1;
   for (; group >= 0; --group) {
-    const std::size_t first = group > 0 ? group_end_[at(group) - 1] : 0;
-    const int here = best_of_group(first, group_end_[at(group)]);
-    if (best < 0 || candidates_[at(here)].size > 1e3 * candidates_[at(best)].size) {
+    const std::size_t first = group > 0 ? group_end_[nth(group) - 1] : 0;
+    const int here = best_of_group(first, group_end_[nth(group)]);
+    if (best < 0 || candidates_[nth(here)].size > 1e3 * candidates_[nth(best)].size) {
       best = here;
       begin = first;
     }
-    if (candidates_[at(best)].size > 1e-5) break;
+    if (candidates_[nth(best)].size > 1e-5) break;
   }
   for (std::size_t c = 0; c < begin; ++c) flips_.push_back(candidates_[c].position);
-  return candidates_[at(best)].position;
+  return candidates_[nth(best)].position;
 }
 
 int DualSimplex::best_of_group(std::size_t begin, std::size_t end) const {
@@ -252,30 +252,31 @@ void DualSimplex::step(int i, int position, double sigma) {
   const double* row = tableau_row(i);
   // Reduced costs.
   const double a = sigma * row[position];
-  const double t = std::max(0.0, -dual_[at(position)] / a);
-  const int leaving = basic_[at(i)];
-  for (int j = 0; j < columns_; ++j) dual_[at(j)] += t * sigma * row[j];
-  dual_[at(position)] = -sigma * t;
+  const double t = std::max(0.0, -dual_[nth(position)] / a);
+  const int leaving = basic_[nth(i)];
+  for (int j = 0; j < columns_; ++j) dual_[nth(j)] += t * sigma * row[j];
+  dual_[nth(position)] = -sigma * t;
   for (const int j : flips_) {
-    const auto v = at(nonbasic_[at(j)]);
+    const auto v = nth(nonbasic_[nth(j)]);
     const double move = at_[v] == lower ? high_[v] - low_[v] : low_[v] - high_[v];
     value_[v] = at_[v] == lower ? high_[v] : low_[v];
     at_[v] = at_[v] == lower ? upper : lower;
-    for (std::size_t k = 0; k < basic_.size(); ++k) value_[at(basic_[k])] += tableau_[k * stride_ + at(j)] * move;
+    for (std::size_t k = 0; k < basic_.size(); ++k) value_[nth(basic_[k])] += tableau_[k * stride_ + nth(j)] * move;
   }
   // Values.
-  const double bound = sigma > 0.0 ? high_[at(leaving)] : low_[at(leaving)];
-  const double move = (bound - value_[at(leaving)]) / row[position];
-  for (std::size_t k = 0; k < basic_.size(); ++k) value_[at(basic_[k])] += tableau_[k * stride_ + at(position)] * move;
-  const int entering = nonbasic_[at(position)];
-  value_[at(entering)] += move;
-  value_[at(leaving)] = bound;
-  at_[at(leaving)] = sigma > 0.0 ? upper : lower;
+  const double bound = sigma > 0.0 ? high_[nth(leaving)] : low_[nth(leaving)];
+  const double move = (bound - value_[nth(leaving)]) / row[position];
+  for (std::size_t k = 0; k < basic_.size(); ++k)
+    value_[nth(basic_[k])] += tableau_[k * stride_ + nth(position)] * move;
+  const int entering = nonbasic_[nth(position)];
+  value_[nth(entering)] += move;
+  value_[nth(leaving)] = bound;
+  at_[nth(leaving)] = sigma > 0.0 ? upper : lower;
   exchange(i, position);
   // What the tolerance let pass on the wrong side.
   for (int j = 0; j < columns_; ++j) {
-    const At state = at_[at(nonbasic_[at(j)])];
-    double& d = dual_[at(j)];
+    const At state = at_[nth(nonbasic_[nth(j)])];
+    double& d = dual_[nth(j)];
     const bool wrong =
         ((state == lower || state == far_below) && d < 0.0) || ((state == upper || state == far_above) && d > 0.0);
     if (!wrong) continue;
@@ -290,9 +291,9 @@ void DualSimplex::perturb() {
   for (int j = 0; j < columns_; ++j) {
     random_ = random_ * 1664525u + 1013904223u;
     const double by = 1e-7 * (1.0 + static_cast<double>(random_ >> 8) / 16777216.0);
-    const At state = at_[at(nonbasic_[at(j)])];
-    if (state == lower) dual_[at(j)] += by;
-    if (state == upper) dual_[at(j)] -= by;
+    const At state = at_[nth(nonbasic_[nth(j)])];
+    if (state == lower) dual_[nth(j)] += by;
+    if (state == upper) dual_[nth(j)] -= by;
   }
 }
 

@@ -7,7 +7,6 @@
 namespace accdec::exact {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Linear programs that one attempt at a stronger lemma may take, beside as many as twice the lemma's own proof took.
 constexpr long attempt = 40;
 
@@ -17,8 +16,8 @@ Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()>
     : task_(task),
       designs_(designs),
       stop_(stop),
-      prover_(task, stop),
-      wide_(task, stop),
+      prover_(task, stop, BoxKind::together),
+      wide_(task, stop, BoxKind::window),
       cost_(cost_of(task)),
       least_(std::max({least, task.design.order_min, 0})),
       short_(std::min(task.design.order_max, std::max(least_ + least_ / 4 + 2, designs.best->filter.order()))),
@@ -29,6 +28,7 @@ Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()>
     if (task.corners[j].error_max) window_.anchors.push_back(static_cast<int>(j));
   }
   const LimitModel model(task);
+  sees_all_ = model.convex();
   std::sort(window_.anchors.begin(), window_.anchors.end(), [&](int a, int b) {
     return model.error_bound(static_cast<std::size_t>(a)) < model.error_bound(static_cast<std::size_t>(b));
   });
@@ -43,9 +43,8 @@ Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()>
   nodes_.push_back(std::move(root));
 }
 
-/// The orders that no filter has, the short and the long ones.
-void Joint::split_orders() {
-  int rest = 0;
+/// The orders that no filter has.
+void Joint::begin() {
   std::vector<proof::Node> tree;
   const std::vector<int> all(task_.corners.size(), -1);
   for (int none = least_ - 1; none >= node(0).n1 && none >= least_ - 3 && !stop_(); --none) {
@@ -53,16 +52,20 @@ void Joint::split_orders() {
     add(lemma(false, none, all, std::move(tree)));
     split(0, -1, none);
     node(1).lemma = 0;
-    rest = 2;
+    tip_ = 2;
     break;
   }
-  if (short_ < task_.design.order_max) {
-    split(rest, -1, short_);
-    push(node(rest).first, 0.0);
-    push(node(rest).second, 0.0);
-  } else {
-    push(rest, 0.0);
-  }
+  begun_ = tip_ != 0 || !stop_();
+}
+
+/// From here on there are nodes of short and of long filters.
+void Joint::branch() {
+  branched_ = true;
+  if (short_ >= task_.design.order_max || node(tip_).n1 > short_) return push(tip_, 0.0);
+  split(tip_, -1, short_);
+  const int first = node(tip_).first, second = node(tip_).second;
+  push(first, 0.0);
+  push(second, 0.0);
 }
 
 double Joint::cost(const Node& node) const {
@@ -125,8 +128,8 @@ void Joint::split(int index, int corner, int at) {
 }
 
 double Joint::bound() const {
-  if (!begun_) return 0.0;
   double least = std::min(undecided_, target());
+  if (!branched_) return std::min(least, cost(nodes_[static_cast<std::size_t>(tip_)]));
   for (const auto& group : open_)
     if (!group.empty()) least = std::min(least, group.top().bound);
   return least;
@@ -142,35 +145,54 @@ void Joint::share() {
   prover_.best = designs_.best;
 }
 
-/// Lemmas of one corner each. Long filters ask for hardly shorter delays than short ones, so the delays are found with
-/// short ones, where that is cheap, and then proved for all orders that they themselves leave.
-void Joint::single_corners() {
+/// A lemma of one corner: the longest delay above `low` that it cannot have, by bisection. Its number; -1: none.
+int Joint::longest_refuted(std::size_t j, bool wide, int low) {
   const int shorter = std::min(task_.design.order_max, least_ + least_ / 4 + 2);
-  std::vector<int> guess(task_.corners.size(), -1);
-  std::vector<proof::Node> tree;
-  const auto refuted = [&](int order, std::size_t j, int delay) {
-    std::vector<int> most(task_.corners.size(), -1);
-    most[j] = delay;
-    return refutes(false, order, most, std::numeric_limits<long>::max() / 2, tree);
-  };
+  std::vector<int> most(task_.corners.size(), -1);
+  std::vector<proof::Node> tree, best;
+  // The best design's delay holds, if not with this order then with its own.
+  int high = std::min(designs_.best->delays[j], shorter + 2);
+  const long budget = wide ? 200 : std::numeric_limits<long>::max() / 2;
+  while (high - low > 1 && !stop_()) {
+    most[j] = low + (high - low) / 2;
+    if (refutes(wide, shorter, most, budget, tree)) {
+      low = most[j];
+      best = std::move(tree);
+    } else {
+      high = most[j];
+    }
+  }
+  if (best.empty()) return -1;
+  most[j] = low;
+  add(lemma(wide, shorter, most, std::move(best)));
+  return static_cast<int>(lemmas_.size()) - 1;
+}
+
+/// Lemmas of one corner through a window, where a few linear programs show as much of filters of any order as many do
+/// of short ones. Together they are a first bound. What a window does not see is asked of short filters.
+void Joint::single_corner(std::size_t j) {
+  if (task_.corners[j].delay) return;
   share();
-  for (std::size_t j = 0; j < guess.size() && !stop_(); ++j) {
-    if (task_.corners[j].delay) continue;
-    // Bisection: the best design's delay holds, if not with this order then with its own.
-    int low = -1, high = std::min(designs_.best->delays[j], shorter + 2);
-    while (high - low > 1) {
-      const int middle = low + (high - low) / 2;
-      (refuted(shorter, j, middle) ? low : high) = middle;
-    }
-    guess[j] = low;
-  }
-  for (std::size_t j = 0; j < guess.size(); ++j) {
-    if (guess[j] >= 0) {
-      // Once more, for the proof: what its parts need is known by now.
-      refuted(shorter, j, guess[j]);
-      add({shorter, false, {{static_cast<int>(j), guess[j]}}, std::move(tree)});
+  int low = -1;
+  if (task_.corners[j].error_max) {
+    const int by = longest_refuted(j, true, -1);
+    if (by >= 0) {
+      const proof::CornerDelay at = lemmas_[static_cast<std::size_t>(by)].delays.front();
+      close_first(by, at);
+      low = at.delay;
     }
   }
+  if (!sees_all_) longest_refuted(j, false, low);
+}
+
+/// Splits the open node at a delay that a lemma says no filter has.
+void Joint::close_first(int lemma, const proof::CornerDelay& at) {
+  const Node& open = node(tip_);
+  const auto j = static_cast<std::size_t>(at.corner);
+  if (at.delay < open.d1[j] || at.delay >= open.d2[j]) return;
+  split(tip_, at.corner, at.delay);
+  node(node(tip_).first).lemma = lemma;
+  tip_ = node(tip_).second;
 }
 
 /// Short filters first, for what is learned there mostly holds for long ones, too; but not for ever.
@@ -186,7 +208,17 @@ std::priority_queue<Joint::Open>* Joint::next() {
 
 Joint::State Joint::step() {
   if (stop_()) return State::stopped;
-  if (!begun_) split_orders(), single_corners(), begun_ = true;
+  if (!begun_) {
+    begin();
+    return begun_ ? State::going_on : State::stopped;
+  }
+  if (next_corner_ < task_.corners.size()) {
+    single_corner(next_corner_);
+    if (stop_()) return State::stopped;
+    ++next_corner_;
+    return State::going_on;
+  }
+  if (!branched_) branch();
   std::priority_queue<Open>* const group = next();
   if (group == nullptr) return undecided_ < target() * (1.0 - 1e-9) ? State::open : State::proved;
   const Open top = group->top();

@@ -22,8 +22,10 @@ class Joint {
   Joint(const Task& task, Search& designs, int least, std::function<bool()> stop);
 
   enum class State { proved, going_on, stopped, open };
-  /// One step: a node of the tree. @return proved: nothing is shorter than the best design
+  /// One step: a corner by itself, or a node of the tree. @return proved: nothing is shorter than the best design
   State step();
+  /// Whether `bound` knows what each corner asks for by itself.
+  bool has_first_bound() const { return next_corner_ == task_.corners.size(); }
   /// Nothing is shorter, samples.
   double bound() const;
   /// That nothing is shorter than `bound()`; none if that is not proved yet.
@@ -62,8 +64,11 @@ class Joint {
   void split(int node, int corner, int at);
   void push(int node, double increase);
   std::priority_queue<Open>* next();
-  void split_orders();
-  void single_corners();
+  void begin();
+  void single_corner(std::size_t j);
+  int longest_refuted(std::size_t j, bool wide, int low);
+  void close_first(int lemma, const proof::CornerDelay& at);
+  void branch();
   State work_on(int at, double before);
   bool extend(int at, int order);
   State check(int at, int order);
@@ -89,7 +94,11 @@ class Joint {
   std::priority_queue<Open> open_[2];  ///< short filters, long filters
   long spent_[2] = {0, 0};             ///< linear programs
   double undecided_;
+  bool sees_all_ = true;  ///< windows see every kind of limit there is
   bool begun_ = false;
+  int tip_ = 0;  ///< until `branch`: the only node that is open
+  std::size_t next_corner_ = 0;
+  bool branched_ = false;
 };
 
 }  // namespace accdec::exact

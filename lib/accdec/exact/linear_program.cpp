@@ -14,13 +14,14 @@ constexpr int most_vibration_rows = 60;
 }  // namespace
 
 LinearProgram::LinearProgram(const LimitModel& model, int order, const std::function<bool()>& stop, double margin,
-                             bool window)
+                             BoxKind kind)
     : model_(model),
       largest_(order),
       slack_(margin > 0.0 ? -margin : slack),
       stop_(stop),
-      window_(window),
-      lp_(order + 2 + (model.corners() > 1 ? 2 * static_cast<int>(model.corners()) : 0)) {
+      window_(kind == BoxKind::window),
+      ranges_(kind == BoxKind::budget && model.corners() > 1),
+      lp_(order + 2 + (ranges_ ? 2 * static_cast<int>(model.corners()) : 0)) {
   lp_.set_stop(stop);
   for (int i = 0; i <= order; ++i) lp_.set_column_bounds(i, 0.0, tap_bound(i));
   lp_.set_cost(excess(), 1.0);
@@ -87,13 +88,15 @@ void LinearProgram::add_base_rows() {
   all.order = largest_;
   all.corners.resize(model_.corners());
   all.window = window_;
-  // Jerk in units of a tap, others of their bound: entries of the order of 1.
-  const double jerk = model_.rows.jerk_max();
-  for (int i = 0; jerk < 1.0 && i <= largest_ + 1; ++i) {
-    const proof::TapDifference id{i, 1};
-    if (window_ && !inside_window(id, all)) continue;
-    draft_limit(model_.rows.row(id, all), jerk, true);
-    add(id);
+  // Differences in units of a tap, others of their bound: entries of the order of 1.
+  for (const RampLimit& ramp : model_.rows.ramps()) {
+    const double reach = std::ldexp(1.0, ramp.differences - 1);  // of any taps from 0 to 1
+    for (int i = 0; ramp.max < reach && i <= largest_ + ramp.differences; ++i) {
+      const proof::TapDifference id{i, 1, ramp.kind};
+      if (window_ && !inside_window(id, all)) continue;
+      draft_limit(model_.rows.row(id, all), ramp.max, true);
+      add(id);
+    }
   }
   for (const proof::Row& id : model_.rows.base_force_rows(largest_)) {
     if (window_ && !inside_window(id, all)) continue;
@@ -256,9 +259,9 @@ void LinearProgram::prepare(const Box& box, bool symmetric) {
     lp_.set_row_bounds(tube_rows_ + k - 1, bounded ? box.tube.low[i] - slack : 0.0,
                        bounded ? box.tube.high[i] + slack : 1.0 + slack);
   }
-  if (model_.corners() > 1) prepare_ranges(box);
+  if (ranges_) prepare_ranges(box);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    if (model_.cone(j) && has_cone[j] == 0 && !shared(j, box))
+    if (model_.cone(j) && has_cone[j] == 0 && !shared(j, box) && box.bounds_error(j))
       add_cone(j, box.only_angle.value_or(0.5 * model_.theta(j)), box);
   }
   if (symmetric && !symmetry) add_symmetry(box);
@@ -292,7 +295,8 @@ Multipliers LinearProgram::multipliers() const {
       value = -value;
       if (!turn_over(row)) continue;
     }
-    if (std::holds_alternative<proof::TapDifference>(row)) value *= model_.rows.jerk_max();
+    if (const auto* difference = std::get_if<proof::TapDifference>(&row))
+      value *= model_.rows.ramp_max(difference->limit);
     if (const auto* vibration = std::get_if<proof::Vibration>(&row)) value *= vibration_scale(*vibration);
     y.push_back({row, value});
   }

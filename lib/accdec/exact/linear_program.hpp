@@ -8,6 +8,7 @@
 #include <accdec/exact/clp_fallback.hpp>
 #include <accdec/exact/dual_simplex.hpp>
 #include <accdec/exact/limit_model.hpp>
+#include <accdec/exact/relaxation.hpp>
 
 // Internal to the exact method: the rows of its linear program.
 
@@ -24,9 +25,9 @@ inline constexpr double same_angle = 1e-11;
 class LinearProgram {
  public:
   /// @param margin  > 0: every limit is asked for with this relative margin instead of the slack
-  /// @param window  of boxes that are windows
+  /// @param kind  of boxes to come
   LinearProgram(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin,
-                bool window);
+                BoxKind kind);
 
   /// The last box's cuts that held its solution stay, with their coefficients in the new box; the others go.
   void prepare(const Box& box, bool symmetric);
@@ -42,6 +43,8 @@ class LinearProgram {
   bool cut(const Filter& filter, const Box& box, double allowed);
   /// Taps of the current solution.
   Filter filter(const Box& box, bool symmetric) const;
+  /// Whether delays and samples are columns, as boxes with a budget need them.
+  bool has_ranges() const { return ranges_; }
   /// Of the current solution and corner j: d - d1, and k - k1 in the same units.
   double delay(std::size_t j) const { return solution_.point[static_cast<std::size_t>(delay_column(j))]; }
   double sample(std::size_t j) const { return solution_.point[static_cast<std::size_t>(delay_column(j)) + 1]; }
@@ -112,6 +115,7 @@ class LinearProgram {
   double least_ = 0.0;  // no more margin than this is asked of the cones
   std::function<bool()> stop_;
   bool window_ = false, clp_alone_ = false;
+  bool ranges_ = false;  // delays and samples are columns
   DualSimplex lp_;
   LpSolution solution_;
   std::vector<Id> ids_;

@@ -36,10 +36,10 @@ void Search::aim(double target) {
   if (tighten(task_, target, box)) size_for(box.order);
 }
 
-void Search::sweep_orders(int least) {
+void Search::sweep_orders(int least, const std::function<bool()>& enough) {
   // Longer filters than these only help where hardly anything is paid for them; the search itself sees to that.
   const int last = std::min(task_.design.order_max, least + least / 2 + 4), step = std::max(1, least / 16);
-  for (int order = least; order <= last && !stop_(); order += step) {
+  for (int order = least; order <= last && !stop_() && !enough(); order += step) {
     aim(best ? best->value : std::numeric_limits<double>::infinity());
     Box box = root();
     box.order_least = box.order_most = order;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 
 #include <accdec/exact/search.hpp>
@@ -23,7 +24,7 @@ class Pruner {
  private:
   void copy(const Box& whole) {
     Box box = whole;
-    if (!tighten(model_.task(), from_.target, box)) {
+    if (!tighten(model_.task(), from_.target, box) || no_sample(box)) {
       skip();
       to_.tree.push_back(proof::TooLong{});
       return;
@@ -38,6 +39,12 @@ class Pruner {
     const auto [first, second] = parts(whole, node);
     copy(first);
     copy(second);
+  }
+
+  /// Whether the orders left end before the samples begin.
+  static bool no_sample(const Box& box) {
+    return std::any_of(box.corners.begin(), box.corners.end(),
+                       [&](const CornerBox& c) { return c.k1 > std::min(c.k2, box.order + c.d2 + 1); });
   }
 
   void leaf(int multipliers, Box box) {

@@ -8,8 +8,6 @@
 namespace accdec::exact {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// sum y (form - bound) as it is added up: coefficients of taps, cumulative responses, delays and samples.
 class WeightedSum {
  public:

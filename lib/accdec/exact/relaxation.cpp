@@ -9,8 +9,8 @@ namespace accdec::exact {
 
 class Relaxation::Impl {
  public:
-  Impl(const LimitModel& model, int order, const std::function<bool()>& stop, double margin, bool window)
-      : model_(model), stop_(stop), programme_(model, order, stop, margin, window) {}
+  Impl(const LimitModel& model, int order, const std::function<bool()>& stop, double margin, BoxKind kind)
+      : model_(model), stop_(stop), programme_(model, order, stop, margin, kind) {}
 
   Outcome solve(const Box& box, bool symmetric, bool strongest) {
     programme_.prepare(box, symmetric);
@@ -83,7 +83,7 @@ class Relaxation::Impl {
       if (!programme_.cut(filter, box, refuting ? 0.0 : outcome.excess)) {
         if (by > 0.0) return outcome;
         outcome.filter = std::move(filter);
-        for (std::size_t j = 0; j < box.corners.size() && model_.corners() > 1; ++j)
+        for (std::size_t j = 0; j < box.corners.size() && programme_.has_ranges(); ++j)
           outcome.delays.push_back(programme_.delay(j)), outcome.samples.push_back(programme_.sample(j));
         outcome.kind = Outcome::feasible;
         return outcome;
@@ -99,8 +99,8 @@ class Relaxation::Impl {
 };
 
 Relaxation::Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin,
-                       bool window)
-    : impl_(std::make_unique<Impl>(model, largest_order, stop, margin, window)) {}
+                       BoxKind kind)
+    : impl_(std::make_unique<Impl>(model, largest_order, stop, margin, kind)) {}
 Relaxation::~Relaxation() = default;
 Outcome Relaxation::solve(const Box& box, bool symmetric, bool strongest) {
   return impl_->solve(box, symmetric, strongest);

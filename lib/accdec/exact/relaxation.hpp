@@ -17,6 +17,13 @@ struct Outcome {
   std::optional<Filter> filter;  ///< feasible: holds all convex limits of the relaxed box, and the chords of the others
 };
 
+/// What the boxes of one linear program have in common.
+enum class BoxKind {
+  budget,    ///< any; of several corners the target may bound the delays together
+  together,  ///< several corners without a target
+  window     ///< windows of exactly the largest order, see window.hpp
+};
+
 /// The limits of a box as a linear program (Clp, dual simplex), cut until it is refuted or its solution holds
 /// them. One object serves a whole search: tangent cuts and the basis are kept from box to box.
 class Relaxation {
@@ -25,9 +32,8 @@ class Relaxation {
   /// @param stop  polled during a linear program, which then ends unresolved; may be empty
   /// @param margin  > 0: limits are asked for with this relative margin, so that a solution holds them in spite of its
   ///                rounding; what is refuted is refuted without it
-  /// @param window  boxes to come are windows of exactly this order, see window.hpp
   Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop = {}, double margin = 0.0,
-             bool window = false);
+             BoxKind kind = BoxKind::budget);
   ~Relaxation();
   /// @param symmetric  only symmetric filters of the box's order (no shorter ones)
   /// @param strongest  multipliers that refute by as much as further cuts give, for boxes beside this one

@@ -1,7 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
+#include <utility>
 
 #include <accdec/exact/rows.hpp>
 
@@ -46,18 +47,33 @@ std::vector<EventSpeeds> event_speeds(const Task& task) {
   return speeds;
 }
 
-ConvexRows::ConvexRows(const Task& task)
-    : task_(task), speeds_(event_speeds(task)), jerk_max_(std::numeric_limits<double>::infinity()) {
+ConvexRows::ConvexRows(const Task& task) : task_(task), speeds_(event_speeds(task)) {
   const double t = task.sample_period;
   for (std::size_t a = 0; a < speeds_.size(); ++a) {
     const Axis& axis = task.machine.axes[a];
     const double fastest = std::max(speeds_[a].start, speeds_[a].stop);
     if (fastest == 0.0) continue;
     if (axis.acceleration_max < unlimited) tap_max_ = std::min(tap_max_, axis.acceleration_max * t / fastest);
-    if (axis.jerk_max < unlimited) jerk_max_ = std::min(jerk_max_, axis.jerk_max * t * t / fastest);
     if (axis.force_max < unlimited && axis.damping == 0.0 && axis.mass > 0.0)
       tap_max_ = std::min(tap_max_, axis.force_max * t / (axis.mass * fastest));
   }
+  for (const AxisLimit& limit : axis_limits) {
+    if (limit.differences < 1) continue;
+    RampLimit ramp{limit.kind, limit.differences, unlimited};
+    for (std::size_t a = 0; a < speeds_.size(); ++a) {
+      const double fastest = std::max(speeds_[a].start, speeds_[a].stop), bound = task.machine.axes[a].*limit.bound;
+      if (fastest > 0.0 && bound < unlimited)
+        ramp.max = std::min(ramp.max, bound * std::pow(t, limit.differences + 1) / fastest);
+    }
+    if (ramp.max < unlimited) ramps_.push_back(ramp);
+  }
+}
+
+double ConvexRows::ramp_max(LimitKind kind) const {
+  for (const RampLimit& ramp : ramps_) {
+    if (ramp.kind == kind) return ramp.max;
+  }
+  return unlimited;
 }
 
 std::vector<proof::Row> ConvexRows::base_force_rows(int order) const {
@@ -75,8 +91,9 @@ std::vector<proof::Row> ConvexRows::base_force_rows(int order) const {
 
 SparseRow ConvexRows::row(const proof::TapDifference& id, const Box& box) const {
   RowBuilder b{box.order};
-  b.tap(id.sample, id.sign / jerk_max_);
-  b.tap(id.sample - 1, -id.sign / jerk_max_);
+  const int n = axis_limit(id.limit).differences;
+  const double bound = ramp_max(id.limit);
+  for (int j = 0; j <= n; ++j) b.tap(id.sample - j, id.sign * difference_weight(n, j) / bound);
   return std::move(b.row);
 }
 
@@ -101,26 +118,22 @@ SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
     b.tap(at - 1, -c * v.in / t);
     b.tap(at - 1 - d, c * v.out / t);
   };
-  switch (id.limit) {
-    case proof::BlendLimit::acceleration: acceleration(k, id.sign / axis.acceleration_max); break;
-    case proof::BlendLimit::jerk:
-      acceleration(k, id.sign / (t * axis.jerk_max));
-      acceleration(k - 1, -id.sign / (t * axis.jerk_max));
-      break;
-    case proof::BlendLimit::force: {
-      const double c = id.sign / axis.force_max;
-      acceleration(k, c * axis.mass);
-      b.row.constant += c * axis.damping * v.in;
-      b.response(k, -c * axis.damping * v.in);
-      b.response(k - d, c * axis.damping * v.out);
-      break;
-    }
+  if (id.limit == LimitKind::force) {
+    const double c = id.sign / axis.force_max;
+    acceleration(k, c * axis.mass);
+    b.row.constant += c * axis.damping * v.in;
+    b.response(k, -c * axis.damping * v.in);
+    b.response(k - d, c * axis.damping * v.out);
+    return std::move(b.row);
   }
+  const AxisLimit& limit = axis_limit(id.limit);
+  const double bound = std::pow(t, limit.differences) * axis.*limit.bound;
+  for (int j = 0; j <= limit.differences; ++j)
+    acceleration(k - j, id.sign * difference_weight(limit.differences, j) / bound);
   return std::move(b.row);
 }
 
 std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, const Box& box, double slack) const {
-  using proof::BlendLimit;
   std::vector<proof::Row> broken;
   const double t = task_.sample_period;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
@@ -130,19 +143,21 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
       const Axis& axis = task_.machine.axes[a];
       const Legs v = legs(task_.corners[j], a);
       if (v.in == 0.0 || v.out == 0.0) continue;
-      double before = 0.0;
-      for (int k = 1; k <= box.order + d + 2; ++k) {
-        const double acc = (v.out * filter.tap(k - 1 - d) - v.in * filter.tap(k - 1)) / t;
-        const auto test = [&](BlendLimit limit, double value, double bound) {
+      std::array<double, most_differences + 1> difference{};  // of the acceleration, over T each time
+      for (int k = 1; k <= box.order + d + 1 + most_differences; ++k) {
+        double next = (v.out * filter.tap(k - 1 - d) - v.in * filter.tap(k - 1)) / t;
+        for (double& last : difference) next = (next - std::exchange(last, next)) / t;
+        const auto test = [&](LimitKind limit, double value, double bound) {
           if (!(std::abs(value) > bound * (1.0 + slack))) return;
           broken.push_back(proof::Blend{limit, static_cast<int>(j), static_cast<int>(a), k, value > 0.0 ? 1 : -1});
         };
-        test(BlendLimit::acceleration, acc, axis.acceleration_max);
-        test(BlendLimit::jerk, (acc - before) / t, axis.jerk_max);
-        test(BlendLimit::force,
-             axis.mass * acc + axis.damping * (v.in * filter.remaining(k) + v.out * filter.cumulative(k - d)),
+        for (const AxisLimit& limit : axis_limits) {
+          if (limit.differences < 0) continue;
+          test(limit.kind, difference[static_cast<std::size_t>(limit.differences)], axis.*limit.bound);
+        }
+        test(LimitKind::force,
+             axis.mass * difference[0] + axis.damping * (v.in * filter.remaining(k) + v.out * filter.cumulative(k - d)),
              axis.force_max);
-        before = acc;
       }
     }
   }

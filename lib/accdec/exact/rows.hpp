@@ -29,14 +29,23 @@ struct EventSpeeds {
 };
 std::vector<EventSpeeds> event_speeds(const Task& task);
 
+/// A limit on differences of the acceleration, at start and stop of the fastest leg: one on those of the taps.
+struct RampLimit {
+  LimitKind kind;
+  int differences;  ///< >= 1
+  double max;       ///< on |sum_j w_j b_{i-j}| with the weights of that difference
+};
+
 /// The limits of a task that are linear in the taps for a given delay, as rows divided by their bound.
 class ConvexRows {
  public:
   /// Keeps the reference.
   explicit ConvexRows(const Task& task);
 
-  double tap_max() const { return tap_max_; }    ///< from accelerations, <= 1
-  double jerk_max() const { return jerk_max_; }  ///< on |b_i - b_{i-1}|; infinite if none
+  double tap_max() const { return tap_max_; }  ///< from accelerations, <= 1
+  const std::vector<RampLimit>& ramps() const { return ramps_; }
+  /// The bound of one of these; infinite if there is none.
+  double ramp_max(LimitKind kind) const;
 
   /// Force rows of start and stop for orders up to `order`.
   std::vector<proof::Row> base_force_rows(int order) const;
@@ -52,7 +61,8 @@ class ConvexRows {
  private:
   const Task& task_;
   std::vector<EventSpeeds> speeds_;
-  double tap_max_ = 1.0, jerk_max_;
+  double tap_max_ = 1.0;
+  std::vector<RampLimit> ramps_;
 };
 
 }  // namespace accdec::exact

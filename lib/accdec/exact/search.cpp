@@ -75,7 +75,7 @@ void Search::size_for(int order) {
   if (relaxation_ && order == sized_) return;
   require_room(task_, order);
   linear_programs_ = linear_programs();
-  relaxation_ = std::make_unique<Relaxation>(model_, order, stop_, 0.0, window_.order > 0);
+  relaxation_ = std::make_unique<Relaxation>(model_, order, stop_, 0.0, kind_);
   sized_ = order;
 }
 
@@ -253,13 +253,17 @@ Search::State Search::refute(Box box) {
     return state == State::closed ? refute(longer) : state;
   }
   if (const int y = refuted_before(box); y >= 0) return close_by(y);
+
   Outcome outcome = relaxation_->solve(box, false);
   if (outcome.kind == Outcome::refuted) return close_by(keep(std::move(outcome.multipliers)));
   if (single(model_, box)) return go_on(refute_single(std::move(box), std::move(outcome)), whole);
   if (outcome.filter) offer(*outcome.filter);
   const auto found = [&] { return best && best->value < target_ * (1.0 - 1e-9); };
   if (found()) return go_on(State::found, whole);
-  const proof::Node node = box.budget ? choose_split(whole, box, outcome) : widest_split(model_, box);
+  const bool alone = box.corners.size() == 1 && model_.cone(0) && outcome.filter;
+  const proof::Node node = box.budget ? choose_split(whole, box, outcome)
+                           : alone    ? split_alone(*outcome.filter, box)
+                                      : widest_split(model_, box);
   if (found()) return State::found;
   current_.tree.push_back(node);
   const auto [first, second] = parts(whole, node);

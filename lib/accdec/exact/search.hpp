@@ -69,7 +69,9 @@ std::pair<Box, Box> parts(const Box& box, const proof::Node& node);
 /// Looks for something shorter than a target, or proves that there is nothing.
 class Search {
  public:
-  Search(const Task& task, std::function<bool()> stop) : task_(task), model_(task), stop_(std::move(stop)) {}
+  /// @param kind  `together`, `window`: for `refute_together` alone
+  Search(const Task& task, std::function<bool()> stop, BoxKind kind = BoxKind::budget)
+      : task_(task), model_(task), stop_(std::move(stop)), kind_(kind) {}
 
   enum class Answer { proved, found, unknown, open };
   /// found: `best` is shorter than target. unknown: stopped. open: there is nothing but in parts where rounding
@@ -82,8 +84,8 @@ class Search {
   /// The smallest order that holds the limits not tied to a tolerance, or order_max + 1; leaves a first design in
   /// `best` if it can.
   int smallest_order();
-  /// Several corners: offers the filters of one linear program an order, from `least` on.
-  void sweep_orders(int least);
+  /// Several corners: offers the filters of one linear program an order, from `least` on, until `enough`.
+  void sweep_orders(int least, const std::function<bool()>& enough);
   /// Several corners: looks for something shorter near `best`, with as many boxes at most as take about a second.
   /// Whether it found any.
   bool improve();
@@ -103,7 +105,7 @@ class Search {
   std::vector<char> corners_used(const std::vector<proof::Node>& tree) const;
   const std::vector<Multipliers>& multipliers() const { return current_.multipliers; }
 
-  /// From now on only `refute_together`, for filters of any order.
+  /// Of kind `window`: for filters of any order.
   void look_through(Window window) { window_ = std::move(window); }
 
   std::optional<Candidate> best;  ///< verified
@@ -144,6 +146,8 @@ class Search {
   State refute_single(Box box, Outcome outcome);
   /// The split of the box, of which `whole` is what it was before the target cut it, that promises most.
   proof::Node choose_split(const Box& whole, const Box& box, const Outcome& outcome);
+  /// One corner: the split that the linear program's filter asks for.
+  proof::Node split_alone(const Filter& filter, const Box& box) const;
   /// By how much the linear program of a box misses the corner errors; none: it is refuted.
   std::optional<double> try_part(Box box);
   Box root() const;
@@ -155,6 +159,7 @@ class Search {
   const Task& task_;
   LimitModel model_;
   std::function<bool()> stop_;
+  BoxKind kind_;
   std::unique_ptr<Relaxation> relaxation_;
   int sized_ = -1;
   long linear_programs_ = 0;

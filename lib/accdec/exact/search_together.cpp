@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/exact/window.hpp>
 
@@ -10,71 +11,6 @@
 
 namespace accdec::exact {
 namespace {
-
-/// The least distance of all p' >= p, q' >= q from the corner point.
-double least_distance(double cosine, double p, double q) {
-  if (cosine < 0.0) {
-    if (p < -q * cosine) return q * std::sqrt(1.0 - cosine * cosine);
-    if (q < -p * cosine) return p * std::sqrt(1.0 - cosine * cosine);
-  }
-  return std::sqrt(std::max(0.0, p * p + q * q + 2.0 * p * q * cosine));
-}
-
-/// One corner's error with one filter, in samples of its faster leg.
-class CornerError {
- public:
-  CornerError(const LimitModel& model, const Filter& filter, std::size_t j)
-      : filter_(filter),
-        cosine_(std::cos(model.theta(j))),
-        in_(model.scale_in(j)),
-        out_(model.scale_out(j)),
-        bound_(model.error_bound(j)) {}
-
-  double at(int delay, int sample) const {
-    const double p = in_ * filter_.remaining_moment(sample), q = out_ * filter_.elapsed_moment(sample - delay);
-    return std::sqrt(std::max(0.0, p * p + q * q + 2.0 * p * q * cosine_));
-  }
-  /// By how much the error is above its bound at least, as the linear program sees it.
-  double relaxed(const CornerBox& c) const {
-    if (c.d1 == c.d2 && c.k1 == c.k2) return at(c.d1, c.k1) - bound_;
-    return least_distance(cosine_, in_ * filter_.remaining_moment(c.k2), out_ * filter_.elapsed_moment(c.k1 - c.d2)) -
-           bound_;
-  }
-  bool holds(int delay, const CornerBox& c, int order) const {
-    for (int k = c.k1; k <= std::min(c.k2, order + delay + 1); ++k) {
-      if (at(delay, k) <= bound_ * (1.0 + 1e-9) + 1e-12) return true;
-    }
-    return false;
-  }
-
- private:
-  const Filter& filter_;
-  double cosine_, in_, out_, bound_;
-};
-
-struct Chosen {
-  proof::Split split;
-  double gain = -std::numeric_limits<double>::infinity();
-};
-
-/// The split of a corner both parts of which the filter misses by most.
-void consider_splits(const CornerError& error, std::size_t j, const CornerBox& c, Chosen& chosen) {
-  const auto take = [&](bool on_delay, int at, double gain) {
-    if (gain <= chosen.gain) return;
-    chosen.gain = gain;
-    chosen.split = {static_cast<int>(j), on_delay, at};
-  };
-  for (int at = c.k1; at < c.k2; ++at) {
-    CornerBox first = c, second = c;
-    first.k2 = at, second.k1 = at + 1;
-    take(false, at, std::min(error.relaxed(first), error.relaxed(second)));
-  }
-  for (int at = c.d1; at < c.d2 && c.k1 == c.k2; ++at) {
-    CornerBox first = c, second = c;
-    first.d2 = at, second.d1 = at + 1;
-    take(true, at, std::min(error.relaxed(first), error.relaxed(second)));
-  }
-}
 
 /// -1 for rows of no corner.
 int corner_of(const proof::Row& id) {
@@ -111,7 +47,7 @@ bool Search::blend_holds(const Filter& filter, const Box& box, std::size_t j, in
 }
 
 std::optional<proof::Node> Search::split_together(const Filter& filter, const Box& box) const {
-  Chosen chosen;
+  ErrorSplit chosen;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const CornerBox& c = box.corners[j];
     if (!among_[j]) continue;
@@ -122,7 +58,7 @@ std::optional<proof::Node> Search::split_together(const Filter& filter, const Bo
       limits_hold = blend_holds(filter, box, j, d);
     }
     if (!error_holds) {
-      consider_splits(CornerError(model_, filter, j), j, c, chosen);
+      consider_splits(CornerError(model_, filter, j), j, c, false, chosen);
     } else if (!limits_hold && c.d1 < c.d2 && chosen.gain < -1e9) {
       // Other limits of the blend ask for single delays; the longest is the one most likely to hold.
       chosen.gain = -1e9;

@@ -15,13 +15,14 @@ struct Inside {
 
   bool operator()(const proof::Error&) const { return true; }
   bool operator()(const proof::Vibration&) const { return true; }
-  bool operator()(const proof::TapDifference& row) const { return inner(row.sample) && inner(row.sample - 1); }
+  bool operator()(const proof::TapDifference& row) const {
+    return inner(row.sample) && inner(row.sample - axis_limit(row.limit).differences);
+  }
   bool operator()(const proof::EventForce& row) const { return inner(row.sample - 1); }
   bool operator()(const proof::Blend& row) const {
     const CornerBox& c = box.corner(row.corner);
-    const int k = row.sample;
-    if (c.d1 != c.d2 || !inner(k - 1) || !inner(k - 1 - c.d1)) return false;
-    return row.limit != proof::BlendLimit::jerk || (inner(k - 2) && inner(k - 2 - c.d1));
+    const int newest = row.sample - 1, oldest = newest - std::max(axis_limit(row.limit).differences, 0);
+    return c.d1 == c.d2 && inner(newest) && inner(newest - c.d1) && inner(oldest) && inner(oldest - c.d1);
   }
   template <class Other>
   bool operator()(const Other&) const {

@@ -1,5 +1,9 @@
 #include <algorithm>
+#include <deque>
 #include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include <accdec/files/json_position.hpp>
 
@@ -54,6 +58,18 @@ struct Walker {
   }
 };
 
+using Keys = std::vector<std::pair<std::string_view, std::size_t>>;  // as in the file, and where
+
+/// The first key of one object, in the order of the file, that stands in it before.
+std::optional<std::size_t> repeated(Keys& keys) {
+  std::sort(keys.begin(), keys.end());
+  std::optional<std::size_t> first;
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    if (keys[i].first == keys[i - 1].first) first = std::min(first.value_or(keys[i].second), keys[i].second);
+  }
+  return first;
+}
+
 }  // namespace
 
 std::pair<long, long> line_and_column(std::string_view text, std::size_t offset) {
@@ -75,6 +91,37 @@ std::size_t locate(std::string_view json, std::string_view pointer) {
     pointer.remove_prefix(slash);
   }
   return found;
+}
+
+std::optional<std::size_t> duplicate_key(std::string_view json) {
+  Walker walker{json};
+  std::vector<Keys> open;  // of every bracket that is open; lists have none
+  std::vector<char> brackets;
+  std::deque<std::string> decoded;  // keys written with escapes
+  bool key = false;                 // whether the next string is one
+  for (; walker.at < json.size();) {
+    const char c = json[walker.at];
+    if (c == '"') {
+      const std::size_t at = walker.at;
+      std::string_view name = walker.string();
+      if (key && name.find('\\') != std::string_view::npos)
+        name = decoded.emplace_back(nlohmann::json::parse(json.substr(at, walker.at - at)).get<std::string>());
+      if (key) open.back().emplace_back(name, at);
+      key = false;
+      continue;
+    }
+    if (c == '{' || c == '[') {
+      open.emplace_back();
+      brackets.push_back(c);
+    } else if ((c == '}' || c == ']') && !open.empty()) {
+      if (const auto found = repeated(open.back())) return found;
+      open.pop_back();
+      brackets.pop_back();
+    }
+    if (c == '{' || c == ',') key = !brackets.empty() && brackets.back() == '{';
+    ++walker.at;
+  }
+  return std::nullopt;
 }
 
 }  // namespace accdec

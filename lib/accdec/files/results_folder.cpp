@@ -50,8 +50,10 @@ void claim_results_folder(const std::string& folder, const ResultsKind& kind, co
   if (fs::exists(folder)) {
     if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: not a folder", folder));
     const std::string finished = results_hash(folder, kind), marked = marked_hash(folder, kind);
-    for (const std::string& found : {finished, marked}) {
-      if (found.empty() || found == hash || (changed && found != "?")) continue;
+    // The marker is the younger of the two: results are replaced when their successors are whole.
+    const std::string& owner = marked.empty() ? finished : marked;
+    const bool foreign = finished == "?" || marked == "?";
+    if (foreign || !(owner.empty() || owner == hash || changed)) {
       throw OutputError(
           fmt::format("{}: holds the results of another {}, or of an earlier form of this one; nothing was changed. "
                       "Choose another --out or remove it",

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/certificate_json.hpp>
@@ -11,16 +12,13 @@ using Json = nlohmann::ordered_json;
 // What stands in a row before its multiplier.
 
 Json row_json(const proof::TapDifference& r) {
-  return {"jerk", r.sample, r.sign};
+  return {to_string(r.limit), r.sample, r.sign};
 }
 Json row_json(const proof::EventForce& r) {
   return {r.stop ? "force stop" : "force start", r.axis, r.sample};
 }
 Json row_json(const proof::Blend& r) {
-  const char* name = r.limit == proof::BlendLimit::acceleration ? "blend acceleration"
-                     : r.limit == proof::BlendLimit::jerk       ? "blend jerk"
-                                                                : "blend force";
-  return {name, r.corner, r.axis, r.sample, r.sign};
+  return {fmt::format("blend {}", to_string(r.limit)), r.corner, r.axis, r.sample, r.sign};
 }
 Json row_json(const proof::Error& r) {
   return {"error", r.corner, r.angle};

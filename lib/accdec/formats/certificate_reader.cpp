@@ -1,6 +1,8 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include <accdec/formats/certificate_json.hpp>
 #include <accdec/formats/json_value.hpp>
 #include <accdec/task/objective.hpp>
@@ -67,14 +69,10 @@ proof::Tangent read_tangent(const Entry& e, std::size_t first) {
 }
 
 proof::Row read_row(const Entry& e) {
-  using proof::BlendLimit;
   const auto is = [&](std::string_view name, std::size_t named) {
     if (!e.is_text(0, name)) return false;
     e.needs(named);
     return true;
-  };
-  const auto blend = [&](BlendLimit limit) {
-    return proof::Blend{limit, e.integer(1), e.integer(2), e.integer(3), e.integer(4)};
   };
   const auto event_power = [&](bool stop) {
     return proof::EventPower{stop, e.integer(1), e.integer(2), e.number(3), e.number(4)};
@@ -83,12 +81,15 @@ proof::Row read_row(const Entry& e) {
     return proof::BlendPower{regeneration, e.integer(1), e.integer(2), e.integer(3),
                              e.integer(4), e.number(5),  e.number(6)};
   };
-  if (is("jerk", 2)) return proof::TapDifference{e.integer(1), e.integer(2)};
+  for (const AxisLimit& limit : axis_limits) {
+    if (limit.differences > 0 && is(to_string(limit.kind), 2))
+      return proof::TapDifference{e.integer(1), e.integer(2), limit.kind};
+    const bool in_blends = limit.differences >= 0 || limit.kind == LimitKind::force;
+    if (in_blends && is(fmt::format("blend {}", to_string(limit.kind)), 4))
+      return proof::Blend{limit.kind, e.integer(1), e.integer(2), e.integer(3), e.integer(4)};
+  }
   if (is("force start", 2)) return proof::EventForce{false, e.integer(1), e.integer(2)};
   if (is("force stop", 2)) return proof::EventForce{true, e.integer(1), e.integer(2)};
-  if (is("blend acceleration", 4)) return blend(BlendLimit::acceleration);
-  if (is("blend jerk", 4)) return blend(BlendLimit::jerk);
-  if (is("blend force", 4)) return blend(BlendLimit::force);
   if (is("error", 2)) return proof::Error{e.integer(1), e.number(2)};
   if (is("range error", 8)) return proof::RangeError{e.integer(1), e.number(2), read_tangent(e, 3), read_tangent(e, 6)};
   if (is("budget", 0)) return proof::Budget{};

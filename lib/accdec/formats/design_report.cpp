@@ -31,7 +31,7 @@ ReportTable corner_report(const DesignResult& result) {
     const CornerResult& c = result.corners[j];
     std::string allowed = "-";
     if (j < result.task.corners.size() && result.task.corners[j].error_max)
-      allowed = fmt::format("{:g}", 1e6 * *result.task.corners[j].error_max);
+      allowed = fmt::format("{:.9g}", 1e6 * *result.task.corners[j].error_max);
     table.rows.push_back({c.name, fmt::format("{}", c.delay), fmt::format("{:.2f}", 1e6 * c.corner_error), allowed,
                           fmt::format("{:.2f}", 1e6 * c.polyline_error),
                           fmt::format("{:.2f}", 1e6 * c.contour_deviation), fmt::format("{:.2f}", 1e3 * c.speed_min),
@@ -64,7 +64,7 @@ ReportTable limit_report(const DesignResult& result) {
     if (use->utilisation > 1.0 + result.verification.tolerance) where += "  BROKEN";
     table.rows.push_back({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),
                           fmt::format("{:.6g}", name.per_si * use->value),
-                          fmt::format("{:.6g}", name.per_si * use->bound), std::string(name.unit), where});
+                          fmt::format("{:.9g}", name.per_si * use->bound), std::string(name.unit), where});
   }
   return table;
 }

@@ -20,7 +20,7 @@ std::string percent(double share) {
 }
 
 std::string number(const Lever& lever, double si) {
-  return fmt::format("{:.6g}{}{}", lever.per_si * si, lever.unit.empty() ? "" : " ", lever.unit);
+  return fmt::format("{:.9g}{}{}", lever.per_si * si, lever.unit.empty() ? "" : " ", lever.unit);
 }
 
 /// One value where all levers have the same, else a value each.
@@ -76,7 +76,7 @@ std::string binding_text(const Explanation& e) {
       text.back() = ';';
       text += fmt::format(" {}\n", where);
     } else {
-      text += fmt::format("  {}{}{}{} ({:.6g} {}): {}\n", b.corner.empty() ? "" : fmt::format("corner {}, ", b.corner),
+      text += fmt::format("  {}{}{}{} ({:.9g} {}): {}\n", b.corner.empty() ? "" : fmt::format("corner {}, ", b.corner),
                           what, b.axis.empty() ? "" : " ", b.axis, name.per_si * b.bound, name.unit, where);
     }
     before = &b;

@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <accdec/files/errors.hpp>
+#include <accdec/files/json_position.hpp>
 #include <accdec/formats/program_record.hpp>
 #include <accdec/formats/task_reader.hpp>
 
@@ -84,6 +86,10 @@ class Reader {
   Reader(std::string_view text, std::string name) : name_(std::move(name)) {
     json_ = Json::parse(text, nullptr, false);
     if (json_.is_discarded()) fail("is not JSON");
+    if (const auto at = duplicate_key(text)) {
+      const auto [line, column] = line_and_column(text, *at);
+      throw InputError(name_, line, column, "this key stands twice in its object; each may stand once");
+    }
     if (!is_program_result(text)) fail("is no result of accdec program (schema accdec.program/1)");
   }
 
@@ -92,19 +98,21 @@ class Reader {
     ProgramResult& r = record.result;
     try {
       r.program = json_.at("program").get<std::string>();
+      r.feeds_chosen = json_.at("feeds") == "chosen";
+      r.worst_shown = json_.at("worst_corners").size();
+      record.filter_bound = json_.contains("filter_bound_s");
       r.sample_period = json_.at("sample_period_s").get<double>();
       r.filter = filter(json_.at("filter").at("taps"));
       r.legs = LegFilters(r.filter);
       r.cycle_time = json_.at("cycle_time_s").get<double>();
       r.delay_total = json_.at("delay_total_s").get<double>();
-      r.programmed_blocks = json_.at("blocks").get<std::size_t>();
-      r.plan.simulation.samples = json_.at("samples").get<std::int64_t>();
-      const Json& corners = json_.at("corners");
-      r.corners = corners.at("count").get<std::size_t>();
-      r.worst_error = corners.at("worst_error_m").get<double>();
-      r.verification.feasible = json_.at("verification").at("feasible").get<bool>();
+      r.corners = json_.at("corners").at("count").get<std::size_t>();
+      r.worst_error = json_.at("corners").at("worst_error_m").get<double>();
       r.status = json_.at("status") == "feasible" ? Status::feasible : Status::failed;
-      for (const Json& limit : json_.at("limits")) r.plan.simulation.limits.push_back(limit_use(limit));
+      for (const Json& limit : json_.at("limits")) {
+        r.plan.simulation.limits.push_back(limit_use(limit));
+        r.plan.simulation.limit_lines.push_back(limit.at("line").get<std::uint32_t>());
+      }
       if (json_.contains("inputs")) read_inputs(json_["inputs"], record);
       record.commands = json_.contains("commands") && json_["commands"].is_object() && json_.contains("inputs");
       if (record.commands) read_commands(json_["commands"], r);
@@ -121,7 +129,13 @@ class Reader {
  private:
   [[noreturn]] void fail(const std::string& message) const { throw InputError(name_, 0, 0, message); }
 
-  static Filter filter(const Json& taps) { return Filter(taps.get<std::vector<double>>()); }
+  static Filter filter(const Json& json) {
+    auto taps = json.get<std::vector<double>>();
+    const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
+    if (!(std::abs(sum - 1.0) <= 1e-9))
+      throw std::invalid_argument(fmt::format("filter taps have the sum {:.15g}; it must be 1", sum));
+    return Filter(std::move(taps));
+  }
 
   LimitUse limit_use(const Json& json) const {
     LimitUse use;
@@ -134,6 +148,11 @@ class Reader {
     use.value = json.at("value").get<double>();
     use.bound = json.at("bound").get<double>();
     use.utilisation = json.at("utilisation").get<double>();
+    use.sample = json.at("sample").get<int>();
+    if (use.kind == LimitKind::vibration)
+      use.frequency = json.at("frequency_Hz").get<double>();
+    else
+      use.corner = fmt::format("line {}", json.at("line").get<std::uint32_t>());
     return use;
   }
 
@@ -245,6 +264,10 @@ std::string program_to_json(const ProgramResult& result, const ProgramInputs& in
 bool is_program_result(std::string_view text) {
   // The schema is the first member of what accdec writes.
   return text.substr(0, 200).find("\"accdec.program/1\"") != std::string_view::npos;
+}
+
+bool is_profile_result(std::string_view text) {
+  return text.substr(0, 200).find("\"accdec.profiles/1\"") != std::string_view::npos;
 }
 
 ProgramRecord parse_program_record(std::string_view text, const std::string& name) {

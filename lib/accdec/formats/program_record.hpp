@@ -20,9 +20,10 @@ struct ProgramInputs {
 /// A result of `accdec program` read back.
 struct ProgramRecord {
   ProgramInputs inputs;
-  Task task;              ///< of its text
-  ProgramResult result;   ///< what `verify_program_result`, `plot_program` and exports use; the rest is empty
-  bool commands = false;  ///< false: the result is too large to hold them, or older than they are
+  Task task;                  ///< of its text
+  ProgramResult result;       ///< what `verify_program_result`, `plot_program` and exports use; the rest is empty
+  bool filter_bound = false;  ///< the result has one
+  bool commands = false;      ///< false: the result is too large to hold them, or older than they are
 };
 
 /// Commanded blocks up to which a result holds its commands: about 10 MB of JSON.
@@ -34,6 +35,8 @@ std::string program_to_json(const ProgramResult& result, const ProgramInputs& in
 
 /// Whether a file's text is a program's result.
 bool is_program_result(std::string_view text);
+/// Or of its plan profiles, accdec.profiles/1.
+bool is_profile_result(std::string_view text);
 
 /// @throws InputError naming what is missing, mistyped or contradicts itself
 ProgramRecord parse_program_record(std::string_view text, const std::string& name);

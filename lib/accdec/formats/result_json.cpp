@@ -1,5 +1,9 @@
 #include <cmath>
+#include <iterator>
+#include <string_view>
+#include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/certificate_json.hpp>
@@ -18,63 +22,129 @@ Json number(const std::optional<double>& x) {
   return x ? number(*x) : Json(nullptr);
 }
 
-Json corner_json(const CornerResult& c) {
-  return {{"name", c.name},
-          {"delay_samples", c.delay},
-          {"corner_error_m", number(c.corner_error)},
-          {"polyline_error_m", number(c.polyline_error)},
-          {"contour_deviation_m", number(c.contour_deviation)},
-          {"speed_min_m_s", number(c.speed_min)},
-          {"corner_time_s", number(c.corner_time)}};
+/// The elements of lists of a hundred thousand corners, and several times as many limits, are written directly: as a
+/// tree they take ten times the memory and most of the time.
+class ListWriter {
+ public:
+  explicit ListWriter(std::string& out) : out_(out) {}
+
+  ListWriter& begin() {
+    out_ += first_element_ ? "\n    {" : ",\n    {";
+    first_element_ = false;
+    first_member_ = true;
+    return *this;
+  }
+  ListWriter& member(std::string_view name, std::string_view word) {
+    key(name);
+    out_ += Json(word).dump(-1, ' ', false, Json::error_handler_t::replace);
+    return *this;
+  }
+  ListWriter& member(std::string_view name, double value) {
+    key(name);
+    if (!std::isfinite(value)) {
+      out_ += "null";
+      return *this;
+    }
+    const std::size_t at = out_.size();
+    fmt::format_to(std::back_inserter(out_), "{}", value);
+    // A whole number is one of the kind that has a fraction.
+    if (out_.find_first_of(".e", at) == std::string::npos) out_ += ".0";
+    return *this;
+  }
+  ListWriter& member(std::string_view name, int value) {
+    key(name);
+    fmt::format_to(std::back_inserter(out_), "{}", value);
+    return *this;
+  }
+  void end() { out_ += "\n    }"; }
+
+ private:
+  void key(std::string_view name) {
+    fmt::format_to(std::back_inserter(out_), "{}\n      \"{}\": ", first_member_ ? "" : ",", name);
+    first_member_ = false;
+  }
+
+  std::string& out_;
+  bool first_element_ = true, first_member_ = true;
+};
+
+/// "name": [ .. ] as a member of the result, element by element.
+template <class Element, class Write>
+void append_list(std::string& out, std::string_view name, const std::vector<Element>& list, Write write) {
+  fmt::format_to(std::back_inserter(out), ",\n  \"{}\": [", name);
+  ListWriter writer(out);
+  for (const Element& element : list) {
+    writer.begin();
+    write(writer, element);
+    writer.end();
+  }
+  out += list.empty() ? "]" : "\n  ]";
 }
 
-Json limit_json(const LimitUse& use) {
-  Json json{{"kind", to_string(use.kind)},
-            {"axis", use.axis},
-            {"corner", use.corner},
-            {"event", to_string(use.event)},
-            {"value", number(use.value)},
-            {"bound", number(use.bound)},
-            {"utilisation", number(use.utilisation)},
-            {"sample", use.sample}};
-  if (use.kind == LimitKind::vibration) json["frequency_Hz"] = number(use.frequency);
-  return json;
+void write_corner(ListWriter& writer, const CornerResult& c) {
+  writer.member("name", c.name)
+      .member("delay_samples", c.delay)
+      .member("corner_error_m", c.corner_error)
+      .member("polyline_error_m", c.polyline_error)
+      .member("contour_deviation_m", c.contour_deviation)
+      .member("speed_min_m_s", c.speed_min)
+      .member("corner_time_s", c.corner_time);
+}
+
+void write_limit(ListWriter& writer, const LimitUse& use) {
+  writer.member("kind", to_string(use.kind))
+      .member("axis", use.axis)
+      .member("corner", use.corner)
+      .member("event", to_string(use.event))
+      .member("value", use.value)
+      .member("bound", use.bound)
+      .member("utilisation", use.utilisation)
+      .member("sample", use.sample);
+  if (use.kind == LimitKind::vibration) writer.member("frequency_Hz", use.frequency);
+}
+
+/// The members of an object as text, without its brackets.
+std::string members(const Json& object) {
+  const std::string text = object.dump(2, ' ', false, Json::error_handler_t::replace);
+  return text.substr(1, text.size() - 3);
 }
 
 }  // namespace
 
 std::string result_to_json(const DesignResult& result) {
-  Json json;
-  json["schema"] = "accdec.result/1";
-  json["status"] = to_string(result.status);
-  json["message"] = result.message;
-  json["stop"] = to_string(result.stop);
-  json["task"] = task_to_json(result.task);
-  json["sample_period_s"] = result.task.sample_period;
-  json["filter"] = nullptr;
+  Json head;
+  head["schema"] = "accdec.result/1";
+  head["status"] = to_string(result.status);
+  head["message"] = result.message;
+  head["stop"] = to_string(result.stop);
+  head["task"] = task_to_json(result.task);
+  head["sample_period_s"] = result.task.sample_period;
+  head["filter"] = nullptr;
   if (result.filter) {
     const auto taps = result.filter->taps();
-    json["filter"] = {{"order", result.filter->order()}, {"taps", std::vector<double>(taps.begin(), taps.end())}};
+    head["filter"] = {{"order", result.filter->order()}, {"taps", std::vector<double>(taps.begin(), taps.end())}};
   }
-  json["corners"] = Json::array();
-  for (const CornerResult& corner : result.corners) json["corners"].push_back(corner_json(corner));
-  json["cycle_time_s"] = number(result.cycle_time);
-  json["corner_time_s"] = number(result.corner_time);
-  json["lower_bound_s"] = number(result.lower_bound);
-  json["gap"] = number(result.gap);
-  json["limits"] = Json::array();
-  for (const LimitUse& use : result.limits) json["limits"].push_back(limit_json(use));
+  const Json times{{"cycle_time_s", number(result.cycle_time)},
+                   {"corner_time_s", number(result.corner_time)},
+                   {"lower_bound_s", number(result.lower_bound)},
+                   {"gap", number(result.gap)}};
+  Json tail;
   const VerificationReport& v = result.verification;
-  json["verification"] = {
+  tail["verification"] = {
       {"performed", v.performed},    {"feasible", v.feasible}, {"max_violation", number(v.max_violation)},
       {"tolerance", v.tolerance},    {"worst", v.worst},       {"certificate_checked", v.certificate_checked},
       {"certificate", v.certificate}};
   const SolverReport& s = result.solver;
-  json["solver"] = {{"method", s.method},           {"name", s.name},
+  tail["solver"] = {{"method", s.method},           {"name", s.name},
                     {"version", s.version},         {"claimed", s.claimed},
                     {"evaluations", s.evaluations}, {"wall_time_s", number(s.wall_time)}};
-  if (result.certificate) json["certificate"] = json_of(*result.certificate);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (result.certificate) tail["certificate"] = json_of(*result.certificate);
+  std::string text = "{" + members(head);
+  append_list(text, "corners", result.corners, write_corner);
+  text += "," + members(times);
+  append_list(text, "limits", result.limits, write_limit);
+  text += "," + members(tail);
+  return text + "\n}\n";
 }
 
 }  // namespace accdec

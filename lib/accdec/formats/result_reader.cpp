@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -165,14 +166,22 @@ LimitUse read_limit(const Json& json) {
   return use;
 }
 
-Filter read_filter(const Json& json) {
+/// Up to 10^6 taps, each rounded, summed plainly.
+constexpr double taps_rounding = 1e-9;
+
+Filter filter_from(const Json& json) {
   const long order = json["order"];
   std::vector<double> taps = json["taps"];
   if (static_cast<long>(taps.size()) != order + 1) {
     throw mistake("/filter/taps", fmt::format("has {} taps; order {} needs {}", taps.size(), order, order + 1));
   }
+  const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
   try {
-    return Filter(std::move(taps));
+    Filter filter(std::move(taps));
+    // A filter is made of any taps, by scaling them; what is recorded is to be what was checked.
+    if (!(std::abs(sum - 1.0) <= taps_rounding))
+      throw std::invalid_argument(fmt::format("have the sum {:.15g}; it must be 1", sum));
+    return filter;
   } catch (const std::invalid_argument& error) {
     throw mistake("/filter/taps", error.what());
   }
@@ -223,7 +232,7 @@ DesignResult read_members(const Json& json, const std::string& name) {
     throw mistake("/sample_period_s",
                   fmt::format("differs from the task's {} s; they must agree", result.task.sample_period));
   }
-  if (!json["filter"].is_null()) result.filter = read_filter(json["filter"]);
+  if (!json["filter"].is_null()) result.filter = filter_from(json["filter"]);
   read_corners(json["corners"], result);
   result.cycle_time = json["cycle_time_s"];
   result.corner_time = json["corner_time_s"];
@@ -324,6 +333,10 @@ DesignResult parse_result(std::string_view text, const std::string& name) {
   if (const auto at = too_deep(text)) {
     const auto [line, column] = line_and_column(text, *at);
     throw InputError(name, line, column, "brackets nest more than 64 deep; no result does");
+  }
+  if (const auto at = duplicate_key(text)) {
+    const auto [line, column] = line_and_column(text, *at);
+    throw InputError(name, line, column, "this key stands twice in its object; each may stand once");
   }
   try {
     return read_members(json, name);

@@ -15,7 +15,7 @@
 namespace accdec {
 namespace {
 
-using Json = nlohmann::json;
+using PlainJson = nlohmann::json;
 
 /// What a key ends in because of its unit.
 std::string suffix_of(const std::string& unit) {
@@ -44,15 +44,15 @@ const Key* key_in_si(std::string_view table, std::string_view name) {
 }
 
 /// A value in SI in the unit of its key.
-Json in_unit_of(const Key& key, const Json& value) {
+PlainJson in_unit_of(const Key& key, const PlainJson& value) {
   if (key.type == KeyType::number && value.is_number()) return from_si(key, value.get<double>());
   return value;
 }
 
 /// Renames and converts what a table gives in SI.
-void to_file_keys(Json& table, std::string_view which, const std::string& file) {
+void to_file_keys(PlainJson& table, std::string_view which, const std::string& file) {
   if (!table.is_object()) return;
-  Json renamed = Json::object();
+  PlainJson renamed = PlainJson::object();
   for (const auto& [name, value] : table.items()) {
     const Key* key = key_in_si(which, name);
     if (key && table.contains(key->name))
@@ -62,29 +62,29 @@ void to_file_keys(Json& table, std::string_view which, const std::string& file) 
   table = std::move(renamed);
 }
 
-void to_file_keys(Json& task, const std::string& file) {
+void to_file_keys(PlainJson& task, const std::string& file) {
   to_file_keys(task, "", file);
   for (const char* const table : {"axis", "corner", "mode", "program"}) {
     const auto found = task.find(table);
     if (found == task.end()) continue;
     if (found->is_array()) {
-      for (Json& element : *found) to_file_keys(element, table, file);
+      for (PlainJson& element : *found) to_file_keys(element, table, file);
     } else {
       to_file_keys(*found, table, file);
     }
   }
 }
 
-toml::table to_table(const Json& object, const std::string& file, int depth);
+toml::table to_table(const PlainJson& object, const std::string& file, int depth);
 
 /// Adds a value, as the reader's own kind, to a list.
-void put(toml::array& list, const Json& value, const std::string& key, const std::string& file, int depth) {
+void put(toml::array& list, const PlainJson& value, const std::string& key, const std::string& file, int depth) {
   if (depth > 4) throw InputError(file, 0, 0, fmt::format("`{}` is nested too deeply for a task", key));
   if (value.is_object()) {
     list.push_back(to_table(value, file, depth + 1));
   } else if (value.is_array()) {
     toml::array inner;
-    for (const Json& element : value) put(inner, element, key, file, depth + 1);
+    for (const PlainJson& element : value) put(inner, element, key, file, depth + 1);
     list.push_back(std::move(inner));
   } else if (value.is_string()) {
     list.push_back(value.get<std::string>());
@@ -99,7 +99,7 @@ void put(toml::array& list, const Json& value, const std::string& key, const std
   }
 }
 
-toml::table to_table(const Json& object, const std::string& file, int depth) {
+toml::table to_table(const PlainJson& object, const std::string& file, int depth) {
   toml::table table;
   for (const auto& [key, value] : object.items()) {
     toml::array one;
@@ -123,10 +123,10 @@ std::pair<std::string, double> in_file_unit(const std::string& key, double value
 }  // namespace
 
 Task parse_task_json(std::string_view text, const std::string& name, const TaskOptions& options) {
-  Json json;
+  PlainJson json;
   try {
-    json = Json::parse(text);
-  } catch (const Json::exception& error) {
+    json = PlainJson::parse(text);
+  } catch (const PlainJson::exception& error) {
     throw InputError(name, 0, 0, fmt::format("not valid JSON: {}", error.what()));
   }
   if (!json.is_object()) throw InputError(name, 0, 0, "a task is an object with sample_period and corner");
@@ -136,7 +136,7 @@ Task parse_task_json(std::string_view text, const std::string& name, const TaskO
 
 Task with_setting(const Task& task, const std::string& key, double value) {
   const auto [file_key, number] = in_file_unit(key, value);
-  toml::table tree = to_table(Json::parse(task_to_json(task).dump()), key, 0);
+  toml::table tree = to_table(PlainJson::parse(task_to_json(task).dump()), key, 0);
   TaskKey(file_key).set(tree, number);
   return task_from_tree(tree, key, "", {.require_corners = !task.corners.empty()});
 }

@@ -180,11 +180,12 @@ void check_feeds(const TaskCorner& corner, const Table& table, const Machine& ma
     const auto check = [&](std::string_view key, double feed, double part) {
       // The last factor leaves room for the rounding of sqrt(1/2) and its like.
       if (feed * std::abs(part) <= axis.velocity_max * (1.0 + 1e-12)) return;
-      table.fail_at(table.has(key) ? key : "feed_in_mm_min",
-                    fmt::format("corner {}: {} asks axis {} for {:.6g} mm/s; allowed is velocity_max_mm_s = {:.6g} (a "
-                                "feed up to {:.6g} mm/min in this direction)",
-                                corner.name, key, axis.name, 1e3 * feed * std::abs(part), 1e3 * axis.velocity_max,
-                                6e4 * axis.velocity_max / std::abs(part)));
+      table.fail_at(
+          table.has(key) ? key : "feed_in_mm_min",
+          fmt::format("corner {}: {} asks axis {} for {:.10g} mm/s; allowed is velocity_max_mm_s = {:.10g} (a "
+                      "feed up to {:.10g} mm/min in this direction)",
+                      corner.name, key, axis.name, 1e3 * feed * std::abs(part), 1e3 * axis.velocity_max,
+                      6e4 * axis.velocity_max / std::abs(part)));
     };
     check("feed_in_mm_min", legs.feed_in, legs.direction_in[a]);
     check("feed_out_mm_min", legs.feed_out, legs.direction_out[a]);

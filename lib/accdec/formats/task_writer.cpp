@@ -56,7 +56,7 @@ Json axis_json(const Axis& axis) {
   return table.json();
 }
 
-Json corner_json(const TaskCorner& corner) {
+Json task_corner_json(const TaskCorner& corner) {
   Written table("corner");
   table.value("name", corner.name);
   if (const auto* planar = std::get_if<PlanarLegs>(&corner.legs())) {
@@ -118,7 +118,7 @@ nlohmann::ordered_json task_to_json(const Task& task) {
   if (task.baseline) top.value("baseline", filter_to_json(*task.baseline));
   top.value("design", design_json(task.design));
   list("axis", task.machine.axes, axis_json);
-  list("corner", task.corners, corner_json);
+  list("corner", task.corners, task_corner_json);
   list("mode", task.machine.modes, mode_json);
   if (task.program_error_max) {
     Written program("program");

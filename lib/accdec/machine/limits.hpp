@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -48,6 +50,29 @@ inline AxisState axis_state(const Axis& axis, double velocity, double accelerati
   return {velocity, acceleration, jerk, force, power, -power};
 }
 
+/// The states of an axis one sample after the other, from steady motion on: what a limit needs to know of the samples
+/// before is kept here and nowhere else.
+class AxisSampler {
+ public:
+  /// Samples before the one asked for that its state depends on.
+  static constexpr int memory = 1;
+
+  /// @param period  sample period T, s, > 0  @param axis  the reference is kept
+  AxisSampler(const Axis& axis, double period) : axis_(&axis), period_(period) {}
+  /// @param velocity, acceleration  of the next sample, m/s and m/s^2
+  AxisState next(double velocity, double acceleration) {
+    const double jerk = (acceleration - acceleration_) / period_;
+    acceleration_ = acceleration;
+    return axis_state(*axis_, velocity, acceleration, jerk);
+  }
+  /// A sample whose state nobody asks for.
+  void skip(double acceleration) { acceleration_ = acceleration; }
+
+ private:
+  const Axis* axis_;
+  double period_, acceleration_ = 0.0;
+};
+
 /// A limit of an axis: where its bound stands and what is compared with it. To add one, add a line here; see the recipe
 /// in lib/accdec/README.md for who repeats the formula on purpose.
 struct AxisLimit {
@@ -58,15 +83,16 @@ struct AxisLimit {
   double (*value)(const AxisState& s);  ///< what must not exceed the bound
   bool load;                            ///< depends on mass and damping
   int degree;                           ///< a motion at c times the speed has c^degree times the value
+  int differences = -1;  ///< how often the acceleration is differenced over T to give the value; -1: it is none such
 };
 // clang-format off
 inline constexpr std::array<AxisLimit, 6> axis_limits{{
     {LimitKind::velocity, "velocity_max_mm_s", 1e6, &Axis::velocity_max,
      [](const AxisState& s) { return std::abs(s.velocity); }, false, 1},
     {LimitKind::acceleration, "acceleration_max_mm_s2", 1e8, &Axis::acceleration_max,
-     [](const AxisState& s) { return std::abs(s.acceleration); }, false, 1},
+     [](const AxisState& s) { return std::abs(s.acceleration); }, false, 1, 0},
     {LimitKind::jerk, "jerk_max_mm_s3", 1e12, &Axis::jerk_max,
-     [](const AxisState& s) { return std::abs(s.jerk); }, false, 1},
+     [](const AxisState& s) { return std::abs(s.jerk); }, false, 1, 1},
     {LimitKind::force, "force_max_N", 1e8, &Axis::force_max,
      [](const AxisState& s) { return std::abs(s.force); }, true, 1},
     {LimitKind::power, "power_max_W", 1e8, &Axis::power_max,
@@ -75,6 +101,31 @@ inline constexpr std::array<AxisLimit, 6> axis_limits{{
      [](const AxisState& s) { return s.braking; }, true, 2},
 }};
 // clang-format on
+
+/// @throws std::out_of_range unless the kind is one of an axis
+constexpr const AxisLimit& axis_limit(LimitKind kind) {
+  for (const AxisLimit& limit : axis_limits) {
+    if (limit.kind == kind) return limit;
+  }
+  throw std::out_of_range("not a limit of an axis");
+}
+
+/// Weight of the value j samples ago in the n-th difference of a sequence, 0 <= j <= n: (-1)^j n!/(j! (n - j)!).
+constexpr double difference_weight(int n, int j) {
+  double weight = 1.0;
+  for (int i = 0; i < j; ++i) weight *= -static_cast<double>(n - i) / (i + 1);
+  return weight;
+}
+/// Largest `differences` of the table.
+inline constexpr int most_differences = [] {
+  int most = 0;
+  for (const AxisLimit& limit : axis_limits) most = std::max(most, limit.differences);
+  return most;
+}();
+
+/// Samples past the order of a filter at which a change of the command has left every limited value: one a difference,
+/// that of the velocity included. Delays longer than the order by so many change nothing.
+inline constexpr int settling = 1 + most_differences;
 
 /// Whether a sample holds every limit of its axis. @param slack  factor on all bounds
 inline bool holds(const Axis& axis, const AxisState& state, double slack) {

@@ -89,14 +89,13 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
     const double in = corner.feed_in * corner.direction_in[index], out = corner.feed_out * corner.direction_out[index];
     for (const AxisEvent& e : {AxisEvent{Event::start, 0.0, in, 0}, AxisEvent{Event::blend, in, out, delay},
                                AxisEvent{Event::stop, out, 0.0, 0}}) {
-      double previous = 0.0;
-      const int last = filter.order() + 2 + (e.event == Event::blend ? std::max(e.delay, 0) : 0);
+      AxisSampler sampler(axis, sample_period);
+      const int last = filter.order() + settling + (e.event == Event::blend ? std::max(e.delay, 0) : 0);
       for (int k = std::min(0, e.delay); k <= last; ++k) {
         const double v = e.in * filter.remaining(k) + e.out * filter.cumulative(k - e.delay);
         const double acc = (e.out * filter.tap(k - 1 - e.delay) - e.in * filter.tap(k - 1)) / sample_period;
-        const AxisState state = axis_state(axis, v, acc, (acc - previous) / sample_period);
+        const AxisState state = sampler.next(v, acc);
         for (std::size_t i = 0; i < axis_limits.size(); ++i) worst[i].offer(axis_limits[i].value(state), e.event, k);
-        previous = acc;
       }
     }
     for (Worst& w : worst) {

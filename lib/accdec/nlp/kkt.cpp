@@ -16,7 +16,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 /// Up to here a dense active-set estimate of the multipliers takes well under a second.
 constexpr int dense_variables = 120;
 
-struct Point {
+struct KktPoint {
   std::span<const double> x;
   Vector gradient, rows;
   Sparse jacobian;
@@ -36,7 +36,7 @@ double projected(double r, double x, Bound b, double tolerance, double scale) {
   return std::abs(r) * distance <= 0.01 * tolerance * scale ? 0.0 : std::abs(r);
 }
 
-void measure(const Problem& problem, const Point& p, const Vector& y, double tolerance, KktReport& report) {
+void measure(const Problem& problem, const KktPoint& p, const Vector& y, double tolerance, KktReport& report) {
   const Vector residual = p.gradient + p.jacobian.transpose() * y;
   // Not by the multipliers: where two rows all but pinch the feasible set, huge ones of opposite sides would make any
   // point stationary.
@@ -62,7 +62,7 @@ void measure(const Problem& problem, const Point& p, const Vector& y, double tol
 
 /// min |g + J_A^T y| over active rows A and variables off their bounds, with the signs of active sides: least squares,
 /// then rows whose sign came out wrong are let go and the rest solved again.
-Vector estimate(const Problem& problem, const Point& p, double tolerance) {
+Vector estimate(const Problem& problem, const KktPoint& p, double tolerance) {
   const Eigen::Index n = p.gradient.size(), m = p.rows.size();
   std::vector<char> active(static_cast<std::size_t>(m), 0), open(static_cast<std::size_t>(n), 1);
   for (int i = 0; i < problem.num_variables(); ++i) {
@@ -125,7 +125,7 @@ Vector estimate(const Problem& problem, const Point& p, double tolerance) {
 /// The same with the multipliers of active bounds as unknowns of their own, exactly: a degenerate vertex has many
 /// multipliers of rows, and the least ones need not be those that leave the bounds their signs. Dense, for small
 /// problems.
-Vector estimate_exactly(const Problem& problem, const Point& p, double tolerance) {
+Vector estimate_exactly(const Problem& problem, const KktPoint& p, double tolerance) {
   const Eigen::Index n = p.gradient.size(), m = p.rows.size();
   std::vector<Vector> columns;
   std::vector<char> signed_column;
@@ -175,7 +175,7 @@ KktReport check_kkt(const Problem& problem, std::span<const double> x, std::span
   };
   if (static_cast<int>(x.size()) != n || !all_finite(x)) return report;
 
-  Point p{x, Vector::Zero(n), Vector::Zero(m), Sparse(m, n)};
+  KktPoint p{x, Vector::Zero(n), Vector::Zero(m), Sparse(m, n)};
   report.objective = problem.objective(x);
   problem.rows(x, {p.rows.data(), static_cast<std::size_t>(m)});
   if (!std::isfinite(report.objective) || !p.rows.allFinite()) return report;

@@ -9,7 +9,7 @@
 namespace accdec::paper {
 namespace {
 
-constexpr double mm = 1e-3;
+constexpr double millimetre = 1e-3;
 constexpr int leg_samples = 100;  ///< commanded samples of the leg of Fig. 1 and 2: 40 mm at 0.4 m/s
 
 /// Angle of 60 degrees to the x-axis on the way in, as the paper draws it: both axes move on both legs.
@@ -34,8 +34,8 @@ Corner drawn_corner() {
 FigureData figure1() {
   FigureData data{1, {{"t_ms", {}}, {"interpolator_mm_s", {}}, {"linear_mm_s", {}}, {"fir_mm_s", {}}}};
   for (int n = -10; n <= leg_samples + ramp_samples + 10; ++n) {
-    const std::array<double, 4> row{n * sample_period * 1e3, commanded(n) / mm, filtered(linear(), n) / mm,
-                                    filtered(fir(), n) / mm};
+    const std::array<double, 4> row{n * sample_period * 1e3, commanded(n) / millimetre,
+                                    filtered(linear(), n) / millimetre, filtered(fir(), n) / millimetre};
     for (std::size_t i = 0; i < row.size(); ++i) data.columns[i].values.push_back(row[i]);
   }
   return data;
@@ -49,7 +49,8 @@ FigureData figure2() {
     const double slow = filtered(linear(), n);
     before += commanded(n) * sample_period;
     after += slow * sample_period;
-    const std::array<double, 5> row{n * sample_period * 1e3, commanded(n) / mm, slow / mm, before / mm, after / mm};
+    const std::array<double, 5> row{n * sample_period * 1e3, commanded(n) / millimetre, slow / millimetre,
+                                    before / millimetre, after / millimetre};
     for (std::size_t i = 0; i < row.size(); ++i) data.columns[i].values.push_back(row[i]);
   }
   return data;
@@ -66,8 +67,9 @@ FigureData figure3() {
     const Eigen::VectorXd command = in    ? Eigen::VectorXd(corner.feed_in * corner.direction_in)
                                     : out ? Eigen::VectorXd(corner.feed_out * corner.direction_out)
                                           : Eigen::VectorXd::Zero(2).eval();
-    const std::array<double, 5> row{(n - motion.corner) * sample_period * 1e3, command[0] / mm, command[1] / mm,
-                                    motion.velocity(n, 0) / mm, motion.velocity(n, 1) / mm};
+    const std::array<double, 5> row{(n - motion.corner) * sample_period * 1e3, command[0] / millimetre,
+                                    command[1] / millimetre, motion.velocity(n, 0) / millimetre,
+                                    motion.velocity(n, 1) / millimetre};
     for (std::size_t i = 0; i < row.size(); ++i) data.columns[i].values.push_back(row[i]);
   }
   return data;
@@ -82,8 +84,8 @@ FigureData figure4() {
   const SampledMotion motion = simulate_corner(linear(), corner, 0, sample_period);
   for (int k = -5; k <= ramp_samples + 5; ++k) {
     const Eigen::VectorXd s = motion.position.row(motion.corner + k).transpose();
-    const std::array<double, 5> row{static_cast<double>(k), s[0] / mm, s[1] / mm, s.dot(along) / mm,
-                                    s.dot(halving) / mm};
+    const std::array<double, 5> row{static_cast<double>(k), s[0] / millimetre, s[1] / millimetre,
+                                    s.dot(along) / millimetre, s.dot(halving) / millimetre};
     for (std::size_t i = 0; i < row.size(); ++i) data.columns[i].values.push_back(row[i]);
   }
   return data;

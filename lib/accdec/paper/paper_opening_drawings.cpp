@@ -7,15 +7,16 @@
 namespace accdec::paper {
 namespace {
 
-const char* const time_label = "time / ms";
-const char* const speed_label = "velocity / (mm/s)";
+const char* const opening_time_label = "time / ms";
+const char* const opening_speed_label = "velocity / (mm/s)";
 
 Drawing draw1() {
   FigureData data = figure1();
-  std::vector<Panel> panels{panel_of(data, "interpolator: the programmed feed", "t_ms", time_label, speed_label,
-                                     {{"interpolator_mm_s", "command"}}),
-                            panel_of(data, "Acc/Dec processor, to the servo system", "t_ms", time_label, speed_label,
-                                     {{"linear_mm_s", "linear, 41 taps"}, {"fir_mm_s", "Blackman FIR, 41 taps"}})};
+  std::vector<Panel> panels{
+      panel_of(data, "interpolator: the programmed feed", "t_ms", opening_time_label, opening_speed_label,
+               {{"interpolator_mm_s", "command"}}),
+      panel_of(data, "Acc/Dec processor, to the servo system", "t_ms", opening_time_label, opening_speed_label,
+               {{"linear_mm_s", "linear, 41 taps"}, {"fir_mm_s", "Blackman FIR, 41 taps"}})};
   for (Panel& panel : panels) panel.y.min = 0.0, panel.y.max = 450.0;
   return make_drawing("fig01", std::move(data),
                       "Fig. 1: interpolator, Acc/Dec processor, servo system: the command between them",
@@ -24,9 +25,9 @@ Drawing draw1() {
 
 Drawing draw2() {
   FigureData data = figure2();
-  std::vector<Panel> panels{panel_of(data, "velocity", "t_ms", time_label, speed_label,
+  std::vector<Panel> panels{panel_of(data, "velocity", "t_ms", opening_time_label, opening_speed_label,
                                      {{"before_mm_s", "before"}, {"after_mm_s", "after linear Acc/Dec"}}),
-                            panel_of(data, "way from A", "t_ms", time_label, "way / mm",
+                            panel_of(data, "way from A", "t_ms", opening_time_label, "way / mm",
                                      {{"way_before_mm", "before"}, {"way_after_mm", "after linear Acc/Dec"}})};
   for (Panel& panel : panels) panel.y.min = 0.0;
   return make_drawing("fig02", std::move(data), "Fig. 2: a leg from A to B before and after linear Acc/Dec",
@@ -38,7 +39,7 @@ Drawing draw3() {
   std::vector<Panel> panels;
   for (const char* axis : {"x", "y"}) {
     const std::string name = axis;
-    panels.push_back(panel_of(data, "along " + name, "t_ms", "time from the corner command / ms", speed_label,
+    panels.push_back(panel_of(data, "along " + name, "t_ms", "time from the corner command / ms", opening_speed_label,
                               {{name + "_before_mm_s", "before"}, {name + "_after_mm_s", "after linear Acc/Dec"}}));
   }
   return make_drawing("fig03", std::move(data), "Fig. 3: blended mode from A through B to C, θ = 95°",

@@ -11,6 +11,8 @@ namespace accdec {
 
 extern const std::string_view html_style;   ///< CSS
 extern const std::string_view html_script;  ///< JavaScript
+/// JavaScript of a program's page: draws the arrays D into #path and #speed, and tells what is under the pointer.
+extern const std::string_view program_script;
 
 /// Points beyond which a figure tells no values: a page must stay small.
 inline constexpr std::size_t most_hover_points = 50'000;

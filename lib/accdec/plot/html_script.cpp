@@ -19,12 +19,15 @@ svg{max-width:100%;height:auto}
 pre{overflow:auto;background:#f5f5f5;padding:.6rem}
 details{margin:.8rem 0}
 summary{cursor:pointer;font-weight:600}
+canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #ccc;box-sizing:border-box;touch-action:none;cursor:crosshair}
+#speed{height:16rem;touch-action:pan-y}
+#info{min-height:1.45em;font-variant-numeric:tabular-nums}
 .beside{display:grid;grid-template-columns:minmax(0,20rem) minmax(0,1fr);gap:1.5rem}
 .tip{position:fixed;pointer-events:none;background:#222;color:#fff;font-size:.85rem;padding:.3rem .5rem;border-radius:.25rem;white-space:pre;z-index:2}
 @media (max-width:60rem){.beside{display:block}}
-@media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}figure svg{max-width:none;width:44rem}}
+@media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}figure svg{max-width:none;width:44rem}#limits td,#corners th{white-space:nowrap}}
 @media print{body{margin:0;max-width:none}.wide,.tall,pre{overflow:visible;max-height:none}pre{white-space:pre-wrap}
-figure{break-inside:avoid}table{font-size:.7rem}.beside{display:block}.tip{display:none}}
+figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem}.sorts th{white-space:normal;position:static}.beside{display:block}.tip,.unprinted{display:none}}
 )css";
 
 // Values under the pointer: of the nearest point of a line, or of the cell, in the drawing's own pixels.

@@ -108,16 +108,15 @@ Panel motion_panel(const Quantity& quantity, const std::string& axis, const std:
   return panel;
 }
 
-std::vector<Panel> axis_panels(const SampledMotion& motion, Eigen::Index index, const Axis& axis,
+std::vector<Panel> axis_panels(const SampledMotion& motion, double period, Eigen::Index index, const Axis& axis,
                                const std::vector<double>& time) {
   std::vector<Panel> panels;
   for (const Quantity& quantity : quantities_of(axis)) {
+    AxisSampler sampler(axis, period);
     std::vector<double> values;
-    for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) {
-      values.push_back(signed_value(
-          axis_state(axis, motion.velocity(n, index), motion.acceleration(n, index), motion.jerk(n, index)),
-          quantity.kind));
-    }
+    for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
+      values.push_back(
+          signed_value(sampler.next(motion.velocity(n, index), motion.acceleration(n, index)), quantity.kind));
     panels.push_back(motion_panel(quantity, axis.name, time, values));
   }
   return panels;
@@ -240,7 +239,8 @@ Panel response_panel(const Filter& filter, double sample_period, const std::vect
         {first ? "bound" : "", {mode.frequency_low - half, mode.frequency_high + half}, {level, level}, Mark::line, 2});
   }
   Series response{"", {}, {}, Mark::line, 0};
-  constexpr int points = 800;
+  // Each takes a pass over all taps.
+  const int points = static_cast<int>(std::clamp(1e8 / (filter.order() + 1.0), 100.0, 800.0));
   for (int i = 0; i <= points; ++i) {
     const double f = top * i / points;
     response.x.push_back(f);
@@ -249,6 +249,31 @@ Panel response_panel(const Filter& filter, double sample_period, const std::vect
   panel.x.min = 0.0, panel.x.max = top;
   panel.series.push_back(response);
   return panel;
+}
+
+/// Leaves of a long curve the ends and the extremes of as many pieces as a drawing can show.
+void thin_out(Series& series) {
+  constexpr std::size_t pieces = 2000;
+  const std::size_t count = series.x.size();
+  if (count <= 8 * pieces) return;
+  Series thin = series;
+  thin.x.clear(), thin.y.clear();
+  for (std::size_t p = 0; p < pieces; ++p) {
+    const std::size_t first = count * p / pieces, last = count * (p + 1) / pieces - 1;
+    const auto at = [](const std::vector<double>& v, std::size_t i) {
+      return v.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    std::vector<std::size_t> kept{first, last};
+    for (const std::vector<double>* v : {&series.x, &series.y}) {
+      const auto [low, high] = std::minmax_element(at(*v, first), at(*v, last + 1));
+      kept.push_back(static_cast<std::size_t>(low - v->begin()));
+      kept.push_back(static_cast<std::size_t>(high - v->begin()));
+    }
+    std::sort(kept.begin(), kept.end());
+    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+    for (const std::size_t i : kept) thin.x.push_back(series.x[i]), thin.y.push_back(series.y[i]);
+  }
+  series = std::move(thin);
 }
 
 std::size_t find_corner(const DesignResult& result, const std::string& name) {
@@ -291,11 +316,14 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
     const auto a = static_cast<Eigen::Index>(axis);
     const bool moves =
         std::abs(task.geometry().direction_in[a]) > 1e-12 || std::abs(task.geometry().direction_out[a]) > 1e-12;
-    if (moves) axes.push_back(axis_panels(motion, a, result.task.machine.axes[axis], time));
+    if (moves) axes.push_back(axis_panels(motion, period, a, result.task.machine.axes[axis], time));
   }
   add_side_by_side(figure.panels, std::move(axes));
   figure.panels.push_back(response_panel(filter, period, result.task.machine.modes));
   figure.panels.push_back(taps_panel(filter));
+  for (Panel& panel : figure.panels) {
+    for (Series& series : panel.series) thin_out(series);
+  }
   return figure;
 }
 

@@ -47,7 +47,7 @@ class Cost final : public ceres::CostFunction {
     mutable_parameter_block_sizes()->push_back(static_cast<int>(free.size()));
     rows_.resize(static_cast<std::size_t>(problem.num_rows()));
     jacobian_.resize(problem.jacobian_pattern().size());
-    gradient_.resize(static_cast<std::size_t>(objective_ * problem.num_variables()));
+    gradient_.resize(static_cast<std::size_t>(objective_) * static_cast<std::size_t>(problem.num_variables()));
   }
 
   // Ceres reports a failed evaluation on standard error however silent it is asked to be: after a stop every call
@@ -129,10 +129,10 @@ class Run {
     rows_.resize(m);
     shape_.multipliers.assign(m, 0.0);
     shape_.penalty = native_.get("penalty", 10.0);
-    const bool squares = problem.num_residuals() > 0;
+    squares_ = problem.num_residuals() > 0;
     const double first = evaluator_.objective(start);
-    double depth = std::max(1.0, std::abs(first));
-    if (!squares) shape_.target = first - depth;
+    depth_ = std::max(1.0, std::abs(first));
+    if (!squares_) shape_.target = first - depth_;
 
     ceres::Problem::Options own;
     own.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -145,51 +145,55 @@ class Run {
 
     const double most = options_.own_budget ? 200.0 : 1e9;
     const int rounds = static_cast<int>(std::min(1e9, native_.get("outer_iterations", most)));
-    const double growth = native_.get("penalty_growth", 5.0);
-    double last_violation = nlp::infinity;
-    int stuck = 0;
     StopWatch watch(evaluator_);
     for (int round = 0; round < rounds; ++round) {
       ceres::Solver::Summary summary;
       ceres::Solve(settings(&watch), &least_squares, &summary);
       result_.x = free_.expand(x.data());
       evaluator_.poll();
-      if (summary.termination_type == ceres::FAILURE) return end(Claim::failed, "Ceres: " + summary.message);
-      const double f = evaluator_.objective(result_.x);
-      result_.claimed_objective = f;
-      if (!squares && f - shape_.target < 0.1 * depth) {
-        // Down at its target, or below: there may be more to gain.
-        depth *= 4.0;
-        shape_.target = f - depth;
-        if (depth > 1e18) return end(Claim::unbounded, "objective falls without end");
-        stuck = 0;
-        continue;
-      }
-      // Multipliers of an unfinished minimisation would lead astray: go on from where it is.
-      if (summary.termination_type == ceres::NO_CONVERGENCE) continue;
-      const double moved = update();
-      const double scale =
-          squares ? 1.0 : f - shape_.target;  // residual f - target scales the objective's gradient by itself
-      if (violation_ <= 0.1 * options_.feasibility_tolerance && moved <= 1e-6 * (scale + largest())) {
-        for (const double y : shape_.multipliers) result_.row_multipliers.push_back(y / scale);
-        return end(Claim::solved, "Ceres: " + summary.message);
-      }
-      if (violation_ > 0.25 * last_violation) shape_.penalty *= growth;
-      stuck = violation_ > 0.99 * last_violation && violation_ > options_.feasibility_tolerance ? stuck + 1 : 0;
-      if (stuck >= 10 && shape_.penalty > 1e6)
-        return end(Claim::infeasible,
-                   fmt::format("violation stays at {:.3g} whatever the penalty: locally infeasible", violation_));
-      shape_.penalty = std::min(shape_.penalty, 1e12);
-      last_violation = violation_;
+      if (judge(summary)) return;
     }
     update();
     end(Claim::evaluation_limit, fmt::format("outer iteration limit, violation {:.3g}", violation_));
   }
 
  private:
-  void end(Claim claim, std::string message) {
+  /// Always true, for `judge`.
+  bool end(Claim claim, std::string message) {
     result_.claim = claim;
     result_.message = std::move(message);
+    return true;
+  }
+
+  /// After a minimisation: aims lower, moves the multipliers or raises the penalty. @return whether it was the last
+  bool judge(const ceres::Solver::Summary& summary) {
+    if (summary.termination_type == ceres::FAILURE) return end(Claim::failed, "Ceres: " + summary.message);
+    const double f = evaluator_.objective(result_.x);
+    result_.claimed_objective = f;
+    if (!squares_ && f - shape_.target < 0.1 * depth_) {
+      // Down at its target, or below: there may be more to gain.
+      depth_ *= 4.0;
+      shape_.target = f - depth_;
+      stuck_ = 0;
+      return depth_ > 1e18 && end(Claim::unbounded, "objective falls without end");
+    }
+    // Multipliers of an unfinished minimisation would lead astray: go on from where it is.
+    if (summary.termination_type == ceres::NO_CONVERGENCE) return false;
+    const double moved = update();
+    const double scale =
+        squares_ ? 1.0 : f - shape_.target;  // residual f - target scales the objective's gradient by itself
+    if (violation_ <= 0.1 * options_.feasibility_tolerance && moved <= 1e-6 * (scale + largest())) {
+      for (const double y : shape_.multipliers) result_.row_multipliers.push_back(y / scale);
+      return end(Claim::solved, "Ceres: " + summary.message);
+    }
+    if (violation_ > 0.25 * last_violation_) shape_.penalty *= native_.get("penalty_growth", 5.0);
+    stuck_ = violation_ > 0.99 * last_violation_ && violation_ > options_.feasibility_tolerance ? stuck_ + 1 : 0;
+    if (stuck_ >= 10 && shape_.penalty > 1e6)
+      return end(Claim::infeasible,
+                 fmt::format("violation stays at {:.3g} whatever the penalty: locally infeasible", violation_));
+    shape_.penalty = std::min(shape_.penalty, 1e12);
+    last_violation_ = violation_;
+    return false;
   }
 
   void set_bounds(ceres::Problem& problem, std::vector<double>& x) const {
@@ -245,7 +249,10 @@ class Run {
   Result& result_;
   Shape shape_;
   std::vector<double> rows_;
-  double violation_ = 0.0;
+  double violation_ = 0.0, last_violation_ = nlp::infinity;
+  bool squares_ = false;  ///< of residuals
+  double depth_ = 1.0;    ///< how far below the objective its target is set
+  int stuck_ = 0;         ///< rounds that changed no violation
 };
 
 class CeresSolver final : public Solver {
@@ -268,6 +275,11 @@ class CeresSolver final : public Solver {
     FreeVariables free(problem, start);
     Result result;
     result.x.assign(start.begin(), start.end());
+    result.message = too_large(problem, static_cast<double>(free.size()), options.time_limit);
+    if (!result.message.empty()) {
+      result.claim = Claim::refused;
+      return result;
+    }
     try {
       if (free.size() > 0) {
         Run(evaluator, free, native, options, result).go(start);
@@ -280,6 +292,20 @@ class CeresSolver final : public Solver {
     }
     conclude(evaluator, result);
     return result;
+  }
+
+ private:
+  /// Nothing stops a dense factorisation once it has begun.
+  static std::string too_large(const nlp::Problem& problem, double n, double time_limit) {
+    constexpr double operations_a_second = 2e9;  // of DENSE_QR, measured
+    const double rows = problem.num_rows() + std::max(1.0, static_cast<double>(problem.num_residuals())) + n;
+    if (std::string why = tables_too_large(3.0 * rows * n); !why.empty()) return why;
+    const double seconds = 2.0 * rows * n * n / operations_a_second;
+    if (seconds <= 0.5 + 0.05 * time_limit) return "";
+    return fmt::format(
+        "one step, a dense factorisation of {:.0f} rows and {:.0f} variables, takes about {:.2g} s, too "
+        "long for a time limit of {:.3g} s",
+        rows, n, seconds, time_limit);
   }
 };
 

@@ -159,22 +159,16 @@ class NloptSolver final : public Solver {
       result.message = fmt::format("{} takes at most {} variables, this problem has {}", name(), slsqp_most, n);
       return result;
     }
-    const Handle opt(nlopt_create(algorithm_.method, n));
-    if (conservative()) nlopt_set_param(opt.get(), "dual_maxeval", dual_maxeval);
-    if (dual) nlopt_set_param(opt.get(), "dual_algorithm", *dual);
-    configure(opt.get(), native, xtol(options.tolerance), ftol(options.tolerance));
-    nlopt_set_stopval(opt.get(), -1e20);
-    if (algorithm_.inner != no_inner) {
-      const Handle inner(nlopt_create(algorithm_.inner, n));
-      configure(inner.get(), native, options.tolerance, step_in_f(options.tolerance));
-      nlopt_set_local_optimizer(opt.get(), inner.get());
+    // Its rows are dense, once here and once inside; populations are of twenty points a variable.
+    const double points = algorithm_.method == NLOPT_GN_ISRES ? 20.0 * (n + 1.0) : 0.0;
+    const double size = static_cast<double>(n) + problem.num_rows();
+    result.message = tables_too_large(2.0 * n * problem.num_rows() + points * size);
+    if (!result.message.empty()) {
+      result.claim = Claim::refused;
+      return result;
     }
-    // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their
-    // answer. Multistart compares each new point with all before it: a tenth of that.
-    const bool limited = algorithm_.can.global && options.own_budget;
-    const double budget = !limited ? 0.0 : algorithm_.inner == no_inner ? 10'000.0 * (n + 1.0) : 1000.0 * (n + 1.0);
-    nlopt_set_maxeval(opt.get(), static_cast<int>(std::min(2e9, native.get("maxeval", budget))));
-    nlopt_set_maxtime(opt.get(), options.time_limit);
+    const Handle opt = optimizer(n, native, options);
+    if (dual) nlopt_set_param(opt.get(), "dual_algorithm", *dual);
     // A tenth of the tolerance, for the verifier's sake: it computes the rows anew.
     NloptProblem callbacks(evaluator, free, opt.get(), algorithm_.rows, 0.1 * options.feasibility_tolerance);
     nlopt_result code = callbacks.attach();
@@ -203,6 +197,26 @@ class NloptSolver final : public Solver {
 
  private:
   static constexpr unsigned slsqp_most = 4000;
+
+  /// Of n variables, with all its settings but the problem.
+  Handle optimizer(unsigned n, const NativeOptions& native, const Options& options) const {
+    Handle opt(nlopt_create(algorithm_.method, n));
+    if (conservative()) nlopt_set_param(opt.get(), "dual_maxeval", dual_maxeval);
+    configure(opt.get(), native, xtol(options.tolerance), ftol(options.tolerance));
+    nlopt_set_stopval(opt.get(), -1e20);
+    if (algorithm_.inner != no_inner) {
+      const Handle inner(nlopt_create(algorithm_.inner, n));
+      configure(inner.get(), native, options.tolerance, step_in_f(options.tolerance));
+      nlopt_set_local_optimizer(opt.get(), inner.get());
+    }
+    // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their
+    // answer. Multistart compares each new point with all before it: a tenth of that.
+    const bool limited = algorithm_.can.global && options.own_budget;
+    const double budget = !limited ? 0.0 : algorithm_.inner == no_inner ? 10'000.0 * (n + 1.0) : 1000.0 * (n + 1.0);
+    nlopt_set_maxeval(opt.get(), static_cast<int>(std::min(2e9, native.get("maxeval", budget))));
+    nlopt_set_maxtime(opt.get(), options.time_limit);
+    return opt;
+  }
 
   bool conservative() const { return algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ; }
 

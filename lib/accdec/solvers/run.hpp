@@ -1,5 +1,10 @@
 #pragma once
 
+#include <string>
+
+#include <fmt/format.h>
+
+#include <accdec/files/memory.hpp>
 #include <accdec/nlp/evaluator.hpp>
 #include <accdec/nlp/violation.hpp>
 #include <accdec/solvers/solver.hpp>
@@ -9,6 +14,13 @@ namespace accdec::solvers {
 /// Evaluator limits of the common options.
 inline nlp::Evaluator::Limits limits_of(const Options& options) {
   return {options.evaluation_limit, options.time_limit, options.cancel, options.feasibility_tolerance};
+}
+
+/// Why tables of as many numbers would not fit into half of the memory there is; empty if they do.
+inline std::string tables_too_large(double numbers) {
+  const double bytes = sizeof(double) * numbers, there = available_memory();
+  if (bytes <= 0.5 * there) return "";
+  return fmt::format("its dense tables would take {:.3g} GB, {:.3g} GB are free", 1e-9 * bytes, 1e-9 * there);
 }
 
 /// Where the library ended on its own at a point that breaks a row or bound although it had seen one that holds all, or

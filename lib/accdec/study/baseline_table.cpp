@@ -1,4 +1,8 @@
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,12 +42,26 @@ std::string rows(const BaselineTable& t) {
     add_row(table, "yours: " + std::string(to_string(task.filter->kind)), describe_parameters(*task.filter), *t.own,
             t.design, "");
   }
+  // Families without a filter, by why they have none.
+  std::vector<std::pair<std::string, std::string>> without;
   for (std::size_t i = 0; i < t.families.size(); ++i) {
     const BaselineResult& family = t.families[i];
-    add_row(table, std::string(baselines()[i].title), family.spec ? describe_parameters(*family.spec) : "",
-            family.result, t.design, family.exact_stop ? "exact stop" : "");
+    const std::string title(baselines()[i].title);
+    if (family.spec) {
+      add_row(table, title, describe_parameters(*family.spec), family.result, t.design,
+              family.exact_stop ? "exact stop" : "");
+      continue;
+    }
+    const auto same = std::find_if(without.begin(), without.end(),
+                                   [&](const auto& other) { return other.first == family.result.message; });
+    if (same == without.end())
+      without.emplace_back(family.result.message, title);
+    else
+      same->second += "; " + title;
   }
-  return fmt::format("\nat {:g} ms\n{}", 1e3 * t.design.task.sample_period, table.str());
+  std::string text = fmt::format("\nat {:g} ms\n{}", 1e3 * t.design.task.sample_period, table.str());
+  for (const auto& [why, titles] : without) text += fmt::format("{}: {}\n", titles, why);
+  return text;
 }
 
 }  // namespace

@@ -175,7 +175,8 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   check_study_size(study, options.large);
   const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
   if (!options.merge.empty()) return merge(study, options, began);
-  claim_results_folder(options.out, kind, study.hash());
+  // Whoever asks for a fresh run knows that what the folder has will be replaced, of an earlier form of the study, too.
+  claim_results_folder(options.out, kind, study.hash(), options.fresh);
 
   const bool whole = options.shards == 1;
   const fs::path folder = options.out;
@@ -185,6 +186,7 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   if (whole) note_finished(rows, folder, study);
   const std::size_t file = rows.add_file(journal_path);
   const study::JournalVisitor found = noting(rows, file);
+  if (options.fresh) study::set_aside_other(journal_path, identity(study));
   study::Journal journal(journal_path, identity(study), &found);
   if (options.fresh) journal.begin_anew();
   if (options.fresh) rows.clear();

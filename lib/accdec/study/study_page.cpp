@@ -178,7 +178,9 @@ std::string study_rows(const StudyTable& table) {
     html.head.push_back(table.columns()[c]);
     for (std::size_t i = 0; i < html.rows.size(); ++i) html.rows[i].push_back(table.first_rows()[i][c]);
   }
-  return fmt::format("<div class=\"tall\">{}</div>\n", html_table(html));
+  constexpr std::size_t columns_on_paper = 14;
+  return fmt::format("<div class=\"tall{}\">{}</div>\n", html.head.size() > columns_on_paper ? " unprinted" : "",
+                     html_table(html));
 }
 
 }  // namespace accdec

@@ -8,6 +8,7 @@
 #include <accdec/design/baselines.hpp>
 #include <accdec/formats/toml_file.hpp>
 #include <accdec/study/compute.hpp>
+#include <accdec/study/study_folder.hpp>
 #include <accdec/study/study_keys.hpp>
 #include <accdec/study/study_parts.hpp>
 #include <accdec/study/study_tasks.hpp>
@@ -207,6 +208,8 @@ class StudyReader {
     grid_ = grid;
     sampling_ = fmt::format("{} {} {}", grid, samples, seed);
     study.origin = origin_of_size(grid);
+    // Before anything looks at every value.
+    check_study_size(study, true);
   }
 
   Study::Origin origin_of_size(bool grid) const {
@@ -239,6 +242,13 @@ class StudyReader {
     }
   }
 
+  /// As many values as take long to write are told by what their range makes them from.
+  static std::string values_text(const study::Variation& v) {
+    constexpr std::size_t written = 100'000;
+    if (!v.range || v.values.size() <= written) return fmt::format("{}", fmt::join(v.values, " "));
+    return fmt::format("{} .. {}, {}", v.values.front(), v.values.back(), v.values.size());
+  }
+
   std::string hash(const Study& study, const Study::Tasks& tasks) const {
     std::ostringstream text;
     text << sampling_ << '\n'
@@ -247,8 +257,7 @@ class StudyReader {
     for (std::size_t c = 0; c < places_.names.size(); ++c)
       text << places_.names[c] << '\n' << tasks.cases[c].tree << '\n';
     for (const auto& v : places_.variations)
-      text << fmt::format("{} {} {} {} {}\n", v.name, fmt::join(v.keys, " "), fmt::join(v.values, " "), v.range,
-                          v.logarithmic);
+      text << fmt::format("{} {} {} {} {}\n", v.name, fmt::join(v.keys, " "), values_text(v), v.range, v.logarithmic);
     for (const auto& r : study.ratios) text << fmt::format("{} {} {} {}\n", r.name, r.of, r.to, r.excess);
     return toml_input::hash_of(text.str());
   }

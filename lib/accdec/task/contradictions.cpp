@@ -18,8 +18,8 @@ std::vector<std::string> contradictions(const Task& task) {
       const double friction = axis.damping * speed;
       const auto tell = [&](const char* limit, const char* unit, double needed, double bound) {
         if (needed <= bound * (1.0 + 1e-12)) return;
-        found.push_back(fmt::format("{} {}: corner {} needs {:.6g} {} at constant feed, the limit is {:.6g} {}", limit,
-                                    axis.name, corner.name, needed, unit, bound, unit));
+        found.push_back(fmt::format("{} {}: corner {} needs {:.10g} {} at constant feed, the limit is {:.10g} {}",
+                                    limit, axis.name, corner.name, needed, unit, bound, unit));
       };
       tell("velocity", "m/s", speed, axis.velocity_max);
       tell("force", "N", friction, axis.force_max);
@@ -28,7 +28,7 @@ std::vector<std::string> contradictions(const Task& task) {
     const double feed = std::min(corner.geometry().feed_in, corner.geometry().feed_out);
     if (corner.speed_min > feed * (1.0 + 1e-12)) {
       found.push_back(
-          fmt::format("speed_min: corner {} asks for at least {:.6g} m/s, its slower leg runs at {:.6g} m/s",
+          fmt::format("speed_min: corner {} asks for at least {:.10g} m/s, its slower leg runs at {:.10g} m/s",
                       corner.name, corner.speed_min, feed));
     }
   }
@@ -36,10 +36,11 @@ std::vector<std::string> contradictions(const Task& task) {
     // Sampled, a whole number of cycles per period cannot be told from 0 Hz, where every filter passes everything.
     const double alias = std::ceil(mode.frequency_low * task.sample_period - 1e-12);
     if (mode.residual_max < 1.0 && alias >= 1.0 && alias <= mode.frequency_high * task.sample_period + 1e-12) {
-      found.push_back(fmt::format(
-          "vibration: the band {:g} to {:g} Hz contains {:g} Hz, a multiple of the sample rate, where no filter "
-          "reduces anything",
-          mode.frequency_low, mode.frequency_high, alias / task.sample_period));
+      found.push_back(
+          fmt::format("vibration: the band {:.10g} to {:.10g} Hz contains {:.10g} Hz, a multiple of the sample rate, "
+                      "where no filter "
+                      "reduces anything",
+                      mode.frequency_low, mode.frequency_high, alias / task.sample_period));
     }
   }
   return found;

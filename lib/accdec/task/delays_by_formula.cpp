@@ -16,12 +16,11 @@ constexpr double slack = 1.0 + 0.9 * verification_tolerance;
 /// Whether one axis holds its limits on a start to (or, mirrored in time, a stop from) `speed`, m/s: what no delay can
 /// change.
 bool ramp_holds(const Filter& filter, const Axis& axis, double speed, bool stop, double period) {
-  double previous = 0.0;
-  for (int k = 0; k <= filter.order() + 2; ++k) {
+  AxisSampler sampler(axis, period);
+  for (int k = 0; k <= filter.order() + settling; ++k) {
     const double v = speed * (stop ? filter.remaining(k) : filter.cumulative(k));
     const double acceleration = (stop ? -speed : speed) * filter.tap(k - 1) / period;
-    if (!holds(axis, axis_state(axis, v, acceleration, (acceleration - previous) / period), slack)) return false;
-    previous = acceleration;
+    if (!holds(axis, sampler.next(v, acceleration), slack)) return false;
   }
   return true;
 }
@@ -55,7 +54,7 @@ class BlendCheck {
   }
 
   bool holds(int delay) {
-    const int last = filter_.order() + delay + 2;
+    const int last = filter_.order() + delay + settling;
     for (int k : {hint_, hint_ + 1}) {
       if (k <= last && !sample_holds(k, delay)) return false;
     }
@@ -83,12 +82,12 @@ class BlendCheck {
     for (std::size_t a = 0; a < legs_.size(); ++a) {
       const Axis& axis = task_.machine.axes[a];
       const double v = legs_[a].in * remaining + legs_[a].out * gone;
-      const double acceleration = tap_difference(legs_[a], k, delay) / period;
-      const double before = k > 0 ? tap_difference(legs_[a], k - 1, delay) / period : 0.0;
+      AxisSampler sampler(axis, period);
+      for (int i = std::max(k - AxisSampler::memory, 0); i < k; ++i)
+        sampler.skip(tap_difference(legs_[a], i, delay) / period);
       speed_squared += v * v;
       // The member function of this class hides the function of the table.
-      if (!accdec::holds(axis, axis_state(axis, v, acceleration, (acceleration - before) / period), slack))
-        return false;
+      if (!accdec::holds(axis, sampler.next(v, tap_difference(legs_[a], k, delay) / period), slack)) return false;
     }
     return corner_.speed_min <= std::sqrt(speed_squared) * slack;
   }
@@ -129,7 +128,7 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
   for (std::size_t j = 0; j < delays.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     // At N + 1 the legs no longer overlap, but the last step of one acceleration still meets the first of the other.
-    const int last = corner.delay.value_or(std::max(delays[j], filter.order() + 2));
+    const int last = corner.delay.value_or(std::max(delays[j], filter.order() + settling));
     BlendCheck check(filter, corner, task);
     while (!check.holds(delays[j])) {
       cost += linear.delay[j];

@@ -80,6 +80,8 @@ struct DesignResult {
   std::string message;
   std::shared_ptr<const Certificate> certificate;  ///< null when there is none
 
+  /// Whether it holds a filter and delays that were verified.
+  bool has_design() const { return status == Status::optimal || status == Status::feasible; }
   /// s; of the two times the one the task asks to minimise.
   double objective() const { return task.design.objective == Objective::cycle ? cycle_time : corner_time; }
 };

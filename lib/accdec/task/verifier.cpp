@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verification_cost.hpp>
@@ -89,8 +90,11 @@ double axis_quantity(LimitKind kind, const SampledMotion& m, const Axis& axis, E
     case LimitKind::force: return std::abs(force);
     case LimitKind::power: return force * m.velocity(row, a);
     case LimitKind::regeneration: return -force * m.velocity(row, a);
-    default: return 0.0;
+    case LimitKind::vibration:
+    case LimitKind::corner_error:
+    case LimitKind::speed_min: break;  // none of an axis; named so that the compiler misses a new one
   }
+  return 0.0;
 }
 
 void axis_uses(const SampledMotion& m, const Machine& machine, const std::string& corner, std::vector<LimitUse>& out) {
@@ -102,12 +106,10 @@ void axis_uses(const SampledMotion& m, const Machine& machine, const std::string
       out.push_back(make_use(kind, axis.name, corner,
                              peak_over_events(m, [&](int n) { return axis_quantity(kind, m, axis, a, n); }), bound));
     };
-    add.template operator()<LimitKind::velocity>(axis.velocity_max);
-    add.template operator()<LimitKind::acceleration>(axis.acceleration_max);
-    add.template operator()<LimitKind::jerk>(axis.jerk_max);
-    add.template operator()<LimitKind::force>(axis.force_max);
-    add.template operator()<LimitKind::power>(axis.power_max);
-    add.template operator()<LimitKind::regeneration>(axis.regeneration_max);
+    [&]<std::size_t... i>(std::index_sequence<i...>) {
+      (add.template operator()<axis_limits[i].kind>(axis.*axis_limits[i].bound), ...);
+    }
+    (std::make_index_sequence<axis_limits.size()>{});
   }
 }
 

@@ -67,17 +67,15 @@ bool CornerLimits::any_delay_holds(std::size_t f_in, std::size_t f_out, const do
 
 bool CornerLimits::holds(const Filter& filter_in, const Filter& filter_out, const double* in, const double* out,
                          int delay) const {
-  const int last = std::max(filter_in.order(), filter_out.order() + delay) + 2;
+  const int last = std::max(filter_in.order(), filter_out.order() + delay) + settling;
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
     const double v1 = in[a], v2 = out[a];
-    double before = 0.0;
+    AxisSampler sampler(axis, period_);
     for (int k = 0; k <= last; ++k) {
       const double v = v1 * filter_in.remaining(k) + v2 * filter_out.cumulative(k - delay);
       const double acceleration = (v2 * filter_out.tap(k - 1 - delay) - v1 * filter_in.tap(k - 1)) / period_;
-      if (!accdec::holds(axis, axis_state(axis, v, acceleration, (acceleration - before) / period_), slack))
-        return false;
-      before = acceleration;
+      if (!accdec::holds(axis, sampler.next(v, acceleration), slack)) return false;
     }
   }
   return true;
@@ -88,7 +86,7 @@ int CornerLimits::smallest(std::size_t f_in, std::size_t f_out, const double* in
   if (any_delay_holds(f_in, f_out, in, out, from)) return from;
   const Filter &filter_in = filters_.filters()[f_in], &filter_out = filters_.filters()[f_out];
   if (holds(filter_in, filter_out, in, out, from)) return from;
-  const int apart = filter_in.order() + 2;
+  const int apart = filter_in.order() + settling;
   if (from >= apart || !holds(filter_in, filter_out, in, out, apart)) {
     possible = false;
     return from;

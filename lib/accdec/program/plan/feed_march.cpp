@@ -7,9 +7,9 @@
 namespace accdec {
 namespace {
 
-constexpr double slack = 1e-6;     // relative; sums of times and lengths differ by rounding
-constexpr double worth = 0.01;     // smallest rise of the speed that is worth a step
-constexpr double eps_time = 1e-9;  // s
+constexpr double sum_slack = 1e-6;  // relative; sums of times and lengths differ by rounding
+constexpr double worth = 0.01;      // smallest rise of the speed that is worth a step
+constexpr double eps_time = 1e-9;   // s
 
 template <std::size_t axes>
 class March {
@@ -129,7 +129,7 @@ class March {
   void judge(double now, double change, double allowed, double speed, double v, Verdict& verdict) const {
     const double size = std::abs(change);
     if (size > allowed * verdict.use) verdict.use = allowed > 0.0 ? size / allowed : 1e30;
-    if (size <= allowed * (1.0 + slack) || speed != v || now == 0.0) return;
+    if (size <= allowed * (1.0 + sum_slack) || speed != v || now == 0.0) return;
     // change = now - old; by how much now, in proportion to v, has to shrink
     const double excess = (size - allowed) * (change * now > 0.0 ? 1.0 : -1.0);
     const double lower = v * (1.0 - excess / std::abs(now));
@@ -192,7 +192,7 @@ class March {
 
   double decide(std::size_t i, double left, double cap) {
     Verdict verdict = check(i, left, cap);
-    constexpr double good = 1.0 + 2.0 * slack;
+    constexpr double good = 1.0 + 2.0 * sum_slack;
     if (verdict.use <= good) return cap;
     double best = cap, least = verdict.use, bad = cap, fine = 0.0;
     double v = cap;

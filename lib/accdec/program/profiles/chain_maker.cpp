@@ -82,7 +82,7 @@ void ChainMaker::set_ramp(std::size_t b, double share) {
 }
 
 void ChainMaker::set_corner(std::size_t c, double acceleration, double speed) {
-  CornerLegs legs;
+  ProfileLegs legs;
   legs.in = unit(c - 1);
   legs.out = unit(c);
   legs.ramp_in = chain_.ramp[(c - 1) * levels()];

@@ -8,7 +8,7 @@ namespace accdec {
 namespace {
 
 /// tau/v that the axes' accelerations ask for at speed v.
-double stretch_at(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs, double v) {
+double stretch_at(const AvailableAcceleration& available, std::size_t dimensions, const ProfileLegs& legs, double v) {
   double stretch = 0.0;
   for (std::size_t a = 0; a < dimensions; ++a) {
     const double step = std::abs(legs.out[a] - legs.in[a]);
@@ -21,7 +21,7 @@ double stretch_at(const AvailableAcceleration& available, std::size_t dimensions
 
 /// How long the motion must be steady on both sides, so that no axis changes its acceleration by more than its swing
 /// within the window: braking into the corner and speeding up after it.
-double least_coast(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs,
+double least_coast(const AvailableAcceleration& available, std::size_t dimensions, const ProfileLegs& legs,
                    double stretch) {
   bool beside = false, across = false;
   for (std::size_t a = 0; a < dimensions; ++a) {
@@ -36,9 +36,9 @@ double least_coast(const AvailableAcceleration& available, std::size_t dimension
 }
 
 /// The corner at the largest speed with which it holds its tolerance; none if not even at rest.
-class Search {
+class CornerSearch {
  public:
-  Search(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs, double n)
+  CornerSearch(const AvailableAcceleration& available, std::size_t dimensions, const ProfileLegs& legs, double n)
       : available_(available),
         dimensions_(dimensions),
         legs_(legs),
@@ -78,13 +78,13 @@ class Search {
  private:
   const AvailableAcceleration& available_;
   std::size_t dimensions_;
-  const CornerLegs& legs_;
+  const ProfileLegs& legs_;
   double n_, ramp_;
 };
 
 /// The fastest of several lengths of coasting, from the least that the swing allows.
 std::optional<CornerPass> best_coast(const AvailableAcceleration& available, std::size_t dimensions,
-                                     const CornerLegs& legs, const Search& search, double window) {
+                                     const ProfileLegs& legs, const CornerSearch& search, double window) {
   const double stretch = search.stretch(legs.feed), most = 0.5 * window;
   double least = window > 0.0 ? least_coast(available, dimensions, legs, stretch) : 0.0;
   // Where the legs are too short to coast on, the acceleration is lowered instead where it turns out to change too
@@ -117,7 +117,7 @@ double corner_distance(double n, double v, double tau, const LastFilter& last, d
   return 0.5 * n * (v * last.deviation(tau) + ramp * last.beyond(0.5 * tau + coast));
 }
 
-CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs) {
+CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimensions, const ProfileLegs& legs) {
   CornerPass pass;
   double n = 0.0;
   for (std::size_t a = 0; a < dimensions; ++a) n += (legs.out[a] - legs.in[a]) * (legs.out[a] - legs.in[a]);
@@ -125,14 +125,14 @@ CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimen
   pass.speed_max = legs.feed;
   if (n < 1e-9) return pass;
   const double window = available.window();
-  const Search search(available, dimensions, legs, n);
+  const CornerSearch search(available, dimensions, legs, n);
   std::optional<CornerPass> best = best_coast(available, dimensions, legs, search, window);
   // A gentler acceleration inside the corner may change little enough to need no coasting.
   if (best && best->coast > 0.0) {
     for (const double gentler : {0.7, 0.45, 0.25}) {
-      CornerLegs scaled = legs;
+      ProfileLegs scaled = legs;
       scaled.scale *= gentler;
-      const Search other(available, dimensions, scaled, n);
+      const CornerSearch other(available, dimensions, scaled, n);
       const std::optional<CornerPass> candidate = best_coast(available, dimensions, scaled, other, window);
       if (candidate && search.lost(*candidate) < search.lost(*best)) best = candidate;
     }

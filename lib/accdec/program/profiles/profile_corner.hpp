@@ -15,7 +15,7 @@ struct CornerPass {
   double coast = 0.0;      ///< s of steady motion before and after, so that the acceleration does not change too fast
 };
 
-struct CornerLegs {
+struct ProfileLegs {
   const double* in = nullptr;  ///< unit vectors
   const double* out = nullptr;
   double ramp_in = 0.0, ramp_out = 0.0;  ///< m/s^2, largest acceleration along each leg near the corner
@@ -33,7 +33,7 @@ struct CornerLegs {
 /// min(tau, w), and without a last filter the parabola's n v tau/8. Ramps at both ends, a along the leg, which begin
 /// h = tau/2 + coast from the corner, add n a/2 E max(|G - M| - h, 0)^2 of one side. The tolerance is held by the
 /// polyline through the samples, which is up to |A| T^2/8 inside the path.
-CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimensions, const CornerLegs& legs);
+CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimensions, const ProfileLegs& legs);
 
 /// The distance above, m.
 double corner_distance(double n, double v, double tau, const LastFilter& last, double ramp, double coast);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/profiles/sample_check.hpp>
 #include <accdec/task/verifier.hpp>
@@ -56,20 +57,13 @@ SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, doubl
   }
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
-    const auto add = [&](LimitKind kind, double bound) {
-      // Half a unit in the last place of every position that a difference of first, second or third order takes.
-      const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * largest_[a] * rate_;
-      if (bound < unlimited) {
-        worst_.push_back(
-            {kind, a, bound, 0.0, 0, 0, 2.0 * rounding, 4.0 * rounding * rate_, 8.0 * rounding * rate_ * rate_});
-      }
-    };
-    add(LimitKind::velocity, axis.velocity_max);
-    add(LimitKind::acceleration, axis.acceleration_max);
-    add(LimitKind::jerk, axis.jerk_max);
-    add(LimitKind::force, axis.force_max);
-    add(LimitKind::power, axis.power_max);
-    add(LimitKind::regeneration, axis.regeneration_max);
+    // Half a unit in the last place of every position that a difference of first, second or third order takes.
+    const double rounding = 0.5 * std::numeric_limits<double>::epsilon() * largest_[a] * rate_;
+    for (const AxisLimit& limit : axis_limits) {
+      if (!(axis.*limit.bound < unlimited)) continue;
+      worst_.push_back({limit.kind, a, axis.*limit.bound, 0.0, 0, 0, 2.0 * rounding, 4.0 * rounding * rate_,
+                        8.0 * rounding * rate_ * rate_});
+    }
   }
 }
 
@@ -87,8 +81,14 @@ double SampleChecker::value_of(const Worst& worst) const {
     case LimitKind::force: return std::abs(force) - df;
     case LimitKind::power: return force * v - df * std::abs(v) - worst.dv * std::abs(force);
     case LimitKind::regeneration: return -force * v - df * std::abs(v) - worst.dv * std::abs(force);
-    default: return 0.0;
+    case LimitKind::velocity:
+    case LimitKind::acceleration:
+    case LimitKind::jerk:
+    case LimitKind::vibration:
+    case LimitKind::corner_error:
+    case LimitKind::speed_min: break;  // none of an axis, or above; named so that the compiler misses a new one
   }
+  return 0.0;
 }
 
 void SampleChecker::look_limits(std::int64_t place_first, std::int64_t place_last) {

@@ -12,7 +12,7 @@ namespace accdec {
 
 namespace {
 
-constexpr const char* allowed =
+constexpr const char* allowed_calls =
     "; allowed: STRAIGHT_TRAVERSE STRAIGHT_FEED ARC_FEED SET_FEED_RATE USE_LENGTH_UNITS SELECT_PLANE "
     "SET_MOTION_CONTROL_MODE DWELL "
     "PROGRAM_STOP PROGRAM_END, and what rs274 -g prints for spindle, tools, coolant, comments and messages";
@@ -26,7 +26,7 @@ class CanonicalReader {
     while (source_.next(line_)) {
       if (line_.find_first_not_of(" \t") == std::string_view::npos) continue;
       call_ = find_call(line_);
-      if (call_.name.empty()) source_.fail(1, std::string("no canonical call in this line") + allowed);
+      if (call_.name.empty()) source_.fail(1, std::string("no canonical call in this line") + allowed_calls);
       if (!execute()) return;
     }
   }
@@ -175,8 +175,8 @@ void CanonicalReader::other_call() {
         source_.fail(call_.column + 1,
                      std::string(name) + " moves with the spindle: such moves cannot be planned by time");
       }
-      source_.fail(call_.column + 1, std::string(name) + " is not supported" + allowed);
-    case CallKind::unknown: source_.fail(call_.column + 1, std::string(name) + " is an unknown call" + allowed);
+      source_.fail(call_.column + 1, std::string(name) + " is not supported" + allowed_calls);
+    case CallKind::unknown: source_.fail(call_.column + 1, std::string(name) + " is an unknown call" + allowed_calls);
   }
 }
 

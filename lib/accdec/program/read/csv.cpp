@@ -15,7 +15,7 @@ std::string column_name(std::size_t axis) {
   return static_cast<char>(program_axes[axis] | 0x20) + std::string(axis >= 3 && axis < 6 ? "_deg" : "_mm");
 }
 
-bool passed_over(std::string_view line) {
+bool is_passed_over(std::string_view line) {
   const std::size_t i = line.find_first_not_of(" \t");
   return i == std::string_view::npos || line[i] == '#';
 }
@@ -59,7 +59,7 @@ bool find_header(LineSource& source, Header& header) {
     const std::size_t start = line.find_first_not_of(" \t#");
     if (start == std::string_view::npos) continue;
     const std::size_t wrong = read_names(line, start, header);
-    if (passed_over(line)) {
+    if (is_passed_over(line)) {
       if (wrong == std::string_view::npos && header.complete()) return true;
       continue;
     }
@@ -88,7 +88,7 @@ void read_csv(LineSource& source, const ReadOptions&, MoveSink& sink) {
   ProgramPoint position{};
   bool first = true;
   while (source.next(line)) {
-    if (passed_over(line)) continue;
+    if (is_passed_over(line)) continue;
     const char* p = line.data();
     const char* const end = p + line.size();
     const auto at = [&] { return static_cast<std::size_t>(p - line.data()) + 1; };

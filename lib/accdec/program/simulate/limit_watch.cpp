@@ -10,6 +10,10 @@
 
 namespace accdec {
 
+static_assert(
+    most_differences == 1,
+    "samples of programs are watched for accelerations and jerks: here, in sample_check.cpp, corner_limits.cpp");
+
 LimitWatch::LimitWatch(const Machine* machine, std::size_t dimensions, double sample_period, bool blame)
     : machine_(machine), period_(sample_period), blame_(blame) {
   for (std::size_t a = 0; machine_ != nullptr && a < dimensions; ++a) {

@@ -17,8 +17,8 @@
 namespace accdec {
 namespace {
 
-void judge_limits(ProgramResult& result, const Machine& machine) {
-  std::vector<LimitUse>& limits = result.plan.simulation.limits;
+/// Adds the worst use of every vibration bound by any of the filters.
+void add_vibration(ProgramResult& result, const Machine& machine) {
   std::vector<LimitUse> worst_modes;
   for (const Filter& filter : result.legs.filters()) {
     const std::vector<LimitUse> modes = vibration_utilisation(filter, result.sample_period, machine);
@@ -28,9 +28,13 @@ void judge_limits(ProgramResult& result, const Machine& machine) {
     }
   }
   for (const LimitUse& use : worst_modes) {
-    limits.push_back(use);
+    result.plan.simulation.limits.push_back(use);
     result.plan.simulation.limit_lines.push_back(0);
   }
+}
+
+void judge_limits(ProgramResult& result) {
+  const std::vector<LimitUse>& limits = result.plan.simulation.limits;
   VerificationReport& report = result.verification;
   report.performed = true;
   report.tolerance = verification_tolerance;
@@ -79,6 +83,12 @@ void count_joints(ProgramResult& result) {
 }
 
 }  // namespace
+
+void judge_program(ProgramResult& result, const Machine& machine) {
+  count_joints(result);
+  add_vibration(result, machine);
+  judge_limits(result);
+}
 
 namespace {
 
@@ -224,8 +234,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
                    result.path.blocks() - 1, result.plan.errors, whole);
   result.cycle_time_no_delay = planning.by_rule(DelayRule::none);
   planning.exact_stops();
-  count_joints(result);
-  judge_limits(result, machine);
+  judge_program(result, machine);
   result.solver.method = "given";
   result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

@@ -67,6 +67,11 @@ struct ProgramResult {
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
                           bool per_leg = false, bool filter_bound = false, Feeds feeds = Feeds::keep);
 
+/// Fills in what follows from the delays, errors and uses of the axis limits in `plan`, and from the filters: counts
+/// and the worst of the joints, vibration, whether all holds.
+/// @param machine  as many axes as the path
+void judge_program(ProgramResult& result, const Machine& machine);
+
 /// Largest distance by which points of arcs were moved out, m, see compensate_arcs.
 double widest(const Toolpath& path);
 

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
 #include <accdec/program/simulate/direct.hpp>
+#include <accdec/program/simulate/simulate.hpp>
 #include <accdec/program/write/verify_program_result.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -21,27 +21,45 @@ bool close(double a, double b, double floor) {
   return std::abs(a - b) <= rounding * std::abs(b) + floor;
 }
 
+/// Worst use of one limit of an axis over the whole motion.
 struct Worst {
   double use = 0.0, value = 0.0;
 };
 
-/// Worst use of every limit of an axis over the whole motion.
-std::map<LimitKind, Worst> worst_uses(const DirectMotion& motion, const Axis& axis, std::size_t a, double period) {
-  std::map<LimitKind, Worst> worst;
-  double speed = 0.0, acceleration = 0.0;
-  for (const double v : motion.velocity[a]) {
-    const double next = (v - speed) / period, jerk = (next - acceleration) / period;
-    const AxisState state = axis_state(axis, v, next, jerk);
-    speed = v, acceleration = next;
-    for (const AxisLimit& limit : axis_limits) {
-      if (!(axis.*limit.bound < unlimited)) continue;
-      const double value = limit.value(state), use = utilisation_of(limit.kind, value, axis.*limit.bound);
-      Worst& w = worst[limit.kind];
-      if (use > w.use) w = {use, value};
-    }
+/// One axis limit as the motion uses it, sample by sample.
+class UseOfLimit {
+ public:
+  UseOfLimit(const DirectMotion& motion, const Axis& axis, std::size_t a, const AxisLimit& limit, double period)
+      : velocity_(motion.velocity[a]), axis_(axis), limit_(limit), period_(period) {}
+
+  double bound() const { return axis_.*limit_.bound; }
+  double value_at(std::size_t k) const {
+    const auto v = [&](std::size_t back) { return back > k ? 0.0 : velocity_[k - back]; };
+    const double acceleration = (v(0) - v(1)) / period_, before = (v(1) - v(2)) / period_;
+    return limit_.value(axis_state(axis_, v(0), acceleration, (acceleration - before) / period_));
   }
-  return worst;
-}
+  Worst worst() const {
+    Worst worst;
+    for (std::size_t k = 0; k < velocity_.size(); ++k) {
+      const double value = value_at(k), use = utilisation_of(limit_.kind, value, bound());
+      if (use > worst.use) worst = {use, value};
+    }
+    return worst;
+  }
+  /// Whether the value of a sample is the worst but for rounding.
+  bool is_worst(std::int64_t k, const Worst& worst) const {
+    if (worst.use == 0.0) return k == 0;
+    if (k < 0 || k >= static_cast<std::int64_t>(velocity_.size())) return false;
+    return std::abs(utilisation_of(limit_.kind, value_at(static_cast<std::size_t>(k)), bound()) - worst.use) <=
+           rounding;
+  }
+
+ private:
+  const std::vector<double>& velocity_;
+  const Axis& axis_;
+  const AxisLimit& limit_;
+  double period_;
+};
 
 class Check {
  public:
@@ -50,14 +68,12 @@ class Check {
   ProgramResultCheck run() {
     const Toolpath& path = result_.path;
     const DirectMotion motion = direct_motion(path, result_.sample_period, result_.plan.delays, result_.legs);
-    if (motion.samples != result_.plan.simulation.samples)
-      wrong(fmt::format("samples are recorded as {}, found {}", result_.plan.simulation.samples, motion.samples));
     const double time = static_cast<double>(motion.samples) * result_.sample_period;
-    if (!close(result_.cycle_time, time, 0.0))
-      wrong(fmt::format("cycle_time_s is recorded as {:.12g}, found {:.12g}", result_.cycle_time, time));
+    check_filter();
     check_joints(motion);
     check_limits(motion);
     check_vibration();
+    describe(motion, time);
     report_.accepted = report_.reasons.empty();
     report_.shown = fmt::format("{} samples of {} commanded blocks simulated anew, {:.6g} s: all bounds hold",
                                 motion.samples, path.blocks(), time);
@@ -69,11 +85,18 @@ class Check {
     if (report_.reasons.size() < 20) report_.reasons.push_back(std::move(reason));
   }
 
+  void check_filter() {
+    if (!task_.filter) return;
+    const Filter given = make_filter(*task_.filter);
+    const auto own = result_.filter.taps(), asked = given.taps();
+    const bool same = std::equal(own.begin(), own.end(), asked.begin(), asked.end(),
+                                 [](double a, double b) { return std::abs(a - b) <= 1e-12; });
+    if (!same) wrong("the taps are not those of the task's filter");
+  }
+
   void check_joints(const DirectMotion& motion) {
     const Toolpath& path = result_.path;
-    double worst = 0.0;
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-      if (!(path.tolerance[b] < unlimited)) continue;
       const double found = direct_error(motion, path, b), recorded = result_.plan.errors[b];
       if (!close(recorded, found, position_rounding))
         wrong(fmt::format("line {}: corner error is recorded as {:.9g} m, found {:.9g} m", path.line[b], recorded,
@@ -81,36 +104,60 @@ class Check {
       if (found > path.tolerance[b] * (1.0 + rounding) + position_rounding)
         wrong(fmt::format("line {}: corner error {:.9g} m exceeds its tolerance {:.9g} m", path.line[b], found,
                           path.tolerance[b]));
-      const bool turns = path.joint[b] != Joint::straight || result_.plan.delays[b] > 0;
-      if (turns) worst = std::max(worst, found);
     }
-    if (!close(result_.worst_error, worst, position_rounding))
-      wrong(fmt::format("worst_error_m is recorded as {:.9g}, found {:.9g}", result_.worst_error, worst));
   }
 
+  /// The limits of axes stand first, in the order of the axes and of the table of limits.
   void check_limits(const DirectMotion& motion) {
     const Machine machine = program_machine(task_.machine, result_.path);
-    std::size_t expected = 0;
+    std::size_t i = 0;
     for (std::size_t a = 0; a < machine.axes.size(); ++a) {
-      for (const auto& [kind, found] : worst_uses(motion, machine.axes[a], a, result_.sample_period)) {
-        ++expected;
-        const std::string name = fmt::format("{} {}", to_string(kind), machine.axes[a].name);
-        if (found.use > 1.0 + rounding) wrong(fmt::format("{} is broken: {:.6g} %", name, 100.0 * found.use));
-        const LimitUse* recorded = nullptr;
-        for (const LimitUse& use : result_.plan.simulation.limits) {
-          if (use.kind == kind && use.axis == machine.axes[a].name) recorded = &use;
-        }
-        if (recorded == nullptr)
-          wrong(name + " is a limit of the task, but not recorded");
-        else if (!close(recorded->utilisation, found.use, 1e-9))
-          wrong(fmt::format("{}: utilisation is recorded as {:.9g}, found {:.9g}", name, recorded->utilisation,
-                            found.use));
+      for (const AxisLimit& limit : axis_limits) {
+        const UseOfLimit use(motion, machine.axes[a], a, limit, result_.sample_period);
+        if (use.bound() < unlimited) check_limit(i++, use, limit.kind, machine.axes[a].name);
       }
     }
-    const auto of_axes = static_cast<std::size_t>(
-        std::count_if(result_.plan.simulation.limits.begin(), result_.plan.simulation.limits.end(),
-                      [](const LimitUse& use) { return use.kind != LimitKind::vibration; }));
-    if (of_axes != expected) wrong(fmt::format("{} limits of axes are recorded, the task has {}", of_axes, expected));
+    limits_ = i;
+  }
+
+  void check_limit(std::size_t i, const UseOfLimit& use, LimitKind kind, const std::string& axis) {
+    const std::string name = fmt::format("{} {}", to_string(kind), axis);
+    const Worst found = use.worst();
+    if (found.use > 1.0 + rounding) wrong(fmt::format("{} is broken: {:.6g} %", name, 100.0 * found.use));
+    const auto& limits = result_.plan.simulation.limits;
+    if (i >= limits.size() || limits[i].kind != kind || limits[i].axis != axis)
+      return wrong(fmt::format("limits[{}] should be {}", i, name));
+    const LimitUse& recorded = limits[i];
+    if (recorded.bound != use.bound())
+      wrong(fmt::format("{}: bound is recorded as {:.9g}, the task's is {:.9g}", name, recorded.bound, use.bound()));
+    if (!close(recorded.value, found.value, rounding * use.bound()))
+      wrong(fmt::format("{}: value is recorded as {:.9g}, found {:.9g}", name, recorded.value, found.value));
+    if (!close(recorded.utilisation, found.use, rounding))
+      wrong(fmt::format("{}: utilisation is recorded as {:.9g}, found {:.9g}", name, recorded.utilisation, found.use));
+    if (!use.is_worst(recorded.sample, found))
+      wrong(fmt::format("{}: is not used most at sample {}", name, recorded.sample));
+    check_line(i, name);
+  }
+
+  /// Lines come from the simulation of the plan. Of samples that use a limit alike it may choose another one elsewhere.
+  void check_line(std::size_t i, const std::string& name) {
+    const Simulation& recorded = result_.plan.simulation;
+    if (lines_.limits.empty()) lines_ = simulated();
+    const bool same_sample = lines_.limits[i].sample == recorded.limits[i].sample;
+    const auto& lines = result_.path.line;
+    const bool right = same_sample ? lines_.limit_lines[i] == recorded.limit_lines[i]
+                                   : std::find(lines.begin(), lines.end(), recorded.limit_lines[i]) != lines.end();
+    if (!right)
+      wrong(fmt::format("{}: line is recorded as {}, found {}", name, recorded.limit_lines[i], lines_.limit_lines[i]));
+  }
+
+  Simulation simulated() const {
+    const Machine machine = program_machine(task_.machine, result_.path);
+    std::vector<double> errors(result_.path.blocks());
+    SimulationOptions options;
+    options.machine = &machine;
+    return simulate_program(CommandTiming(result_.path, result_.sample_period, result_.plan.delays), result_.legs, 0,
+                            result_.path.blocks() - 1, errors, options);
   }
 
   void check_vibration() {
@@ -122,83 +169,36 @@ class Check {
     }
   }
 
+  /// What follows from the commands, and from errors and uses of limits, which were compared above.
+  void describe(const DirectMotion& motion, double time) {
+    ProgramResult& found = report_.found;
+    found.program = result_.program;
+    found.filter = result_.filter;
+    found.legs = result_.legs;
+    found.sample_period = result_.sample_period;
+    found.path = result_.path;
+    found.plan.delays = result_.plan.delays;
+    found.plan.errors = result_.plan.errors;
+    found.plan.errors_hold = true;  // or there is a reason
+    found.plan.simulation = result_.plan.simulation;
+    found.plan.simulation.samples = motion.samples;
+    found.plan.simulation.limits.resize(std::min(limits_, found.plan.simulation.limits.size()));
+    found.plan.simulation.limit_lines.resize(found.plan.simulation.limits.size());
+    found.cycle_time = time;
+    judge_program(found, program_machine(task_.machine, result_.path));
+  }
+
   const ProgramResult& result_;
   const Task& task_;
   ProgramResultCheck report_;
+  std::size_t limits_ = 0;  // of axes
+  Simulation lines_;        // made when first asked for
 };
-
-double distance(const double* a, const double* b, std::size_t n) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(sum);
-}
-
-/// How far along the way from a to b the point is nearest, as a part of it, and its distance from there, m.
-std::pair<double, double> foot_on(const double* a, const double* b, const double* point, std::size_t n) {
-  double along = 0.0, whole = 0.0, off = 0.0;
-  for (std::size_t i = 0; i < n; ++i)
-    along += (point[i] - a[i]) * (b[i] - a[i]), whole += (b[i] - a[i]) * (b[i] - a[i]);
-  const double part = along / whole;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double d = point[i] - a[i] - part * (b[i] - a[i]);
-    off += d * d;
-  }
-  return {part, std::sqrt(off)};
-}
-
-/// Dwells by block, s.
-std::map<std::size_t, double> dwells(const Toolpath& path) {
-  std::map<std::size_t, double> sum;
-  for (const auto& [block, time] : path.dwell) sum[block] += time;
-  return sum;
-}
 
 }  // namespace
 
 ProgramResultCheck verify_program_result(const ProgramResult& result, const Task& task) {
   return Check(result, task).run();
-}
-
-std::string departs_from(const Toolpath& commanded, const Toolpath& programmed) {
-  if (commanded.axes != programmed.axes) return "other axes move than in the program";
-  const std::size_t n = programmed.dimensions();
-  if (distance(commanded.asked(0), programmed.point(0), n) > position_rounding) return "it begins elsewhere";
-  if (commanded.dwell_first < programmed.dwell_first) return "the dwell before the first block is shorter";
-  const auto own = dwells(commanded), asked = dwells(programmed);
-  std::size_t c = 0;
-  for (std::size_t b = 0; b < programmed.blocks(); ++b) {
-    const double *from = programmed.point(b), *to = programmed.point(b + 1);
-    const double length = distance(from, to, n), speed = length / programmed.duration[b];
-    const auto at_line = [&](const char* what) { return fmt::format("line {}: {}", programmed.line[b], what); };
-    double passed = 0.0;  // part of the block
-    for (;; ++c) {
-      if (c == commanded.blocks()) return at_line("the commands end before it does");
-      const double* end = commanded.asked(c + 1);
-      const auto [part, off] = foot_on(from, to, end, n);
-      if (off > position_rounding || part < passed - position_rounding / length ||
-          part > 1.0 + position_rounding / length)
-        return at_line("the path leaves it");
-      passed = part;
-      const double piece = distance(commanded.asked(c), end, n);
-      if (piece > speed * commanded.duration[c] * (1.0 + 1e-5) + position_rounding)
-        return at_line("is commanded above its programmed feed");
-      if (distance(end, to, n) <= position_rounding) break;
-    }
-    const Joint joint = commanded.joint[c];
-    if (b + 1 < programmed.blocks()) {
-      if (programmed.joint[b] == Joint::stop && joint != Joint::stop)
-        return at_line("the program stops, the commands do not");
-      if (commanded.tolerance[c] > programmed.tolerance[b] * (1.0 + 1e-9))
-        return at_line("the tolerance is wider than the program's");
-    }
-    const auto dwell = asked.find(b);
-    if (dwell != asked.end()) {
-      const auto kept = own.find(c);
-      if (kept == own.end() || kept->second < dwell->second * (1.0 - 1e-9)) return at_line("its dwell is not kept");
-    }
-    ++c;
-  }
-  return c == commanded.blocks() ? "" : "the commands go on after the program's end";
 }
 
 }  // namespace accdec

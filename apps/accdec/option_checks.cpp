@@ -1,0 +1,80 @@
+#include "option_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <accdec/files/suggestion.hpp>
+
+namespace accdec::cli {
+namespace {
+
+std::optional<double> finite(const std::string& text) {
+  double value = 0.0;
+  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// The subcommand that was asked for, or the program itself.
+const CLI::App& chosen(const CLI::App& app) {
+  const auto parsed = app.get_subcommands();
+  return parsed.empty() ? app : *parsed.front();
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+}  // namespace
+
+CLI::Validator number_between(double low, double high) {
+  return CLI::Validator(
+      [low, high](std::string& text) {
+        const auto value = finite(text);
+        if (value && *value >= low && *value <= high) return std::string();
+        return fmt::format("must be a number from {:g} to {:g}, got {}", low, high, text);
+      },
+      fmt::format("FLOAT in [{:g} - {:g}]", low, high));
+}
+
+CLI::Validator positive_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const auto value = finite(text);
+        if (value && *value > 0.0 && *value <= 1e9) return std::string();
+        return fmt::format("must be a number > 0 and at most 1e9, got {}", text);
+      },
+      "POSITIVE");
+}
+
+CLI::Validator one_of(std::vector<std::string> words) {
+  const std::string all = fmt::format("{{{}}}", fmt::join(words, ","));
+  return CLI::Validator(
+      [words = std::move(words)](std::string& text) {
+        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+        return unknown_name("value", text, words);
+      },
+      all);
+}
+
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
+  std::string message = error.what();
+  const CLI::App& command = chosen(app);
+  std::vector<std::string> known = option_names(command);
+  if (&command != &app) {
+    for (const std::string& name : option_names(app)) known.push_back(name);
+  }
+  const std::vector<std::string> extra = app.remaining(true);
+  const auto option = std::find_if(extra.begin(), extra.end(), [](const auto& e) { return e.starts_with("--"); });
+  if (option != extra.end()) message = unknown_name("option", option->substr(0, option->find('=')), known);
+  const std::string help = &command == &app ? "accdec --help" : fmt::format("accdec {} --help", command.get_name());
+  return fmt::format("{}\nRun {} for more information.", message, help);
+}
+
+}  // namespace accdec::cli

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace accdec::cli {
+
+/// A finite number from low to high; CLI11's own range lets "nan" pass.
+CLI::Validator number_between(double low, double high);
+/// A finite number above 0, up to 10^9: seconds and the like.
+CLI::Validator positive_number();
+/// One of these words; others get a suggestion.
+CLI::Validator one_of(std::vector<std::string> words);
+
+/// What is wrong with a command line, with a suggestion where an option is not known.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error);
+
+}  // namespace accdec::cli

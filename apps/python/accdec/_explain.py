@@ -1,0 +1,106 @@
+"""Why a design is as long as it is, and what the filters of controllers do at the same limits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import _core
+from ._core import Explanation
+from ._design import Progress, TaskLike, _listener
+from ._fields import as_task
+
+
+def _check(**limits: float) -> None:
+    for name, limit in limits.items():
+        if not 0.0 < limit < float("inf"):
+            raise ValueError(f"{name}: must be a number of seconds > 0, got {limit}")
+
+
+def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 300.0, design_time_limit: float = 10.0,
+            progress: Progress = None) -> Explanation:
+    """Say which limits bind where, and what more room for each saves or makes possible.
+
+    The task is designed anew with more room for every limit. Of a task that has no design the smallest change of each
+    limit is found that makes it feasible. Designs are verified by simulation, bounds rechecked.
+
+    Parameters
+    ----------
+    task : Task, path or dict
+    by : float
+        How much more room to try, a share of every limit, 0 < by < 1.
+    time_limit, design_time_limit : float
+        s, of all designs, then what is known, and `complete` is False; of every single one.
+    progress : bool or callable, optional
+
+    Returns
+    -------
+    Explanation
+        `print` shows it in sentences; `bindings`, `gains`, `remedies` are lists of dict.
+
+    Examples
+    --------
+    >>> import accdec
+    >>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0, "jerk_max": 500.0},
+    ...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+    >>> best = accdec.explain(task).gains[0]
+    >>> best["proved"], round(1e3 * best["gain_s"], 6)  # ms; nothing saves more
+    (True, 2.0)
+    >>> remedies = accdec.explain(task.replace(order_max=15)).remedies  # of a task that has no design
+    >>> remedies[0]["helps"], [r["levers"][0]["enough"] for r in remedies if r["key"] == "design.order_max"]
+    ('yes', [27.0])
+    """
+    if not 0.0 < by < 1.0:
+        raise ValueError(f"by: must be above 0 and below 1, got {by}")
+    _check(time_limit=time_limit, design_time_limit=design_time_limit)
+    return _core.explain(as_task(task), share=by, time_limit=time_limit,
+                         design_time_limit=design_time_limit, progress=_listener(progress))
+
+
+def baselines(task: TaskLike, *, finer: int = 1, time_limit: float = 600.0, progress: Progress = None) -> Any:
+    """Hold the design of a task against the best that filters of controllers do under its limits.
+
+    Parameters
+    ----------
+    task : Task, path or dict
+        Its filter or, before that, its `baseline` is shown as "yours"; the designs leave it aside.
+    finer : int
+        So many times shorter a sample period. What a saving loses there is the rounding to whole samples.
+    time_limit : float
+        s, for the design.
+    progress : bool or callable, optional
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row a filter: "designed", "yours" where there is one, then every family with its best order and parameters:
+        kind, parameters, order, delays, cycle_time and corner_time (s), more (share of the design's time), exact_stop
+        (no legs overlap), outcome, message. ``attrs["saving"]`` is the share of the best family's time that the design
+        saves (None without both), ``attrs["results"]`` has the `Result` of every row.
+
+    Examples
+    --------
+    >>> import accdec
+    >>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0, "jerk_max": 500.0},
+    ...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
+    >>> table = accdec.baselines(task)
+    >>> bool((table["more"].dropna() >= 0.0).all()), 0.0 <= table.attrs["saving"] < 1.0
+    (True, True)
+    """
+    import pandas
+    if not 1 <= finer <= 1000:
+        raise ValueError(f"finer: allowed is 1 to 1000, got {finer}")
+    _check(time_limit=time_limit)
+    rows = _core.baselines(as_task(task), finer=finer, time_limit=time_limit, progress=_listener(progress))
+    results = [row.pop("result") for row in rows]
+    best = results[0].fun
+    for row, result in zip(rows, results):
+        found = result.success
+        row.update(order=result.order, delays=result.delays.tolist() if found else None, cycle_time=result.cycle_time,
+                   corner_time=result.corner_time, more=result.fun / best - 1.0 if found and best else None,
+                   outcome=result.outcome, message=result.message)
+    table = pandas.DataFrame(rows)
+    families = [result.fun for row, result in zip(rows, results)
+                if row["filter"] not in ("designed", "yours") and result.success]
+    table.attrs["saving"] = 1.0 - best / min(families) if best and families else None
+    table.attrs["results"] = {row["filter"]: result for row, result in zip(rows, results)}
+    return table

@@ -1,0 +1,115 @@
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <accdec/design/explain.hpp>
+#include <accdec/formats/explanation.hpp>
+#include <accdec/study/baseline_table.hpp>
+
+#include "bindings.hpp"
+#include "interrupt.hpp"
+
+namespace accdec::python {
+namespace {
+
+std::shared_ptr<Explanation> explain(const std::shared_ptr<Task>& task, double share, double time_limit,
+                                     double design_time_limit, const py::object& progress) {
+  const auto result = std::make_shared<std::shared_ptr<Explanation>>();
+  run_interruptibly(
+      [=](const Work& work) {
+        ExplainOptions options;
+        options.share = share;
+        options.time_limit = time_limit;
+        options.design.time_limit = design_time_limit;
+        options.design.cancel = &work.cancelled;
+        options.progress = [&](int done, int total) { work.tell(fmt::format("{} of about {} designs", done, total)); };
+        *result = std::make_shared<Explanation>(explain_task(*task, options));
+      },
+      progress);
+  return *result;
+}
+
+std::shared_ptr<DesignResult> shared(const DesignResult& result) {
+  return std::make_shared<DesignResult>(result);
+}
+
+/// A row of the table; its name and, of a shape, what it was chosen to be are the caller's.
+py::dict row(const std::string& name, const DesignResult& result, const FilterSpec* spec, bool exact_stop) {
+  return py::dict(py::arg("filter") = name, py::arg("kind") = spec != nullptr ? to_string(spec->kind) : "",
+                  py::arg("parameters") = spec != nullptr ? describe_parameters(*spec) : "",
+                  py::arg("exact_stop") = exact_stop, py::arg("result") = shared(result));
+}
+
+/// The design, the filter in use today where the task names one, and the best of every family.
+py::list baselines(const std::shared_ptr<Task>& task, int finer, double time_limit, const py::object& progress) {
+  const auto table = std::make_shared<study::BaselineTable>();
+  run_interruptibly(
+      [=](const Work& work) {
+        DesignOptions options;
+        options.time_limit = time_limit;
+        options.cancel = &work.cancelled;
+        options.progress = work.tell;
+        *table = study::compare_with_baselines(finer > 1 ? study::at_shorter_period(*task, finer) : *task, options);
+      },
+      progress);
+  py::list rows;
+  rows.append(row("designed", table->design, nullptr, false));
+  if (table->own) rows.append(row("yours", *table->own, &*table->own->task.filter, false));
+  for (std::size_t i = 0; i < table->families.size(); ++i) {
+    const BaselineResult& family = table->families[i];
+    rows.append(row(std::string(accdec::baselines()[i].title), family.result, family.spec ? &*family.spec : nullptr,
+                    family.exact_stop));
+  }
+  return rows;
+}
+
+/// Of the same explanation as JSON, which says everything in the words and units of a task file.
+py::object part(const Explanation& explanation, const char* name) {
+  const py::object all = py::module_::import("json").attr("loads")(explanation_to_json(explanation));
+  return all.attr("get")(name, py::list());
+}
+
+constexpr const char* explanation_doc = R"(What stands in the way of a shorter design, or of any. Made by `explain`.
+
+Its text (`str`, `print`) is that of the command line. Levers are the numbers of a task that more room is given to, by
+their keys and in the units of a task file, as `Task.set` takes them.
+
+Attributes
+----------
+result : Result
+    The task's own design.
+proved : bool
+    Its bound was rechecked: nothing is shorter, or no design exists.
+bindings : list of dict
+    Where limits are used to the full: kind, axis, corner, event, samples, bound (SI), frequency_Hz.
+gains : list of dict
+    What more room saves, most first: name, key, levers (name, key, value, relaxed), gain_s, gain_at_most_s (None:
+    nothing is proved), objective_s, order, delays_samples, proved, solved.
+remedies : list of dict
+    Of an infeasible task the smallest change of each by itself that makes it feasible: name, key, helps ("yes", "no",
+    "unknown"), levers (name, key, value, enough), share, smallest (proved that less is not enough), objective_s.
+complete : bool
+    Everything was tried.
+)";
+
+}  // namespace
+
+void bind_explain(py::module_& module) {
+  py::class_<Explanation, std::shared_ptr<Explanation>>(module, "Explanation", explanation_doc)
+      .def_property_readonly("result", [](const Explanation& e) { return shared(e.base); })
+      .def_property_readonly("proved", [](const Explanation& e) { return e.base_proved; })
+      .def_property_readonly("bindings", [](const Explanation& e) { return part(e, "bindings"); })
+      .def_property_readonly("gains", [](const Explanation& e) { return part(e, "gains"); })
+      .def_property_readonly("remedies", [](const Explanation& e) { return part(e, "remedies"); })
+      .def_property_readonly("complete", [](const Explanation& e) { return e.complete; })
+      .def("to_json", &explanation_to_json)
+      .def("__str__", &explanation_text);
+  module.def("explain", &explain, py::arg("task"), py::kw_only(), py::arg("share"), py::arg("time_limit"),
+             py::arg("design_time_limit"), py::arg("progress"));
+  module.def("baselines", &baselines, py::arg("task"), py::kw_only(), py::arg("finer"), py::arg("time_limit"),
+             py::arg("progress"));
+}
+
+}  // namespace accdec::python

@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <accdec/program/write/fastest_plan.hpp>
+
+namespace accdec {
+namespace {
+
+/// The path may be off a chord's end by the tolerance, and the chord off its arc by more: room for that.
+void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
+  const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    const double tolerance = path.tolerance[b];
+    const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
+    if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
+  }
+}
+
+PlanTime time_of(const ProfileResult& r) {
+  return {"profiles", r.cycle_time, r.message.empty()};
+}
+PlanTime time_of(const ProgramResult& r) {
+  return {r.legs.single() ? "fixed" : "per-leg", r.cycle_time, r.verification.feasible};
+}
+
+}  // namespace
+
+std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, const Toolpath& path,
+                                                            double arc_tolerance, const Task& task,
+                                                            const ProgramFileOptions& options,
+                                                            const std::function<void(const std::string&)>& tell) {
+  // Of the longest programs the search for a filter, and the bound by linear programs, would take longer than the plan.
+  constexpr std::size_t most_blocks = 200'000;
+  const double bound_time = path.blocks() <= most_blocks ? 10.0 : 3.0;  // s
+  Toolpath chords = path;
+  leave_room_for_arcs(chords, arc_tolerance);
+  ProfileResult profiles = run_profiles(name, std::move(chords), task, bound_time);
+  if (path.blocks() > most_blocks) return profiles;
+  ProgramFileOptions choosing = options;
+  choosing.feeds = Feeds::choose;
+  const ProgramFilter choice = filter_for_program(path, task, choosing, tell);
+  if (!choice.filter) return profiles;
+  // The plan of one filter is a candidate of the one a leg. On many chords a plan that keeps feeds above what arcs
+  // allow takes long, and is slow.
+  const Feeds feeds = path.arcs.empty() ? Feeds::choose : Feeds::choose_only;
+  ProgramResult other = run_program(name, path, *choice.filter, task, true, options.filter_bound, feeds);
+  other.solver = choice.solver;
+  const PlanTime mine = time_of(profiles), theirs = time_of(other);
+  if (theirs.verified && (!mine.verified || theirs.time < mine.time)) {
+    other.candidates = {mine};
+    return other;
+  }
+  profiles.candidates = {theirs};
+  return profiles;
+}
+
+std::variant<ProfileResult, ProgramResult> run_fastest_plan_file(const std::string& file, const Task& task,
+                                                                 const ProgramFileOptions& options,
+                                                                 const std::function<void(const std::string&)>& tell) {
+  const ProgramFile program = read_program_file(file, task, options, tell);
+  return run_fastest_plan(file, program.path, program.reading.read.arc_tolerance, task, options, tell);
+}
+
+}  // namespace accdec

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <variant>
+
+#include <accdec/program/write/profile_result.hpp>
+#include <accdec/program/write/program_file.hpp>
+
+namespace accdec {
+
+/// `accdec program --plan profiles`: that plan, and beside it, of programs of up to 200 000 blocks, those of one filter
+/// and of one a leg; the fastest that holds all limits, with the times of the others as its candidates. Where none
+/// holds, the plan profiles with a message.
+/// @param path           as read; the feeds are chosen
+/// @param arc_tolerance  m, that it was read with
+/// @param options        for the plans beside it
+/// @param tell           one line a step, may be empty
+/// @throws std::invalid_argument as run_profiles
+std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, const Toolpath& path,
+                                                            double arc_tolerance, const Task& task,
+                                                            const ProgramFileOptions& options,
+                                                            const std::function<void(const std::string&)>& tell);
+
+/// Reads the program, too. @throws as read_program_file
+std::variant<ProfileResult, ProgramResult> run_fastest_plan_file(const std::string& file, const Task& task,
+                                                                 const ProgramFileOptions& options,
+                                                                 const std::function<void(const std::string&)>& tell);
+
+}  // namespace accdec

@@ -1,0 +1,120 @@
+#include <atomic>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <accdec/certificate/checker.hpp>
+#include <accdec/exact/exact_run.hpp>
+#include <accdec/task/order_bound.hpp>
+
+#include "support/tasks.hpp"
+
+// What a proof has to show when it is stopped, and that it goes on from there.
+
+namespace accdec {
+namespace {
+
+using testing::plane_corner;
+using testing::plane_task;
+
+/// Friction takes 60 % of the force, at a sample period of a quarter: whether the force holds is only seen delay by
+/// delay, a hundred of them.
+Task friction() {
+  Axis axis;
+  axis.mass = 34.0;
+  axis.damping = 840.0;
+  axis.force_max = 465.0;
+  axis.jerk_max = 2000.0;
+  Task task = plane_task(axis, plane_corner("A", 90, 45, 1.0 / 3.0, 1.0 / 3.0), 640e-6);
+  task.sample_period = 0.25e-3;
+  return task;
+}
+
+Task random_corners(int count) {
+  Axis axis;
+  axis.acceleration_max = 6.0;
+  axis.jerk_max = 600.0;
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 50e-6);
+  task.corners.clear();
+  for (int j = 0; j < count; ++j) {
+    const double feed = 0.04 + 0.08 * u(rng);
+    TaskCorner corner = plane_corner("C" + std::to_string(j), 35.0 + 115.0 * u(rng), 90.0 * u(rng), feed, feed);
+    corner.error_max = (10.0 + 100.0 * u(rng)) * 1e-6;
+    corner.weight = 1.0 + j % 9;
+    task.corners.push_back(std::move(corner));
+  }
+  task.design.order_max = 120;
+  return task;
+}
+
+/// Stopped as soon as the bound is at least `enough`.
+DesignResult stopped_at(const Task& task, double enough) {
+  std::atomic<bool> cancel = false;
+  ExactOptions options;
+  options.cancel = &cancel;
+  options.progress = [&](const ExactProgress& p) { cancel = cancel || p.bound >= enough; };
+  return design_exact(task, options);
+}
+
+// Starts alone take that long (closed form), and that is known before anything else.
+TEST(ExactBound, NoFilterIsShorterThanAStart) {
+  const Task task = friction();
+  const DesignResult result = stopped_at(task, 0.0);
+  const double start = (order_lower_bound(task, 400) + 1) * task.sample_period;
+  ASSERT_EQ(result.stop, StopReason::interrupted);
+  ASSERT_TRUE(result.lower_bound);
+  EXPECT_GE(*result.lower_bound, start * (1.0 - 1e-12));
+  const CheckReport report = check_certificate(task, result);
+  EXPECT_TRUE(report.accepted) << report.reason;
+}
+
+// Each corner by itself, its delay as dear as may be: the least delay at any order.
+TEST(ExactBound, ManyCornersTakeAtLeastWhatEachTakesByItself) {
+  const Task task = random_corners(12);
+  double samples = order_lower_bound(task, 400) + 1;
+  for (const TaskCorner& corner : task.corners) {
+    Task one = task;
+    one.corners = {corner};
+    one.corners[0].weight = 1.0;
+    one.design.runs = 1e-3;
+    const DesignResult least = design_exact(one);
+    ASSERT_EQ(least.status, Status::optimal);
+    samples += corner.weight * least.corners[0].delay;
+  }
+  const DesignResult result = stopped_at(task, samples * task.sample_period * (1.0 - 1e-12));
+  ASSERT_EQ(result.stop, StopReason::interrupted) << result.message;
+  EXPECT_GE(*result.lower_bound, samples * task.sample_period * (1.0 - 1e-9));
+  EXPECT_LE(*result.lower_bound, result.objective());
+  const CheckReport report = check_certificate(task, result);
+  EXPECT_TRUE(report.accepted) << report.reason;
+}
+
+TEST(ExactBound, GoesOnWhereItWasStopped) {
+  for (const Task& task : {random_corners(1), random_corners(3)}) {
+    const double whole = design_exact(task).objective();
+    std::atomic<bool> cancel = false;
+    int reports = 0;
+    ExactOptions options;
+    options.cancel = &cancel;
+    options.progress = [&](const ExactProgress&) { cancel = cancel || ++reports % 3 == 0; };
+    ExactRun run(task);
+    DesignResult result;
+    double bound = 0.0;
+    for (int again = 0; again < 1000 && result.status != Status::optimal; ++again) {
+      cancel = false;
+      result = run.go_on(options);
+      ASSERT_TRUE(result.lower_bound);
+      EXPECT_GE(*result.lower_bound, bound);
+      bound = *result.lower_bound;
+      const CheckReport report = check_certificate(task, result);
+      EXPECT_TRUE(report.accepted || !result.certificate) << report.reason;
+    }
+    ASSERT_EQ(result.status, Status::optimal);
+    EXPECT_EQ(result.objective(), whole);
+  }
+}
+
+}  // namespace
+}  // namespace accdec
