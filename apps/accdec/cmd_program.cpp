@@ -22,6 +22,7 @@
 #include <accdec/program/write/program_report.hpp>
 #include <accdec/program/write/samples.hpp>
 
+#include "option_checks.hpp"
 #include "output.hpp"
 #include "program_profiles.hpp"
 #include "status_line.hpp"
@@ -72,12 +73,13 @@ void check_outputs(const Options& options) {
 
 /// Plan profiles, and because it is never to be slower than they are, the plans of one filter and one a leg.
 void run_profiles_and_others(const Options& options, Context& context, const ProgramFile& file, const Task& task) {
+  const ProgramInputs inputs = options.json.empty() ? ProgramInputs{} : inputs_of(options, file);
   const auto fastest = [&] {
     StatusLine status(context.quiet);
     return run_fastest_plan(options.program, file.path, file.reading.read.arc_tolerance, task, options.file,
                             [&](const std::string& line) { status.tell(line); });
   }();
-  write_fastest(fastest, options.json.empty() ? ProgramInputs{} : inputs_of(options, file), file.path, task.machine,
+  write_fastest(fastest, inputs, file.path, task.machine,
                 {options.json, options.samples, options.stream, options.figure}, context);
 }
 
@@ -171,7 +173,7 @@ void add_inputs(CLI::App& command, Options& options) {
                   "Largest distance of a chord from its arc; default: what an arc's fastest motion leaves of the arc "
                   "between two samples, a T^2/8, from 0.1 to 2; 2 with --feeds keep")
       ->type_name("UM")
-      ->check(CLI::Range(1e-3, 1e4));
+      ->check(number_between(1e-3, 1e4));
   command.add_option("--tool-table", options.file.tool_table, "LinuxCNC's, for programs that rs274 has to run")
       ->type_name("FILE");
   command.add_flag(
@@ -202,20 +204,20 @@ void add_planning(CLI::App& command, Options& options) {
   command
       .add_option("--time-limit", options.file.time_limit,
                   "s, for the design of a filter where the task has none; default 2 s and 5 ms a block, at most 60")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command
       .add_option("--plan", options.plan,
                   "fixed: one filter for the whole program; per-leg: the filter of each leg follows what the limits "
                   "allow in its direction, where that is faster; profiles: every corner its own filter and speed, for "
                   "controllers that take a position every cycle (--samples, --stream); never slower than the others, "
                   "which are made beside it")
-      ->check(CLI::IsMember({"fixed", "per-leg", "profiles"}))
+      ->check(one_of({"fixed", "per-leg", "profiles"}))
       ->capture_default_str();
   command
       .add_option("--feeds", options.feeds,
                   "choose: F is an upper bound, feeds and steps of feed inside blocks are chosen; keep: every block at "
                   "its programmed feed")
-      ->check(CLI::IsMember({"choose", "keep"}))
+      ->check(one_of({"choose", "keep"}))
       ->capture_default_str();
   command.add_flag("--compensate-arcs", options.file.compensate_arcs,
                    "Command arcs on a radius larger by what the filter takes away, v^2 s^2/(2 R); errors are measured "

@@ -41,8 +41,10 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
   choosing.feeds = Feeds::choose;
   const ProgramFilter choice = filter_for_program(path, task, choosing, tell);
   if (!choice.filter) return profiles;
-  // The plan of one filter is a candidate of the one a leg.
-  ProgramResult other = run_program(name, path, *choice.filter, task, true, options.filter_bound, Feeds::choose);
+  // The plan of one filter is a candidate of the one a leg. On many chords a plan that keeps feeds above what arcs
+  // allow takes long, and is slow.
+  const Feeds feeds = path.arcs.empty() ? Feeds::choose : Feeds::choose_only;
+  ProgramResult other = run_program(name, path, *choice.filter, task, true, options.filter_bound, feeds);
   other.solver = choice.solver;
   const PlanTime mine = time_of(profiles), theirs = time_of(other);
   if (theirs.verified && (!mine.verified || theirs.time < mine.time)) {
@@ -56,8 +58,8 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
 std::variant<ProfileResult, ProgramResult> run_fastest_plan_file(const std::string& file, const Task& task,
                                                                  const ProgramFileOptions& options,
                                                                  const std::function<void(const std::string&)>& tell) {
-  const ProgramFile read = read_program_file(file, task, options, tell);
-  return run_fastest_plan(file, read.path, read.reading.read.arc_tolerance, task, options, tell);
+  const ProgramFile program = read_program_file(file, task, options, tell);
+  return run_fastest_plan(file, program.path, program.reading.read.arc_tolerance, task, options, tell);
 }
 
 }  // namespace accdec

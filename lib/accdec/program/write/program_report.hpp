@@ -71,6 +71,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
 /// and the worst of the joints, vibration, whether all holds.
 /// @param machine  as many axes as the path
 void judge_program(ProgramResult& result, const Machine& machine);
+
 /// Largest distance by which points of arcs were moved out, m, see compensate_arcs.
 double widest(const Toolpath& path);
 
