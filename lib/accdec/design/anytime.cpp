@@ -229,11 +229,11 @@ std::shared_ptr<const Certificate> of_whole(const Certificate& certificate, cons
 /// The result of a merged task as one of the whole; none if rounding makes a difference.
 std::optional<DesignResult> expand(const Task& task, const MergedTask& merged, const DesignResult& found) {
   DesignResult result = found;
-  if (has_design(found)) {
+  if (found.has_design()) {
     std::vector<int> delays;
     for (const CornerResult& c : found.corners) delays.push_back(c.delay);
     result = assess(task, *found.filter, merged.expand(delays), false);
-    if (!has_design(result)) return std::nullopt;
+    if (!result.has_design()) return std::nullopt;
     result.status = found.status, result.stop = found.stop, result.message = found.message;
     result.solver = found.solver, result.gap = found.gap;
     // The same sum in another order.
