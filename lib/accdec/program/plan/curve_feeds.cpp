@@ -96,6 +96,23 @@ double sagitta(const Toolpath& path, std::size_t b, double in, double out) {
   return std::sqrt(change2) * std::min(in, out) / 8.0;
 }
 
+/// Adds the stretches of a leg whose blocks are slowed; what is less than `reach` seconds apart is one.
+void add_slowed(const Toolpath& path, const Curve& leg, double reach, CurveFeeds& result) {
+  double apart = 2.0 * reach;  // from the last block of a curve
+  for (std::size_t b = leg.first; b <= leg.last; ++b) {
+    if (!(result.duration[b] > path.duration[b])) {
+      apart += path.duration[b];
+      continue;
+    }
+    if (apart < reach && !result.curves.empty() && result.curves.back().last >= leg.first) {
+      result.curves.back().last = b;
+    } else {
+      result.curves.push_back({b, b});
+    }
+    apart = 0.0;
+  }
+}
+
 }  // namespace
 
 CurveFeeds curve_feeds(const Toolpath& path, const LegFilters& filters, double sample_period,
@@ -145,19 +162,7 @@ CurveFeeds curve_feeds(const Toolpath& path, const LegFilters& filters, double s
       if (adjust_in) result.duration[b] = std::max(result.duration[b], length[b] / speed);
       if (adjust_out) result.duration[b + 1] = std::max(result.duration[b + 1], length[b + 1] / speed);
     }
-    double apart = 2.0 * reach;  // from the last block of a curve
-    for (std::size_t b = leg.first; b <= leg.last; ++b) {
-      if (!(result.duration[b] > path.duration[b])) {
-        apart += path.duration[b];
-        continue;
-      }
-      if (apart < reach && !result.curves.empty() && result.curves.back().last >= leg.first) {
-        result.curves.back().last = b;
-      } else {
-        result.curves.push_back({b, b});
-      }
-      apart = 0.0;
-    }
+    add_slowed(path, leg, reach, result);
   }
   return result;
 }
