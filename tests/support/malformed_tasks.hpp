@@ -289,7 +289,7 @@ inline std::vector<Case> cases() {
       {"feed_over_velocity",
        with_corner("[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 40000\n"),
        "15:18",
-       {"axis x", "666.6666667 mm/s", "velocity_max_mm_s = 500", "30000 mm/min"}},
+       {"axis x", "666.667 mm/s", "velocity_max_mm_s = 500", "30000 mm/min"}},
       {"feed_out_over_velocity",
        with_corner("[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nfeed_out_mm_min = 40000\n"),
        "16:19",
