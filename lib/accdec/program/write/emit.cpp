@@ -71,7 +71,7 @@ class Emission {
     bool limited = true;
     for (std::size_t a = 0; a < program_axis_count; ++a) {
       if (path_.begin[a] == 0.0) continue;
-      const std::string value = plain_number(path_.begin[a] * 1e3, decimals());
+      const std::string value = plain_number(path_.begin[a] * 1e3, decimals);
       to.append(1, ' ').append(1, program_axes[a]).append(value);
       const Axis* axis = find_axis(result_.task_machine, a);
       limited = limited && axis != nullptr && axis->velocity_max < unlimited;
@@ -91,16 +91,16 @@ class Emission {
     }
   }
 
-  /// Of coordinates in mm. A millionth is plenty for blocks as programmed; where they were split, so that each of their
-  /// parts takes the time that it was given, a thousandth of that.
-  int decimals() const { return result_.feeds_chosen ? 9 : 6; }
+  /// Of coordinates in mm: where blocks were split or are chords of an arc, each part takes the time that it was given,
+  /// and what is read back is written alike. Zeros at the end are left out.
+  static constexpr int decimals = 9;
 
   /// Axes that do not move are left out: they may stand elsewhere than the program knows, with another offset or not
   /// yet positioned.
   std::string words(const double* point) {
     std::string text;
     for (std::size_t a = 0; a < n_; ++a) {
-      std::string value = plain_number(point[a] * 1e3, decimals());
+      std::string value = plain_number(point[a] * 1e3, decimals);
       if (value == written_[a]) continue;
       text.append(1, ' ').append(1, program_axes[path_.axes[a]]).append(value);
       written_[a] = std::move(value);
