@@ -224,6 +224,14 @@ TEST(ResultJson, PositionsOfTaskErrorsAreThoseOfTheResultFile) {
   EXPECT_THAT(message_of(text), StartsWith("r.json:" + std::to_string(line) + ":22: task.corner[0].angle_deg"));
 }
 
+// The parser of JSON takes a zero byte for the end of the file: what follows would be read by nobody.
+TEST(ResultJson, AZeroByteIsNoEnd) {
+  for (const std::string& text : {std::string("5\0{\"\\x\":1}", 11), std::string("{}\0", 3)}) {
+    EXPECT_THAT([&] { parse_result(text, "r.json"); },
+                ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("a zero byte; a result is text")));
+  }
+}
+
 TEST(Recheck, AcceptsWhatWasWrittenAndRejectsWhatWasChanged) {
   const DesignResult result = parse_result(result_to_json(example()), "r.json");
   const ResultCheck good = verify_result(result);

@@ -104,8 +104,10 @@ std::optional<std::size_t> duplicate_key(std::string_view json) {
     if (c == '"') {
       const std::size_t at = walker.at;
       std::string_view name = walker.string();
-      if (key && name.find('\\') != std::string_view::npos)
-        name = decoded.emplace_back(nlohmann::json::parse(json.substr(at, walker.at - at)).get<std::string>());
+      if (key && name.find('\\') != std::string_view::npos) {
+        const auto text = nlohmann::json::parse(json.substr(at, walker.at - at), nullptr, false);
+        if (text.is_string()) name = decoded.emplace_back(text.get<std::string>());
+      }
       if (key) open.back().emplace_back(name, at);
       key = false;
       continue;

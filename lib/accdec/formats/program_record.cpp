@@ -85,7 +85,8 @@ class Reader {
  public:
   Reader(std::string_view text, std::string name) : name_(std::move(name)) {
     json_ = Json::parse(text, nullptr, false);
-    if (json_.is_discarded()) fail("is not JSON");
+    // The parser takes a zero byte for the end of the file.
+    if (json_.is_discarded() || text.find('\0') != std::string_view::npos) fail("is not JSON");
     if (const auto at = duplicate_key(text)) {
       const auto [line, column] = line_and_column(text, *at);
       throw InputError(name_, line, column, "this key stands twice in its object; each may stand once");

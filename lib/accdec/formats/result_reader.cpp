@@ -317,6 +317,11 @@ InputErrors positioned(const std::vector<InputError>& errors, bool at_least, std
 DesignResult parse_result(std::string_view text, const std::string& name) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
     throw InputError(name, 1, 1, "the file is empty; a result is JSON with schema \"accdec.result/1\"");
+  // The parser takes it for the end of the file and what follows for nothing.
+  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
+    const auto [line, column] = line_and_column(text, zero);
+    throw InputError(name, line, column, "a zero byte; a result is text");
+  }
   Json json;
   try {
     json = Json::parse(text.begin(), text.end());

@@ -35,7 +35,6 @@ SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, doubl
                              std::span<double> errors, Broken broken, std::size_t first, std::size_t last, int unseen)
     : path_(path),
       machine_(machine),
-      period_(sample_period),
       rate_(1.0 / sample_period),
       n_(path.dimensions()),
       errors_(errors),

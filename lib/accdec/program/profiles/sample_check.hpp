@@ -59,7 +59,7 @@ class SampleChecker {
 
   const Toolpath& path_;
   const Machine& machine_;
-  const double period_, rate_;  // s, 1/s
+  const double rate_;  // of samples, 1/s
   const std::size_t n_;
   std::span<double> errors_;
   Broken broken_;
