@@ -74,6 +74,9 @@ TEST_F(ProgramResult, ForgedClaimsAreRejected) {
   bad["cycle_time_s"] = good["cycle_time_s"].get<double>() - 0.001;
   rejected("a shorter time", bad, "cycle_time_s is recorded as");
   bad = good;
+  bad["commands"]["delay_samples"][0] = bad["commands"]["delay_samples"][0].get<int>() + 0.5;
+  EXPECT_EQ(changed(bad).code, 2) << "half a sample";
+  bad = good;
   for (Json& delay : bad["commands"]["delay_samples"]) delay = 0;
   rejected("no delays", bad, "exceeds its tolerance");
   bad = good;

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <numeric>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -80,6 +83,22 @@ Json inputs_json(const ProgramInputs& inputs) {
           {"interpreted", inputs.interpreted}};
 }
 
+/// A whole number within its type: the library would cut fractions off and wrap what is too large.
+template <class Integer>
+Integer integer(const Json& json) {
+  const bool whole = json.is_number_integer() &&
+                     (!json.is_number_unsigned() || std::in_range<std::int64_t>(json.get<std::uint64_t>()));
+  if (!whole || !std::in_range<Integer>(json.get<std::int64_t>()))
+    throw std::invalid_argument("a count, a line or a delay is no whole number in its range: " + json.dump());
+  return static_cast<Integer>(json.get<std::int64_t>());
+}
+template <class Integer>
+std::vector<Integer> integers(const Json& json) {
+  std::vector<Integer> values;
+  for (const Json& value : json) values.push_back(integer<Integer>(value));
+  return values;
+}
+
 /// What is read back must be as it is written; the words say where it is not.
 class Reader {
  public:
@@ -107,12 +126,12 @@ class Reader {
       r.legs = LegFilters(r.filter);
       r.cycle_time = json_.at("cycle_time_s").get<double>();
       r.delay_total = json_.at("delay_total_s").get<double>();
-      r.corners = json_.at("corners").at("count").get<std::size_t>();
+      r.corners = integer<std::size_t>(json_.at("corners").at("count"));
       r.worst_error = json_.at("corners").at("worst_error_m").get<double>();
       r.status = json_.at("status") == "feasible" ? Status::feasible : Status::failed;
       for (const Json& limit : json_.at("limits")) {
         r.plan.simulation.limits.push_back(limit_use(limit));
-        r.plan.simulation.limit_lines.push_back(limit.at("line").get<std::uint32_t>());
+        r.plan.simulation.limit_lines.push_back(integer<std::uint32_t>(limit.at("line")));
       }
       if (json_.contains("inputs")) read_inputs(json_["inputs"], record);
       record.commands = json_.contains("commands") && json_["commands"].is_object() && json_.contains("inputs");
@@ -149,11 +168,11 @@ class Reader {
     use.value = json.at("value").get<double>();
     use.bound = json.at("bound").get<double>();
     use.utilisation = json.at("utilisation").get<double>();
-    use.sample = json.at("sample").get<int>();
+    use.sample = integer<int>(json.at("sample"));
     if (use.kind == LimitKind::vibration)
       use.frequency = json.at("frequency_Hz").get<double>();
     else
-      use.corner = fmt::format("line {}", json.at("line").get<std::uint32_t>());
+      use.corner = fmt::format("line {}", integer<std::uint32_t>(json.at("line")));
     return use;
   }
 
@@ -188,12 +207,12 @@ class Reader {
 
   void read_commands(const Json& json, ProgramResult& result) const {
     Toolpath& path = result.path;
-    path.axes = json.at("axes").get<std::vector<std::size_t>>();
+    path.axes = integers<std::size_t>(json.at("axes"));
     path.points = json.at("points_m").get<std::vector<double>>();
     if (json.contains("programmed_m")) path.programmed = json["programmed_m"].get<std::vector<double>>();
     path.duration = json.at("duration_s").get<std::vector<double>>();
     path.tolerance = numbers_or(json.at("tolerance_m"), unlimited);
-    path.line = json.at("line").get<std::vector<std::uint32_t>>();
+    path.line = integers<std::uint32_t>(json.at("line"));
     path.rapid = flags(json.at("rapid"));
     path.inside_arc = flags(json.at("inside_arc"));
     for (const char letter : json.at("joint").get<std::string>()) {
@@ -202,9 +221,9 @@ class Reader {
       path.joint.push_back(static_cast<Joint>(at));
     }
     for (const Json& dwell : json.at("dwell"))
-      path.dwell.emplace_back(dwell.at(0).get<std::uint32_t>(), dwell.at(1).get<double>());
+      path.dwell.emplace_back(integer<std::uint32_t>(dwell.at(0)), dwell.at(1).get<double>());
     path.dwell_first = json.at("dwell_first_s").get<double>();
-    result.plan.delays = json.at("delay_samples").get<std::vector<int>>();
+    result.plan.delays = integers<int>(json.at("delay_samples"));
     result.plan.errors = numbers_or(json.at("error_m"), unlimited);
     if (json.contains("filters")) read_filters(json, result);
     check(result);
@@ -213,7 +232,7 @@ class Reader {
   void read_filters(const Json& json, ProgramResult& result) const {
     std::vector<Filter> filters;
     for (const Json& taps : json.at("filters")) filters.push_back(filter(taps));
-    auto of_block = json.at("filter_of_block").get<std::vector<std::uint16_t>>();
+    auto of_block = integers<std::uint16_t>(json.at("filter_of_block"));
     const bool known =
         std::all_of(of_block.begin(), of_block.end(), [&](std::uint16_t i) { return i < filters.size(); });
     if (filters.empty() || !known || of_block.size() != result.path.blocks())
