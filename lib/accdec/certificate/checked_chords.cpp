@@ -18,7 +18,7 @@ Interval pick_sign(int sign) {
 }  // namespace
 
 std::optional<CheckedTube> CheckedRows::tube(const CheckedBox& box) const {
-  return checked_tube(plants_, tap_max_, jerk_max_, box.order, box.cuts);
+  return checked_tube(plants_, tap_max_, ramp_max(LimitKind::jerk), box.order, box.cuts);
 }
 
 bool CheckedRows::need_tube(CheckedBox& box) const {

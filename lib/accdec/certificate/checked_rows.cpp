@@ -60,19 +60,23 @@ CheckedRows::CheckedRows(const Task& task) : task_(task) {
     if (fastest == 0.0) continue;
     if (axis.acceleration_max < unlimited)
       tap_max_ = std::min(tap_max_, (Interval(axis.acceleration_max) * t / fastest).hi);
-    jerk_max_ = std::min(jerk_max_, ramp_max(LimitKind::jerk, axis, fastest));
+    for (const AxisLimit& limit : axis_limits) {
+      const double bound = axis.*limit.bound;
+      if (differences(limit.kind).value_or(0) == 0 || !(bound < unlimited)) continue;
+      Interval max = Interval(bound) * t / fastest;
+      for (int n = *differences(limit.kind); n > 0; --n) max = max * t;
+      double& known = ramp_max_.try_emplace(limit.kind, unlimited).first->second;
+      known = std::min(known, max.hi);
+    }
     if (axis.force_max < unlimited && axis.damping == 0.0 && axis.mass > 0.0) {
       tap_max_ = std::min(tap_max_, (Interval(axis.force_max) * t / (Interval(axis.mass) * fastest)).hi);
     }
   }
 }
 
-double CheckedRows::ramp_max(LimitKind kind, const Axis& axis, double fastest) const {
-  const double bound = axis.*axis_limit(kind).bound;
-  if (!(bound < unlimited) || fastest == 0.0) return unlimited;
-  Interval max = Interval(bound) * period() / fastest;
-  for (int n = *differences(kind); n > 0; --n) max = max * period();
-  return max.hi;
+double CheckedRows::ramp_max(LimitKind kind) const {
+  const auto found = ramp_max_.find(kind);
+  return found == ramp_max_.end() ? unlimited : found->second;
 }
 
 Interval CheckedRows::speed(const TaskCorner& c, std::size_t axis, bool in) const {
@@ -118,9 +122,7 @@ void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) c
 void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
   const int n = differences(row.limit).value_or(0);
   if (n == 0) throw Rejected("a multiplier names a difference that no limit bounds");
-  double max = unlimited;
-  for (std::size_t a = 0; a < start_.size(); ++a)
-    max = std::min(max, ramp_max(row.limit, task_.machine.axes[a], std::max(start_[a], stop_[a])));
+  const double max = ramp_max(row.limit);
   require_limit(max);
   if (row.sample < 0 || row.sample > sum.order() + n) return;
   const Interval c = weight * (row.sign < 0 ? -1.0 : 1.0) / Interval(max);

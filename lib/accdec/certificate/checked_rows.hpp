@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <stdexcept>
 #include <vector>
 
@@ -83,9 +84,8 @@ class CheckedRows {
   void add_row(const proof::Response& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_power(const Axis& axis, bool regeneration, const Speeds& legs, int delay, int sample, int sign, double low,
                  double high, const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
-  /// Largest difference of taps that a limit on differences of the acceleration leaves an axis at its fastest leg
-  /// (m/s).
-  double ramp_max(LimitKind kind, const Axis& axis, double fastest) const;
+  /// Largest difference of taps that a limit on differences of the acceleration leaves; unlimited where there is none.
+  double ramp_max(LimitKind kind) const;
   int single_delay(int corner, const CheckedBox& box) const;
   /// @throws Rejected if a row says something of taps at or beyond the ends of a window
   void require_inside(const proof::Row& row, const CheckedBox& box) const;
@@ -93,7 +93,8 @@ class CheckedRows {
   bool need_tube(CheckedBox& box) const;
 
   const Task& task_;
-  double tap_max_ = 1.0, jerk_max_ = unlimited;
+  double tap_max_ = 1.0;
+  std::map<LimitKind, double> ramp_max_;  // of all axes at their fastest legs
   std::vector<double> start_, stop_;
   std::vector<CheckedPlant> plants_;
 };

@@ -10,7 +10,7 @@
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/certificate/checker.hpp>
 #include <accdec/certificate/constant_feed.hpp>
-#include <accdec/task/equal_corners.hpp>
+#include <accdec/certificate/merged_corners.hpp>
 #include <accdec/task/objective.hpp>
 
 namespace accdec {
@@ -360,31 +360,6 @@ double target_of(const Task& task, const DesignResult& result, const proof::Bran
   return proof.bound_samples.value_or(target);
 }
 
-/// The task with one corner for each kind that the proof names, with the weights of all its members. Whoever holds the
-/// members holds the first of them at the least of their delays, which costs no more.
-Task task_of(const Task& task, const proof::BranchAndBound& proof) {
-  if (proof.corner_of.empty()) return task;
-  if (proof.corner_of.size() != task.corners.size())
-    throw Rejected(
-        fmt::format("the certificate merges {} corners, the task has {}", proof.corner_of.size(), task.corners.size()));
-  Task merged = task;
-  merged.corners.clear();
-  for (std::size_t i = 0; i < task.corners.size(); ++i) {
-    const int kinds = static_cast<int>(merged.corners.size()), kind = proof.corner_of[i];
-    if (kind < 0 || kind > kinds) throw Rejected("the certificate merges a corner with one that is not there");
-    if (kind == kinds) {
-      merged.corners.push_back(task.corners[i]);
-      continue;
-    }
-    TaskCorner& first = merged.corners[static_cast<std::size_t>(kind)];
-    if (!ask_the_same(task.machine, first, task.corners[i]))
-      throw Rejected(fmt::format("the certificate takes corners {} and {} for one, but they are not", first.name,
-                                 task.corners[i].name));
-    first.weight += task.corners[i].weight;
-  }
-  return merged;
-}
-
 std::string check(const proof::ConstantFeed&, const Task& task, const DesignResult& result,
                   const std::function<bool()>&) {
   if (result.status != Status::infeasible) throw Rejected("the certificate is one of infeasibility, the status is not");
@@ -401,7 +376,7 @@ std::string check(const proof::BranchAndBound& proof, const Task& task, const De
                   const std::function<bool()>& stop) {
   if (const std::string other = other_objective(task, proof); !other.empty()) throw Rejected(other);
   const double target = target_of(task, result, proof);
-  const Task merged = task_of(task, proof);
+  const Task merged = merged_corners(task, proof.corner_of);
   const std::size_t leaves = Checker(merged, proof, target, stop).run();
   if (std::isinf(target)) return fmt::format("{} parts refuted: nothing holds all limits", leaves);
   return fmt::format("{} parts refuted: under the limits as written no {} time is shorter than {:.9g} s", leaves,

@@ -15,6 +15,7 @@
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/nlp/violation.hpp>
+#include <accdec/task/convexity.hpp>
 #include <accdec/task/order_bound.hpp>
 
 namespace accdec::study {
@@ -28,13 +29,6 @@ constexpr double closed = 5e-5;
 /// What a known point may break rows by, no more than solvers are granted: the linear programs' own tolerance, in units
 /// of a row.
 constexpr double held = 1e-7;
-
-bool convex(const Task& task) {
-  const auto& axes = task.machine.axes;
-  return std::all_of(axes.begin(), axes.end(),
-                     [](const Axis& a) { return a.power_max >= unlimited && a.regeneration_max >= unlimited; }) &&
-         std::all_of(task.corners.begin(), task.corners.end(), [](const TaskCorner& c) { return c.speed_min <= 0.0; });
-}
 
 /// The task with its bands as the frequencies the formulations impose them at.
 Task with_frequencies(const CaseSpec& spec) {
@@ -141,7 +135,7 @@ std::function<bool()> timer(double limit) {
 }
 
 std::string with_splits(const Task& task) {
-  return convex(task) ? "" : ", chords of power and speed limits split on responses";
+  return is_convex(task) ? "" : ", chords of power and speed limits split on responses";
 }
 
 Reference margin_reference(const ComparisonCase& subject, double time_limit) {
@@ -161,7 +155,7 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
     search.run(std::max(trial, 1e-6), [wanted](double upper) {
       return wanted * std::max(1.0, upper * upper) / (2.0 * std::max(upper, 1e-9));
     });
-    if (!convex(task) && std::chrono::steady_clock::now() - began > std::chrono::duration<double>(0.05 * time_limit))
+    if (!is_convex(task) && std::chrono::steady_clock::now() - began > std::chrono::duration<double>(0.05 * time_limit))
       break;
   }
   reference.lower = search.lower * search.lower;

@@ -11,6 +11,7 @@
 #include <accdec/design/shape_search.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
+#include <accdec/task/convexity.hpp>
 #include <accdec/task/equal_corners.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/task/verifier.hpp>
@@ -21,19 +22,11 @@ namespace {
 /// Orders up to which slsqp, which is dense, is faster than ipopt.
 constexpr int dense_order_max = 150;
 
-/// Whether limits make the set of filters non-convex; none if they do not.
-Task convex_part(const Task& task, bool& all) {
-  Task part = task;
-  all = true;
-  for (Axis& axis : part.machine.axes) {
-    all = all && !(axis.power_max < unlimited) && !(axis.regeneration_max < unlimited);
-    axis.power_max = axis.regeneration_max = unlimited;
-  }
-  for (TaskCorner& corner : part.corners) {
-    all = all && corner.speed_min <= 0.0;
-    corner.speed_min = 0.0;
-  }
-  return part;
+/// The task without the limits that make the set of filters non-convex.
+Task convex_part(Task task) {
+  for (Axis& axis : task.machine.axes) axis.power_max = axis.regeneration_max = unlimited;
+  for (TaskCorner& corner : task.corners) corner.speed_min = 0.0;
+  return task;
 }
 
 class Course {
@@ -41,13 +34,12 @@ class Course {
   Course(const Task& task, const DesignOptions& options) : task_(task), options_(options), exact_run_(task) {}
 
   DesignResult run() {
-    bool convex = false;
-    const Task part = convex_part(task_, convex);
+    const bool convex = is_convex(task_);
     const bool several = task_.corners.size() > 1;
     // A lone corner's proof seldom lasts; what another method could add then is little.
     exact(several ? 0.2 : convex ? 0.9 : 0.3);
     if (settled() || close_enough()) return *exact_;
-    if (!convex && !has_bound()) bound_of_part(part, 0.1);
+    if (!convex && !has_bound()) bound_of_part(convex_part(task_), 0.1);
     const double share = several ? 0.35 : 0.2;
     if (several && task_.design.order_min <= dense_order_max) local("nlopt-slsqp", 0.4 * share);
     local(options_.solver, share);

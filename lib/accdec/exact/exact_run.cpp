@@ -7,19 +7,11 @@
 #include <accdec/exact/size.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/contradictions.hpp>
+#include <accdec/task/convexity.hpp>
 #include <accdec/task/order_bound.hpp>
 
 namespace accdec {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-bool is_convex(const Task& task) {
-  for (const Axis& axis : task.machine.axes) {
-    if (axis.power_max < unlimited || axis.regeneration_max < unlimited) return false;
-  }
-  return std::none_of(task.corners.begin(), task.corners.end(), [](const TaskCorner& c) { return c.speed_min > 0.0; });
-}
 
 /// As many linear programs make a short proof; fewer where they are long.
 long shortly(int order) {
@@ -140,7 +132,7 @@ DesignResult ExactRun::go_on(const ExactOptions& options) {
 void ExactRun::at_once() {
   if (tried_at_once_ || proved_) return;
   tried_at_once_ = true;
-  if (trial_ > low_ && trial_ <= high_ && trial_ < infinity) take(search_.below(trial_), trial_);
+  if (trial_ > low_ && trial_ <= high_ && trial_ < unlimited) take(search_.below(trial_), trial_);
   if (!search_.best || options_.gap > 0.0) return;
   const long budget = search_.linear_programs() + shortly(least_);
   for (Answer answer = Answer::found; answer == Answer::found && !stopped() && !proved_;) {
@@ -155,7 +147,7 @@ void ExactRun::take(Answer answer, double target) {
   if (search_.best) high_ = std::min(high_, search_.best->value);
   if (answer == Answer::proved) {
     low_ = std::max(low_, target);
-    infeasible_ = target == infinity;
+    infeasible_ = target == unlimited;
     proved_ = low_ >= high_ || infeasible_;
   }
   tell();
@@ -183,7 +175,7 @@ void ExactRun::together() {
 
 /// None: nothing is left to try.
 std::optional<double> ExactRun::next_target() {
-  if (open_ <= high_ && high_ < infinity) {
+  if (open_ <= high_ && high_ < unlimited) {
     // The bound can still rise to where the open part begins.
     double target = 0.5 * (low_ + open_);
     if (cost_.whole()) target = std::floor(target);
@@ -191,15 +183,15 @@ std::optional<double> ExactRun::next_target() {
     return target;
   }
   double target = std::min(high_, open_);
-  if (options_.gap > 0.0 && high_ < infinity) {
+  if (options_.gap > 0.0 && high_ < unlimited) {
     target = std::max(0.5 * (low_ + high_), (1.0 - options_.gap) * high_);
     return cost_.whole() ? std::ceil(target) : target;
   }
-  if (high_ == infinity) {
+  if (high_ == unlimited) {
     const double longest =
         cost_.filter * (task_.design.order_max + 1.0) + step_ / 1.5 * (task_.design.order_max + 2.0) + fixed_;
     trial_ = std::max(trial_ + step_, 1.3 * trial_);
-    return trial_ >= longest ? infinity : trial_;
+    return trial_ >= longest ? unlimited : trial_;
   }
   if (high_ - low_ <= step_) return target;
   target = trial_ > low_ && trial_ < high_ && low_ < 0.9 * trial_ ? trial_ : 0.5 * (low_ + high_);
@@ -217,7 +209,7 @@ void ExactRun::by_targets() {
     if (answer == Answer::unknown) return;
     if (several_ && answer == Answer::found) search_.improve();
     take(answer, *target);
-    if (open_ == infinity && answer == Answer::open) return;
+    if (open_ == unlimited && answer == Answer::open) return;
   }
 }
 
@@ -227,7 +219,7 @@ bool ExactRun::close_enough() const {
 
 void ExactRun::tell() const {
   if (!options_.progress) return;
-  const double period = task_.sample_period, incumbent = search_.best ? search_.best->value * period : infinity;
+  const double period = task_.sample_period, incumbent = search_.best ? search_.best->value * period : unlimited;
   options_.progress({low_ * period, incumbent, search_.best ? (incumbent - low_ * period) / incumbent : 1.0});
 }
 

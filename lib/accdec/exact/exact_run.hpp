@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -54,9 +53,9 @@ class ExactRun {
   std::unique_ptr<exact::Joint> joint_;
   int least_ = -1;  ///< smallest order that may do; -1: not known yet
   bool swept_ = false, tried_at_once_ = false;
-  double low_, high_ = std::numeric_limits<double>::infinity();  ///< samples; bound and shortest known
-  double trial_ = 0.0;                                           ///< next bound to try where no design is known
-  double open_ = std::numeric_limits<double>::infinity();  ///< the least target with a part in which rounding decides
+  double low_, high_ = unlimited;  ///< samples; bound and shortest known
+  double trial_ = 0.0;             ///< next bound to try where no design is known
+  double open_ = unlimited;        ///< the least target with a part in which rounding decides
   bool proved_ = false, infeasible_ = false;
 };
 

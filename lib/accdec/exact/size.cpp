@@ -4,6 +4,7 @@
 
 #include <accdec/exact/size.hpp>
 #include <accdec/files/memory.hpp>
+#include <accdec/task/convexity.hpp>
 
 namespace accdec::exact {
 namespace {
@@ -17,14 +18,12 @@ double linear_program_bytes(const Task& task, int order) {
   const double n = order + 2.0, corners = static_cast<double>(task.corners.size());
   const double columns = n + (corners > 1.0 ? 2.0 * corners : 0.0);
   double sums = 0.0;  // rows in cumulative responses: half of their coefficients are there
-  bool jerk = false, convex = true;
+  bool jerk = false;
   for (const Axis& axis : task.machine.axes) {
     jerk = jerk || axis.jerk_max < unlimited;
     if (axis.force_max < unlimited && axis.damping > 0.0) sums += n;
-    convex = convex && !(axis.power_max < unlimited) && !(axis.regeneration_max < unlimited);
   }
-  for (const TaskCorner& corner : task.corners) convex = convex && corner.speed_min <= 0.0;
-  if (!convex) sums += n;
+  if (!is_convex(task)) sums += n;
   // Cuts of the cones and the blends come as they are needed: about one a corner and a tenth as many as taps.
   const double rows = 1.0 + (jerk ? n : 0.0) + sums + corners + 0.1 * n;
   const double tableau = 2.0 * sizeof(double) * rows * columns;

@@ -27,6 +27,15 @@ double simulate(const Filter& filter, double radius, double step) {
 
 }  // namespace
 
+double tap_variance(const Filter& filter) {
+  double variance = 0.0;
+  for (int i = 0; i <= filter.order(); ++i) {
+    const double from_mean = i - filter.mean_delay();
+    variance += filter.tap(i) * from_mean * from_mean;
+  }
+  return variance;
+}
+
 CircleError circle_error(const Filter& filter, double radius, double feed, double sample_period) {
   const double step = feed * sample_period / radius;
   if (!(radius > 0.0 && feed > 0.0 && sample_period > 0.0) || !std::isfinite(radius) || !(step < std::numbers::pi)) {
@@ -34,10 +43,8 @@ CircleError circle_error(const Filter& filter, double radius, double feed, doubl
         "a circle needs a radius, a feed and a sample period > 0, and more than two samples a turn");
   }
   // 1 - |H|^2 = sum_i sum_j b_i b_j (1 - cos((i - j) step)), without the cancellation of 1 - |H| for small steps.
-  double missing = 0.0, variance = 0.0;
+  double missing = 0.0;
   for (int i = 0; i <= filter.order(); ++i) {
-    const double from_mean = i - filter.mean_delay();
-    variance += filter.tap(i) * from_mean * from_mean;
     for (int j = 0; j < i; ++j) {
       const double s = std::sin(0.5 * step * (i - j));
       missing += 4.0 * filter.tap(i) * filter.tap(j) * s * s;
@@ -45,7 +52,7 @@ CircleError circle_error(const Filter& filter, double radius, double feed, doubl
   }
   missing = std::min(missing, 1.0);
   CircleError error;
-  error.deviation = std::sqrt(variance) * sample_period;
+  error.deviation = std::sqrt(tap_variance(filter)) * sample_period;
   error.radius_error = radius * missing / (1.0 + std::sqrt(1.0 - missing));
   error.small_angle = feed * feed * error.deviation * error.deviation / (2.0 * radius);
   error.simulated = simulate(filter, radius, step);

@@ -4,6 +4,9 @@
 
 namespace accdec {
 
+/// sigma^2 of the taps about their mean delay, in sample periods squared.
+double tap_variance(const Filter& filter);
+
 /// A circle passed at constant feed, and what a filter makes of it. The filter averages points of the circle, so the
 /// path shrinks to a circle of radius R |H|, H = sum b_i exp(-j i v T/R).
 struct CircleError {

@@ -3,6 +3,7 @@
 #include <map>
 #include <tuple>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/equal_corners.hpp>
 
 namespace accdec {
@@ -15,11 +16,9 @@ bool same(double a, double b) {
 }
 
 bool same_limits(const Axis& a, const Axis& b) {
-  const auto all = [](const Axis& x) {
-    return std::tie(x.velocity_max, x.acceleration_max, x.jerk_max, x.mass, x.damping, x.force_max, x.power_max,
-                    x.regeneration_max);
-  };
-  return all(a) == all(b);
+  return a.mass == b.mass && a.damping == b.damping &&
+         std::all_of(axis_limits.begin(), axis_limits.end(),
+                     [&](const AxisLimit& limit) { return a.*limit.bound == b.*limit.bound; });
 }
 
 }  // namespace

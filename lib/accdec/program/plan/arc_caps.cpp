@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <accdec/motion/circle.hpp>
 #include <accdec/program/plan/arc_caps.hpp>
 
 namespace accdec {
@@ -55,13 +56,11 @@ const PathArc* arc_of(const Toolpath& path, std::size_t b) {
 
 ArcCaps::ArcCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window,
                  double sample_period)
-    : path_(path), feeds_(feeds), window_(window) {
-  double variance = 0.25;  // of the polyline between samples, in samples^2
-  for (int i = 0; i <= filter.order(); ++i) {
-    variance += filter.tap(i) * (i - filter.mean_delay()) * (i - filter.mean_delay());
-  }
-  deviation2_ = variance * sample_period * sample_period;
-}
+    : path_(path),
+      feeds_(feeds),
+      window_(window),
+      // That of the polyline between samples is 1/4.
+      deviation2_((tap_variance(filter) + 0.25) * sample_period * sample_period) {}
 
 std::optional<double> ArcCaps::speed(std::size_t b, double tolerance) const {
   const PathArc* arc = arc_of(path_, b);

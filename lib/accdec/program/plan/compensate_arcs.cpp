@@ -2,6 +2,8 @@
 #include <cmath>
 #include <vector>
 
+#include <accdec/motion/circle.hpp>
+#include <accdec/program/plan/arc_caps.hpp>
 #include <accdec/program/plan/compensate_arcs.hpp>
 
 namespace accdec {
@@ -16,19 +18,13 @@ class ArcGroup {
  public:
   ArcGroup(Toolpath& path, std::span<const PathArc> arcs, const Filter& filter, std::span<const int> delays,
            double period)
-      : path_(path),
-        arcs_(arcs),
-        first_(arcs.front().first),
-        last_(arcs.back().last),
-        span_((filter.order() + 1) * period) {
-    double variance = 0.0;
-    for (int i = 0; i <= filter.order(); ++i) variance += filter.tap(i) * squared(i - filter.mean_delay());
-    variance *= squared(period);
+      : path_(path), first_(arcs.front().first), last_(arcs.back().last), span_((filter.order() + 1) * period) {
+    const double variance = tap_variance(filter) * squared(period);
     const std::size_t n = path.dimensions();
     time_.push_back(0.0);
     sum_.push_back(0.0);
     for (std::size_t b = first_; b <= last_; ++b) {
-      const PathArc& arc = arc_at(b);
+      const PathArc& arc = *arc_of(path, b);
       const double* p = path.point(b);
       const double speed2 =
           (squared(p[n + arc.x] - p[arc.x]) + squared(p[n + arc.y] - p[arc.y])) / squared(path.duration[b]);
@@ -43,7 +39,7 @@ class ArcGroup {
     std::vector<double> moved(path_.points.begin() + static_cast<std::ptrdiff_t>(first_ * n),
                               path_.points.begin() + static_cast<std::ptrdiff_t>((last_ + 2) * n));
     for (std::size_t i = first_ + 1; i <= last_; ++i) {
-      const PathArc& arc = arc_at(i);
+      const PathArc& arc = *arc_of(path_, i);
       double dx = 0.0, dy = 0.0;
       const double radius = arc.from(path_.point(i), dx, dy), error = error_at(i - first_);
       const double wider = 0.5 * (std::sqrt(squared(radius) + 4.0 * error * radius) - radius);
@@ -60,11 +56,6 @@ class ArcGroup {
   }
 
  private:
-  const PathArc& arc_at(std::size_t b) const {
-    const auto after = std::upper_bound(arcs_.begin(), arcs_.end(), b,
-                                        [](std::size_t block, const PathArc& arc) { return block < arc.first; });
-    return *std::prev(after);
-  }
   /// Integral of the error up to a time.
   double integral(double t) const {
     const auto after = std::upper_bound(time_.begin(), time_.end(), t);
@@ -82,7 +73,6 @@ class ArcGroup {
   }
 
   Toolpath& path_;
-  std::span<const PathArc> arcs_;
   std::size_t first_, last_;  // blocks
   double span_;               // s, of the filter
   std::vector<double> time_;  // s, of every point

@@ -31,12 +31,12 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
                                                             const ProgramFileOptions& options,
                                                             const std::function<void(const std::string&)>& tell) {
   // Of the longest programs the search for a filter, and the bound by linear programs, would take longer than the plan.
-  constexpr std::size_t most_blocks = 200'000;
-  const double bound_time = path.blocks() <= most_blocks ? 10.0 : 3.0;  // s
+  const bool several = path.blocks() <= several_plans_max;
+  const double bound_time = several ? 10.0 : 3.0;  // s
   Toolpath chords = path;
   leave_room_for_arcs(chords, arc_tolerance);
   ProfileResult profiles = run_profiles(name, std::move(chords), task, bound_time);
-  if (path.blocks() > most_blocks) return profiles;
+  if (!several) return profiles;
   ProgramFileOptions choosing = options;
   choosing.feeds = Feeds::choose;
   const ProgramFilter choice = filter_for_program(path, task, choosing, tell);

@@ -9,9 +9,9 @@
 
 namespace accdec {
 
-/// `accdec program --plan profiles`: that plan, and beside it, of programs of up to 200 000 blocks, those of one filter
-/// and of one a leg; the fastest that holds all limits, with the times of the others as its candidates. Where none
-/// holds, the plan profiles with a message.
+/// `accdec program --plan profiles`: that plan, and beside it, of programs of up to `several_plans_max` blocks, those
+/// of one filter and of one a leg; the fastest that holds all limits, with the times of the others as its candidates.
+/// Where none holds, the plan profiles with a message.
 /// @param path           as read; the feeds are chosen
 /// @param arc_tolerance  m, that it was read with
 /// @param options        for the plans beside it

@@ -69,9 +69,8 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
 
 ProgramResult plan_program_file(const std::string& name, ProgramFile& file, const ProgramFilter& choice,
                                 const Task& task, const ProgramFileOptions& options) {
-  constexpr std::size_t most_blocks = 200'000;  // longer ones are planned in one way
   const bool finer = options.feeds == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
-                     file.path.blocks() <= most_blocks && file.reading.read.arc_tolerance < longest_chords;
+                     file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
   const auto plan = [&](Toolpath path, Feeds feeds) {
     return run_program(name, std::move(path), *choice.filter, task, options.per_leg, options.filter_bound, feeds);
   };

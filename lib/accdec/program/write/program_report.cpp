@@ -92,9 +92,7 @@ void judge_program(ProgramResult& result, const Machine& machine) {
 
 namespace {
 
-/// Programs of more blocks are not planned at their programmed feeds, too: they would be planned many times over.
-constexpr std::size_t kept_max = 200'000;
-/// And of these only the shorter ones with every curve tried at several feeds.
+/// Only programs this short are planned with every curve tried at several feeds.
 constexpr std::size_t tuned_max = 2'000;
 
 /// Makes the plan of the result: the fastest of those asked for that hold.
@@ -117,7 +115,7 @@ class Planning {
     offer({base_, std::move(plan)}, result_.filter, false);
   }
   void choose(const Toolpath& path) {
-    if (path.blocks() <= kept_max || !path.given.empty()) as_commanded(path, true);
+    if (path.blocks() <= several_plans_max || !path.given.empty()) as_commanded(path, true);
     ScheduledPlan plan = schedule_feeds(path, result_.filter, task_.sample_period, machine_);
     if (!result_.cycle_time_kept && !all_holds(plan.plan) && !all_holds(result_.plan)) keep(path, false);
     offer(std::move(plan), result_.filter, true);
@@ -125,7 +123,7 @@ class Planning {
   }
   /// At the programmed feeds, and at those that the plan of one filter chose.
   void per_leg() {
-    if (result_.feeds_chosen && result_.programmed_blocks <= kept_max) per_leg(result_.path, true);
+    if (result_.feeds_chosen && result_.programmed_blocks <= several_plans_max) per_leg(result_.path, true);
     if (slowed_.blocks() > 0) per_leg(std::move(slowed_), false);
   }
 
@@ -221,7 +219,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   result.lower_bound = program_lower_bound(path, machine);
   if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
   Planning planning(result, task, machine);
-  const bool keep = feeds == Feeds::keep || (feeds == Feeds::choose && (per_leg || path.blocks() <= kept_max));
+  const bool keep = feeds == Feeds::keep || (feeds == Feeds::choose && (per_leg || path.blocks() <= several_plans_max));
   if (keep) planning.keep(path, feeds == Feeds::keep || path.blocks() <= tuned_max);
   if (feeds != Feeds::keep) planning.choose(path);
   if (per_leg) planning.per_leg();
