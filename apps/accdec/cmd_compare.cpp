@@ -11,7 +11,7 @@
 #include <accdec/comparison/comparison_folder.hpp>
 #include <accdec/comparison/comparison_schedule.hpp>
 
-#include "cluster_command.hpp"
+#include "cluster_options.hpp"
 #include "command.hpp"
 #include "progress_bar.hpp"
 

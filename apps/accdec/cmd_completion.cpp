@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "command.hpp"
-#include "command_tree.hpp"
+#include "completion_tree.hpp"
 #include "option_checks.hpp"
 
 namespace accdec::cli {

@@ -8,7 +8,7 @@
 
 #include <accdec/study/study_folder.hpp>
 
-#include "cluster_command.hpp"
+#include "cluster_options.hpp"
 #include "command.hpp"
 #include "progress_bar.hpp"
 

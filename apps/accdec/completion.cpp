@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "command_tree.hpp"
+#include "completion_tree.hpp"
 
 namespace accdec::cli {
 namespace {

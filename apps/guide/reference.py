@@ -24,7 +24,7 @@ headers = {
         motion/corner.hpp motion/blend.hpp motion/linear.hpp motion/circle.hpp motion/leg_distance.hpp
         motion/smallest_delay.hpp task/simulation.hpp""",
     "Whole programs": """program/read/line_source.hpp program/read/reader.hpp program/read/toolpath.hpp
-        program/plan/design_program.hpp program/plan/program_plan.hpp program/plan/plan_time.hpp
+        program/plan/design_program_filter.hpp program/plan/program_plan.hpp program/plan/plan_time.hpp
         program/simulate/leg_filters.hpp program/simulate/simulate.hpp program/write/program_report.hpp
         program/write/generate.hpp""",
     "Nonlinear problems and solvers": "nlp/problem.hpp nlp/evaluator.hpp solvers/solver.hpp certificate/checker.hpp",

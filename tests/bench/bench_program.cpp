@@ -12,7 +12,7 @@
 #include <benchmark/benchmark.h>
 
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/feed_schedule.hpp>
+#include <accdec/program/plan/choose_feeds.hpp>
 #include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/profiles/plan_profiles.hpp>
 #include <accdec/program/write/generate.hpp>

@@ -9,7 +9,7 @@
 #include <accdec/motion/circle.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/arc_caps.hpp>
-#include <accdec/program/plan/feed_schedule.hpp>
+#include <accdec/program/plan/choose_feeds.hpp>
 #include <accdec/program/write/program_report.hpp>
 
 #include "reference.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <accdec/comparison/profile.hpp>
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 
 namespace accdec::study {
 

@@ -7,7 +7,7 @@
 
 #include <accdec/comparison/comparison_case.hpp>
 #include <accdec/comparison/competitor.hpp>
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 
 namespace accdec::study {
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 
 namespace accdec::study {
 

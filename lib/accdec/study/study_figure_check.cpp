@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/plot/figure.hpp>
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_figure_check.hpp>
 
 namespace accdec {

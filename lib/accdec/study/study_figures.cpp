@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files/suggestion.hpp>
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_figure_check.hpp>
 #include <accdec/study/study_parts.hpp>
 

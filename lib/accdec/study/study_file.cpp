@@ -6,7 +6,7 @@
 
 #include <accdec/design/baselines.hpp>
 #include <accdec/formats/task_tree.hpp>
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_file.hpp>
 #include <accdec/study/study_tasks.hpp>
 

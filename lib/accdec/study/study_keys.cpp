@@ -3,7 +3,7 @@
 #include <accdec/design/design.hpp>
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/solvers/solver.hpp>
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_keys.hpp>
 
 namespace accdec {

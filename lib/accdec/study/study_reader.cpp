@@ -7,7 +7,7 @@
 
 #include <accdec/design/baselines.hpp>
 #include <accdec/formats/toml_file.hpp>
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_folder.hpp>
 #include <accdec/study/study_keys.hpp>
 #include <accdec/study/study_parts.hpp>

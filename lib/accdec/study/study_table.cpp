@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files/csv_table.hpp>
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_table.hpp>
 
 namespace accdec {

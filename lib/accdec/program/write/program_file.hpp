@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <accdec/program/plan/design_program.hpp>
+#include <accdec/program/plan/design_program_filter.hpp>
 #include <accdec/program/read/toolpath.hpp>
 #include <accdec/program/write/program_report.hpp>
 #include <accdec/task/task.hpp>

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
-#include <accdec/program/plan/feed_schedule.hpp>
+#include <accdec/program/plan/choose_feeds.hpp>
 #include <accdec/program/plan/filter_bound.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/write/program_report.hpp>

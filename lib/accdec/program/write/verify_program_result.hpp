@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <accdec/program/plan/design_program.hpp>
+#include <accdec/program/plan/design_program_filter.hpp>
 #include <accdec/program/write/program_report.hpp>
 
 namespace accdec {

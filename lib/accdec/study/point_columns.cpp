@@ -7,7 +7,7 @@
 
 #include <accdec/design/baselines.hpp>
 #include <accdec/motion/smallest_delay.hpp>
-#include <accdec/study/compute.hpp>
+#include <accdec/study/point_columns.hpp>
 #include <accdec/study/slow_down.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/verifier.hpp>

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/feed_search.hpp>
+#include <accdec/program/plan/filter_search.hpp>
 #include <accdec/program/plan/stretches.hpp>
 #include <accdec/task/verifier.hpp>
 

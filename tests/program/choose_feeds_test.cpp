@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/feed_schedule.hpp>
-#include <accdec/program/plan/feed_search.hpp>
+#include <accdec/program/plan/choose_feeds.hpp>
+#include <accdec/program/plan/filter_search.hpp>
 
 #include "reference.hpp"
 

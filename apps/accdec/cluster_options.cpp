@@ -1,4 +1,4 @@
-#include "cluster_command.hpp"
+#include "cluster_options.hpp"
 
 #include <charconv>
 #include <cstdio>

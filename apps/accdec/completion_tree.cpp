@@ -1,4 +1,4 @@
-#include "command_tree.hpp"
+#include "completion_tree.hpp"
 
 #include <algorithm>
 

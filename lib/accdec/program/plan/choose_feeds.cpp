@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/program/plan/choose_feeds.hpp>
 #include <accdec/program/plan/compensate_arcs.hpp>
-#include <accdec/program/plan/feed_schedule.hpp>
 #include <accdec/program/plan/split_blocks.hpp>
 
 namespace accdec {

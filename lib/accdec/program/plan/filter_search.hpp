@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <accdec/program/plan/feed_schedule.hpp>
+#include <accdec/program/plan/choose_feeds.hpp>
 
 namespace accdec {
 

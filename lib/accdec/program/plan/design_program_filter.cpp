@@ -10,8 +10,8 @@
 #include <accdec/design/baselines.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/design_program.hpp>
-#include <accdec/program/plan/feed_search.hpp>
+#include <accdec/program/plan/design_program_filter.hpp>
+#include <accdec/program/plan/filter_search.hpp>
 #include <accdec/program/plan/program_plan.hpp>
 #include <accdec/task/verifier.hpp>
 
