@@ -38,102 +38,161 @@ Row delays_of(const DesignResult& result) {
   return text;
 }
 
-class Writer {
- public:
-  Writer(Row& row, std::string_view name) : row_(row), name_(name) {}
-  void operator()(std::string_view column, Row value) { row_[fmt::format("{}.{}", name_, column)] = std::move(value); }
-
- private:
-  Row& row_;
-  std::string_view name_;
+/// What a computation found at one point.
+struct PointOutcome {
+  DesignResult result;
+  std::optional<FilterSpec> family_member;  ///< of a family of filters
+  double slowed_to = 1.0;                   ///< of the feed, where corners are slowed down
+  double peak_acceleration = 0.0;           ///< m/s^2, of a given filter
+  double peak_jerk = 0.0;                   ///< m/s^3
 };
 
-void write_result(Writer& write, const DesignResult& result) {
-  write("status", std::string(to_string(result.status)));
-  write("message", result.message);
-  if (!result.filter) return;
-  double error = 0.0, speed = unlimited;
-  for (const CornerResult& corner : result.corners) {
-    error = std::max(error, corner.corner_error);
-    speed = std::min(speed, corner.speed_min);
-  }
-  write("cycle_time_ms", number(1e3 * result.cycle_time));
-  write("corner_time_ms", number(1e3 * result.corner_time));
-  write("order", result.filter->order());
-  write("delay_samples", delays_of(result));
-  write("error_um", number(1e6 * error));
-  write("speed_min_mm_s", number(1e3 * speed));
-  const auto worst =
-      std::max_element(result.limits.begin(), result.limits.end(),
-                       [](const LimitUse& a, const LimitUse& b) { return a.utilisation < b.utilisation; });
-  if (worst != result.limits.end()) write("tightest", std::string(to_string(worst->kind)));
+bool has_all(std::string_view computation) {
+  return computation != "slow-down";
+}
+bool has_proof(std::string_view computation) {
+  return computation == "optimum" || computation == "delays";
 }
 
-void write_bound(Writer& write, const DesignResult& result) {
-  if (result.lower_bound) write("lower_bound_ms", number(1e3 * *result.lower_bound));
-  if (result.gap) write("gap", number(*result.gap));
-  write("stop", std::string(to_string(result.stop)));
+Row optional_number(const std::optional<double>& x, double unit) {
+  return x ? number(unit * *x) : Row(nullptr);
+}
+
+Row error_um(const PointOutcome& o) {
+  double error = 0.0;
+  for (const CornerResult& corner : o.result.corners) error = std::max(error, corner.corner_error);
+  return number(1e6 * error);
+}
+
+Row speed_min_mm_s(const PointOutcome& o) {
+  double speed = unlimited;
+  for (const CornerResult& corner : o.result.corners) speed = std::min(speed, corner.speed_min);
+  return number(1e3 * speed);
+}
+
+Row tightest(const PointOutcome& o) {
+  const std::vector<LimitUse>& limits = o.result.limits;
+  const auto worst = std::max_element(
+      limits.begin(), limits.end(), [](const LimitUse& a, const LimitUse& b) { return a.utilisation < b.utilisation; });
+  return worst == limits.end() ? Row(nullptr) : Row(std::string(to_string(worst->kind)));
+}
+
+struct ColumnDefinition {
+  PointColumn column;
+  bool needs_design;  ///< null where no filter was found
+  bool (*has)(std::string_view computation);
+  Row (*value)(const PointOutcome& o);
+};
+
+const ColumnDefinition definitions[] = {
+    {{"status", "", true},
+     false,
+     [](std::string_view) { return true; },
+     [](const PointOutcome& o) { return Row(std::string(to_string(o.result.status))); }},
+    {{"cycle_time_ms", "ms"},
+     true,
+     [](std::string_view) { return true; },
+     [](const PointOutcome& o) { return number(1e3 * o.result.cycle_time); }},
+    {{"corner_time_ms", "ms"},
+     true,
+     [](std::string_view) { return true; },
+     [](const PointOutcome& o) { return number(1e3 * o.result.corner_time); }},
+    {{"order", ""}, true, has_all, [](const PointOutcome& o) { return Row(o.result.filter->order()); }},
+    {{"delay_samples", "samples"}, true, has_all, [](const PointOutcome& o) { return delays_of(o.result); }},
+    {{"error_um", "um"}, true, has_all, error_um},
+    {{"speed_min_mm_s", "mm/s"}, true, has_all, speed_min_mm_s},
+    {{"tightest", "", true}, true, has_all, tightest},
+    {{"factor", ""},
+     true,
+     [](std::string_view name) { return name == "slow-down"; },
+     [](const PointOutcome& o) { return number(o.slowed_to); }},
+    {{"parameters", "", true},
+     false,
+     [](std::string_view name) { return find_baseline(name) != nullptr; },
+     [](const PointOutcome& o) { return o.family_member ? Row(describe_parameters(*o.family_member)) : Row(nullptr); }},
+    {{"peak_acceleration_mm_s2", "mm/s^2"},
+     true,
+     [](std::string_view name) { return name == "given"; },
+     [](const PointOutcome& o) { return number(1e3 * o.peak_acceleration); }},
+    {{"peak_jerk_mm_s3", "mm/s^3"},
+     true,
+     [](std::string_view name) { return name == "given"; },
+     [](const PointOutcome& o) { return number(1e3 * o.peak_jerk); }},
+    {{"lower_bound_ms", "ms"},
+     false,
+     has_proof,
+     [](const PointOutcome& o) { return optional_number(o.result.lower_bound, 1e3); }},
+    {{"gap", ""}, false, has_proof, [](const PointOutcome& o) { return optional_number(o.result.gap, 1.0); }},
+    {{"stop", "", true},
+     false,
+     has_proof,
+     [](const PointOutcome& o) { return Row(std::string(to_string(o.result.stop))); }},
+    {{"message", "", true},
+     false,
+     [](std::string_view) { return true; },
+     [](const PointOutcome& o) { return Row(o.result.message); }},
+};
+
+std::string column_name(std::string_view computation, std::string_view column) {
+  return fmt::format("{}.{}", computation, column);
 }
 
 /// Peaks that the task sets no limit for are of interest too, so they are measured against limits nobody reaches.
-void write_peaks(Writer& write, const Task& task, const Filter& filter, const std::vector<int>& delays) {
+void find_peaks(PointOutcome& o, const Task& task, const Filter& filter, const std::vector<int>& delays) {
   Machine machine = task.machine;
   for (Axis& axis : machine.axes) axis.acceleration_max = axis.jerk_max = 1e12;
-  double acceleration = 0.0, jerk = 0.0;
   for (std::size_t j = 0; j < delays.size(); ++j) {
     for (const LimitUse& use :
          axis_utilisation(filter, task.corners[j].geometry(), delays[j], task.sample_period, machine)) {
-      if (use.kind == LimitKind::acceleration) acceleration = std::max(acceleration, use.value);
-      if (use.kind == LimitKind::jerk) jerk = std::max(jerk, use.value);
+      if (use.kind == LimitKind::acceleration) o.peak_acceleration = std::max(o.peak_acceleration, use.value);
+      if (use.kind == LimitKind::jerk) o.peak_jerk = std::max(o.peak_jerk, use.value);
     }
   }
-  write("peak_acceleration_mm_s2", number(1e3 * acceleration));
-  write("peak_jerk_mm_s3", number(1e3 * jerk));
 }
 
-void write_slow_down(Writer& write, const Task& task) {
-  const Filter filter = make_filter(filter_of(task));
-  double lost = 0.0, least = 1.0;
+PointOutcome slowed_down(const Task& task) {
+  PointOutcome o;
+  o.result.filter = make_filter(filter_of(task));
+  double lost = 0.0;
   for (const TaskCorner& corner : task.corners) {
-    const SlowDown s = slow_down(filter, corner.geometry(), task.sample_period, corner.error_max.value_or(unlimited));
+    const SlowDown s =
+        slow_down(*o.result.filter, corner.geometry(), task.sample_period, corner.error_max.value_or(unlimited));
     lost += corner.weight * s.lost_time;
-    least = std::min(least, s.factor);
+    o.slowed_to = std::min(o.slowed_to, s.factor);
   }
-  write("status", "feasible");
   const std::vector<int> none(task.corners.size(), 0);
-  write("cycle_time_ms", number(1e3 * (cycle_time(task, filter.order(), none) + lost)));
-  write("corner_time_ms", number(1e3 * (corner_time(task, filter.order(), none) + lost)));
-  write("factor", number(least));
+  o.result.status = Status::feasible;
+  o.result.cycle_time = cycle_time(task, o.result.filter->order(), none) + lost;
+  o.result.corner_time = corner_time(task, o.result.filter->order(), none) + lost;
+  return o;
 }
 
-void compute(Writer& write, const Task& task, std::string_view name, const DesignOptions& options) {
+PointOutcome compute(const Task& task, std::string_view name, const DesignOptions& options) {
+  PointOutcome o;
   if (const Baseline* family = find_baseline(name)) {
-    const BaselineResult best = best_baseline(task, *family);
-    write_result(write, best.result);
-    if (best.spec) write("parameters", describe_parameters(*best.spec));
+    BaselineResult best = best_baseline(task, *family);
+    o.result = std::move(best.result);
+    o.family_member = best.spec;
   } else if (name == "optimum") {
     Task open = task;
     open.filter.reset();
-    const DesignResult result = design_task(open, options);
-    write_result(write, result);
-    write_bound(write, result);
+    o.result = design_task(open, options);
   } else if (name == "delays") {
     filter_of(task);
-    const DesignResult result = design_delays(task, options);
-    write_result(write, result);
-    write_bound(write, result);
+    o.result = design_delays(task, options);
   } else if (name == "given" || name == "exact-stop") {
     const Filter filter = make_filter(filter_of(task));
     const int stop = DelayFinder(filter).exact_stop_delay();
     std::vector<int> delays;
     for (const TaskCorner& corner : task.corners) delays.push_back(name == "given" ? corner.delay.value_or(0) : stop);
-    write_result(write, assess(task, filter, delays, name == "given"));
-    if (name == "given") write_peaks(write, task, filter, delays);
+    o.result = assess(task, filter, delays, name == "given");
+    if (name == "given") find_peaks(o, task, filter, delays);
   } else if (name == "slow-down") {
-    write_slow_down(write, task);
+    o = slowed_down(task);
   } else {
     throw std::invalid_argument(fmt::format("unknown computation `{}`", name));
   }
+  return o;
 }
 
 }  // namespace
@@ -149,28 +208,34 @@ bool needs_filter(std::string_view computation) {
   return std::find(std::begin(of_the_filter), std::end(of_the_filter), computation) != std::end(of_the_filter);
 }
 
+const PointColumn* find_point_column(std::string_view column) {
+  const std::size_t dot = column.rfind('.');
+  if (dot == std::string_view::npos) return nullptr;
+  const std::string_view last = column.substr(dot + 1);
+  const auto found = std::find_if(std::begin(definitions), std::end(definitions),
+                                  [&](const ColumnDefinition& d) { return d.column.name == last; });
+  return found == std::end(definitions) ? nullptr : &found->column;
+}
+
 std::vector<std::string> columns_of(std::string_view computation) {
-  std::vector<std::string_view> columns{"status",        "cycle_time_ms", "corner_time_ms", "order",
-                                        "delay_samples", "error_um",      "speed_min_mm_s", "tightest"};
-  if (computation == "slow-down") columns = {"status", "cycle_time_ms", "corner_time_ms", "factor"};
-  if (find_baseline(computation)) columns.push_back("parameters");
-  if (computation == "given") columns.insert(columns.end(), {"peak_acceleration_mm_s2", "peak_jerk_mm_s3"});
-  if (computation == "optimum" || computation == "delays")
-    columns.insert(columns.end(), {"lower_bound_ms", "gap", "stop"});
-  columns.push_back("message");
   std::vector<std::string> names;
-  for (const std::string_view column : columns) names.push_back(fmt::format("{}.{}", computation, column));
+  for (const ColumnDefinition& d : definitions) {
+    if (d.has(computation)) names.push_back(column_name(computation, d.column.name));
+  }
   return names;
 }
 
 void compute_into(Row& row, const Task& task, std::string_view computation, const DesignOptions& options) {
   for (const std::string& column : columns_of(computation)) row[column] = nullptr;
-  Writer write(row, computation);
   try {
-    compute(write, task, computation, options);
+    const PointOutcome outcome = compute(task, computation, options);
+    for (const ColumnDefinition& d : definitions) {
+      if (!d.has(computation) || (d.needs_design && !outcome.result.filter)) continue;
+      row[column_name(computation, d.column.name)] = d.value(outcome);
+    }
   } catch (const std::exception& error) {
-    write("status", "error");
-    write("message", std::string(error.what()));
+    row[column_name(computation, "status")] = "error";
+    row[column_name(computation, "message")] = std::string(error.what());
   }
 }
 

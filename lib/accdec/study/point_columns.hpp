@@ -19,14 +19,24 @@ using Row = nlohmann::ordered_json;
 ///   optimum      filter, order and delays designed (design_task)
 ///   boxcar .. exponential-zvd   the best of that family of filters under the same limits (best_baseline)
 ///   delays       the task's filter, smallest delays
-///   given        the task's filter and delays (0 where it gives none), whatever they break, with peak acceleration and
-///   jerk exact-stop   the task's filter, every corner with the delay from which on nothing overlaps slow-down    the
-///   task's filter, no delay, feeds lowered at the corner (see slow_down.hpp)
+///   given        the task's filter and delays (0 where it gives none), whatever they break, with their peaks
+///   exact-stop   the task's filter, every corner with the delay from which on nothing overlaps
+///   slow-down    the task's filter, no delay, feeds lowered at the corner (see slow_down.hpp)
 /// "shapes" in a study file stands for all families.
 std::vector<std::string_view> computations();
 
 /// Whether a computation is of the task's own filter and so means nothing without [filter].
 bool needs_filter(std::string_view computation);
+
+/// A column of computations, by the last part of its name: "cycle_time_ms" of "optimum.cycle_time_ms".
+struct PointColumn {
+  std::string_view name;
+  std::string_view unit;  ///< as figures show it; empty for words and pure numbers
+  bool words = false;     ///< texts; else numbers (delays of several corners are a text of numbers)
+};
+
+/// The column that "optimum.cycle_time_ms" is of; null if no computation has it.
+const PointColumn* find_point_column(std::string_view column);
 
 /// Columns of one computation, each "NAME.column", in the order rows have them.
 std::vector<std::string> columns_of(std::string_view computation);

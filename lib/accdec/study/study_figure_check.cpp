@@ -69,11 +69,12 @@ std::string last_part(const std::string& column) {
   return column.substr(column.rfind('.') + 1);
 }
 
+/// Of the columns of points, and those that every study has.
 bool is_text(const std::string& column) {
-  constexpr std::array<std::string_view, 8> words{"case",   "point",   "reason",   "best_shape",
-                                                  "status", "message", "tightest", "stop"};
-  return std::find(words.begin(), words.end(), column.find('.') == std::string::npos ? column : last_part(column)) !=
-         words.end();
+  constexpr std::array<std::string_view, 4> of_all{"case", "point", "reason", "best_shape"};
+  if (std::find(of_all.begin(), of_all.end(), column) != of_all.end()) return true;
+  const study::PointColumn* found = study::find_point_column(column);
+  return found != nullptr && found->words;
 }
 
 std::string values_text(const Varied& axis) {
@@ -151,6 +152,7 @@ std::string unit_in(const std::string& column, const Study& study) {
 }  // namespace
 
 std::string unit_of(const std::string& column) {
+  if (const study::PointColumn* of_points = study::find_point_column(column)) return std::string(of_points->unit);
   const auto* found = unit_suffix(column);
   return found == nullptr ? "" : std::string(found->second);
 }

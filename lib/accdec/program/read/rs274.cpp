@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/program/read/modal_groups.hpp>
 #include <accdec/program/read/move_state.hpp>
 #include <accdec/program/read/number.hpp>
 #include <accdec/program/read/reader.hpp>
@@ -11,110 +12,6 @@
 
 namespace accdec {
 namespace {
-
-/// Modal groups of G codes, as far as they are understood.
-enum Group : int {
-  g_motion,
-  g_plane,
-  g_distance,
-  g_arc_distance,
-  g_units,
-  g_path,
-  g_dwell,
-  g_cancel_cycle,
-  g_cutter,
-  g_tool_length,
-  g_coordinates,
-  g_feed_mode,
-  g_spindle_mode,
-  g_return,
-  g_unknown
-};
-constexpr const char* g_allowed =
-    "; supported: G0 G1 G2 G3 G4 G5 G5.1 G5.2 G5.3 G17 G18 G19 G20 G21 G40 G43 G49 G54 to G59.3 G61 G61.1 G64 G80 G90 "
-    "G90.1 G91 G91.1 "
-    "G94 G96 to G99";
-
-Group classify(int tenths) {
-  switch (tenths) {
-    case 0:
-    case 10:
-    case 20:
-    case 30:
-    case 50:
-    case 51:
-    case 52:
-    case 53: return g_motion;
-    case 40: return g_dwell;
-    case 170:
-    case 180:
-    case 190: return g_plane;
-    case 200:
-    case 210: return g_units;
-    case 400: return g_cutter;
-    case 430:
-    case 490: return g_tool_length;
-    case 540:
-    case 550:
-    case 560:
-    case 570:
-    case 580:
-    case 590:
-    case 591:
-    case 592:
-    case 593: return g_coordinates;
-    case 610:
-    case 611:
-    case 640: return g_path;
-    case 800: return g_cancel_cycle;
-    case 900:
-    case 910: return g_distance;
-    case 901:
-    case 911: return g_arc_distance;
-    case 940: return g_feed_mode;
-    case 960:
-    case 970: return g_spindle_mode;
-    case 980:
-    case 990: return g_return;
-    default: return g_unknown;
-  }
-}
-
-/// Modal groups of M codes: stopping, tool change, spindle, coolant, overrides.
-enum MGroup : int { m_stop, m_tool, m_spindle, m_coolant, m_override, m_unknown };
-constexpr const char* m_allowed = "; supported: M0 to M9, M30, M48, M49";
-
-MGroup classify_m(int tenths) {
-  switch (tenths) {
-    case 0:
-    case 10:
-    case 20:
-    case 300: return m_stop;
-    case 60: return m_tool;
-    case 30:
-    case 40:
-    case 50: return m_spindle;
-    case 70:
-    case 80:
-    case 90: return m_coolant;
-    case 480:
-    case 490: return m_override;
-    default: return m_unknown;
-  }
-}
-
-/// Threads, rigid tapping, feed a revolution: G33 G33.1 G74 G76 G84 G95.
-bool spindle_synchronised(int tenths) {
-  for (const int g : {330, 331, 740, 760, 840, 950}) {
-    if (tenths == g) return true;
-  }
-  return false;
-}
-
-std::string name(char letter, int tenths) {
-  return tenths % 10 == 0 ? fmt::format("{}{}", letter, tenths / 10)
-                          : fmt::format("{}{}.{}", letter, tenths / 10, tenths % 10);
-}
 
 class Interpreter {
  public:
@@ -200,14 +97,14 @@ bool Interpreter::execute() {
   bool stop = false, end = false;
   unsigned seen = 0;
   for (const Words::Item& m : words_.m_codes()) {
-    const MGroup group = classify_m(m.tenths);
-    if (group == m_unknown) source_.fail(m.column, name('M', m.tenths) + " is not supported" + m_allowed);
+    const MGroup group = m_group(m.tenths);
+    if (group == m_unknown) source_.fail(m.column, code_name('M', m.tenths) + " is not supported" + m_supported);
     if ((seen & (1U << group)) != 0U) {
-      source_.fail(m.column, name('M', m.tenths) + " contradicts another M word of its group in this block");
+      source_.fail(m.column, code_name('M', m.tenths) + " contradicts another M word of its group in this block");
     }
     seen |= 1U << group;
     if (group == m_stop) (m.tenths <= 10 ? stop : end) = true;
-    if (group == m_stop && end) end_ = name('M', m.tenths);
+    if (group == m_stop && end) end_ = code_name('M', m.tenths);
   }
   const bool dwell = words_.g_codes().empty() ? false : modal_codes();
   if (dwell) {
@@ -225,7 +122,7 @@ bool Interpreter::execute() {
   if (stop) {
     state_.stop(0.0);
     for (const Words::Item& m : words_.m_codes()) {
-      if (m.tenths <= 10) state_.pass(name('M', m.tenths));
+      if (m.tenths <= 10) state_.pass(code_name('M', m.tenths));
     }
   }
   return !end;
@@ -238,13 +135,14 @@ std::string Interpreter::other_words() const {
   if (words_.m_codes().empty() && words_.g_codes().empty() && (words_.present() & numbers) == 0U) return text;
   const auto put = [&](const std::string& word) { text.append(text.empty() ? "" : " ").append(word); };
   for (const Words::Item& g : words_.g_codes()) {
-    if (const Group group = classify(g.tenths); group >= g_cutter && group != g_feed_mode) put(name('G', g.tenths));
+    if (const GGroup group = g_group(g.tenths); group >= g_cutter && group != g_feed_mode)
+      put(code_name('G', g.tenths));
   }
   for (const char letter : {'H', 'D', 'T', 'S'}) {
     if (words_.has(letter)) put(letter + plain_number(words_[letter], 6));
   }
   for (const Words::Item& m : words_.m_codes()) {
-    if (classify_m(m.tenths) != m_stop) put(name('M', m.tenths));
+    if (m_group(m.tenths) != m_stop) put(code_name('M', m.tenths));
   }
   return text;
 }
@@ -268,13 +166,14 @@ bool Interpreter::modal_codes() {
   bool dwell = false;
   const Words::Item *path = nullptr, *arc = nullptr;
   for (const Words::Item& g : words_.g_codes()) {
-    const Group group = classify(g.tenths);
+    const GGroup group = g_group(g.tenths);
     if (spindle_synchronised(g.tenths)) {
-      source_.fail(g.column, name('G', g.tenths) + " moves with the spindle: such moves cannot be planned by time");
+      source_.fail(g.column,
+                   code_name('G', g.tenths) + " moves with the spindle: such moves cannot be planned by time");
     }
-    if (group == g_unknown) source_.fail(g.column, name('G', g.tenths) + " is not supported" + g_allowed);
+    if (group == g_unknown) source_.fail(g.column, code_name('G', g.tenths) + " is not supported" + g_supported);
     if ((seen & (1U << group)) != 0U) {
-      source_.fail(g.column, name('G', g.tenths) + " contradicts another G word of its group in this block");
+      source_.fail(g.column, code_name('G', g.tenths) + " contradicts another G word of its group in this block");
     }
     seen |= 1U << group;
     switch (group) {
