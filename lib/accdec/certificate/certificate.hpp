@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/task/granted_limits.hpp>
 #include <accdec/task/task.hpp>
 
 namespace accdec {
@@ -189,9 +190,10 @@ struct Enumeration {
 /// Nothing is shorter than a bound: a binary tree over all designs, in preorder.
 struct BranchAndBound {
   Objective objective = Objective::cycle;
-  double runs = 1.0;                    ///< Objective::cycle
-  std::optional<double> bound_samples;  ///< of the objective (objective.hpp); none: there is no design at all
-  std::vector<std::string> conflict;    ///< where there is no design: the limits in conflict, in words
+  double runs = 1.0;                     ///< Objective::cycle
+  double tolerance = granted_tolerance;  ///< relative part by which the limits are wider than written
+  std::optional<double> bound_samples;   ///< of the objective (objective.hpp); none: there is no design at all
+  std::vector<std::string> conflict;     ///< where there is no design: the limits in conflict, in words
   /// Where corners that ask the same are one (equal_corners.hpp): by corner of the task, which one of the proof's it
   /// is. These are counted in the order of their first members. Empty: all as in the task.
   std::vector<int> corner_of{};

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include <accdec/certificate/checked_rows.hpp>
-#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
@@ -66,7 +65,7 @@ void CheckedRows::add_row(const proof::RangeError& row, const Interval& weight, 
   sum.samples[u] = sum.samples[u] + wq * h;
   sum.delays[u] = sum.delays[u] - wq * h;
 
-  const Interval error(std::max(*c.error_max, position_floor));
+  const Interval error(*c.error_max);
   sum.rhs = sum.rhs + weight * error / (period() * Interval(fastest));
 }
 

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include <accdec/certificate/checked_rows.hpp>
-#include <accdec/task/verifier.hpp>
 
 namespace accdec {
 
@@ -176,7 +175,7 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
   const int m = box.window ? std::min(r.k1 - r.d2, n) : r.k1 - r.d2;
   for (int i = std::max(0, r.k2 + 1); i <= n; ++i) sum.tap(i, p * static_cast<double>(i - r.k2));
   for (int i = 0; i <= std::min(n, m - 1); ++i) sum.tap(i, q * static_cast<double>(m - i));
-  const Interval error(std::max(*c.error_max, position_floor));
+  const Interval error(*c.error_max);
   sum.rhs = sum.rhs + weight * error / (period() * Interval(fastest));
 }
 

@@ -54,6 +54,7 @@ struct CheckedSum {
 /// Sets up the limits of a task again as rows, in interval arithmetic, from what a certificate names them by.
 class CheckedRows {
  public:
+  /// @param task  with the limits that verification grants (granted_limits.hpp); the reference is kept
   explicit CheckedRows(const Task& task);
   double tap_max() const { return tap_max_; }
   /// Bounds on the responses in a box; none if no filter is left.

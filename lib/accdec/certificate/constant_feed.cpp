@@ -4,6 +4,7 @@
 
 #include <accdec/certificate/constant_feed.hpp>
 #include <accdec/certificate/interval.hpp>
+#include <accdec/task/granted_limits.hpp>
 
 namespace accdec {
 namespace {
@@ -36,7 +37,8 @@ std::string broken_by_sampling(const Mode& mode, double period) {
 
 }  // namespace
 
-std::string broken_at_constant_feed(const Task& task) {
+std::string broken_at_constant_feed(const Task& written) {
+  const Task task = granted_limits(written);
   for (const TaskCorner& corner : task.corners) {
     for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
       const auto a = static_cast<Eigen::Index>(i);

@@ -3,11 +3,26 @@
 #include <stdexcept>
 
 #include <accdec/exact/limit_model.hpp>
+#include <accdec/task/granted_limits.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec::exact {
 
-LimitModel::LimitModel(const Task& task) : rows(task), chords(task), tube(task, rows), task_(task) {}
+struct LimitModel::Granted {
+  explicit Granted(const Task& written) : task(granted_limits(written)), model(task, nullptr) {}
+  Task task;
+  LimitModel model;
+};
+
+LimitModel::LimitModel(const Task& task)
+    : granted_(std::make_unique<Granted>(task)), rows(task), chords(task), tube(granted_->model.tube), task_(task) {}
+LimitModel::LimitModel(const Task& granted, std::nullptr_t)
+    : rows(granted), chords(granted), tube(granted, rows), task_(granted) {}
+LimitModel::~LimitModel() = default;
+
+const LimitModel& LimitModel::granted() const {
+  return granted_ ? granted_->model : *this;
+}
 
 double LimitModel::error_bound(std::size_t corner) const {
   const TaskCorner& c = task_.corners[corner];

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include <accdec/exact/chords.hpp>
 #include <accdec/exact/rows.hpp>
 #include <accdec/exact/tube.hpp>
@@ -9,16 +11,24 @@ namespace accdec::exact {
 using Multipliers = proof::Multipliers;
 
 /// The limits of a task as rows in the taps: those that are linear, those outside the convex class as chords over a
-/// box, and the corner errors as cones, of which cuts are drawn. Keeps the reference to the task.
+/// box, and the corner errors as cones, of which cuts are drawn. Designs are asked for under the limits as written;
+/// what is refuted, and the tube, are under those that verification grants (task/granted_limits.hpp). Keeps the
+/// reference to the task.
 class LimitModel {
+  struct Granted;
+  std::unique_ptr<const Granted> granted_;  ///< null: these are the granted limits
+
  public:
   explicit LimitModel(const Task& task);
+  ~LimitModel();
 
   const ConvexRows rows;
   const Chords chords;
   const TubeLimits tube;
 
   const Task& task() const { return task_; }
+  /// The model of the limits that a refutation has to hold for.
+  const LimitModel& granted() const;
   std::size_t corners() const { return task_.corners.size(); }
   bool convex() const { return chords.families().empty(); }
 
@@ -36,10 +46,13 @@ class LimitModel {
   bool shrink(Box& box) const { return tube.shrink(box); }
 
  private:
+  LimitModel(const Task& granted, std::nullptr_t);
+
   const Task& task_;
 };
 
-/// Lower bound of sum y (form(b) - bound) over all filters in the box, b <= tap_max, sum 1: positive refutes the box.
+/// Lower bound of sum y (form(b) - bound) over all filters in the box, b <= tap_max, sum 1, with the bounds and tap_max
+/// that verification grants: positive refutes the box.
 /// Minus infinity if a multiplier does not apply to the box.
 /// @param symmetric_order  >= 0: over symmetric filters of exactly this order
 double refutation(const LimitModel& model, const Multipliers& y, const Box& box, int symmetric_order = -1);

@@ -17,7 +17,7 @@ LinearProgram::LinearProgram(const LimitModel& model, int order, const std::func
                              BoxKind kind)
     : model_(model),
       largest_(order),
-      slack_(margin > 0.0 ? -margin : slack),
+      slack_(margin != 0.0 ? -margin : slack),
       stop_(stop),
       window_(kind == BoxKind::window),
       ranges_(kind == BoxKind::budget && model.corners() > 1),

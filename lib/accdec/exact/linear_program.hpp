@@ -24,7 +24,7 @@ inline constexpr double same_angle = 1e-11;
 /// rows hold for every box; cuts follow. Cumulative responses are written as sums of taps: the tableau is dense anyway.
 class LinearProgram {
  public:
-  /// @param margin  > 0: every limit is asked for with this relative margin instead of the slack
+  /// @param margin  not 0: every limit is asked for with this relative margin instead of the slack
   /// @param kind  of boxes to come
   LinearProgram(const LimitModel& model, int largest_order, const std::function<bool()>& stop, double margin,
                 BoxKind kind);

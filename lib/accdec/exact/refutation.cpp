@@ -137,7 +137,7 @@ class WeightedSum {
 }  // namespace
 
 double refutation(const LimitModel& model, const Multipliers& y, const Box& box, int symmetric_order) {
-  WeightedSum sum(model, box, symmetric_order >= 0 ? symmetric_order : box.order);
+  WeightedSum sum(model.granted(), box, symmetric_order >= 0 ? symmetric_order : box.order);
   for (const proof::Term& term : y) {
     if (!sum.add(term)) return -infinity;
   }

@@ -10,21 +10,28 @@ namespace accdec::exact {
 class Relaxation::Impl {
  public:
   Impl(const LimitModel& model, int order, const std::function<bool()>& stop, double margin, BoxKind kind)
-      : model_(model), stop_(stop), program_(model, order, stop, margin, kind) {}
+      : model_(model),
+        stop_(stop),
+        order_(order),
+        kind_(kind),
+        margin_(margin),
+        program_(std::make_unique<LinearProgram>(model, order, stop, margin, kind)) {}
 
   Outcome solve(const Box& box, bool symmetric, bool strongest) {
-    program_.prepare(box, symmetric);
+    program_->prepare(box, symmetric);
     Outcome outcome = cut(box, symmetric, true, strongest);
     if (outcome.kind != Outcome::unresolved) return outcome;
     // Once more from the start, and then by another's arithmetic.
     for (const bool clp : {false, true}) {
       if (outcome.kind != Outcome::unresolved || (stop_ && stop_())) break;
-      program_.start_cold();
-      program_.prepare(box, symmetric);
-      program_.use_clp_alone(clp);
+      program_->start_cold();
+      program_->prepare(box, symmetric);
+      program_->use_clp_alone(clp);
       outcome = cut(box, symmetric, true, strongest);
     }
-    program_.use_clp_alone(false);
+    program_->use_clp_alone(false);
+    if (outcome.kind == Outcome::unresolved && margin_ == 0.0 && !(stop_ && stop_()))
+      outcome = solve_almost_granted(box, symmetric, strongest);
     return outcome;
   }
 
@@ -36,8 +43,8 @@ class Relaxation::Impl {
     for (int round = 0; round < 30; ++round) {
       const double worst = model_.chords.gather_close(at, box, close);
       if (round > 0 && before <= 1e-10 && worst <= 1.0 + 3.0 * slack) return at;
-      program_.prepare(box, symmetric);
-      program_.soften(close, at, box);
+      program_->prepare(box, symmetric);
+      program_->soften(close, at, box);
       const Outcome outcome = cut(box, symmetric, false, false);
       if (!outcome.filter) return std::nullopt;
       if (outcome.excess > std::max(1e-10, 0.95 * before)) return std::nullopt;
@@ -50,13 +57,22 @@ class Relaxation::Impl {
   long linear_programs() const { return solved_; }
 
  private:
+  Outcome solve_almost_granted(const Box& box, bool symmetric, bool strongest) {
+    if (!wider_) wider_ = std::make_unique<LinearProgram>(model_, order_, stop_, almost_granted, kind_);
+    std::swap(program_, wider_);
+    program_->prepare(box, symmetric);
+    Outcome outcome = cut(box, symmetric, true, strongest);
+    std::swap(program_, wider_);
+    return outcome;
+  }
+
   /// @param refuting  stop as soon as the box is refuted (strongest: no further cut adds to that), else minimise the
   /// excess
   Outcome cut(const Box& box, bool symmetric, bool refuting, bool strongest) {
     Outcome outcome;
     double by = 0.0;
     const auto refuted = [&] {
-      Multipliers y = program_.multipliers();
+      Multipliers y = program_->multipliers();
       const double value =
           box.window ? window_refutation(model_, y, box) : refutation(model_, y, box, symmetric ? box.order : -1);
       if (!(value > by)) return false;
@@ -67,7 +83,7 @@ class Relaxation::Impl {
     };
     for (int round = 0; round < 200; ++round) {
       ++solved_;
-      const LpSolution& solution = program_.solve();
+      const LpSolution& solution = program_->solve();
       if (solution.status == DualSimplex::Status::infeasible) {
         if (refuting) refuted();
         return outcome;
@@ -79,12 +95,12 @@ class Relaxation::Impl {
         refuted();
         if (by > 0.0 && (!strongest || by <= 1.05 * before)) return outcome;
       }
-      Filter filter = program_.filter(box, symmetric);
-      if (!program_.cut(filter, box, refuting ? 0.0 : outcome.excess)) {
+      Filter filter = program_->filter(box, symmetric);
+      if (!program_->cut(filter, box, refuting ? 0.0 : outcome.excess)) {
         if (by > 0.0) return outcome;
         outcome.filter = std::move(filter);
-        for (std::size_t j = 0; j < box.corners.size() && program_.has_ranges(); ++j)
-          outcome.delays.push_back(program_.delay(j)), outcome.samples.push_back(program_.sample(j));
+        for (std::size_t j = 0; j < box.corners.size() && program_->has_ranges(); ++j)
+          outcome.delays.push_back(program_->delay(j)), outcome.samples.push_back(program_->sample(j));
         outcome.kind = Outcome::feasible;
         return outcome;
       }
@@ -94,7 +110,10 @@ class Relaxation::Impl {
 
   const LimitModel& model_;
   std::function<bool()> stop_;
-  LinearProgram program_;
+  int order_;
+  BoxKind kind_;
+  double margin_;
+  std::unique_ptr<LinearProgram> program_, wider_;
   long solved_ = 0;
 };
 

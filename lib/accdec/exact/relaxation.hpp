@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <accdec/exact/limit_model.hpp>
+#include <accdec/task/verifier.hpp>
 
 namespace accdec::exact {
 
@@ -16,6 +17,10 @@ struct Outcome {
   std::vector<double> delays, samples;  ///< feasible: d - d1 and k - k1 of each corner, where it is a range
   std::optional<Filter> filter;  ///< feasible: holds all convex limits of the relaxed box, and the chords of the others
 };
+
+/// Margin for where limits as written leave nothing but what verification grants does: as much of that as a filter may
+/// use and still verify in spite of its own rounding.
+inline constexpr double almost_granted = -0.6 * verification_tolerance;
 
 /// What the boxes of one linear program have in common.
 enum class BoxKind {
@@ -30,7 +35,8 @@ class Relaxation {
  public:
   /// @param largest_order  of all boxes to come
   /// @param stop  polled during a linear program, which then ends unresolved; may be empty
-  /// @param margin  > 0: limits are asked for with this relative margin, so that a solution holds them in spite of its
+  /// @param margin  not 0: limits are asked for with this relative margin, so that a solution holds them in spite of
+  /// its
   ///                rounding; what is refuted is refuted without it
   Relaxation(const LimitModel& model, int largest_order, const std::function<bool()>& stop = {}, double margin = 0.0,
              BoxKind kind = BoxKind::budget);

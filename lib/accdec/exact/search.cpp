@@ -88,17 +88,23 @@ void Search::consider(Filter filter, const std::vector<int>& delays) {
 Filter Search::mended(const Filter& filter, const Box& box, bool symmetric, const std::vector<int>& delays) {
   double margin = 0.0;
   Filter tried = filter;
-  for (int attempt = 0; attempt < 4; ++attempt) {
+  for (int attempt = 0; attempt < 5; ++attempt) {
     const VerificationReport report = verify_by_simulation(task_, trimmed(tried, task_.design), delays);
     if (report.feasible) return tried;
     // More than this is no rounding.
-    if (report.max_violation > 1e-6) break;
+    if (report.max_violation > 1e-6 || margin < 0.0) break;
     margin = std::max(2.0 * margin, 2.0 * report.max_violation);
-    Relaxation tighter(model_, box.order, stop_, margin);
-    const Outcome outcome = tighter.solve(box, symmetric);
-    linear_programs_ += tighter.linear_programs();
-    if (!outcome.filter) break;
-    tried = *outcome.filter;
+    const auto asked_for = [&](double by) {
+      Relaxation relaxation(model_, box.order, stop_, by);
+      Outcome outcome = relaxation.solve(box, symmetric);
+      linear_programs_ += relaxation.linear_programs();
+      return outcome.filter;
+    };
+    auto next = attempt < 3 ? asked_for(margin) : std::nullopt;
+    // No such margin is left, but perhaps part of what verification grants.
+    if (!next) next = asked_for(margin = almost_granted);
+    if (!next) break;
+    tried = std::move(*next);
   }
   return filter;
 }
@@ -133,7 +139,7 @@ int Search::smallest_order() {
     if (outcome.filter) offer(*outcome.filter);
     return outcome.kind != Outcome::refuted;
   };
-  int low = std::max({0, order_lower_bound(task_, most), task_.design.order_min}) - 1,
+  int low = std::max({0, order_lower_bound(model_.granted().task(), most), task_.design.order_min}) - 1,
       high = std::max(low + 1, 0);  // low is refuted
   while (high <= most && !stop_()) {
     if (holds(high)) break;

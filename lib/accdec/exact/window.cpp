@@ -40,7 +40,8 @@ double window_vibration(const LimitModel& model, const proof::Vibration& id, int
   return i == 0 || i == order ? -1.0 : model.rows.vibration_coefficient(id, i);
 }
 
-double window_refutation(const LimitModel& model, const Multipliers& y, const Box& box) {
+double window_refutation(const LimitModel& written, const Multipliers& y, const Box& box) {
+  const LimitModel& model = written.granted();
   const auto size = static_cast<std::size_t>(box.order) + 1;
   std::vector<double> c(size, 0.0), on_sum(size + 1, 0.0);
   double rhs = 0.0, magnitude = 0.0;

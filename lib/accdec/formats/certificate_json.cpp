@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/files/packed_text.hpp>
 #include <accdec/formats/certificate_json.hpp>
 #include <accdec/task/objective.hpp>
 
@@ -8,6 +9,8 @@ namespace accdec {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t packed_above = 1'000'000;  // bytes
 
 // What stands in a row before its multiplier.
 
@@ -115,6 +118,7 @@ Json proof_json(const proof::BranchAndBound& proof) {
   json["objective"] = to_string(proof.objective);
   if (proof.objective == Objective::cycle) json["runs"] = proof.runs;
   json["schema"] = "accdec.certificate/1";
+  json["tolerance"] = proof.tolerance;
   json["tree"] = tree_json(proof.tree);
   return json;
 }
@@ -123,6 +127,15 @@ Json proof_json(const proof::BranchAndBound& proof) {
 
 nlohmann::ordered_json json_of(const Certificate& certificate) {
   return std::visit([](const auto& proof) { return proof_json(proof); }, certificate.proof);
+}
+
+nlohmann::ordered_json stored_json_of(const Certificate& certificate) {
+  Json plain = json_of(certificate);
+  const std::string text = plain.dump();
+  if (text.size() <= packed_above) return plain;
+  const std::string packed = pack_text(text);
+  if (text.size() > most_unpacked(packed.size())) return plain;
+  return {{"gzip", packed}, {"kind", "packed"}, {"schema", "accdec.certificate/1"}};
 }
 
 std::string certificate_to_json(const Certificate& certificate) {

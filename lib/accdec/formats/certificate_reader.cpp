@@ -1,8 +1,11 @@
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include <accdec/files/json_position.hpp>
+#include <accdec/files/packed_text.hpp>
 #include <accdec/formats/certificate_json.hpp>
 #include <accdec/formats/json_value.hpp>
 #include <accdec/task/objective.hpp>
@@ -157,13 +160,15 @@ proof::Lemma read_lemma(const Value& value) {
 
 proof::BranchAndBound read_branch_and_bound(const Value& value) {
   value.members({"schema", "kind", "objective", "bound_samples", "multipliers", "tree"},
-                {"runs", "conflict", "corner_of", "lemmas"});
+                {"runs", "conflict", "corner_of", "lemmas", "tolerance"});
   proof::BranchAndBound proof;
   proof.objective = value["objective"].word({Objective::cycle, Objective::corner});
   if (proof.objective == Objective::cycle) {
     if (!value.has("runs")) value.fail("lacks the member `runs`");
     proof.runs = value["runs"].number();
   }
+  // Those that do not say are checked as if they did.
+  if (value.has("tolerance")) proof.tolerance = value["tolerance"].number();
   proof.bound_samples = value["bound_samples"].optional_number();
   if (value.has("conflict")) {
     for (const Value& limit : value["conflict"].elements()) proof.conflict.push_back(limit.text());
@@ -190,24 +195,52 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
 
 }  // namespace
 
+namespace {
+
+/// A packed one, with errors at the place of what it is packed in.
+Certificate read_packed(const Value& value) {
+  value.members({"kind", "schema", "gzip"});
+  const Value packed = value["gzip"];
+  const std::string letters = packed.text();
+  try {
+    const std::string text = unpack_text(letters, most_unpacked(letters.size()));
+    if (text.find('\0') != std::string::npos) packed.fail("unpacks to what is no text: there is a zero byte in it");
+    const Json json = Json::parse(text);
+    if (duplicate_key(text)) packed.fail("unpacked: a key stands twice in its object");
+    if (json.is_object() && json.contains("gzip")) packed.fail("is packed more than once");
+    return read_certificate(Value(json, ""));
+  } catch (const Mistake& error) {
+    if (error.pointer == packed.pointer()) throw;
+    packed.fail(fmt::format("unpacked, {}: {}", error.pointer.empty() ? "/" : error.pointer, error.message));
+  } catch (const Json::exception& error) {
+    packed.fail(fmt::format("unpacks to what is not valid JSON: {}", error.what()));
+  } catch (const std::runtime_error& error) {
+    packed.fail(error.what());
+  }
+}
+
+}  // namespace
+
 Certificate read_certificate(const Value& value) {
-  value.members({"kind"}, {"schema", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
-                           "multipliers", "tree"});
+  value.members({"kind"}, {"gzip", "schema", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
+                           "multipliers", "tolerance", "tree"});
   const std::string kind = value["kind"].text();
   if (kind == "enumeration") {
     value.members({"kind"}, {"schema"});
     return {proof::Enumeration{}};
   }
-  value.members({"kind", "schema"},
-                {"objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas", "multipliers", "tree"});
+  value.members({"kind", "schema"}, {"gzip", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
+                                     "multipliers", "tolerance", "tree"});
   if (value["schema"].text() != "accdec.certificate/1")
     value["schema"].fail("the certificate's schema is unknown; known is accdec.certificate/1");
+  if (kind == "packed") return read_packed(value);
   if (kind == "constant feed") {
     value.members({"kind", "schema"});
     return {proof::ConstantFeed{}};
   }
   if (kind == "branch and bound") return {read_branch_and_bound(value)};
-  value["kind"].fail(fmt::format("\"{}\" is unknown; allowed are constant feed, enumeration, branch and bound", kind));
+  value["kind"].fail(
+      fmt::format("\"{}\" is unknown; allowed are constant feed, enumeration, branch and bound, packed", kind));
 }
 
 }  // namespace accdec

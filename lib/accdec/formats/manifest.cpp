@@ -6,6 +6,7 @@
 
 #include <sys/utsname.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <Eigen/Core>
 #include <coin/ClpConfig.h>
@@ -56,6 +57,7 @@ std::vector<std::pair<std::string, std::string>> libraries() {
       {"nlohmann-json",
        fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH)},
       {"oneTBB", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)},
+      {"zlib", ZLIB_VERSION},
       {"toml++", fmt::format("{}.{}.{}", TOML_LIB_MAJOR, TOML_LIB_MINOR, TOML_LIB_PATCH)}};
   // "NLopt 2.7.1"
   for (const auto& solver : solvers::registry()) {

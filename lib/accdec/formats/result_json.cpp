@@ -138,7 +138,7 @@ std::string result_to_json(const DesignResult& result) {
   tail["solver"] = {{"method", s.method},           {"name", s.name},
                     {"version", s.version},         {"claimed", s.claimed},
                     {"evaluations", s.evaluations}, {"wall_time_s", number(s.wall_time)}};
-  if (result.certificate) tail["certificate"] = json_of(*result.certificate);
+  if (result.certificate) tail["certificate"] = stored_json_of(*result.certificate);
   std::string text = "{" + members_text(head);
   append_list(text, "corners", result.corners, write_corner);
   text += "," + members_text(times);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/task/contradictions.hpp>
+#include <accdec/task/granted_limits.hpp>
 
 namespace accdec {
 
@@ -17,7 +18,7 @@ std::vector<std::string> contradictions(const Task& task) {
                                     std::abs(corner.geometry().feed_out * corner.geometry().direction_out[a]));
       const double friction = axis.damping * speed;
       const auto tell = [&](const char* limit, const char* unit, double needed, double bound) {
-        if (needed <= bound * (1.0 + 1e-12)) return;
+        if (needed <= bound * (1.0 + granted_tolerance)) return;
         found.push_back(fmt::format("{} {}: corner {} needs {:.10g} {} at constant feed, the limit is {:.10g} {}",
                                     limit, axis.name, corner.name, needed, unit, bound, unit));
       };
@@ -26,7 +27,7 @@ std::vector<std::string> contradictions(const Task& task) {
       tell("power", "W", friction * speed, axis.power_max);
     }
     const double feed = std::min(corner.geometry().feed_in, corner.geometry().feed_out);
-    if (corner.speed_min > feed * (1.0 + 1e-12)) {
+    if (corner.speed_min > feed * (1.0 + granted_tolerance)) {
       found.push_back(
           fmt::format("speed_min: corner {} asks for at least {:.10g} m/s, its slower leg runs at {:.10g} m/s",
                       corner.name, corner.speed_min, feed));
@@ -35,7 +36,8 @@ std::vector<std::string> contradictions(const Task& task) {
   for (const Mode& mode : task.machine.modes) {
     // Sampled, a whole number of cycles per period cannot be told from 0 Hz, where every filter passes everything.
     const double alias = std::ceil(mode.frequency_low * task.sample_period - 1e-12);
-    if (mode.residual_max < 1.0 && alias >= 1.0 && alias <= mode.frequency_high * task.sample_period + 1e-12) {
+    if (mode.residual_max * (1.0 + granted_tolerance) < 1.0 && alias >= 1.0 &&
+        alias <= mode.frequency_high * task.sample_period + 1e-12) {
       found.push_back(
           fmt::format("vibration: the band {:.10g} to {:.10g} Hz contains {:.10g} Hz, a multiple of the sample rate, "
                       "where no filter "
