@@ -110,7 +110,7 @@ std::mt19937_64 ComparisonCase::generator(int index, std::uint64_t seed) const {
 }
 
 Filter ComparisonCase::start_filter(int index, std::mt19937_64& rng) const {
-  const Filter filter = default_filter(spec_.order);
+  Filter filter = default_filter(spec_.order);
   if (index == 0) return filter;
   std::vector<double> taps;
   for (int i = 0; i <= spec_.order; ++i) taps.push_back(filter.tap(i) * std::exp(uniform(rng, -1.0, 1.0)));

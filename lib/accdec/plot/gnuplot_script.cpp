@@ -196,7 +196,7 @@ class Writer {
     }
     std::vector<std::string> items;
     const auto data = [&](const std::vector<double>& xs, const std::vector<double>& ys) {
-      const std::string name = fmt::format("$d{}", ++block_);
+      std::string name = fmt::format("$d{}", ++block_);
       text += name + " << END_OF_DATA\n";
       for (std::size_t i = 0; i < xs.size(); ++i) text += number(xs[i]) + " " + number(ys[i]) + "\n";
       text += "END_OF_DATA\n";

@@ -104,6 +104,7 @@ void emit_commands(const CommandTiming& timing, std::size_t first, std::size_t l
     for (std::size_t b = run; b <= end; ++b) {
       const double tau = path.duration[b] * scale;
       double e = b == end ? run_end : t + tau;
+      // NOLINTNEXTLINE(bugprone-incorrect-roundings): of a half neither neighbour is near enough to be taken
       const auto nearest = static_cast<double>(static_cast<std::int64_t>(e + 0.5));
       if (std::abs(e - nearest) < 1e-9) e = nearest;
       e = std::min(e, run_end);
