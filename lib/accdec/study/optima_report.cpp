@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -22,12 +23,6 @@ std::string milliseconds(double seconds) {
   return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6);
 }
 
-Cells header() {
-  Cells cells{"task", "status", "N", "d", "cycle ms", "corners ms", "bound ms", "LPs", "time s", "proof"};
-  for (const char* cell : {"best family", "its filter", "N", "d", "cycle ms", "saved %"}) cells.push_back(cell);
-  return cells;
-}
-
 std::string proof_of(const Optimum& o) {
   if (!o.accepted) return "REJECTED";
   return o.design.lower_bound || o.design.status == Status::infeasible ? "accepted" : "none";
@@ -36,85 +31,106 @@ std::string proof_of(const Optimum& o) {
 std::string delays_of(const DesignResult& design) {
   Cells delays;
   for (const CornerResult& corner : design.corners) delays.push_back(std::to_string(corner.delay));
-  return delays.empty() ? "-" : fmt::format("{}", fmt::join(delays, " "));
+  return fmt::format("{}", fmt::join(delays, " "));
 }
 
 std::string name_of(const Optimum& o, const BaselineResult& family) {
   return std::string(baselines()[static_cast<std::size_t>(&family - o.families.data())].name);
 }
 
-Cells cells_of(const Optimum& o) {
-  const DesignResult& d = o.design;
-  Cells cells{o.name,
-              std::string(to_string(d.status)),
-              d.filter ? std::to_string(d.filter->order()) : "-",
-              delays_of(d),
-              d.filter ? milliseconds(d.cycle_time) : "-",
-              d.filter ? milliseconds(d.corner_time) : "-",
-              d.lower_bound ? milliseconds(*d.lower_bound) : "-",
-              std::to_string(d.solver.evaluations),
-              fmt::format("{:.2g}", d.solver.wall_time),
-              proof_of(o)};
-  const BaselineResult* family = o.best_family();
-  if (family == nullptr) {
-    cells.insert(cells.end(), 5, "-");
-  } else {
-    const DesignResult& best = family->result;
-    cells.push_back(name_of(o, *family) + (family->exact_stop ? ", exact stop" : ""));
-    const std::string parameters = describe_parameters(*family->spec);
-    cells.push_back(parameters.empty() ? "-" : parameters);
-    cells.push_back(std::to_string(best.filter->order()));
-    cells.push_back(delays_of(best));
-    cells.push_back(milliseconds(best.cycle_time));
+/// A column of the table in the report, of the CSV, or of both. Empty cells are shown as "-" in the report.
+struct OptimaColumn {
+  const char* heading;  ///< in the report; null: not there
+  const char* csv;      ///< in the CSV, with its unit; null: not there
+  std::string (*cell)(const Optimum& o);
+};
+
+const OptimaColumn of_design[] = {
+    {"task", "task", [](const Optimum& o) { return o.name; }},
+    {"status", "status", [](const Optimum& o) { return std::string(to_string(o.design.status)); }},
+    {"N", "order", [](const Optimum& o) { return o.design.filter ? std::to_string(o.design.filter->order()) : ""; }},
+    {"d", "delays", [](const Optimum& o) { return delays_of(o.design); }},
+    {"cycle ms", "cycle_time_ms",
+     [](const Optimum& o) { return o.design.filter ? milliseconds(o.design.cycle_time) : ""; }},
+    {"corners ms", "corner_time_ms",
+     [](const Optimum& o) { return o.design.filter ? milliseconds(o.design.corner_time) : ""; }},
+    {"bound ms", "lower_bound_ms",
+     [](const Optimum& o) { return o.design.lower_bound ? milliseconds(*o.design.lower_bound) : ""; }},
+    {"LPs", "linear_programmes", [](const Optimum& o) { return std::to_string(o.design.solver.evaluations); }},
+    {"time s", nullptr, [](const Optimum& o) { return fmt::format("{:.2g}", o.design.solver.wall_time); }},
+    {nullptr, "time_s", [](const Optimum& o) { return fmt::format("{:.4g}", o.design.solver.wall_time); }},
+    {nullptr, "check_time_s", [](const Optimum& o) { return fmt::format("{:.4g}", o.check_time); }},
+    {nullptr, "certificate_bytes", [](const Optimum& o) { return std::to_string(o.certificate_bytes); }},
+    {"proof", "proof", proof_of},
+};
+
+/// Of the best family; empty where none holds.
+template <auto value>
+std::string of_best(const Optimum& o) {
+  const BaselineResult* best = o.best_family();
+  return best == nullptr ? "" : value(o, *best);
+}
+
+const OptimaColumn of_family[] = {
+    {"best family", nullptr, of_best<[](const Optimum& o, const BaselineResult& best) {
+       return name_of(o, best) + (best.exact_stop ? ", exact stop" : "");
+     }>},
+    {nullptr, "best_family", of_best<name_of>},
+    {"its filter", "its_parameters",
+     of_best<[](const Optimum&, const BaselineResult& best) { return describe_parameters(*best.spec); }>},
+    {"N", nullptr,
+     of_best<[](const Optimum&, const BaselineResult& best) { return std::to_string(best.result.filter->order()); }>},
+    {"d", nullptr, of_best<[](const Optimum&, const BaselineResult& best) { return delays_of(best.result); }>},
+    {"cycle ms", nullptr,
+     of_best<[](const Optimum&, const BaselineResult& best) { return milliseconds(best.result.cycle_time); }>},
+    {"saved %", nullptr, [](const Optimum& o) { return o.saving() ? fmt::format("{:.1f}", 100.0 * *o.saving()) : ""; }},
+    {nullptr, "saving", [](const Optimum& o) { return o.saving() ? fmt::format("{:.6f}", *o.saving()) : ""; }},
+};
+
+/// The heading and a row each, without what is for the CSV only.
+std::vector<Cells> shown(const std::vector<Optimum>& optima) {
+  std::vector<Cells> lines(optima.size() + 1);
+  for (const std::span<const OptimaColumn> part :
+       {std::span<const OptimaColumn>(of_design), std::span<const OptimaColumn>(of_family)}) {
+    for (const OptimaColumn& column : part) {
+      if (column.heading == nullptr) continue;
+      lines[0].emplace_back(column.heading);
+      for (std::size_t i = 0; i < optima.size(); ++i) {
+        const std::string cell = column.cell(optima[i]);
+        lines[i + 1].push_back(cell.empty() ? "-" : cell);
+      }
+    }
   }
-  cells.push_back(o.saving() ? fmt::format("{:.1f}", 100.0 * *o.saving()) : "-");
-  return cells;
+  return lines;
 }
 
 std::string markdown(const std::vector<Optimum>& optima) {
-  const auto line = [](const Cells& cells) { return fmt::format("| {} |\n", fmt::join(cells, " | ")); };
-  Cells head = header();
-  head.insert(head.begin(), "row");
-  std::string text = line(head) + fmt::format("| {} |\n", fmt::join(Cells(head.size(), "---"), " | "));
-  for (std::size_t i = 0; i < optima.size(); ++i) {
-    Cells cells = cells_of(optima[i]);
-    cells.insert(cells.begin(), std::to_string(i + 1));
-    text += line(cells);
-  }
+  std::vector<Cells> lines = shown(optima);
+  for (std::size_t i = 0; i < lines.size(); ++i) lines[i].insert(lines[i].begin(), i == 0 ? "row" : std::to_string(i));
+  lines.insert(lines.begin() + 1, Cells(lines[0].size(), "---"));
+  std::string text;
+  for (const Cells& cells : lines) text += fmt::format("| {} |\n", fmt::join(cells, " | "));
   return text;
 }
 
 std::string csv(const std::vector<Optimum>& optima) {
-  Cells head{"task",
-             "status",
-             "order",
-             "delays",
-             "cycle_time_ms",
-             "corner_time_ms",
-             "lower_bound_ms",
-             "linear_programmes",
-             "time_s",
-             "check_time_s",
-             "certificate_bytes",
-             "proof"};
-  for (const Baseline& family : baselines()) head.push_back(fmt::format("{}_ms", family.name));
-  head.insert(head.end(), {"best_family", "its_parameters", "saving"});
-  std::vector<Cells> rows;
-  for (const Optimum& o : optima) {
-    Cells cells = cells_of(o);
-    cells.resize(10);
-    cells[8] = fmt::format("{:.4g}", o.design.solver.wall_time);
-    cells.insert(cells.begin() + 9, {fmt::format("{:.4g}", o.check_time), std::to_string(o.certificate_bytes)});
-    std::replace(cells.begin(), cells.end(), std::string("-"), std::string());
-    for (std::size_t i = 0; i < baselines().size(); ++i) {
-      const bool held = i < o.families.size() && o.families[i].result.filter;
-      cells.push_back(held ? milliseconds(o.families[i].result.cycle_time) : "");
-    }
-    const BaselineResult* best = o.best_family();
-    cells.push_back(best ? name_of(o, *best) : "");
-    cells.push_back(best ? describe_parameters(*best->spec) : "");
-    cells.push_back(o.saving() ? fmt::format("{:.6f}", *o.saving()) : "");
-    rows.push_back(std::move(cells));
+  Cells head;
+  std::vector<Cells> rows(optima.size());
+  const auto add = [&](const std::string& name, const auto& cell) {
+    head.push_back(name);
+    for (std::size_t i = 0; i < optima.size(); ++i) rows[i].push_back(cell(optima[i]));
+  };
+  for (const OptimaColumn& column : of_design) {
+    if (column.csv != nullptr) add(column.csv, column.cell);
+  }
+  for (std::size_t f = 0; f < baselines().size(); ++f) {
+    add(fmt::format("{}_ms", baselines()[f].name), [f](const Optimum& o) {
+      const bool held = f < o.families.size() && o.families[f].result.filter;
+      return held ? milliseconds(o.families[f].result.cycle_time) : "";
+    });
+  }
+  for (const OptimaColumn& column : of_family) {
+    if (column.csv != nullptr) add(column.csv, column.cell);
   }
   return csv_table(head, rows);
 }
@@ -228,9 +244,10 @@ std::vector<std::pair<std::string, std::string>> optima_documents(const std::vec
 }
 
 std::string optima_text(const std::vector<Optimum>& optima) {
-  TextTable table(header());
+  const std::vector<Cells> lines = shown(optima);
+  TextTable table(lines[0]);
   table.left(1);
-  for (const Optimum& o : optima) table.add(cells_of(o));
+  for (std::size_t i = 1; i < lines.size(); ++i) table.add(lines[i]);
   return table.str();
 }
 
