@@ -10,6 +10,7 @@ namespace {
 constexpr double sum_slack = 1e-6;  // relative; sums of times and lengths differ by rounding
 constexpr double worth = 0.01;      // smallest rise of the speed that is worth a step
 constexpr double eps_time = 1e-9;   // s
+constexpr double good = 1.0 + 2.0 * sum_slack;
 
 template <std::size_t axes>
 class March {
@@ -86,6 +87,7 @@ class March {
       line_.erase(line_.begin(), line_.begin() + static_cast<std::ptrdiff_t>(keep_));
       keep_ = 0;
       for (Segment& segment : line_) segment.end -= now_;  // so that hours of motion cost no digits
+      sure_until_ -= now_, look_far_ -= now_;
       now_ = 0.0;
     }
   }
@@ -147,11 +149,11 @@ class March {
     }
   }
 
-  /// How speed v from here on uses the limits within reach.
-  Verdict check(std::size_t i, double left, double v) {
+  /// How speed v from here on uses the limits within `ahead` seconds.
+  Verdict check(std::size_t i, double left, double v, double ahead) {
     Verdict verdict;
     const std::size_t size = line_.size();
-    const double horizon = now_ + reach_;
+    const double horizon = now_ + ahead;
     std::size_t one = keep_, two = keep_, both = keep_;
     double t = now_;
     const auto follow = [&](double end) {
@@ -190,10 +192,25 @@ class March {
     return verdict;
   }
 
+  /// The speed of piece i from here on. Where a far look ahead at this speed was good, the near ones within it are.
   double decide(std::size_t i, double left, double cap) {
-    Verdict verdict = check(i, left, cap);
-    constexpr double good = 1.0 + 2.0 * sum_slack;
-    if (verdict.use <= good) return cap;
+    const bool same = std::abs(cap - sure_speed_) <= 1e-9 * cap;  // speeds differ by rounding
+    if (same && now_ + reach_ <= sure_until_) return cap;
+    const Verdict verdict = check(i, left, cap, reach_);
+    if (verdict.use > good) {
+      sure_until_ = 0.0;
+      return lowered(i, left, cap, verdict);
+    }
+    if (now_ >= look_far_) {
+      const double far = 6.0 * reach_;
+      const bool well = check(i, left, cap, far).use <= good;
+      if (well) sure_speed_ = cap, sure_until_ = now_ + far;
+      look_far_ = well ? sure_until_ - reach_ : now_ + reach_;
+    }
+    return cap;
+  }
+
+  double lowered(std::size_t i, double left, double cap, Verdict verdict) {
     double best = cap, least = verdict.use, bad = cap, fine = 0.0;
     double v = cap;
     bool kept = !(before_ > 0.0 && before_ < cap);  // whether going on as before has been tried
@@ -205,7 +222,7 @@ class March {
       } else {
         v = std::min(lower, v * (1.0 - 1e-4));
       }
-      verdict = check(i, left, v);
+      verdict = check(i, left, v, reach_);
       if (verdict.use <= good) {
         fine = v;
       } else {
@@ -216,7 +233,7 @@ class March {
     if (fine == 0.0) return best;
     for (int k = 0; k < 5 && bad > fine * (1.0 + worth); ++k) {
       v = 0.5 * (fine + bad);
-      (check(i, left, v).use <= good ? fine : bad) = v;
+      (check(i, left, v, reach_).use <= good ? fine : bad) = v;
     }
     return fine;
   }
@@ -229,6 +246,8 @@ class March {
   std::vector<Segment> line_;  // the command so far, from the first that still counts on
   std::size_t keep_ = 0;
   double now_ = 0.0, before_ = 0.0;
+  double sure_speed_ = 0.0, sure_until_ = 0.0;  // at this speed, where the path allows it, all is well until then
+  double look_far_ = 0.0;                       // not before this again
   std::vector<FeedPiece> out_;
 };
 
