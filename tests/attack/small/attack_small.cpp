@@ -54,9 +54,9 @@ class Attack {
   using Clock = std::chrono::steady_clock;
 
   void tell() {
-    std::string line = fmt::format("{{\"seed\": {}, \"first\": {}, \"next\": {}, \"seconds\": {:.0f}", arguments_.seed,
-                                   arguments_.first, number_,
-                                   std::chrono::duration<double>(Clock::now() - began_).count());
+    std::string line =
+        fmt::format("{{\"seed\": {}, \"first\": {}, \"next\": {}, \"seconds\": {:.0f}", arguments_.seed,
+                    arguments_.first, number_, std::chrono::duration<double>(Clock::now() - began_).count());
     for (const auto& [what, count] : counts_) line += fmt::format(", \"{}\": {}", what, count);
     fmt::print("{}}}\n", line);
     std::fflush(stdout);
@@ -128,8 +128,7 @@ class Attack {
       const Filter filter = make_filter(*task.filter);
       std::vector<int> delays;
       for (const TaskCorner& corner : task.corners) delays.push_back(corner.delay.value_or(filter.order() + 3));
-      const double use =
-          worst_use(Physics(task, filter.order(), delays), {filter.taps().begin(), filter.taps().end()});
+      const double use = worst_use(Physics(task, filter.order(), delays), {filter.taps().begin(), filter.taps().end()});
       if (use < 1.0 - 1e-9) found = Verdict::yes;
     }
     if (found == Verdict::undecided) ++counts_["undecided"];
@@ -147,13 +146,20 @@ Arguments parse(const std::vector<std::string>& words) {
   Arguments arguments;
   for (std::size_t i = 1; i + 1 < words.size(); i += 2) {
     const std::string &name = words[i], &value = words[i + 1];
-    if (name == "--seed") arguments.seed = std::stoull(value);
-    else if (name == "--first") arguments.first = std::stoull(value);
-    else if (name == "--cases") arguments.cases = std::stoull(value);
-    else if (name == "--minutes") arguments.minutes = std::stod(value);
-    else if (name == "--keep") arguments.keep = value;
-    else if (name == "--kind") arguments.kind = value;
-    else throw std::invalid_argument("unknown option " + name);
+    if (name == "--seed")
+      arguments.seed = std::stoull(value);
+    else if (name == "--first")
+      arguments.first = std::stoull(value);
+    else if (name == "--cases")
+      arguments.cases = std::stoull(value);
+    else if (name == "--minutes")
+      arguments.minutes = std::stod(value);
+    else if (name == "--keep")
+      arguments.keep = value;
+    else if (name == "--kind")
+      arguments.kind = value;
+    else
+      throw std::invalid_argument("unknown option " + name);
   }
   return arguments;
 }

@@ -27,10 +27,10 @@ class Game {
   void read();
 
   std::size_t n_;
-  double shift_;                   // added to all entries: the value becomes positive
-  std::vector<double> rows_;       // as added, n a row
-  std::vector<double> table_;      // n + 1 a row: basic = last - sum of the others times nonbasic
-  std::vector<double> reduced_;    // n + 1: objective = last + sum of the others times nonbasic
+  double shift_;                               // added to all entries: the value becomes positive
+  std::vector<double> rows_;                   // as added, n a row
+  std::vector<double> table_;                  // n + 1 a row: basic = last - sum of the others times nonbasic
+  std::vector<double> reduced_;                // n + 1: objective = last + sum of the others times nonbasic
   std::vector<std::size_t> basic_, nonbasic_;  // below n a tap over the value, from n on the slack of a row
   std::vector<double> best_;
   double lower_ = 0.0;

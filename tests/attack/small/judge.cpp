@@ -76,9 +76,7 @@ class Search {
     return Verdict::undecided;
   }
 
-  void add(Node& node, const std::vector<double>& row) {
-    node.game.add(variables_.fold(row).data());
-  }
+  void add(Node& node, const std::vector<double>& row) { node.game.add(variables_.fold(row).data()); }
   /// A row of a limit that is used more than the game knows.
   bool offer(Node& node, const std::vector<double>& row, const std::vector<double>& taps) {
     if (dot(row.data(), taps) <= std::max(1.0 - margin, node.game.lower() + 1e-9)) return false;
@@ -152,7 +150,8 @@ class Search {
     bool any = offer_least(node, now, in.low, taps) | offer_least(node, scaled(now, -1.0), -in.high, taps);
     if (in.low < 0.0 && in.high > 0.0) return any;
     const double turn = in.high > 0.0 ? 1.0 : -1.0;
-    const double low = std::min(std::abs(in.low), std::abs(in.high)), high = std::max(std::abs(in.low), std::abs(in.high));
+    const double low = std::min(std::abs(in.low), std::abs(in.high)),
+                 high = std::max(std::abs(in.low), std::abs(in.high));
     if (limit.of_before == 0.0) {  // a load without mass: of_now now^2 <= P
       if (limit.sign < 0.0) return any;
       return any | offer_least(node, scaled(now, -turn), -std::sqrt(limit.bound / limit.of_now), taps);
@@ -190,7 +189,8 @@ class Search {
       if (const double use = power_use(physics_, physics_.powers[i], taps); use > worst) worst = use, where = {true, i};
     }
     for (std::size_t i = 0; i < node.speeds.size(); ++i) {
-      if (const double use = speed_use(physics_, physics_.speeds[i], taps); use > worst) worst = use, where = {false, i};
+      if (const double use = speed_use(physics_, physics_.speeds[i], taps); use > worst)
+        worst = use, where = {false, i};
     }
     if (!where) return Verdict::undecided;
     return halves(node, where->first ? &Node::powers : &Node::speeds, where->second, split_point(node, *where, taps));
@@ -218,8 +218,9 @@ class Search {
     const Interval in = power ? node.powers[i] : node.speeds[i];
     if (power && in.low < 0.0 && in.high > 0.0) return 0.0;
     const SpeedLimit* s = power ? nullptr : &physics_.speeds[i];
-    const double at = power ? dot(physics_.velocities.row(physics_.powers[i].now), taps)
-                            : std::atan2(dot(physics_.velocities.row(s->y), taps), dot(physics_.velocities.row(s->x), taps));
+    const double at =
+        power ? dot(physics_.velocities.row(physics_.powers[i].now), taps)
+              : std::atan2(dot(physics_.velocities.row(s->y), taps), dot(physics_.velocities.row(s->x), taps));
     const double width = in.high - in.low;
     return std::clamp(at, in.low + 0.2 * width, in.high - 0.2 * width);
   }

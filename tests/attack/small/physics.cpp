@@ -196,12 +196,14 @@ double nearest(const ErrorLimit& error, const std::vector<double>& taps) {
 }
 
 double power_use(const Physics& physics, const PowerLimit& limit, const std::vector<double>& taps) {
-  const double now = dot(physics.velocities.row(limit.now), taps), before = dot(physics.velocities.row(limit.before), taps);
+  const double now = dot(physics.velocities.row(limit.now), taps),
+               before = dot(physics.velocities.row(limit.before), taps);
   return limit.sign * (limit.of_now * now - limit.of_before * before) * now / limit.bound;
 }
 
 double speed_use(const Physics& physics, const SpeedLimit& limit, const std::vector<double>& taps) {
-  return limit.bound / std::hypot(dot(physics.velocities.row(limit.x), taps), dot(physics.velocities.row(limit.y), taps));
+  return limit.bound /
+         std::hypot(dot(physics.velocities.row(limit.x), taps), dot(physics.velocities.row(limit.y), taps));
 }
 
 double worst_use(const Physics& physics, const std::vector<double>& taps) {

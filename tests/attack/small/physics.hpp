@@ -28,7 +28,7 @@ struct PowerLimit {
 };
 /// Smallest speed at a sample: rows of the velocity in the plane of the legs, x along leg 1.
 struct SpeedLimit {
-  std::size_t x, y;  ///< rows of Physics::velocities
+  std::size_t x, y;    ///< rows of Physics::velocities
   double bound, turn;  ///< m/s; rad, from leg 1 to leg 2: the velocity is between
 };
 /// The error of a corner: of each sample of the blend two rows, its position in the plane of the legs, m.
@@ -37,7 +37,8 @@ struct ErrorLimit {
   double bound;      ///< m; may be 0
   double cut_bound;  ///< m; not below what numbers near it still tell apart
   Rows positions;
-  std::size_t first, last;  ///< samples that can be nearest: before leg 2 has begun or after leg 1 is over all lead away
+  std::size_t first,
+      last;  ///< samples that can be nearest: before leg 2 has begun or after leg 1 is over all lead away
 };
 
 /// Everything a filter of this order with these delays does, from sampled commands: rest, leg 1, gap, leg 2, rest, once
