@@ -43,7 +43,12 @@ class Attack {
     auto told = began_;
     for (number_ = arguments_.first; number_ < arguments_.first + arguments_.cases && Clock::now() < end; ++number_) {
       kind_ = arguments_.kind.empty() ? kinds[number_ % kinds.size()] : arguments_.kind;
-      judge(draw(kind_, arguments_.seed, number_));
+      const Task task = draw(kind_, arguments_.seed, number_);
+      try {
+        judge(task);
+      } catch (const std::exception& error) {
+        wrong(task, std::string("throws ") + error.what());
+      }
       if (Clock::now() - told > std::chrono::minutes(1)) told = Clock::now(), tell();
     }
     tell();
