@@ -41,14 +41,13 @@ DesignResult without_proof(DesignResult result) {
 
 int deliver(const DesignResult& result, const std::string& json_path, const Context& context, double certificate_max) {
   if (!json_path.empty()) {
-    std::string json = result_to_json(result.certificate ? result : without_proof(result));
-    const double megabytes = 1e-6 * static_cast<double>(json.size());
-    if (result.certificate && megabytes > certificate_max) {
-      json = result_to_json(without_proof(result));
+    const double megabytes = result.certificate ? 1e-6 * static_cast<double>(proof_size(result)) : 0.0;
+    const bool keep = result.certificate && megabytes <= certificate_max;
+    if (result.certificate && !keep) {
       std::fprintf(stderr, "%s: the proof, %.3g MB, was left out; --certificate-max %.0f keeps it\n", json_path.c_str(),
                    megabytes, std::ceil(megabytes));
     }
-    write_file(json_path, json);
+    write_file(json_path, result_to_json(keep ? result : without_proof(result)));
   }
   if (json_path != "-" && !context.quiet) {
     const std::string text = result_text(result);

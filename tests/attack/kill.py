@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from harness import leftovers, read_json
-from outputs import TASK
+from outputs import make_inputs
 
 STUDY = """title = "killed"
 task = "task.toml"
@@ -17,23 +17,60 @@ range = { from = 30, to = 150, count = 25 }
 """
 
 
-def _kill_design(attack):
-    target = attack.path("result.json")
-    names = {"task.toml", "study.toml", "result.json", "reference", "out"}
-    process = attack.start("design", attack.path("task.toml"), "--json", target, "-q")
-    time.sleep(attack.rng().uniform(0.0, 0.06))
-    attack.kill(process)
-    attack.count("kills of a design")
-    if os.path.exists(target):
+def _whole_result(path):
+    if read_json(path)["status"] != "optimal":
+        raise ValueError("another status")
+
+
+def _whole_program(path):
+    if not read_json(path)["schema"].startswith("accdec.program/"):
+        raise ValueError("another schema")
+
+
+def _whole_text(ending):
+    def check(path):
+        if not Path(path).read_text().rstrip().endswith(ending):
+            raise ValueError("no end")
+    return check
+
+
+class Victim:
+    """A command with one output, what a whole output is, and how long the command runs when nobody disturbs it."""
+
+    def __init__(self, attack, name, command, whole):
+        self.target, self.command, self.whole = attack.path(name), (*command, attack.path(name)), whole
+        began = time.monotonic()
+        for _ in range(3):
+            code, _, err = attack.run(*self.command)
+            if code != 0:
+                attack.fail(f"{command[0]} does not run: {code}: {err}")
+        self.seconds = (time.monotonic() - began) / 3.0
+
+    def kill(self, attack):
+        process = attack.start(*self.command)
+        time.sleep(attack.rng().uniform(0.0, 1.1 * self.seconds))
+        attack.kill(process)
+        attack.count(f"kills of {self.command[0]}")
         try:
-            if read_json(target)["status"] != "optimal":
-                attack.fail("a killed design left another status", target)
-        except (ValueError, KeyError):
-            attack.fail("a killed design left half a file", target)
-    # SIGKILL leaves no chance to remove a temporary; it must be told from the output by its name, and be one at most.
+            self.whole(self.target)
+        except (OSError, ValueError, KeyError) as error:
+            attack.fail(f"a killed {self.command[0]} left half a file: {error}", self.target)
+
+
+def _victims(attack):
+    make_inputs(attack)
+    p = attack.path
+    return [Victim(attack, "killed.json", ("design", p("task.toml"), "-q", "--json"), _whole_result),
+            Victim(attack, "killed-program.json", ("program", p("part.ngc"), "--task", p("machine.toml"), "-q", "--json"), _whole_program),
+            Victim(attack, "killed.svg", ("plot", p("result.json"), "--out"), _whole_text("</svg>")),
+            Victim(attack, "killed.ngc", ("generate", "star", "--blocks", "2000", "--out"), _whole_text("M2"))]
+
+
+def _no_leftovers(attack, names):
+    """SIGKILL leaves no chance to remove a temporary; it must be told from the output by its name, and be one a kill at most."""
     left = leftovers(attack.work, names)
     if len(left) > 1:
-        attack.fail(f"a killed design left {left}")
+        attack.fail(f"a kill left {left}")
     for name in left:
         attack.count("temporaries left by SIGKILL")
         os.unlink(attack.path(name))
@@ -62,15 +99,17 @@ def _kill_study(attack, reference):
 
 
 def run(attack):
-    Path(attack.path("task.toml")).write_text(TASK)
+    victims = _victims(attack)
     Path(attack.path("study.toml")).write_text(STUDY)
     code, _, err = attack.run("study", attack.path("study.toml"), "--out", attack.path("reference"), "-q", "--workers", "1")
     if code != 0:
         attack.fail(f"the study does not run: {code}: {err}")
         return
     reference = _rows(attack.path("reference"))
+    names = [*os.listdir(attack.work), "out"]
     while attack.more():
-        if attack.case % 10 == 9:
+        if attack.case % 40 == 39:
             _kill_study(attack, reference)
         else:
-            _kill_design(attack)
+            victims[attack.case % len(victims)].kill(attack)
+            _no_leftovers(attack, names)

@@ -35,7 +35,7 @@ def _commands(p):
            [("program", p("part.ngc"), "--task", p("machine.toml"), "-q", o) for o in ("--json", "--samples", "--delays", "--emit", "--figure")]
 
 
-def _inputs(attack):
+def make_inputs(attack):
     p = attack.path
     Path(p("task.toml")).write_text(TASK)
     Path(p("given.toml")).write_text(TASK.replace("error_max_um", "delay_samples = 12\nerror_max_um") + "[filter]\nkind = \"boxcar\"\norder = 30\n")
@@ -149,7 +149,7 @@ def race(attack, writers=8):
 
 
 def run(attack):
-    inputs = _inputs(attack)
+    inputs = make_inputs(attack)
     p = attack.path
     while attack.more():
         commands = _commands(p)

@@ -16,6 +16,19 @@ using test::uniform;
 
 using std::numbers::pi;
 
+// The digits of a product of directions tell turns of 1e-8 from none; legs in line must have none.
+TEST(Corner, LegsInLineAreStraightWhateverTheirLengths) {
+  Random random(3);
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector3d leg(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+    EXPECT_EQ(make_corner(leg, uniform(random, 0.1, 10) * leg, 0.1, 0.1).cos_interior(), -1.0);
+    // 1 - cos of the turn is half its square, less a twelfth of that times the square.
+    const double turn = uniform(random, 1e-6, 1e-3);
+    const Corner bent = planar_corner(pi - turn, uniform(random, -7, 7), Turn::left, 0.1, 0.1);
+    EXPECT_NEAR(1.0 + bent.cos_interior(), 0.5 * turn * turn, 2e-16 + 1e-7 * turn * turn);
+  }
+}
+
 TEST(Corner, PlanarAngleHeadingAndTurn) {
   Random random(1);
   for (int i = 0; i < 500; ++i) {

@@ -28,6 +28,21 @@ void add_difference(int n, int at, const Interval& c, const Interval& step, cons
   add_difference(n - 1, at - 1, -1.0 * c * step, step, term);
 }
 
+/// Sine of the interior angle. Of legs nearly in line its cosine does not tell it from some 1e-8: the part of leg 2
+/// across leg 1 does.
+Interval sine_of(const Corner& corner, const Interval& cosine) {
+  Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
+  Interval across(0.0);
+  for (Eigen::Index a = 0; a < corner.axes(); ++a) {
+    const Interval part = Interval(corner.direction_out[a]) + cosine * Interval(corner.direction_in[a]);
+    const Interval size = part.magnitude();
+    across = across + size * size;
+  }
+  across = square_root(across);
+  sine.lo = std::max(sine.lo, across.lo), sine.hi = std::min(sine.hi, across.hi);
+  return sine;
+}
+
 }  // namespace
 
 CheckedRows::CheckedRows(const Task& task) : task_(task) {
@@ -148,7 +163,7 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
   const CheckedRange& r = box.corners[static_cast<std::size_t>(row.corner)];
   const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
                         std::nextafter(c.geometry().cos_interior(), 2.0));
-  const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
+  const Interval sine = sine_of(c.geometry(), cosine);
   const Interval ca = interval_cos(Interval(row.angle)), sa = interval_sin(Interval(row.angle));
   const double fastest = std::max(c.geometry().feed_in, c.geometry().feed_out);
   const Interval wp = weight * ca * Interval(c.geometry().feed_in) / Interval(fastest);

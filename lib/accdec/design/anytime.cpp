@@ -54,11 +54,12 @@ class Course {
     exact_ = DesignResult();
     exact_->task = task_;
     exact_->message = why;
-    shapes(0.4);
     // Beyond these a single step of a local solver may last longer than the time limit leaves.
     const int most = task_.design.order_max;
     const int least = std::min(most, std::max(task_.design.order_min, order_lower_bound(task_, most)));
-    if (task_.corners.size() <= 100 && least <= 10'000) local(options_.solver, 1.0);
+    const bool small = task_.corners.size() <= 100 && least <= 10'000;
+    shapes(small ? 0.4 : 1.0);
+    if (small) local(options_.solver, 1.0);
     return finish();
   }
 

@@ -27,8 +27,13 @@ class Comparison {
   std::vector<std::string>& reasons_;
 };
 
+/// Units of task files round: not every bound in SI is that of some number in a file.
+bool same_bound(double a, double b) {
+  return std::abs(a - b) <= 1e-15 * std::abs(b);
+}
+
 bool same_limit(const LimitUse& a, const LimitUse& b) {
-  return a.kind == b.kind && a.axis == b.axis && a.corner == b.corner && a.bound == b.bound;
+  return a.kind == b.kind && a.axis == b.axis && a.corner == b.corner && same_bound(a.bound, b.bound);
 }
 
 void compare_choice(const DesignResult& result, std::vector<std::string>& reasons) {
@@ -66,7 +71,7 @@ double floor_of(const LimitUse& use) {
 /// Whether a frequency is in a band of the task with this bound.
 bool in_band(const Task& task, const LimitUse& use) {
   return std::any_of(task.machine.modes.begin(), task.machine.modes.end(), [&](const Mode& mode) {
-    return mode.residual_max == use.bound && use.frequency >= mode.frequency_low &&
+    return same_bound(use.bound, mode.residual_max) && use.frequency >= mode.frequency_low &&
            use.frequency <= mode.frequency_high;
   });
 }

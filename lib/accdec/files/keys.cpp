@@ -70,7 +70,11 @@ double to_si(const Key& key, double value) {
 
 double from_si(const Key& key, double si) {
   const double about = si / to_si(key, 1.0);
+  const double exponent = about == 0.0 ? 0.0 : std::floor(std::log10(std::abs(about)));
   for (int digits = 1; digits <= 17; ++digits) {
+    // Most numbers are plainly not of so few digits: that is told without writing and reading them.
+    const double last_digits = about / std::pow(10.0, exponent + 1.0 - digits);
+    if (std::abs(last_digits - std::round(last_digits)) > 1e-14 * std::abs(last_digits)) continue;
     const double x = std::strtod(fmt::format("{:.{}g}", about, digits).c_str(), nullptr);
     if (to_si(key, x) == si) return x;
   }

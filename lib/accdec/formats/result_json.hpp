@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -12,6 +13,8 @@ namespace accdec {
 /// bit takes, `task` as understood so that the result stands alone. What is not finite or not there (an infinite
 /// utilisation, no proved bound, no filter) is null. Ends with a line feed.
 std::string result_to_json(const DesignResult& result);
+/// Bytes that the certificate takes of it; 0 without one.
+std::size_t proof_size(const DesignResult& result);
 
 /// Reads that back, strictly: unknown, missing and mistyped members, another schema, numbers that are not finite,
 /// corners that do not match the task are errors. Nothing is recomputed: `accdec verify` does that.

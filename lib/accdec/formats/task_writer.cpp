@@ -18,18 +18,18 @@ using Json = nlohmann::ordered_json;
 /// A table of a task in the making. Knows the keys it may have, and their units and order.
 class Written {
  public:
-  explicit Written(const std::vector<Key>& keys) : keys_(keys) {}
+  explicit Written(const std::vector<Key>& keys) : keys_(keys), values_(keys.size()) {}
   /// The table of that name in a task.
-  explicit Written(std::string_view table) : keys_(find_key(task_file().keys, table)->keys) {}
+  explicit Written(std::string_view table) : Written(find_key(task_file().keys, table)->keys) {}
 
   void number(std::string_view name, double si) { at(name) = from_si(key(name), si); }
   void value(std::string_view name, Json json) { at(name) = std::move(json); }
 
-  /// In the order of the keys.
-  Json json() const {
-    Json table = Json::object();
-    for (const Key& key : keys_) {
-      if (values_.contains(key.name)) table[key.name] = values_[key.name];
+  /// In the order of the keys. Leaves nothing behind.
+  Json json() {
+    Json::object_t table;
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      if (!values_[i].is_null()) table.emplace_back(keys_[i].name, std::move(values_[i]));
     }
     return table;
   }
@@ -39,10 +39,10 @@ class Written {
     if (const Key* found = find_key(keys_, name)) return *found;
     throw std::logic_error(fmt::format("a task has no key `{}` there", name));
   }
-  Json& at(std::string_view name) { return values_[key(name).name]; }
+  Json& at(std::string_view name) { return values_[static_cast<std::size_t>(&key(name) - keys_.data())]; }
 
   const std::vector<Key>& keys_;
-  Json values_ = Json::object();
+  std::vector<Json> values_;  // as keys_; null where there is none
 };
 
 Json axis_json(const Axis& axis) {

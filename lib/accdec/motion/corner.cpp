@@ -27,7 +27,10 @@ Eigen::VectorXd unit(const Eigen::VectorXd& v) {
 }  // namespace
 
 double Corner::cos_interior() const {
-  return std::clamp(-direction_in.dot(direction_out), -1.0, 1.0);
+  const double along = direction_in.dot(direction_out);
+  // Of legs in line the product's last digit would pass for a turn of 1e-8: their difference tells.
+  if (along > 0.5) return std::clamp(0.5 * (direction_out - direction_in).squaredNorm() - 1.0, -1.0, 1.0);
+  return std::clamp(-along, -1.0, 1.0);
 }
 
 Corner make_corner(const Eigen::VectorXd& direction_in, const Eigen::VectorXd& direction_out, double feed_in,

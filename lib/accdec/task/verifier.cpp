@@ -115,10 +115,9 @@ void axis_uses(const SampledMotion& m, const Machine& machine, const std::string
 
 /// Distance from the corner point (origin) to the segment a-b.
 double origin_to_segment(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  const Eigen::VectorXd d = b - a;
-  const double length2 = d.squaredNorm();
-  const double t = length2 > 0.0 ? std::clamp(-a.dot(d) / length2, 0.0, 1.0) : 0.0;
-  return (a + t * d).norm();
+  const double length2 = (b - a).squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp(-a.dot(b - a) / length2, 0.0, 1.0) : 0.0;
+  return (a + t * (b - a)).norm();
 }
 
 /// Distance from a point to the programmed contour: leg 1 backwards from the origin, leg 2 forwards.
@@ -136,9 +135,11 @@ CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, i
   const int last = m.corner + order + delay + 1;
   const Eigen::VectorXd back = -corner.geometry().direction_in, forward = corner.geometry().direction_out;
   result.corner_error = result.polyline_error = result.speed_min = unlimited;
-  Eigen::VectorXd previous;
+  // Between two samples the deviation peaks where the nearer leg changes: from back to forward.
+  double previous_back = 0.0, previous_forward = 0.0;
+  Eigen::VectorXd x = m.position.row(m.corner).transpose(), previous = x, between = x;
   for (int row = m.corner; row <= last; ++row) {
-    const Eigen::VectorXd x = m.position.row(row).transpose();
+    x = m.position.row(row).transpose();
     const double distance = x.norm(), speed = m.velocity.row(row).norm();
     if (distance < result.corner_error) {
       result.corner_error = distance;
@@ -148,22 +149,24 @@ CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, i
       result.speed_min = speed;
       *speed_sample = row - m.corner;
     }
-    const auto gap = [&](const Eigen::VectorXd& y) { return std::min(leg_gap(y, back), leg_gap(y, forward)); };
-    result.contour_deviation = std::max(result.contour_deviation, gap(x));
+    const double to_back = leg_gap(x, back), to_forward = leg_gap(x, forward);
+    result.contour_deviation = std::max(result.contour_deviation, std::min(to_back, to_forward));
     if (row > m.corner) {
       result.polyline_error = std::min(result.polyline_error, origin_to_segment(previous, x));
-      // Between two samples the deviation peaks where the nearer leg changes.
-      const auto difference = [&](double t) {
-        const Eigen::VectorXd y = previous + t * (x - previous);
-        return leg_gap(y, back) - leg_gap(y, forward);
-      };
-      if (difference(0.0) < 0.0 && difference(1.0) > 0.0) {
+      if (previous_back < previous_forward && to_back > to_forward) {
         double low = 0.0, high = 1.0;
-        for (int i = 0; i < 60; ++i) (difference(0.5 * (low + high)) < 0.0 ? low : high) = 0.5 * (low + high);
-        result.contour_deviation = std::max(result.contour_deviation, gap(previous + low * (x - previous)));
+        for (int i = 0; i < 60; ++i) {
+          const double middle = 0.5 * (low + high);
+          between = previous + middle * (x - previous);
+          (leg_gap(between, back) < leg_gap(between, forward) ? low : high) = middle;
+        }
+        between = previous + low * (x - previous);
+        result.contour_deviation =
+            std::max(result.contour_deviation, std::min(leg_gap(between, back), leg_gap(between, forward)));
       }
     }
     previous = x;
+    previous_back = to_back, previous_forward = to_forward;
   }
   for (double* distance : {&result.corner_error, &result.polyline_error, &result.contour_deviation}) {
     if (*distance < position_floor) *distance = 0.0;

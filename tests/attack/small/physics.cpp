@@ -1,0 +1,223 @@
+#include "physics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace accdec::attack {
+namespace {
+
+constexpr double distance_floor = 1e-12;  // m; what is nearer counts as there
+constexpr int frequencies = 1000;         // of a band
+
+struct Legs {
+  std::vector<double> in, out;  // m/s
+};
+
+std::vector<double> scaled(std::vector<double> v, double length) {
+  double square = 0.0;
+  for (const double x : v) square += x * x;
+  for (double& x : v) x *= length / std::sqrt(square);
+  return v;
+}
+
+Legs legs_of(const TaskCorner& corner, std::size_t axes) {
+  const double in = corner.geometry().feed_in, out = corner.geometry().feed_out;
+  if (const auto* d = std::get_if<DirectedLegs>(&corner.legs())) return {scaled(d->in, in), scaled(d->out, out)};
+  const auto& p = std::get<PlanarLegs>(corner.legs());
+  const double turn = (p.turn == Turn::left ? 1.0 : -1.0) * (std::numbers::pi - p.angle);
+  Legs legs{std::vector<double>(axes, 0.0), std::vector<double>(axes, 0.0)};
+  legs.in[0] = in * std::cos(p.heading), legs.in[1] = in * std::sin(p.heading);
+  legs.out[0] = out * std::cos(p.heading + turn), legs.out[1] = out * std::sin(p.heading + turn);
+  return legs;
+}
+
+/// Velocity of an axis: of each sample what every unit tap makes of the command.
+Rows velocity_rows(double in, double out, std::size_t taps, std::size_t leg, std::size_t delay) {
+  const std::size_t rest = leg;
+  std::vector<double> command(rest, 0.0);
+  command.insert(command.end(), leg, in);
+  command.insert(command.end(), delay, 0.0);
+  command.insert(command.end(), leg, out);
+  command.insert(command.end(), rest, 0.0);
+  Rows rows{taps, std::vector<double>(command.size() * taps, 0.0)};
+  for (std::size_t s = 0; s < command.size(); ++s) {
+    for (std::size_t i = 0; i < taps && i <= s; ++i) rows.values[s * taps + i] = command[s - i];
+  }
+  return rows;
+}
+
+/// Rows of the positions of the blend, from the first to the last given sample, relative to the corner point.
+Rows position_rows(const Rows& velocity, double leg_length, double period, std::size_t first, std::size_t last) {
+  Rows rows{velocity.taps, {}};
+  std::vector<double> way(velocity.taps, -leg_length);
+  for (std::size_t s = 0; s <= last; ++s) {
+    for (std::size_t i = 0; i < rows.taps; ++i) way[i] += velocity.row(s)[i] * period;
+    if (s >= first) rows.values.insert(rows.values.end(), way.begin(), way.end());
+  }
+  return rows;
+}
+
+/// The plane of the legs: x along leg 1, y across it towards leg 2.
+struct Plane {
+  std::vector<double> x, y;
+  double turn;
+};
+Plane plane_of(const Legs& legs) {
+  Plane plane{scaled(legs.in, 1.0), scaled(legs.out, 1.0), 0.0};
+  double along = 0.0, across = 0.0;
+  for (std::size_t a = 0; a < plane.x.size(); ++a) along += plane.x[a] * plane.y[a];
+  for (std::size_t a = 0; a < plane.x.size(); ++a) {
+    plane.y[a] -= along * plane.x[a];
+    across += plane.y[a] * plane.y[a];
+  }
+  for (double& y : plane.y) y = across > 1e-24 ? y / std::sqrt(across) : 0.0;
+  plane.turn = std::atan2(across > 1e-24 ? std::sqrt(across) : 0.0, along);
+  return plane;
+}
+
+/// Two rows a sample: the vector with these components by axis, in the plane.
+Rows in_plane(const std::vector<Rows>& by_axis, const Plane& plane) {
+  const std::size_t taps = by_axis[0].taps;
+  Rows rows{taps, std::vector<double>(2 * by_axis[0].values.size(), 0.0)};
+  for (std::size_t a = 0; a < by_axis.size(); ++a) {
+    for (std::size_t s = 0; s < by_axis[a].size(); ++s) {
+      for (std::size_t i = 0; i < taps; ++i) {
+        rows.values[(2 * s) * taps + i] += plane.x[a] * by_axis[a].row(s)[i];
+        rows.values[(2 * s + 1) * taps + i] += plane.y[a] * by_axis[a].row(s)[i];
+      }
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+double dot(const double* row, const std::vector<double>& taps) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < taps.size(); ++i) sum += row[i] * taps[i];
+  return sum;
+}
+
+Physics::Physics(const Task& task, int order, const std::vector<int>& delays) {
+  const auto taps = static_cast<std::size_t>(order) + 1;
+  linear.taps = cones.taps = velocities.taps = taps;
+  for (std::size_t j = 0; j < task.corners.size(); ++j) add_corner(task, j, order, delays[j]);
+  for (const Mode& mode : task.machine.modes) {
+    const int count = mode.frequency_high > mode.frequency_low ? frequencies : 1;
+    for (int f = 0; f < count; ++f) {
+      const double part = count > 1 ? f / (count - 1.0) : 0.0;
+      const double step = 2.0 * std::numbers::pi * task.sample_period *
+                          (mode.frequency_low + part * (mode.frequency_high - mode.frequency_low));
+      double* x = cones.fresh();
+      for (std::size_t i = 0; i < taps; ++i) x[i] = std::cos(step * static_cast<double>(i)) / mode.residual_max;
+      double* y = cones.fresh();
+      for (std::size_t i = 0; i < taps; ++i) y[i] = std::sin(step * static_cast<double>(i)) / mode.residual_max;
+    }
+  }
+  for (const Rows* rows : {&linear, &cones}) {
+    for (const double value : rows->values) most = std::max(most, 2.0 * std::abs(value));
+  }
+}
+
+void Physics::add_corner(const Task& task, std::size_t j, int order, int delay) {
+  const TaskCorner& corner = task.corners[j];
+  const std::size_t axes = task.machine.axes.size();
+  const Legs legs = legs_of(corner, axes);
+  const auto leg = static_cast<std::size_t>(order) + 4, end = 2 * leg;
+  // The last sample of leg 1's command, and everything until leg 2 is at full speed.
+  const std::size_t first = end - 1, last = end + static_cast<std::size_t>(order + delay) + 1;
+  std::vector<Rows> velocity, position;
+  for (std::size_t a = 0; a < axes; ++a) {
+    velocity.push_back(velocity_rows(legs.in[a], legs.out[a], linear.taps, leg, static_cast<std::size_t>(delay)));
+    add_axis(task.machine.axes[a], velocity[a], task.sample_period);
+    const double length = static_cast<double>(leg) * legs.in[a] * task.sample_period;
+    position.push_back(position_rows(velocity[a], length, task.sample_period, first, last));
+  }
+  const Plane plane = plane_of(legs);
+  if (corner.error_max) {
+    ErrorLimit error{j, *corner.error_max, std::max(*corner.error_max, 1e-9), in_plane(position, plane), 0, 0};
+    error.first = static_cast<std::size_t>(std::min(order, delay));
+    error.last = static_cast<std::size_t>(std::max(order, delay)) + 1;
+    for (const double value : error.positions.values) most = std::max(most, 2.0 * std::abs(value) / error.cut_bound);
+    errors.push_back(std::move(error));
+  }
+  if (corner.speed_min <= 0.0) return;
+  const Rows flat = in_plane(velocity, plane);
+  for (std::size_t s = first; s <= last; ++s) {
+    speeds.push_back({velocities.size(), velocities.size() + 1, corner.speed_min, plane.turn});
+    velocities.values.insert(velocities.values.end(), flat.row(2 * s), flat.row(2 * s) + 2 * flat.taps);
+  }
+}
+
+void Physics::add_axis(const Axis& axis, const Rows& velocity, double period) {
+  const std::size_t taps = velocity.taps;
+  const std::vector<double> zero(taps, 0.0);
+  const auto v = [&](std::size_t s, std::size_t back) { return s >= back ? velocity.row(s - back) : zero.data(); };
+  // `now`, `before` and `earlier` weigh the velocities of three samples.
+  const auto limit = [&](std::size_t s, double now, double before, double earlier, double bound) {
+    if (!(bound < unlimited)) return;
+    double* row = linear.fresh();
+    double largest = 0.0;
+    for (std::size_t i = 0; i < taps; ++i) {
+      row[i] = (now * v(s, 0)[i] + before * v(s, 1)[i] + earlier * v(s, 2)[i]) / bound;
+      largest = std::max(largest, std::abs(row[i]));
+    }
+    // No taps, being parts of a whole, use it more than its largest entry.
+    if (largest < 1.0 - 1e-5) linear.values.resize(linear.values.size() - taps);
+  };
+  const double a = 1.0 / period, jerk = a / period;
+  const double of_now = axis.mass * a + axis.damping, of_before = axis.mass * a;
+  for (std::size_t s = 1; s < velocity.size(); ++s) {
+    limit(s, 1.0, 0.0, 0.0, axis.velocity_max);
+    limit(s, a, -a, 0.0, axis.acceleration_max);
+    limit(s, jerk, -2.0 * jerk, jerk, axis.jerk_max);
+    limit(s, of_now, -of_before, 0.0, axis.force_max);
+  }
+  if (!(axis.power_max < unlimited) && !(axis.regeneration_max < unlimited)) return;
+  const std::size_t first = velocities.size();
+  velocities.values.insert(velocities.values.end(), velocity.values.begin(), velocity.values.end());
+  for (std::size_t s = 1; s < velocity.size(); ++s) {
+    const std::size_t now = first + s;
+    if (axis.power_max < unlimited) powers.push_back({now, now - 1, of_now, of_before, axis.power_max, 1.0});
+    if (axis.regeneration_max < unlimited)
+      powers.push_back({now, now - 1, of_now, of_before, axis.regeneration_max, -1.0});
+  }
+}
+
+double error_at(const ErrorLimit& error, std::size_t k, const std::vector<double>& taps) {
+  return std::hypot(dot(error.positions.row(2 * k), taps), dot(error.positions.row(2 * k + 1), taps));
+}
+
+double nearest(const ErrorLimit& error, const std::vector<double>& taps) {
+  double least = INFINITY;
+  for (std::size_t k = 0; 2 * k < error.positions.size(); ++k) least = std::min(least, error_at(error, k, taps));
+  return least <= distance_floor ? 0.0 : least;
+}
+
+double power_use(const Physics& physics, const PowerLimit& limit, const std::vector<double>& taps) {
+  const double now = dot(physics.velocities.row(limit.now), taps),
+               before = dot(physics.velocities.row(limit.before), taps);
+  return limit.sign * (limit.of_now * now - limit.of_before * before) * now / limit.bound;
+}
+
+double speed_use(const Physics& physics, const SpeedLimit& limit, const std::vector<double>& taps) {
+  return limit.bound /
+         std::hypot(dot(physics.velocities.row(limit.x), taps), dot(physics.velocities.row(limit.y), taps));
+}
+
+double worst_use(const Physics& physics, const std::vector<double>& taps) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < physics.linear.size(); ++i)
+    worst = std::max(worst, std::abs(dot(physics.linear.row(i), taps)));
+  for (std::size_t i = 0; i < physics.cones.size(); i += 2)
+    worst = std::max(worst, std::hypot(dot(physics.cones.row(i), taps), dot(physics.cones.row(i + 1), taps)));
+  for (const PowerLimit& limit : physics.powers) worst = std::max(worst, power_use(physics, limit, taps));
+  for (const SpeedLimit& limit : physics.speeds) worst = std::max(worst, speed_use(physics, limit, taps));
+  for (const ErrorLimit& error : physics.errors) {
+    if (const double distance = nearest(error, taps); distance > 0.0) worst = std::max(worst, distance / error.bound);
+  }
+  return worst;
+}
+
+}  // namespace accdec::attack
