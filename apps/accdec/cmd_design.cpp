@@ -4,6 +4,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -30,6 +31,7 @@ struct Arguments {
   std::vector<std::string> native;
   bool no_certificate = false, baselines = false;
   double certificate_max = certificate_max_default;
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
 void print_baselines(const Task& task, DesignOptions options) {
@@ -70,6 +72,7 @@ void run(const Arguments& arguments, Context& context) {
   }
   options.solver_options.seed = arguments.seed;
   options.certificate = !arguments.no_certificate;
+  options.threads = arguments.threads;
   for (const std::string& pair : arguments.native) {
     const auto equals = pair.find('=');
     if (equals == std::string::npos)
@@ -124,6 +127,11 @@ void add_design(CLI::App& app, Context& context) {
       ->check([](const std::string& text) {
         return fraction(text) ? std::string() : "must be from 0 to less than 100 %, as 1% or 0.01, got " + text;
       });
+  command
+      ->add_option("--threads", arguments->threads,
+                   "for proofs of several corners; design and proof do not depend on it (default: one a core)")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
   command->add_option("--seed", arguments->seed, "seed of solvers that draw random numbers")
       ->check([](const std::string& text) {
         const bool whole = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <random>
 
@@ -89,6 +90,24 @@ TEST(ExactBound, ManyCornersTakeAtLeastWhatEachTakesByItself) {
   EXPECT_LE(*result.lower_bound, result.objective());
   const CheckReport report = check_certificate(task, result);
   EXPECT_TRUE(report.accepted) << report.reason;
+}
+
+TEST(ExactBound, TheSameOnAnyNumberOfThreads) {
+  const Task task = random_corners(5);
+  const DesignResult alone = design_exact(task);
+  ASSERT_EQ(alone.status, Status::optimal) << alone.message;
+  ASSERT_TRUE(alone.filter && alone.certificate);
+  EXPECT_TRUE(check_certificate(task, alone).accepted);
+  for (const int threads : {2, 3, 16}) {
+    ExactOptions options;
+    options.threads = threads;
+    const DesignResult result = design_exact(task, options);
+    ASSERT_TRUE(result.filter && result.certificate);
+    EXPECT_TRUE(std::ranges::equal(result.filter->taps(), alone.filter->taps()));
+    EXPECT_EQ(result.lower_bound, alone.lower_bound);
+    EXPECT_EQ(result.solver.evaluations, alone.solver.evaluations);
+    EXPECT_EQ(*result.certificate, *alone.certificate);
+  }
 }
 
 TEST(ExactBound, GoesOnWhereItWasStopped) {

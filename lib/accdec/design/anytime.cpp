@@ -82,6 +82,7 @@ class Course {
     exact.gap = options_.gap;
     exact.cancel = options_.cancel;
     exact.certificate = options_.certificate;
+    exact.threads = options_.threads;
     if (best_) exact.start = best_->filter;
     if (options_.progress) {
       exact.progress = [this](const ExactProgress& p) {

@@ -30,6 +30,7 @@ struct DesignOptions {
   std::optional<bool>
       reduced;              ///< Method::nlp: positions substituted into their bounds; else where the solver needs it
   bool certificate = true;  ///< exact: keep the proof in the result
+  int threads = 1;          ///< exact: for the proof of several corners; the answer does not depend on it
 };
 
 /// Chooses what the task leaves open (filter, order, delays) for the least cycle time within all limits.

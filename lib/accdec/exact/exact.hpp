@@ -22,6 +22,7 @@ struct ExactOptions {
   std::function<void(const ExactProgress&)> progress;
   const std::atomic<bool>* cancel = nullptr;
   bool certificate = true;        ///< keep the proof in the result
+  int threads = 1;                ///< for proofs of several corners; design and proof do not depend on it
   std::optional<Filter> start{};  ///< a design known from elsewhere: only what is shorter is looked for
 };
 

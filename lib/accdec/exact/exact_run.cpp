@@ -156,6 +156,7 @@ void ExactRun::take(Answer answer, double target) {
 /// Several corners of which a design is known: the joint proof.
 void ExactRun::together() {
   if (!joint_) joint_ = std::make_unique<exact::Joint>(task_, search_, least_, [this] { return stopped(); });
+  joint_->use_threads(options_.threads);
   using State = exact::Joint::State;
   const double at_least = low_;
   for (State state = State::going_on; state == State::going_on;) {

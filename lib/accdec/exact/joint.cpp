@@ -2,16 +2,30 @@
 #include <cmath>
 #include <limits>
 
-#include <accdec/exact/joint.hpp>
+#include <accdec/exact/joint_prover.hpp>
+#include <accdec/exact/side_by_side.hpp>
+#include <accdec/exact/size.hpp>
 
 namespace accdec::exact {
+
+namespace {
+
+/// Nodes worked on at a time, and so the most threads there is work for: a number of its own, so that the proof is the
+/// same however many there are. Fewer where their linear programs are large.
+constexpr int most_provers = 4;
+constexpr double bytes_of_provers = 2e9;
+
+int provers_for(const Task& task, int order) {
+  const double each = 2.0 * linear_program_bytes(task, order);
+  return static_cast<int>(std::clamp(bytes_of_provers / each, 1.0, 1.0 * most_provers));
+}
+
+}  // namespace
 
 Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()> stop)
     : task_(task),
       designs_(designs),
       stop_(stop),
-      prover_(task, stop, BoxKind::together),
-      wide_(task, stop, BoxKind::window),
       cost_(cost_of(task)),
       least_(std::max({least, task.design.order_min, 0})),
       short_(std::min(task.design.order_max, std::max(least_ + least_ / 4 + 2, designs.best->filter.order()))),
@@ -26,8 +40,16 @@ Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()>
   std::sort(window_.anchors.begin(), window_.anchors.end(), [&](int a, int b) {
     return model.error_bound(static_cast<std::size_t>(a)) < model.error_bound(static_cast<std::size_t>(b));
   });
-  wide_.look_through(window_);
+  for (int i = 0; i < provers_for(task, short_); ++i)
+    provers_.push_back(std::make_unique<Prover>(task, stop, window_, i));
   nodes_.push_back(root_node(task));
+}
+Joint::~Joint() = default;
+
+long Joint::linear_programs() const {
+  long sum = 0;
+  for (const auto& prover : provers_) sum += prover->linear_programs();
+  return sum;
 }
 
 Joint::Node Joint::root_node(const Task& task) {
@@ -113,9 +135,11 @@ void Joint::add(Lemma lemma) {
   fails_.push_back(std::numeric_limits<int>::max());
 }
 
+/// Hands the best design to all.
 void Joint::share() {
-  if (prover_.best && prover_.best->value < target()) designs_.best = prover_.best;
-  prover_.best = designs_.best;
+  for (const auto& prover : provers_)
+    if (prover->some.best && prover->some.best->value < target()) designs_.best = prover->some.best;
+  for (const auto& prover : provers_) prover->some.best = designs_.best;
 }
 
 /// Short filters first, for what is learned there mostly holds for long ones, too; but not for ever.
@@ -136,31 +160,43 @@ Joint::State Joint::step() {
     return begun_ ? State::going_on : State::stopped;
   }
   if (next_corner_ < task_.corners.size()) {
-    single_corner(next_corner_);
-    if (stop_()) return State::stopped;
-    ++next_corner_;
-    return State::going_on;
+    first_lemmas();
+    return stop_() ? State::stopped : State::going_on;
   }
   if (!branched_) branch();
-  std::priority_queue<Open>* const group = next();
-  if (group == nullptr) return undecided_ < target() * (1.0 - 1e-9) ? State::open : State::proved;
-  const Open top = group->top();
-  group->pop();
-  const long before = linear_programs();
-  const State state = work_on(top.node, top.bound);
-  spent_[group - open_] += linear_programs() - before;
-  return state;
+  std::vector<Work> works = next_works();
+  if (works.empty() && !stop_()) return undecided_ < target() * (1.0 - 1e-9) ? State::open : State::proved;
+  share();
+  side_by_side(works.size(), threads_, [&](std::size_t i) { work_on(*provers_[i], works[i]); });
+  const std::size_t known = lemmas_.size();
+  for (Work& work : works) join(work, known);
+  share();
+  return stop_() ? State::stopped : State::going_on;
 }
 
-Joint::State Joint::work_on(int at, double before) {
+/// Nodes that no lemma settles, one for every prover.
+std::vector<Joint::Work> Joint::next_works() {
+  std::vector<Work> works;
+  while (works.size() < provers_.size() && !stop_()) {
+    std::priority_queue<Open>* const group = next();
+    if (group == nullptr) break;
+    const Open top = group->top();
+    group->pop();
+    auto work = settle(top.node, top.bound);
+    if (!work) continue;
+    work->group = static_cast<int>(group - open_);
+    works.push_back(std::move(*work));
+  }
+  return works;
+}
+
+/// What lemmas say of a node; none: it is settled, split or put back. Else what they leave of it, for filters up to an
+/// order.
+std::optional<Joint::Work> Joint::settle(int at, double before) {
   for (;;) {
-    if (stop_()) {
-      push(at, 0.0);
-      return State::stopped;
-    }
     Node cut = node(at);
     const int order = order_left(cut, target());
-    if (order < node(at).n1) return State::going_on;
+    if (order < node(at).n1) return std::nullopt;
     const auto later = [&](double increase) {
       const double now = cost(node(at)) + increase;
       const auto& group = open_[node(at).n1 > short_ ? 1 : 0];
@@ -186,43 +222,77 @@ Joint::State Joint::work_on(int at, double before) {
     if (verdict == Verdict::closed) {
       node(at).lemma = chosen;
       node(at).d1.clear(), node(at).d2.clear();
-      return State::going_on;
+      return std::nullopt;
     }
-    if (chosen >= 0) {
-      const auto& delays = lemmas_[static_cast<std::size_t>(chosen)].delays;
-      const int delay =
-          std::find_if(delays.begin(), delays.end(), [&](const auto& d) { return d.corner == corner; })->delay;
-      if (verdict == Verdict::violated && later(best)) return State::going_on;
-      split(at, corner, delay);
-      const int first = node(at).first, second = node(at).second;
-      if (verdict == Verdict::violated) {
-        push(first, 0.0);
-        push(second, 0.0);
-        return State::going_on;
-      }
-      node(first).lemma = chosen;
-      at = second;
-      continue;
+    if (chosen < 0) {
+      if (later(0.0)) return std::nullopt;
+      Work work;
+      work.node = at, work.order = order;
+      return work;
     }
-    if (later(0.0)) return State::going_on;
-    if (extend(at, order)) continue;
-    const State state = check(at, order);
-    if (state == State::stopped) push(at, 0.0);
-    if (state != State::going_on) return state == State::open ? State::going_on : state;
+    const auto& delays = lemmas_[static_cast<std::size_t>(chosen)].delays;
+    const int delay =
+        std::find_if(delays.begin(), delays.end(), [&](const auto& d) { return d.corner == corner; })->delay;
+    if (verdict == Verdict::violated && later(best)) return std::nullopt;
+    split(at, corner, delay);
+    const int first = node(at).first, second = node(at).second;
+    if (verdict == Verdict::violated) {
+      push(first, 0.0);
+      push(second, 0.0);
+      return std::nullopt;
+    }
+    node(first).lemma = chosen;
+    at = second;
   }
 }
 
+void Joint::work_on(Prover& prover, Work& work) const {
+  const long before = prover.linear_programs();
+  if (!extend(prover, work)) check(prover, work);
+  work.spent = prover.linear_programs() - before;
+}
+
+/// Takes over what came of a node. @param known  lemmas there were before this step
+void Joint::join(Work& work, std::size_t known) {
+  spent_[work.group] += work.spent;
+  for (const auto& [lemma, order] : work.failed) fails_[lemma] = order;
+  if (work.lemma) {
+    const Lemma& found = *work.lemma;
+    if (work.extended >= 0) {
+      Lemma& old = lemmas_[static_cast<std::size_t>(work.extended)];
+      if (old.order < found.order) old = std::move(*work.lemma);
+    } else {
+      // Another prover may have come to the same.
+      const auto says_it = [&](const Lemma& other) {
+        return other.order >= found.order &&
+               std::all_of(other.delays.begin(), other.delays.end(), [&](const proof::CornerDelay& d) {
+                 return std::any_of(found.delays.begin(), found.delays.end(), [&](const proof::CornerDelay& mine) {
+                   return mine.corner == d.corner && mine.delay <= d.delay;
+                 });
+               });
+      };
+      if (std::none_of(lemmas_.begin() + static_cast<std::ptrdiff_t>(known), lemmas_.end(), says_it))
+        add(std::move(*work.lemma));
+    }
+  }
+  if (work.state == State::open)
+    undecided_ = std::min(undecided_, cost(node(work.node)));
+  else
+    push(work.node, 0.0);
+}
+
 /// A lemma that would say something of the node if it held for longer filters: most do.
-bool Joint::extend(int at, int order) {
-  const bool wide = order > short_;
+bool Joint::extend(Prover& prover, Work& work) const {
+  const bool wide = work.order > short_;
+  std::vector<char> failed(lemmas_.size(), 0);
   for (;;) {
     std::size_t chosen = lemmas_.size();
     double best = -1.0;
     for (std::size_t l = 0; l < lemmas_.size(); ++l) {
       int open_corner = -1;
       double increase = 0.0;
-      if (lemmas_[l].order >= order || fails_[l] <= order) continue;
-      if (judge(lemmas_[l], node(at), &open_corner, &increase) == Verdict::satisfied) continue;
+      if (lemmas_[l].order >= work.order || fails_[l] <= work.order || failed[l] != 0) continue;
+      if (judge(lemmas_[l], node(work.node), &open_corner, &increase) == Verdict::satisfied) continue;
       if (increase > best) best = increase, chosen = l;
     }
     if (chosen == lemmas_.size() || stop_()) return false;
@@ -230,34 +300,33 @@ bool Joint::extend(int at, int order) {
     for (const auto& [j, delay] : lemmas_[chosen].delays) most[static_cast<std::size_t>(j)] = delay;
     std::vector<proof::Node> tree;
     const long budget = 5000 + 30 * static_cast<long>(lemmas_[chosen].tree.size());
-    if (refutes(wide, order, most, budget, tree)) {
-      lemmas_[chosen] = lemma(wide, order, most, std::move(tree));
+    if (refutes(prover, wide, work.order, most, budget, tree)) {
+      work.lemma = lemma(prover, wide, work.order, most, std::move(tree));
+      work.extended = static_cast<int>(chosen);
       return true;
     }
-    fails_[chosen] = wide ? short_ + 1 : order;
+    failed[chosen] = 1;
+    work.failed.emplace_back(chosen, wide ? short_ + 1 : work.order);
   }
 }
 
 /// Whether the node's least delays hold together; a lemma or a better design comes of it.
-Joint::State Joint::check(int at, int order) {
-  const std::vector<int> d1 = node(at).d1;
-  const double before = target();
+void Joint::check(Prover& prover, Work& work) const {
+  const Node& at = node(work.node);
+  const std::vector<int>& d1 = at.d1;
+  constexpr long no_budget = std::numeric_limits<long>::max() / 2;
   std::vector<proof::Node> tree;
-  if (order > short_ && refutes(true, order, d1, std::numeric_limits<long>::max() / 2, tree)) {
-    learn(node(at), true, order, std::move(tree));
-    return State::going_on;
+  if (work.order > short_ && refutes(prover, true, work.order, d1, no_budget, tree)) {
+    work.lemma = learn(prover, at, true, work.order, std::move(tree));
+    return;
   }
-  share();
-  Search::Together answer = prover_.refute_together(order, d1, std::numeric_limits<long>::max() / 2);
-  share();
+  Search::Together answer = prover.some.refute_together(work.order, d1, no_budget);
   if (answer.refuted) {
-    learn(node(at), false, order, std::move(answer.tree));
-    return State::going_on;
+    work.lemma = learn(prover, at, false, work.order, std::move(answer.tree));
+    return;
   }
-  if (target() < before * (1.0 - 1e-12)) return State::going_on;
-  if (stop_()) return State::stopped;
-  undecided_ = std::min(undecided_, cost(node(at)));
-  return State::open;
+  if (prover.some.best->value < target() * (1.0 - 1e-12)) return;
+  work.state = stop_() ? State::stopped : State::open;
 }
 
 }  // namespace accdec::exact

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <optional>
 #include <queue>
+#include <utility>
 #include <vector>
 
 #include <accdec/exact/search.hpp>
@@ -15,14 +18,21 @@ namespace accdec::exact {
 /// corners it needs and its delays are raised as far as it goes; what is left is a lemma, "no filter up to this order
 /// has these corners' delays at most so", that holds everywhere else in the tree, too. The target leaves dear delays
 /// only short filters, so nodes late in the tree are refuted by lemmas of small orders.
+///
+/// A few nodes are worked on at a time, each by a prover of its own, and what they found is joined in their order: so
+/// design and proof are the same whatever the number of threads.
 class Joint {
  public:
   /// @param designs  holds the best design known, finite; better ones are put there
   /// @param least  smallest order that holds the limits not tied to a tolerance
+  /// @param stop  polled from all threads
   Joint(const Task& task, Search& designs, int least, std::function<bool()> stop);
+  ~Joint();
+  void use_threads(int threads) { threads_ = threads; }
 
   enum class State { proved, going_on, stopped, open };
-  /// One step: a corner by itself, or a node of the tree. @return proved: nothing is shorter than the best design
+  /// One step: a few corners by themselves, or a few nodes of the tree. @return proved: nothing is shorter than the
+  /// best design
   State step();
   /// Whether `bound` knows what each corner asks for by itself.
   bool has_first_bound() const { return next_corner_ == task_.corners.size(); }
@@ -32,7 +42,7 @@ class Joint {
   std::optional<Proof> proof() const;
   long lemmas() const { return static_cast<long>(lemmas_.size()); }
   long nodes() const { return static_cast<long>(nodes_.size()); }
-  long linear_programs() const { return prover_.linear_programs() + wide_.linear_programs(); }
+  long linear_programs() const;
 
  private:
   struct Node {
@@ -51,15 +61,27 @@ class Joint {
   struct Lemma {
     int order = 0;
     bool wide = false;  ///< of any order, through a window
+    int prover = 0;     ///< whose multipliers the tree names
     std::vector<proof::CornerDelay> delays;
     std::vector<proof::Node> tree;
   };
   enum class Verdict { satisfied, closed, unit, violated };
+  struct Prover;
+  /// What a prover makes of one node.
+  struct Work {
+    int node = 0, order = 0, group = 0;
+    State state = State::going_on;
+    std::optional<Lemma> lemma;
+    int extended = -1;                                ///< the lemma that it takes the place of; -1: it is new
+    std::vector<std::pair<std::size_t, int>> failed;  ///< lemmas that do not extend, from which order on
+    long spent = 0;                                   ///< linear programs
+  };
 
   double target() const { return designs_.best->value; }
   /// All delays and orders that the task allows.
   static Node root_node(const Task& task);
   Node& node(int index) { return nodes_[static_cast<std::size_t>(index)]; }
+  const Node& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
   double cost(const Node& node) const;
   int order_left(Node& node, double target) const;
   Verdict judge(const Lemma& lemma, const Node& node, int* open_corner, double* increase) const;
@@ -67,26 +89,34 @@ class Joint {
   void push(int node, double increase);
   std::priority_queue<Open>* next();
   void begin();
-  void single_corner(std::size_t j);
-  int longest_refuted(std::size_t j, bool wide, int low);
+  void first_lemmas();
+  std::vector<Lemma> single_corner(Prover& prover, std::size_t j) const;
+  std::optional<Lemma> longest_refuted(Prover& prover, std::size_t j, bool wide, int low) const;
   void close_first(int lemma, const proof::CornerDelay& at);
   void branch();
-  State work_on(int at, double before);
-  bool extend(int at, int order);
-  State check(int at, int order);
-  void learn(const Node& node, bool wide, int order, std::vector<proof::Node> tree);
-  bool refutes(bool wide, int order, const std::vector<int>& most, long budget, std::vector<proof::Node>& tree);
-  Lemma lemma(bool wide, int order, const std::vector<int>& most, std::vector<proof::Node> tree) const;
+  std::vector<Work> next_works();
+  std::optional<Work> settle(int at, double before);
+  void work_on(Prover& prover, Work& work) const;
+  bool extend(Prover& prover, Work& work) const;
+  void check(Prover& prover, Work& work) const;
+  void join(Work& work, std::size_t known);
+  Lemma learn(Prover& prover, const Node& node, bool wide, int order, std::vector<proof::Node> tree) const;
+  bool refutes(Prover& prover, bool wide, int order, const std::vector<int>& most, long budget,
+               std::vector<proof::Node>& tree) const;
+  Lemma lemma(const Prover& prover, bool wide, int order, const std::vector<int>& most,
+              std::vector<proof::Node> tree) const;
   void add(Lemma lemma);
   void share();
+  int first_multipliers(int prover, bool wide) const;
   bool write(int index, Node node, Proof& proof, std::vector<int>& number) const;
   bool write_by(int lemma, Proof& proof, std::vector<int>& number) const;
 
   const Task& task_;
   Search& designs_;
   std::function<bool()> stop_;
-  Search prover_, wide_;
   Window window_;
+  std::vector<std::unique_ptr<Prover>> provers_;
+  int threads_ = 1;
   LinearCost cost_;
   int least_;
   int short_;  ///< largest order of the first group

@@ -1,6 +1,7 @@
 #include <limits>
 
-#include <accdec/exact/joint.hpp>
+#include <accdec/exact/joint_prover.hpp>
+#include <accdec/exact/side_by_side.hpp>
 
 // What the joint proof begins with: the least order, and lemmas of single corners.
 
@@ -11,8 +12,8 @@ void Joint::begin() {
   std::vector<proof::Node> tree;
   const std::vector<int> all(task_.corners.size(), -1);
   for (int none = least_ - 1; none >= node(0).n1 && none >= least_ - 3 && !stop_(); --none) {
-    if (!refutes(false, none, all, 2000, tree)) continue;
-    add(lemma(false, none, all, std::move(tree)));
+    if (!refutes(*provers_[0], false, none, all, 2000, tree)) continue;
+    add(lemma(*provers_[0], false, none, all, std::move(tree)));
     split(0, -1, none);
     node(1).lemma = 0;
     tip_ = 2;
@@ -31,8 +32,8 @@ void Joint::branch() {
   push(second, 0.0);
 }
 
-/// A lemma of one corner: the longest delay above `low` that it cannot have, by bisection. Its number; -1: none.
-int Joint::longest_refuted(std::size_t j, bool wide, int low) {
+/// A lemma of one corner: the longest delay above `low` that it cannot have, by bisection.
+std::optional<Joint::Lemma> Joint::longest_refuted(Prover& prover, std::size_t j, bool wide, int low) const {
   const int shorter = std::min(task_.design.order_max, least_ + least_ / 4 + 2);
   std::vector<int> most(task_.corners.size(), -1);
   std::vector<proof::Node> tree, best;
@@ -41,34 +42,53 @@ int Joint::longest_refuted(std::size_t j, bool wide, int low) {
   const long budget = wide ? 200 : std::numeric_limits<long>::max() / 2;
   while (high - low > 1 && !stop_()) {
     most[j] = low + (high - low) / 2;
-    if (refutes(wide, shorter, most, budget, tree)) {
+    if (refutes(prover, wide, shorter, most, budget, tree)) {
       low = most[j];
       best = std::move(tree);
     } else {
       high = most[j];
     }
   }
-  if (best.empty()) return -1;
+  if (best.empty()) return std::nullopt;
   most[j] = low;
-  add(lemma(wide, shorter, most, std::move(best)));
-  return static_cast<int>(lemmas_.size()) - 1;
+  return lemma(prover, wide, shorter, most, std::move(best));
 }
 
 /// Lemmas of one corner through a window, where a few linear programs show as much of filters of any order as many do
 /// of short ones. Together they are a first bound. What a window does not see is asked of short filters.
-void Joint::single_corner(std::size_t j) {
-  if (task_.corners[j].delay) return;
-  share();
+std::vector<Joint::Lemma> Joint::single_corner(Prover& prover, std::size_t j) const {
+  std::vector<Lemma> lemmas;
+  if (task_.corners[j].delay) return lemmas;
   int low = -1;
   if (task_.corners[j].error_max) {
-    const int by = longest_refuted(j, true, -1);
-    if (by >= 0) {
-      const proof::CornerDelay at = lemmas_[static_cast<std::size_t>(by)].delays.front();
-      close_first(by, at);
-      low = at.delay;
+    if (auto found = longest_refuted(prover, j, true, -1)) {
+      low = found->delays.front().delay;
+      lemmas.push_back(std::move(*found));
     }
   }
-  if (!sees_all_ || !task_.corners[j].error_max) longest_refuted(j, false, low);
+  if (!sees_all_ || !task_.corners[j].error_max) {
+    if (auto found = longest_refuted(prover, j, false, low)) lemmas.push_back(std::move(*found));
+  }
+  return lemmas;
+}
+
+/// Those of the next few corners.
+void Joint::first_lemmas() {
+  const std::size_t count = std::min(provers_.size(), task_.corners.size() - next_corner_);
+  std::vector<std::vector<Lemma>> found(count);
+  share();
+  side_by_side(count, threads_, [&](std::size_t i) { found[i] = single_corner(*provers_[i], next_corner_ + i); });
+  share();
+  if (stop_()) return;
+  for (std::vector<Lemma>& lemmas : found) {
+    for (Lemma& lemma : lemmas) {
+      const bool wide = lemma.wide;
+      const proof::CornerDelay at = lemma.delays.front();
+      add(std::move(lemma));
+      if (wide) close_first(static_cast<int>(lemmas_.size()) - 1, at);
+    }
+  }
+  next_corner_ += count;
 }
 
 /// Splits the open node at a delay that a lemma says no filter has.

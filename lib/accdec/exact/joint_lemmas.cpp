@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <limits>
 
-#include <accdec/exact/joint.hpp>
+#include <accdec/exact/joint_prover.hpp>
 
 // How the joint proof comes to its lemmas.
 
@@ -14,16 +14,17 @@ constexpr long attempt = 40;
 }  // namespace
 
 /// @param wide  for filters of any order; else up to `order`
-bool Joint::refutes(bool wide, int order, const std::vector<int>& most, long budget, std::vector<proof::Node>& tree) {
-  Search& prover = wide ? wide_ : prover_;
-  Search::Together answer = prover.refute_together(order, most, budget);
-  share();
+bool Joint::refutes(Prover& prover, bool wide, int order, const std::vector<int>& most, long budget,
+                    std::vector<proof::Node>& tree) const {
+  Search::Together answer = prover.of(wide).refute_together(order, most, budget);
   if (answer.refuted) tree = std::move(answer.tree);
   return answer.refuted;
 }
 
-Joint::Lemma Joint::lemma(bool wide, int order, const std::vector<int>& most, std::vector<proof::Node> tree) const {
+Joint::Lemma Joint::lemma(const Prover& prover, bool wide, int order, const std::vector<int>& most,
+                          std::vector<proof::Node> tree) const {
   Lemma lemma;
+  lemma.prover = prover.number;
   lemma.wide = wide;
   lemma.order = wide ? std::numeric_limits<int>::max() : order;
   lemma.tree = std::move(tree);
@@ -33,11 +34,10 @@ Joint::Lemma Joint::lemma(bool wide, int order, const std::vector<int>& most, st
 }
 
 /// Of a proof that these delays do not hold together: the fewest corners and the largest delays it holds for.
-void Joint::learn(const Node& node, bool wide, int order, std::vector<proof::Node> tree) {
-  const Search& prover = wide ? wide_ : prover_;
+Joint::Lemma Joint::learn(Prover& prover, const Node& node, bool wide, int order, std::vector<proof::Node> tree) const {
   const std::vector<int>& d1 = node.d1;
   std::vector<int> most = d1;
-  const std::vector<char> used = prover.corners_used(tree);
+  const std::vector<char> used = prover.of(wide).corners_used(tree);
   std::vector<std::size_t> corners;
   for (std::size_t j = 0; j < most.size(); ++j) {
     if (used[j])
@@ -53,8 +53,8 @@ void Joint::learn(const Node& node, bool wide, int order, std::vector<proof::Nod
     const std::size_t j = corners[i];
     const int had = most[j];
     most[j] = -1;
-    if (refutes(wide, order, most, budget, tree)) {
-      const std::vector<char> still = prover.corners_used(tree);
+    if (refutes(prover, wide, order, most, budget, tree)) {
+      const std::vector<char> still = prover.of(wide).corners_used(tree);
       std::erase_if(corners, [&](std::size_t k) { return !still[k]; });
       for (std::size_t k = 0; k < most.size(); ++k)
         if (!still[k]) most[k] = -1;
@@ -74,9 +74,9 @@ void Joint::learn(const Node& node, bool wide, int order, std::vector<proof::Nod
     }
     if (lowest == most.size()) break;
     ++most[lowest];
-    if (!refutes(wide, order, most, budget, tree)) --most[lowest], stuck[lowest] = 1;
+    if (!refutes(prover, wide, order, most, budget, tree)) --most[lowest], stuck[lowest] = 1;
   }
-  add(lemma(wide, order, most, std::move(tree)));
+  return lemma(prover, wide, order, most, std::move(tree));
 }
 
 }  // namespace accdec::exact

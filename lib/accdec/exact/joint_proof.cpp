@@ -1,10 +1,20 @@
 #include <limits>
 
-#include <accdec/exact/joint.hpp>
+#include <accdec/exact/joint_prover.hpp>
 
 // The joint proof as a certificate has it: a tree in preorder, and the lemmas it needs.
 
 namespace accdec::exact {
+
+/// Where a prover's multipliers begin among all.
+int Joint::first_multipliers(int number, bool wide) const {
+  std::size_t before = 0;
+  for (const auto& prover : provers_) {
+    if (prover->number < number || (prover->number == number && wide)) before += prover->some.multipliers().size();
+    if (prover->number < number) before += prover->any.multipliers().size();
+  }
+  return static_cast<int>(before);
+}
 
 /// By a lemma, which gets its number in the proof with its first use.
 bool Joint::write_by(int lemma, Proof& proof, std::vector<int>& number) const {
@@ -19,13 +29,12 @@ bool Joint::write_by(int lemma, Proof& proof, std::vector<int>& number) const {
       for (const proof::CornerDelay& d : from.delays) most[static_cast<std::size_t>(d.corner)] = d.delay;
       const int anchor = window_.anchor(most);
       to.window = proof::Window{window_.order, anchor, window_.at[static_cast<std::size_t>(anchor)]};
-      // Behind the multipliers of the others.
-      for (proof::Node& node : to.tree)
-        if (auto* refuted = std::get_if<proof::Refuted>(&node))
-          refuted->multipliers += static_cast<int>(prover_.multipliers().size());
     } else {
       to.order = from.order;
     }
+    for (proof::Node& node : to.tree)
+      if (auto* refuted = std::get_if<proof::Refuted>(&node))
+        refuted->multipliers += first_multipliers(from.prover, from.wide);
     n = static_cast<int>(proof.lemmas.size());
     proof.lemmas.push_back(std::move(to));
   }
@@ -74,8 +83,12 @@ bool Joint::write(int index, Node part, Proof& proof, std::vector<int>& number) 
 std::optional<Proof> Joint::proof() const {
   Proof proof;
   proof.target = bound();
-  proof.multipliers = prover_.multipliers();
-  for (const Multipliers& y : wide_.multipliers()) proof.multipliers.push_back(y);
+  for (const auto& prover : provers_) {
+    for (const bool wide : {false, true}) {
+      const auto& all = prover->of(wide).multipliers();
+      proof.multipliers.insert(proof.multipliers.end(), all.begin(), all.end());
+    }
+  }
   std::vector<int> number(lemmas_.size(), -1);
   if (!write(0, root_node(task_), proof, number)) return std::nullopt;
   return proof;

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <accdec/exact/joint.hpp>
+
+namespace accdec::exact {
+
+/// What asks for lemmas: linear programs of its own, so that what comes of them depends on nothing but what this prover
+/// was asked before.
+struct Joint::Prover {
+  Prover(const Task& task, const std::function<bool()>& stop, const Window& window, int number)
+      : number(number), some(task, stop, BoxKind::together), any(task, stop, BoxKind::window) {
+    any.look_through(window);
+  }
+  Search& of(bool wide) { return wide ? any : some; }
+  const Search& of(bool wide) const { return wide ? any : some; }
+  long linear_programs() const { return some.linear_programs() + any.linear_programs(); }
+
+  int number;
+  Search some, any;  ///< filters up to an order, and of any
+};
+
+}  // namespace accdec::exact
