@@ -13,8 +13,8 @@ namespace accdec {
 namespace {
 
 /// A program that passes every corner of a task as often as its weight says, in one run from rest to rest: each leg
-/// leaves a corner at that corner's feed and reaches the next at the next one's. Headings turn on from corner to corner,
-/// which changes neither times nor errors. Both halves of a leg take a whole number of samples.
+/// leaves a corner at that corner's feed and reaches the next at the next one's. Headings turn on from corner to
+/// corner, which changes neither times nor errors. Both halves of a leg take a whole number of samples.
 struct Realised {
   Toolpath path;
   std::vector<int> delays;
@@ -85,8 +85,7 @@ TEST(CycleTime, IsThatOfAProgramThatPassesTheCorners) {
     std::vector<double> errors(program.path.blocks(), 0.0);
     SimulationOptions whole;
     whole.whole_windows = true;
-    const Simulation simulated =
-        simulate_program(timing, *design.filter, 0, program.path.blocks() - 1, errors, whole);
+    const Simulation simulated = simulate_program(timing, *design.filter, 0, program.path.blocks() - 1, errors, whole);
     const double time = static_cast<double>(simulated.samples) * task.sample_period;
     EXPECT_NEAR(time - program.way, design.cycle_time, task.sample_period * (1.0 + 1e-9));
     // It is the motion of the design: each corner's error is that of the result.

@@ -22,7 +22,8 @@ const LimitUse* tightest(const DesignResult& design) {
   for (const LimitUse& use : design.limits) {
     const bool of_axis = std::any_of(axis_limits.begin(), axis_limits.end(),
                                      [&](const AxisLimit& limit) { return limit.kind == use.kind; });
-    if (of_axis && use.corner == design.corners.front().name && (most == nullptr || use.utilisation > most->utilisation))
+    if (of_axis && use.corner == design.corners.front().name &&
+        (most == nullptr || use.utilisation > most->utilisation))
       most = &use;
   }
   return most;
@@ -34,9 +35,9 @@ std::vector<Compared> compared(const study::Optimum& optimum) {
     if (!result.filter) return;
     std::string delays;
     for (const CornerResult& corner : result.corners) delays += fmt::format(" {}", corner.delay);
-    filters.push_back({fmt::format("{}: N = {}, d ={}, {:.6g} ms", title, result.filter->order(), delays,
-                                   1e3 * result.cycle_time),
-                       &result});
+    filters.push_back(
+        {fmt::format("{}: N = {}, d ={}, {:.6g} ms", title, result.filter->order(), delays, 1e3 * result.cycle_time),
+         &result});
   };
   add("optimum", optimum.design);
   for (const char* name : {"trapezoid", "exponential"}) {
@@ -63,14 +64,14 @@ std::optional<Figure> filters_figure(const study::Optimum& optimum) {
   speed.y.label = "speed / (mm/s)";
   int style = 0;
   for (const auto& [label, result] : compared(optimum)) {
-    Series b{label, {}, {}, Mark::line, style}, v{label, {}, {}, Mark::line, style}, u{label, {}, {}, Mark::line, style};
+    Series b{label, {}, {}, Mark::line, style}, v{label, {}, {}, Mark::line, style},
+        u{label, {}, {}, Mark::line, style};
     ++style;
     for (int i = 0; i <= result->filter->order(); ++i) {
       b.x.push_back(1e3 * period * i);
       b.y.push_back(result->filter->tap(i));
     }
-    const SampledMotion motion =
-        simulate_corner(*result->filter, corner, result->corners.front().delay, period);
+    const SampledMotion motion = simulate_corner(*result->filter, corner, result->corners.front().delay, period);
     std::optional<AxisSampler> sampler;
     const auto column = static_cast<Eigen::Index>(axis - task.machine.axes.begin());
     if (axis != task.machine.axes.end()) sampler.emplace(*axis, period);
