@@ -91,7 +91,9 @@ void add_optima(CLI::App& app, Context& context) {
   command->add_option("tasks", arguments->tasks, "Task files; a [filter] in them is left aside")
       ->required()
       ->type_name("TASK.toml...");
-  command->add_option("--out", arguments->out, "Folder for optima.csv, .md, .svg, .png and manifest.json")
+  command
+      ->add_option("--out", arguments->out,
+                   "Folder for optima.csv, .md, .svg, .png, TASK-filters.svg, .png and manifest.json")
       ->required()
       ->type_name("DIR");
   command->add_option("--time-limit", arguments->time_limit, "seconds for each design")

@@ -122,7 +122,7 @@ TEST_F(StudyFigures, HaveUnitsAndShortLabels) {
   ASSERT_EQ(r.exit_code, 0) << r.output;
   EXPECT_THAT(r.output, Not(HasSubstr("warning")));
   const std::string svg = content(home_ / "out/f.svg");
-  for (const char* text : {">tolerance / um<", ">delays: cycle time / ms<", ">30 deg<", ">90 deg<"})
+  for (const char* text : {">tolerance / µm<", ">delays: cycle time / ms<", ">30 deg<", ">90 deg<"})
     EXPECT_THAT(svg, HasSubstr(text));
 }
 
@@ -141,7 +141,7 @@ TEST(AxisTitle, PutsTheUnitBehindTheName) {
   const auto title = [](const std::string& column) { return accdec::axis_title(column, accdec::unit_of(column)); };
   EXPECT_EQ(title("feed_in_mm_min"), "feed in / (mm/min)");
   EXPECT_EQ(title("optimum.cycle_time_ms"), "optimum: cycle time / ms");
-  EXPECT_EQ(title("jerk_max_mm_s3"), "jerk max / (mm/s^3)");
+  EXPECT_EQ(title("jerk_max_mm_s3"), "jerk max / (mm/s³)");
   EXPECT_EQ(title("residual_max"), "residual max");
 }
 

@@ -206,7 +206,6 @@ class Writer {
       return label.empty() ? std::string("notitle") : "title " + quoted(legend_label(label));
     };
     if (panel.heat_map && has_data(panel)) items.push_back(heat(*panel.heat_map, panel.x.log, panel.y.log));
-    if (panel.coloured) items.push_back(coloured(*panel.coloured));
     for (const Series& s : panel.series) {
       if (s.x.empty()) continue;
       const std::string columns = s.mark == Mark::bars ? fmt::format("1:2:({})", number(narrowest(s.x))) : "1:2";
@@ -225,6 +224,7 @@ class Writer {
       }
       if (!s.label.empty()) items.push_back(fmt::format("NaN with linespoints {} {}", sample_with(s), title(s.label)));
     }
+    if (panel.coloured) items.push_back(coloured(*panel.coloured));
     for (const LimitLine& limit : panel.limits) {
       items.push_back(fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1.3 dt (7,5) {}",
                                   data({x.low, x.high}, {limit.y, limit.y}), limit_colour, title(limit.label)));

@@ -5,13 +5,14 @@
 
 namespace accdec {
 
-/// A planned program on a page: its path in the colours of the error at each corner over its tolerance (half of every
-/// block has the colour of the joint at its end), seen along the axis in which it is flattest, and a histogram of the
-/// delays.
+/// A planned program on a page, seen along the axis in which it is flattest: its corners in the colours of their errors
+/// over their tolerances, on the path (of the joints inside arcs, which are no corners of the program, the title says
+/// the worst); where there are many, the part with most of them enlarged; the path in the colours of the commanded
+/// speed; and a histogram of the delays. Rapid moves are dashed.
 ///
-/// Blocks shorter than a pixel are drawn as one with the largest error of theirs; a path too long even for that is
-/// drawn as a raster, every cell in the colour of the largest error in it. So the figure of a million blocks is no
-/// larger than that of some thousands.
+/// Blocks shorter than a pixel are drawn as one with the lowest speed of theirs, corners that would hide each other as
+/// the one with the largest error; a path too long even for that is drawn as a raster. So the figure of a million
+/// blocks is no larger than that of some thousands.
 Figure plot_program(const ProgramResult& result);
 
 }  // namespace accdec

@@ -9,6 +9,7 @@
 #include <accdec/files/csv_table.hpp>
 #include <accdec/formats/design_report.hpp>
 #include <accdec/plot/figure.hpp>
+#include <accdec/study/filters_figure.hpp>
 #include <accdec/study/optima_report.hpp>
 
 namespace accdec {
@@ -166,6 +167,11 @@ Figure shapes_figure(const std::vector<Optimum>& optima) {
         [=](const Optimum& o) { return index < o.families.size() ? &o.families[index] : nullptr; });
   }
   add("best of all families", [](const Optimum& o) { return o.best_family(); });
+  double largest = 1.0;
+  for (const Series& series : panel.series) {
+    for (const double ratio : series.x) largest = std::max(largest, ratio);
+  }
+  panel.x.max = 1.04 * largest;
   panel.series.push_back({"optimum", {1.0, 1.0}, {0.0, *panel.y.max}, Mark::line, 0});
   figure.panels.push_back(std::move(panel));
   figure.panel_width = 820;
@@ -237,6 +243,9 @@ std::vector<std::pair<std::string, std::string>> optima_documents(const std::vec
     documents.emplace_back(name + ".svg", svg);
   };
   draw("optima", shapes_figure(optima));
+  for (const Optimum& o : optima) {
+    if (const auto figure = filters_figure(o)) draw(fmt::format("{}-filters", o.name), *figure);
+  }
   if (growth.empty()) return documents;
   documents.emplace_back("growth.csv", growth_csv(growth));
   draw("growth", growth_figure(growth));

@@ -9,7 +9,8 @@
 namespace accdec {
 
 /// What `accdec optima` writes but its manifest: optima.csv and optima.md (a row a task), optima.svg and .png (every
-/// standard shape's cycle time over the optimum's), and, unless `growth` is empty, growth.csv, growth.svg and .png
+/// standard shape's cycle time over the optimum's), TASK-filters.svg and .png of every design (see filters_figure.hpp),
+/// and, unless `growth` is empty, growth.csv, growth.svg and .png
 /// (time, linear programs and proof size against N + d).
 /// @param growth  one task at ever shorter sample periods
 /// @return file name and content

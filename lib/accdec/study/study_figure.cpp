@@ -152,12 +152,17 @@ void add_fronts(Panel& panel, const StudyFigure& figure, const StudyTable& table
   }
 }
 
+/// What a word counts as: of names that tie ("a=b=c") the first, or there would be more classes than symbols.
+std::string class_of(const std::string& word) {
+  return word.substr(0, word.find('='));
+}
+
 /// Words over a plane: a symbol a class, at the true positions, so that uneven and logarithmic axes are no matter.
 void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& table,
                  const std::vector<std::size_t>& rows) {
   std::set<std::string> classes;
   for (const std::size_t i : rows) {
-    if (!table.text(figure.z, i).empty()) classes.insert(table.text(figure.z, i));
+    if (!table.text(figure.z, i).empty()) classes.insert(class_of(table.text(figure.z, i)));
   }
   for (const std::string& name : classes) {
     Series s;
@@ -165,7 +170,7 @@ void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& tabl
     s.mark = Mark::points;
     s.style = static_cast<int>(panel.series.size());
     for (const std::size_t i : rows) {
-      if (table.text(figure.z, i) != name) continue;
+      if (class_of(table.text(figure.z, i)) != name) continue;
       s.x.push_back(table.numbers(figure.x)[i]);
       s.y.push_back(table.numbers(figure.y.front())[i]);
     }

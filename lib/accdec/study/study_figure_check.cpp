@@ -18,14 +18,14 @@ using Kind = StudyFigure::Kind;
 
 /// Suffixes of keys and columns, longer ones before those they end with.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 17> units{{{"_mm_min", "mm/min"},
-                                                                               {"_mm_s3", "mm/s^3"},
-                                                                               {"_mm_s2", "mm/s^2"},
+                                                                               {"_mm_s3", "mm/s³"},
+                                                                               {"_mm_s2", "mm/s²"},
                                                                                {"_mm_s", "mm/s"},
                                                                                {"_N_s_m", "N s/m"},
                                                                                {"_samples", "samples"},
                                                                                {"_deg", "deg"},
                                                                                {"_ms", "ms"},
-                                                                               {"_um", "um"},
+                                                                               {"_um", "µm"},
                                                                                {"_mm", "mm"},
                                                                                {"_kg", "kg"},
                                                                                {"_Hz", "Hz"},

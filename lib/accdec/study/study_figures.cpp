@@ -70,7 +70,7 @@ StudyFigure read_figure(const Table& table, const Study& study, bool grid) {
   f.family = table.text("family").value_or("");
   f.labels = table.texts("labels");
   const bool pareto = f.kind == Kind::pareto;
-  f.x_label = table.text("x_label").value_or(pareto ? "Corner error / um" : axis_title(std::vector{f.x}, study));
+  f.x_label = table.text("x_label").value_or(pareto ? "Corner error / µm" : axis_title(std::vector{f.x}, study));
   f.y_label = table.text("y_label").value_or(pareto ? "Cycle time / ms" : axis_title(f.y, study));
   f.z_label = table.text("z_label").value_or(axis_title(std::vector{f.z}, study));
   f.log_x = table.boolean("log_x");

@@ -79,7 +79,7 @@ std::string limits_html(const Study& study, const Task& task) {
       axes.rows.back().push_back(
           value_or_varied(study, "axis.", limit.key, limit_name(limit.kind).per_si * (axis.*limit.bound)));
   }
-  HtmlTable corners{{"corner", "interior angle / deg", "feed in / (mm/min)", "feed out / (mm/min)", "tolerance / um"},
+  HtmlTable corners{{"corner", "interior angle / deg", "feed in / (mm/min)", "feed out / (mm/min)", "tolerance / µm"},
                     {}};
   for (const TaskCorner& c : task.corners) {
     const Corner& geometry = c.geometry();

@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <accdec/machine/limits.hpp>
+#include <accdec/study/filters_figure.hpp>
+#include <accdec/task/simulation.hpp>
+
+namespace accdec {
+namespace {
+
+struct Compared {
+  std::string label;
+  const DesignResult* result;
+};
+
+/// The axis limit that a design uses most at its first corner; null where none of an axis is limited.
+const LimitUse* tightest(const DesignResult& design) {
+  const LimitUse* most = nullptr;
+  for (const LimitUse& use : design.limits) {
+    const bool of_axis = std::any_of(axis_limits.begin(), axis_limits.end(),
+                                     [&](const AxisLimit& limit) { return limit.kind == use.kind; });
+    if (of_axis && use.corner == design.corners.front().name &&
+        (most == nullptr || use.utilisation > most->utilisation))
+      most = &use;
+  }
+  return most;
+}
+
+std::vector<Compared> compared(const study::Optimum& optimum) {
+  std::vector<Compared> filters;
+  const auto add = [&](std::string_view title, const DesignResult& result) {
+    if (!result.filter) return;
+    std::string delays;
+    for (const CornerResult& corner : result.corners) delays += fmt::format(" {}", corner.delay);
+    filters.push_back(
+        {fmt::format("{}: N = {}, d ={}, {:.6g} ms", title, result.filter->order(), delays, 1e3 * result.cycle_time),
+         &result});
+  };
+  add("optimum", optimum.design);
+  for (const char* name : {"trapezoid", "exponential"}) {
+    const Baseline* family = find_baseline(name);
+    const auto index = static_cast<std::size_t>(family - baselines().data());
+    if (index < optimum.families.size()) add(family->title, optimum.families[index].result);
+  }
+  return filters;
+}
+
+}  // namespace
+
+std::optional<Figure> filters_figure(const study::Optimum& optimum) {
+  if (!optimum.design.filter || optimum.design.corners.empty()) return std::nullopt;
+  const Task& task = optimum.design.task;
+  const double period = task.sample_period;
+  const Corner& corner = task.corners.front().geometry();
+  const LimitUse* limit = tightest(optimum.design);
+  const auto axis = std::find_if(task.machine.axes.begin(), task.machine.axes.end(),
+                                 [&](const Axis& a) { return limit != nullptr && a.name == limit->axis; });
+  Panel taps, speed, use;
+  taps.x.label = "time / ms", taps.y.label = "tap";
+  speed.x.label = use.x.label = "time from the corner command / ms";
+  speed.y.label = "speed / (mm/s)";
+  int style = 0;
+  for (const auto& [label, result] : compared(optimum)) {
+    Series b{label, {}, {}, Mark::line, style}, v{label, {}, {}, Mark::line, style},
+        u{label, {}, {}, Mark::line, style};
+    ++style;
+    for (int i = 0; i <= result->filter->order(); ++i) {
+      b.x.push_back(1e3 * period * i);
+      b.y.push_back(result->filter->tap(i));
+    }
+    const SampledMotion motion = simulate_corner(*result->filter, corner, result->corners.front().delay, period);
+    std::optional<AxisSampler> sampler;
+    const auto column = static_cast<Eigen::Index>(axis - task.machine.axes.begin());
+    if (axis != task.machine.axes.end()) sampler.emplace(*axis, period);
+    for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) {
+      v.x.push_back(1e3 * period * static_cast<double>(n - motion.corner));
+      v.y.push_back(1e3 * motion.velocity.row(n).norm());
+      if (!sampler) continue;
+      const AxisLimit& bound = axis_limit(limit->kind);
+      const AxisState state = sampler->next(motion.velocity(n, column), motion.acceleration(n, column));
+      u.x.push_back(v.x.back());
+      u.y.push_back(100.0 * bound.value(state) / ((*axis).*bound.bound));
+    }
+    taps.series.push_back(std::move(b));
+    speed.series.push_back(std::move(v));
+    use.series.push_back(std::move(u));
+  }
+  Figure figure;
+  figure.title = fmt::format("{}: the optimum beside a trapezoid and an exponential", optimum.name);
+  figure.panel_width = 820;
+  figure.panel_height = 240;
+  figure.panels = {taps, speed};
+  if (axis != task.machine.axes.end()) {
+    use.y.label = fmt::format("{} {} / limit, %", limit_name(limit->kind).name, axis->name);
+    use.limits.push_back({100.0, "limit"});
+    figure.panels.push_back(std::move(use));
+  }
+  return figure;
+}
+
+}  // namespace accdec
