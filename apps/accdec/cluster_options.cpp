@@ -64,6 +64,10 @@ void add_cluster_options(CLI::App& command, ClusterOptions& options) {
       ->excludes(slurm);
 }
 
+void require_work(const ClusterOptions& options, const std::string& input, const std::string& out, const char* usage) {
+  if (options.status.empty() && (input.empty() || out.empty())) throw std::invalid_argument(usage);
+}
+
 int submit_to_cluster(const ClusterWork& work, const ClusterOptions& options, const Context& context) {
   if (options.shards > work.units)
     throw std::invalid_argument(

@@ -19,6 +19,10 @@ struct ClusterOptions {
 };
 void add_cluster_options(CLI::App& command, ClusterOptions& options);
 
+/// @param usage  what the command needs
+/// @throws std::invalid_argument with it, if there is neither --status nor both an input and a folder for results
+void require_work(const ClusterOptions& options, const std::string& input, const std::string& out, const char* usage);
+
 /// What a study and a comparison have in common for it.
 struct ClusterWork {
   std::string command, title, input, out;                ///< subcommand; as given by the user

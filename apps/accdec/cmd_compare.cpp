@@ -68,8 +68,8 @@ void run(Options& options, Context& context) {
     if (!context.quiet) fmt::print("{} files drawn anew from {}/raw.jsonl\n", files, options.redraw);
     return;
   }
-  if (options.cluster.status.empty() && (options.suite.empty() || options.run.out.empty()))
-    throw std::invalid_argument("compare needs SUITE.toml and --out DIR, or --redraw DIR, or --status DIR");
+  require_work(options.cluster, options.suite, options.run.out,
+               "compare needs SUITE.toml and --out DIR, or --redraw DIR, or --status DIR");
   if (options.cluster.asked()) {
     context.exit_code = run_cluster(options, context);
     return;

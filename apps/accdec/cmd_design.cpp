@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -29,10 +30,18 @@ struct Arguments {
   std::uint64_t seed = 1;
   bool solver_given = false;
   std::vector<std::string> native;
-  bool no_certificate = false, baselines = false;
+  bool no_certificate = false, baselines = false, no_baselines = false;
   double certificate_max = certificate_max_default;
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
+
+/// Unasked beside a design: what is found in a moment.
+void print_quick_baselines(const DesignResult& design, double seconds) {
+  constexpr double at_most = 1.0;
+  if (seconds <= 0.0) return;
+  fmt::print("\nbeside the filters that controllers have (`--baselines`: at a quarter of the sample period, too){}",
+             study::baseline_text(study::compare_with_baselines(design, std::min(at_most, seconds))));
+}
 
 void print_baselines(const Task& task, DesignOptions options) {
   options.certificate = false;
@@ -80,6 +89,7 @@ void run(const Arguments& arguments, Context& context) {
     options.solver_options.native[pair.substr(0, equals)] = pair.substr(equals + 1);
   }
   options.cancel = &Interrupt::asked();
+  const auto began = std::chrono::steady_clock::now();
   const Interrupt interrupt;
   const DesignResult result = [&] {
     StatusLine status(context.quiet, StatusLine::Lines::news, options.time_limit);
@@ -90,10 +100,11 @@ void run(const Arguments& arguments, Context& context) {
 
   context.exit_code = deliver(result, arguments.json, context, arguments.certificate_max);
   if (!context.quiet && arguments.json != "-") {
-    if (task.baseline && result.filter) {
-      fmt::print("{}", study::saving_text(*task.baseline, result));
-      if (!arguments.baselines) fmt::print("`--baselines` sets it beside the filters that controllers have.\n");
+    if (result.filter && !task.filter && !arguments.baselines && !arguments.no_baselines) {
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began;
+      print_quick_baselines(result, arguments.time_limit - taken.count());
     }
+    if (task.baseline && result.filter) fmt::print("{}", study::saving_text(*task.baseline, result));
     if (result.status == Status::infeasible) {
       fmt::print("`accdec explain {}` says how much each limit has to give.\n", arguments.task);
     }
@@ -139,10 +150,11 @@ void add_design(CLI::App& app, Context& context) {
         return whole && text.size() <= 19 ? std::string() : "must be a whole number from 0 to 10^19 - 1, got " + text;
       });
   command->add_option("--option", arguments->native, "the solver's own option, NAME=VALUE; may be repeated");
-  command->add_flag(
+  const auto all = command->add_flag(
       "--baselines", arguments->baselines,
-      "also print the best that filters of common controllers do, at the task's sample period and a quarter "
-      "of it; [baseline] in the task names the filter in use today");
+      "search the best that filters of common controllers do to the end, at the task's sample period and a quarter of "
+      "it; without this what is found at the task's in a second. [baseline] in the task names the filter in use today");
+  command->add_flag("--no-baselines", arguments->no_baselines, "print no such table")->excludes(all);
   command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
   command
       ->add_option("--certificate-max", arguments->certificate_max, "MB; a larger proof is left out of the file (50)")

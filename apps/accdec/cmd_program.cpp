@@ -83,15 +83,9 @@ void run_profiles_and_others(const Options& options, Context& context, const Pro
                 {options.json, options.samples, options.stream, options.figure}, context);
 }
 
-std::string figure_of(const Options& options, const Task& task, const Toolpath& programmed, const ProgramResult& result,
+std::string figure_of(const Task& task, const Toolpath& programmed, const ProgramResult& result,
                       const std::string& type) {
-  if (type == "html") {
-    const std::string title = fmt::format("{}: {:.6g} s, plan {}", options.program, result.cycle_time,
-                                          result.legs.single() ? "fixed" : "per-leg");
-    return program_page(
-        programmed, program_machine(task.machine, programmed),
-        {title, result.sample_period, [&](const SampleVisitor& visit) { visit_samples(result, visit); }});
-  }
+  if (type == "html") return program_page(programmed, task.machine, result);
   const Figure figure = plot_program(result);
   return convert_svg(render_svg(figure), type, figure.title);
 }
@@ -155,7 +149,7 @@ void run(Options& options, Context& context) {
   const Toolpath programmed = figure_type == "html" ? file.path : Toolpath{};
   const ProgramResult result = plan_with(options, context, file, choice, task);
   write_outputs(options, context, result, options.json.empty() ? "" : program_to_json(result, inputs_of(options, file)),
-                figure_type.empty() ? "" : figure_of(options, task, programmed, result, figure_type));
+                figure_type.empty() ? "" : figure_of(task, programmed, result, figure_type));
   context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
 }
 

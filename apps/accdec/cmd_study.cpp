@@ -64,8 +64,8 @@ void print_summary(const Options& options, const Study& study, const StudySummar
 }
 
 void run(Options& options, Context& context) {
-  if (options.cluster.status.empty() && (options.study.empty() || options.run.out.empty()))
-    throw std::invalid_argument("study needs STUDY.toml and --out DIR, or --status DIR");
+  require_work(options.cluster, options.study, options.run.out,
+               "study needs STUDY.toml and --out DIR, or --status DIR");
   if (options.cluster.asked()) {
     context.exit_code = run_cluster(options, context);
     return;

@@ -2,8 +2,6 @@
 
 #include <cstdio>
 
-#include <fmt/format.h>
-
 #include <accdec/files/output_files.hpp>
 #include <accdec/plot/program_page.hpp>
 #include <accdec/program/write/samples.hpp>
@@ -42,30 +40,19 @@ void write(const ProfileOutputs& outputs, Context& context, const std::string& j
 void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, const ProgramInputs& inputs,
                    const Toolpath& programmed, const Machine& machine, const ProfileOutputs& outputs,
                    Context& context) {
-  const auto page = [&](const auto& r, const std::string& plan, const auto& samples) {
-    return program_page(
-        programmed, program_machine(machine, programmed),
-        {fmt::format("{}: {:.6g} s, plan {}", r.program, r.cycle_time, plan), r.sample_period, samples});
-  };
   if (const auto* profiles = std::get_if<ProfileResult>(&fastest)) {
     write(
         outputs, context, profiles_to_json(*profiles), profiles_summary(*profiles), profiles->message,
         [&](std::ostream& out) { write_profile_samples(*profiles, out); },
         [&](std::ostream& out) { stream_profile(*profiles, out); },
-        [&] {
-          return page(*profiles, "profiles",
-                      [&](const SampleVisitor& visit) { visit_profile_samples(*profiles, visit); });
-        });
+        [&] { return program_page(programmed, machine, *profiles); });
     return;
   }
   const ProgramResult& other = std::get<ProgramResult>(fastest);
   write(
       outputs, context, outputs.json.empty() ? "" : program_to_json(other, inputs), program_summary(other), {},
       [&](std::ostream& out) { write_samples(other, out); }, [&](std::ostream& out) { stream_samples(other, out); },
-      [&] {
-        return page(other, other.legs.single() ? "fixed" : "per-leg",
-                    [&](const SampleVisitor& visit) { visit_samples(other, visit); });
-      });
+      [&] { return program_page(programmed, machine, other); });
 }
 
 }  // namespace accdec::cli

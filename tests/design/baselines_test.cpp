@@ -197,6 +197,28 @@ TEST(Baselines, GivenDelaysStay) {
   EXPECT_EQ(best.result.corners.at(0).delay, 3);
 }
 
+// A family is either searched to the end, or without a filter and without a claim that there is none.
+TEST(Baselines, NothingIsClaimedOfASearchThatWasCutOff) {
+  Axis axis;
+  axis.acceleration_max = 6.0;
+  axis.jerk_max = 600.0;
+  const Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 5e-5);
+  for (const BaselineResult& none : best_baselines(task, 0.0)) {
+    EXPECT_FALSE(none.spec);
+    // Pairs of impulses have nothing to do here, which needs no search.
+    const bool without_search = none.result.message.find("vibration") != std::string::npos;
+    EXPECT_EQ(none.result.status, without_search ? Status::infeasible : Status::failed);
+  }
+  const std::vector<BaselineResult> all = best_baselines(task), within = best_baselines(task, 0.02);
+  ASSERT_EQ(all.size(), within.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (within[i].result.status == Status::failed) continue;
+    EXPECT_EQ(within[i].result.status, all[i].result.status);
+    ASSERT_EQ(within[i].spec.has_value(), all[i].spec.has_value());
+    EXPECT_TRUE(!within[i].spec || within[i].result.objective() == all[i].result.objective());
+  }
+}
+
 TEST(Baselines, WhatCannotBeIsSaid) {
   Axis axis;
   axis.velocity_max = 0.05;

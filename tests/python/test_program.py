@@ -92,6 +92,32 @@ def test_emits_and_draws(tmp_path):
     assert "cycle time" in str(plan)
 
 
+@pytest.mark.parametrize("plan", ["fixed", "profiles"])
+def test_the_page_is_that_of_the_program(tmp_path, plan):
+    file, page = str(PROBLEMS / "star.ngc"), tmp_path / "star.html"
+    subprocess.run([os.environ["ACCDEC_BINARY"], "program", file, "--task", MILL, "--plan", plan, "--figure", page, "-q"],
+                   check=True)
+    assert accdec.program(file, MILL, plan=plan).page() == page.read_text()
+
+
+def test_arcs_are_widened(tmp_path):
+    """On the larger radius the motion comes nearer to the programmed circle of 5 mm."""
+    circle = tmp_path / "circle.ngc"
+    circle.write_text("G21 G90 G17 G64 P0.05\nG1 X5 Y0 F3000\nG3 X5 Y0 I-5 J0\nG3 X5 Y0 I-5 J0\nM2\n")
+    off = []
+    for widened in (False, True):
+        plan = accdec.program(circle, {"sample_period": 1e-3, "axes": {"acceleration_max": 1.0, "jerk_max": 20.0}},
+                              compensate_arcs=widened)
+        assert plan.success
+        motion = plan.samples()
+        radius = np.hypot(*motion["position"].T)
+        middle = slice(len(radius) * 2 // 5, len(radius) * 3 // 5)
+        off.append(np.abs(radius[middle] - 5e-3).max())
+    assert off[1] < 0.5 * off[0]
+    with pytest.raises(ValueError, match="feeds"):
+        accdec.program(circle, MILL, compensate_arcs=True, feeds="keep")
+
+
 def test_errors_are_those_of_the_program(tmp_path):
     bad = tmp_path / "bad.ngc"
     bad.write_text("G21 G90\nG1 X10 F100\nG1 Q\n")

@@ -22,6 +22,7 @@ def program(
     rapid_stops: bool = False,
     dwells_before_filter: bool = False,
     filter_bound: bool = False,
+    compensate_arcs: bool = False,
     tool_table: Union[str, "os.PathLike[str]"] = "",
     progress: Progress = None,
 ) -> Union[Program, ProfileProgram]:
@@ -45,6 +46,8 @@ def program(
         s, for the design of a filter; by default 2 s and 5 ms a block, at most 60.
     rapid_stops, dwells_before_filter, filter_bound : bool
         As of the command line.
+    compensate_arcs : bool
+        Command arcs on a radius larger by what the filter takes away; not with ``feeds="keep"``.
     tool_table : path, optional
         LinuxCNC's, for programs that rs274 has to run.
     progress : bool or callable, optional
@@ -75,6 +78,8 @@ def program(
         raise ValueError(f'plan: allowed are "fixed", "per-leg" and "profiles", got "{plan}"')
     if feeds not in ("choose", "keep"):
         raise ValueError(f'feeds: allowed are "choose" and "keep", got "{feeds}"')
+    if compensate_arcs and feeds == "keep":
+        raise ValueError('compensate_arcs needs feeds="choose"')
     if arc_tolerance is not None and not 1e-9 <= arc_tolerance <= 1e-2:
         raise ValueError(f"arc_tolerance: allowed is 1e-9 to 1e-2 (m), got {arc_tolerance}")
     if time_limit is not None and not time_limit > 0.0:
@@ -82,5 +87,5 @@ def program(
     return _core.program(
         os.fspath(file), as_task(task, program=True), plan=plan, keep_feeds=feeds == "keep",
         arc_tolerance=arc_tolerance, time_limit=time_limit, rapid_stops=rapid_stops,
-        dwells_before_filter=dwells_before_filter, filter_bound=filter_bound, tool_table=os.fspath(tool_table),
-        progress=_listener(progress))
+        dwells_before_filter=dwells_before_filter, filter_bound=filter_bound, compensate_arcs=compensate_arcs,
+        tool_table=os.fspath(tool_table), progress=_listener(progress))

@@ -8,9 +8,11 @@
 #include <variant>
 #include <vector>
 
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <accdec/plot/plot_program.hpp>
+#include <accdec/plot/program_page.hpp>
 #include <accdec/program/write/fastest_plan.hpp>
 #include <accdec/program/write/program_file.hpp>
 #include <accdec/program/write/samples.hpp>
@@ -21,8 +23,18 @@
 namespace accdec::python {
 namespace {
 
-using Pointer = std::shared_ptr<ProgramResult>;
-using ProfilePointer = std::shared_ptr<ProfileResult>;
+/// A plan, and what its page is drawn from.
+template <class Result>
+struct Planned : Result {
+  Planned(Result result, Toolpath path, const Machine& limits)
+      : Result(std::move(result)), programmed(std::move(path)), machine(limits) {}
+  Toolpath programmed;
+  Machine machine;
+};
+using Program = Planned<ProgramResult>;
+using ProfileProgram = Planned<ProfileResult>;
+using Pointer = std::shared_ptr<Program>;
+using ProfilePointer = std::shared_ptr<ProfileProgram>;
 
 /// Planning has no flag for being cancelled but says, now and then, what it does.
 std::function<void(const std::string&)> teller(const Work& work) {
@@ -37,7 +49,10 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
   const auto result = std::make_shared<Pointer>();
   run_interruptibly(
       [=](const Work& work) {
-        *result = std::make_shared<ProgramResult>(run_program_file(file, *task, options, teller(work)));
+        ProgramFile read = read_program_file(file, *task, options, teller(work));
+        Toolpath programmed = read.path;
+        *result = std::make_shared<Program>(run_program_file(file, read, *task, options, teller(work)),
+                                            std::move(programmed), task->machine);
       },
       progress);
   return *result;
@@ -49,11 +64,13 @@ py::object fastest(const std::string& file, const std::shared_ptr<Task>& task, c
   const auto result = std::make_shared<std::variant<ProfilePointer, Pointer>>();
   run_interruptibly(
       [=](const Work& work) {
-        auto found = run_fastest_plan_file(file, *task, options, teller(work));
+        ProgramFile read = read_program_file(file, *task, options, teller(work));
+        auto found = run_fastest_plan(file, read.path, read.reading.read.arc_tolerance, *task, options, teller(work));
         if (auto* profiles = std::get_if<ProfileResult>(&found)) {
-          *result = std::make_shared<ProfileResult>(std::move(*profiles));
+          *result = std::make_shared<ProfileProgram>(std::move(*profiles), std::move(read.path), task->machine);
         } else {
-          *result = std::make_shared<ProgramResult>(std::get<ProgramResult>(std::move(found)));
+          *result =
+              std::make_shared<Program>(std::get<ProgramResult>(std::move(found)), std::move(read.path), task->machine);
         }
       },
       progress);
@@ -68,7 +85,7 @@ py::array view(const std::vector<Number>& values, const py::object& owner) {
 
 template <class Number>
 auto view_of(std::vector<Number> ProgramPlan::*member) {
-  return [member](const py::object& self) { return view(self.cast<const ProgramResult&>().plan.*member, self); };
+  return [member](const py::object& self) { return view(self.cast<const Program&>().plan.*member, self); };
 }
 template <class Result, class Number>
 auto view_of(std::vector<Number> Toolpath::*member) {
@@ -84,7 +101,7 @@ py::list candidates(const std::vector<PlanTime>& plans) {
 }
 
 py::object taps(const py::object& self) {
-  const auto& result = self.cast<const ProgramResult&>();
+  const auto& result = self.cast<const Program&>();
   if (result.path.blocks() == 0) return py::none();
   const auto taps = result.filter.taps();
   return read_only(py::array_t<double>(static_cast<py::ssize_t>(taps.size()), taps.data(), self));
@@ -113,15 +130,23 @@ py::dict samples(const Toolpath& path, double period, std::int64_t expected,
                   py::arg("velocity") = py::array_t<double>({rows, n}, velocity.data()), py::arg("axes") = axes);
 }
 
+constexpr const char* no_plan = "there is no plan: ";
+
+template <class Result>
+std::string page_of(const Result& r, bool planned) {
+  if (!planned) throw std::runtime_error(no_plan + r.message);
+  return program_page(r.programmed, r.machine, r);
+}
+
 std::string emitted(const ProgramResult& r) {
   std::ostringstream out;
   emit_program(r, out);
   return out.str();
 }
 
-constexpr const char* profiles_doc =
-    R"(A program planned with own filters and speeds at every corner, for controllers that take a position every cycle.
-Made by `program` with ``plan="profiles"`` where that is the fastest plan; every sample is checked.
+/// The documentation of a class: both kinds of plan have the attributes in the middle.
+std::string plan_doc(const char* what, const char* plan, const char* more) {
+  return fmt::format(R"({}
 
 Attributes
 ----------
@@ -129,14 +154,32 @@ success : bool
     Every corner holds its tolerance and every limit is held over the whole program.
 message : str
 plan : str
-    "profiles".
+    {}.
 candidates : list of dict
-    The plans made beside it: plan, cycle_time (s), verified.
+    With ``plan="profiles"`` the plans made beside it: plan, cycle_time (s), verified.
 fun, cycle_time : float
     s.
 lower_bound : float
     s; no continuous motion at the programmed feeds is shorter.
-x, taps : ndarray
+{}
+Methods
+-------
+samples()
+    Every sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes.
+page()
+    One HTML page without network: the path in the colour of its speed, to zoom into, the limit that binds over time,
+    and the time lost by classes of corners.
+to_json(), emit()
+    As `accdec program` writes them; plan "profiles" has no program to emit.
+)",
+                     what, plan, more);
+}
+
+constexpr const char* profiles_doc =
+    R"(A program planned with own filters and speeds at every corner, for controllers that take a position every cycle.
+Made by `program` with ``plan="profiles"`` where that is the fastest plan; every sample is checked.)";
+
+constexpr const char* profiles_attributes = R"(x, taps : ndarray
     The last filter, which all samples pass; a single tap: none.
 errors, tolerances : ndarray
     m, at the end of every block; the tolerance is inf where there is none.
@@ -144,22 +187,7 @@ lines : ndarray of int
     Line of the program of every block.
 )";
 
-constexpr const char* program_doc = R"(The plan of a whole program, every sample simulated. Made by `program`.
-
-Attributes
-----------
-success : bool
-    Every corner holds its tolerance and every limit is held over the whole program.
-message : str
-plan : str
-    "fixed" or "per-leg".
-candidates : list of dict
-    With ``plan="profiles"`` the plans made beside it: plan, cycle_time (s), verified.
-fun, cycle_time : float
-    s.
-lower_bound : float
-    s; no continuous motion at the programmed feeds is shorter.
-x, taps : ndarray or None
+constexpr const char* program_attributes = R"(x, taps : ndarray or None
     The filter, b_0 .. b_N.
 delays : ndarray of int
     Samples, one a commanded block: the delay at its end.
@@ -173,8 +201,8 @@ durations : ndarray
 
 /// What both kinds of plan have.
 template <class Result>
-py::class_<Result, std::shared_ptr<Result>> bind_plan(py::module_& module, const char* name, const char* doc) {
-  return py::class_<Result, std::shared_ptr<Result>>(module, name, doc)
+py::class_<Result, std::shared_ptr<Result>> bind_plan(py::module_& module, const char* name, const std::string& doc) {
+  return py::class_<Result, std::shared_ptr<Result>>(module, name, doc.c_str())
       .def_property_readonly("message", [](const Result& r) { return r.message; })
       .def_property_readonly("candidates", [](const Result& r) { return candidates(r.candidates); })
       .def_property_readonly("fun", [](const Result& r) { return r.cycle_time; })
@@ -186,44 +214,48 @@ py::class_<Result, std::shared_ptr<Result>> bind_plan(py::module_& module, const
 
 void bind_profiles(py::module_& module) {
   const auto last_filter = [](const py::object& self) {
-    const auto taps = self.cast<const ProfileResult&>().plan.last.taps();
+    const auto taps = self.cast<const ProfileProgram&>().plan.last.taps();
     return read_only(py::array_t<double>(static_cast<py::ssize_t>(taps.size()), taps.data(), self));
   };
-  bind_plan<ProfileResult>(module, "ProfileProgram", profiles_doc)
-      .def_property_readonly("success", [](const ProfileResult& r) { return r.message.empty(); })
-      .def_property_readonly("plan", [](const ProfileResult&) { return "profiles"; })
+  bind_plan<ProfileProgram>(module, "ProfileProgram", plan_doc(profiles_doc, "\"profiles\"", profiles_attributes))
+      .def_property_readonly("success", [](const ProfileProgram& r) { return r.message.empty(); })
+      .def_property_readonly("plan", [](const ProfileProgram&) { return "profiles"; })
       .def_property_readonly("x", last_filter)
       .def_property_readonly("taps", last_filter)
       .def_property_readonly(
-          "errors", [](const py::object& self) { return view(self.cast<const ProfileResult&>().plan.errors, self); })
-      .def("to_json", &profiles_to_json)
+          "errors", [](const py::object& self) { return view(self.cast<const ProfileProgram&>().plan.errors, self); })
+      .def("to_json", [](const ProfileProgram& r) { return profiles_to_json(r); })
+      .def("page", [](const ProfileProgram& r) { return page_of(r, r.message.empty()); })
       .def("samples",
-           [](const ProfileResult& r) {
-             if (!r.message.empty()) throw std::runtime_error("there is no plan: " + r.message);
+           [](const ProfileProgram& r) {
+             if (!r.message.empty()) throw std::runtime_error(no_plan + r.message);
              return samples(r.path, r.sample_period, r.plan.check.samples,
                             [&](const SampleVisitor& visit) { visit_profile_samples(r, visit); });
            })
-      .def("__str__", &profiles_summary);
+      .def("__str__", [](const ProfileProgram& r) { return profiles_summary(r); });
 }
 
 void bind_program_plan(py::module_& module) {
-  bind_plan<ProgramResult>(module, "Program", program_doc)
-      .def_property_readonly("success", [](const ProgramResult& r) { return r.verification.feasible; })
-      .def_property_readonly("plan", [](const ProgramResult& r) { return r.legs.single() ? "fixed" : "per-leg"; })
+  bind_plan<Program>(module, "Program",
+                     plan_doc("The plan of a whole program, every sample simulated. Made by `program`.",
+                              "\"fixed\" or \"per-leg\"", program_attributes))
+      .def_property_readonly("success", [](const Program& r) { return r.verification.feasible; })
+      .def_property_readonly("plan", [](const Program& r) { return r.legs.single() ? "fixed" : "per-leg"; })
       .def_property_readonly("x", &taps)
       .def_property_readonly("taps", &taps)
       .def_property_readonly("delays", view_of(&ProgramPlan::delays))
       .def_property_readonly("errors", view_of(&ProgramPlan::errors))
-      .def_property_readonly("durations", view_of<ProgramResult>(&Toolpath::duration))
-      .def("to_json", py::overload_cast<const ProgramResult&>(&program_to_json))
-      .def("emit", &emitted)
+      .def_property_readonly("durations", view_of<Program>(&Toolpath::duration))
+      .def("to_json", [](const Program& r) { return program_to_json(r); })
+      .def("page", [](const Program& r) { return page_of(r, r.path.blocks() > 0); })
+      .def("emit", [](const Program& r) { return emitted(r); })
       .def("samples",
-           [](const ProgramResult& r) {
-             if (r.path.blocks() == 0) throw std::runtime_error("there is no plan: " + r.message);
+           [](const Program& r) {
+             if (r.path.blocks() == 0) throw std::runtime_error(no_plan + r.message);
              return samples(r.path, r.sample_period, r.plan.simulation.samples,
                             [&](const SampleVisitor& visit) { visit_samples(r, visit); });
            })
-      .def("__str__", &program_summary);
+      .def("__str__", [](const Program& r) { return program_summary(r); });
 }
 
 }  // namespace
@@ -235,7 +267,8 @@ void bind_program(py::module_& module) {
       "program",
       [](const std::string& file, const std::shared_ptr<Task>& task, const std::string& how, bool keep_feeds,
          std::optional<double> arc_tolerance, std::optional<double> time_limit, bool rapid_stops,
-         bool dwells_before_filter, bool filter_bound, const std::string& tool_table, const py::object& progress) {
+         bool dwells_before_filter, bool filter_bound, bool compensate_arcs, const std::string& tool_table,
+         const py::object& progress) {
         ProgramFileOptions options;
         if (arc_tolerance) options.arc_tolerance = *arc_tolerance;
         options.tool_table = tool_table;
@@ -244,16 +277,16 @@ void bind_program(py::module_& module) {
         options.feeds = keep_feeds ? Feeds::keep : Feeds::choose;
         options.per_leg = how == "per-leg";
         options.filter_bound = filter_bound;
+        options.compensate_arcs = compensate_arcs;
         options.time_limit = time_limit;
         return how == "profiles" ? fastest(file, task, options, progress)
                                  : py::cast(plan(file, task, options, progress));
       },
       py::arg("file"), py::arg("task"), py::kw_only(), py::arg("plan"), py::arg("keep_feeds"), py::arg("arc_tolerance"),
       py::arg("time_limit"), py::arg("rapid_stops"), py::arg("dwells_before_filter"), py::arg("filter_bound"),
-      py::arg("tool_table"), py::arg("progress"));
+      py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("progress"));
   module.def(
-      "program_figure", [](const ProgramResult& result) { return figure_dict(plot_program(result)); },
-      py::arg("result"));
+      "program_figure", [](const Program& result) { return figure_dict(plot_program(result)); }, py::arg("result"));
 }
 
 }  // namespace accdec::python

@@ -19,6 +19,18 @@ std::function<void(const StudyProgress&)> listener(const py::object& progress) {
   };
 }
 
+/// What a study and a comparison are told alike.
+template <class Options>
+Options options_of(const std::string& out, int workers, const std::string& command, const py::object& progress) {
+  Options options;
+  options.out = out;
+  options.workers = workers;
+  options.command = command;
+  options.version = ACCDEC_VERSION;
+  options.progress = listener(progress);
+  return options;
+}
+
 template <class Call>
 auto without_gil(Call call) {
   const py::gil_scoped_release release;
@@ -34,14 +46,9 @@ void bind_study(py::module_& module) {
       "run_study",
       [](const std::string& path, const std::string& out, int workers, bool large, bool fresh,
          const std::string& command, const py::object& progress) {
-        StudyRunOptions options;
-        options.out = out;
-        options.workers = workers;
+        auto options = options_of<StudyRunOptions>(out, workers, command, progress);
         options.large = large;
         options.fresh = fresh;
-        options.command = command;
-        options.version = ACCDEC_VERSION;
-        options.progress = listener(progress);
         const StudySummary s = without_gil([&] { return run_study(read_study(path), options); });
         return py::dict(py::arg("points") = s.points, py::arg("computed") = s.computed, py::arg("found") = s.found,
                         py::arg("bad") = s.bad, py::arg("lost") = s.lost, py::arg("workers") = s.workers,
@@ -54,12 +61,7 @@ void bind_study(py::module_& module) {
       "run_comparison",
       [](const std::string& path, const std::string& out, const std::vector<std::string>& solvers, int workers,
          const std::string& command, const py::object& progress) {
-        ComparisonRunOptions options;
-        options.out = out;
-        options.workers = workers;
-        options.command = command;
-        options.version = ACCDEC_VERSION;
-        options.progress = listener(progress);
+        const auto options = options_of<ComparisonRunOptions>(out, workers, command, progress);
         const ComparisonSummary s = without_gil([&] { return run_comparison(read_suite(path, solvers), options); });
         return py::dict(py::arg("problems") = s.problems, py::arg("runs") = s.runs, py::arg("computed") = s.computed,
                         py::arg("found") = s.found, py::arg("contradictions") = s.contradictions,

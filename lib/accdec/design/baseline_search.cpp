@@ -109,9 +109,14 @@ BaselineSearch::BaselineSearch(const Task& task, const Baseline& baseline, doubl
   }
 }
 
-void BaselineSearch::run() {
+bool BaselineSearch::late() {
+  return late_ = late_ || (deadline_ && std::chrono::steady_clock::now() >= *deadline_);
+}
+
+void BaselineSearch::run(const Deadline& deadline) {
+  deadline_ = deadline;
   const int first = std::max(task_.design.order_min, order_lower_bound(task_, task_.design.order_max));
-  for (int n = first; n <= task_.design.order_max && better(cost_(n, least_delays_)); ++n) order(n);
+  for (int n = first; n <= task_.design.order_max && better(cost_(n, least_delays_)) && !late(); ++n) order(n);
 }
 
 /// Every member of order n, pairs included.
@@ -121,7 +126,7 @@ void BaselineSearch::order(int n) {
   spec.kind = family_.shape;
   spec.pairs = family_.pairs;
   const int longest = family_.pairs == 0 ? 0 : (n - least) / family_.pairs;
-  for (spec.pair_delay = family_.pairs == 0 ? 0 : 1; spec.pair_delay <= longest; ++spec.pair_delay) {
+  for (spec.pair_delay = family_.pairs == 0 ? 0 : 1; spec.pair_delay <= longest && !late(); ++spec.pair_delay) {
     spec.order = n - family_.pairs * spec.pair_delay;
     if (spec.order < least) continue;
     switch (family_.shape) {
@@ -280,7 +285,7 @@ void BaselineSearch::search_parameter(const FilterSpec& spec) {
   std::vector<Interval> open{
       {low, high, plain_taps(spec.kind, spec.order, low), plain_taps(spec.kind, spec.order, high)}};
   bool ends_offered = false;
-  while (!open.empty()) {
+  while (!open.empty() && !late()) {
     const Interval interval = std::move(open.back());
     open.pop_back();
     ++tried_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,13 +11,17 @@
 
 namespace accdec {
 
+/// When a search has to end; none: never.
+using Deadline = std::optional<std::chrono::steady_clock::time_point>;
+
 /// Internal to the room: the search behind `best_baseline`, of one family for one task.
 class BaselineSearch {
  public:
   /// Keeps references: both arguments must outlive the object.
   /// @param below  samples: only what costs less is looked for
   BaselineSearch(const Task& task, const Baseline& baseline, double below = unlimited);
-  void run();
+  void run(const Deadline& deadline = {});
+  bool complete() const { return !late_; }  ///< false where the deadline came first: the best is not known then
 
   const std::optional<FilterSpec>& best() const { return best_; }
   const std::vector<int>& delays() const { return delays_; }
@@ -24,6 +29,7 @@ class BaselineSearch {
   long tried() const { return tried_; }                          ///< filters built, and ranges bounded
 
  private:
+  bool late();
   /// By more than the rounding of sums of weights.
   bool better(double cost) const { return cost < cheapest_ * (1.0 - 1e-12); }
   void order(int order);
@@ -48,6 +54,8 @@ class BaselineSearch {
   std::vector<Speeds> speeds_;
   std::vector<Tone> tones_;           ///< frequencies at which filters were found to ring, the last first
   std::vector<double> stop_, start_;  ///< p and q of the filter looked at, times its sum
+  Deadline deadline_;
+  bool late_ = false;
   double cheapest_;
   std::optional<FilterSpec> best_;
   std::vector<int> delays_;

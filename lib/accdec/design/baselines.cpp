@@ -35,27 +35,31 @@ constexpr std::array<Baseline, 17> families{{{"boxcar", "average", Shape::boxcar
 constexpr const Baseline& two_averages = families[1];
 
 /// The cost, samples, from which on a family is hopeless.
-double hopeless_cost(const Task& task) {
+double hopeless_cost(const Task& task, const Deadline& deadline) {
   BaselineSearch search(task, two_averages);
-  search.run();
+  search.run(deadline);
   return baseline_hopeless * search.cost();
 }
 
-BaselineResult best_below(const Task& task, const Baseline& baseline, double hopeless) {
+BaselineResult best_below(const Task& task, const Baseline& baseline, double hopeless, const Deadline& deadline) {
   const auto began = std::chrono::steady_clock::now();
   BaselineResult answer;
   std::string message;
   long tried = 0;
+  bool late = false;
   if (const auto impossible = contradictions(task); !impossible.empty()) {
     message = impossible.front();
   } else if (baseline.pairs > 0 && task.machine.modes.empty()) {
     message = "the task bounds no vibration for pairs of impulses to cancel";
   } else {
     BaselineSearch search(task, baseline, hopeless);
-    search.run();
+    search.run(deadline);
     tried = search.tried();
-    answer.spec = search.best();
-    if (answer.spec) {
+    late = !search.complete();
+    if (!late) answer.spec = search.best();
+    if (late) {
+      message = "not searched to the end in the time given";
+    } else if (answer.spec) {
       Task chosen = task;
       chosen.filter = answer.spec;
       const Filter filter = make_filter(*answer.spec);
@@ -72,7 +76,7 @@ BaselineResult best_below(const Task& task, const Baseline& baseline, double hop
   }
   if (!answer.spec) {
     answer.result.task = task;
-    answer.result.status = Status::infeasible;
+    answer.result.status = late ? Status::failed : Status::infeasible;
     answer.result.message = message;
   }
   answer.result.solver.method = "given";
@@ -95,13 +99,19 @@ const Baseline* find_baseline(std::string_view name) {
 
 BaselineResult best_baseline(const Task& task, const Baseline& baseline) {
   return best_below(task, baseline,
-                    &baseline == &two_averages || !contradictions(task).empty() ? unlimited : hopeless_cost(task));
+                    &baseline == &two_averages || !contradictions(task).empty() ? unlimited : hopeless_cost(task, {}),
+                    {});
 }
 
-std::vector<BaselineResult> best_baselines(const Task& task) {
-  const double hopeless = contradictions(task).empty() ? hopeless_cost(task) : unlimited;
+std::vector<BaselineResult> best_baselines(const Task& task, double seconds) {
+  Deadline deadline;
+  if (seconds < unlimited) {
+    const std::chrono::duration<double> time(seconds);
+    deadline = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(time);
+  }
+  const double hopeless = contradictions(task).empty() ? hopeless_cost(task, deadline) : unlimited;
   std::vector<BaselineResult> all;
-  for (const Baseline& baseline : families) all.push_back(best_below(task, baseline, hopeless));
+  for (const Baseline& baseline : families) all.push_back(best_below(task, baseline, hopeless, deadline));
   return all;
 }
 

@@ -43,7 +43,8 @@ struct BaselineResult {
 /// delays stay.
 BaselineResult best_baseline(const Task& task, const Baseline& baseline);
 /// All of them, in their order.
-std::vector<BaselineResult> best_baselines(const Task& task);
+/// @param seconds  of wall time: a family that is not searched to the end by then is without a filter (status failed)
+std::vector<BaselineResult> best_baselines(const Task& task, double seconds = unlimited);
 
 /// No family this many times slower than two averages is of interest to anybody; some (exponentials under a jerk limit)
 /// would be searched for minutes.

@@ -3,7 +3,8 @@
 namespace accdec {
 
 const std::string_view html_style = R"css(
-body{font:16px/1.45 system-ui,sans-serif;max-width:76rem;margin:2rem auto;padding:0 1rem;color:#1a1a1a;background:#fff;overflow-wrap:break-word}
+body{font:16px/1.45 system-ui,sans-serif;max-width:76rem;margin:2rem auto;padding:0 1rem;color:#1a1a1a;background:#fff;
+  overflow-wrap:break-word}
 p,ul,summary{max-width:46rem}
 h1{font-size:1.6rem}
 table{border-collapse:collapse;margin:1rem 0}
@@ -19,15 +20,19 @@ svg{max-width:100%;height:auto}
 pre{overflow:auto;background:#f5f5f5;padding:.6rem}
 details{margin:.8rem 0}
 summary{cursor:pointer;font-weight:600}
-canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #ccc;box-sizing:border-box;touch-action:none;cursor:crosshair}
+canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #ccc;box-sizing:border-box;
+  touch-action:none;cursor:crosshair}
 #speed{height:16rem;touch-action:pan-y}
 #info{min-height:1.45em;font-variant-numeric:tabular-nums}
 .beside{display:grid;grid-template-columns:minmax(0,20rem) minmax(0,1fr);gap:1.5rem}
-.tip{position:fixed;pointer-events:none;background:#222;color:#fff;font-size:.85rem;padding:.3rem .5rem;border-radius:.25rem;white-space:pre;z-index:2}
+.tip{position:fixed;pointer-events:none;background:#222;color:#fff;font-size:.85rem;padding:.3rem .5rem;border-radius:.25rem;
+  white-space:pre;z-index:2}
 @media (max-width:60rem){.beside{display:block}}
-@media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}figure svg{max-width:none;width:44rem}#limits td,#corners th{white-space:nowrap}}
+@media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}figure svg{max-width:none;width:44rem}
+#limits td,#corners th{white-space:nowrap}}
 @media print{body{margin:0;max-width:none}.wide,.tall,pre{overflow:visible;max-height:none}pre{white-space:pre-wrap}
-figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem}.sorts th{white-space:normal;position:static}.beside{display:block}.tip,.unprinted{display:none}}
+figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem}.sorts th{white-space:normal;position:static}
+.beside{display:block}.tip,.unprinted{display:none}}
 )css";
 
 // Values under the pointer: of the nearest point of a line, or of the cell, in the drawing's own pixels.
@@ -70,8 +75,8 @@ for (const figure of document.querySelectorAll("figure")) {
   if (!svg || !data) continue;
   const panels = JSON.parse(data.textContent).panels;
   const ring = document.createElementNS("http://www.w3.org/2000/svg", "circle");
-  for (const [k, v] of Object.entries({ r: 6, fill: "none", stroke: "#d00000", "stroke-width": 2, visibility: "hidden" }))
-    ring.setAttribute(k, v);
+  const look = { r: 6, fill: "none", stroke: "#d00000", "stroke-width": 2, visibility: "hidden" };
+  for (const [k, v] of Object.entries(look)) ring.setAttribute(k, v);
   svg.append(ring);
   const leave = () => { tip.hidden = true; ring.setAttribute("visibility", "hidden"); };
   const show = event => {

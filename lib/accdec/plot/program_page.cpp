@@ -145,6 +145,10 @@ std::string arrays(const Toolpath& path, const Machine& machine, const PageMotio
                      names, path.axis_name(view[0]), path.axis_name(view[1]));
 }
 
+std::string title_of(const std::string& program, double cycle_time, const char* plan) {
+  return fmt::format("{}: {:.6g} s, plan {}", program, cycle_time, plan);
+}
+
 }  // namespace
 
 std::vector<CornerLoss> time_lost(const Toolpath& path, const PageMotion& motion) {
@@ -196,6 +200,18 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
   page += "<script>\n" + arrays(programmed, machine, motion, count) + std::string(program_script) + "</script>\n" +
           html_foot();
   return page;
+}
+
+std::string program_page(const Toolpath& programmed, const Machine& machine, const ProgramResult& result) {
+  return program_page(programmed, program_machine(machine, programmed),
+                      {title_of(result.program, result.cycle_time, result.legs.single() ? "fixed" : "per-leg"),
+                       result.sample_period, [&](const SampleVisitor& visit) { visit_samples(result, visit); }});
+}
+
+std::string program_page(const Toolpath& programmed, const Machine& machine, const ProfileResult& result) {
+  return program_page(programmed, program_machine(machine, programmed),
+                      {title_of(result.program, result.cycle_time, "profiles"), result.sample_period,
+                       [&](const SampleVisitor& visit) { visit_profile_samples(result, visit); }});
 }
 
 }  // namespace accdec

@@ -4,6 +4,8 @@
 #include <string>
 
 #include <accdec/program/read/toolpath.hpp>
+#include <accdec/program/write/profile_result.hpp>
+#include <accdec/program/write/program_report.hpp>
 #include <accdec/program/write/samples.hpp>
 
 namespace accdec {
@@ -22,6 +24,9 @@ struct PageMotion {
 /// @param programmed  the path as the program has it, before a plan changed its feeds
 /// @param machine     as many axes as the path, or none
 std::string program_page(const Toolpath& programmed, const Machine& machine, const PageMotion& motion);
+/// The page of a plan. @param machine  the task's
+std::string program_page(const Toolpath& programmed, const Machine& machine, const ProgramResult& result);
+std::string program_page(const Toolpath& programmed, const Machine& machine, const ProfileResult& result);
 
 /// Time lost at corners that turn by `turn_from` to `turn_to` degrees, or at stops.
 struct CornerLoss {

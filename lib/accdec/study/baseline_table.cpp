@@ -52,6 +52,7 @@ std::string rows(const BaselineTable& t) {
               family.exact_stop ? "exact stop" : "");
       continue;
     }
+    if (baselines()[i].pairs > 0 && t.design.task.machine.modes.empty()) continue;  // nothing to cancel
     const auto same = std::find_if(without.begin(), without.end(),
                                    [&](const auto& other) { return other.first == family.result.message; });
     if (same == without.end())
@@ -94,6 +95,10 @@ BaselineTable compare_with_baselines(const Task& task, const DesignOptions& opti
   return table;
 }
 
+BaselineTable compare_with_baselines(const DesignResult& design, double seconds) {
+  return {design, best_baselines(design.task, seconds), std::nullopt};
+}
+
 Task at_shorter_period(Task task, int times) {
   task.sample_period /= times;
   // N + 1 taps last (N + 1) T.
@@ -125,6 +130,10 @@ std::string baseline_text(const BaselineTable& table, const BaselineTable& quart
                     here - std::max(0.0, there), here);
   }
   return text;
+}
+
+std::string baseline_text(const BaselineTable& table) {
+  return rows(table);
 }
 
 std::string saving_text(const FilterSpec& today, const DesignResult& design) {

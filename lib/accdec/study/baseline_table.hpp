@@ -23,6 +23,8 @@ struct BaselineTable {
 };
 
 BaselineTable compare_with_baselines(const Task& task, const DesignOptions& options);
+/// A design that is there beside what families come to within so many seconds.
+BaselineTable compare_with_baselines(const DesignResult& design, double seconds);
 
 /// The same task at a sample period that many times shorter: bounds on orders and given delays keep their times.
 Task at_shorter_period(Task task, int times);
@@ -30,6 +32,8 @@ Task at_shorter_period(Task task, int times);
 /// Tables at the task's sample period and at a quarter of it, and what is saved at both. What a saving loses at the
 /// shorter period is the rounding of orders and delays to whole samples, and is named so.
 std::string baseline_text(const BaselineTable& table, const BaselineTable& quarter);
+/// The table at the task's sample period alone.
+std::string baseline_text(const BaselineTable& table);
 
 /// One line: the design beside the filter in use today, with its smallest delays under the same limits, and what is
 /// saved; or why that filter has none.

@@ -22,6 +22,11 @@ using study::ShardState;
 
 constexpr const char* package = "slurm-client";
 
+const QueuedTask* task_of(const std::vector<QueuedTask>& queue, std::size_t shard) {
+  const auto found = std::find_if(queue.begin(), queue.end(), [&](const QueuedTask& t) { return t.shard == shard; });
+  return found == queue.end() ? nullptr : &*found;
+}
+
 std::string trimmed(const std::string& text) {
   const std::size_t end = text.find_last_not_of(" \n\t");
   return end == std::string::npos ? "" : text.substr(0, end + 1);
@@ -43,11 +48,6 @@ std::string submit(std::vector<std::string> arguments, const std::vector<std::st
   arguments.push_back(script.string());
   const std::string answer = trimmed(slurm(arguments));
   return answer.substr(0, answer.find(';'));  // behind it the cluster's name
-}
-
-const QueuedTask* task_of(const std::vector<QueuedTask>& queue, std::size_t shard) {
-  const auto found = std::find_if(queue.begin(), queue.end(), [&](const QueuedTask& t) { return t.shard == shard; });
-  return found == queue.end() ? nullptr : &*found;
 }
 
 std::string clock_text(double seconds) {

@@ -48,7 +48,8 @@ std::string array_script(const ClusterPlan& plan, const std::string& program) {
 #   sbatch --dependency=afterany:JOB {slurm}/merge.sh
 # Without Slurm, on hosts that see this folder and are named in nodes.txt one a line (GNU parallel over ssh; the same
 # command again does what failed or is missing), and then the merge:
-#   parallel --joblog {slurm}/joblog --resume-failed --sshloginfile nodes.txt bash {slurm}/array.sh {{}} ::: $(seq {shards})
+#   parallel --joblog {slurm}/joblog --resume-failed --sshloginfile nodes.txt \
+#     bash {slurm}/array.sh {{}} ::: $(seq {shards})
 #   bash {slurm}/merge.sh
 #SBATCH --job-name=accdec-{command}
 #SBATCH --requeue

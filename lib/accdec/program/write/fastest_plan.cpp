@@ -55,11 +55,4 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
   return profiles;
 }
 
-std::variant<ProfileResult, ProgramResult> run_fastest_plan_file(const std::string& file, const Task& task,
-                                                                 const ProgramFileOptions& options,
-                                                                 const std::function<void(const std::string&)>& tell) {
-  const ProgramFile program = read_program_file(file, task, options, tell);
-  return run_fastest_plan(file, program.path, program.reading.read.arc_tolerance, task, options, tell);
-}
-
 }  // namespace accdec

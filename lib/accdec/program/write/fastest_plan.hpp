@@ -22,9 +22,4 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
                                                             const ProgramFileOptions& options,
                                                             const std::function<void(const std::string&)>& tell);
 
-/// Reads the program, too. @throws as read_program_file
-std::variant<ProfileResult, ProgramResult> run_fastest_plan_file(const std::string& file, const Task& task,
-                                                                 const ProgramFileOptions& options,
-                                                                 const std::function<void(const std::string&)>& tell);
-
 }  // namespace accdec

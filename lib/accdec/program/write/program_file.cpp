@@ -96,19 +96,18 @@ ProgramResult plan_program_file(const std::string& name, ProgramFile& file, cons
   return result;
 }
 
-ProgramResult run_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
-                               const std::function<void(const std::string&)>& tell) {
-  ProgramFile program = read_program_file(file, task, options, tell);
-  const ProgramFilter choice = filter_for_program(program.path, task, options, tell);
+ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+  const ProgramFilter choice = filter_for_program(file.path, task, options, tell);
   if (!choice.filter) {
     ProgramResult none;
-    none.program = file;
+    none.program = name;
     none.sample_period = task.sample_period;
     none.message = choice.message;
     none.solver = choice.solver;
     return none;
   }
-  return plan_program_file(file, program, choice, task, options);
+  return plan_program_file(name, file, choice, task, options);
 }
 
 }  // namespace accdec

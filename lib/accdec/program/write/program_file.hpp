@@ -55,9 +55,10 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
 ProgramResult plan_program_file(const std::string& name, ProgramFile& file, const ProgramFilter& choice,
                                 const Task& task, const ProgramFileOptions& options);
 
-/// Reads, chooses the filter, plans and verifies: `accdec program`. Where no filter holds, a failed result that says
-/// why.
-ProgramResult run_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
-                               const std::function<void(const std::string&)>& tell);
+/// Chooses the filter, plans and verifies what was read. Where no filter holds, a failed result that says why.
+/// @param file  as of plan_program_file
+/// @param tell  as of filter_for_program
+ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
 
 }  // namespace accdec
