@@ -227,7 +227,7 @@ void add_planning(CLI::App& command, Options& options) {
 void add_program(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "program", "A whole toolpath: the smallest delay of every corner, verified by simulating every sample");
+      "program", "A whole toolpath: feeds, filters and delays chosen, every sample simulated and verified");
   add_inputs(*command, *options);
   add_outputs(*command, *options);
   add_planning(*command, *options);

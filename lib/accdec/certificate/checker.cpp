@@ -41,7 +41,8 @@ class Checker {
     CheckedBox root;
     root.order_most = task_.design.order_max;
     for (const TaskCorner& c : task_.corners) {
-      // Nothing changes from d = N + 2 on, nor from k = N + d + 1 on.
+      // Nothing changes from d = N + 2 on while no limit is on more than a first difference, nor from k = N + d + 1 on.
+      static_assert(most_differences == 1);
       const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2);
       root.corners.push_back({d1, d2, 0, d2 + task_.design.order_max + 1});
     }

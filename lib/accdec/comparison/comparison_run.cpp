@@ -11,10 +11,10 @@
 
 #include <accdec/comparison/comparison_data.hpp>
 #include <accdec/comparison/comparison_run.hpp>
-#include <accdec/comparison/row_numbers.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/files/seconds_since.hpp>
 #include <accdec/formats/toml_file.hpp>
+#include <accdec/study/row_numbers.hpp>
 
 namespace accdec::study {
 using Clock = std::chrono::steady_clock;

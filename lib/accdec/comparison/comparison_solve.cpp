@@ -6,11 +6,11 @@
 
 #include <accdec/comparison/comparison_run.hpp>
 #include <accdec/comparison/recorded_problem.hpp>
-#include <accdec/comparison/row_numbers.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/files/seconds_since.hpp>
 #include <accdec/nlp/violation.hpp>
 #include <accdec/solvers/solver.hpp>
+#include <accdec/study/row_numbers.hpp>
 
 namespace accdec::study {
 namespace {

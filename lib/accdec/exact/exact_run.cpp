@@ -5,6 +5,7 @@
 
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/convexity.hpp>
@@ -189,8 +190,8 @@ std::optional<double> ExactRun::next_target() {
     return cost_.whole() ? std::ceil(target) : target;
   }
   if (high_ == unlimited) {
-    const double longest =
-        cost_.filter * (task_.design.order_max + 1.0) + step_ / 1.5 * (task_.design.order_max + 2.0) + fixed_;
+    const double longest = cost_.filter * (task_.design.order_max + 1.0) +
+                           step_ / 1.5 * (task_.design.order_max + static_cast<double>(settling)) + fixed_;
     trial_ = std::max(trial_ + step_, 1.3 * trial_);
     return trial_ >= longest ? unlimited : trial_;
   }

@@ -5,6 +5,7 @@
 #include <accdec/exact/joint_prover.hpp>
 #include <accdec/exact/side_by_side.hpp>
 #include <accdec/exact/size.hpp>
+#include <accdec/machine/limits.hpp>
 
 namespace accdec::exact {
 
@@ -56,7 +57,7 @@ Joint::Node Joint::root_node(const Task& task) {
   Node root;
   for (const TaskCorner& c : task.corners) {
     root.d1.push_back(c.delay.value_or(0));
-    root.d2.push_back(c.delay.value_or(task.design.order_max + 2));
+    root.d2.push_back(c.delay.value_or(task.design.order_max + settling));
   }
   root.n1 = std::max(task.design.order_min, 0);
   root.n2 = task.design.order_max;

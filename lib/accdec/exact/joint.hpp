@@ -41,7 +41,6 @@ class Joint {
   /// That nothing is shorter than `bound()`; none if that is not proved yet.
   std::optional<Proof> proof() const;
   long lemmas() const { return static_cast<long>(lemmas_.size()); }
-  long nodes() const { return static_cast<long>(nodes_.size()); }
   long linear_programs() const;
 
  private:

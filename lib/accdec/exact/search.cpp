@@ -5,6 +5,7 @@
 #include <accdec/exact/search.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/exact/window.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -61,9 +62,9 @@ Box Search::root() const {
   box.order = task_.design.order_max;
   for (const TaskCorner& corner : task_.corners) {
     CornerBox b;
-    // From d = N + 1 on the legs are apart; the last step of one acceleration and the first of the other part at N + 2.
+    // From d = N + 1 on the legs are apart; their last and first changes a sample later for every difference limited.
     b.d1 = corner.delay.value_or(0);
-    b.d2 = corner.delay.value_or(task_.design.order_max + 2);
+    b.d2 = corner.delay.value_or(task_.design.order_max + settling);
     b.k2 = b.d2 + task_.design.order_max + 1;
     box.corners.push_back(b);
   }
@@ -131,7 +132,7 @@ int Search::smallest_order() {
     box.order = order;
     for (std::size_t j = 0; j < box.corners.size(); ++j) {
       CornerBox& b = box.corners[j];
-      if (!task_.corners[j].delay) b.d1 = 0, b.d2 = std::max(order, most) + 2;
+      if (!task_.corners[j].delay) b.d1 = 0, b.d2 = std::max(order, most) + settling;
       b.k1 = 0, b.k2 = b.d2 + order + 1;
     }
     if (!model_.convex() && !model_.shrink(box)) return false;

@@ -4,6 +4,7 @@
 #include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/exact/window.hpp>
+#include <accdec/machine/limits.hpp>
 
 // Boxes of several corners whose delays are bounded above and whose orders are bounded, whatever they cost: what the
 // joint proof asks, see joint.hpp. There only the samples are open, and the linear program's own filter says which of
@@ -112,7 +113,7 @@ Search::Together Search::refute_together(int order, const std::vector<int>& most
   among_.assign(box.corners.size(), 0);
   for (std::size_t j = 0; j < most.size(); ++j) {
     if (most[j] < 0) {
-      if (!task_.corners[j].delay) box.corners[j].d2 = order + 2;
+      if (!task_.corners[j].delay) box.corners[j].d2 = order + settling;
       box.corners[j].k2 = box.corners[j].d2 + order + 1;
       continue;
     }

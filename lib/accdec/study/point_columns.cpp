@@ -8,6 +8,7 @@
 #include <accdec/design/baselines.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/study/point_columns.hpp>
+#include <accdec/study/row_numbers.hpp>
 #include <accdec/study/slow_down.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/verifier.hpp>
@@ -16,12 +17,6 @@ namespace accdec::study {
 namespace {
 
 constexpr std::string_view of_the_filter[] = {"delays", "given", "exact-stop", "slow-down"};
-
-/// Twelve digits: what lies beyond is the rounding of unit conversions, and 59.00000000000001 ms reads badly.
-Row number(double x) {
-  if (!std::isfinite(x)) return nullptr;
-  return std::stod(fmt::format("{:.12g}", x));
-}
 
 /// A filter whose name a study file gives must be in the task.
 const FilterSpec& filter_of(const Task& task) {

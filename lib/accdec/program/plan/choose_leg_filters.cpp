@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include <accdec/machine/utilisation.hpp>
+#include <accdec/program/plan/choose_leg_filters.hpp>
 #include <accdec/program/plan/joint_delays.hpp>
-#include <accdec/program/simulate/leg_filters.hpp>
 
 namespace accdec {
 namespace {

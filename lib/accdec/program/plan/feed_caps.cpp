@@ -73,7 +73,6 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
   const double cosine = std::clamp(-dot, -1.0, 1.0);
   const double feed_max = std::min(feed(b), feed(b + 1));
   const int stop = finder_.exact_stop_delay();
-  // In the plane where a circle of this radius would be seen at the corner, the error is in proportion to the speed.
   const auto delay_at = [&](double v) {
     return path_.joint[b] == Joint::stop ? stop : finder_(cosine, v * period_, v * period_, tolerance);
   };
@@ -106,15 +105,11 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
 
 std::size_t FeedCaps::walk(std::size_t b, double distance) const {
   if (distance >= 0.0) {
-    for (++b; b + 1 < feeds_.blocks() && distance > feeds_.length[b] && path_.joint[b] != Joint::corner &&
-              path_.joint[b] != Joint::stop;
-         ++b)
+    for (++b; b + 1 < feeds_.blocks() && distance > feeds_.length[b] && !ends_leg(path_, b); ++b)
       distance -= feeds_.length[b];
     return b;
   }
-  for (distance = -distance;
-       b > 0 && distance > feeds_.length[b] && path_.joint[b - 1] != Joint::corner && path_.joint[b - 1] != Joint::stop;
-       --b)
+  for (distance = -distance; b > 0 && distance > feeds_.length[b] && !ends_leg(path_, b - 1); --b)
     distance -= feeds_.length[b];
   return b;
 }
@@ -146,8 +141,7 @@ double FeedCaps::steady_error(std::size_t b, double v) const {
   double from = 0.0;
   for (int i = static_cast<int>(std::floor(mean)); i >= filter_.first_nonzero_tap(); --i) {
     const double s = (mean - i) * step;
-    while (block + 1 < feeds_.blocks() && from + feeds_.length[block] < s && path_.joint[block] != Joint::stop &&
-           path_.joint[block] != Joint::corner)
+    while (block + 1 < feeds_.blocks() && from + feeds_.length[block] < s && !ends_leg(path_, block))
       from += feeds_.length[block++];
     const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
     const double *p = path_.point(block), *u = feeds_.direction.data() + block * n;
@@ -157,9 +151,7 @@ double FeedCaps::steady_error(std::size_t b, double v) const {
   from = 0.0;
   for (int i = static_cast<int>(std::floor(mean)) + 1; i <= filter_.last_nonzero_tap(); ++i) {
     const double s = (i - mean) * step;
-    while (block > 0 && from + feeds_.length[block] < s && path_.joint[block - 1] != Joint::stop &&
-           path_.joint[block - 1] != Joint::corner)
-      from += feeds_.length[block--];
+    while (block > 0 && from + feeds_.length[block] < s && !ends_leg(path_, block - 1)) from += feeds_.length[block--];
     const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
     const double *p = path_.point(block + 1), *u = feeds_.direction.data() + block * n;
     for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] - x * u[a] - joint[a]);
@@ -209,9 +201,7 @@ struct FeedCaps::Zone {
 /// Holds the speed v of joint b over a way of `left` behind it (ahead) or before it: whole blocks, and a part of one.
 void FeedCaps::hold(std::size_t b, double v, double left, bool ahead, std::vector<double>& cap,
                     std::vector<Zone>& part) const {
-  const auto ends = [&](std::size_t joint) {
-    return path_.joint[joint] == Joint::corner || path_.joint[joint] == Joint::stop;
-  };
+  const auto ends = [&](std::size_t joint) { return ends_leg(path_, joint); };
   for (std::size_t i = ahead ? b + 1 : b;; ahead ? ++i : --i) {
     if (left < feeds_.length[i] * 0.9) {
       part[i].add(left, v);

@@ -76,6 +76,11 @@ struct Toolpath {
   std::string axis_name(std::size_t dimension) const;
 };
 
+/// Whether a leg ends with block b.
+inline bool ends_leg(const Toolpath& path, std::size_t b) {
+  return path.joint[b] == Joint::corner || path.joint[b] == Joint::stop;
+}
+
 struct ToolpathOptions {
   ReadOptions read;
   std::optional<double> error_max;  ///< m, tolerance where the program gives none

@@ -27,9 +27,7 @@ class CommandTiming {
       : path_(path), sample_period_(sample_period), delays_(delays) {}
 
   /// Whether a run ends with block b.
-  bool ends_run(std::size_t b) const {
-    return path_.joint[b] == Joint::corner || path_.joint[b] == Joint::stop || delays_[b] > 0;
-  }
+  bool ends_run(std::size_t b) const { return ends_leg(path_, b) || delays_[b] > 0; }
   std::size_t run_end(std::size_t first) const {
     while (!ends_run(first)) ++first;
     return first;

@@ -3,8 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include <accdec/program/read/interpreter.hpp>
 #include <accdec/program/read/read_error.hpp>
+#include <accdec/program/read/run_rs274.hpp>
 #include <accdec/program/write/program_file.hpp>
 
 namespace accdec {

@@ -9,6 +9,7 @@
 
 #include <accdec/machine/limits.hpp>
 #include <accdec/program/plan/choose_feeds.hpp>
+#include <accdec/program/plan/choose_leg_filters.hpp>
 #include <accdec/program/plan/filter_bound.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/write/program_report.hpp>

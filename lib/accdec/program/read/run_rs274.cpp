@@ -2,7 +2,7 @@
 #include <vector>
 
 #include <accdec/files/process.hpp>
-#include <accdec/program/read/interpreter.hpp>
+#include <accdec/program/read/run_rs274.hpp>
 
 namespace accdec {
 

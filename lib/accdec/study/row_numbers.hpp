@@ -14,6 +14,7 @@ inline Row rounded(double x, int digits) {
   if (!std::isfinite(x)) return nullptr;
   return std::stod(fmt::format("{:.{}g}", x, digits));
 }
+/// Twelve: what lies beyond is the rounding of unit conversions, and 59.00000000000001 ms reads badly.
 inline Row number(double x) {
   return rounded(x, 12);
 }
