@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <accdec/design/design.hpp>
+#include <accdec/motion/linear.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/check_delays.hpp>
 #include <accdec/task/verifier.hpp>
@@ -50,6 +51,23 @@ TEST(DesignDelays, IsTheFirstDelayThatSimulationAccepts) {
   }
   EXPECT_GT(found, 80);
   EXPECT_GT(none, 80);
+}
+
+// A filter of very many taps is one in continuous time, of which the smallest delay is known in closed form (Shih,
+// Chen, Lee, Eq. 6 and its delay): to a sample, and it is checked without trying every smaller one.
+TEST(DesignDelays, OfAHundredThousandTapsAreCheckedLikeOfTen) {
+  const int order = 100'000;
+  const double feed = 0.1, error = 50e-6, period = 1e-6, angle = testing::degrees(95);
+  Task task = testing::plane_task({}, testing::plane_corner("A", 95, 0, feed, feed), error);
+  task.sample_period = period;
+  task.filter = FilterSpec{.kind = Shape::boxcar, .order = order};
+  const double expected = LinearCorner(angle, feed, feed, (order + 1) * period).smallest_delay(error) / period;
+  const int delay = design_delays(task).corners[0].delay;
+  EXPECT_NEAR(delay, expected, 2.0);
+  const Filter filter = make_filter(*task.filter);
+  EXPECT_EQ(check_smallest_delays(task, filter, {delay}), "");
+  EXPECT_THAT(check_smallest_delays(task, filter, {delay + 1}), ::testing::HasSubstr("holds every limit too"));
+  EXPECT_EQ(check_smallest_delays(task, filter, {delay}, [] { return true; }), "not checked in time");
 }
 
 TEST(DesignDelays, StopsAtItsTimeLimit) {

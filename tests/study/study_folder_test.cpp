@@ -194,12 +194,32 @@ TEST_F(StudyCommand, TheReportSaysWhereTimeCutOptimaOff) {
   EXPECT_THAT(content(home_ / "out/report.html"), Not(HasSubstr("cut off")));
 }
 
-TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
-  const std::string head = "task = \"task.toml\"\ncompute = [\"delays\"]\n";
-  const auto vary = [](const std::string& key, const std::string& values) {
-    return fmt::format("[[vary]]\nkey = \"{}\"\nvalues = {}\n", key, values);
-  };
-  const std::pair<std::string, std::string> cases[] = {
+constexpr const char* head = "task = \"task.toml\"\ncompute = [\"delays\"]\n";
+
+std::string vary(const std::string& key, const std::string& values) {
+  return fmt::format("[[vary]]\nkey = \"{}\"\nvalues = {}\n", key, values);
+}
+
+/// Studies that are refused before anything is written.
+class BadStudy : public StudyCommand {
+ protected:
+  using Cases = std::vector<std::pair<std::string, std::string>>;  // a study, and what is said of it
+  void refused(const Cases& cases) {
+    write(home_ / "bare.toml",
+          "sample_period_ms = 1\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+    write(home_ / "broken.toml", "sample_period_ms = 1\n[[corner]]\nangle_deg = 190\nfeed_in_mm_min = 6000\n");
+    for (const auto& [text, message] : cases) {
+      write(home_ / "study.toml", text);
+      const Outcome r = run("study study.toml --out out");
+      EXPECT_EQ(r.exit_code, 2) << text << r.output;
+      EXPECT_THAT(r.output, HasSubstr(message)) << text;
+      EXPECT_FALSE(fs::exists(home_ / "out")) << text;
+    }
+  }
+};
+
+TEST_F(BadStudy, BaseTaskAndVariedKeysAreChecked) {
+  refused({
       {"compute = [\"delays\"]\n", "needs a base `task`"},
       {"task = \"task.toml\"\n", "needs `compute`"},
       {"task = \"none.toml\"\ncompute = [\"delays\"]\n", "study.toml:1:8: none.toml does not exist"},
@@ -212,72 +232,89 @@ TEST_F(StudyCommand, BadStudiesAreRefusedBeforeAnythingIsWritten) {
       {head + vary("corner.error_max_um", "[1]"), "corner.NAME.KEY"},
       {head + vary("corner.A.error_max_um", "[]"), "is empty"},
       {head + vary("corner.A.error_max_um", "[1, \"x\"]"), "values"},
-      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\n", "either `values` or `range`"},
-      {head + "[[vary]]\nvalues = [1]\n", "needs `key`"},
-      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 3, log = true }\n",
+      {std::string(head) + "[[vary]]\nkey = \"corner.A.error_max_um\"\n", "either `values` or `range`"},
+      {std::string(head) + "[[vary]]\nvalues = [1]\n", "needs `key`"},
+      {std::string(head) +
+           "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 3, log = true }\n",
        "above 0"},
-      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 0 }\n", "count"},
-      {head + "samples = 3\n", "goes with sampling"},
-      {head + "sampling = \"latin-hypercube\"\nsamples = 3\n", "at least one [[vary]]"},
-      {head + "[[figure]]\nx = \"index\"\ny = \"delays.cycle_time\"\n", "no column `delays.cycle_time`"},
-      {head + "[[figure]]\nname = \"../x\"\nx = \"index\"\ny = \"index\"\n", "small letters"},
-      {head + "[[figur]]\nx = 1\n", "did you mean `figure`"},
-      {head + "[[case]]\nname = \"a\"\n[[case]]\nname = \"a\"\n", "taken already"},
-      {head + "[[case]]\nname = \"a\"\nset = { \"filter.ordr\" = 3 }\n", "did you mean `order`"},
+      {std::string(head) + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 0, to = 1, count = 0 }\n",
+       "count"},
+  });
+}
+
+TEST_F(BadStudy, SamplingFiguresAndCasesAreChecked) {
+  refused({
+      {std::string(head) + "samples = 3\n", "goes with sampling"},
+      {std::string(head) + "sampling = \"latin-hypercube\"\nsamples = 3\n", "at least one [[vary]]"},
+      {std::string(head) + "[[figure]]\nx = \"index\"\ny = \"delays.cycle_time\"\n", "no column `delays.cycle_time`"},
+      {std::string(head) + "[[figure]]\nname = \"../x\"\nx = \"index\"\ny = \"index\"\n", "small letters"},
+      {std::string(head) + "[[figur]]\nx = 1\n", "did you mean `figure`"},
+      {std::string(head) + "[[case]]\nname = \"a\"\n[[case]]\nname = \"a\"\n", "taken already"},
+      {std::string(head) + "[[case]]\nname = \"a\"\nset = { \"filter.ordr\" = 3 }\n", "did you mean `order`"},
       {head + vary("corner.A.angle_deg", "[200, 300]"),
        "study.toml:4:7: no value of `corner.A.angle_deg` makes a task: "},
       {head + vary("corner.A.angle_deg", "[200, 300]"), "0 < angle_deg <= 180"},
       {head + vary("corner.A.error_max_um", "[1, 2]") + vary("filter.kind", "[1]"),
        "study.toml:7:7: no value of `filter.kind` makes a task: "},
       {head + vary("", "[1]"), "a task key is empty; write for example `corner.*.error_max_um`"},
-      {head + "[[case]]\nname = \"a\"\n[[case]]\nname = \"b\"\nset = { \"corner.A.angle_deg\" = 200 }\n",
+      {std::string(head) + "[[case]]\nname = \"a\"\n[[case]]\nname = \"b\"\nset = { \"corner.A.angle_deg\" = 200 }\n",
        "study.toml:7:7: `set` of case \"b\" makes no task: "},
-      {head + "method = \"nlp\"\nsolver = \"ipotp\"\n",
+      {std::string(head) + "method = \"nlp\"\nsolver = \"ipotp\"\n",
        "study.toml:4:10: unknown solver \"ipotp\"; did you mean \"ipopt\"? known are "},
       {"task = \"bare.toml\"\ncompute = [\"boxcar\", \"given\"]\n",
        "study.toml:2:11: `given` is of a given filter, and bare.toml has no [filter]"},
       {"task = \"broken.toml\"\ncompute = [\"boxcar\"]\n" + vary("corner.A.error_max_um", "[1, 2]"),
        "broken.toml:3:13: "},
-      {head + "[[vary]]\nname = \"a\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n[[vary]]\nname = \"a\"\nkey = "
-              "\"corner.A.heading_deg\"\nvalues = [1]\n",
+      {std::string(head) +
+           "[[vary]]\nname = \"a\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n[[vary]]\nname = \"a\"\nkey = "
+           "\"corner.A.heading_deg\"\nvalues = [1]\n",
        "two variations"},
+  });
+}
+
+TEST_F(BadStudy, NothingIsSetOrNamedTwice) {
+  refused({
       // What would be overwritten without a word: a place set twice, a column named twice.
       {head + vary("corner.A.error_max_um", "[1]") +
            "[[vary]]\nname = \"b\"\nkey = \"corner.0.error_max_um\"\nvalues = [2]\n",
        "is set by the variation `corner.A.error_max_um` already"},
       {head + vary("corner.*.error_max_um", "[1]") + vary("corner.A.error_max_um", "[2]"),
        "is set by the variation `corner.*.error_max_um` already"},
-      {head + "[[vary]]\nname = \"index\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n", "column of that name"},
-      {head + "[[vary]]\nname = \"delays.status\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n",
+      {std::string(head) + "[[vary]]\nname = \"index\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n",
        "column of that name"},
-      {head + "[[ratio]]\nname = \"point\"\nof = \"index\"\nto = \"index\"\n", "a column `point` already"},
+      {std::string(head) + "[[vary]]\nname = \"delays.status\"\nkey = \"corner.A.angle_deg\"\nvalues = [1]\n",
+       "column of that name"},
+      {std::string(head) + "[[ratio]]\nname = \"point\"\nof = \"index\"\nto = \"index\"\n", "a column `point` already"},
+  });
+}
+
+TEST_F(BadStudy, ValuesAreFinite) {
+  refused({
       {head + vary("corner.A.error_max_um", "[nan]"), "must be finite"},
       {head + vary("corner.A.error_max_um", "[inf]"), "must be finite"},
-      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = nan, count = 3 }\n",
+      {std::string(head) + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = nan, count = 3 }\n",
        "must be finite"},
-      {head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = -1, to = 1, count = 3, log = true }\n",
+      {std::string(head) +
+           "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = -1, to = 1, count = 3, log = true }\n",
        "above 0"},
-  };
-  write(home_ / "bare.toml",
-        "sample_period_ms = 1\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
-  write(home_ / "broken.toml", "sample_period_ms = 1\n[[corner]]\nangle_deg = 190\nfeed_in_mm_min = 6000\n");
-  for (const auto& [text, message] : cases) {
-    write(home_ / "study.toml", text);
-    const Outcome r = run("study study.toml --out out");
-    EXPECT_EQ(r.exit_code, 2) << text << r.output;
-    EXPECT_THAT(r.output, HasSubstr(message)) << text;
-    EXPECT_FALSE(fs::exists(home_ / "out")) << text;
-  }
-  write(home_ / "study.toml",
-        head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 100001 }\n");
+  });
+}
+
+TEST_F(BadStudy, TooManyPointsAreRefused) {
+  write(
+      home_ / "study.toml",
+      std::string(head) + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 100001 }\n");
   EXPECT_THAT(run("study study.toml --out out").output,
               HasSubstr("study.toml:5:9: the study has 100001 points, most by the 100001 values of "
                         "`corner.A.error_max_um`; more than 100000 need --large"));
   write(home_ / "study.toml",
-        head + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 10000 }\n" +
+        std::string(head) + "[[vary]]\nkey = \"corner.A.error_max_um\"\nrange = { from = 1, to = 9, count = 10000 }\n" +
             "[[vary]]\nkey = \"corner.A.angle_deg\"\nrange = { from = 1, to = 9, count = 10000 }\n");
   EXPECT_THAT(run("study study.toml --out out --large").output, HasSubstr("allowed is up to 10000000"));
   EXPECT_FALSE(fs::exists(home_ / "out"));
+}
+
+TEST_F(BadStudy, ShardsThatAreNotThereAreRefused) {
   study(2);
   for (const char* shard : {"0/3", "4/3", "1", "x/2", "-1/2", "1/2/3", "1/2x", "1/99999999999999999999"}) {
     EXPECT_EQ(run(fmt::format("study study.toml --out out --shard={}", shard)).exit_code, 2) << shard;

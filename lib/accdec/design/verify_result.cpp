@@ -181,7 +181,8 @@ bool check_infeasible(const DesignResult& result, ResultCheck& report, const std
   if (result.status != Status::infeasible || (!result.certificate && !result.task.filter)) return false;
   if (result.task.filter) {
     report.proof = "every delay of the given filter breaks a limit";
-    if (const std::string reason = check_no_delays(result.task, make_filter(*result.task.filter)); !reason.empty())
+    if (const std::string reason = check_no_delays(result.task, make_filter(*result.task.filter), stop);
+        !reason.empty())
       report.reasons.push_back("claims infeasible: " + reason);
   }
   const bool enumerated = result.task.filter && (!result.certificate ||
@@ -223,7 +224,7 @@ void check_proof(const DesignResult& result, ResultCheck& report, const std::fun
   }
   std::vector<int> delays;
   for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
-  if (const std::string reason = check_smallest_delays(result.task, *result.filter, delays); !reason.empty())
+  if (const std::string reason = check_smallest_delays(result.task, *result.filter, delays, stop); !reason.empty())
     reject(reason);
   report.proof = "every smaller delay breaks a limit";
 }

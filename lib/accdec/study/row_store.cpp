@@ -10,13 +10,24 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/files/json_position.hpp>
 #include <accdec/study/journal.hpp>
 #include <accdec/study/row_store.hpp>
 
 namespace accdec::study {
 
+namespace {
+
+/// Whether the member `point` of a row is this word.
+bool point_is(std::string_view row, std::string_view word) {
+  const std::string_view value = row.substr(locate(row, "/point"));
+  return value.starts_with(fmt::format("\"{}\"", word));
+}
+
+}  // namespace
+
 bool is_lost(std::string_view row) {
-  return row.find(R"("point":"lost")") != std::string_view::npos;
+  return point_is(row, "lost");
 }
 
 RowStore::~RowStore() {
@@ -36,7 +47,7 @@ void RowStore::put(std::size_t index, std::size_t file, std::uint64_t offset, st
       !nlohmann::json::accept(row))
     return;
   Place place{offset, static_cast<std::uint32_t>(row.size()), static_cast<std::uint16_t>(file), is_lost(row),
-              row.find(R"("point":"ok")") != std::string_view::npos};
+              point_is(row, "ok")};
   if (place.lost && has(index) && !places_[index].lost) return;
   places_[index] = place;
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -21,6 +22,79 @@ Legs simulate_legs(const Filter& filter, const Corner& corner, double period) {
   return {m.velocity.middleRows(m.corner, n + 3), m.position.middleRows(m.corner, n + 3),
           m.velocity.middleRows(m.corner + apart, n + 3), m.position.middleRows(m.corner + apart, n + 3)};
 }
+
+/// The delays below a given one at which the error of a corner exceeds its bound. Of a filter of a million taps they
+/// are not tried one by one: in a range of delays and samples leg 1 has at least the least way left of any of them, and
+/// leg 2 has gone at least the least way, and mostly that alone is too far from the corner.
+class ErrorRanges {
+ public:
+  ErrorRanges(const Corner& corner, const Legs& legs, double bound, const std::function<bool()>& stop)
+      : cosine_(-corner.direction_in.dot(corner.direction_out)),
+        sine_((corner.direction_out + cosine_ * corner.direction_in).norm()),
+        bound_(bound),
+        tail_(static_cast<int>(legs.stop_position.rows()) - 1),
+        left_(static_cast<std::size_t>(tail_) + 1),
+        gone_(left_.size()),
+        stop_(stop) {
+    for (int k = 0; k <= tail_; ++k) {
+      const double here = legs.stop_position.row(k).norm();
+      left_[index(k)] = k > 0 ? std::min(left_[index(k - 1)], here) : here;
+    }
+    for (int m = tail_; m >= 0; --m) {
+      const double here = legs.start_position.row(m).norm();
+      gone_[index(m)] = m < tail_ ? std::min(gone_[index(m + 1)], here) : here;
+    }
+  }
+
+  /// Delays below `end` of which that is not shown, in rising order.
+  std::vector<int> open(int end) {
+    open_.assign(static_cast<std::size_t>(end), 0);
+    if (end > 0) visit({0, end - 1, 0, tail_ + end - 1});
+    std::vector<int> delays;
+    for (int d = 0; d < end; ++d) {
+      if (open_[index(d)] != 0) delays.push_back(d);
+    }
+    return delays;
+  }
+
+ private:
+  struct Range {
+    int d1, d2, k1, k2;
+  };
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+  /// Least distance from the corner point, leg 1 with at least `p` to go and leg 2 at least `q` gone.
+  double least(double p, double q) const {
+    if (cosine_ < 0.0 && p < -q * cosine_) return q * sine_;
+    if (cosine_ < 0.0 && q < -p * cosine_) return p * sine_;
+    return std::hypot(p + q * cosine_, q * sine_);
+  }
+
+  void visit(const Range& r) {
+    if (r.d1 == r.d2 && open_[index(r.d1)] != 0) return;
+    if (stop_ && stop_()) return mark(r);
+    const double p = left_[index(std::min(r.k2, tail_))], q = gone_[index(std::clamp(r.k1 - r.d2, 0, tail_))];
+    // Less what rounding may have added to the sum of both.
+    if (least(p, q) - 1e-15 * (p + q) > bound_) return;
+    if (r.k1 == r.k2 && r.d1 == r.d2) return mark(r);
+    if (r.d2 - r.d1 > r.k2 - r.k1) {
+      const int middle = r.d1 + (r.d2 - r.d1) / 2;
+      visit({r.d1, middle, r.k1, r.k2});
+      visit({middle + 1, r.d2, r.k1, r.k2});
+    } else {
+      const int middle = r.k1 + (r.k2 - r.k1) / 2;
+      visit({r.d1, r.d2, r.k1, middle});
+      visit({r.d1, r.d2, middle + 1, r.k2});
+    }
+  }
+  void mark(const Range& r) { std::fill(open_.begin() + r.d1, open_.begin() + r.d2 + 1, 1); }
+
+  double cosine_, sine_, bound_;
+  int tail_;
+  std::vector<double> left_, gone_;  // m: the least up to a sample of the way left, from a sample on of the way gone
+  const std::function<bool()>& stop_;
+  std::vector<char> open_;
+};
 
 /// Whether the blend at a delay breaks any limit of a corner.
 bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int delay) {
@@ -54,24 +128,49 @@ bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int de
   return corner.speed_min > slowest * allowed;
 }
 
+constexpr const char* late = "not checked in time";
+
+/// Delays below the claimed one that the error alone does not exclude.
+std::vector<int> delays_to_try(const TaskCorner& corner, const Legs& legs, int claimed,
+                               const std::function<bool()>& stop) {
+  if (corner.error_max) {
+    const double bound = std::max(position_floor, *corner.error_max * (1.0 + verification_tolerance));
+    return ErrorRanges(corner.geometry(), legs, bound, stop).open(claimed);
+  }
+  std::vector<int> all(static_cast<std::size_t>(claimed));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+/// Whether a leg by itself breaks a limit: whatever the delay, then.
+bool leg_breaks(const std::vector<LimitUse>& limits) {
+  return std::any_of(limits.begin(), limits.end(), [](const LimitUse& use) {
+    return (use.event == Event::start || use.event == Event::stop) && !use.axis.empty() &&
+           use.utilisation > 1.0 + verification_tolerance;
+  });
+}
+
 }  // namespace
 
-std::string check_smallest_delays(const Task& task, const Filter& filter, const std::vector<int>& delays) {
+std::string check_smallest_delays(const Task& task, const Filter& filter, const std::vector<int>& delays,
+                                  const std::function<bool()>& stop) {
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
-    if (corner.delay) continue;
+    if (corner.delay || delays[j] == 0) continue;
     const Legs legs = simulate_legs(filter, corner.geometry(), task.sample_period);
-    for (int d = 0; d < delays[j]; ++d) {
+    for (const int d : delays_to_try(corner, legs, delays[j], stop)) {
+      if (stop && stop()) return late;
       if (!breaks(task, corner, legs, d)) {
         return fmt::format("corner {}: delay {} is claimed to be the smallest, but {} holds every limit too",
                            corner.name, delays[j], d);
       }
     }
+    if (stop && stop()) return late;
   }
   return {};
 }
 
-std::string check_no_delays(const Task& task, const Filter& filter) {
+std::string check_no_delays(const Task& task, const Filter& filter, const std::function<bool()>& stop) {
   Task part = task;
   part.corners.clear();
   if (!verify_by_simulation(part, filter, {}).feasible) return {};  // vibration, in which delays have no part
@@ -81,8 +180,14 @@ std::string check_no_delays(const Task& task, const Filter& filter) {
   for (const TaskCorner& corner : task.corners) {
     part.corners = {corner};
     const int last = corner.delay.value_or(filter.order() + 2);
+    std::vector<LimitUse> limits;
+    verify_by_simulation(part, filter, {last}, &limits);
+    if (leg_breaks(limits)) return {};
     int delay = corner.delay.value_or(0);
-    while (delay <= last && !holds(delay)) ++delay;
+    while (delay <= last && !holds(delay)) {
+      if (stop && stop()) return late;
+      ++delay;
+    }
     if (delay > last) return {};
   }
   return "every corner holds its limits with some delay of this filter";
