@@ -1,5 +1,7 @@
 """Results damaged and forged: `verify` may refuse or reject them, or accept what is still true; never a crash, never a lie."""
+import base64
 import copy
+import gzip
 import json
 from pathlib import Path
 
@@ -63,6 +65,23 @@ def mutate(rng, result):
         except (KeyError, IndexError, TypeError):
             pass  # an earlier change took the place away
     return forged
+
+
+def pack(rng, forged):
+    """Its certificate as long ones are stored, often damaged after that; as it is where there is none."""
+    if not isinstance(forged.get("certificate"), dict):
+        return forged
+    packed = bytearray(gzip.compress(json.dumps(forged["certificate"]).encode(), 6))
+    kind = rng.randrange(6)
+    if kind == 0:
+        packed[rng.randrange(len(packed))] = rng.randrange(256)
+    elif kind == 1:
+        del packed[rng.randrange(len(packed)):]
+    elif kind == 2:
+        packed = packed * 2
+    elif kind == 3:
+        packed = bytearray(gzip.compress(b"[" * rng.choice([1, 1000, 20_000_000]), 1))
+    return forged | {"certificate": {"gzip": base64.b64encode(packed).decode(), "kind": "packed", "schema": "accdec.certificate/1"}}
 
 
 def mutate_text(rng, text):
@@ -149,7 +168,11 @@ def run(attack):
         if rng.random() < 0.3:
             Path(forged_path).write_bytes(mutate_text(rng, Path(result_path).read_text()))
         else:
-            Path(forged_path).write_text(json.dumps(mutate(rng, original), indent=2))
+            forged = mutate(rng, original)
+            if rng.random() < 0.3:
+                forged = pack(rng, forged)
+                attack.count("certificates packed")
+            Path(forged_path).write_text(json.dumps(forged, indent=2))
         code, out, err = attack.run("verify", forged_path)
         attack.count("results mutated")
         if code == 0:
