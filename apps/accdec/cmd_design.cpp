@@ -39,7 +39,7 @@ struct Arguments {
 void print_quick_baselines(const DesignResult& design, double seconds) {
   constexpr double at_most = 1.0;
   if (seconds <= 0.0) return;
-  fmt::print("\nbeside the filters that controllers have (`--baselines`: at a quarter of the sample period, too){}",
+  fmt::print("\nbeside filters that controllers have (--baselines: all, and at a shorter period){}",
              study::baseline_text(study::compare_with_baselines(design, std::min(at_most, seconds))));
 }
 

@@ -104,6 +104,8 @@ def compare(case, options, folder):
         row.update(check.check(motion, points, tolerances, kinds, acceleration, VELOCITY, jerk))
         row.update(bounds or {})
         rows.append(row)
+        limit = "jerk %g" % jerk if jerk else "no jerk limit"
+        print("%s, %d mm/s^2, %s: %s %.3f s" % (name, acceleration, limit, planner, row["time_s"]), flush=True)
 
     out = folder / "linuxcnc.csv"
     subprocess.check_call([str(HERE / "linuxcnc/run"), str(program), str(out), str(acceleration), str(VELOCITY)],
@@ -125,7 +127,6 @@ def compare(case, options, folder):
             document = json.loads(report.read_text())
             bounds = {key: document[key] for key in ("lower_bound_s", "corner_bound_s") if document.get(key) is not None}
             judge("accdec " + plan, samples_of_accdec(samples), jerk, bounds)
-    print(name, acceleration, *["%s %s" % (r["planner"], "%.3f" % r["time_s"] if "time_s" in r else "-") for r in rows], sep="; ", flush=True)
     return rows
 
 

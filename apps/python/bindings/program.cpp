@@ -161,17 +161,7 @@ fun, cycle_time : float
     s.
 lower_bound : float
     s; no continuous motion at the programmed feeds is shorter.
-{}
-Methods
--------
-samples()
-    Every sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes.
-page()
-    One HTML page without network: the path in the colour of its speed, to zoom into, the limit that binds over time,
-    and the time lost by classes of corners.
-to_json(), emit()
-    As `accdec program` writes them; plan "profiles" has no program to emit.
-)",
+{})",
                      what, plan, more);
 }
 
@@ -199,6 +189,12 @@ durations : ndarray
     s, way over feed of every commanded block.
 )";
 
+constexpr const char* page_doc =
+    "One HTML page without network: the path in the colour of its speed, to zoom into, the limit that binds over time, "
+    "and the time lost by classes of corners.";
+constexpr const char* samples_doc =
+    "Every sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes.";
+
 /// What both kinds of plan have.
 template <class Result>
 py::class_<Result, std::shared_ptr<Result>> bind_plan(py::module_& module, const char* name, const std::string& doc) {
@@ -225,13 +221,16 @@ void bind_profiles(py::module_& module) {
       .def_property_readonly(
           "errors", [](const py::object& self) { return view(self.cast<const ProfileProgram&>().plan.errors, self); })
       .def("to_json", [](const ProfileProgram& r) { return profiles_to_json(r); })
-      .def("page", [](const ProfileProgram& r) { return page_of(r, r.message.empty()); })
-      .def("samples",
-           [](const ProfileProgram& r) {
-             if (!r.message.empty()) throw std::runtime_error(no_plan + r.message);
-             return samples(r.path, r.sample_period, r.plan.check.samples,
-                            [&](const SampleVisitor& visit) { visit_profile_samples(r, visit); });
-           })
+      .def(
+          "page", [](const ProfileProgram& r) { return page_of(r, r.message.empty()); }, page_doc)
+      .def(
+          "samples",
+          [](const ProfileProgram& r) {
+            if (!r.message.empty()) throw std::runtime_error(no_plan + r.message);
+            return samples(r.path, r.sample_period, r.plan.check.samples,
+                           [&](const SampleVisitor& visit) { visit_profile_samples(r, visit); });
+          },
+          samples_doc)
       .def("__str__", [](const ProfileProgram& r) { return profiles_summary(r); });
 }
 
@@ -247,14 +246,17 @@ void bind_program_plan(py::module_& module) {
       .def_property_readonly("errors", view_of(&ProgramPlan::errors))
       .def_property_readonly("durations", view_of<Program>(&Toolpath::duration))
       .def("to_json", [](const Program& r) { return program_to_json(r); })
-      .def("page", [](const Program& r) { return page_of(r, r.path.blocks() > 0); })
+      .def(
+          "page", [](const Program& r) { return page_of(r, r.path.blocks() > 0); }, page_doc)
       .def("emit", [](const Program& r) { return emitted(r); })
-      .def("samples",
-           [](const Program& r) {
-             if (r.path.blocks() == 0) throw std::runtime_error(no_plan + r.message);
-             return samples(r.path, r.sample_period, r.plan.simulation.samples,
-                            [&](const SampleVisitor& visit) { visit_samples(r, visit); });
-           })
+      .def(
+          "samples",
+          [](const Program& r) {
+            if (r.path.blocks() == 0) throw std::runtime_error(no_plan + r.message);
+            return samples(r.path, r.sample_period, r.plan.simulation.samples,
+                           [&](const SampleVisitor& visit) { visit_samples(r, visit); });
+          },
+          samples_doc)
       .def("__str__", [](const Program& r) { return program_summary(r); });
 }
 
