@@ -1,0 +1,42 @@
+#include <fmt/format.h>
+
+#include <accdec/certificate/checked_rows.hpp>
+#include <accdec/certificate/proof_claim.hpp>
+#include <accdec/task/granted_limits.hpp>
+#include <accdec/task/objective.hpp>
+
+namespace accdec {
+namespace {
+
+/// What is wrong with the objective and the limits a proof is about; empty when they are the task's.
+std::string other_question(const Task& task, const proof::BranchAndBound& proof) {
+  if (proof.objective != task.design.objective)
+    return fmt::format("the certificate is about the objective \"{}\", the task's is \"{}\"",
+                       to_string(proof.objective), to_string(task.design.objective));
+  if (!(proof.tolerance >= granted_tolerance))
+    return fmt::format("the certificate is about limits widened by {:.3g}, verification grants {:.3g}", proof.tolerance,
+                       granted_tolerance);
+  if (proof.objective != Objective::cycle || proof.runs == task.design.runs) return {};
+  return fmt::format("the certificate is about {} runs, the task asks for {}", proof.runs, task.design.runs);
+}
+
+}  // namespace
+
+double claimed_samples(const Task& task, const DesignResult& result, const proof::BranchAndBound& proof) {
+  if (const std::string other = other_question(task, proof); !other.empty()) throw Rejected(other);
+  if (result.status == Status::infeasible) {
+    if (proof.bound_samples) throw Rejected("the certificate proves a bound, not that nothing exists");
+    return unlimited;
+  }
+  if (!result.lower_bound) throw Rejected("the result claims no lower bound");
+  const bool optimal = result.status == Status::optimal;
+  if (optimal && *result.lower_bound < result.objective() * (1.0 - 1e-9))
+    throw Rejected("the status is optimal, but the lower bound is below the cycle time");
+  const double target = (optimal ? result.objective() : *result.lower_bound) / task.sample_period;
+  if (proof.bound_samples && *proof.bound_samples < target * (1.0 - 1e-9))
+    throw Rejected(
+        fmt::format("the certificate proves {} samples, the result claims {}", *proof.bound_samples, target));
+  return proof.bound_samples.value_or(target);
+}
+
+}  // namespace accdec
