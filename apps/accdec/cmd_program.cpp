@@ -47,6 +47,7 @@ ProgramInputs inputs_of(const Options& options, const ProgramFile& file) {
   inputs.task_text = read_text_file(options.task);
   inputs.reading = file.reading;
   inputs.interpreted = file.interpreted;
+  if (file.interpreted) inputs.tool_table = options.file.tool_table;
   return inputs;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include <accdec/program/plan/filter_bound.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/plan/program_plan.hpp>
+#include <accdec/program/read/interpreter.hpp>
 #include <accdec/program/read/read_error.hpp>
 #include <accdec/program/simulate/direct.hpp>
 #include <accdec/program/write/program_departure.hpp>
@@ -35,11 +37,33 @@ std::string changed_inputs(const ProgramInputs& in) {
   return "";
 }
 
-/// Reads the program again, holds the commands against it, and makes what is recorded of it anew.
-void compare_with_program(const ProgramRecord& record, ProgramResultCheck& check) {
+/// The program as it was read for the result; none where rs274 ran it and is not here to run it again.
+std::optional<Toolpath> read_again(const ProgramRecord& record, std::vector<std::string>& reasons) {
   const ProgramInputs& in = record.inputs;
-  LineSource source{std::filesystem::path(in.program)};
-  Toolpath programmed = read_toolpath(source, record.task.machine, in.reading);
+  try {
+    LineSource source{std::filesystem::path(in.program)};
+    Toolpath programmed = read_toolpath(source, record.task.machine, in.reading);
+    if (in.interpreted) reasons.push_back("inputs.interpreted is recorded, but accdec reads the program itself");
+    return programmed;
+  } catch (const NeedsInterpreter& reason) {
+    if (!in.interpreted) {
+      reasons.push_back(fmt::format("inputs.interpreted is recorded as false, but {}", reason.what()));
+      return std::nullopt;
+    }
+  }
+  std::string calls;
+  try {
+    calls = interpreted(in.program, in.tool_table);
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+  LineSource source(in.program + " (rs274 -g)", calls);
+  return read_toolpath(source, record.task.machine, in.reading);
+}
+
+/// Holds the commands against the program, and makes what is recorded of it anew.
+void compare_with_program(const ProgramRecord& record, Toolpath programmed, ProgramResultCheck& check) {
+  const ProgramInputs& in = record.inputs;
   if (const std::string wrong = departs_from(record.result.path, programmed); !wrong.empty())
     check.reasons.push_back(fmt::format("the commands are not those of {}: {}", in.program, wrong));
   ProgramResult& found = check.found;
@@ -58,24 +82,19 @@ void compare_with_program(const ProgramRecord& record, ProgramResultCheck& check
 /// Of programs that rs274 ran, whose output is not kept.
 const std::vector<std::string> of_the_program{"blocks", "feeds", "feeds_clamped", "lower_bound_s", "filter_bound_s"};
 
-/// Whether the text has a member of this name, "a.b" for one of an object.
-bool has_member(const std::string& text, const std::string& name) {
-  return text.find(fmt::format("\"{}\":", name.substr(name.find('.') + 1))) != std::string::npos;
-}
-
-void print_accepted(const std::string& text, const ProgramRecord& record, const ProgramResultCheck& check) {
-  fmt::print("accepted: {}\n", check.shown);
-  std::vector<std::string> open = program_members_not_checked();
-  if (record.inputs.interpreted) {
-    fmt::print("the program was run by rs274 and is not read again: points, tolerances and feeds are those recorded\n");
-    open.insert(open.end(), of_the_program.begin(), of_the_program.end());
-  } else {
+void print_accepted(const ProgramRecord& record, const std::string& shown, bool read,
+                    const std::vector<std::string>& open) {
+  fmt::print("accepted: {}\n", shown);
+  if (read) {
     fmt::print("{} read again: every programmed point in order, no feed above and no tolerance other than its own\n",
                record.inputs.program);
+  } else {
+    fmt::print(
+        "the program was run by rs274, which is not here, and is not read again: points, tolerances and feeds are "
+        "those recorded\n");
   }
   if (!std::filesystem::is_regular_file(record.inputs.task_path))
     fmt::print("{} is not there: the task is the one in the result\n", record.inputs.task_path);
-  std::erase_if(open, [&](const std::string& name) { return !has_member(text, name); });
   fmt::print("not checked, because they say how the plan was found or what others take: {}\n", fmt::join(open, ", "));
 }
 
@@ -110,13 +129,18 @@ void verify_program(const std::string& text, const std::string& path, double lim
         fmt::format("simulating the plan anew would take about {:.0f} s; --time-limit is {:g} s", seconds, limit));
   if (const std::string why = changed_inputs(record.inputs); !why.empty()) return refuse(why);
   ProgramResultCheck check = verify_program_result(result, record.task);
-  if (!record.inputs.interpreted) compare_with_program(record, check);
+  if (result.program != record.inputs.program)
+    check.reasons.push_back(
+        fmt::format("program is recorded as {}, inputs.program as {}", result.program, record.inputs.program));
+  std::optional<Toolpath> programmed = read_again(record, check.reasons);
+  const bool read = programmed.has_value();
+  if (read) compare_with_program(record, std::move(*programmed), check);
   check.found.worst_shown = result.worst_shown;
-  const std::vector<std::string> differences =
-      program_differences(text, check.found, record.inputs.interpreted ? of_the_program : std::vector<std::string>{});
-  check.reasons.insert(check.reasons.end(), differences.begin(), differences.end());
+  const ProgramDifferences compared =
+      program_differences(text, check.found, read ? std::vector<std::string>{} : of_the_program);
+  check.reasons.insert(check.reasons.end(), compared.reasons.begin(), compared.reasons.end());
   if (!check.reasons.empty()) return refuse(fmt::format("{}", fmt::join(check.reasons, "\n  ")));
-  if (!context.quiet) print_accepted(text, record, check);
+  if (!context.quiet) print_accepted(record, check.shown, read, compared.skipped);
 }
 
 }  // namespace accdec::cli

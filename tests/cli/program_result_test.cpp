@@ -97,6 +97,12 @@ TEST_F(ProgramResult, ForgedClaimsAreRejected) {
   bad = good;
   bad["commands"]["dwell"] = Json::array();
   rejected("no dwell", bad, "its dwell is not kept");
+  bad = good;
+  bad["inputs"]["interpreted"] = true;
+  rejected("no reading again", bad, "accdec reads the program itself");
+  bad = good;
+  bad["program"] = "other.ngc";
+  rejected("another program's name", bad, "program is recorded as other.ngc");
 }
 
 /// Pointers to every number, word and truth value of a JSON value.

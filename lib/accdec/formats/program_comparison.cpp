@@ -23,7 +23,10 @@ class Comparison {
   explicit Comparison(std::vector<std::string> skip) : skip_(std::move(skip)) {}
 
   void compare(const std::string& name, const Json& recorded, const Json& found) {
-    if (std::find(skip_.begin(), skip_.end(), name) != skip_.end()) return;
+    if (skips(name)) {
+      found_.skipped.push_back(name);
+      return;
+    }
     if (recorded.is_object() && found.is_object()) return members(name, recorded, found);
     if (recorded.is_array() && found.is_array() && recorded.size() == found.size()) {
       for (std::size_t i = 0; i < found.size(); ++i) compare(fmt::format("{}[{}]", name, i), recorded[i], found[i]);
@@ -32,11 +35,12 @@ class Comparison {
     if (!same(recorded, found)) say(fmt::format("{} is recorded as {}, found {}", name, shown(recorded), shown(found)));
   }
 
-  std::vector<std::string> reasons;
+  ProgramDifferences take() { return std::move(found_); }
 
  private:
+  bool skips(const std::string& name) const { return std::find(skip_.begin(), skip_.end(), name) != skip_.end(); }
   void say(std::string reason) {
-    if (reasons.size() < most) reasons.push_back(std::move(reason));
+    if (found_.reasons.size() < most) found_.reasons.push_back(std::move(reason));
   }
 
   void members(const std::string& name, const Json& recorded, const Json& found) {
@@ -44,11 +48,14 @@ class Comparison {
     for (const auto& [key, value] : found.items()) {
       if (recorded.contains(key))
         compare(head + key, recorded[key], value);
-      else if (std::find(skip_.begin(), skip_.end(), head + key) == skip_.end())
+      else if (!skips(head + key))
         say(fmt::format("{}{} is missing", head, key));
     }
     for (const auto& [key, value] : recorded.items()) {
-      if (!found.contains(key) && std::find(skip_.begin(), skip_.end(), head + key) == skip_.end())
+      if (found.contains(key)) continue;
+      if (skips(head + key))
+        found_.skipped.push_back(head + key);
+      else
         say(fmt::format("{}{} is recorded, but no member of this result", head, key));
     }
   }
@@ -61,6 +68,7 @@ class Comparison {
   }
 
   std::vector<std::string> skip_;
+  ProgramDifferences found_;
 };
 
 }  // namespace
@@ -80,15 +88,17 @@ const std::vector<std::string>& program_members_not_checked() {
   return names;
 }
 
-std::vector<std::string> program_differences(std::string_view text, const ProgramResult& found,
-                                             const std::vector<std::string>& skip) {
+ProgramDifferences program_differences(std::string_view text, const ProgramResult& found,
+                                       const std::vector<std::string>& skip) {
   std::vector<std::string> all = program_members_not_checked();
   all.insert(all.end(), skip.begin(), skip.end());
-  // What the commands are made from, and they themselves, were read and checked as such.
-  all.insert(all.end(), {"inputs", "commands"});
   Comparison comparison(std::move(all));
-  comparison.compare("", Json::parse(text), Json::parse(program_to_json(found)));
-  return std::move(comparison.reasons);
+  Json recorded = Json::parse(text);
+  // What the commands are made from, and they themselves, were read and checked as such.
+  recorded.erase("inputs");
+  recorded.erase("commands");
+  comparison.compare("", recorded, Json::parse(program_to_json(found)));
+  return comparison.take();
 }
 
 }  // namespace accdec

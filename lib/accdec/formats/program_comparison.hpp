@@ -12,12 +12,17 @@ namespace accdec {
 /// the commands. All others are compared.
 const std::vector<std::string>& program_members_not_checked();
 
+/// What comparing a recorded result with one made anew found.
+struct ProgramDifferences {
+  std::vector<std::string> reasons;  ///< at most ten, in the order of the file
+  std::vector<std::string> skipped;  ///< members that the result has and nobody compared
+};
+
 /// What a program's result, accdec.program/1, records otherwise than `found` would be recorded: numbers that differ by
-/// more than relative 1e-9 and absolute 1e-13, other words, members that are missing or unknown. At most
-/// ten, in the order of the file.
+/// more than relative 1e-9 and absolute 1e-13, other words, members that are missing or unknown.
 /// @param text  of the result, valid JSON
 /// @param skip  further members not to compare, because the program was not read again
-std::vector<std::string> program_differences(std::string_view text, const ProgramResult& found,
-                                             const std::vector<std::string>& skip);
+ProgramDifferences program_differences(std::string_view text, const ProgramResult& found,
+                                       const std::vector<std::string>& skip);
 
 }  // namespace accdec

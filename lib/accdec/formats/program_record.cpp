@@ -71,16 +71,18 @@ Json commands_json(const ProgramResult& result) {
 
 Json inputs_json(const ProgramInputs& inputs) {
   const ToolpathOptions& r = inputs.reading;
-  return {{"program", inputs.program},
-          {"program_hash", inputs.program_hash},
-          {"task", inputs.task_path},
-          {"task_text", inputs.task_text},
-          {"arc_tolerance_m", r.read.arc_tolerance},
-          {"clamp_feeds", r.clamp_feeds},
-          {"compensate_arcs", r.widen_arcs},
-          {"rapid_stops", r.rapid_stops},
-          {"dwells_before_filter", r.dwells_before_filter},
-          {"interpreted", inputs.interpreted}};
+  Json json{{"program", inputs.program},
+            {"program_hash", inputs.program_hash},
+            {"task", inputs.task_path},
+            {"task_text", inputs.task_text},
+            {"arc_tolerance_m", r.read.arc_tolerance},
+            {"clamp_feeds", r.clamp_feeds},
+            {"compensate_arcs", r.widen_arcs},
+            {"rapid_stops", r.rapid_stops},
+            {"dwells_before_filter", r.dwells_before_filter},
+            {"interpreted", inputs.interpreted}};
+  if (!inputs.tool_table.empty()) json["tool_table"] = inputs.tool_table;
+  return json;
 }
 
 /// A whole number within its type: the library would cut fractions off and wrap what is too large.
@@ -188,6 +190,7 @@ class Reader {
     in.reading.rapid_stops = json.at("rapid_stops").get<bool>();
     in.reading.dwells_before_filter = json.at("dwells_before_filter").get<bool>();
     in.interpreted = json.at("interpreted").get<bool>();
+    in.tool_table = json.value("tool_table", "");
     record.task = parse_task(in.task_text, in.task_path + " (in " + name_ + ")",
                              {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
     in.reading.error_max = record.task.program_error_max;

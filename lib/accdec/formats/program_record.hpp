@@ -15,6 +15,7 @@ struct ProgramInputs {
   std::string task_path, task_text;   ///< the task file, whole
   ToolpathOptions reading;
   bool interpreted = false;  ///< run by rs274: what was read is not the file itself
+  std::string tool_table;    ///< that rs274 was given; may be empty
 };
 
 /// A result of `accdec program` read back.
