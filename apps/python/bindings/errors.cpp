@@ -41,7 +41,7 @@ void bind_errors(py::module_& module) {
   input_error = new_class(
       module, "InputError", PyExc_ValueError,
       "Something in a task, program, study or result is wrong.\n\nThe text is that of the command line, "
-      "\"file:line:column: what is wrong; what is allowed\"; `file`, `line`, `column` (from 1; 0: none), `message` and "
+      "``file:line:column: what is wrong; what is allowed``; `file`, `line`, `column` (from 1; 0: none), `message` and "
       "`pointer` (a JSON pointer, or empty) are its parts.");
   output_error =
       new_class(module, "OutputError", PyExc_OSError, "A file could not be written; nothing is left behind.");
