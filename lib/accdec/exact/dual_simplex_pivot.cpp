@@ -214,7 +214,9 @@ int DualSimplex::entering_position(int i, double sigma, double infeasibility) {
       least = std::min(least, (candidates_[c].dual + dual_tolerance) / candidates_[c].size);
     const auto middle = std::partition(candidates_.begin() + static_cast<std::ptrdiff_t>(begin), candidates_.end(),
                                        [&](const Candidate& c) { return c.dual <= least * c.size; });
-    const auto end = static_cast<std::size_t>(middle - candidates_.begin());
+    auto end = static_cast<std::size_t>(middle - candidates_.begin());
+    // Rounding may leave none, or a tableau of large numbers has become none at all: the group is one then.
+    if (end == begin) ++end;
     for (std::size_t c = begin; c < end; ++c) {
       const auto v = nth(nonbasic_[nth(candidates_[c].position)]);
       slope -= at_[v] >= free ? infinity : candidates_[c].size * (high_[v] - low_[v]);
