@@ -13,8 +13,8 @@
 #include <accdec/program/plan/filter_bound.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/plan/program_plan.hpp>
-#include <accdec/program/read/run_rs274.hpp>
 #include <accdec/program/read/read_error.hpp>
+#include <accdec/program/read/run_rs274.hpp>
 #include <accdec/program/simulate/direct.hpp>
 #include <accdec/program/write/program_departure.hpp>
 #include <accdec/program/write/verify_program_result.hpp>

@@ -1,3 +1,7 @@
+#include <cmath>
+#include <numbers>
+#include <utility>
+
 #include <gmock/gmock.h>
 
 #include <accdec/motion/blend.hpp>
@@ -81,6 +85,29 @@ TEST(Verifier, NamesTheLimitThatIsBroken) {
   EXPECT_FALSE(result.filter.has_value());
   EXPECT_THAT(result.message, HasSubstr("acceleration x: 125.0 % at k = 1 of the start, corner A"));
   EXPECT_NEAR(result.verification.max_violation, 0.25, 1e-12);
+}
+
+// The second side lobe of an average of 20 taps, |sin(20 x)/(20 sin x)| with x = pi f T, in a band that begins or ends
+// 0.3 Hz beside its peak, where the band's end has more than the next point of a grid of 1.4 Hz.
+TEST(Verifier, FindsPeaksBesideTheEndsOfABand) {
+  const auto lobe = [](double f) {
+    const double x = std::numbers::pi * f * 1e-3;
+    return std::abs(std::sin(20.0 * x) / (20.0 * std::sin(x)));
+  };
+  double low = 110.0, high = 140.0;
+  while (high - low > 1e-9) {
+    const double third = (high - low) / 3.0;
+    (lobe(low + third) < lobe(high - third) ? low : high) += lobe(low + third) < lobe(high - third) ? third : -third;
+  }
+  const double peak = 0.5 * (low + high);
+  Task task;
+  for (const auto& [from, to] : {std::pair{peak - 0.3, peak + 40.0}, std::pair{peak - 40.0, peak + 0.3}}) {
+    task.machine.modes = {{from, to, 0.5}};
+    std::vector<LimitUse> limits;
+    verify_by_simulation(task, Filter(std::vector<double>(20, 0.05)), {}, &limits);
+    ASSERT_EQ(limits.size(), 1U);
+    EXPECT_NEAR(limits[0].value, lobe(peak), 1e-12);
+  }
 }
 
 TEST(Verifier, TakesAnExactStopAsErrorZero) {

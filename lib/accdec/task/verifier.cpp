@@ -203,9 +203,10 @@ LimitUse vibration_limit(const Filter& filter, const Mode& mode, double period) 
     const double h = width / cells;
     std::vector<double> r(static_cast<std::size_t>(cells) + 1);
     for (int i = 0; i <= cells; ++i) r[static_cast<std::size_t>(i)] = consider(mode.frequency_low + h * i);
-    for (int i = 1; i < cells; ++i) {
+    for (int i = 0; i <= cells; ++i) {
       const auto u = static_cast<std::size_t>(i);
-      if (r[u] < r[u - 1] || r[u] < r[u + 1]) continue;
+      // The first and the last cell may hold a peak nearer to the band's end than to the next point.
+      if ((i > 0 && r[u] < r[u - 1]) || (i < cells && r[u] < r[u + 1])) continue;
       double centre = mode.frequency_low + h * i, step = h;
       for (int refine = 0; refine < 12; ++refine) {
         const double left = residual_amplitude(filter, centre - step, period),
