@@ -117,6 +117,7 @@ class MarginSearch : public ReferenceSearch {
       box.corners[j].k1 = box.corners[j].k2 = samples_[j];
       if (task_.corners[j].error_max) *task_.corners[j].error_max = value * *plain_.corners[j].error_max;
     }
+    follow_tolerances();
   }
   double value_of(const Filter& filter, const Part&) override {
     return std::sqrt(margin_of(plain_, filter, spec_.delays, samples_));

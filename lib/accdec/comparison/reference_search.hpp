@@ -51,6 +51,8 @@ class ReferenceSearch {
   bool symmetric() const { return model_.task().design.symmetric; }
   int order() const { return box_.order; }
   const exact::LimitModel& model() const { return model_; }
+  /// To be called where `place` changes tolerances of the task.
+  void follow_tolerances() { model_.follow_tolerances(); }
 
  private:
   enum class Answer { refuted, better, unknown };

@@ -24,6 +24,11 @@ const LimitModel& LimitModel::granted() const {
   return granted_ ? granted_->model : *this;
 }
 
+void LimitModel::follow_tolerances() {
+  const Task now = granted_limits(task_);
+  for (std::size_t j = 0; j < now.corners.size(); ++j) granted_->task.corners[j].error_max = now.corners[j].error_max;
+}
+
 double LimitModel::error_bound(std::size_t corner) const {
   const TaskCorner& c = task_.corners[corner];
   // A little less than what simulation takes for zero, so that its own rounding does not matter.

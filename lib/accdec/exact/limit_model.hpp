@@ -16,7 +16,7 @@ using Multipliers = proof::Multipliers;
 /// reference to the task.
 class LimitModel {
   struct Granted;
-  std::unique_ptr<const Granted> granted_;  ///< null: these are the granted limits
+  std::unique_ptr<Granted> granted_;  ///< null: these are the granted limits
 
  public:
   explicit LimitModel(const Task& task);
@@ -29,6 +29,8 @@ class LimitModel {
   const Task& task() const { return task_; }
   /// The model of the limits that a refutation has to hold for.
   const LimitModel& granted() const;
+  /// After tolerances of the task have changed, which designs follow at once.
+  void follow_tolerances();
   std::size_t corners() const { return task_.corners.size(); }
   bool convex() const { return chords.families().empty(); }
 
