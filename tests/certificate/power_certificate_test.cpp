@@ -123,6 +123,22 @@ TEST_F(PowerCertificate, Accepted) {
   EXPECT_TRUE(verify_result(result).accepted);
 }
 
+// Multipliers serve several delays; at a longer one some of their samples lie where both legs stand still.
+TEST(PowerProof, RowsOfSamplesLongPastAreLeftOut) {
+  Axis axis;
+  axis.mass = 96.8;
+  axis.force_max = 42622.0;
+  axis.power_max = 6479.5;
+  Task task = testing::plane_task(axis, testing::plane_corner("A", 53.130102, -45.0, 0.378157, 0.378157), 9.49e-6);
+  task.sample_period = 5e-4;
+  task.design.order_min = 1;
+  task.design.order_max = 2;
+  const DesignResult result = design_exact(task);
+  ASSERT_EQ(result.status, Status::optimal);
+  const CheckReport report = check_certificate(task, result);
+  EXPECT_TRUE(report.accepted) << report.reason;
+}
+
 TEST_F(PowerCertificate, ChordsTooShort) {
   // The upper end below what speeds are left in the box, or the lower end above it.
   EXPECT_GT(each_chord([](json&, json&, json& high) {

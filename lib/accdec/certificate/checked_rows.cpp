@@ -115,7 +115,18 @@ void CheckedRows::add(const proof::Term& term, CheckedBox& box, CheckedSum& sum)
   const double y = term.multiplier;
   if (!(y >= 0.0) || !std::isfinite(y)) throw Rejected("a multiplier is negative or not a number");
   if (box.window) require_inside(term.row, box);
-  std::visit([&](const auto& row) { add_row(row, Interval(y), box, sum); }, term.row);
+  const auto add = [&]<class Row>(const Row& row) {
+    const Interval before = sum.rhs;
+    const long terms = sum.terms;
+    add_row(row, Interval(y), box, sum);
+    // At a constant speed a limit says nothing of the taps. Where it holds the proof does without the row: multipliers
+    // serve several parts, in some of which some of their rows are of samples long past.
+    if constexpr (std::is_same_v<Row, proof::Blend> || std::is_same_v<Row, proof::BlendPower> ||
+                  std::is_same_v<Row, proof::EventForce> || std::is_same_v<Row, proof::EventPower>) {
+      if (sum.terms == terms && (sum.rhs - before).lo > 0.0) sum.rhs = before;
+    }
+  };
+  std::visit(add, term.row);
 }
 
 void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) const {

@@ -37,18 +37,27 @@ struct CheckedSum {
   std::vector<Interval> taps, cumulative;  // c_i, e_k
   std::vector<Interval> delays, samples;   // f_j, g_j; empty: zero
   Interval rhs;
+  long terms = 0;  ///< added so far to `taps` and `cumulative`
   explicit CheckedSum(int order)
       : taps(static_cast<std::size_t>(order) + 1), cumulative(static_cast<std::size_t>(order) + 2) {}
   int order() const { return static_cast<int>(taps.size()) - 1; }
   void tap(int i, const Interval& c) {
-    if (i >= 0 && i <= order()) taps[static_cast<std::size_t>(i)] = taps[static_cast<std::size_t>(i)] + c;
+    if (i < 0 || i > order()) return;
+    taps[static_cast<std::size_t>(i)] = taps[static_cast<std::size_t>(i)] + c;
+    count(c);
   }
   void response(int k, const Interval& c) {
-    if (k > order())
+    if (k > order()) {
       rhs = rhs - c;
-    else if (k > 0)
+    } else if (k > 0) {
       cumulative[static_cast<std::size_t>(k)] = cumulative[static_cast<std::size_t>(k)] + c;
+      count(c);
+    }
   }
+
+ private:
+  /// The product of a leg that stands still is nothing but its rounding.
+  void count(const Interval& c) { terms += c.magnitude().hi > 1e-300 ? 1 : 0; }
 };
 
 /// Sets up the limits of a task again as rows, in interval arithmetic, from what a certificate names them by.
