@@ -1,3 +1,4 @@
+#include <cmath>
 #include <ctime>
 #include <fstream>
 #include <map>
@@ -89,7 +90,7 @@ void add_environment(nlohmann::ordered_json& manifest, const std::string& versio
 #endif
   manifest["machine"] = {{"processor", processor()},
                          {"cores", std::thread::hardware_concurrency()},
-                         {"memory_GiB", static_cast<int>(memory + 0.5)},
+                         {"memory_GiB", std::lround(memory)},
                          {"system", fmt::format("{} {} {}", system.sysname, system.release, system.machine)}};
   manifest["finished"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
