@@ -149,6 +149,9 @@ class Attack {
 
 Arguments parse(const std::vector<std::string>& words) {
   Arguments arguments;
+  if (words.size() % 2 == 0)
+    throw std::invalid_argument(
+        "options, each with a value: --seed --first --cases (numbers), --minutes, --keep (a folder), --kind (a name)");
   for (std::size_t i = 1; i + 1 < words.size(); i += 2) {
     const std::string &name = words[i], &value = words[i + 1];
     if (name == "--seed")
