@@ -230,19 +230,11 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
   const auto a = static_cast<std::size_t>(row.axis);
   const Interval in = speed(c, a, true), out = speed(c, a, false);
   const Interval y = weight * (row.sign < 0 ? -1.0 : 1.0);
-  // Past the end of a short filter a row has no terms left and may be dropped, which is taking its multiplier as 0.
-  const int n = sum.order();
-  const auto tap = [&](int i) { return i >= 0 && i <= n; };
-  const auto response = [&](int at) { return at >= 1 && at <= n; };
-  const std::optional<int> times = differences(row.limit);
-  bool touches = row.limit == LimitKind::force && (response(k) || response(k - d));
-  for (int j = 0; j <= times.value_or(0); ++j) touches = touches || tap(k - 1 - j) || tap(k - 1 - j - d);
-  if (!touches) return;
   const auto acceleration = [&](int at, const Interval& f) {
     sum.tap(at - 1, -1.0 * f * in / period());
     sum.tap(at - 1 - d, f * out / period());
   };
-  if (times) {
+  if (const std::optional<int> times = differences(row.limit)) {
     const double bound = x.*axis_limit(row.limit).bound;
     require_limit(bound);
     add_difference(*times, k, y / Interval(bound), Interval(1.0) / period(), acceleration);
