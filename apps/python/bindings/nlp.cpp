@@ -99,8 +99,8 @@ std::vector<std::string> names(int count, Name name) {
 
 Handle make_problem(const Task& task, const std::string& question, int order, const std::vector<int>& delays,
                     bool reduced) {
-  const auto asked = study::question_from_string(question);
-  if (!asked || *asked == study::Question::design)
+  const auto asked = comparison::question_from_string(question);
+  if (!asked || *asked == comparison::Question::design)
     throw std::invalid_argument(fmt::format("question: allowed are \"margin\" and \"delay\", got \"{}\"", question));
   if (order < 1 || order > 100'000)
     throw std::invalid_argument(fmt::format("order: allowed is 1 to 100000, got {}", order));
@@ -110,14 +110,14 @@ Handle make_problem(const Task& task, const std::string& question, int order, co
   for (const int delay : delays) {
     if (delay < 0) throw std::invalid_argument(fmt::format("delays: allowed is >= 0, got {}", delay));
   }
-  study::CaseSpec spec;
+  comparison::CaseSpec spec;
   spec.name = question;
   spec.task = task;
   spec.question = *asked;
   spec.order = order;
   spec.delays = delays;
   const auto handle = std::make_shared<ProblemHandle>();
-  handle->subject = std::make_shared<study::ComparisonCase>(std::move(spec));
+  handle->subject = std::make_shared<comparison::ComparisonCase>(std::move(spec));
   handle->problem = handle->subject->problem(reduced);
   handle->reduced = reduced;
   return handle;

@@ -7,6 +7,7 @@
 
 #include <accdec/design/baseline_search.hpp>
 #include <accdec/design/baselines.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/verifier.hpp>
@@ -82,7 +83,7 @@ BaselineResult best_below(const Task& task, const Baseline& baseline, double hop
   answer.result.solver.method = "given";
   answer.result.solver.name = fmt::format("best {}", baseline.name);
   answer.result.solver.evaluations = tried;
-  answer.result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  answer.result.solver.wall_time = seconds_since(began);
   return answer;
 }
 

@@ -5,7 +5,8 @@
 #include <fmt/format.h>
 
 #include <accdec/plot/figure_layout.hpp>
-#include <accdec/study/study_figure_check.hpp>
+#include <accdec/study/column_titles.hpp>
+#include <accdec/study/study_figure_completion.hpp>
 #include <accdec/study/study_report.hpp>
 
 namespace accdec {

@@ -89,7 +89,7 @@ void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, co
 /// @param delays  of the path; found again when feeds change
 /// @param ramps   where feeds change inside a leg, lower them to what passes that joint instead; true of each joint
 /// alone
-/// @return one entry a limit
+/// @return one entry a limit. In slow_blocks.cpp.
 std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const LegFilters& filters, double sample_period,
                                      const Machine& machine, PairwiseDelays& delays, bool ramps);
 
