@@ -5,6 +5,7 @@
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/plan/program_plan.hpp>
+#include <accdec/program/plan/stretches.hpp>
 #include <accdec/program/simulate/simulate.hpp>
 
 #include "reference.hpp"
@@ -31,6 +32,24 @@ TEST(Plan, EveryJointHoldsItsToleranceOnThePathByDefinition) {
           << "seed " << seed << " joint " << b;
     }
   }
+}
+
+TEST(Plan, StretchesAreBlocksOfTheProgram) {
+  std::string text = "G64 P0.05 F600\n";
+  for (int i = 1; i <= 60; ++i) text += "G1 X" + std::to_string(i) + "\n";
+  const Toolpath path = path_of(text);
+  for (const std::size_t whole_max : {std::size_t{8}, std::size_t{40}, std::size_t{56}, path.blocks() - 1}) {
+    const std::vector<Toolpath> parts = stretches(path, whole_max);
+    ASSERT_EQ(parts.size(), 4U);
+    for (const Toolpath& part : parts) {
+      ASSERT_EQ(part.blocks(), whole_max / 4);
+      for (std::size_t b = 0; b <= part.blocks(); ++b)
+        EXPECT_NEAR(part.point(b)[0], part.point(0)[0] + 1e-3 * static_cast<double>(b), 1e-12) << whole_max << " " << b;
+      EXPECT_LE(part.point(part.blocks())[0], path.point(path.blocks())[0]);
+      EXPECT_LE(part.line.back(), path.line.back());
+    }
+  }
+  EXPECT_EQ(stretches(path, path.blocks()).size(), 1U);
 }
 
 TEST(Plan, ADelayRaisedByOverlapCannotBeOneShorter) {
