@@ -180,6 +180,17 @@ py::list solver_list() {
   return list;
 }
 
+std::vector<std::string> derivative_errors(const Handle& h, const Numbers& x, double tolerance) {
+  const auto point = point_of(x, h->get().num_variables(), "x");
+  const auto found = std::make_shared<std::vector<std::string>>();
+  const auto work = [=, own = std::vector<double>(point.begin(), point.end())](const Work&) {
+    for (const auto& wrong : nlp::check_derivatives(h->get(), own, tolerance)) found->push_back(wrong.text);
+  };
+  // Within a run the problem lasts only as long as the run.
+  h->subject ? run_interruptibly(work, py::none()) : work({std::atomic<bool>(false), {}});
+  return *found;
+}
+
 void bind_problem(py::module_& module) {
   py::class_<ProblemHandle, Handle>(module, "ProblemHandle")
       .def_property_readonly("name", [](const ProblemHandle& h) { return h.get().name(); })
@@ -227,16 +238,7 @@ void bind_problem(py::module_& module) {
             return py::array_t<double>(static_cast<py::ssize_t>(filter.taps().size()), filter.taps().data());
           },
           py::arg("x"))
-      .def(
-          "check_derivatives",
-          [](const ProblemHandle& h, const Numbers& x, double tolerance) {
-            std::vector<std::string> found;
-            for (const auto& wrong :
-                 nlp::check_derivatives(h.get(), point_of(x, h.get().num_variables(), "x"), tolerance))
-              found.push_back(wrong.text);
-            return found;
-          },
-          py::arg("x"), py::arg("tolerance"));
+      .def("check_derivatives", &derivative_errors, py::arg("x"), py::arg("tolerance"));
 }
 
 }  // namespace
