@@ -103,7 +103,8 @@ TEST(ForgedResult, WhatACheckFoundMayBeRecorded) {
   EXPECT_FALSE(verify_result(result).accepted);
 }
 
-// A boxcar of 21 taps accelerates alike in 21 samples: each of them, and no other near, is where the limit is used most.
+// A boxcar of 21 taps accelerates alike in 21 samples: each of them, and no other near, is where the limit is used
+// most.
 TEST(ForgedResult, ALimitIsUsedMostWhereItSays) {
   DesignResult result = design_task(parse_task(R"(sample_period_ms = 1.0
 [filter]
@@ -125,7 +126,9 @@ error_max_um = 200
   for (x.sample = -10; x.sample < 25; ++x.sample) {
     const ResultCheck check = verify_result(result);
     places += check.accepted ? 1 : 0;
-    if (!check.accepted) { EXPECT_THAT(check.reasons, ElementsAre(HasSubstr("where it is not used most"))); }
+    if (!check.accepted) {
+      EXPECT_THAT(check.reasons, ElementsAre(HasSubstr("where it is not used most")));
+    }
   }
   EXPECT_EQ(places, 21);
   x.sample = 100'000;
