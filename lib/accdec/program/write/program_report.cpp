@@ -88,6 +88,7 @@ void count_joints(ProgramResult& result) {
 
 void judge_program(ProgramResult& result, const Machine& machine) {
   count_joints(result);
+  result.raised = raised_delays(result.path, result.legs, result.sample_period, machine, result.plan.delays);
   add_vibration(result, machine);
   judge_limits(result);
 }
