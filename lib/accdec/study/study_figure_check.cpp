@@ -212,6 +212,8 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
   }
   if (heat) {
     if (auto fault = check_heat(figure, axes, grid)) return fault;
+    figure.excess = std::any_of(study.ratios.begin(), study.ratios.end(),
+                                [&](const StudyRatio& r) { return r.name == figure.z && r.excess; });
   }
   figure.points_only = !grid;
 
