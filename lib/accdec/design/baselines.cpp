@@ -65,9 +65,6 @@ BaselineResult best_below(const Task& task, const Baseline& baseline, double hop
       chosen.filter = answer.spec;
       const Filter filter = make_filter(*answer.spec);
       answer.result = assess(chosen, filter, search.delays(), false);
-      const int apart = DelayFinder(filter).exact_stop_delay();
-      answer.exact_stop =
-          std::all_of(search.delays().begin(), search.delays().end(), [&](int d) { return d >= apart; });
     } else {
       message = fmt::format("no {} of order {} to {} holds all limits", baseline.name, task.design.order_min,
                             task.design.order_max);
@@ -88,6 +85,13 @@ BaselineResult best_below(const Task& task, const Baseline& baseline, double hop
 }
 
 }  // namespace
+
+bool stops_exactly(const DesignResult& result) {
+  if (!result.filter || result.corners.empty()) return false;
+  const int apart = DelayFinder(*result.filter).exact_stop_delay();
+  return std::all_of(result.corners.begin(), result.corners.end(),
+                     [=](const CornerResult& corner) { return corner.delay >= apart; });
+}
 
 std::span<const Baseline> baselines() {
   return families;

@@ -146,6 +146,8 @@ std::optional<FigureFault> complete_study_figure(StudyFigure& figure, const Stud
   }
   if (heat) {
     if (auto fault = check_heat(figure, axes, grid)) return fault;
+    figure.excess = std::any_of(study.ratios.begin(), study.ratios.end(),
+                                [&](const StudyRatio& r) { return r.name == figure.z && r.excess; });
   }
   figure.points_only = !grid;
 
