@@ -18,7 +18,6 @@ SHIPPED = ["pocket", "zigzag", "trochoid", "engraving", "raster", "star"]
 GENERATED = {"hilbert": 1000, "relief": 3000, "spiral": 1000}  # kind: blocks
 TOLERANCES = ["g61.1", "p0.01", "p0.05", "p0.1", "p0.5"]
 PLANS = ["fixed", "per-leg", "profiles"]
-EXTRA = {"fixed": ["--time-limit", "5"], "per-leg": ["--time-limit", "5"], "profiles": []}
 
 
 def arguments():
@@ -119,7 +118,7 @@ def compare(case, options, folder):
             samples, report = folder / "samples.csv", folder / "report.json"
             report.unlink(missing_ok=True)
             done = subprocess.run([options.accdec, "program", str(program), "--task", str(task_file(folder, acceleration, jerk)), "--plan", plan,
-                                   "--samples", str(samples), "--json", str(report)] + EXTRA[plan], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+                                   "--samples", str(samples), "--json", str(report)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             if done.returncode != 0:
                 rows.append({"program": name, "acceleration_max": acceleration, "jerk_max": jerk or "", "planner": "accdec " + plan,
                              "breaks": "no plan: " + (done.stderr.strip().splitlines() or ["exit code %d" % done.returncode])[-1]})
