@@ -3,8 +3,103 @@
 
 #include <accdec/program/profiles/chain_maker.hpp>
 #include <accdec/program/profiles/profile_corner.hpp>
+#include <accdec/program/profiles/profile_motion.hpp>
 
 namespace accdec {
+namespace {
+
+/// `copy(values of the chain, values of the part, index in the chain)` for everything that a chain has of its legs and
+/// corners.
+template <class Chain, class Part, class Copy>
+void with_parts(Chain& chain, Part& part, std::size_t first, const Copy& copy) {
+  copy(chain.length, part.length, first);
+  copy(chain.feed, part.feed, first);
+  copy(chain.ramp, part.ramp, first * static_cast<std::size_t>(chain.levels));
+  copy(chain.speed_max, part.speed_max, first);
+  copy(chain.stretch, part.stretch, first);
+  copy(chain.coast, part.coast, first);
+  copy(chain.speed, part.speed, first);
+  copy(chain.peak, part.peak, first);
+}
+
+/// Legs first .. last with the corners at both ends.
+ProfileChain part_of(const ProfileChain& chain, std::size_t first, std::size_t last) {
+  ProfileChain part;
+  part.levels = chain.levels;
+  part.peak_coast = chain.peak_coast;
+  const std::size_t legs = last - first + 1;
+  for (auto* values : {&part.length, &part.feed, &part.peak}) values->resize(legs);
+  for (auto* values : {&part.speed_max, &part.stretch, &part.coast, &part.speed}) values->resize(legs + 1);
+  part.ramp.resize(legs * static_cast<std::size_t>(chain.levels));
+  with_parts(chain, part, first, [](const auto& from, auto& to, std::size_t at) {
+    std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(at), to.size(), to.begin());
+  });
+  return part;
+}
+
+/// The part in its place; of the corners at its ends the chain keeps what it has.
+void put_part(const ProfileChain& part, std::size_t first, ProfileChain& chain) {
+  const double ends[] = {chain.speed_max[first], chain.speed_max[first + part.legs()]};
+  with_parts(chain, part, first, [](auto& to, const auto& from, std::size_t at) {
+    std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(at));
+  });
+  chain.speed_max[first] = ends[0];
+  chain.speed_max[first + part.legs()] = ends[1];
+}
+
+bool keeps_ends(const ProfileChain& part) {
+  return part.speed.front() >= part.speed_max.front() * (1.0 - 1e-12) &&
+         part.speed.back() >= part.speed_max.back() * (1.0 - 1e-12);
+}
+
+/// The first leg behind the last stop, which the part may begin with.
+std::size_t after_last_stop(const ProfileChain& part) {
+  std::size_t from = part.legs();
+  while (from > 0 && !part.stops(from)) --from;
+  return from;
+}
+
+/// The same with corners and peaks of legs from `from` on at no more than `share` of their speeds.
+ProfileChain slowed(const ProfileChain& part, std::size_t from, double share) {
+  ProfileChain slow = part;
+  for (std::size_t c = from + 1; c < part.legs(); ++c) slow.speed_max[c] = share * part.speed[c];
+  look_ahead(slow);
+  for (std::size_t b = from; b < part.legs(); ++b) {
+    slow.peak[b] = std::max({slow.speed[b], slow.speed[b + 1], std::min(slow.peak[b], share * part.peak[b])});
+  }
+  return slow;
+}
+
+/// Slows legs from `from` on until they take `wanted` and a whole number of samples. False where too little can be
+/// slowed without changing the speeds at the ends.
+bool take_whole_samples(ProfileChain& part, std::size_t from, double wanted, double period) {
+  const double time = chain_time(part, from, part.legs());
+  constexpr double exact = 1e-9;  // of a sample
+  double more = (wanted - time) / period;
+  more -= std::floor(more);
+  if (more < exact || more > 1.0 - exact) return true;
+  const double goal = time + more * period;
+  // The share by false position: the time falls, and nearly evenly, with it.
+  double low = 0.7, high = 1.0, above = 0.0, below = time - goal;
+  ProfileChain slow = slowed(part, from, low);
+  if (!keeps_ends(slow) || (above = chain_time(slow, from, slow.legs()) - goal) < 0.0) return false;
+  for (int i = 0; i < 80; ++i) {
+    const double share = i % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * above / (above - below);
+    slow = slowed(part, from, share);
+    const double off = chain_time(slow, from, slow.legs()) - goal;
+    if (std::abs(off) < exact * period) {
+      if (!keeps_ends(slow)) return false;
+      part.speed = std::move(slow.speed);
+      part.peak = std::move(slow.peak);
+      return true;
+    }
+    (off > 0.0 ? low : high) = share;
+    (off > 0.0 ? above : below) = off;
+  }
+  return false;
+}
+
+}  // namespace
 
 ChainMaker::ChainMaker(const Toolpath& path, const AvailableAcceleration& available)
     : path_(path), available_(available), n_(path.dimensions()) {
@@ -25,43 +120,35 @@ ChainMaker::ChainMaker(const Toolpath& path, const AvailableAcceleration& availa
 }
 
 const ProfileChain& ChainMaker::make(const ProfileShares& shares) {
-  const std::size_t blocks = path_.blocks();
-  for (std::size_t b = 0; b < blocks; ++b) set_ramp(b, static_cast<double>(shares.acceleration[2 * b]));
-  for (std::size_t c = 1; c < blocks; ++c) {
-    if (path_.joint[c - 1] == Joint::stop) continue;
-    set_corner(c, static_cast<double>(shares.acceleration[2 * c - 1]), static_cast<double>(shares.speed[c]));
-  }
+  set_part(shares, 0, path_.blocks() - 1);
   look_ahead(chain_);
   return chain_;
 }
 
-bool ChainMaker::remake(const ProfileShares& shares, std::size_t first, std::size_t last) {
+void ChainMaker::set_part(const ProfileShares& shares, std::size_t first, std::size_t last) {
   for (std::size_t b = first; b <= last; ++b) set_ramp(b, static_cast<double>(shares.acceleration[2 * b]));
   for (std::size_t c = first + 1; c <= last; ++c) {
     if (path_.joint[c - 1] == Joint::stop) continue;
     set_corner(c, static_cast<double>(shares.acceleration[2 * c - 1]), static_cast<double>(shares.speed[c]));
   }
-  const auto part = [](const std::vector<double>& values, std::size_t from, std::size_t end) {
-    return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(from),
-                               values.begin() + static_cast<std::ptrdiff_t>(end));
-  };
-  ProfileChain slice;
-  slice.levels = chain_.levels;
-  slice.peak_coast = chain_.peak_coast;
-  slice.length = part(chain_.length, first, last + 1);
-  slice.feed = part(chain_.feed, first, last + 1);
-  slice.ramp = part(chain_.ramp, first * levels(), (last + 1) * levels());
-  slice.speed_max = part(chain_.speed_max, first, last + 2);
-  slice.stretch = part(chain_.stretch, first, last + 2);
-  slice.coast = part(chain_.coast, first, last + 2);
-  const double at_first = slice.speed_max.front() = chain_.speed[first];
-  const double at_last = slice.speed_max.back() = chain_.speed[last + 1];
-  look_ahead(slice);
-  if (slice.speed.front() < at_first * (1.0 - 1e-12) || slice.speed.back() < at_last * (1.0 - 1e-12)) return false;
-  std::copy(slice.speed.begin() + 1, slice.speed.end() - 1,
-            chain_.speed.begin() + static_cast<std::ptrdiff_t>(first) + 1);
-  std::copy(slice.peak.begin(), slice.peak.end(), chain_.peak.begin() + static_cast<std::ptrdiff_t>(first));
-  return true;
+}
+
+bool ChainMaker::remake(const ProfileShares& shares, std::size_t first, std::size_t last,
+                        const std::vector<double>& phases) {
+  const ProfileChain before = part_of(chain_, first, last);
+  set_part(shares, first, last);
+  ProfileChain part = part_of(chain_, first, last);
+  part.speed_max.front() = before.speed.front();
+  part.speed_max.back() = before.speed.back();
+  look_ahead(part);
+  bool made = keeps_ends(part);
+  if (made && last + 1 < path_.blocks() && !part.stops(part.legs())) {
+    const std::size_t from = after_last_stop(part);
+    const double begins = from > 0 ? available_.period() : phases[first];
+    made = take_whole_samples(part, from, begins - phases[last + 1], available_.period());
+  }
+  put_part(made ? part : before, first, chain_);
+  return made;
 }
 
 void ChainMaker::measure(std::size_t b) {

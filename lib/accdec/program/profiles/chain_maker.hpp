@@ -26,9 +26,11 @@ class ChainMaker {
 
   /// All of it.
   const ProfileChain& make(const ProfileShares& shares);
-  /// Legs first .. last with the speeds at both ends as they are. False, and no speed changed, where that cannot be
-  /// driven: then more legs have to change.
-  bool remake(const ProfileShares& shares, std::size_t first, std::size_t last);
+  /// Legs first .. last with the speeds at both ends as they are, and slowed so far that all samples after them lie
+  /// where they did, only whole samples later: what was verified there stays so. False, and nothing changed, where that
+  /// cannot be driven: then more legs have to change.
+  /// @param phases  see ProfileMotion, of the chain as it is
+  bool remake(const ProfileShares& shares, std::size_t first, std::size_t last, const std::vector<double>& phases);
   const ProfileChain& chain() const { return chain_; }
   ProfileChain take() { return std::move(chain_); }
 
@@ -38,6 +40,7 @@ class ChainMaker {
   void measure(std::size_t b);
   void set_ramp(std::size_t b, double share);
   void set_corner(std::size_t c, double acceleration, double speed);
+  void set_part(const ProfileShares& shares, std::size_t first, std::size_t last);
 
   const Toolpath& path_;
   const AvailableAcceleration& available_;

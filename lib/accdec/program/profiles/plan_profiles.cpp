@@ -18,26 +18,22 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
   ChainMaker maker(path, available);
   maker.make(shares);
   const LegRange all{0, path.blocks() - 1};
+  std::vector<double> phases(path.blocks());
   constexpr int rounds_max = 60;
-  const int phases = path.blocks() > 50'000 ? 4 : 1;
   for (plan.rounds = 0;; ++plan.rounds) {
-    // Parts that held by themselves may not in the whole, which is sampled at other times: by more in every round.
+    // Parts that held by themselves and not in the whole are slowed by more in every round.
     ProfileRepair repair(path, available, shares, all, 2 * plan.rounds);
-    const auto sample = [&](double first_sample) {
-      SampleChecker checker(path, machine, sample_period, plan.errors,
-                            [&](std::int64_t first, std::int64_t last_place, LimitKind kind, double ratio) {
-                              repair.limit(first, last_place, kind, ratio);
-                            });
-      ProfileMotion motion(path, maker.chain(), sample_period, last, all.first, all.last, first_sample);
-      while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
-      plan.check = checker.finish();
-      if (!plan.check.errors_hold) repair.errors(maker.chain(), plan.errors, all);
-    };
-    sample(sample_period);
+    SampleChecker checker(path, machine, sample_period, plan.errors,
+                          [&](std::int64_t first, std::int64_t last_place, LimitKind kind, double ratio) {
+                            repair.limit(first, last_place, kind, ratio);
+                          });
+    ProfileMotion motion(path, maker.chain(), sample_period, last);
+    motion.note_phases(phases);
+    while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
+    plan.check = checker.finish();
     if (plan.holds() || plan.rounds == rounds_max) break;
-    // What is slowed moves all samples after it: of a long program all that may break is looked for at once.
-    for (int i = 1; i < phases && plan.rounds == 0; ++i) sample(sample_period * i / phases);
-    repair_parts(path, machine, available, shares, maker, plan.errors, repair.touched(), 2 * plan.rounds, phases);
+    if (!plan.check.errors_hold) repair.errors(maker.chain(), plan.errors, all);
+    repair_parts(path, machine, available, shares, maker, plan.errors, phases, repair.touched(), 2 * plan.rounds);
   }
   plan.chain = maker.take();
   return plan;

@@ -116,6 +116,18 @@ void ProfileMotion::arrive(std::size_t c) {
   done_ = c == path_.blocks();
 }
 
+void ProfileMotion::begin_leg(std::size_t b) {
+  leg_ = b;
+  leg_pieces(b);
+  place_ = 2 * static_cast<std::int64_t>(b);
+  if (phases_) (*phases_)[b] = time_;
+}
+
+void ProfileMotion::note_phases(std::vector<double>& phases) {
+  phases_ = &phases;
+  phases[leg_] = time_;
+}
+
 /// Whether the piece driven is the last one before a stop.
 bool ProfileMotion::ends_at_stop() const {
   return piece_ + 1 == pieces_.size() && !in_corner_ && chain_.stops(leg_ + 1);
@@ -135,8 +147,7 @@ bool ProfileMotion::raw() {
     }
     if (in_corner_) {
       in_corner_ = false;
-      leg_pieces(++leg_);
-      place_ = 2 * static_cast<std::int64_t>(leg_);
+      begin_leg(leg_ + 1);
       continue;
     }
     if (leg_ == last_leg_ && last_leg_ + 1 < path_.blocks()) return false;
@@ -149,9 +160,8 @@ bool ProfileMotion::raw() {
     arrive(leg_ + 1);
     --rest_;
     if (done_) return true;
-    leg_pieces(++leg_);
-    place_ = 2 * static_cast<std::int64_t>(leg_);
     time_ = period_;
+    begin_leg(leg_ + 1);
     return true;
   }
   const Piece& piece = pieces_[piece_];
@@ -203,8 +213,12 @@ bool ProfileMotion::next() {
 }
 
 double chain_time(const ProfileChain& chain) {
+  return chain_time(chain, 0, chain.legs());
+}
+
+double chain_time(const ProfileChain& chain, std::size_t first_leg, std::size_t end) {
   double time = 0.0;
-  for (std::size_t b = 0; b < chain.legs(); ++b) {
+  for (std::size_t b = first_leg; b < end; ++b) {
     const double first = chain.speed[b], last = chain.speed[b + 1], peak = chain.peak[b];
     const double ramps = 2.0 * chain.way(b, peak) - chain.way(b, first) - chain.way(b, last);
     const double steady = chain.length[b] - chain.taken(b, first) - chain.taken(b + 1, last) - ramps;

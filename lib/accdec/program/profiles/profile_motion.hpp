@@ -28,6 +28,9 @@ class ProfileMotion {
   /// Moves on by one sample; false if the motion is at rest at its end. The first call gives the first sample after the
   /// start.
   bool next();
+  /// From now on writes, for every leg that it comes to and the one it is on, when after the beginning of the leg the
+  /// first sample lies: s, one value a leg, kept by reference.
+  void note_phases(std::vector<double>& phases);
   /// m, one value a dimension.
   const double* position() const { return out_.data(); }
   /// What the sample lies on: 2 b for leg b, 2 b + 1 for the corner after it; of the samples inside the filter the
@@ -45,6 +48,7 @@ class ProfileMotion {
   void ramp_pieces(std::size_t b, double from, double to, double& way, const double* u);
   void corner_piece(std::size_t c);
   void arrive(std::size_t c);
+  void begin_leg(std::size_t b);
   void direction(std::size_t b, double* u) const;
   void leg_piece(std::size_t b, double& way, double speed, double acceleration, double duration, const double* u);
   bool ends_at_stop() const;
@@ -69,6 +73,7 @@ class ProfileMotion {
   std::int64_t rest_ = 0;  // samples still to rest
   std::int64_t place_ = 0;
   std::size_t dwell_ = 0;  // next entry of the path's dwells
+  std::vector<double>* phases_ = nullptr;
   std::array<double, program_axis_count> raw_{}, out_{};
   // the last filter
   std::vector<double> ring_;  // taps rows
@@ -79,5 +84,7 @@ class ProfileMotion {
 
 /// Continuous time of the chain between its stops, without what rounding to samples and dwells add, s.
 double chain_time(const ProfileChain& chain);
+/// Of legs first .. end - 1, the corners at their ends included but the one before the first.
+double chain_time(const ProfileChain& chain, std::size_t first, std::size_t end);
 
 }  // namespace accdec

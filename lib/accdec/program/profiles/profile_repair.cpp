@@ -117,7 +117,7 @@ namespace {
 class PartRepair {
  public:
   PartRepair(const Toolpath& path, const Machine& machine, const AvailableAcceleration& available,
-             ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors, int phases)
+             ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors, std::vector<double>& phases)
       : path_(path),
         machine_(machine),
         available_(available),
@@ -143,21 +143,12 @@ class PartRepair {
 
   /// Makes a part again, samples it and lowers what breaks: where that was.
   std::vector<LegRange> once(LegRange core, int round) {
-    const LegRange judged = around(core, 0.5 * reach(), 1);
-    LegRange sampled = around(judged, reach(), 2);
-    for (std::size_t more = 8; !maker_.remake(shares_, sampled.first, sampled.last); more *= 2) {
-      sampled = around(sampled, 0.0, more);
+    LegRange changed = around(core, 0.5 * reach(), 2);
+    for (std::size_t more = 4; !maker_.remake(shares_, changed.first, changed.last, phases_); more *= 2) {
+      changed = around(changed, 0.0, more);
     }
-    std::vector<LegRange> broken;
-    for (int i = phases_; i > 0 && broken.empty(); --i) {
-      broken = sample(sampled, judged, round, available_.period() * i / phases_);
-    }
-    return broken;
-  }
-
- private:
-  /// Lowers what breaks.
-  std::vector<LegRange> sample(LegRange sampled, LegRange judged, int round, double first_sample) {
+    const LegRange judged = around(changed, 0.5 * reach(), 1);
+    const LegRange sampled = around(judged, reach(), 2);
     const ProfileChain& chain = maker_.chain();
     ProfileRepair repair(path_, available_, shares_, sampled, round);
     const auto broken = [&](std::int64_t first, std::int64_t last, LimitKind kind, double ratio) {
@@ -166,27 +157,29 @@ class PartRepair {
     SampleChecker checker(path_, machine_, available_.period(), errors_, broken, sampled.first, sampled.last,
                           sampled.first > 0 ? available_.last().filter().order() + 4 : 0);
     ProfileMotion motion(path_, chain, available_.period(), available_.last().filter(), sampled.first, sampled.last,
-                         first_sample);
+                         phases_[sampled.first]);
+    motion.note_phases(phases_);
     while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
     checker.finish_part(sampled.last + 1 == path_.blocks());
     repair.errors(chain, errors_, judged);
     return repair.touched();
   }
 
+ private:
   const Toolpath& path_;
   const Machine& machine_;
   const AvailableAcceleration& available_;
   ProfileShares& shares_;
   ChainMaker& maker_;
   std::vector<double>& errors_;
-  const int phases_;
+  std::vector<double>& phases_;
 };
 
 }  // namespace
 
 void repair_parts(const Toolpath& path, const Machine& machine, const AvailableAcceleration& available,
-                  ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors, std::vector<LegRange> touched,
-                  int round, int phases) {
+                  ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors, std::vector<double>& phases,
+                  std::vector<LegRange> touched, int round) {
   PartRepair repair(path, machine, available, shares, maker, errors, phases);
   constexpr int rounds_max = 80;
   for (int i = 0; i < rounds_max && !touched.empty(); ++i) {

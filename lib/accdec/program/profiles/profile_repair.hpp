@@ -43,13 +43,13 @@ class ProfileRepair {
 };
 
 /// Repairs the surroundings of every touched place by themselves, in rounds: their part of the chain is made again
-/// between the speeds at its ends, sampled and judged, and what still breaks something is lowered and comes up in the
-/// next round. The samples lie at other times than those of the whole program, which has to be sampled again after
-/// that.
-/// @param phases  times within a sample at which a part has to hold, because the whole motion is sampled at others
+/// between the speeds at its ends, sampled as the whole motion is and judged, and what still breaks something is
+/// lowered and comes up in the next round. A part ends whole samples later than before, so that the samples after it
+/// stay what they were.
+/// @param phases  of every leg, see ProfileMotion; kept up to date
 /// @param touched  see ProfileRepair  @param errors  of every block, written where judged
 void repair_parts(const Toolpath& path, const Machine& machine, const AvailableAcceleration& available,
-                  ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors, std::vector<LegRange> touched,
-                  int round, int phases);
+                  ProfileShares& shares, ChainMaker& maker, std::vector<double>& errors, std::vector<double>& phases,
+                  std::vector<LegRange> touched, int round);
 
 }  // namespace accdec
