@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace accdec::cli {
 namespace {
@@ -36,6 +37,7 @@ ClusterPlan plan_of(const ClusterWork& work, const ClusterOptions& options) {
   plan.folder = folder.string();
   plan.more = work.more;
   plan.shards = options.shards;
+  if (!options.sbatch.empty()) plan.sbatch = options.sbatch;  // else those of before
   plan.input = freeze_inputs(work.input, (folder / "slurm" / "inputs").string());
   work.check(plan.input);
   return plan;
@@ -51,7 +53,10 @@ void add_cluster_options(CLI::App& command, ClusterOptions& options) {
                       "array and a merge behind it. The same command again submits what is missing")
           ->check(CLI::Range(2, 1000))
           ->type_name("N");
-  command.add_option("--sbatch-arg", options.sbatch, "A further argument for sbatch, for example --partition=long")
+  command
+      .add_option("--sbatch-arg", options.sbatch,
+                  "A further argument for sbatch, for example --partition=long; kept in DIR for when the command is "
+                  "repeated without any")
       ->allow_extra_args(false)
       ->take_all()
       ->type_name("ARG")
@@ -83,13 +88,15 @@ int submit_to_cluster(const ClusterWork& work, const ClusterOptions& options, co
     if (!context.quiet) fmt::print("{}\nNothing to submit: {} is complete\n", work.title, work.out);
     return exit_ok;
   }
-  const ClusterJob job = submit_missing(plan, states, options.sbatch, program);
+  const ClusterJob job = submit_missing(plan, states, program);
   if (context.quiet) return exit_ok;
   fmt::print("{}\n", work.title);
   if (!job.array.empty())
     fmt::print("Submitted shard {} of {} as array job {}\n", study::ranges_text(job.shards), plan.shards, job.array);
   if (!job.merge.empty()) fmt::print("Submitted the merge as job {}\n", job.merge);
   if (job.array.empty() && job.merge.empty()) fmt::print("Nothing to submit: all that is missing is in the queue\n");
+  if (options.sbatch.empty() && !plan.sbatch.empty())
+    fmt::print("With the arguments for sbatch of before: {}\n", fmt::join(plan.sbatch, " "));
   fmt::print("How far it is: accdec {} --status {}\n", work.command, work.out);
   return exit_ok;
 }

@@ -66,7 +66,7 @@ void add_explain(CLI::App& app, Context& context) {
       ->check(positive_number());
   command
       ->add_option("--design-time-limit", arguments->design_time_limit,
-                   "seconds for each single design; the default is 10")
+                   "seconds of processor time for each single design; the default is 10")
       ->type_name("SECONDS")
       ->check(positive_number());
   command->callback([arguments, &context] { run(*arguments, context); });

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <accdec/design/explain.hpp>
+#include <accdec/design/explain_solve.hpp>
 
 #include "support/tasks.hpp"
 
@@ -227,6 +228,14 @@ TEST(Explain, EndsWithItsTimeLimit) {
   EXPECT_FALSE(e.complete);
   EXPECT_TRUE(e.gains.empty());
   EXPECT_EQ(e.solves, 1);
+}
+
+/// A design is given so much longer by the clock as other programs take from it.
+TEST(Explain, ALoadedMachineGivesADesignLonger) {
+  EXPECT_EQ(slowdown(4.0, 2.0), 2.0);
+  EXPECT_EQ(slowdown(4.0, 7.0), 1.0) << "several threads";
+  EXPECT_EQ(slowdown(100.0, 1.0), 8.0) << "a machine that hardly goes on";
+  EXPECT_EQ(slowdown(0.1, 0.01), 1.0) << "too short to say";
 }
 
 }  // namespace

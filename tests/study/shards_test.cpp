@@ -195,5 +195,31 @@ TEST_F(StudyCommand, WithoutSlurmTheScriptsSayHowToDoWithout) {
   EXPECT_THAT(run("study --status whole").output, HasSubstr("nothing was submitted from here"));
 }
 
+/// A Slurm that takes every job, runs none, and notes what it was told.
+TEST_F(StudyCommand, ARepeatedSubmissionHasTheArgumentsOfTheFirst) {
+  study(5);
+  fs::create_directories(home_ / "bin");
+  for (const char* tool : {"sbatch", "squeue", "scancel"}) {
+    write(home_ / "bin" / tool,
+          fmt::format("#!/bin/sh\n[ {} = sbatch ] || exit 0\necho \"$@\" >> {}/told\necho 7\n", tool, home_.string()));
+    fs::permissions(home_ / "bin" / tool, fs::perms::owner_all);
+  }
+  const auto submit = [&](const std::string& more) {
+    fs::remove(home_ / "told");
+    const Outcome r =
+        run("study study.toml --out out --slurm 3" + more, fmt::format("PATH={}/bin:$PATH", home_.string()));
+    EXPECT_EQ(r.exit_code, 0) << r.output;
+    return r.output + content(home_ / "told");
+  };
+  const std::string first = "--parsable --array=1-3 --time=10 --qos=a b /";
+  EXPECT_THAT(submit(" --sbatch-arg --time=10 --sbatch-arg '--qos=a b'"), HasSubstr(first));
+  const std::string again = submit("");
+  EXPECT_THAT(again, HasSubstr(first));
+  EXPECT_THAT(again, HasSubstr("With the arguments for sbatch of before: --time=10 --qos=a b"));
+  EXPECT_THAT(content(home_ / "out/slurm/array.sh"), HasSubstr("sbatch --array=1-3 '--time=10' '--qos=a b' /"));
+  EXPECT_THAT(submit(" --sbatch-arg --time=20"), HasSubstr("--parsable --array=1-3 --time=20 /"));
+  EXPECT_THAT(submit(""), HasSubstr("--parsable --dependency=afterany:7 --time=20 /"));
+}
+
 }  // namespace
 }  // namespace accdec::study

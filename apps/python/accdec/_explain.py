@@ -24,7 +24,7 @@ def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 300.0, desig
     by : float
         How much more room to try, a share of every limit, 0 < by < 1.
     time_limit, design_time_limit : float
-        s, of all designs, then what is known, and `complete` is False; of every single one.
+        s, of all designs, then what is known, and `complete` is False; of every single one, in processor time.
     progress : bool or callable, optional
 
     Returns

@@ -52,7 +52,7 @@ struct Remedy {
 };
 
 struct ExplainOptions {
-  DesignOptions design;           ///< of every single solve; its progress is not told
+  DesignOptions design;           ///< of every single solve, its time limit in processor time; no progress is told
   double time_limit = unlimited;  ///< s, of all solves together; then what is known
   double share = 0.1;             ///< more room to try, 0 < share < 1
   /// Told before every solve but the first: how many are done, and how many there will be as far as is known.

@@ -149,7 +149,11 @@ std::string remedy_text(const Explanation& e) {
         percent(remedy_tolerance), table.str());
   }
   if (!useless.empty()) text += fmt::format("\nNo change helps, by itself, of: {}.\n", fmt::join(useless, ", "));
-  if (!unknown.empty()) text += fmt::format("\nNot settled in the time given: {}.\n", fmt::join(unknown, ", "));
+  if (!unknown.empty())
+    text += fmt::format(
+        "\nNot settled in the time given to each design, by itself: {}. With more (--design-time-limit) it "
+        "may be.\n",
+        fmt::join(unknown, ", "));
   return text;
 }
 

@@ -16,11 +16,12 @@ struct ClusterJob {
 
 /// A study or comparison that a cluster computes in shards; kept as DIR/slurm/plan.json.
 struct ClusterPlan {
-  std::string command;            ///< subcommand: "study" or "compare"
-  std::string title;              ///< for people
-  std::string folder;             ///< of the results, absolute; all nodes must see it
-  std::string input;              ///< the frozen study or suite, absolute
-  std::vector<std::string> more;  ///< further arguments of shards and merge
+  std::string command;              ///< subcommand: "study" or "compare"
+  std::string title;                ///< for people
+  std::string folder;               ///< of the results, absolute; all nodes must see it
+  std::string input;                ///< the frozen study or suite, absolute
+  std::vector<std::string> more;    ///< further arguments of shards and merge
+  std::vector<std::string> sbatch;  ///< further arguments for sbatch, of every submission
   std::size_t shards = 1;
   std::vector<ClusterJob> jobs;
 };
@@ -55,12 +56,10 @@ std::vector<QueuedTask> cluster_queue(const ClusterPlan& plan);
 
 /// Submits the shards that are neither complete nor in the queue as an array, and a merge behind all arrays that are
 /// under way; an older merge that still waits is cancelled. Notes the jobs in the plan, which is written anew.
-/// @param sbatch  further arguments for sbatch
 /// @param program  as of write_cluster_plan
 /// @return what was submitted; empty members for nothing
 /// @throws std::runtime_error with Slurm's message, or if it is not installed
-ClusterJob submit_missing(ClusterPlan& plan, const std::vector<study::ShardState>& shards,
-                          const std::vector<std::string>& sbatch, const std::string& program);
+ClusterJob submit_missing(ClusterPlan& plan, const std::vector<study::ShardState>& shards, const std::string& program);
 
 /// What runs, what is done, what is lost, and how long it will take, for people.
 std::string cluster_status(const ClusterPlan& plan, const std::vector<study::ShardState>& shards,

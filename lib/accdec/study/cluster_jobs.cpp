@@ -140,8 +140,7 @@ std::vector<std::size_t> stranded_shards(const std::vector<ShardState>& shards, 
   return numbers;
 }
 
-ClusterJob submit_missing(ClusterPlan& plan, const std::vector<ShardState>& shards,
-                          const std::vector<std::string>& sbatch, const std::string& program) {
+ClusterJob submit_missing(ClusterPlan& plan, const std::vector<ShardState>& shards, const std::string& program) {
   const std::vector<QueuedTask> queue = cluster_queue(plan);
   const fs::path folder = fs::path(plan.folder) / "slurm";
   ClusterJob job;
@@ -149,7 +148,7 @@ ClusterJob submit_missing(ClusterPlan& plan, const std::vector<ShardState>& shar
   const QueuedTask* waiting = task_of(queue, 0);
   if (job.shards.empty() && waiting) return job;
   if (!job.shards.empty()) {
-    job.array = submit({fmt::format("--array={}", study::ranges_text(job.shards))}, sbatch, folder / "array.sh");
+    job.array = submit({fmt::format("--array={}", study::ranges_text(job.shards))}, plan.sbatch, folder / "array.sh");
     plan.jobs.push_back(job);
     write_cluster_plan(plan, program);  // what is submitted is known, whatever happens to the merge
   } else {
@@ -163,7 +162,7 @@ ClusterJob submit_missing(ClusterPlan& plan, const std::vector<ShardState>& shar
   }
   std::vector<std::string> after;
   if (!before.empty()) after.push_back(fmt::format("--dependency=afterany:{}", fmt::join(before, ":")));
-  job.merge = submit(after, sbatch, folder / "merge.sh");
+  job.merge = submit(after, plan.sbatch, folder / "merge.sh");
   plan.jobs.back() = job;
   write_cluster_plan(plan, program);
   return job;

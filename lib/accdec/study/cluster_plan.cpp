@@ -42,10 +42,12 @@ std::string command_line(const ClusterPlan& plan, const std::string& program) {
 
 std::string array_script(const ClusterPlan& plan, const std::string& program) {
   const std::string slurm = slurm_folder(plan.folder).string();
+  std::string sbatch;
+  for (const std::string& argument : plan.sbatch) sbatch += quoted(argument) + " ";
   return fmt::format(R"sh(#!/bin/bash
 # One shard of {shards}, written by accdec {command} --slurm, which submits it for every shard that is missing:
-#   sbatch --array=1-{shards} {slurm}/array.sh
-#   sbatch --dependency=afterany:JOB {slurm}/merge.sh
+#   sbatch --array=1-{shards} {sbatch}{slurm}/array.sh
+#   sbatch --dependency=afterany:JOB {sbatch}{slurm}/merge.sh
 # Without Slurm, on hosts that see this folder and are named in nodes.txt one a line (GNU parallel over ssh; the same
 # command again does what failed or is missing), and then the merge:
 #   parallel --joblog {slurm}/joblog --resume-failed --sshloginfile nodes.txt \
@@ -61,7 +63,7 @@ echo "shard $shard of {shards} on $(hostname), $(date -u +%FT%TZ)"
 exec {run} --shard "$shard/{shards}" --workers "${{SLURM_CPUS_PER_TASK:-1}}"
 )sh",
                      fmt::arg("shards", plan.shards), fmt::arg("command", plan.command), fmt::arg("slurm", slurm),
-                     fmt::arg("run", command_line(plan, program)));
+                     fmt::arg("sbatch", sbatch), fmt::arg("run", command_line(plan, program)));
 }
 
 std::string merge_script(const ClusterPlan& plan, const std::string& program) {
@@ -130,6 +132,7 @@ void write_cluster_plan(const ClusterPlan& plan, const std::string& program) {
   json["title"] = plan.title;
   json["input"] = plan.input;
   json["arguments"] = plan.more;
+  json["sbatch"] = plan.sbatch;
   json["shards"] = plan.shards;
   json["jobs"] = ordered_json::array();
   for (const ClusterJob& job : plan.jobs)
@@ -157,6 +160,7 @@ ClusterPlan read_cluster_plan(const std::string& folder, const std::string& comm
     plan.title = json.at("title");
     plan.input = json.at("input");
     plan.more = json.at("arguments").get<std::vector<std::string>>();
+    plan.sbatch = json.value("sbatch", std::vector<std::string>());  // older plans kept none
     plan.shards = json.at("shards");
     for (const ordered_json& job : json.at("jobs"))
       plan.jobs.push_back({job.at("array"), job.at("merge"), job.at("shards").get<std::vector<std::size_t>>()});
