@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <stdexcept>
+#include <string_view>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -136,12 +138,17 @@ double brute_force(const Task& task, const Baseline& b, int order_max) {
 
 TEST(Baselines, AgreeWithTryingEverything) {
   std::mt19937 rng(5);
-  int found = 0;
-  for (int trial = 0; trial < 170; ++trial) {
+  std::map<std::string_view, int> found;
+  for (int trial = 0; trial < 204; ++trial) {
     Task task = random_task(rng, 1 + trial % 2);
     task.design.order_max = 12;
     task.design.runs = 1.5;
     if (trial % 3 == 0) task.design.objective = Objective::corner;
+    // Every second time easier: few families hold within so few taps, and no boxcar under a jerk limit.
+    if (static_cast<std::size_t>(trial) / baselines().size() % 2 == 1) {
+      task.sample_period *= 4.0;
+      for (Axis& axis : task.machine.axes) axis.jerk_max = unlimited;
+    }
     const Baseline& b = baselines()[static_cast<std::size_t>(trial) % baselines().size()];
     if (b.pairs > 0 && task.machine.modes.empty()) task.machine.modes.push_back({60.0, 70.0, 0.6});
     SCOPED_TRACE(::testing::Message() << "trial " << trial << ", " << b.name);
@@ -155,7 +162,7 @@ TEST(Baselines, AgreeWithTryingEverything) {
       EXPECT_GE(expected, limit * (1.0 - 1e-9)) << best.result.message;
       continue;
     }
-    ++found;
+    ++found[b.name];
     EXPECT_EQ(best.result.status, Status::feasible) << best.result.message;
     const double got = best.result.objective() / task.sample_period;
     EXPECT_LE(got, expected + 1e-9);
@@ -164,7 +171,7 @@ TEST(Baselines, AgreeWithTryingEverything) {
     }
     EXPECT_NEAR(got, cost(task, *best.spec, 12), 1e-9);
   }
-  EXPECT_GE(found, 15);
+  for (const Baseline& b : baselines()) EXPECT_GE(found[b.name], 1) << b.name;
 }
 
 TEST(Baselines, WiderFamiliesAreNeverWorse) {
