@@ -180,6 +180,56 @@ DelayProblem flat_corner(const Task& task) {
   return {task, options};
 }
 
+/// NLopt's COBYLA on a problem as our wrapper would call it, for half a second by its own clock.
+void run_cobyla(const DelayProblem& problem, const std::vector<double>& start) {
+  const auto n = static_cast<unsigned>(problem.num_variables());
+  nlopt_opt opt = nlopt_create(NLOPT_LN_COBYLA, n);
+  std::vector<double> lower, upper;
+  for (int i = 0; i < problem.num_variables(); ++i) {
+    lower.push_back(problem.variable_bound(i).lower), upper.push_back(problem.variable_bound(i).upper);
+  }
+  nlopt_set_lower_bounds(opt, lower.data()), nlopt_set_upper_bounds(opt, upper.data());
+  nlopt_set_min_objective(
+      opt,
+      [](unsigned size, const double* x, double*, void* p) {
+        return static_cast<DelayProblem*>(p)->objective({x, size});
+      },
+      const_cast<DelayProblem*>(&problem));
+  // Upper sides as row - upper <= 0, then lower ones as lower - row <= 0; equalities apart.
+  const auto sides = [](bool equality, double* out, unsigned size, const double* x, void* p) {
+    const auto& rows = *static_cast<DelayProblem*>(p);
+    std::vector<double> c(static_cast<std::size_t>(rows.num_rows()));
+    rows.rows({x, size}, c);
+    unsigned count = 0;
+    for (int r = 0; r < rows.num_rows(); ++r) {
+      const nlp::Bound b = rows.row_bound(r);
+      const double value = c[static_cast<std::size_t>(r)];
+      if (equality != (b.lower == b.upper)) continue;
+      if (std::isfinite(b.upper)) out[count++] = value - b.upper;
+      if (!equality && std::isfinite(b.lower)) out[count++] = b.lower - value;
+    }
+    return count;
+  };
+  static const auto evaluate = sides;  // NLopt takes plain functions
+  auto* const data = const_cast<DelayProblem*>(&problem);
+  std::vector<double> scratch(2 * static_cast<std::size_t>(problem.num_rows()));
+  const std::vector<double> tolerances(scratch.size(), 1e-9);
+  nlopt_add_inequality_mconstraint(
+      opt, sides(false, scratch.data(), n, start.data(), data),
+      [](unsigned, double* out, unsigned size, const double* x, double*, void* p) { evaluate(false, out, size, x, p); },
+      data, tolerances.data());
+  nlopt_add_equality_mconstraint(
+      opt, sides(true, scratch.data(), n, start.data(), data),
+      [](unsigned, double* out, unsigned size, const double* x, double*, void* p) { evaluate(true, out, size, x, p); },
+      data, tolerances.data());
+  nlopt_set_xtol_rel(opt, 1e-8);
+  nlopt_set_ftol_rel(opt, 1e-14);
+  nlopt_set_maxtime(opt, 0.5);
+  std::vector<double> x = start;
+  double f = 0.0;
+  nlopt_optimize(opt, x.data(), &f);
+}
+
 TEST(NloptMisbehaviour, CobylaLoopsWithoutEvaluating) {
   const Task task = read_task(accdec::test_support::source_folder() + "/problems/corner/flat-angle.toml");
   const DelayProblem problem = flat_corner(task);
@@ -187,56 +237,7 @@ TEST(NloptMisbehaviour, CobylaLoopsWithoutEvaluating) {
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
-    const auto n = static_cast<unsigned>(problem.num_variables());
-    nlopt_opt opt = nlopt_create(NLOPT_LN_COBYLA, n);
-    std::vector<double> lower, upper;
-    for (int i = 0; i < problem.num_variables(); ++i) {
-      lower.push_back(problem.variable_bound(i).lower), upper.push_back(problem.variable_bound(i).upper);
-    }
-    nlopt_set_lower_bounds(opt, lower.data()), nlopt_set_upper_bounds(opt, upper.data());
-    nlopt_set_min_objective(
-        opt,
-        [](unsigned size, const double* x, double*, void* p) {
-          return static_cast<DelayProblem*>(p)->objective({x, size});
-        },
-        const_cast<DelayProblem*>(&problem));
-    // Upper sides as row - upper <= 0, then lower ones as lower - row <= 0; equalities apart.
-    const auto sides = [](bool equality, double* out, unsigned size, const double* x, void* p) {
-      const auto& rows = *static_cast<DelayProblem*>(p);
-      std::vector<double> c(static_cast<std::size_t>(rows.num_rows()));
-      rows.rows({x, size}, c);
-      unsigned count = 0;
-      for (int r = 0; r < rows.num_rows(); ++r) {
-        const nlp::Bound b = rows.row_bound(r);
-        const double value = c[static_cast<std::size_t>(r)];
-        if (equality != (b.lower == b.upper)) continue;
-        if (std::isfinite(b.upper)) out[count++] = value - b.upper;
-        if (!equality && std::isfinite(b.lower)) out[count++] = b.lower - value;
-      }
-      return count;
-    };
-    static const auto evaluate = sides;  // NLopt takes plain functions
-    auto* const data = const_cast<DelayProblem*>(&problem);
-    std::vector<double> scratch(2 * static_cast<std::size_t>(problem.num_rows()));
-    const std::vector<double> tolerances(scratch.size(), 1e-9);
-    nlopt_add_inequality_mconstraint(
-        opt, sides(false, scratch.data(), n, start.data(), data),
-        [](unsigned, double* out, unsigned size, const double* x, double*, void* p) {
-          evaluate(false, out, size, x, p);
-        },
-        data, tolerances.data());
-    nlopt_add_equality_mconstraint(
-        opt, sides(true, scratch.data(), n, start.data(), data),
-        [](unsigned, double* out, unsigned size, const double* x, double*, void* p) {
-          evaluate(true, out, size, x, p);
-        },
-        data, tolerances.data());
-    nlopt_set_xtol_rel(opt, 1e-8);
-    nlopt_set_ftol_rel(opt, 1e-14);
-    nlopt_set_maxtime(opt, 0.5);
-    std::vector<double> x = start;
-    double f = 0.0;
-    nlopt_optimize(opt, x.data(), &f);
+    run_cobyla(problem, start);
     _exit(0);
   }
   std::this_thread::sleep_for(std::chrono::seconds(4));

@@ -70,6 +70,59 @@ TEST(DualSimplex, AgreesWithClp) {
   EXPECT_GT(compared, 2900);
 }
 
+/// A program that is changed beside its solver: rows from `kept` on come, change and go.
+struct Changed {
+  RandomLp& random;
+  const Lp& whole;
+  std::size_t kept;
+  Lp lp;
+  DualSimplex& simplex;
+
+  void add_rows_back() {
+    for (std::size_t r = lp.rows.size(); r < whole.rows.size(); ++r) {
+      lp.rows.push_back(whole.rows[r]), lp.row_low.push_back(whole.row_low[r]);
+      lp.row_high.push_back(whole.row_high[r]);
+    }
+    add_rows(simplex, lp, static_cast<std::size_t>(simplex.rows()));
+  }
+  void change_rows() {
+    for (std::size_t r = kept; r < lp.rows.size(); ++r) {
+      if (random.chance(0.3)) continue;
+      const bool other = random.chance(0.2);
+      for (double& a : lp.rows[r]) {
+        if (other)
+          a = random.chance(0.7) ? random.uniform(-2.0, 2.0) : 0.0;
+        else if (random.chance(0.2))
+          a *= random.uniform(0.5, 2.0);
+      }
+      replace(simplex, lp, r);
+    }
+  }
+  void change_bounds() {
+    for (std::size_t j = 0; j < whole.columns(); ++j) {
+      if (!random.chance(0.3)) continue;
+      lp.high[j] = lp.low[j] + (random.chance(0.3) ? 0.0 : random.uniform(0.0, 10.0));
+      simplex.set_column_bounds(static_cast<int>(j), lp.low[j], lp.high[j]);
+    }
+  }
+  void remove_rows() {
+    for (std::size_t r = lp.rows.size(); r-- > 0;) {
+      if (random.chance(0.6)) continue;
+      simplex.remove_row(static_cast<int>(r));
+      lp.rows[r] = lp.rows.back(), lp.row_low[r] = lp.row_low.back(), lp.row_high[r] = lp.row_high.back();
+      lp.rows.pop_back(), lp.row_low.pop_back(), lp.row_high.pop_back();
+    }
+  }
+  void change(int round) {
+    switch (round % 4) {
+      case 0: return add_rows_back();
+      case 1: return change_rows();
+      case 2: return change_bounds();
+      default: return remove_rows();
+    }
+  }
+};
+
 TEST(DualSimplex, WarmStartsAgreeWithColdOnes) {
   RandomLp random(3);
   int compared = 0;
@@ -81,49 +134,18 @@ TEST(DualSimplex, WarmStartsAgreeWithColdOnes) {
     DualSimplex simplex(static_cast<int>(lp.columns()));
     set_columns(simplex, lp);
     const std::size_t kept = lp.rows.size() / 2;
-    Lp part = lp;
+    Changed changed{random, lp, kept, lp, simplex};
+    Lp& part = changed.lp;
     part.rows.resize(kept), part.row_low.resize(kept), part.row_high.resize(kept);
     add_rows(simplex, part);
-    for (int change = 0; change < 8; ++change) {
-      if (change % 4 == 0) {
-        for (std::size_t r = part.rows.size(); r < lp.rows.size(); ++r) {
-          part.rows.push_back(lp.rows[r]), part.row_low.push_back(lp.row_low[r]),
-              part.row_high.push_back(lp.row_high[r]);
-        }
-        add_rows(simplex, part, static_cast<std::size_t>(simplex.rows()));
-      } else if (change % 4 == 1) {
-        for (std::size_t r = kept; r < part.rows.size(); ++r) {
-          if (random.chance(0.3)) continue;
-          const bool other = random.chance(0.2);
-          for (double& a : part.rows[r]) {
-            if (other)
-              a = random.chance(0.7) ? random.uniform(-2.0, 2.0) : 0.0;
-            else if (random.chance(0.2))
-              a *= random.uniform(0.5, 2.0);
-          }
-          replace(simplex, part, r);
-        }
-      } else if (change % 4 == 2) {
-        for (std::size_t j = 0; j < lp.columns(); ++j) {
-          if (!random.chance(0.3)) continue;
-          part.high[j] = part.low[j] + (random.chance(0.3) ? 0.0 : random.uniform(0.0, 10.0));
-          simplex.set_column_bounds(static_cast<int>(j), part.low[j], part.high[j]);
-        }
-      } else {
-        for (std::size_t r = part.rows.size(); r-- > 0;) {
-          if (random.chance(0.6)) continue;
-          simplex.remove_row(static_cast<int>(r));
-          part.rows[r] = part.rows.back(), part.row_low[r] = part.row_low.back(),
-          part.row_high[r] = part.row_high.back();
-          part.rows.pop_back(), part.row_low.pop_back(), part.row_high.pop_back();
-        }
-      }
+    for (int round = 0; round < 8; ++round) {
+      changed.change(round);
       const DualSimplex::Status status = simplex.solve();
       DualSimplex cold = make(part);
       const DualSimplex::Status fresh = cold.solve();
       if (status == DualSimplex::Status::trouble || fresh == DualSimplex::Status::trouble) continue;
       ++compared;
-      ASSERT_EQ(status, fresh) << change;
+      ASSERT_EQ(status, fresh) << round;
       if (status == DualSimplex::Status::optimal) {
         EXPECT_NEAR(simplex.objective(), cold.objective(), 1e-7 * (1.0 + std::abs(cold.objective())));
         expect_optimal(part, simplex, 1e-7);

@@ -49,7 +49,8 @@ inline std::string with_end(std::string s) {
 inline const std::string corner_head =
     "[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\ndelay_samples = 0\n";  // lines 13-16
 
-/// Every message names what is wrong and, in the words checked, what is allowed.
+/// Every message names what is wrong and, in the words checked, what is allowed. One table, as long as it is: a case is
+/// a few lines of it.
 inline std::vector<Case> cases() {
   const auto filter = [](const std::string& lines) {
     return with_filter("[filter]\n" + lines + "\n");

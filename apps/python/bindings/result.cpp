@@ -195,10 +195,26 @@ void bind_recheck(py::module_& module) {
       py::arg("result"), py::arg("time_limit"));
 }
 
+using ResultClass = py::class_<DesignResult, std::shared_ptr<DesignResult>>;
+
+/// A result is a mapping of its numbers, too, as SciPy's are.
+void bind_mapping(ResultClass& result) {
+  result.def("keys", [](const DesignResult&) { return keys(); })
+      .def("__iter__", [](const DesignResult&) { return py::iter(keys()); })
+      .def("__len__", [](const DesignResult&) { return py::len(keys()); })
+      .def("__contains__", [](const DesignResult&, const py::object& key) { return keys().contains(key); })
+      .def("__getitem__", [](const py::object& self, const std::string& key) {
+        if (!keys().contains(key)) throw py::key_error(key);
+        return self.attr(key.c_str());
+      });
+}
+
 }  // namespace
 
 void bind_result(py::module_& module) {
-  py::class_<DesignResult, std::shared_ptr<DesignResult>>(module, "Result", result_doc)
+  ResultClass result(module, "Result", result_doc);
+  bind_mapping(result);
+  result
       .def_static(
           "parse",
           [](const py::object& text, const py::object& name) {
@@ -243,15 +259,6 @@ void bind_result(py::module_& module) {
             return py::bytes(export_taps(r, argument<std::string>("text", "format", format)));
           },
           py::arg("format"))
-      .def("keys", [](const DesignResult&) { return keys(); })
-      .def("__iter__", [](const DesignResult&) { return py::iter(keys()); })
-      .def("__len__", [](const DesignResult&) { return py::len(keys()); })
-      .def("__contains__", [](const DesignResult&, const py::object& key) { return keys().contains(key); })
-      .def("__getitem__",
-           [](const py::object& self, const std::string& key) {
-             if (!keys().contains(key)) throw py::key_error(key);
-             return self.attr(key.c_str());
-           })
       .def("__repr__", &describe)
       .def("__str__", &result_text)
       .def(py::pickle([](const DesignResult& r) { return result_to_json(r); },

@@ -15,8 +15,17 @@ namespace {
 /// How often the acceleration is differenced over T to give what a limit bounds: the checker's own list. None: other
 /// limits.
 std::optional<int> differences(LimitKind kind) {
-  if (kind == LimitKind::acceleration) return 0;
-  if (kind == LimitKind::jerk) return 1;
+  switch (kind) {
+    case LimitKind::acceleration: return 0;
+    case LimitKind::jerk: return 1;
+    case LimitKind::velocity:
+    case LimitKind::force:
+    case LimitKind::power:
+    case LimitKind::regeneration:
+    case LimitKind::vibration:
+    case LimitKind::corner_error:
+    case LimitKind::speed_min: break;
+  }
   return std::nullopt;
 }
 

@@ -91,11 +91,14 @@ std::string_view to_string(Reference::Proof proof);
 
 /// By the exact method: linear programs with tangent cuts and checked dual multipliers, and branch and bound on
 /// responses where power, regeneration or a smallest speed is limited. Known points hold all rows to 1e-7.
-///   margin  brackets the tolerance between a refuted and a held one, to 5e-5 of the objective, where that is soon done
-///   to 1e-6 delay   refutes, interval of instants by interval, delays 5e-5 below a known one (DelaySearch); with
-///   several corners the bound is
-///           the sum of what each needs on its own, which a filter that is best for all of them reaches
-///   design  design_exact at this order
+///
+/// Of `margin` it brackets the tolerance between a refuted and a held one, to 5e-5 of the objective, where that is soon
+/// done to 1e-6.
+///
+/// Of `delay` it refutes, interval of instants by interval, delays 5e-5 below a known one (DelaySearch). With several
+/// corners the bound is the sum of what each needs on its own, which a filter that is best for all of them reaches.
+///
+/// Of `design` it is `design_exact` at this order. In comparison_reference.cpp.
 /// @param time_limit  s
 Reference reference_of(const ComparisonCase& subject, double time_limit);
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <accdec/comparison/profile.hpp>
+#include <accdec/comparison/performance_profile.hpp>
 #include <accdec/study/point_columns.hpp>
 
 namespace accdec::comparison {

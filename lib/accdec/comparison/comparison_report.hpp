@@ -18,9 +18,9 @@ struct ComparisonTable {
 /// Every problem at every size with its reference value and what proves it.
 ComparisonTable problems_table(const comparison::ComparisonData& data);
 /// One row a solver: how often it reached the reference, what else came of its runs, median and quartiles of time and
-/// evaluations.
+/// evaluations. In comparison_tables.cpp.
 ComparisonTable summary_table(const comparison::ComparisonData& data);
-/// The columns of it that matter most, as plain text for a terminal.
+/// The columns of it that matter most, as plain text for a terminal. In comparison_summary.cpp.
 std::string summary_text(const comparison::ComparisonData& data);
 /// Claimed against verified, for each solver and for all together.
 ComparisonTable confusion_table(const comparison::ComparisonData& data);
@@ -32,7 +32,7 @@ ComparisonTable pairs_table(const comparison::ComparisonData& data);
 /// Name and figure: joint performance profiles by the time to the accuracy that is judged and, beside them, by the time
 /// until the solver ends ("performance-end"); pairwise profiles against the solver that solves most, by the time to
 /// accuracy; data profiles, and runtime distributions to the targets. For the nonlinear problems and, where there are
-/// any, for the designs ("design-...").
+/// any, for the designs ("design-..."). In comparison_figures.cpp.
 std::vector<std::pair<std::string, Figure>> comparison_figures(const comparison::ComparisonData& data);
 
 /// Everything that is made from raw data: tables as CSV, figures as SVG and PNG, report.html. A function of the lines

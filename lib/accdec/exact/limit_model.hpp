@@ -55,7 +55,7 @@ class LimitModel {
 
 /// Lower bound of sum y (form(b) - bound) over all filters in the box, b <= tap_max, sum 1, with the bounds and tap_max
 /// that verification grants: positive refutes the box.
-/// Minus infinity if a multiplier does not apply to the box.
+/// Minus infinity if a multiplier does not apply to the box. In refutation.cpp.
 /// @param symmetric_order  >= 0: over symmetric filters of exactly this order
 double refutation(const LimitModel& model, const Multipliers& y, const Box& box, int symmetric_order = -1);
 

@@ -23,7 +23,8 @@ struct Proof {
   std::vector<std::string> conflict{};  ///< where there is no design: the limits in conflict, in words
 };
 /// A proof of one corner's convex limits for a target lower than the one it was begun with: leaves out what is too long
-/// by now, and multipliers no leaf needs. None if a part is not refuted any more, as rounding may have it.
+/// by now, and multipliers no leaf needs. None if a part is not refuted any more, as rounding may have it. In
+/// prune.cpp.
 std::optional<Proof> pruned(const LimitModel& model, const Box& root, const Proof& proof);
 /// The proof with the objective it is about, without multipliers that no leaf needs. In proof.cpp.
 std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBounds& design);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include <accdec/files/units.hpp>
 #include <accdec/machine/machine.hpp>
 
 namespace accdec {
@@ -101,6 +102,18 @@ inline constexpr std::array<AxisLimit, 6> axis_limits{{
      [](const AxisState& s) { return s.braking; }, true, 2},
 }};
 // clang-format on
+/// Names, factors and keys say the same as files/units.hpp.
+static_assert([] {
+  for (const LimitName& name : limit_names) {
+    const Unit* unit = find_unit(name.unit);
+    if (unit != nullptr && unit->divisor != name.per_si) return false;
+  }
+  for (const AxisLimit& limit : axis_limits) {
+    const Unit* unit = unit_in_name(limit.key);
+    if (unit == nullptr || unit->name != limit_name(limit.kind).unit) return false;
+  }
+  return true;
+}());
 
 /// @throws std::out_of_range unless the kind is one of an axis
 constexpr const AxisLimit& axis_limit(LimitKind kind) {

@@ -91,7 +91,7 @@ struct Figure {
 bool has_data(const Panel& panel);
 
 /// The figure as a gnuplot script for its SVG terminal. Titles are data: whatever they hold, gnuplot draws it and
-/// executes nothing.
+/// executes nothing. In gnuplot_script.cpp.
 /// @throws std::invalid_argument if a series' or piece's x and y differ in length, a heat map has wrong sizes x or y
 /// that do not rise
 ///         or stands beside coloured lines, or there is no panel.

@@ -18,7 +18,8 @@ extern const std::string_view program_script;
 inline constexpr std::size_t most_hover_points = 50'000;
 
 /// Where the panels of a figure's drawing are, over what they reach, and their points, as JSON that may stand inside
-/// <script>; without panels for a figure of too many points. Numbers are written so that they read back to the bit.
+/// <script>; without panels for a figure of too many points. Numbers are written so that they read back to the bit. In
+/// html_hover.cpp.
 std::string hover_json(const Figure& figure);
 
 }  // namespace accdec

@@ -26,10 +26,11 @@ struct StudyPlaces {
 /// @throws InputError at a table's key unless the study has a column of that name
 void check_column(const toml_input::Table& table, std::string_view key, const std::string& name, const Study& study);
 
-/// Reads every [[figure]] into a study whose columns are known.
+/// Reads every [[figure]] into a study whose columns are known. In study_figure_reader.cpp.
 void read_figures(const toml_input::Table& top, Study& study, bool grid);
 
-/// A mistake that makes every point bad is better said now, at its place; see read_study for the rule.
+/// A mistake that makes every point bad is better said now, at its place; see read_study for the rule. In
+/// study_points.cpp.
 /// @throws InputError
 void check_points(const Study& study, const Study::Tasks& tasks, const StudyPlaces& places);
 

@@ -11,7 +11,7 @@
 
 namespace accdec {
 
-/// One figure of a study as something to draw.
+/// One figure of a study as something to draw. In draw_study_figure.cpp.
 Figure make_study_figure(const StudyFigure& figure, const StudyTable& table);
 
 /// Writes every file of a finished study but its manifest: rows.jsonl, rows.csv, NAME.svg and NAME.png of each figure,

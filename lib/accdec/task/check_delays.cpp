@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/check_delays.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verifier.hpp>
@@ -96,6 +97,22 @@ class ErrorRanges {
   std::vector<char> open_;
 };
 
+/// What a limit bounds at a sample: this check's own list.
+double sampled(LimitKind kind, double velocity, double acceleration, double jerk, double force) {
+  switch (kind) {
+    case LimitKind::velocity: return std::abs(velocity);
+    case LimitKind::acceleration: return std::abs(acceleration);
+    case LimitKind::jerk: return std::abs(jerk);
+    case LimitKind::force: return std::abs(force);
+    case LimitKind::power: return force * velocity;
+    case LimitKind::regeneration: return -force * velocity;
+    case LimitKind::vibration:
+    case LimitKind::corner_error:
+    case LimitKind::speed_min: break;  // not of an axis
+  }
+  return 0.0;
+}
+
 /// Whether the blend at a delay breaks any limit of a corner.
 bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int delay) {
   const double period = task.sample_period, allowed = 1.0 + verification_tolerance;
@@ -114,11 +131,9 @@ bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int de
     for (Eigen::Index a = 0; a < axes; ++a) {
       const Axis& axis = task.machine.axes[static_cast<std::size_t>(a)];
       const double force = axis.mass * acceleration[a] + axis.damping * v[a];
-      if (std::abs(v[a]) > axis.velocity_max * allowed || std::abs(acceleration[a]) > axis.acceleration_max * allowed ||
-          std::abs(acceleration[a] - before_acceleration[a]) / period > axis.jerk_max * allowed ||
-          std::abs(force) > axis.force_max * allowed || force * v[a] > axis.power_max * allowed ||
-          -force * v[a] > axis.regeneration_max * allowed) {
-        return true;
+      const double jerk = (acceleration[a] - before_acceleration[a]) / period;
+      for (const AxisLimit& limit : axis_limits) {
+        if (sampled(limit.kind, v[a], acceleration[a], jerk, force) > axis.*limit.bound * allowed) return true;
       }
     }
     before_velocity = v;

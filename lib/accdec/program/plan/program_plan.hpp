@@ -26,7 +26,7 @@ struct PairwiseDelays {
 /// Smallest delay of every joint as if it were alone: of a corner the smallest with corner error (at samples) within
 /// its tolerance, of a smooth joint the smallest with which the path passes within it, of a stop the filter's exact
 /// stop; each then lengthened until the axis limits hold while the legs overlap. O(1) to O(log N) a joint, O(N^2) where
-/// limits bind.
+/// limits bind. In pairwise_delays.cpp.
 /// @param machine  as many axes as the path, or without axes
 PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, double sample_period,
                                const Machine& machine = {}, DelayRule rule = DelayRule::smallest);

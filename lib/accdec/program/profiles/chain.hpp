@@ -46,7 +46,7 @@ struct ProfileChain {
 
 /// Speeds of all corners and peaks of all legs: a share of every leg that is too short for both its corners, a pass
 /// backward for braking, one forward for speeding up, and rounds that raise each corner as far as its neighbours let
-/// it. O(blocks); what is found can be driven.
+/// it. O(blocks); what is found can be driven. In look_ahead.cpp.
 void look_ahead(ProfileChain& chain);
 
 }  // namespace accdec

@@ -91,19 +91,19 @@ struct CornerUse {
 /// program where equal. Of the chords of an arc, and whatever else ends in one line after another, the worst only.
 std::vector<CornerUse> worst_corners(const ProgramResult& result, std::size_t count);
 
-/// Ends with a line feed.
+/// Ends with a line feed. In program_report_json.cpp.
 std::string program_to_json(const ProgramResult& result);
 /// line,delay_samples,corner_error_m,error_max_m; one row a joint that turns, stops or has a delay. The last is empty
 /// without bound.
 std::string delays_to_csv(const ProgramResult& result);
-/// The table for people.
+/// The table for people. In program_summary.cpp.
 std::string program_summary(const ProgramResult& result);
 
 /// The program with what realises the plan on a controller that filters its commands: after a delayed joint a dwell of
 /// the delay (G4 P, seconds), which must act before the filter and without an exact stop; feeds where the plan lowered
 /// them; the path mode of every joint (G61.1, G61, G64 P). Arcs are written as their chords, in mm and absolute. Words
 /// of the program that are not about motion, its stops and dwells are kept in place. Read again with
-/// ToolpathOptions::dwells_before_filter it plans to the same motion, but for the way to where it begins.
+/// ToolpathOptions::dwells_before_filter it plans to the same motion, but for the way to where it begins. In emit.cpp.
 void emit_program(const ProgramResult& result, std::ostream& out);
 
 }  // namespace accdec

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include <accdec/comparison/profile.hpp>
+#include <accdec/comparison/performance_profile.hpp>
 
 namespace accdec::comparison {
 namespace {

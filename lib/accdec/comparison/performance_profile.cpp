@@ -3,7 +3,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include <accdec/comparison/profile.hpp>
+#include <accdec/comparison/performance_profile.hpp>
 
 namespace accdec::comparison {
 namespace {
