@@ -1,9 +1,6 @@
 // Feeds a fuzz target with mutated files as fast as it reads them, without looking which code they reach:
 // fuzz_NAME_bulk SECONDS SEED FOLDER.. ; an input that ends the process is left in crash-input.
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -16,6 +13,9 @@
 #include <random>
 #include <string>
 #include <vector>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
