@@ -230,6 +230,9 @@ TEST_F(ProgramResult, OfProfilesIsPlannedAnewAndCompared) {
   bad = good;
   bad.erase("inputs");
   EXPECT_EQ(changed(bad).code, 2);
+  EXPECT_THAT(run({"plot", result_, "--out", folder_.path("p.svg")}).err,
+              HasSubstr("--plan profiles has no one filter"));
+  EXPECT_THAT(run({"export", result_, "--format", "csv"}).err, HasSubstr("--plan profiles has no one filter"));
   folder_.write("result.json", good.dump());
   EXPECT_EQ(run({"verify", result_, "--time-limit", "1e-9"}).code, 1);
   folder_.write("part.ngc", "G21 G90 G64 P1\nF6000\nG1 X30 Y0\nM2\n");

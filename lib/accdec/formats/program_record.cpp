@@ -318,6 +318,13 @@ bool is_profile_result(std::string_view text) {
   return text.substr(0, 200).find("\"accdec.profiles/1\"") != std::string_view::npos;
 }
 
+void refuse_profiles(std::string_view text, const std::string& name) {
+  if (!is_profile_result(text)) return;
+  throw InputError(name, 0, 0,
+                   "a result of --plan profiles has no one filter; `accdec program --plan profiles` writes its motion "
+                   "with --samples and draws it with --figure FILE.html");
+}
+
 ProgramRecord parse_program_record(std::string_view text, const std::string& name) {
   return Reader(text, name, is_program_result, "accdec.program/1").read();
 }

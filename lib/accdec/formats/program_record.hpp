@@ -43,6 +43,9 @@ bool is_program_result(std::string_view text);
 /// Or of its plan profiles, accdec.profiles/1.
 bool is_profile_result(std::string_view text);
 
+/// For those who want one filter. @throws InputError if it is a result of plan profiles, which has none
+void refuse_profiles(std::string_view text, const std::string& name);
+
 /// @throws InputError naming what is missing, mistyped or contradicts itself
 ProgramRecord parse_program_record(std::string_view text, const std::string& name);
 
