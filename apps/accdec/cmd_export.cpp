@@ -30,6 +30,7 @@ void add_export(CLI::App& app, Context& context) {
   add_output_option(*command, "--out", arguments->out, "Write to FILE; - is standard output, the default");
   command->callback([arguments, &context] {
     const std::string text = read_text_file(arguments->result, result_file_limit);
+    refuse_profiles(text, arguments->result);
     const bool program = is_program_result(text);
     ProgramRecord record;
     if (program) record = parse_program_record(text, arguments->result);

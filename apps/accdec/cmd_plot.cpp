@@ -48,6 +48,7 @@ void add_plot(CLI::App& app, Context& context) {
     const std::string format = figure_format(options->out);
     const std::string text = read_text_file(options->result, result_file_limit);
     require_outputs({options->out}, {options->result});
+    refuse_profiles(text, options->result);
     std::string drawn;
     if (is_program_result(text)) {
       const Figure figure = program_figure(text, *options);

@@ -41,7 +41,7 @@ void add_verify(CLI::App& app, Context& context) {
       ->check(positive_number());
   command->callback([path, limit, &context] {
     const std::string text = read_text_file(*path, result_file_limit);
-    if (is_profile_result(text)) return refuse_profiles(context);
+    if (is_profile_result(text)) return verify_profiles(text, *path, *limit, context);
     if (is_program_result(text)) return verify_program(text, *path, *limit, context);
     const DesignResult result = parse_result(text, *path);
     if (const double seconds = simulation_seconds(result); seconds > *limit) {

@@ -42,8 +42,8 @@ void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, co
                    Context& context) {
   if (const auto* profiles = std::get_if<ProfileResult>(&fastest)) {
     write(
-        outputs, context, profiles_to_json(*profiles), profiles_summary(*profiles), profiles->message,
-        [&](std::ostream& out) { write_profile_samples(*profiles, out); },
+        outputs, context, outputs.json.empty() ? "" : profiles_to_json(*profiles, inputs), profiles_summary(*profiles),
+        profiles->message, [&](std::ostream& out) { write_profile_samples(*profiles, out); },
         [&](std::ostream& out) { stream_profile(*profiles, out); },
         [&] { return program_page(programmed, machine, *profiles); });
     return;

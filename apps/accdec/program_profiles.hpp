@@ -17,7 +17,7 @@ struct ProfileOutputs {
 };
 
 /// Writes what run_fastest_plan answered.
-/// @param inputs      kept in the JSON of the other plans, for `accdec verify`
+/// @param inputs      kept in the JSON, for `accdec verify`
 /// @param programmed  the path as the program has it, for the page
 void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, const ProgramInputs& inputs,
                    const Toolpath& programmed, const Machine& machine, const ProfileOutputs& outputs, Context& context);

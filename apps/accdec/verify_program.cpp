@@ -16,13 +16,15 @@
 #include <accdec/program/read/read_error.hpp>
 #include <accdec/program/read/run_rs274.hpp>
 #include <accdec/program/simulate/direct.hpp>
+#include <accdec/program/write/fastest_plan.hpp>
 #include <accdec/program/write/program_departure.hpp>
 #include <accdec/program/write/verify_program_result.hpp>
 
 namespace accdec::cli {
 namespace {
 
-constexpr double steps_a_second = 2e8;  // of direct_motion on one core of 2.6 GHz, long double
+constexpr double blocks_a_second = 1e4;  // planned with profiles; the slowest measured, a relief under a jerk limit
+constexpr double steps_a_second = 2e8;   // of direct_motion on one core of 2.6 GHz, long double
 
 /// Why the files that a result was made from do not tell whether it is right; empty if they do.
 std::string changed_inputs(const ProgramInputs& in) {
@@ -82,6 +84,11 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
 /// Of programs that rs274 ran, whose output is not kept.
 const std::vector<std::string> of_the_program{"blocks", "feeds", "feeds_clamped", "lower_bound_s", "filter_bound_s"};
 
+void rejected(const std::string& reason, Context& context) {
+  context.exit_code = exit_no_answer;
+  if (!context.quiet) fmt::print("rejected\n  {}\n", reason);
+}
+
 void print_accepted(const ProgramRecord& record, const std::string& shown, bool read,
                     const std::vector<std::string>& open) {
   fmt::print("accepted: {}\n", shown);
@@ -100,20 +107,35 @@ void print_accepted(const ProgramRecord& record, const std::string& shown, bool 
 
 }  // namespace
 
-void refuse_profiles(Context& context) {
-  context.exit_code = exit_no_answer;
+void verify_profiles(const std::string& text, const std::string& path, double limit, Context& context) {
+  const ProgramRecord record = parse_profile_record(text, path);
+  const auto refuse = [&](const std::string& reason) { rejected(reason, context); };
+  if (record.result.status != Status::feasible) return refuse("the result is failed: there is no plan to verify");
+  if (const std::string why = changed_inputs(record.inputs); !why.empty()) return refuse(why);
+  std::vector<std::string> reasons;
+  std::optional<Toolpath> programmed = read_again(record, reasons);
+  if (!programmed) reasons.push_back("the program was run by rs274, which is not here: it cannot be planned anew");
+  if (record.result.program != record.inputs.program)
+    reasons.push_back(
+        fmt::format("program is recorded as {}, inputs.program as {}", record.result.program, record.inputs.program));
+  if (!reasons.empty()) return refuse(fmt::format("{}", fmt::join(reasons, "\n  ")));
+  const double seconds = static_cast<double>(programmed->blocks()) / blocks_a_second;
+  if (seconds > limit)
+    return refuse(fmt::format("planning {} blocks anew may take {:.0f} s; --time-limit is {:g} s", programmed->blocks(),
+                              seconds, limit));
+  const ProfileResult found = plan_profiles_of(record.inputs.program, std::move(*programmed),
+                                               record.inputs.reading.read.arc_tolerance, record.task, 0.0);
+  const ProgramDifferences compared = profile_differences(text, found);
+  if (!compared.reasons.empty()) return refuse(fmt::format("{}", fmt::join(compared.reasons, "\n  ")));
   if (context.quiet) return;
-  fmt::print(
-      "rejected\n  a result of --plan profiles holds no commands to simulate anew: run accdec program again, which "
-      "verifies every sample of what it plans\n");
+  fmt::print("accepted: planned anew from {} and the task, {} samples, {:.6g} s: all bounds hold\n",
+             record.inputs.program, found.plan.check.samples, found.cycle_time);
+  fmt::print("not checked: {}\n", fmt::join(compared.skipped, ", "));
 }
 
 void verify_program(const std::string& text, const std::string& path, double limit, Context& context) {
   const ProgramRecord record = parse_program_record(text, path);
-  const auto refuse = [&](const std::string& reason) {
-    context.exit_code = exit_no_answer;
-    if (!context.quiet) fmt::print("rejected\n  {}\n", reason);
-  };
+  const auto refuse = [&](const std::string& reason) { rejected(reason, context); };
   if (!record.commands) {
     return refuse(fmt::format(
         "the result holds no commands to simulate anew (accdec keeps them up to {} blocks): run accdec program again, "

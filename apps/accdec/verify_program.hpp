@@ -11,7 +11,8 @@ namespace accdec::cli {
 /// @param limit  s; what is estimated to take longer is not begun
 void verify_program(const std::string& text, const std::string& path, double limit, Context& context);
 
-/// Says why a result of --plan profiles is not accepted.
-void refuse_profiles(Context& context);
+/// Of a result of --plan profiles: the program planned anew, every sample of it checked, and what is recorded held
+/// against that.
+void verify_profiles(const std::string& text, const std::string& path, double limit, Context& context);
 
 }  // namespace accdec::cli

@@ -202,14 +202,41 @@ TEST_F(ProgramResult, OfAnotherProgramOrTaskItIsRejected) {
   EXPECT_THAT(verify().out, HasSubstr("part.ngc is not there"));
 }
 
-TEST_F(ProgramResult, OfProfilesIsRefusedInWords) {
+TEST_F(ProgramResult, OfProfilesIsPlannedAnewAndCompared) {
+  // Without a jerk limit the plan of profiles is the fastest, so that it is the answer.
+  std::string task = folder_.read("mill.toml");
+  for (std::size_t at; (at = task.find("jerk_max_mm_s3 = 300000\n")) != std::string::npos;) task.erase(at, 24);
+  folder_.write("mill.toml", task);
   ASSERT_EQ(plan({"--plan", "profiles"}).code, 0);
-  const bool profiles = json()["schema"] == "accdec.profiles/1";
+  const Json good = json();
+  ASSERT_EQ(good["schema"], "accdec.profiles/1");
   const Outcome checked = verify();
-  EXPECT_EQ(checked.code, profiles ? 1 : 0) << checked.out;
-  EXPECT_THAT(checked.out, HasSubstr(profiles ? "holds no commands to simulate anew" : "accepted"));
-  folder_.write("result.json", "{\"schema\": \"accdec.profiles/1\"}");
-  EXPECT_EQ(verify().code, 1);
+  EXPECT_EQ(checked.code, 0) << checked.out << checked.err;
+  EXPECT_THAT(checked.out, HasSubstr("accepted: planned anew from"));
+  std::vector<Json::json_pointer> all;
+  for (const auto& [name, value] : good.items()) {
+    if (name != "inputs" && checked.out.find(name) == std::string::npos)
+      leaves(value, Json::json_pointer("/" + name), all);
+  }
+  EXPECT_GT(all.size(), 30U);
+  for (const Json::json_pointer& at : all) {
+    Json bad = good;
+    bad[at] = forged(good[at]);
+    EXPECT_NE(changed(bad).code, 0) << at.to_string() << " as " << bad[at].dump();
+  }
+  Json bad = good;
+  bad["wall_time_s"] = -1.0;
+  EXPECT_EQ(changed(bad).code, 1);
+  bad = good;
+  bad.erase("inputs");
+  EXPECT_EQ(changed(bad).code, 2);
+  EXPECT_THAT(run({"plot", result_, "--out", folder_.path("p.svg")}).err,
+              HasSubstr("--plan profiles has no one filter"));
+  EXPECT_THAT(run({"export", result_, "--format", "csv"}).err, HasSubstr("--plan profiles has no one filter"));
+  folder_.write("result.json", good.dump());
+  EXPECT_EQ(run({"verify", result_, "--time-limit", "1e-9"}).code, 1);
+  folder_.write("part.ngc", "G21 G90 G64 P1\nF6000\nG1 X30 Y0\nM2\n");
+  EXPECT_THAT(verify().out, HasSubstr("part.ngc has changed since"));
 }
 
 TEST_F(ProgramResult, KeysStandOnce) {

@@ -197,6 +197,23 @@ TEST(Explain, AGivenDelayThatIsTooSmall) {
   EXPECT_LE(tolerance->values.front(), error + remedy_tolerance * (1e-6 + error) + 1e-3 * error);
 }
 
+// Every question is a design: of more corners than a thousand all together are asked about, not each.
+TEST(Explain, ManyCornersAreAskedAboutTogether) {
+  Task task = straight(6.1);
+  task.corners[0].error_max = 20e-6;
+  const TaskCorner one = task.corners[0];
+  for (std::size_t j = 1; j <= corners_apart_max; ++j) {
+    task.corners.push_back(one);
+    task.corners.back().name = "c" + std::to_string(j);
+  }
+  const Explanation e = explain_task(task);
+  ASSERT_TRUE(e.base_proved);
+  EXPECT_NE(gain_of(e, "corner error at all corners"), nullptr);
+  EXPECT_NEAR(gain_of(e, "acceleration x")->gain, boxcar_time(6.1) - boxcar_time(6.71), 1e-12);
+  for (const Gain& gain : e.gains)
+    EXPECT_EQ(gain.room.name.find("corner error c"), std::string::npos) << gain.room.name;
+}
+
 TEST(Explain, CancelledItSaysSo) {
   std::atomic<bool> cancel{false};
   ExplainOptions options;

@@ -1,5 +1,9 @@
 #include <algorithm>
+#include <map>
+#include <set>
 #include <stdexcept>
+#include <string_view>
+#include <tuple>
 
 #include <accdec/design/explain.hpp>
 #include <accdec/design/explain_solve.hpp>
@@ -10,7 +14,15 @@ namespace {
 class GainSearch {
  public:
   GainSearch(const Task& task, ExplainSolver& solve, Explanation& explanation)
-      : task_(task), solve_(solve), out_(explanation) {}
+      : task_(task), solve_(solve), out_(explanation) {
+    for (const LimitUse& use : out_.base.limits) {
+      if (use.kind == LimitKind::vibration) continue;
+      for (const std::string_view corner : {std::string_view(use.corner), std::string_view()}) {
+        double& most = most_used_[{use.kind, use.axis, corner}];
+        most = std::max(most, use.utilisation);
+      }
+    }
+  }
 
   void run() {
     std::vector<Lever> levers;
@@ -23,7 +35,7 @@ class GainSearch {
     for (const Lever& lever : levers) {
       if (lever.kind && use_of(lever) * (1.0 + out_.share) < 1.0) little.push_back(lever);
     }
-    solve_.expect(static_cast<int>(rooms.size() - little.size()) + 2);
+    solve_.expect(std::max(0, static_cast<int>(rooms.size()) - static_cast<int>(little.size())) + 2);
 
     if (levers.size() > 1) settle({"all limits together", "", levers});
     if (little.size() > 1) settle({"little used", "", little});
@@ -36,24 +48,29 @@ class GainSearch {
  private:
   double use_of(const Lever& lever) const {
     double most = 0.0;
+    if (lever.kind != LimitKind::vibration) {
+      const auto found = most_used_.find({*lever.kind, lever.axis, lever.corner});
+      return found == most_used_.end() ? most : found->second;
+    }
     for (const LimitUse& use : out_.base.limits) {
       if (lever.concerns(use)) most = std::max(most, use.utilisation);
     }
     return most;
   }
 
-  static bool holds_all(const Room& larger, const Room& room) {
-    return std::all_of(room.levers.begin(), room.levers.end(), [&](const Lever& lever) {
-      return std::any_of(larger.levers.begin(), larger.levers.end(),
-                         [&](const Lever& other) { return other.name == lever.name; });
-    });
-  }
+  /// A room that was proved to gain nothing.
+  struct WithoutGain {
+    std::set<std::string> levers;  ///< by their names
+    double at_most = 0.0;          ///< s
+  };
 
   /// A room for more limits that was proved to gain nothing: then neither does this one, for whatever holds the task
   /// with less room holds it with more.
-  const Gain* superset_without_gain(const Room& room) const {
-    for (const Gain& gain : out_.gains) {
-      if (gain.solved && gain.gain == 0.0 && gain.proved() && holds_all(gain.room, room)) return &gain;
+  const WithoutGain* superset_without_gain(const Room& room) const {
+    for (const WithoutGain& larger : without_gain_) {
+      if (std::all_of(room.levers.begin(), room.levers.end(),
+                      [&](const Lever& lever) { return larger.levers.contains(lever.name); }))
+        return &larger;
     }
     return nullptr;
   }
@@ -63,7 +80,7 @@ class GainSearch {
       out_.complete = false;
       return;
     }
-    const Gain* nothing = superset_without_gain(room);
+    const WithoutGain* nothing = superset_without_gain(room);
     Gain gain;
     gain.room = room;
     // The design found holds with more room as well.
@@ -82,12 +99,18 @@ class GainSearch {
     gain.gain = base.objective() - gain.objective;
     gain.order = best->filter->order();
     for (const CornerResult& corner : best->corners) gain.delays.push_back(corner.delay);
+    if (gain.solved && gain.gain == 0.0 && gain.proved()) {
+      WithoutGain& without = without_gain_.emplace_back(WithoutGain{{}, gain.at_most});
+      for (const Lever& lever : room.levers) without.levers.insert(lever.name);
+    }
     out_.gains.push_back(std::move(gain));
   }
 
   const Task& task_;
   ExplainSolver& solve_;
   Explanation& out_;
+  std::vector<WithoutGain> without_gain_;
+  std::map<std::tuple<LimitKind, std::string_view, std::string_view>, double> most_used_;  // by axis and corner; "" all
 };
 
 }  // namespace

@@ -1,3 +1,6 @@
+#include <string_view>
+#include <unordered_map>
+
 #include <accdec/design/explain.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/simulation.hpp>
@@ -44,16 +47,18 @@ std::vector<Binding> find_bindings(const DesignResult& design) {
   std::vector<Binding> found;
   if (!design.filter) return found;
   const Task& task = design.task;
+  std::unordered_map<std::string_view, std::vector<const LimitUse*>> of_corner;  // without those of axes
+  for (const LimitUse& use : design.limits) {
+    if (use.axis.empty() && full(use)) of_corner[use.corner].push_back(&use);
+  }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     const SampledMotion motion =
         simulate_corner(*design.filter, corner.geometry(), design.corners[j].delay, task.sample_period);
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a)
       axis_bindings(motion, task.sample_period, task.machine.axes[a], static_cast<Eigen::Index>(a), corner.name, found);
-    for (const LimitUse& use : design.limits) {
-      if (use.corner != corner.name || !use.axis.empty() || !full(use)) continue;
-      found.push_back({use.kind, "", use.corner, use.event, {use.sample}, use.bound, 0.0});
-    }
+    for (const LimitUse* use : of_corner[corner.name])
+      found.push_back({use->kind, "", use->corner, use->event, {use->sample}, use->bound, 0.0});
   }
   for (const LimitUse& use : design.limits) {
     if (use.kind == LimitKind::vibration && full(use))

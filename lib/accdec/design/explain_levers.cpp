@@ -168,10 +168,10 @@ std::vector<Room> other_rooms(const Task& task) {
     const TaskCorner& corner = task.corners[j];
     Room feeds{"feeds of corner " + corner.name, "", {feed_lever(corner, j, true), feed_lever(corner, j, false)}};
     all.levers.insert(all.levers.end(), feeds.levers.begin(), feeds.levers.end());
-    rooms.push_back(std::move(feeds));
+    if (task.corners.size() <= corners_apart_max) rooms.push_back(std::move(feeds));
   }
-  if (rooms.size() > 1) rooms.insert(rooms.begin(), std::move(all));
-  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+  if (task.corners.size() > 1) rooms.insert(rooms.begin(), std::move(all));
+  for (std::size_t j = 0; j < task.corners.size() && task.corners.size() <= corners_apart_max; ++j) {
     if (!task.corners[j].delay) continue;
     Lever lever = delay_lever(task, j);
     rooms.push_back({lever.name, lever.key, {std::move(lever)}});
@@ -201,7 +201,10 @@ std::vector<Room> rooms_of(const std::vector<Lever>& levers) {
                            last_part,
                        {first, last}});
     }
-    for (; first != last; ++first) rooms.push_back({first->name, first->key, {*first}});
+    const bool too_many = !first->corner.empty() && static_cast<std::size_t>(last - first) > corners_apart_max;
+    for (; first != last; ++first) {
+      if (!too_many) rooms.push_back({first->name, first->key, {*first}});
+    }
   }
   return rooms;
 }

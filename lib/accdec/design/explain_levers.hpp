@@ -49,10 +49,13 @@ struct Room {
 std::vector<Lever> limit_levers(const Task& task);
 
 /// What besides a limit can stand in the way of a design: feeds (a pair of levers for every corner), the highest order,
-/// given delays. Tasks with a given filter choose no order.
+/// given delays. Tasks with a given filter choose no order, and of many corners only the feeds of all are asked about.
 std::vector<Room> other_rooms(const Task& task);
 /// The highest order, as in `other_rooms`.
 Lever order_lever(const Task& task);
+
+/// Of more corners than this each by itself is not asked about, only all together: every question is a design.
+inline constexpr std::size_t corners_apart_max = 1000;
 
 /// One room for each lever; before those of a kind that has several, one that holds them all.
 std::vector<Room> rooms_of(const std::vector<Lever>& levers);

@@ -49,7 +49,12 @@ std::string ranges(const std::vector<int>& samples) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+/// Of many only the smallest and the largest.
 std::string delays_text(const std::vector<int>& delays) {
+  if (delays.size() > 40) {
+    const auto [least, most] = std::minmax_element(delays.begin(), delays.end());
+    return fmt::format("{} to {}", *least, *most);
+  }
   return fmt::format("{}", fmt::join(delays, " "));
 }
 
@@ -176,6 +181,9 @@ std::string explanation_text(const Explanation& e) {
     text += fmt::format("No design{}: {}\n", e.base_proved ? ", proved" : "", e.base.message);
     text += remedy_text(e);
   }
+  if (e.base.task.corners.size() > corners_apart_max)
+    text += fmt::format("\nEach of more than {} corners by itself was not asked about, only all together.\n",
+                        corners_apart_max);
   if (!e.complete) text += "\nStopped early: what is missing was not tried.\n";
   return text;
 }

@@ -20,7 +20,7 @@ std::string shown(const Json& value) {
 
 /// Members that say how a plan was found or what other plans take: a recheck cannot find them from the commands. What
 /// it can say is whether they are of the kind that is written: one of each stands here.
-const Json& not_compared() {
+const Json& not_compared_of_programs() {
   static const Json samples = Json::parse(R"({
     "candidates": [{"plan": "", "cycle_time_s": 0.5, "verified": true}],
     "corners.slowed_blocks": 0,
@@ -32,6 +32,17 @@ const Json& not_compared() {
     "cycle_time_no_delay_s": 0.5,
     "peak_memory_bytes": 0,
     "solver": {"method": "", "name": "", "version": "", "claimed": "", "evaluations": 0, "wall_time_s": 0.5}
+  })");
+  return samples;
+}
+
+/// The same of plan profiles.
+const Json& not_compared_of_profiles() {
+  static const Json samples = Json::parse(R"({
+    "candidates": [{"plan": "", "cycle_time_s": 0.5, "verified": true}],
+    "corner_bound_s": 0.5,
+    "corner_bound": {"corners": 0, "counted": 0, "classes": 0, "complete": true},
+    "wall_time_s": 0.5
   })");
   return samples;
 }
@@ -54,7 +65,8 @@ bool of_kind(const Json& value, const Json& kind) {
 
 class Comparison {
  public:
-  explicit Comparison(std::vector<std::string> skip) : skip_(std::move(skip)) {}
+  Comparison(const Json& not_compared, std::vector<std::string> skip)
+      : not_compared_(not_compared), skip_(std::move(skip)) {}
 
   void compare(const std::string& name, const Json& recorded, const Json& found) {
     if (skips(name)) return skip(name, recorded);
@@ -70,11 +82,11 @@ class Comparison {
 
  private:
   bool skips(const std::string& name) const {
-    return not_compared().contains(name) || std::find(skip_.begin(), skip_.end(), name) != skip_.end();
+    return not_compared_.contains(name) || std::find(skip_.begin(), skip_.end(), name) != skip_.end();
   }
   void skip(const std::string& name, const Json& recorded) {
     found_.skipped.push_back(name);
-    if (const auto kind = not_compared().find(name); kind != not_compared().end() && !of_kind(recorded, *kind))
+    if (const auto kind = not_compared_.find(name); kind != not_compared_.end() && !of_kind(recorded, *kind))
       say(fmt::format("{} is recorded as {}, which no result has", name, shown(recorded)));
   }
   void say(std::string reason) {
@@ -105,21 +117,31 @@ class Comparison {
     return std::abs(a - b) <= tolerance * std::abs(b) + smallest;
   }
 
+  const Json& not_compared_;
   std::vector<std::string> skip_;
   ProgramDifferences found_;
 };
+
+ProgramDifferences differences(std::string_view text, const std::string& found, const Json& not_compared,
+                               std::vector<std::string> skip) {
+  Comparison comparison(not_compared, std::move(skip));
+  Json recorded = Json::parse(text);
+  // What the commands are made from, and they themselves, were read and checked as such.
+  recorded.erase("inputs");
+  recorded.erase("commands");
+  comparison.compare("", recorded, Json::parse(found));
+  return comparison.take();
+}
 
 }  // namespace
 
 ProgramDifferences program_differences(std::string_view text, const ProgramResult& found,
                                        const std::vector<std::string>& skip) {
-  Comparison comparison(skip);
-  Json recorded = Json::parse(text);
-  // What the commands are made from, and they themselves, were read and checked as such.
-  recorded.erase("inputs");
-  recorded.erase("commands");
-  comparison.compare("", recorded, Json::parse(program_to_json(found)));
-  return comparison.take();
+  return differences(text, program_to_json(found), not_compared_of_programs(), skip);
+}
+
+ProgramDifferences profile_differences(std::string_view text, const ProfileResult& found) {
+  return differences(text, profiles_to_json(found), not_compared_of_profiles(), {});
 }
 
 }  // namespace accdec

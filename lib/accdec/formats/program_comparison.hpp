@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include <accdec/program/write/profile_result.hpp>
 #include <accdec/program/write/program_report.hpp>
 
 namespace accdec {
@@ -21,5 +22,8 @@ struct ProgramDifferences {
 /// @param skip  further members not to compare, because the program was not read again
 ProgramDifferences program_differences(std::string_view text, const ProgramResult& found,
                                        const std::vector<std::string>& skip);
+
+/// The same of a result of plan profiles, accdec.profiles/1.
+ProgramDifferences profile_differences(std::string_view text, const ProfileResult& found);
 
 }  // namespace accdec

@@ -104,7 +104,8 @@ std::vector<Integer> integers(const Json& json) {
 /// What is read back must be as it is written; the words say where it is not.
 class Reader {
  public:
-  Reader(std::string_view text, std::string name) : name_(std::move(name)) {
+  Reader(std::string_view text, std::string name, bool (*right_kind)(std::string_view), const char* kind)
+      : name_(std::move(name)) {
     json_ = Json::parse(text, nullptr, false);
     // The parser takes a zero byte for the end of the file.
     if (json_.is_discarded() || text.find('\0') != std::string_view::npos) fail("is not JSON");
@@ -112,7 +113,20 @@ class Reader {
       const auto [line, column] = line_and_column(text, *at);
       throw InputError(name_, line, column, "this key stands twice in its object; each may stand once");
     }
-    if (!is_program_result(text)) fail("is no result of accdec program (schema accdec.program/1)");
+    if (!right_kind(text)) fail(fmt::format("is no result of accdec program (schema {})", kind));
+  }
+
+  /// Of plan profiles: what it was made from.
+  ProgramRecord read_inputs_alone() {
+    ProgramRecord record;
+    try {
+      record.result.program = json_.at("program").get<std::string>();
+      record.result.status = json_.at("status") == "feasible" ? Status::feasible : Status::failed;
+      read_inputs(json_.at("inputs"), record);
+    } catch (const nlohmann::json::exception& error) {
+      fail(fmt::format("is no whole result of accdec program: {}", error.what()));
+    }
+    return record;
   }
 
   ProgramRecord read() {
@@ -273,12 +287,23 @@ class Reader {
 
 }  // namespace
 
-std::string program_to_json(const ProgramResult& result, const ProgramInputs& inputs) {
-  std::string text = program_to_json(result);
+namespace {
+
+/// The text of a result without its end, and its inputs. A line each, not a line a number.
+std::string with_inputs(std::string text, const ProgramInputs& inputs) {
   text.erase(text.find_last_of('}'));
   while (!text.empty() && text.back() == '\n') text.pop_back();
-  // A line each, not a line a number.
-  text += ",\n  \"inputs\": " + inputs_json(inputs).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return text + ",\n  \"inputs\": " + inputs_json(inputs).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string profiles_to_json(const ProfileResult& result, const ProgramInputs& inputs) {
+  return with_inputs(profiles_to_json(result), inputs) + "\n}\n";
+}
+
+std::string program_to_json(const ProgramResult& result, const ProgramInputs& inputs) {
+  std::string text = with_inputs(program_to_json(result), inputs);
   const bool all = result.path.blocks() <= recorded_blocks_max;
   text += ",\n  \"commands\": " + (all ? commands_json(result).dump() : std::string("null")) + "\n}\n";
   return text;
@@ -293,8 +318,19 @@ bool is_profile_result(std::string_view text) {
   return text.substr(0, 200).find("\"accdec.profiles/1\"") != std::string_view::npos;
 }
 
+void refuse_profiles(std::string_view text, const std::string& name) {
+  if (!is_profile_result(text)) return;
+  throw InputError(name, 0, 0,
+                   "a result of --plan profiles has no one filter; `accdec program --plan profiles` writes its motion "
+                   "with --samples and draws it with --figure FILE.html");
+}
+
 ProgramRecord parse_program_record(std::string_view text, const std::string& name) {
-  return Reader(text, name).read();
+  return Reader(text, name, is_program_result, "accdec.program/1").read();
+}
+
+ProgramRecord parse_profile_record(std::string_view text, const std::string& name) {
+  return Reader(text, name, is_profile_result, "accdec.profiles/1").read_inputs_alone();
 }
 
 std::string hash_of_file(const std::string& path) {

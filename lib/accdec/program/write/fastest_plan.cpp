@@ -26,6 +26,12 @@ PlanTime time_of(const ProgramResult& r) {
 
 }  // namespace
 
+ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task,
+                               double bound_time) {
+  leave_room_for_arcs(path, arc_tolerance);
+  return run_profiles(name, std::move(path), task, bound_time);
+}
+
 std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, const Toolpath& path,
                                                             double arc_tolerance, const Task& task,
                                                             const ProgramFileOptions& options,
@@ -33,9 +39,7 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
   // Of the longest programs the search for a filter, and the bound by linear programs, would take longer than the plan.
   const bool several = path.blocks() <= several_plans_max;
   const double bound_time = several ? 10.0 : 3.0;  // s
-  Toolpath chords = path;
-  leave_room_for_arcs(chords, arc_tolerance);
-  ProfileResult profiles = run_profiles(name, std::move(chords), task, bound_time);
+  ProfileResult profiles = plan_profiles_of(name, path, arc_tolerance, task, bound_time);
   if (!several) return profiles;
   ProgramFileOptions choosing = options;
   choosing.feeds = Feeds::choose;

@@ -9,6 +9,12 @@
 
 namespace accdec {
 
+/// Plan profiles of a program, with room in its tolerances for what chords leave of their arcs.
+/// @param arc_tolerance  m, that the path was read with
+/// @param bound_time     see run_profiles
+ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task,
+                               double bound_time);
+
 /// `accdec program --plan profiles`: that plan, and beside it, of programs of up to `several_plans_max` blocks, those
 /// of one filter and of one a leg; the fastest that holds all limits, with the times of the others as its candidates.
 /// Where none holds, the plan profiles with a message.
