@@ -23,7 +23,7 @@ CALLS = [
     (accdec.design, {"task": TASK}, {
         "method": ["simplex", 3], "solver": [5, "ipotp"], "time_limit": ["a", 0, -1.0, nan, inf, None, [1.0]],
         "gap": ["a", 1.0, -0.1, nan], "objective": [3, "fast"], "seed": [-1, 1.5, "a", 10**20],
-        "threads": ["a", -1, 2000, 1.5], "options": [3, "a", {"x": 1}], "certificate": ["yes", 1],
+        "threads": ["a", 0, -1, 2000, 1.5], "options": [3, "a", {"x": 1}], "certificate": ["yes", 1],
         "reduced": ["no"], "start": [TAPS], "progress": [3, "yes"], "task": [3, None]}),
     (accdec.design, {"task": TASK, "solver": "ipopt", "time_limit": 20}, {
         "start": ["a", [], [[0.5, 0.5]], [nan, 1.0], ["a"], np.ones(500)], "gap": [0.1],

@@ -1,4 +1,4 @@
-"""A Slurm of its own for a test: munged, slurmctld and two slurmd in fresh PID, mount, network and host-name namespaces.
+"""A Slurm of its own for a test: munged, slurmctld, two slurmd in fresh PID, mount, network and host-name namespaces.
 
 Nothing outside is touched: its processes cannot be seen from there nor see anything there, they die with the test, and
 they talk over a loopback nobody else has.

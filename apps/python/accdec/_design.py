@@ -16,8 +16,9 @@ TaskLike = Union[Task, str, "os.PathLike[str]", Mapping[str, Any]]
 Progress = Union[bool, Callable[[str], object], None]
 
 
-def _by_solver(task: Task, method: Optional[str], solver: Optional[str], gap: float) -> bool:
+def _by_solver(method: Optional[str], solver: Optional[str], gap: float) -> bool:
     """Whether a nonlinear solver is asked for; what goes with no such thing is refused."""
+    arguments.number("gap", gap, "must be from 0 to less than 1", 0.0, 1.0 - 1e-16)
     if method is not None:
         arguments.one_of("method", method, ("exact", "nlp"))
     if solver is not None and method == "exact":
@@ -66,8 +67,7 @@ def design(task: TaskLike, *, method: Optional[str] = None, solver: Optional[str
            start: Optional[npt.ArrayLike] = None, progress: Progress = None) -> Result:
     """Choose what a task leaves open: the filter, its order and the corners' delays.
 
-    The answer is verified by simulation before it is returned; nothing that breaks a limit is a result.
-    Ctrl-C ends the search and raises KeyboardInterrupt; other threads of Python run on meanwhile.
+    The answer is verified by simulation; nothing that breaks a limit is a result. Ctrl-C ends the search.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def design(task: TaskLike, *, method: Optional[str] = None, solver: Optional[str
     start : array_like, optional
         Local nonlinear solvers: taps to start from, at their order; at others it is a trapezoid.
     progress : bool or callable, optional
-        True prints a line a step; a callable gets the line. It runs in the calling thread.
+        True prints a line a step; a callable gets the line, in the calling thread.
 
     Returns
     -------
@@ -112,16 +112,15 @@ def design(task: TaskLike, *, method: Optional[str] = None, solver: Optional[str
     (True, 0.027, 16, [10])
     """
     made = _with_corners(task, objective)
-    gap = arguments.number("gap", gap, "must be from 0 to less than 1", 0.0, 1.0 - 1e-16)
-    nlp = _by_solver(made, method, solver, gap)
+    nlp = _by_solver(method, solver, gap)
     chosen = arguments.text("solver", solver or "ipopt")
     return _core.design(
-        made, method="nlp" if nlp else "exact", solver=chosen, gap=gap,
-        time_limit=arguments.seconds("time_limit", time_limit), seed=arguments.seed(seed),
-        threads=arguments.whole("threads", threads or os.cpu_count() or 1, 1, 1024),
-        native=_options(made, options, nlp), certificate=arguments.flag("certificate", certificate),
-        reduced=None if reduced is None else arguments.flag("reduced", reduced),
-        start=_start(start, made, nlp, chosen), progress=arguments.listener(progress))
+        made, method="nlp" if nlp else "exact", solver=chosen, gap=float(gap), seed=arguments.seed(seed),
+        time_limit=arguments.seconds("time_limit", time_limit), native=_options(made, options, nlp),
+        threads=arguments.whole("threads", os.cpu_count() or 1 if threads is None else threads, 1, 1024),
+        certificate=arguments.flag("certificate", certificate), start=_start(start, made, nlp, chosen),
+        reduced=reduced if reduced is None else arguments.flag("reduced", reduced),
+        progress=arguments.listener(progress))
 
 
 def evaluate(task: TaskLike, taps: Optional[npt.ArrayLike] = None,

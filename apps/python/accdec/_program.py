@@ -38,10 +38,8 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
         m, largest distance of a chord from its arc; by default that of the command line.
     time_limit : float, optional
         s, for the design of a filter; by default 2 s and 5 ms a block, at most 60.
-    rapid_stops, dwells_before_filter, filter_bound : bool
-        As of the command line.
-    compensate_arcs : bool
-        Command arcs on a radius larger by what the filter takes away; not with ``feeds="keep"``.
+    rapid_stops, dwells_before_filter, filter_bound, compensate_arcs : bool
+        As of the command line; the last, arcs on a radius larger by what the filter takes away, not with "keep".
     tool_table : path, optional
         LinuxCNC's, for programs that rs274 has to run.
     progress : bool or callable, optional
