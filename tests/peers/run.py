@@ -25,7 +25,7 @@ def arguments():
     parser.add_argument("--install", action="store_true", help="install linuxcnc-uspace and gcc with apt-get first (root)")
     parser.add_argument("--accdec", default=str(ROOT / "build/release/apps/accdec"), help="the program to compare")
     parser.add_argument("--out", default=str(ROOT / "results/program"), help="folder for peers.csv and peers.md")
-    parser.add_argument("--only", nargs="*", help="only programs whose name contains one of these words")
+    parser.add_argument("--only", nargs="*", help="only programs whose name contains one of these words; the rows of others stay")
     parser.add_argument("--plans", nargs="*", default=PLANS, choices=PLANS)
     parser.add_argument("--warp", type=int, default=5, help="LinuxCNC's servo thread runs so many times faster than the clock")
     parser.add_argument("--jobs", type=int, default=2, help="programs at a time")
@@ -49,7 +49,7 @@ def fair(program, folder):
     return copy
 
 
-def cases(accdec, folder, only):
+def cases(accdec, folder):
     """name, program, acceleration in mm/s^2, whether also with a jerk limit"""
     found = []
     problems = ROOT / "problems/program"
@@ -64,7 +64,7 @@ def cases(accdec, folder, only):
         program = folder / (kind + "-generated.ngc")
         subprocess.check_call([accdec, "generate", kind, "--blocks", str(blocks), "--feed", "6000", "--tolerance", "0.05", "--out", str(program)])
         found.append((kind, program, 1000, True))
-    return [c for c in found if not only or any(word in c[0] for word in only)]
+    return found
 
 
 def task_file(folder, acceleration, jerk):
@@ -118,7 +118,7 @@ def compare(case, options, folder):
             samples, report = folder / "samples.csv", folder / "report.json"
             report.unlink(missing_ok=True)
             done = subprocess.run([options.accdec, "program", str(program), "--task", str(task_file(folder, acceleration, jerk)), "--plan", plan,
-                                   "--samples", str(samples), "--json", str(report)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+                                   "--time-limit", "60", "--samples", str(samples), "--json", str(report)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             if done.returncode != 0:
                 rows.append({"program": name, "acceleration_max": acceleration, "jerk_max": jerk or "", "planner": "accdec " + plan,
                              "breaks": "no plan: " + (done.stderr.strip().splitlines() or ["exit code %d" % done.returncode])[-1]})
@@ -139,6 +139,23 @@ def write_csv(path, rows):
         writer.writeheader()
         for row in rows:
             writer.writerow({k: "%.6g" % v if isinstance(v, float) else v for k, v in row.items()})
+
+
+def earlier_rows(path, cases):
+    """Rows of these programs and accelerations that an earlier run wrote."""
+    if not path.exists():
+        return []
+    rows = []
+    with open(path, newline="") as file:
+        for row in csv.DictReader(file):
+            if (row["program"], int(row["acceleration_max"])) not in cases:
+                continue
+            words = ("program", "planner", "breaks")
+            numbers = {k: float(v) for k, v in row.items() if k not in words and v != ""}
+            rows.append({"jerk_max": "", **{k: row[k] for k in words}, **numbers, "acceleration_max": int(row["acceleration_max"])})
+            if row["jerk_max"]:
+                rows[-1]["jerk_max"] = int(row["jerk_max"])
+    return rows
 
 
 def write_table(path, rows, plans):
@@ -178,16 +195,18 @@ def main():
             sys.exit(needed + " is missing" + ("; run with --install" if "linuxcnc" in needed else ""))
     sys.path.insert(0, str(HERE))
     sys.dont_write_bytecode = True
-    rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        work = cases(options.accdec, pathlib.Path(folder), options.only)
-        with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-            for result in pool.map(lambda case: compare(case, options, folder), work):
-                rows += result
     out = pathlib.Path(options.out)
     out.mkdir(parents=True, exist_ok=True)
-    write_csv(out / "peers.csv", rows)
-    write_table(out / "peers.md", rows, options.plans)
+    with tempfile.TemporaryDirectory() as folder:
+        work = cases(options.accdec, pathlib.Path(folder))
+        chosen = [c for c in work if not options.only or any(word in c[0] for word in options.only)]
+        rows = earlier_rows(out / "peers.csv", [(c[0], c[2]) for c in work if c not in chosen])
+        order = {(c[0], c[2]): i for i, c in enumerate(work)}
+        with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+            for result in pool.map(lambda case: compare(case, options, folder), chosen):
+                rows = sorted(rows + result, key=lambda row: order[row["program"], row["acceleration_max"]])
+                write_csv(out / "peers.csv", rows)
+                write_table(out / "peers.md", rows, options.plans)
     print("wrote", out / "peers.csv", "and", out / "peers.md")
 
 

@@ -1,3 +1,7 @@
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <accdec/motion/blend.hpp>
@@ -5,6 +9,7 @@
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/plan/program_plan.hpp>
+#include <accdec/program/profiles/plan_profiles.hpp>
 #include <accdec/program/simulate/simulate.hpp>
 
 #include "reference.hpp"
@@ -296,6 +301,27 @@ TEST(Plan, LongLegsBesideACurveKeepTheirFeeds) {
   EXPECT_NEAR(path.duration.back(), before.back(), 1e-9);
 }
 
+TEST(Plan, LowerBoundOfFineChordsKnowsWhatTurningTakes) {
+  // A circle of radius R at F far above sqrt(a R): once around at that speed takes 2 pi sqrt(R/a). Along the axes,
+  // where a quarter's chord is turned by 45 degrees, they have sqrt(2) a; windows of a sixth to a quarter and the
+  // tolerance leave some tenths of it.
+  Machine machine;
+  for (const char* name : {"x", "y"}) machine.axes.push_back({name, 1.0, 1.0});
+  const double turn = 2.0 * std::numbers::pi * std::sqrt(0.01);
+  for (const double tolerance : {1.0, 10.0, 50.0}) {
+    ToolpathOptions fine;
+    fine.read.arc_tolerance = 1e-7;
+    const std::string text = fmt::format("G64 P{}\nG1 X10 F60000\nG3 I10\nG1 X0\nM2\n", tolerance * 1e-3);
+    LineSource source("circle.ngc", text);
+    const Toolpath path = read_toolpath(source, machine, fine);
+    const double bound = program_lower_bound(path, machine);
+    EXPECT_GT(bound, 0.75 * turn) << tolerance;
+    const ProfilePlan plan = plan_profiles(path, machine, period);
+    ASSERT_TRUE(plan.holds());
+    EXPECT_LT(bound, static_cast<double>(plan.check.samples) * period) << tolerance;
+  }
+}
+
 TEST(Plan, LowerBoundIsTheClosedFormWhereThereIsOne) {
   Machine machine;
   machine.axes.push_back({"x", 0.5, 1.0});
@@ -304,9 +330,9 @@ TEST(Plan, LowerBoundIsTheClosedFormWhereThereIsOne) {
   const Toolpath stops = path_of("G61.1 G1 F6000 X50\nX80 Y30\nX80 Y34\n", machine);
   EXPECT_NEAR(program_lower_bound(stops, machine),
               (0.5 + 0.1) + (0.3 * std::sqrt(2.0) + 0.1 / std::sqrt(2.0)) + 2.0 * std::sqrt(0.004), 1e-12);
-  // Blended: legs less the tolerance, and ramps at both ends with no more than sqrt(2) m/s^2.
+  // Blended: legs less the tolerance, and ramps at both ends along their axes.
   const Toolpath blended = path_of("G64 P0.5 G1 F6000 X50\nY50\n", machine);
-  EXPECT_NEAR(program_lower_bound(blended, machine), 2.0 * 0.495 + 0.1 / std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(program_lower_bound(blended, machine), 2.0 * (0.495 + 0.05), 1e-12);
   EXPECT_NEAR(program_lower_bound(path_of("G1 F6000 X50\nG4 P2\nX0\n"), {}), 3.0, 1e-12);
   for (unsigned seed = 1; seed <= 5; ++seed) {
     Toolpath path = path_of(random_program(seed, 200));

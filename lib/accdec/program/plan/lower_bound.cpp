@@ -2,20 +2,9 @@
 #include <cmath>
 
 #include <accdec/program/plan/lower_bound.hpp>
+#include <accdec/program/plan/window_bound.hpp>
 
 namespace accdec {
-namespace {
-
-/// Least time for `distance` at `speed` at most, from rest and to rest at `acceleration`.
-double rest_to_rest(double distance, double speed, double acceleration) {
-  if (distance <= 0.0) return 0.0;
-  if (!(acceleration < unlimited)) return distance / speed;
-  const double ramps = speed * speed / acceleration;  // distance of both
-  return distance >= ramps ? distance / speed + speed / acceleration : 2.0 * std::sqrt(distance / acceleration);
-}
-
-}  // namespace
-
 double program_lower_bound(const Toolpath& path, const Machine& machine) {
   const std::size_t n = path.dimensions();
   double any_direction2 = machine.axes.empty() ? unlimited : 0.0;
@@ -46,8 +35,9 @@ double program_lower_bound(const Toolpath& path, const Machine& machine) {
         if (part > 0.0) direct = std::min(direct, machine.axes[a].acceleration_max / part);
       }
     }
-    // All blocks at their feeds without ramps, or all at the highest feed with them.
-    time += std::max(cruise, rest_to_rest(way, fastest, direct));
+    // All blocks at their feeds without ramps, or all at the highest feed with them, or windows of them.
+    const double ramped = time_from_rest(way, fastest, direct, 2);
+    time += std::max({cruise, ramped, last > first ? window_bound(path, machine, first, last) : 0.0});
     first = last + 1;
   }
   return time;

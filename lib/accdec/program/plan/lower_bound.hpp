@@ -15,7 +15,9 @@ namespace accdec {
 /// single block between
 ///   stops, which is straight, what the axes allow in its direction): each start and stop costs v/(2 A) more, v the
 ///   feed there.
-/// Dwells count in full. Weak where corners cost much: it knows nothing of the acceleration that turning takes.
+/// - of windows of several blocks, the way and what turning takes: window_bound.
+/// Dwells count in full. Weak where corners cost much, between legs longer than it takes to turn: see corner_bound.
+/// Samples that keep to a tolerance by the polyline through them stand for a motion that uses A T^2/8 more of it.
 /// @param machine  as many axes as the path, or without axes
 double program_lower_bound(const Toolpath& path, const Machine& machine);
 
