@@ -28,8 +28,8 @@ struct Options {
 /// A margin problem asks for the least error at given delays: whoever gave none gets them at 0, and is told.
 void tell_missing_delays(const Suite& suite) {
   std::string last;
-  for (const study::CaseSpec& spec : suite.cases) {
-    if (spec.question != study::Question::margin || !spec.delays.empty() || spec.name == last) continue;
+  for (const comparison::CaseSpec& spec : suite.cases) {
+    if (spec.question != comparison::Question::margin || !spec.delays.empty() || spec.name == last) continue;
     fmt::print(stderr,
                "{}: problem \"{}\": margin without delay_samples: asks for the least corner error without any delay\n",
                suite.path, spec.name);
@@ -43,7 +43,7 @@ int run_cluster(const Options& options, const Context& context) {
     // The further arguments are --solvers and its list.
     const Suite suite =
         read_suite(plan.input, plan.more.empty() ? plan.more : std::vector(plan.more.begin() + 1, plan.more.end()));
-    return print_cluster_status(plan, study::comparison_shards(suite, folder, plan.shards),
+    return print_cluster_status(plan, comparison::comparison_shards(suite, folder, plan.shards),
                                 comparison_finished(suite, folder));
   }
   const Suite suite = read_suite(options.suite, options.solvers);
@@ -57,7 +57,7 @@ int run_cluster(const Options& options, const Context& context) {
     if (read_suite(frozen, options.solvers).hash != suite.hash)
       throw std::runtime_error(fmt::format("{}: the copy is another suite than {}", frozen, options.suite));
   };
-  work.states = [&](std::size_t shards) { return study::comparison_shards(suite, options.run.out, shards); };
+  work.states = [&](std::size_t shards) { return comparison::comparison_shards(suite, options.run.out, shards); };
   work.finished = [&] { return comparison_finished(suite, options.run.out); };
   return submit_to_cluster(work, options.cluster, context);
 }

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/seconds_since.hpp>
+
 #include "terminal.hpp"
 
 namespace accdec::cli {
@@ -75,7 +77,7 @@ void StatusLine::show() {
 }
 
 double StatusLine::seconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  return seconds_since(began_);
 }
 
 }  // namespace accdec::cli

@@ -14,7 +14,7 @@ import model
 MARGIN = 1e-6  # relative; answers nearer to a bound than this are left undecided
 
 
-def _plane(position):
+def plane(position):
     """Rows (2 x taps) of a corner's position in an orthonormal basis of the plane of its legs."""
     stacked = np.stack(position)  # axes x taps
     u, s, vt = np.linalg.svd(stacked, full_matrices=False)
@@ -35,9 +35,9 @@ def smallest_error(rows, cones, position, stop_above, symmetric=False):
     """
     n = rows.shape[1]
     scale = max(float(np.abs(position).max()), 1e-30)
-    plane = _plane(position) / scale
+    rows_of_error = plane(position) / scale
     angles = np.linspace(0.0, 2.0 * math.pi, 12, endpoint=False)
-    error_cuts = _tangents(plane, angles)
+    error_cuts = _tangents(rows_of_error, angles)
     upper, bounds = [np.vstack([rows, -rows])], [np.ones(2 * len(rows))]
     equal = [np.append(np.ones(n), 0.0)]
     if symmetric:
@@ -62,10 +62,10 @@ def smallest_error(rows, cones, position, stop_above, symmetric=False):
         taps, low = answer.x[:n], answer.x[n] * scale
         if low > stop_above * (1.0 + MARGIN):
             return low
-        at = plane @ taps
+        at = rows_of_error @ taps
         done = math.hypot(*at) * scale <= low * (1.0 + 0.1 * MARGIN) + 1e-15
         if not done:
-            error_cuts = np.vstack([error_cuts, _tangents(plane, np.array([math.atan2(at[1], at[0])]))])
+            error_cuts = np.vstack([error_cuts, _tangents(rows_of_error, np.array([math.atan2(at[1], at[0])]))])
         for cone, bound in cones:
             at = cone @ taps
             length = np.hypot(at[:, 0], at[:, 1])

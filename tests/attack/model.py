@@ -107,6 +107,26 @@ def worst_use(task, taps, delays):
     return worst, name
 
 
+def value_at(task, taps, delays, limit):
+    """What a recorded limit of an axis is used at the event and sample that it names, in SI; None where there is none."""
+    taps = np.asarray(taps, float) / math.fsum(taps)
+    j, corner = next(((j, c) for j, c in enumerate(task["corner"]) if c["name"] == limit["corner"]), (None, None))
+    if corner is None:
+        return None
+    motion = unit_motions(task, corner, len(taps) - 1, delays[j])
+    # Last samples at rest, of leg 1 and of leg 2, each commanded at full speed for as long.
+    leg, corner_row = len(taps) + 2, motion.blend.start
+    zero = {"start": corner_row - leg, "blend": corner_row, "stop": corner_row + delays[j] + leg}.get(limit["event"])
+    if zero is None or not 0 <= zero + limit["sample"] < len(motion.velocity[0]):
+        return None
+    axes = machine_axes(task, len(motion.velocity))
+    i = next((i for i, axis in enumerate(axes) if axis.get("name", "xyzabcuvw"[i]) == limit["axis"]), 0)
+    v, a, jerk = (quantity[i][zero + limit["sample"]] @ taps for quantity in (motion.velocity, motion.acceleration, motion.jerk))
+    force = axes[i].get("mass_kg", 0.0) * a + axes[i].get("damping_N_s_m", 0.0) * v
+    return {"velocity": abs(v), "acceleration": abs(a), "jerk": abs(jerk), "force": abs(force), "power": force * v,
+            "regeneration": -force * v}.get(limit["kind"])
+
+
 def corner_error(motion, taps):
     """Smallest distance from the corner at a sample of the blend, m."""
     return float(np.sqrt(sum((p @ np.asarray(taps)) ** 2 for p in motion.position)).min())

@@ -34,6 +34,22 @@ def _change(rng, value):
     return rng.choice([None, True, [], {}, "", 0, -1, 1e300])
 
 
+def _contradict(rng, forged):
+    """One claim that the others, the certificate or the motion contradict, unless it happens to be true."""
+    kind, limit = rng.randrange(5), rng.choice(forged["limits"] or [None])
+    if kind == 0:
+        forged["status"] = rng.choice(["optimal", "feasible", "infeasible", "failed"])
+    elif kind == 1:
+        forged["stop"] = rng.choice(["finished", "gap reached", "time limit", "interrupted"])
+    elif kind == 2:
+        forged["verification"]["certificate_checked"] = not forged["verification"]["certificate_checked"]
+    elif limit is not None and kind == 3:
+        limit["sample"] += rng.choice([-1000, -10, -2, -1, 1, 2, 10, 1000])
+    elif limit is not None:
+        limit["event"] = rng.choice(["start", "blend", "stop", "none"])
+    return forged
+
+
 def mutate(rng, result):
     """A result with one to three changes in random places; forged bounds and statuses are tried most."""
     forged = copy.deepcopy(result)
@@ -49,6 +65,8 @@ def mutate(rng, result):
         if forged["corners"] and rng.random() < 0.5:
             forged["corners"][0]["delay_samples"] = max(0, forged["corners"][0]["delay_samples"] + rng.choice([-1, 1]))
         return forged
+    if rng.random() < 0.2:
+        return _contradict(rng, forged)
     places = [p for p in _paths(forged) if p and p[0] != "task"]
     # Certificates have most of the places; the rest is to have its share.
     outside = [p for p in places if p[0] != "certificate"]
@@ -102,10 +120,9 @@ def mutate_text(rng, text):
     return bytes(data)
 
 
-# What a recheck finds by itself. Where a limit is used most may be told otherwise where it is used alike, a proof that
-# holds may be said to have been checked, and a lower bound than the proved one is true.
+# What a recheck finds by itself. Where a limit is used most may be told otherwise where it is used alike (`_misplaced`).
 CHECKED = ("sample_period_s", "cycle_time_s", "corner_time_s", "corners", "limits", "verification", "filter")
-FREE = ("sample", "event", "worst", "frequency_Hz", "name", "certificate_checked", "certificate")
+FREE = ("sample", "event", "worst", "frequency_Hz", "name")
 
 
 def _changed_number(original, forged, where=""):
@@ -124,6 +141,32 @@ def _changed_number(original, forged, where=""):
     return next((f for f in found if f), None)
 
 
+def _misplaced(task, result, original):
+    """The first limit of an axis that is said to be used most at a sample where it is not; None without."""
+    delays = [c["delay_samples"] for c in result["corners"]]
+    for recorded, true in zip(result["limits"], original["limits"]):
+        if recorded == true or not recorded["axis"]:
+            continue
+        value = model.value_at(task, result["filter"]["taps"], delays, recorded)
+        if value is None or abs(value - true["value"]) > 1e-8 * abs(true["value"]) + 1e-10:
+            return f"{recorded['kind']} {recorded['axis']} at {recorded['sample']} of the {recorded['event']}"
+    return None
+
+
+def _contradiction(result):
+    """What of status, stop, bound, gap and certificate does not go together; None without."""
+    if result["status"] == "infeasible":
+        return None
+    optimal, gap, bound = result["status"] == "optimal", result.get("gap"), result.get("lower_bound_s")
+    if (gap is None) != (bound is None) or (bound is None) != (result.get("certificate") is None):
+        return "a bound, its gap and its proof do not stand together"
+    if optimal and (gap is None or gap > 1e-8 or result.get("stop") not in (None, "finished")):
+        return "optimal with a gap or a search that was stopped"
+    if not optimal and gap is not None and gap < 1e-10:
+        return "feasible without a gap"
+    return None
+
+
 def _lie(task, original, path):
     """What is false in an accepted result; None if all of it is true. The task is part of the file and was not changed on purpose."""
     try:
@@ -139,6 +182,11 @@ def _lie(task, original, path):
         other = next((w for w in (_changed_number(original[k], result.get(k), k) for k in CHECKED) if w), None)
         if other:
             return f"{other} is not what it was"
+        place = _misplaced(task, result, original)
+        if place:
+            return f"a limit is not used most where it says: {place}"
+    if _contradiction(result):
+        return _contradiction(result)
     if result["status"] == "infeasible":
         return None
     use, name = model.worst_use(task, result["filter"]["taps"], [c["delay_samples"] for c in result["corners"]])

@@ -17,7 +17,7 @@ import time
 COLUMNS = ("kind", "corners", "seed", "status", "cycle_ms", "bound_ms", "gap_percent", "processor_s", "wall_s",
            "linear_programs", "check_s", "proof")
 PLOT = """
-set terminal svg size 700,420 noenhanced font 'DejaVu Sans,12' background '#ffffff'
+set terminal svg size 860,420 noenhanced font 'DejaVu Sans,12' background '#ffffff'
 set output '{out}/many_corners.svg'
 set datafile separator ','
 set logscale y
@@ -27,7 +27,7 @@ set xtics (2, 3, 4, 6, 8, 12)
 set yrange [0.01:200]
 set xlabel 'corners that share the filter'
 set ylabel 'processor time / s'
-set key left top
+set key outside right top Left reverse samplen 1
 set grid lc rgb '#dddddd'
 f = '{out}/many_corners.csv'
 plot {curves}, NaN with points lc rgb '#808080' pt 6 title 'stopped without a whole proof'

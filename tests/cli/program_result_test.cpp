@@ -124,6 +124,31 @@ Json forged(const Json& value) {
   return value.is_string() ? Json(value.get<std::string>() + "x") : Json(1.0);
 }
 
+TEST_F(ProgramResult, CountsAreRightAndWhatIsNotComparedIsOfItsKind) {
+  for (const char* feeds : {"keep", "choose"}) {
+    ASSERT_EQ(plan({"--feeds", feeds}).code, 0);
+    const Json good = json();
+    const auto rejected = [&](const char* pointer, const Json& value) {
+      Json bad = good;
+      bad[Json::json_pointer(pointer)] = value;
+      const Outcome outcome = changed(bad);
+      EXPECT_EQ(outcome.code, 1) << pointer << " = " << value << ": " << outcome.out;
+      std::string name = std::string(pointer).substr(1);
+      std::replace(name.begin(), name.end(), '/', '.');
+      EXPECT_THAT(outcome.out, HasSubstr(name + " is recorded as ")) << value;
+    };
+    const Json raised = good["corners"]["raised_by_overlap"];
+    for (const Json& value : {Json(raised.get<int>() + 1), Json(-1), Json("2"), Json(0.5), Json(), Json::array({1})})
+      rejected("/corners/raised_by_overlap", value);
+    for (const Json& value : {Json(-1), Json("2"), Json(0.5), Json()}) rejected("/corners/slowed_blocks", value);
+    for (const Json& value : {Json(-1.0), Json("2"), Json()}) rejected("/cycle_time_exact_stop_s", value);
+    for (const Json& value : {Json(1), Json(Json::array({1})), Json(Json::array({Json::object()}))})
+      rejected("/feeds_slowed", value);
+    rejected("/solver", Json::object());
+    rejected("/exact_stop_breaks", 1);
+  }
+}
+
 // All that verify does not say it leaves out is compared: each value of the summary is forged, one at a time.
 TEST_F(ProgramResult, NoValueOfTheSummaryCanBeForged) {
   ASSERT_EQ(plan({"--plan", "per-leg", "--filter-bound"}).code, 0);

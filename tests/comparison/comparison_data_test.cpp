@@ -12,8 +12,8 @@
 namespace accdec {
 namespace {
 
-using study::ComparisonData;
-using study::Judgement;
+using comparison::ComparisonData;
+using comparison::Judgement;
 using ::testing::HasSubstr;
 
 const std::string header =
@@ -56,9 +56,9 @@ TEST(ComparisonData, ARiggedClaimLandsInItsCell) {
   const std::vector<std::string> lines{header, problem(0, "proved", proved_two),
                                        run(0, "good", "solved", "optimal", 2.0001),
                                        run(0, "rigged", "solved", "infeasible", 1.0)};
-  const ComparisonData data = study::read_comparison(lines);
+  const ComparisonData data = comparison::read_comparison(lines);
   EXPECT_EQ(data.attempt(0, 0, 0).judgement, Judgement::reached);
-  const study::Attempt& rigged = data.attempt(0, 0, 1);
+  const comparison::Attempt& rigged = data.attempt(0, 0, 1);
   EXPECT_EQ(rigged.judgement, Judgement::violates);
   EXPECT_FALSE(rigged.success);
   EXPECT_TRUE(std::isinf(rigged.end_cost)) << "a refuted claim is infinitely slow, not dropped";
@@ -80,31 +80,32 @@ TEST(ComparisonData, TellsVariantsFromPlainSolvers) {
   four =
       four.substr(0, list) +
       R"({"name":"a","solver":"a"},{"name":"a/reduced","solver":"a"},{"name":"a, faster","solver":"a"},{"name":"b","solver":"b"}]})";
-  const ComparisonData data = study::read_comparison({four, problem(0, "proved", R"("lower":1,"upper":1)")});
+  const ComparisonData data = comparison::read_comparison({four, problem(0, "proved", R"("lower":1,"upper":1)")});
   EXPECT_THAT(data.plain, ::testing::ElementsAre(0, 1, 3));
   EXPECT_THAT(data.algorithms, ::testing::ElementsAre("a", "a", "a", "b"));
 }
 
 TEST(ComparisonData, StationaryButWorseIsNoSuccessAndMissingRunsAreFailures) {
-  const ComparisonData data =
-      study::read_comparison({header, problem(0, "proved", proved_two), problem(1, "proved", proved_two),
-                              run(0, "good", "solved", "optimal", 2.5), run(0, "rigged", "solved", "feasible", 2.0)});
+  const ComparisonData data = comparison::read_comparison(
+      {header, problem(0, "proved", proved_two), problem(1, "proved", proved_two),
+       run(0, "good", "solved", "optimal", 2.5), run(0, "rigged", "solved", "feasible", 2.0)});
   EXPECT_EQ(data.attempt(0, 0, 0).judgement, Judgement::stationary);
   EXPECT_EQ(data.attempt(0, 0, 1).judgement, Judgement::reached)
       << "as good as the proved optimum, whatever its multipliers";
   EXPECT_EQ(data.attempt(1, 0, 0).claim, "missing");
   EXPECT_TRUE(std::isinf(data.attempt(1, 0, 0).end_cost));
-  EXPECT_DOUBLE_EQ(study::at(study::distribution(data.costs(false, [](const auto& a) { return a.end_cost; })[1]), 10.0),
-                   0.5);
+  EXPECT_DOUBLE_EQ(
+      comparison::at(comparison::distribution(data.costs(false, [](const auto& a) { return a.end_cost; })[1]), 10.0),
+      0.5);
 }
 
 TEST(ComparisonData, MedianOfTheRepeatsCounts) {
-  const ComparisonData data = study::read_comparison(
+  const ComparisonData data = comparison::read_comparison(
       {header, problem(0, "proved", proved_two),
        run(0, "good", "solved", "optimal", 2.0, 9.0, 1, R"(,"history":[[8,4.0,2.15],[12,5.0,2.0]])"),
        run(0, "good", "solved", "optimal", 2.0, 1.0, 0, R"(,"history":[[3,0.1,2.9],[8,0.4,2.15],[12,0.5,2.0]])"),
        run(0, "good", "solved", "optimal", 2.0, 2.0, 2, R"(,"history":[[8,0.7,2.15]])")});
-  const study::Attempt& a = data.attempt(0, 0, 0);
+  const comparison::Attempt& a = data.attempt(0, 0, 0);
   EXPECT_EQ(a.end_cost, 2.0);
   EXPECT_EQ(a.successes, 3U);
   EXPECT_EQ(a.evaluations, 30) << "the larger of objective and rows";
@@ -120,7 +121,7 @@ std::string with_history(const std::string& history) {
 
 TEST(ComparisonData, TimeToAccuracyIsFreeOfPolishingAndNeedsAnAcceptedAnswer) {
   // Accuracy 1e-4 of the reference 2: within are objectives up to 2.0002. The targets, 0.1 and 0.01, are coarser.
-  const ComparisonData data = study::read_comparison(
+  const ComparisonData data = comparison::read_comparison(
       {header, problem(0, "proved", proved_two), problem(1, "proved", proved_two),
        // Within at 0.5, 0.3 and 0.8 s (2.00021 is outside, 2.00019 inside); ended at 4, 5 and 6 s.
        run(0, "good", "solved", "optimal", 2.0, 4.0, 0,
@@ -136,7 +137,8 @@ TEST(ComparisonData, TimeToAccuracyIsFreeOfPolishingAndNeedsAnAcceptedAnswer) {
        run(1, "good", "solved", "feasible", 2.0, 1.0, 0, with_history("[[9,0.4,2.0]]")),
        run(1, "good", "solved", "feasible", 2.0, 7.0, 1, with_history("[[9,0.4,2.001]]")),
        run(1, "good", "time limit", "feasible", 2.001, 3.0, 2, with_history("[[9,0.2,2.0]]"))});
-  const study::Attempt &good = data.attempt(0, 0, 0), &rigged = data.attempt(0, 0, 1), &mixed = data.attempt(1, 0, 0);
+  const comparison::Attempt &good = data.attempt(0, 0, 0), &rigged = data.attempt(0, 0, 1),
+                            &mixed = data.attempt(1, 0, 0);
   EXPECT_EQ(good.accuracy_cost, 0.5) << "of 0.3, 0.5 and 0.8";
   EXPECT_EQ(good.end_cost, 5.0);
   EXPECT_FALSE(rigged.success);
@@ -161,7 +163,7 @@ TEST(ComparisonData, ProfilesByTimeToAccuracyAndToTheEndMayDisagree) {
       header, problem(0, "proved", proved_two),
       run(0, "good", "solved", "optimal", 2.0, 4.0, 0, with_history("[[9,0.1,2.0]]")),
       run(0, "rigged", "solved", "optimal", 2.0, 1.0, 0, with_history("[[9,0.2,2.0]]"))};
-  const ComparisonData data = study::read_comparison(lines);
+  const ComparisonData data = comparison::read_comparison(lines);
   const ComparisonTable pairs = pairs_table(data);
   EXPECT_EQ(cell(pairs, {{1, "good"}, {2, "rigged"}}, "least time to accuracy or equal (ratio 1)"), "1");
   EXPECT_EQ(cell(pairs, {{1, "rigged"}, {2, "good"}}, "least time to accuracy or equal (ratio 1)"), "0");
@@ -185,10 +187,10 @@ TEST(ComparisonData, ProfilesByTimeToAccuracyAndToTheEndMayDisagree) {
 }
 
 TEST(ComparisonData, ASearchWithoutADesignHasRecognisedNothing) {
-  const ComparisonData data =
-      study::read_comparison({header, problem(0, "infeasible proved", R"("lower":null,"upper":null)", "infeasible"),
-                              problem(1, "proved", proved_two), run(0, "good", "infeasible", "infeasible", 1.0),
-                              run(0, "rigged", "no design", "none", 0.0), run(1, "rigged", "no design", "none", 0.0)});
+  const ComparisonData data = comparison::read_comparison(
+      {header, problem(0, "infeasible proved", R"("lower":null,"upper":null)", "infeasible"),
+       problem(1, "proved", proved_two), run(0, "good", "infeasible", "infeasible", 1.0),
+       run(0, "rigged", "no design", "none", 0.0), run(1, "rigged", "no design", "none", 0.0)});
   EXPECT_TRUE(data.attempt(0, 0, 0).success);
   EXPECT_FALSE(data.attempt(0, 0, 1).success);
   const ComparisonTable summary = summary_table(data), confusion = confusion_table(data);
@@ -221,12 +223,12 @@ TEST(ComparisonData, ReportNamesOptionsAndWhatIsMeasured) {
 }
 
 TEST(ComparisonData, MostRepeatsDecide) {
-  const ComparisonData data = study::read_comparison(
+  const ComparisonData data = comparison::read_comparison(
       {header, problem(0, "proved", proved_two), run(0, "good", "time limit", "feasible", 2.1, 1.0, 0),
        run(0, "good", "solved", "optimal", 2.0, 0.9, 1), run(0, "good", "solved", "optimal", 2.0, 0.8, 2),
        run(0, "rigged", "solved", "optimal", 2.0, 0.1, 0), run(0, "rigged", "time limit", "feasible", 2.1, 1.0, 1),
        run(0, "rigged", "time limit", "infeasible", 1.0, 1.0, 2)});
-  const study::Attempt &good = data.attempt(0, 0, 0), &rigged = data.attempt(0, 0, 1);
+  const comparison::Attempt &good = data.attempt(0, 0, 0), &rigged = data.attempt(0, 0, 1);
   EXPECT_TRUE(good.success);
   EXPECT_EQ(good.claim, "solved") << "of a repeat that went as most did";
   EXPECT_EQ(good.end_cost, 0.9) << "of 0.8, 0.9 and infinity";
@@ -238,7 +240,7 @@ TEST(ComparisonData, MostRepeatsDecide) {
 
 TEST(ComparisonData, RunsThatANoisyClockMayDecideAreTimedAgain) {
   const auto worth = [](const std::string& claim, double objective) {
-    return study::read_comparison(
+    return comparison::read_comparison(
                {header, problem(0, "proved", proved_two), run(0, "good", claim, "feasible", objective)})
         .worth_repeating(0, 0, 0);
   };
@@ -247,12 +249,13 @@ TEST(ComparisonData, RunsThatANoisyClockMayDecideAreTimedAgain) {
   EXPECT_TRUE(worth("time limit", 2.0019)) << "ten times 1e-4 of 2 is 2e-3";
   EXPECT_FALSE(worth("time limit", 2.0021));
   for (const std::string claim : {"refused", "crashed", "error"}) EXPECT_FALSE(worth(claim, 2.0)) << claim;
-  EXPECT_FALSE(study::read_comparison({header, problem(0, "proved", proved_two), run(0, "good", "killed", "none", 2.0)})
-                   .worth_repeating(0, 0, 0));
+  EXPECT_FALSE(
+      comparison::read_comparison({header, problem(0, "proved", proved_two), run(0, "good", "killed", "none", 2.0)})
+          .worth_repeating(0, 0, 0));
 }
 
 TEST(ComparisonData, BestVerifiedAnswerIsTheReferenceWhereNothingIsProved) {
-  const ComparisonData data = study::read_comparison(
+  const ComparisonData data = comparison::read_comparison(
       {header, problem(0, "bound", R"("lower":1.0,"upper":null)"), problem(1, "bound", R"("lower":3.0,"upper":null)"),
        problem(2, "bound", R"("lower":0.0,"upper":null)"), run(0, "good", "solved", "optimal", 4.0),
        run(0, "rigged", "solved", "infeasible", 2.0), run(1, "good", "solved", "feasible", 3.0001)});
@@ -264,7 +267,7 @@ TEST(ComparisonData, BestVerifiedAnswerIsTheReferenceWhereNothingIsProved) {
 }
 
 TEST(ComparisonData, ContradictionsAreTold) {
-  const ComparisonData data = study::read_comparison(
+  const ComparisonData data = comparison::read_comparison(
       {header, problem(0, "infeasible proved", R"("lower":null,"upper":null)", "infeasible"),
        problem(1, "proved", proved_two), problem(2, "infeasible proved", R"("lower":null,"upper":null)"),
        run(0, "good", "infeasible", "infeasible", 1.0), run(0, "rigged", "solved", "feasible", 1.0),
@@ -279,16 +282,16 @@ TEST(ComparisonData, ContradictionsAreTold) {
 }
 
 TEST(ComparisonData, RefusesWhatIsNoRawData) {
-  EXPECT_THROW(study::read_comparison({}), std::invalid_argument);
-  EXPECT_THROW(study::read_comparison({header}), std::invalid_argument);
-  EXPECT_THROW(study::read_comparison({R"({"record":"run")"}), std::invalid_argument);
-  EXPECT_THROW(study::read_comparison({R"({"point":"ok"})"}), std::invalid_argument);
+  EXPECT_THROW(comparison::read_comparison({}), std::invalid_argument);
+  EXPECT_THROW(comparison::read_comparison({header}), std::invalid_argument);
+  EXPECT_THROW(comparison::read_comparison({R"({"record":"run")"}), std::invalid_argument);
+  EXPECT_THROW(comparison::read_comparison({R"({"point":"ok"})"}), std::invalid_argument);
   EXPECT_THROW(
-      study::read_comparison({header, problem(0, "proved", proved_two), run(5, "good", "solved", "optimal", 2.0)}),
+      comparison::read_comparison({header, problem(0, "proved", proved_two), run(5, "good", "solved", "optimal", 2.0)}),
       std::invalid_argument);
-  EXPECT_THROW(
-      study::read_comparison({header, problem(0, "proved", proved_two), run(0, "stranger", "solved", "optimal", 2.0)}),
-      std::invalid_argument);
+  EXPECT_THROW(comparison::read_comparison(
+                   {header, problem(0, "proved", proved_two), run(0, "stranger", "solved", "optimal", 2.0)}),
+               std::invalid_argument);
 }
 
 }  // namespace

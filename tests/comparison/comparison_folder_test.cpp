@@ -16,13 +16,13 @@
 #include <accdec/comparison/suite_file.hpp>
 #include <accdec/solvers/solver.hpp>
 
-#include "support/command_fixture.hpp"
-#include "support/paths.hpp"
+#include "compare_command.hpp"
 
 // The comparison as a user runs it, killed, resumed and drawn anew.
 
 namespace {
 
+using accdec::testing::CompareCommand;
 namespace fs = std::filesystem;
 using accdec::testing::content;
 using accdec::testing::Outcome;
@@ -31,48 +31,6 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 constexpr const char* tables[] = {"problems.csv", "summary.csv", "confusion.csv", "runs.csv", "pairs.csv"};
-
-class CompareCommand : public accdec::testing::CommandInFolder {
- protected:
-  void SetUp() override {
-    CommandInFolder::SetUp();
-    write(home_ / "task.toml", R"(sample_period_ms = 1.0
-[[axis]]
-acceleration_max_mm_s2 = 6000
-jerk_max_mm_s3 = 500000
-[[corner]]
-name = "A"
-angle_deg = 95
-feed_in_mm_min = 6000
-error_max_um = 50
-)");
-    suite();
-  }
-  void suite(const std::string& solvers = R"(["ipopt", "nlopt-slsqp", "nlopt-cobyla", "clp"])",
-             const std::string& more = "", int repeats = 5) {
-    write(home_ / "suite.toml", fmt::format(R"(title = "Mini"
-solvers = {}
-starts = 2
-repeats = {}
-time_limit_s = 60
-evaluation_limit = 200
-{}
-[[problem]]
-name = "small"
-task = "task.toml"
-formulation = ["margin", "delay"]
-order = 30
-delay_samples = 12
-[[problem]]
-name = "short"
-task = "task.toml"
-formulation = ["margin", "design"]
-order = 10
-expected = "infeasible"
-)",
-                                            solvers, repeats, more));
-  }
-};
 
 TEST_F(CompareCommand, TablesFiguresAndReportFromOneCommand) {
   const Outcome r = run("compare suite.toml --out out");
@@ -206,102 +164,6 @@ TEST_F(CompareCommand, KilledAtAnyMomentItGoesOnWhereItWas) {
   EXPECT_EQ(content(home_ / "out/raw.jsonl"), raw);
 }
 
-TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
-  const auto refuse = [&](const std::string& arguments, const std::string& words) {
-    const Outcome r = run(arguments);
-    EXPECT_EQ(r.exit_code, 2) << r.output;
-    EXPECT_THAT(r.output, HasSubstr(words));
-    EXPECT_FALSE(fs::exists(home_ / "none"));
-  };
-  suite(R"(["ipotp"])");
-  refuse("compare suite.toml --out none",
-         R"(suite.toml:2:12: unknown solver "ipotp"; did you mean "ipopt"? known are ipopt, ipopt-lbfgs)");
-  suite(R"(["nlopt-mma/reduced"])");
-  refuse("compare suite.toml --out none", "unknown solver \"nlopt-mma/reduced\"");  // it has no other form
-  suite(R"("all")", "time_limit = 3");
-  refuse("compare suite.toml --out none", "suite.toml:7:1: unknown key `time_limit`");
-  suite(R"("all")", "targets = [0]");
-  refuse("compare suite.toml --out none", "suite.toml:7:12");
-  suite("\"ipopt\"");
-  write(home_ / "suite.toml",
-        content(home_ / "suite.toml") +
-            "[[problem]]\nname = \"x\"\ntask = \"gone.toml\"\norder = 5\nformulation = \"margin\"\n");
-  refuse("compare suite.toml --out none", "gone.toml does not exist");
-  suite("\"ipopt\"");
-  write(home_ / "suite.toml",
-        content(home_ / "suite.toml") +
-            "[[problem]]\nname = \"x\"\ntask = \"task.toml\"\norder = 5\nformulation = \"least\"\n");
-  refuse("compare suite.toml --out none", "unknown formulation \"least\"; known are margin, delay, design");
-  suite("\"ipopt\"", "sizes = [1, 2, 1]");
-  refuse("compare suite.toml --out none", "suite.toml:7:9: size 1 stands twice");
-  suite("\"ipopt\"");
-  write(home_ / "suite.toml", content(home_ / "suite.toml") + "set = { \"corner.*.error_max_um\" = -1 }\n");
-  refuse("compare suite.toml --out none", "suite.toml:20:7: the task with these keys set: ");
-  suite("\"ipopt\"");
-  EXPECT_THAT(run("compare suite.toml --out /proc/none").output, HasSubstr("/proc/none: cannot be created: "));
-  refuse("compare suite.toml", "--out DIR");
-  refuse("compare --redraw none", "no raw data");
-  fs::create_directories(home_ / "mine");
-  write(home_ / "mine/raw.jsonl", "years of work\n");
-  refuse("compare --redraw mine", "raw.jsonl: line 1: not a record of a comparison");
-  suite();
-  refuse("compare suite.toml --out mine", "holds no suite; nothing was changed");
-  EXPECT_EQ(content(home_ / "mine/raw.jsonl"), "years of work\n");
-}
-
-TEST_F(CompareCommand, OtherSolversThanTheSuites) {
-  suite("\"ipopt\"", "", 1);
-  const Outcome done = run("compare suite.toml --out out --solvers clp,nlopt-slsqp/reduced");
-  ASSERT_EQ(done.exit_code, 0) << done.output;
-  EXPECT_THAT(
-      content(home_ / "out/summary.csv"),
-      ::testing::AllOf(HasSubstr("\nclp,"), HasSubstr("\nnlopt-slsqp/reduced,"), ::testing::Not(HasSubstr("ipopt"))));
-  EXPECT_THAT(content(home_ / "out/manifest.json"), HasSubstr("--solvers clp,nlopt-slsqp/reduced"));
-  // With the suite's own solver only its runs are missing, and the others' are not lost.
-  const Outcome own = run("compare suite.toml --out out");
-  EXPECT_THAT(own.output, HasSubstr("8 entries computed")) << "four problems from two starts";
-  EXPECT_THAT(own.output, HasSubstr("4 from an earlier run")) << "the references";
-  EXPECT_THAT(own.output, HasSubstr("16 entries of an earlier form of the suite"));
-  EXPECT_THAT(content(home_ / "out/summary.csv"), ::testing::AllOf(HasSubstr("\nipopt,"), Not(HasSubstr("\nclp,"))));
-  EXPECT_THAT(run("compare suite.toml --out out --solvers clp,nlopt-slsqp/reduced").output,
-              HasSubstr(": 0 entries computed"));
-  const auto refused = [&](const std::string& solvers, const std::string& reason) {
-    const Outcome outcome = run("compare suite.toml --out none --solvers " + solvers);
-    EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_THAT(outcome.output, HasSubstr(reason));
-  };
-  refused("clp,nlopt-mma/reduced", "--solvers: unknown solver \"nlopt-mma/reduced\"; ");
-  refused("iopt", "--solvers: unknown solver \"iopt\"; did you mean \"ipopt\"?");
-  refused("clp,ipopt,clp", "--solvers: solver \"clp\" stands twice");
-}
-
-// A variant's option must reach the library: one iteration is not enough, and the claim says so.
-TEST_F(CompareCommand, VariantsAreSolversWithOptionsOfTheirOwn) {
-  const auto with = [&](const std::string& variant) {
-    suite("\"ipopt\"", "", 1);
-    write(home_ / "suite.toml", content(home_ / "suite.toml") + "[[variant]]\n" + variant);
-  };
-  with(
-      "name = \"one step\"\nsolver = \"ipopt\"\nform = \"reduced\"\noptions = { max_iter = 1, mu_strategy = "
-      "\"monotone\" }\n");
-  const Outcome done = run("compare suite.toml --out out");
-  ASSERT_EQ(done.exit_code, 0) << done.output;
-  EXPECT_THAT(content(home_ / "out/summary.csv"), HasSubstr("\none step,"));
-  const std::string raw = content(home_ / "out/raw.jsonl");
-  EXPECT_THAT(raw, HasSubstr(R"("options":{"max_iter":"1","mu_strategy":"monotone"})"));
-  EXPECT_THAT(content(home_ / "out/runs.csv"), HasSubstr("one step,evaluation limit"));
-  with("name = \"two\"\nsolver = \"ipotp\"\n");
-  EXPECT_THAT(run("compare suite.toml --out none").output,
-              HasSubstr("unknown solver \"ipotp\"; did you mean \"ipopt\"?"));
-  with("name = \"two\"\nsolver = \"nlopt-mma\"\noptions = { dual_maxevals = 3 }\n");
-  EXPECT_THAT(run("compare suite.toml --out none").output, HasSubstr("dual_maxevals"));
-  with("name = \"two\"\nsolver = \"nlopt-mma\"\nform = \"reduced\"\n");
-  EXPECT_THAT(run("compare suite.toml --out none").output, HasSubstr("takes one form only"));
-  with("name = \"ipopt\"\nsolver = \"nlopt-mma\"\n");
-  EXPECT_THAT(run("compare suite.toml --out none").output, HasSubstr("taken already"));
-  EXPECT_FALSE(fs::exists(home_ / "none"));
-}
-
 TEST_F(CompareCommand, ResultsOfAnotherSuiteAreLeftAlone) {
   suite("\"ipopt\"", "", 1);
   ASSERT_EQ(run("compare suite.toml --out out").exit_code, 0);
@@ -413,28 +275,5 @@ delay_samples = 12
 }
 
 // What the shipped comparison claims to be.
-TEST(ShippedSuite, HasThirtyProblemsOfEveryKindAndThreeSizes) {
-  const accdec::Suite suite = accdec::read_suite(accdec::test_support::source_folder() + "/problems/suite/full.toml");
-  std::map<std::string, std::set<int>> sizes;
-  std::set<std::string> families;
-  int largest = 0;
-  for (const auto& c : suite.cases) {
-    sizes[c.name].insert(c.size);
-    families.insert(c.family);
-    largest = std::max(largest, c.order);
-  }
-  EXPECT_GE(sizes.size(), 30u);
-  EXPECT_GE(std::count_if(sizes.begin(), sizes.end(), [](const auto& s) { return s.second.size() >= 3; }), 8);
-  EXPECT_THAT(families, ::testing::IsSupersetOf({"convex", "power and speed", "many corners", "infeasible",
-                                                 "badly scaled", "large", "design"}));
-  EXPECT_GE(largest, 1000);
-  EXPECT_GE(suite.settings.repeats, 5);
-  std::set<std::string> solvers;
-  for (const auto& competitor : suite.settings.solvers) solvers.insert(competitor.solver);
-  EXPECT_EQ(solvers.size(), accdec::solvers::registry().size());
-  for (const char* name : {"quick", "patience", "forms", "options"})
-    EXPECT_NO_THROW(accdec::read_suite(accdec::test_support::source_folder() + "/problems/suite/" + name + ".toml"))
-        << name;
-}
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include <accdec/comparison/profile.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 namespace {
 
 using ::testing::DoubleEq;
@@ -81,4 +81,4 @@ TEST(Profile, Quartiles) {
 }
 
 }  // namespace
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -10,7 +10,7 @@
 
 #include "support/tasks.hpp"
 
-namespace accdec::study {
+namespace accdec::comparison {
 namespace {
 
 using accdec::testing::degrees;
@@ -201,4 +201,4 @@ TEST(DelayReference, OfTwoCorners) {
 }
 
 }  // namespace
-}  // namespace accdec::study
+}  // namespace accdec::comparison

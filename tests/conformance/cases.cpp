@@ -194,9 +194,9 @@ Case least_energy() {
   return c;
 }
 
-std::vector<Case> make_cases() {
+/// Of Hock and Schittkowski's Test Examples for Nonlinear Programming Codes, 1981: two variables.
+void add_of_two_variables(std::vector<Case>& all) {
   const double root3 = std::sqrt(3.0), root7 = std::sqrt(7.0), pi = std::numbers::pi;
-  std::vector<Case> all;
   all.push_back(
       {{"HS002", {free_variable, at_least(1.5)}, rosenbrock, {}, ProblemClass::least_squares, rosenbrock_residuals},
        {-2.0, 1.0},
@@ -242,6 +242,10 @@ std::vector<Case> make_cases() {
                  {2.0, 0.0}});
   all.push_back(hs022("HS022", {free_variable, free_variable}));
   all.push_back(hs022("HS022 in a box", {{-3.0, 3.0}, {-3.0, 3.0}}));
+}
+
+/// Of the same, more variables, and one whose optimum is not regular.
+void add_of_more_variables(std::vector<Case>& all) {
   all.push_back(hs035("HS035", at_least(0.0)));
   all.push_back(hs035("HS035 in a box", {0.0, 3.0}));
   all.push_back({{"HS040",
@@ -271,6 +275,10 @@ std::vector<Case> make_cases() {
   hs013.regular = false;
   hs013.tolerance = 1e-2;
   all.push_back(hs013);
+}
+
+/// Of our own, with answers in closed form: linear, degenerate, fixed.
+void add_of_our_own(std::vector<Case>& all) {
   all.push_back(
       {{"dependent equalities",
         {free_variable, free_variable},
@@ -311,13 +319,18 @@ std::vector<Case> make_cases() {
        {0.0, 0.0},
        0.0,
        {1.0, 0.5}});
-  return all;
 }
 
 }  // namespace
 
 const std::vector<Case>& cases() {
-  static const std::vector<Case> all = make_cases();
+  static const std::vector<Case> all = [] {
+    std::vector<Case> made;
+    add_of_two_variables(made);
+    add_of_more_variables(made);
+    add_of_our_own(made);
+    return made;
+  }();
   return all;
 }
 

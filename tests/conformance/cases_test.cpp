@@ -1,6 +1,7 @@
 // The cases themselves: derivatives by differences, the stated minimisers by the optimality conditions.
 
 #include <algorithm>
+#include <cmath>
 
 #include <conformance/cases.hpp>
 #include <gtest/gtest.h>
@@ -98,6 +99,31 @@ TEST(DerivativeChecker, NamesTheOneWrongEntry) {
       EXPECT_EQ(std::max(wrong.row, wrong.column), entry.row);
       EXPECT_EQ(std::min(wrong.row, wrong.column), entry.column);
     }
+  }
+}
+
+/// The integral of max(0, x - 1): its second derivative jumps from 0 to 1 at 1, where the class says `at_knot`.
+class Ramp : public FormulaProblem {
+ public:
+  explicit Ramp(double at_knot)
+      : FormulaProblem("ramp", {{0.0, 2.0}}, [](const Variables& x) { return x[0] * x[0]; }, {}), at_knot_(at_knot) {}
+  double objective(std::span<const double> x) const override { return 0.5 * std::pow(std::max(0.0, x[0] - 1.0), 2); }
+  void gradient(std::span<const double> x, std::span<double> g) const override { g[0] = std::max(0.0, x[0] - 1.0); }
+  void hessian(std::span<const double> x, double factor, std::span<const double>,
+               std::span<double> values) const override {
+    values[0] = factor * (std::abs(x[0] - 1.0) < 1e-4 ? at_knot_ : x[0] > 1.0 ? 1.0 : 0.0);
+  }
+
+ private:
+  double at_knot_;
+};
+
+TEST(DerivativeChecker, TakesTheDerivativeOfEitherSideWhereItJumps) {
+  for (const double x : {1.0, 1.0 - 2e-5, 1.0 + 2e-5}) {
+    const auto wrong = [&](double at_knot) { return nlp::check_derivatives(Ramp(at_knot), std::vector{x}).size(); };
+    EXPECT_EQ(wrong(0.4), 1U) << x;
+    EXPECT_EQ(wrong(2.0), 1U) << x;
+    EXPECT_EQ(x == 1.0 ? wrong(0.0) + wrong(1.0) : wrong(x > 1.0 ? 1.0 : 0.0), 0U) << x;
   }
 }
 

@@ -33,7 +33,7 @@ TEST(Baselines, BoxcarOfAnAccelerationLimit) {
   ASSERT_TRUE(best.spec) << best.result.message;
   EXPECT_EQ(best.spec->order, 16);
   EXPECT_EQ(best.result.corners.at(0).delay, 16);
-  EXPECT_TRUE(best.exact_stop);
+  EXPECT_TRUE(stops_exactly(best.result));
 }
 
 // Acceleration and jerk limits on one axis: averages of ceil(v/(a T)) and ceil(a/(j T)) taps. 0.1 m/s, 6 m/s^2 and

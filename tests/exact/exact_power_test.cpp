@@ -12,28 +12,15 @@
 #include <accdec/solvers/solver.hpp>
 #include <accdec/task/verifier.hpp>
 
+#include "expect_proved.hpp"
 #include "support/tasks.hpp"
 
 namespace accdec {
 namespace {
 
+using testing::expect_proved;
 using testing::plane_corner;
 using testing::plane_task;
-
-std::vector<int> delays_of(const DesignResult& result) {
-  std::vector<int> delays;
-  for (const CornerResult& c : result.corners) delays.push_back(c.delay);
-  return delays;
-}
-
-void expect_proved_with_power(const Task& task, const DesignResult& result) {
-  const CheckReport report = check_certificate(task, result);
-  EXPECT_TRUE(report.accepted) << report.reason;
-  if (result.status == Status::infeasible) return;
-  ASSERT_EQ(result.status, Status::optimal) << result.message;
-  ASSERT_TRUE(result.filter);
-  EXPECT_TRUE(verify_by_simulation(task, *result.filter, delays_of(result)).feasible);
-}
 
 Axis frictionless() {
   Axis axis;
@@ -48,7 +35,7 @@ DesignResult proved_exact_stop(const Axis& axis, double v, double t) {
   task.sample_period = t;
   task.design.order_max = 80;
   DesignResult result = design_exact(task);
-  expect_proved_with_power(task, result);
+  expect_proved(task, result);
   return result;
 }
 
@@ -138,7 +125,7 @@ TEST(ExactPower, NothingOnAGridIsShorter) {
     SCOPED_TRACE(i);
     const Task task = small_task(rng);
     const DesignResult result = design_exact(task);
-    expect_proved_with_power(task, result);
+    expect_proved(task, result);
     if (HasFailure()) return;
     const bool none = result.status == Status::infeasible;
     const int total = none ? 100 : result.filter->order() + result.corners[0].delay;

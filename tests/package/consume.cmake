@@ -1,6 +1,7 @@
 cmake_minimum_required(VERSION 3.25)
 function(run)
-  execute_process(COMMAND ${ARGV} WORKING_DIRECTORY ${PROJECT} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  execute_process(COMMAND ${ARGV} WORKING_DIRECTORY ${PROJECT} RESULT_VARIABLE result
+    OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)
     message(FATAL_ERROR "failed: ${ARGV}\n${output}")
   endif()
@@ -22,7 +23,8 @@ foreach(header ${headers})
     endif()
   endforeach()
 endforeach()
-run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
+  -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/consumer)
 run(${WORK}/prefix/bin/accdec --version)
@@ -35,7 +37,8 @@ if(place EQUAL -1)
 endif()
 
 # What is installed beside the program and the library.
-foreach(file share/bash-completion/completions/accdec share/zsh/vendor-completions/_accdec share/fish/vendor_completions.d/accdec.fish)
+foreach(file share/bash-completion/completions/accdec share/zsh/vendor-completions/_accdec
+    share/fish/vendor_completions.d/accdec.fish)
   if(NOT EXISTS ${WORK}/prefix/${file})
     message(FATAL_ERROR "${file} is not installed")
   endif()

@@ -321,6 +321,8 @@ TEST(GnuplotScript, ValuesOfBothSignsGetAPaletteAroundZero) {
   EXPECT_THAT(gnuplot_script(figure), HasSubstr("set cbrange [-3:3]"));
   figure.panels[0].heat_map = HeatMap{{0, 1}, {0, 1}, {0, 2, 3, NAN}, ""};
   EXPECT_THAT(gnuplot_script(figure), HasSubstr("set cbrange [*:*]"));
+  figure.panels[0].heat_map->with_sign = true;
+  EXPECT_THAT(gnuplot_script(figure), HasSubstr("set cbrange [-3:3]"));
 }
 
 TEST(GnuplotScript, NamesStandInPlaceOfNumbers) {

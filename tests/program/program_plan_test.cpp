@@ -10,6 +10,7 @@
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/profiles/plan_profiles.hpp>
+#include <accdec/program/plan/stretches.hpp>
 #include <accdec/program/simulate/simulate.hpp>
 
 #include "reference.hpp"
@@ -29,13 +30,32 @@ TEST(Plan, EveryJointHoldsItsToleranceOnThePathByDefinition) {
     const Filter filter = seed % 2 == 0 ? boxcar(30) : blackman_sinc(40, 0.049);
     const ProgramPlan plan = plan_program(path, filter, period, {});
     EXPECT_TRUE(plan.errors_hold);
-    EXPECT_GT(plan.raised + plan.slowed, 0U) << "short moves must overlap in this test";
+    EXPECT_GT(raised_delays(path, filter, period, {}, plan.delays) + plan.slowed, 0U)
+        << "short moves must overlap in this test";
     const Reference reference(path, filter, period, plan.delays);
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
       EXPECT_LE(reference.error(path, filter.order(), b), path.tolerance[b] * (1.0 + 1e-9) + 1e-12)
           << "seed " << seed << " joint " << b;
     }
   }
+}
+
+TEST(Plan, StretchesAreBlocksOfTheProgram) {
+  std::string text = "G64 P0.05 F600\n";
+  for (int i = 1; i <= 60; ++i) text += "G1 X" + std::to_string(i) + "\n";
+  const Toolpath path = path_of(text);
+  for (const std::size_t whole_max : {std::size_t{8}, std::size_t{40}, std::size_t{56}, path.blocks() - 1}) {
+    const std::vector<Toolpath> parts = stretches(path, whole_max);
+    ASSERT_EQ(parts.size(), 4U);
+    for (const Toolpath& part : parts) {
+      ASSERT_EQ(part.blocks(), whole_max / 4);
+      for (std::size_t b = 0; b <= part.blocks(); ++b)
+        EXPECT_NEAR(part.point(b)[0], part.point(0)[0] + 1e-3 * static_cast<double>(b), 1e-12) << whole_max << " " << b;
+      EXPECT_LE(part.point(part.blocks())[0], path.point(path.blocks())[0]);
+      EXPECT_LE(part.line.back(), path.line.back());
+    }
+  }
+  EXPECT_EQ(stretches(path, path.blocks()).size(), 1U);
 }
 
 TEST(Plan, ADelayRaisedByOverlapCannotBeOneShorter) {
@@ -73,7 +93,7 @@ TEST(Plan, LoneCornersGetTheirSmallestDelay) {
   const Filter filter = blackman_sinc(40, 0.049);
   const ProgramPlan plan = plan_program(path, filter, period, {});
   EXPECT_TRUE(plan.errors_hold);
-  EXPECT_EQ(plan.raised, 0U);
+  EXPECT_EQ(raised_delays(path, filter, period, {}, plan.delays), 0U);
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (path.joint[b] != Joint::corner) continue;
     const auto leg = [&](std::size_t i) {
@@ -133,7 +153,7 @@ TEST(Plan, ShortMovesTogetherHoldTheLimitsThatEachAloneHolds) {
     Toolpath path = path_of(random_program(seed, 300), machine);
     const ProgramPlan plan = plan_program(path, filter, period, program_machine(machine, path));
     EXPECT_TRUE(plan.errors_hold);
-    raised += plan.raised;
+    raised += raised_delays(path, filter, period, program_machine(machine, path), plan.delays);
     for (const LimitUse& use : plan.simulation.limits)
       EXPECT_LE(use.utilisation, 1.0 + 1e-9) << to_string(use.kind) << use.axis;
     const Reference reference(path, filter, period, plan.delays);

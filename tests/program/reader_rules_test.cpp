@@ -2,8 +2,12 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <sstream>
 
 #include <fmt/format.h>
+
+#include <accdec/program/read/modal_groups.hpp>
 
 #include "reader_harness.hpp"
 
@@ -23,6 +27,31 @@ double path_length(const Recorder& r, std::size_t first = 0) {
 /// for the higher orders.
 double shortening(double radius) {
   return 1.01 * 2e-6 / (3.0 * radius);
+}
+
+/// "G54 to G59.3" is in tenths 540, 550 .. 590 and 591 to 593.
+std::set<int> codes_in(const std::string& text, char letter) {
+  std::set<int> codes;
+  std::istringstream words(text);
+  bool range = false;
+  for (std::string word; words >> word;) {
+    if (word == "to") range = true;
+    if (word.front() != letter) continue;
+    const int last = static_cast<int>(std::lround(10.0 * std::stod(word.substr(1))));
+    for (int code = last; range && code % 10 > 0; --code) codes.insert(code);
+    for (int code = last / 10 * 10; range && !codes.contains(code); code -= 10) codes.insert(code);
+    codes.insert(last);
+    range = false;
+  }
+  return codes;
+}
+
+TEST(ReaderRules, TheMessageNamesTheCodesThatAreRead) {
+  const std::set<int> g = codes_in(g_supported, 'G'), m = codes_in(m_supported, 'M');
+  for (int code = 0; code < 1000; ++code) {
+    EXPECT_EQ(g.contains(code), g_group(code) != g_unknown) << code_name('G', code);
+    EXPECT_EQ(m.contains(code), m_group(code) != m_unknown) << code_name('M', code);
+  }
 }
 
 TEST(ReaderRules, ArcsWithoutEndWordsAreFullCircles) {

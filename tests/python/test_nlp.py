@@ -1,5 +1,6 @@
 """The nonlinear problems: derivatives by differences, optima by SciPy and HiGHS, solvers written in Python."""
 import os
+import pathlib
 import signal
 import threading
 
@@ -12,6 +13,7 @@ import scipy.sparse
 
 import accdec
 
+CORNERS = pathlib.Path(__file__).parents[2] / "problems" / "corner"
 FILE = {"sample_period_ms": 1.0,
         "axis": [{"acceleration_max_mm_s2": 6000, "jerk_max_mm_s3": 8e5, "mass_kg": 34, "damping_N_s_m": 60,
                   "force_max_N": 220}],
@@ -29,6 +31,13 @@ def problems():
         for question in ("margin", "delay"):
             for reduced in (False, True):
                 yield accdec.problem(task, question, order=24, delays=[9], reduced=reduced)
+
+
+@pytest.mark.parametrize("task", ["vibration-band", "force-friction"])
+def test_derivatives_at_a_start_on_a_knot(task):
+    """The start has a whole delay, where second derivatives of the interpolated response jump."""
+    p = accdec.problem(CORNERS / f"{task}.toml", "delay", order=40 if task == "vibration-band" else 30)
+    assert p.check_derivatives(p.x0) == []
 
 
 @pytest.mark.parametrize("p", problems(), ids=repr)

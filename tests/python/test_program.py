@@ -95,8 +95,8 @@ def test_emits_and_draws(tmp_path):
 @pytest.mark.parametrize("plan", ["fixed", "profiles"])
 def test_the_page_is_that_of_the_program(tmp_path, plan):
     file, page = str(PROBLEMS / "star.ngc"), tmp_path / "star.html"
-    subprocess.run([os.environ["ACCDEC_BINARY"], "program", file, "--task", MILL, "--plan", plan, "--figure", page, "-q"],
-                   check=True)
+    subprocess.run([os.environ["ACCDEC_BINARY"], "program", file, "--task", MILL, "--plan", plan, "--figure", page,
+                    "-q"], check=True)
     assert accdec.program(file, MILL, plan=plan).page() == page.read_text()
 
 

@@ -6,7 +6,10 @@
 
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
+#include <accdec/study/point_columns.hpp>
 #include <accdec/study/slow_down.hpp>
+
+#include "support/tasks.hpp"
 
 namespace accdec::study {
 namespace {
@@ -75,6 +78,20 @@ TEST(SlowDown, LosesMoreThanADelayWithLinearAccDec) {
     EXPECT_NEAR(delay / 401.0, 1.0 - std::sqrt(r), 3.0 / 401.0);
     EXPECT_GE(slow_down(filter, corner, period, r * full).lost_time, delay * period);
   }
+}
+
+// A boxcar of 20 taps at the acceleration limit, on a corner that turns back by all but a degree: at d = N its last tap
+// brakes while its first accelerates the same way, twice the limit together. A sample more parts them: 20 + 20 samples.
+TEST(ExactStop, HoldsTheLimits) {
+  Axis axis;
+  axis.acceleration_max = 0.1 / 20e-3;
+  Task task = testing::plane_task(axis, testing::plane_corner("A", 1.0, 0, 0.1, 0.1), std::nullopt);
+  task.filter = FilterSpec{.kind = Shape::boxcar, .order = 19};
+  Row row;
+  compute_into(row, task, "exact-stop", {});
+  EXPECT_EQ(row.at("exact-stop.status"), "feasible");
+  EXPECT_EQ(row.at("exact-stop.delay_samples"), 20);
+  EXPECT_NEAR(row.at("exact-stop.cycle_time_ms").get<double>(), 40.0, 1e-9);
 }
 
 }  // namespace

@@ -5,7 +5,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <accdec/study/study_figure_check.hpp>
+#include <accdec/study/column_titles.hpp>
+#include <accdec/study/study_figure_completion.hpp>
 
 #include "support/command_fixture.hpp"
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from typing import Any, Callable, Mapping, Optional, Sequence, Union
 
-import numpy as np
 import numpy.typing as npt
 
+from . import _arguments as arguments
 from . import _core
 from ._core import Recheck, Result, Task
 from ._fields import as_task
@@ -16,27 +16,54 @@ TaskLike = Union[Task, str, "os.PathLike[str]", Mapping[str, Any]]
 Progress = Union[bool, Callable[[str], object], None]
 
 
-def _listener(progress: Progress) -> Optional[Callable[[str], object]]:
-    if progress is True:
-        return print
-    return progress if callable(progress) else None
+def _by_solver(task: Task, method: Optional[str], solver: Optional[str], gap: float) -> bool:
+    """Whether a nonlinear solver is asked for; what goes with no such thing is refused."""
+    if method is not None:
+        arguments.one_of("method", method, ("exact", "nlp"))
+    if solver is not None and method == "exact":
+        raise ValueError('method="exact" and solver exclude each other: a solver is used by method="nlp"')
+    nlp = method == "nlp" or solver is not None
+    if gap > 0.0 and nlp:
+        raise ValueError("gap goes with the exact method: no other proves a bound")
+    return nlp
 
 
-def design(
-    task: TaskLike,
-    *,
-    method: Optional[str] = None,
-    solver: Optional[str] = None,
-    time_limit: float = 600.0,
-    gap: float = 0.0,
-    objective: Optional[str] = None,
-    seed: int = 1,
-    options: Optional[Mapping[str, Any]] = None,
-    certificate: bool = True,
-    reduced: Optional[bool] = None,
-    start: Optional[npt.ArrayLike] = None,
-    progress: Progress = None,
-) -> Result:
+def _start(start: Optional[npt.ArrayLike], task: Task, nlp: bool, solver: str) -> Optional[list[float]]:
+    """Taps that a nonlinear solver starts from, refused where nothing would use them."""
+    if start is None:
+        return None
+    if not nlp or task.taps is not None:
+        raise ValueError("start: the filter is given, so its delays are enumerated" if task.taps is not None else
+                         "start goes with solver: the exact method takes none")
+    taps = arguments.vector("start", start)
+    if not task.order_min <= len(taps) - 1 <= task.order_max:
+        raise ValueError(f"start: its order is {len(taps) - 1}, the task allows {task.order_min} to {task.order_max}")
+    searches_a_box = [s["name"] for s in _core.solvers() if s["is_global"]]
+    if solver in searches_a_box:
+        raise ValueError(f'start: "{solver}" searches all of its box, wherever it starts')
+    return taps.tolist()
+
+
+def _options(task: Task, given: Optional[Mapping[str, Any]], nlp: bool) -> dict[str, str]:
+    native = arguments.native(given)
+    if native and (not nlp or task.taps is not None):
+        raise ValueError("options: the filter is given, so its delays are enumerated and no solver is used"
+                         if task.taps is not None else "options go with solver: the exact method takes none")
+    return native
+
+
+def _with_corners(task: TaskLike, objective: Optional[str]) -> Task:
+    made = as_task(task)
+    if not made.corners:
+        raise _core.InputError("task: the task has no corner; at least one [[corner]] with angle_deg and "
+                               "feed_in_mm_min is needed")
+    return made if objective is None else made.replace(objective=arguments.text("objective", objective))
+
+
+def design(task: TaskLike, *, method: Optional[str] = None, solver: Optional[str] = None, time_limit: float = 600.0,
+           gap: float = 0.0, objective: Optional[str] = None, seed: int = 1, threads: Optional[int] = None,
+           options: Optional[Mapping[str, Any]] = None, certificate: bool = True, reduced: Optional[bool] = None,
+           start: Optional[npt.ArrayLike] = None, progress: Progress = None) -> Result:
     """Choose what a task leaves open: the filter, its order and the corners' delays.
 
     The answer is verified by simulation before it is returned; nothing that breaks a limit is a result.
@@ -45,7 +72,6 @@ def design(
     Parameters
     ----------
     task : Task, path or dict
-        What is to be designed within which limits.
     method : {"exact", "nlp"}, optional
         "exact" (default) proves the shortest motion; "nlp" uses a nonlinear solver and proves nothing.
     solver : str, optional
@@ -58,6 +84,8 @@ def design(
         Instead of the task's: machine time of a run, or every corner as a run of its own.
     seed : int
         Of solvers that draw random numbers.
+    threads : int, optional
+        For proofs of several corners, one a core unless given; design and proof do not depend on it.
     options : dict, optional
         The solver's own options.
     certificate : bool
@@ -65,22 +93,14 @@ def design(
     reduced : bool, optional
         Nonlinear solvers: positions substituted into their bounds; default is what the solver takes.
     start : array_like, optional
-        Nonlinear solvers: taps to start from.
+        Local nonlinear solvers: taps to start from, at their order; at others it is a trapezoid.
     progress : bool or callable, optional
         True prints a line a step; a callable gets the line. It runs in the calling thread.
 
     Returns
     -------
     Result
-        Like SciPy's OptimizeResult: `x` (taps), `fun` (s), `success`, `status`, `message`, `mip_gap`,
-        `mip_dual_bound` (s, proved), and `delays`, `corners`, `limits`, `certificate`...
-
-    Raises
-    ------
-    InputError
-        For a task that is none, with the text of the command line.
-    ValueError
-        For an unknown solver or option.
+        As SciPy's OptimizeResult: `x` (taps), `fun` (s), `mip_dual_bound` (s, proved), `delays`, `limits`...
 
     Examples
     --------
@@ -88,35 +108,20 @@ def design(
     >>> task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 6.0},
     ...                    corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6})
     >>> result = accdec.design(task)
-    >>> result.success, result.status, result.mip_gap
-    (True, 0, 0.0)
-    >>> round(result.fun, 6), result.order, result.delays.tolist()  # s, N, samples
-    (0.027, 16, [10])
+    >>> result.success, round(result.fun, 6), result.order, result.delays.tolist()  # s, N, samples
+    (True, 0.027, 16, [10])
     """
-    made = as_task(task)
-    if not made.corners:
-        raise _core.InputError("task: the task has no corner; at least one [[corner]] with angle_deg and "
-                               "feed_in_mm_min is needed")
-    if objective is not None:
-        made = made.replace(objective=objective)
-    if method not in (None, "exact", "nlp"):
-        raise ValueError(f'method: allowed are "exact" and "nlp", got "{method}"')
-    if solver is not None and method == "exact":
-        raise ValueError('method="exact" and solver exclude each other: a solver is used by method="nlp"')
-    nlp = method == "nlp" or solver is not None
-    if options and (not nlp or made.taps is not None):
-        raise ValueError("options: the filter is given, so its delays are enumerated and no solver is used"
-                         if made.taps is not None else "options go with solver: the exact method takes none")
-    if not 0.0 <= gap < 1.0:
-        raise ValueError(f"gap: must be from 0 to less than 1, got {gap}")
-    if gap > 0.0 and nlp:
-        raise ValueError("gap goes with the exact method: no other proves a bound")
-    if not 0.0 < time_limit < float("inf"):
-        raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
+    made = _with_corners(task, objective)
+    gap = arguments.number("gap", gap, "must be from 0 to less than 1", 0.0, 1.0 - 1e-16)
+    nlp = _by_solver(made, method, solver, gap)
+    chosen = arguments.text("solver", solver or "ipopt")
     return _core.design(
-        made, method="nlp" if nlp else "exact", solver=solver or "ipopt", time_limit=time_limit, gap=gap, seed=seed,
-        native={str(k): str(v) for k, v in (options or {}).items()}, certificate=certificate, reduced=reduced,
-        start=None if start is None else np.asarray(start, dtype=float).tolist(), progress=_listener(progress))
+        made, method="nlp" if nlp else "exact", solver=chosen, gap=gap,
+        time_limit=arguments.seconds("time_limit", time_limit), seed=arguments.seed(seed),
+        threads=arguments.whole("threads", threads or os.cpu_count() or 1, 1, 1024),
+        native=_options(made, options, nlp), certificate=arguments.flag("certificate", certificate),
+        reduced=None if reduced is None else arguments.flag("reduced", reduced),
+        start=_start(start, made, nlp, chosen), progress=arguments.listener(progress))
 
 
 def evaluate(task: TaskLike, taps: Optional[npt.ArrayLike] = None,
@@ -155,7 +160,7 @@ def evaluate(task: TaskLike, taps: Optional[npt.ArrayLike] = None,
         delays = [corner["delay"] for corner in made.corners]
         if None in delays:
             raise ValueError("delays: the task leaves a delay open, so the delays are needed")
-    return _core.assess(made, np.asarray(taps, dtype=float).tolist(), [int(d) for d in delays])
+    return _core.assess(made, arguments.vector("taps", taps).tolist(), arguments.delays(delays, len(made.corners)))
 
 
 def read_result(path: Union[str, "os.PathLike[str]"]) -> Result:
@@ -179,7 +184,7 @@ def read_result(path: Union[str, "os.PathLike[str]"]) -> Result:
     >>> accdec.read_result(path).outcome
     'optimal'
     """
-    return _core.Result.read(path)
+    return _core.Result.read(arguments.path("path", path))
 
 
 def verify(result: Union[Result, str, "os.PathLike[str]"], *, time_limit: float = 60.0) -> Recheck:
@@ -206,6 +211,7 @@ def verify(result: Union[Result, str, "os.PathLike[str]"], *, time_limit: float 
     >>> bool(accdec.verify(accdec.design(task)))
     True
     """
-    if not 0.0 < time_limit < float("inf"):
-        raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
-    return _core.verify(result if isinstance(result, Result) else read_result(result), time_limit=time_limit)
+    if not isinstance(result, (Result, str, os.PathLike)):
+        raise arguments.wrong("result", "must be a Result or the path of a result file", result, TypeError)
+    return _core.verify(result if isinstance(result, Result) else read_result(result),
+                        time_limit=arguments.seconds("time_limit", time_limit))

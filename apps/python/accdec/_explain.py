@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from . import _arguments as arguments
 from . import _core
 from ._core import Explanation
-from ._design import Progress, TaskLike, _listener
+from ._design import Progress, TaskLike
 from ._fields import as_task
-
-
-def _check(**limits: float) -> None:
-    for name, limit in limits.items():
-        if not 0.0 < limit < float("inf"):
-            raise ValueError(f"{name}: must be a number of seconds > 0, got {limit}")
 
 
 def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 300.0, design_time_limit: float = 10.0,
@@ -49,11 +44,11 @@ def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 300.0, desig
     >>> remedies[0]["helps"], [r["levers"][0]["enough"] for r in remedies if r["key"] == "design.order_max"]
     ('yes', [27.0])
     """
-    if not 0.0 < by < 1.0:
-        raise ValueError(f"by: must be above 0 and below 1, got {by}")
-    _check(time_limit=time_limit, design_time_limit=design_time_limit)
-    return _core.explain(as_task(task), share=by, time_limit=time_limit,
-                         design_time_limit=design_time_limit, progress=_listener(progress))
+    return _core.explain(
+        as_task(task), share=arguments.number("by", by, "must be above 0 and below 1", 1e-9, 1.0 - 1e-9),
+        time_limit=arguments.seconds("time_limit", time_limit),
+        design_time_limit=arguments.seconds("design_time_limit", design_time_limit),
+        progress=arguments.listener(progress))
 
 
 def baselines(task: TaskLike, *, finer: int = 1, time_limit: float = 600.0, progress: Progress = None) -> Any:
@@ -87,10 +82,9 @@ def baselines(task: TaskLike, *, finer: int = 1, time_limit: float = 600.0, prog
     (True, True)
     """
     import pandas
-    if not 1 <= finer <= 1000:
-        raise ValueError(f"finer: allowed is 1 to 1000, got {finer}")
-    _check(time_limit=time_limit)
-    rows = _core.baselines(as_task(task), finer=finer, time_limit=time_limit, progress=_listener(progress))
+    rows = _core.baselines(as_task(task), finer=arguments.whole("finer", finer, 1, 1000),
+                           time_limit=arguments.seconds("time_limit", time_limit),
+                           progress=arguments.listener(progress))
     results = [row.pop("result") for row in rows]
     best = results[0].fun
     for row, result in zip(rows, results):

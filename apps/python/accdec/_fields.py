@@ -10,6 +10,7 @@ from typing import Any, Mapping
 import numpy as np
 
 from . import _core
+from ._arguments import array, wrong
 
 _LISTS = {"axes": "axis", "corners": "corner", "modes": "mode"}
 _DESIGN = ("order_min", "order_max", "symmetric", "objective", "runs")
@@ -33,10 +34,10 @@ def _plain(value: Any, name: str) -> Any:
     raise TypeError(f"task: `{name}` is a {type(value).__name__}; allowed are numbers, texts, lists and dicts")
 
 
-def _filter(value: Any) -> Any:
+def _filter(name: str, value: Any) -> Any:
     """Taps in place of a table."""
     if isinstance(value, (np.ndarray, list, tuple)):
-        return {"kind": "taps", "taps": np.asarray(value, dtype=float).tolist()}
+        return {"kind": "taps", "taps": array(name, value).tolist()}
     return value
 
 
@@ -52,7 +53,7 @@ def tables(fields: Mapping[str, Any]) -> dict[str, Any]:
         if key in _LISTS.values() and isinstance(value, Mapping):
             value = [value]
         if key in ("filter", "baseline"):
-            value = _filter(value)
+            value = _filter(name, value)
         if key in _DESIGN:
             task.setdefault("design", {})[key] = _plain(value, key)
         elif key == "design":
@@ -96,4 +97,4 @@ def as_task(given: Any, *, program: bool = False, complete: bool = False) -> _co
         return _core.Task.read(given, program=program, given=complete)
     if isinstance(given, Mapping):
         return _core.Task(program=program, **given)
-    raise TypeError(f"a task, the path of a task file or a dict is needed, not a {type(given).__name__}")
+    raise wrong("task", "must be a Task, the path of a task file or a dict", given, TypeError)

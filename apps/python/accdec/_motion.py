@@ -7,12 +7,14 @@ from typing import Any, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
+from . import _arguments as arguments
 from . import _core
 from ._core import Result, Task
 from ._design import TaskLike
 from ._fields import as_task
 
 Array = npt.NDArray[np.float64]
+_CORNERS_AT_ONCE = 1 << 18  # a part of a second, so that Ctrl-C is heard between them
 
 
 def taps(kind: str, order: Optional[int] = None, **parameters: Any) -> Array:
@@ -38,6 +40,7 @@ def taps(kind: str, order: Optional[int] = None, **parameters: Any) -> Array:
     >>> accdec.taps("trapezoid", order=4, ramp=1) * 8
     array([1., 2., 2., 2., 1.])
     """
+    arguments.text("kind", kind)
     made = _core.Task(program=True, sample_period_ms=1.0, filter={"kind": kind, "order": order, **parameters}).taps
     assert made is not None
     return made
@@ -51,9 +54,7 @@ def _corner_index(task: Task, corner: Union[str, int, None]) -> int:
         if corner not in names:
             raise ValueError(f'the task has no corner "{corner}"; it has: {", ".join(names)}')
         return names.index(corner)
-    if not 0 <= corner < len(names):
-        raise ValueError(f"corner: allowed is 0 to {len(names) - 1}, got {corner}")
-    return corner
+    return arguments.whole("corner", corner, 0, len(names) - 1)
 
 
 def simulate(of: Union[Result, TaskLike], corner: Union[str, int, None] = None, *,
@@ -68,7 +69,7 @@ def simulate(of: Union[Result, TaskLike], corner: Union[str, int, None] = None, 
         Its name or number from 0; the first unless given.
     taps : array_like, optional
     delay : int, optional
-        Samples.
+        Samples, at most a million.
 
     Returns
     -------
@@ -101,7 +102,8 @@ def simulate(of: Union[Result, TaskLike], corner: Union[str, int, None] = None, 
         raise ValueError("taps: there is no filter to simulate, so the taps are needed")
     if delay is None:
         raise ValueError("delay: the task leaves it open, so it is needed")
-    return _core.simulate(task, np.asarray(taps, dtype=float), index, int(delay))
+    return _core.simulate(task, arguments.vector("taps", taps), index,
+                          arguments.whole("delay", delay, 0, arguments.MOST_SAMPLES))
 
 
 def smallest_delay(taps: npt.ArrayLike, angle: npt.ArrayLike, feed_in: npt.ArrayLike, error_max: npt.ArrayLike, *,
@@ -137,12 +139,29 @@ def smallest_delay(taps: npt.ArrayLike, angle: npt.ArrayLike, feed_in: npt.Array
     >>> accdec.smallest_delay(filter, np.pi / 2, 0.1, np.array([0, 20e-6, 50e-6, 500e-6]), sample_period=1e-3)
     array([19, 16, 13,  0], dtype=int32)
     """
-    if feed_out is None:
-        feed_out = feed_in
-    shaped = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (angle, feed_in, feed_out, error_max)))
-    theta, v_in, v_out, bound = shaped
-    if not sample_period > 0.0:
-        raise ValueError(f"sample_period: must be > 0 s, got {sample_period}")
+    period = arguments.seconds("sample_period", sample_period)
+    find = _core.DelayFinder(arguments.vector("taps", taps))
+    given = {"angle": angle, "feed_in": feed_in, "feed_out": feed_in if feed_out is None else feed_out,
+             "error_max": error_max}
+    arrays = [arguments.array(name, values) for name, values in given.items()]
+    try:
+        np.broadcast_shapes(*(a.shape for a in arrays))
+    except ValueError:
+        shapes = ", ".join(f"{name} {a.shape}" for name, a in zip(given, arrays))
+        raise ValueError(f"{', '.join(given)}: shapes that do not go together, {shapes}") from None
+    operands: Any = [*arrays, None]
+    access: Any = [["readonly"]] * 4 + [["writeonly", "allocate"]]
+    parts = np.nditer(operands, flags=["external_loop", "buffered", "zerosize_ok", "delay_bufalloc"], order="C",
+                      op_flags=access, op_dtypes=[np.float64] * 4 + [np.int32], buffersize=_CORNERS_AT_ONCE)
+    with parts:
+        parts.reset()
+        for theta, v_in, v_out, bound, found in parts:
+            _check_corners(theta, v_in, v_out, bound)
+            found[...] = find(np.cos(theta), v_in * period, v_out * period, bound)
+        return parts.operands[4]
+
+
+def _check_corners(theta: Array, v_in: Array, v_out: Array, bound: Array) -> None:
     for name, values, ok, allowed in (
         ("angle", theta, (theta > 0.0) & (theta <= np.pi), "0 < angle <= pi (rad)"),
         ("feed_in", v_in, (v_in > 0.0) & np.isfinite(v_in), "feed_in > 0 (m/s)"),
@@ -151,9 +170,6 @@ def smallest_delay(taps: npt.ArrayLike, angle: npt.ArrayLike, feed_in: npt.Array
     ):
         if not np.all(ok):
             raise ValueError(f"{name}: allowed is {allowed}, got {values[~ok].flat[0]}")
-    found = _core.smallest_delay(np.asarray(taps, dtype=float), np.cos(theta).ravel(), (v_in * sample_period).ravel(),
-                                 (v_out * sample_period).ravel(), bound.ravel())
-    return found.reshape(theta.shape)
 
 
 def residual_vibration(taps: npt.ArrayLike, frequency: npt.ArrayLike, sample_period: float) -> Array:
@@ -179,5 +195,8 @@ def residual_vibration(taps: npt.ArrayLike, frequency: npt.ArrayLike, sample_per
     >>> accdec.residual_vibration([0.5, 0, 0, 0, 0.5], [0.0, 125.0], 1e-3).round(12)  # a ZV shaper for 125 Hz
     array([1., 0.])
     """
-    f = np.asarray(frequency, dtype=float)
-    return _core.residual_vibration(np.asarray(taps, dtype=float), f.ravel(), sample_period).reshape(f.shape)
+    f = arguments.array("frequency", frequency)
+    if not np.isfinite(f).all():
+        raise arguments.wrong("frequency", "must be finite", f[~np.isfinite(f)][0])
+    period = arguments.seconds("sample_period", sample_period)
+    return _core.residual_vibration(arguments.vector("taps", taps), f.ravel(), period).reshape(f.shape)

@@ -7,11 +7,12 @@ from typing import Any, Callable, Mapping, Optional, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 
+from . import _arguments as arguments
 from . import _core
 from ._design import TaskLike
 from ._fields import as_task
 
-Array = npt.NDArray[np.float64]
+Array = arguments.Array
 
 
 class _Sparse:
@@ -88,31 +89,31 @@ class Problem:
 
     def fun(self, x: npt.ArrayLike) -> float:
         """The objective."""
-        return self._handle.objective(np.asarray(x, dtype=float))
+        return self._handle.objective(arguments.array("x", x))
 
     def grad(self, x: npt.ArrayLike) -> Array:
         """Its gradient, dense."""
-        return self._handle.gradient(np.asarray(x, dtype=float))
+        return self._handle.gradient(arguments.array("x", x))
 
     def rows(self, x: npt.ArrayLike) -> Array:
         """The rows, to be held between `cl` and `cu`."""
-        return self._handle.rows(np.asarray(x, dtype=float))
+        return self._handle.rows(arguments.array("x", x))
 
     def jac(self, x: npt.ArrayLike) -> Any:
         """The rows' Jacobian, a scipy.sparse.csr_matrix of m by n."""
-        return self._jacobian.matrix(self._handle.jacobian(np.asarray(x, dtype=float)))
+        return self._jacobian.matrix(self._handle.jacobian(arguments.array("x", x)))
 
     def hess(self, x: npt.ArrayLike, multipliers: Optional[npt.ArrayLike] = None, factor: float = 1.0) -> Any:
         """The Hessian of factor * fun + multipliers . rows, a symmetric scipy.sparse.csr_matrix of n by n."""
         if self._hessian is None:
             raise ValueError("this form of the problem has no second derivatives; reduced=False has")
-        y = np.zeros(self.m) if multipliers is None else np.asarray(multipliers, dtype=float)
-        lower = self._handle.hessian(np.asarray(x, dtype=float), factor, y)
+        y = np.zeros(self.m) if multipliers is None else arguments.array("multipliers", multipliers)
+        lower = self._handle.hessian(arguments.array("x", x), arguments.real("factor", factor), y)
         return self._hessian.matrix(np.concatenate([lower, lower[self._off]]))
 
     def violation(self, x: npt.ArrayLike) -> float:
         """The largest absolute violation of any bound."""
-        point, c = np.asarray(x, dtype=float), self.rows(x)
+        point, c = arguments.array("x", x), self.rows(x)
         parts = [self.lb - point, point - self.ub, self.cl - c, c - self.cu]
         return max(0.0, *(float(p.max()) for p in parts if p.size))
 
@@ -136,15 +137,20 @@ class Problem:
 
     def taps(self, x: npt.ArrayLike) -> Array:
         """The filter of a point, b_0 .. b_N, sum 1."""
-        return self._handle.taps(np.asarray(x, dtype=float))
+        return self._handle.taps(arguments.array("x", x))
 
     def start(self, index: int, seed: int = 1) -> Array:
         """Another start: 0 is `x0`, others have every tap and free delay multiplied at random."""
-        return self._handle.start(index, seed)
+        return self._handle.start(arguments.whole("index", index, 0, 10**6), arguments.seed(seed))
 
     def check_derivatives(self, x: npt.ArrayLike, tolerance: float = 1e-6) -> list[str]:
-        """What of gradient, Jacobian and Hessian differs from extrapolated central differences; best empty."""
-        return self._handle.check_derivatives(np.asarray(x, dtype=float), tolerance)
+        """What of gradient, Jacobian and Hessian differs from extrapolated central differences; best empty.
+
+        Where a derivative jumps at x, as second derivatives do where an instant or a delay is a whole number of
+        samples, that of either side is right.
+        """
+        return self._handle.check_derivatives(arguments.array("x", x),
+                                              arguments.number("tolerance", tolerance, "must be > 0", 1e-300, 1.0))
 
 
 Function = Callable[[Problem, Array, Mapping[str, Any]], Any]
@@ -185,11 +191,19 @@ def problem(task: TaskLike, question: str = "delay", *, order: int, delays: Opti
     >>> found.success, ours.success, abs(found.fun - ours.fun) < 1e-5
     (True, True, True)
     """
-    handle = _core.make_problem(as_task(task), question, order, [int(d) for d in delays or []], reduced)
+    arguments.one_of("question", question, ("delay", "margin"))
+    made = as_task(task)
+    at = [] if delays is None else arguments.delays(delays, len(made.corners))
+    handle = _core.make_problem(made, question, arguments.whole("order", order, 1, 100_000), at,
+                                arguments.flag("reduced", reduced))
     return Problem(handle, handle.start(0, 1))
 
 
-def _adapter(function: Function) -> Callable[[_core.ProblemHandle, Array, Mapping[str, Any]], tuple[Array, bool, str]]:
+def _adapter(name: str, function: Function
+             ) -> Callable[[_core.ProblemHandle, Array, Mapping[str, Any]], tuple[Array, bool, str]]:
+    if not callable(function):
+        raise arguments.wrong(name, "must be something to call", function, TypeError)
+
     def call(handle: _core.ProblemHandle, start: Array, options: Mapping[str, Any]) -> tuple[Array, bool, str]:
         answer = function(Problem(handle, start), start, options)
         if isinstance(answer, Mapping) or hasattr(answer, "x"):
@@ -240,14 +254,19 @@ def solve(problem: Problem, solver: Union[str, Function] = "ipopt", *, x0: Optio
     'optimal'
     """
     from scipy.optimize import OptimizeResult
-    start = problem.x0 if x0 is None else np.asarray(x0, dtype=float)
+    if not isinstance(problem, Problem):
+        raise arguments.wrong("problem", "must be a Problem", problem, TypeError)
+    start = problem.x0 if x0 is None else arguments.array("x0", x0)
     if start is None:
         raise ValueError("x0: this problem has no start of its own")
-    if not time_limit > 0.0:
-        raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
-    answer = _core.solve(problem._handle, solver if isinstance(solver, str) else _adapter(solver), start.tolist(),
-                         tolerance, time_limit, evaluation_limit, seed,
-                         {str(k): str(v) for k, v in (options or {}).items()})
+    if start.shape != (problem.n,):
+        raise ValueError(f"x0: {problem.n} numbers are needed, not {start.size}")
+    answer = _core.solve(
+        problem._handle, solver if isinstance(solver, str) else _adapter("solver", solver), start.tolist(),
+        arguments.number("tolerance", tolerance, "must be > 0 and at most 1", 1e-300, 1.0),
+        arguments.seconds("time_limit", time_limit),
+        arguments.whole("evaluation_limit", evaluation_limit, 1, 10**18), arguments.seed(seed),
+        arguments.native(options))
     success = answer["verdict"] in ("optimal", "feasible")
     status = 0 if answer["verdict"] == "optimal" else 1 if success else 4
     return OptimizeResult(success=success, status=status, **answer)
@@ -293,4 +312,6 @@ def register_solver(name: str, function: Function, *, equality_rows: bool = True
     >>> "scipy-slsqp" in accdec.solvers()["name"].tolist()
     True
     """
-    _core.register_solver(name, _adapter(function), equality_rows)
+    if not arguments.text("name", name).strip():
+        raise ValueError("name: must not be empty")
+    _core.register_solver(name, _adapter("function", function), arguments.flag("equality_rows", equality_rows))

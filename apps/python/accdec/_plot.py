@@ -9,6 +9,7 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
+from . import _arguments as arguments
 from . import _core
 from ._core import ProfileProgram, Program, Result
 
@@ -218,11 +219,11 @@ def plot(result: Union[Result, Program, ProfileProgram], corner: str = "",
     elif isinstance(result, ProfileProgram):
         made = draw(_motion_figure(result))
     elif isinstance(result, Result):
-        made = draw(_core.result_figure(result, corner))
+        made = draw(_core.result_figure(result, arguments.text("corner", corner)))
     else:
-        raise TypeError(f"a Result or a Program is needed, not a {type(result).__name__}")
+        raise arguments.wrong("result", "must be a Result or a Program", result, TypeError)
     if path is not None:
-        made.savefig(path)
+        made.savefig(arguments.path("path", path))
     return made
 
 
@@ -253,7 +254,9 @@ def export(result: Result, format: str, path: Optional[Union[str, "os.PathLike[s
     2,0.25
     <BLANKLINE>
     """
+    if not isinstance(result, Result):
+        raise arguments.wrong("result", "must be a Result", result, TypeError)
     content = result.export_taps(format)
     if path is not None:
-        _core.write_file(os.fspath(path), content)
+        _core.write_file(arguments.path("path", path), content)
     return content if format == "npy" else content.decode()

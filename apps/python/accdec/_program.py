@@ -5,27 +5,21 @@ from __future__ import annotations
 import os
 from typing import Optional, Union
 
+from . import _arguments as arguments
 from . import _core
 from ._core import ProfileProgram, Program
-from ._design import Progress, TaskLike, _listener
+from ._design import Progress, TaskLike
 from ._fields import as_task
 
 
-def program(
-    file: Union[str, "os.PathLike[str]"],
-    task: TaskLike,
-    *,
-    plan: str = "fixed",
-    feeds: str = "choose",
-    arc_tolerance: Optional[float] = None,
-    time_limit: Optional[float] = None,
-    rapid_stops: bool = False,
-    dwells_before_filter: bool = False,
-    filter_bound: bool = False,
-    compensate_arcs: bool = False,
-    tool_table: Union[str, "os.PathLike[str]"] = "",
-    progress: Progress = None,
-) -> Union[Program, ProfileProgram]:
+_FLAGS = ("rapid_stops", "dwells_before_filter", "filter_bound", "compensate_arcs")
+
+
+def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str = "fixed", feeds: str = "choose",
+            arc_tolerance: Optional[float] = None, time_limit: Optional[float] = None, rapid_stops: bool = False,
+            dwells_before_filter: bool = False, filter_bound: bool = False, compensate_arcs: bool = False,
+            tool_table: Union[str, "os.PathLike[str]"] = "", progress: Progress = None
+            ) -> Union[Program, ProfileProgram]:
     """Plan a whole program: filter, feeds and the delay of every corner, verified by simulating every sample.
 
     Parameters
@@ -57,11 +51,6 @@ def program(
     Program or ProfileProgram
         The latter with ``plan="profiles"`` where that is the fastest plan. Its `plan` says which it is.
 
-    Raises
-    ------
-    InputError, ValueError
-        With the text of the command line.
-
     Examples
     --------
     >>> import accdec, pathlib, tempfile
@@ -74,18 +63,16 @@ def program(
     >>> faster.plan, faster.cycle_time < plan.cycle_time, [other["plan"] for other in faster.candidates]
     ('profiles', True, ['per-leg'])
     """
-    if plan not in ("fixed", "per-leg", "profiles"):
-        raise ValueError(f'plan: allowed are "fixed", "per-leg" and "profiles", got "{plan}"')
-    if feeds not in ("choose", "keep"):
-        raise ValueError(f'feeds: allowed are "choose" and "keep", got "{feeds}"')
-    if compensate_arcs and feeds == "keep":
+    arguments.one_of("plan", plan, ("fixed", "per-leg", "profiles"))
+    keep = arguments.one_of("feeds", feeds, ("choose", "keep")) == "keep"
+    given = locals()
+    flags = {name: arguments.flag(name, given[name]) for name in _FLAGS}
+    if compensate_arcs and keep:
         raise ValueError('compensate_arcs needs feeds="choose"')
-    if arc_tolerance is not None and not 1e-9 <= arc_tolerance <= 1e-2:
-        raise ValueError(f"arc_tolerance: allowed is 1e-9 to 1e-2 (m), got {arc_tolerance}")
-    if time_limit is not None and not time_limit > 0.0:
-        raise ValueError(f"time_limit: must be a number of seconds > 0, got {time_limit}")
-    return _core.program(
-        os.fspath(file), as_task(task, program=True), plan=plan, keep_feeds=feeds == "keep",
-        arc_tolerance=arc_tolerance, time_limit=time_limit, rapid_stops=rapid_stops,
-        dwells_before_filter=dwells_before_filter, filter_bound=filter_bound, compensate_arcs=compensate_arcs,
-        tool_table=os.fspath(tool_table), progress=_listener(progress))
+    if arc_tolerance is not None:
+        arguments.number("arc_tolerance", arc_tolerance, "allowed is 1e-9 to 1e-2 (m)", 1e-9, 1e-2)
+    if time_limit is not None:
+        arguments.seconds("time_limit", time_limit)
+    return _core.program(arguments.path("file", file), as_task(task, program=True), plan=plan, keep_feeds=keep,
+                         arc_tolerance=arc_tolerance, time_limit=time_limit, **flags,
+                         tool_table=arguments.path("tool_table", tool_table), progress=arguments.listener(progress))

@@ -11,6 +11,7 @@ import sys
 import tempfile
 from typing import Any, Callable, Optional, Sequence, Union
 
+from . import _arguments as arguments
 from . import _core
 
 Path = Union[str, "os.PathLike[str]"]
@@ -30,11 +31,11 @@ def _raise(message: dict[str, Any]) -> None:
     raise error
 
 
-def _run(call: str, arguments: dict[str, Any], progress: Progress) -> dict[str, Any]:
+def _run(call: str, options: dict[str, Any], progress: Progress) -> dict[str, Any]:
     """In a child of its own, which ends with this call, however that ends."""
-    tell = _print_progress if progress is True else progress if callable(progress) else None
+    tell = arguments.listener(progress, _print_progress)
     folder = str(pathlib.Path(_core.__file__).parent)
-    request = json.dumps({"call": call, "arguments": arguments, "folder": folder})
+    request = json.dumps({"call": call, "arguments": options, "folder": folder})
     worker = str(pathlib.Path(__file__).with_name("_worker.py"))
     answer = None
     with subprocess.Popen([sys.executable, worker, request], stdout=subprocess.PIPE, text=True) as child:
@@ -53,17 +54,17 @@ def _run(call: str, arguments: dict[str, Any], progress: Progress) -> dict[str, 
             raise
     if answer is None:
         raise RuntimeError(f"the process that computed died with {child.returncode}; what it journaled is kept in "
-                           f"{arguments['out']}: run this again to go on")
+                           f"{options['out']}: run this again to go on")
     return answer
 
 
-def _table(path: Path, call: str, arguments: dict[str, Any], out: Optional[Path], file: str, progress: Progress,
+def _table(path: Path, call: str, options: dict[str, Any], out: Optional[Path], file: str, progress: Progress,
            verb: str) -> Any:
     import pandas
     with tempfile.TemporaryDirectory(prefix="accdec-") as scratch:
-        folder = os.path.join(scratch, "results") if out is None else os.fspath(out)
-        command = f"accdec.{verb}({os.fspath(path)!r}" + (")" if out is None else f", out={folder!r})")
-        summary = _run(call, {"path": os.fspath(path), "out": folder, "command": command, **arguments}, progress)
+        folder = os.path.join(scratch, "results") if out is None else arguments.path("out", out)
+        command = f"accdec.{verb}({arguments.path('path', path)!r}" + (")" if out is None else f", out={folder!r})")
+        summary = _run(call, {"path": os.fspath(path), "out": folder, "command": command, **options}, progress)
         table = pandas.read_csv(os.path.join(folder, file))
     table.attrs["summary"] = summary
     table.attrs["folder"] = None if out is None else folder
@@ -123,8 +124,9 @@ def study(path: Path, *, out: Optional[Path] = None, workers: int = 0, large: bo
     0          20.0        optimal                   30.0
     1          50.0        optimal                   27.0
     """
-    return _table(path, "run_study", {"workers": workers, "large": large, "fresh": fresh}, out, "rows.csv", progress,
-                  "study")
+    options = {"workers": arguments.whole("workers", workers, 0, 1024), "large": arguments.flag("large", large),
+               "fresh": arguments.flag("fresh", fresh)}
+    return _table(path, "run_study", options, out, "rows.csv", progress, "study")
 
 
 def compare(path: Path, *, solvers: Sequence[str] = (), out: Optional[Path] = None, workers: int = 0,
@@ -175,5 +177,8 @@ def compare(path: Path, *, solvers: Sequence[str] = (), out: Optional[Path] = No
     >>> sorted(set(accdec.compare(folder / "suite.toml")["solver"]))
     ['ipopt', 'nlopt-slsqp']
     """
-    return _table(path, "run_comparison", {"workers": workers, "solvers": list(solvers)}, out, "runs.csv", progress,
-                  "compare")
+    if isinstance(solvers, str) or not isinstance(solvers, Sequence):
+        raise arguments.wrong("solvers", "must be a list of names", solvers, TypeError)
+    options = {"workers": arguments.whole("workers", workers, 0, 1024),
+               "solvers": [arguments.text("solvers", name) for name in solvers]}
+    return _table(path, "run_comparison", options, out, "runs.csv", progress, "compare")

@@ -38,9 +38,17 @@ py::list list_of(const std::vector<Item>& items, Make make) {
   return list;
 }
 
+/// An argument of a method, checked as the functions of the package check theirs (accdec/_arguments.py): `check` is the
+/// name of a function there, of a name and a value.
+/// @throws TypeError or ValueError of Python that names the argument and what is allowed
+template <class Type>
+Type argument(const char* check, const char* name, const py::object& value) {
+  return py::module_::import("accdec._arguments").attr(check)(name, value).cast<Type>();
+}
+
 /// A path as Python gives it, a text or anything with __fspath__.
 inline std::string file_name(const py::object& path) {
-  return py::module_::import("os").attr("fspath")(path).cast<std::string>();
+  return argument<std::string>("path", "path", path);
 }
 
 /// The same array, refusing to be written to: what it shows belongs to somebody else.

@@ -21,6 +21,7 @@ struct Arguments {
   std::string method, solver;
   double time_limit, gap;
   std::uint64_t seed;
+  int threads;
   std::map<std::string, std::string> native;
   bool certificate;
   std::optional<bool> reduced;
@@ -33,12 +34,21 @@ DesignOptions options_of(const Arguments& given) {
   options.solver = given.solver;
   options.time_limit = given.time_limit;
   options.gap = given.gap;
+  options.threads = given.threads;
   options.solver_options.seed = given.seed;
   options.solver_options.native = given.native;
   options.certificate = given.certificate;
   options.reduced = given.reduced;
   if (given.start) options.start = Filter(*given.start);
   return options;
+}
+
+/// What `make` makes, which cannot be cancelled: Ctrl-C leaves it.
+template <class Make>
+ResultPointer made(Make make) {
+  const auto result = std::make_shared<ResultPointer>();
+  run_interruptibly([=](const Work&) { *result = std::make_shared<DesignResult>(make()); }, py::none());
+  return *result;
 }
 
 ResultPointer design(const std::shared_ptr<Task>& task, const Arguments& given, const py::object& progress) {
@@ -60,27 +70,24 @@ void bind_design(py::module_& module) {
   module.def(
       "design",
       [](const std::shared_ptr<Task>& task, const std::string& method, const std::string& solver, double time_limit,
-         double gap, std::uint64_t seed, const std::map<std::string, std::string>& native, bool certificate,
-         std::optional<bool> reduced, std::optional<std::vector<double>> start, const py::object& progress) {
-        return design(task, {method, solver, time_limit, gap, seed, native, certificate, reduced, std::move(start)},
+         double gap, std::uint64_t seed, int threads, const std::map<std::string, std::string>& native,
+         bool certificate, std::optional<bool> reduced, std::optional<std::vector<double>> start,
+         const py::object& progress) {
+        return design(task,
+                      {method, solver, time_limit, gap, seed, threads, native, certificate, reduced, std::move(start)},
                       progress);
       },
       py::arg("task"), py::kw_only(), py::arg("method"), py::arg("solver"), py::arg("time_limit"), py::arg("gap"),
-      py::arg("seed"), py::arg("native"), py::arg("certificate"), py::arg("reduced"), py::arg("start"),
-      py::arg("progress"));
+      py::arg("seed"), py::arg("threads"), py::arg("native"), py::arg("certificate"), py::arg("reduced"),
+      py::arg("start"), py::arg("progress"));
   module.def(
       "assess",
       [](const std::shared_ptr<Task>& task, const std::vector<double>& taps, const std::vector<int>& delays) {
-        const py::gil_scoped_release release;
-        return std::make_shared<DesignResult>(assess(*task, Filter(taps), delays, true));
+        return made([=, filter = Filter(taps)] { return assess(*task, filter, delays, true); });
       },
       py::arg("task"), py::arg("taps"), py::arg("delays"));
   module.def(
-      "evaluate",
-      [](const std::shared_ptr<Task>& task) {
-        const py::gil_scoped_release release;
-        return std::make_shared<DesignResult>(evaluate_task(*task));
-      },
+      "evaluate", [](const std::shared_ptr<Task>& task) { return made([=] { return evaluate_task(*task); }); },
       py::arg("task"));
 }
 

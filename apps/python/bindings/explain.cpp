@@ -36,10 +36,10 @@ std::shared_ptr<DesignResult> shared(const DesignResult& result) {
 }
 
 /// A row of the table; its name and, of a shape, what it was chosen to be are the caller's.
-py::dict row(const std::string& name, const DesignResult& result, const FilterSpec* spec, bool exact_stop) {
+py::dict row(const std::string& name, const DesignResult& result, const FilterSpec* spec) {
   return py::dict(py::arg("filter") = name, py::arg("kind") = spec != nullptr ? to_string(spec->kind) : "",
                   py::arg("parameters") = spec != nullptr ? describe_parameters(*spec) : "",
-                  py::arg("exact_stop") = exact_stop, py::arg("result") = shared(result));
+                  py::arg("exact_stop") = stops_exactly(result), py::arg("result") = shared(result));
 }
 
 /// The design, the filter in use today where the task names one, and the best of every family.
@@ -55,12 +55,11 @@ py::list baselines(const std::shared_ptr<Task>& task, int finer, double time_lim
       },
       progress);
   py::list rows;
-  rows.append(row("designed", table->design, nullptr, false));
-  if (table->own) rows.append(row("yours", *table->own, &*table->own->task.filter, false));
+  rows.append(row("designed", table->design, nullptr));
+  if (table->own) rows.append(row("yours", *table->own, &*table->own->task.filter));
   for (std::size_t i = 0; i < table->families.size(); ++i) {
     const BaselineResult& family = table->families[i];
-    rows.append(row(std::string(accdec::baselines()[i].title), family.result, family.spec ? &*family.spec : nullptr,
-                    family.exact_stop));
+    rows.append(row(std::string(accdec::baselines()[i].title), family.result, family.spec ? &*family.spec : nullptr));
   }
   return rows;
 }

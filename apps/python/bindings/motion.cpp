@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -10,8 +12,10 @@
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/task.hpp>
+#include <accdec/task/verification_cost.hpp>
 
 #include "bindings.hpp"
+#include "interrupt.hpp"
 
 namespace accdec::python {
 namespace {
@@ -33,37 +37,57 @@ py::array as_array(Eigen::MatrixXd&& matrix) {
   return py::array_t<double>({m.rows(), m.cols()}, {size, size * m.rows()}, m.data(), owner);
 }
 
-py::dict simulate(const Task& task, const Numbers& taps, std::size_t corner, int delay) {
-  const Filter filter = filter_of(taps);
-  if (delay < 0) throw std::invalid_argument("delay: allowed is a whole number of samples >= 0");
+/// The motion of a corner, four matrices, with what it asks of every axis.
+struct Simulation {
   SampledMotion motion;
   Eigen::MatrixXd force, power;
   Eigen::VectorXd time;
-  {
-    const py::gil_scoped_release release;
-    motion = simulate_corner(filter, task.corners.at(corner).geometry(), delay, task.sample_period);
-    const Eigen::Index rows = motion.velocity.rows(), axes = motion.velocity.cols();
-    force.resize(rows, axes), power.resize(rows, axes), time.resize(rows);
-    std::vector<AxisSampler> samplers;
-    for (const Axis& axis : task.machine.axes) samplers.emplace_back(axis, task.sample_period);
-    for (Eigen::Index n = 0; n < rows; ++n) {
-      time[n] = static_cast<double>(n - motion.corner) * task.sample_period;
-      for (Eigen::Index a = 0; a < axes; ++a) {
-        const AxisState state =
-            samplers[static_cast<std::size_t>(a)].next(motion.velocity(n, a), motion.acceleration(n, a));
-        force(n, a) = state.force, power(n, a) = state.motoring;
-      }
+};
+
+Simulation simulate(const Task& task, const Filter& filter, std::size_t corner, int delay) {
+  Simulation s;
+  s.motion = simulate_corner(filter, task.corners.at(corner).geometry(), delay, task.sample_period);
+  const Eigen::Index rows = s.motion.velocity.rows(), axes = s.motion.velocity.cols();
+  s.force.resize(rows, axes), s.power.resize(rows, axes), s.time.resize(rows);
+  std::vector<AxisSampler> samplers;
+  for (const Axis& axis : task.machine.axes) samplers.emplace_back(axis, task.sample_period);
+  for (Eigen::Index n = 0; n < rows; ++n) {
+    s.time[n] = static_cast<double>(n - s.motion.corner) * task.sample_period;
+    for (Eigen::Index a = 0; a < axes; ++a) {
+      const AxisState state =
+          samplers[static_cast<std::size_t>(a)].next(s.motion.velocity(n, a), s.motion.acceleration(n, a));
+      s.force(n, a) = state.force, s.power(n, a) = state.motoring;
     }
   }
+  return s;
+}
+
+/// Work so short that Ctrl-C can wait for its end is done at once: a thread would take longer.
+void run(bool is_short, const std::function<void(const std::atomic<bool>& cancelled)>& work) {
+  if (is_short) {
+    const py::gil_scoped_release release;
+    work(std::atomic<bool>(false));
+  } else {
+    run_interruptibly([work](const Work& w) { work(w.cancelled); }, py::none());
+  }
+}
+
+py::dict simulate(const std::shared_ptr<Task>& task, const Numbers& taps, std::size_t corner, int delay) {
+  const Filter filter = filter_of(taps);
+  constexpr double matrices = 7.0;  // those of a Simulation
+  require_simulation_room(*task, filter.order(), {delay}, matrices);
+  const auto s = std::make_shared<Simulation>();
+  run(verification_cost(*task, filter.order(), {delay}).seconds() < 5e-3,
+      [=](const std::atomic<bool>&) { *s = simulate(*task, filter, corner, delay); });
   py::dict d;
-  d["time"] = py::array_t<double>(time.size(), time.data());
-  d["position"] = as_array(std::move(motion.position));
-  d["velocity"] = as_array(std::move(motion.velocity));
-  d["acceleration"] = as_array(std::move(motion.acceleration));
-  d["jerk"] = as_array(std::move(motion.jerk));
-  d["force"] = as_array(std::move(force));
-  d["power"] = as_array(std::move(power));
-  d["start"] = motion.start, d["corner"] = motion.corner, d["stop"] = motion.stop;
+  d["time"] = as_array(Eigen::MatrixXd(std::move(s->time))).attr("ravel")();
+  d["position"] = as_array(std::move(s->motion.position));
+  d["velocity"] = as_array(std::move(s->motion.velocity));
+  d["acceleration"] = as_array(std::move(s->motion.acceleration));
+  d["jerk"] = as_array(std::move(s->motion.jerk));
+  d["force"] = as_array(std::move(s->force));
+  d["power"] = as_array(std::move(s->power));
+  d["start"] = s->motion.start, d["corner"] = s->motion.corner, d["stop"] = s->motion.stop;
   return d;
 }
 
@@ -79,39 +103,63 @@ void in_parallel(std::size_t count, Part part) {
   for (std::thread& thread : threads) thread.join();
 }
 
-/// All arrays have the same size: the caller broadcasts and checks ranges.
-py::array_t<int> smallest_delay(const Numbers& taps, const Numbers& cos_interior, const Numbers& step_in,
-                                const Numbers& step_out, const Numbers& error_max) {
-  const DelayFinder find(filter_of(taps));
-  const py::ssize_t count = cos_interior.size();
-  if (step_in.size() != count || step_out.size() != count || error_max.size() != count)
-    throw std::invalid_argument("smallest_delay: arrays of one size are needed");
-  py::array_t<int> delays(count);
-  int* out = delays.mutable_data();
-  const double *c = cos_interior.data(), *in = step_in.data(), *leave = step_out.data(), *bound = error_max.data();
-  const py::gil_scoped_release release;
-  in_parallel(static_cast<std::size_t>(count), [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) out[i] = find(c[i], in[i], leave[i], bound[i]);
+std::vector<double> copied(const Numbers& numbers) {
+  return {numbers.data(), numbers.data() + numbers.size()};
+}
+
+template <class Number>
+py::array_t<Number> array_of(const std::vector<Number>& numbers) {
+  return py::array_t<Number>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
+}
+
+/// All arrays have the same size: the caller broadcasts and checks ranges. They are copied, because an interrupted
+/// call may leave its work behind.
+py::array_t<int> smallest_delays(const std::shared_ptr<DelayFinder>& find, const Numbers& cos_interior,
+                                 const Numbers& step_in, const Numbers& step_out, const Numbers& error_max) {
+  const auto count = static_cast<std::size_t>(cos_interior.size());
+  for (const Numbers* other : {&step_in, &step_out, &error_max}) {
+    if (static_cast<std::size_t>(other->size()) != count)
+      throw std::invalid_argument("smallest_delay: arrays of one size are needed");
+  }
+  struct Corners {
+    std::vector<double> cosine, in, out, error;
+    std::vector<int> delays;
+  };
+  const auto corners = std::make_shared<Corners>(
+      Corners{copied(cos_interior), copied(step_in), copied(step_out), copied(error_max), std::vector<int>(count)});
+  // A corner takes O(N) at worst.
+  run(static_cast<double>(count) * (100.0 + find->exact_stop_delay()) < 1e6, [=](const std::atomic<bool>& cancelled) {
+    in_parallel(count, [&](std::size_t first, std::size_t last) {
+      Corners& c = *corners;
+      for (std::size_t i = first; i < last && !cancelled; ++i)
+        c.delays[i] = (*find)(c.cosine[i], c.in[i], c.out[i], c.error[i]);
+    });
   });
-  return delays;
+  return array_of(corners->delays);
 }
 
 py::array_t<double> residual(const Numbers& taps, const Numbers& frequency, double sample_period) {
   const Filter filter = filter_of(taps);
-  py::array_t<double> out(frequency.size());
-  double* to = out.mutable_data();
-  const double* f = frequency.data();
-  const py::gil_scoped_release release;
-  for (py::ssize_t i = 0; i < frequency.size(); ++i) to[i] = residual_vibration(filter, f[i], sample_period);
-  return out;
+  const auto values = std::make_shared<std::vector<double>>(copied(frequency));
+  run(static_cast<double>(values->size()) * (1.0 + filter.order()) < 1e5, [=](const std::atomic<bool>& cancelled) {
+    for (double& value : *values) {
+      if (cancelled) return;
+      value = residual_vibration(filter, value, sample_period);
+    }
+  });
+  return array_of(*values);
 }
 
 }  // namespace
 
 void bind_motion(py::module_& module) {
-  module.def("simulate", &simulate, py::arg("task"), py::arg("taps"), py::arg("corner"), py::arg("delay"));
-  module.def("smallest_delay", &smallest_delay, py::arg("taps"), py::arg("cos_interior"), py::arg("step_in"),
-             py::arg("step_out"), py::arg("error_max"));
+  module.def("simulate", py::overload_cast<const std::shared_ptr<Task>&, const Numbers&, std::size_t, int>(&simulate),
+             py::arg("task"), py::arg("taps"), py::arg("corner"), py::arg("delay"));
+  py::class_<DelayFinder, std::shared_ptr<DelayFinder>>(module, "DelayFinder")
+      .def(py::init([](const Numbers& taps) { return std::make_shared<DelayFinder>(filter_of(taps)); }),
+           py::arg("taps"))
+      .def("__call__", &smallest_delays, py::arg("cos_interior"), py::arg("step_in"), py::arg("step_out"),
+           py::arg("error_max"));
   module.def("residual_vibration", &residual, py::arg("taps"), py::arg("frequency"), py::arg("sample_period"));
 }
 

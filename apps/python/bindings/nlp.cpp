@@ -99,8 +99,8 @@ std::vector<std::string> names(int count, Name name) {
 
 Handle make_problem(const Task& task, const std::string& question, int order, const std::vector<int>& delays,
                     bool reduced) {
-  const auto asked = study::question_from_string(question);
-  if (!asked || *asked == study::Question::design)
+  const auto asked = comparison::question_from_string(question);
+  if (!asked || *asked == comparison::Question::design)
     throw std::invalid_argument(fmt::format("question: allowed are \"margin\" and \"delay\", got \"{}\"", question));
   if (order < 1 || order > 100'000)
     throw std::invalid_argument(fmt::format("order: allowed is 1 to 100000, got {}", order));
@@ -110,14 +110,14 @@ Handle make_problem(const Task& task, const std::string& question, int order, co
   for (const int delay : delays) {
     if (delay < 0) throw std::invalid_argument(fmt::format("delays: allowed is >= 0, got {}", delay));
   }
-  study::CaseSpec spec;
+  comparison::CaseSpec spec;
   spec.name = question;
   spec.task = task;
   spec.question = *asked;
   spec.order = order;
   spec.delays = delays;
   const auto handle = std::make_shared<ProblemHandle>();
-  handle->subject = std::make_shared<study::ComparisonCase>(std::move(spec));
+  handle->subject = std::make_shared<comparison::ComparisonCase>(std::move(spec));
   handle->problem = handle->subject->problem(reduced);
   handle->reduced = reduced;
   return handle;
@@ -180,6 +180,17 @@ py::list solver_list() {
   return list;
 }
 
+std::vector<std::string> derivative_errors(const Handle& h, const Numbers& x, double tolerance) {
+  const auto point = point_of(x, h->get().num_variables(), "x");
+  const auto found = std::make_shared<std::vector<std::string>>();
+  const auto work = [=, own = std::vector<double>(point.begin(), point.end())](const Work&) {
+    for (const auto& wrong : nlp::check_derivatives(h->get(), own, tolerance)) found->push_back(wrong.text);
+  };
+  // Within a run the problem lasts only as long as the run.
+  h->subject ? run_interruptibly(work, py::none()) : work({std::atomic<bool>(false), {}});
+  return *found;
+}
+
 void bind_problem(py::module_& module) {
   py::class_<ProblemHandle, Handle>(module, "ProblemHandle")
       .def_property_readonly("name", [](const ProblemHandle& h) { return h.get().name(); })
@@ -227,16 +238,7 @@ void bind_problem(py::module_& module) {
             return py::array_t<double>(static_cast<py::ssize_t>(filter.taps().size()), filter.taps().data());
           },
           py::arg("x"))
-      .def(
-          "check_derivatives",
-          [](const ProblemHandle& h, const Numbers& x, double tolerance) {
-            std::vector<std::string> found;
-            for (const auto& wrong :
-                 nlp::check_derivatives(h.get(), point_of(x, h.get().num_variables(), "x"), tolerance))
-              found.push_back(wrong.text);
-            return found;
-          },
-          py::arg("x"), py::arg("tolerance"));
+      .def("check_derivatives", &derivative_errors, py::arg("x"), py::arg("tolerance"));
 }
 
 }  // namespace

@@ -16,9 +16,9 @@ namespace accdec::python {
 /// A problem in the hands of Python code: a case's, which the handle keeps, or for the time of a run a solver's, whose
 /// evaluator counts every call and ends the run in time.
 struct ProblemHandle {
-  std::shared_ptr<const study::ComparisonCase> subject;  ///< null within a run
-  const nlp::Problem* problem = nullptr;                 ///< null when the run is over
-  nlp::Evaluator* evaluator = nullptr;                   ///< within a run
+  std::shared_ptr<const comparison::ComparisonCase> subject;  ///< null within a run
+  const nlp::Problem* problem = nullptr;                      ///< null when the run is over
+  nlp::Evaluator* evaluator = nullptr;                        ///< within a run
   bool reduced = false;
 
   /// @throws std::runtime_error when the run is over

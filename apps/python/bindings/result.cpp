@@ -199,7 +199,13 @@ void bind_recheck(py::module_& module) {
 
 void bind_result(py::module_& module) {
   py::class_<DesignResult, std::shared_ptr<DesignResult>>(module, "Result", result_doc)
-      .def_static("parse", &parse_result, py::arg("text"), py::arg("name") = "result")
+      .def_static(
+          "parse",
+          [](const py::object& text, const py::object& name) {
+            return parse_result(argument<std::string>("text", "text", text),
+                                argument<std::string>("text", "name", name));
+          },
+          py::arg("text"), py::arg("name") = "result")
       .def_static(
           "read", [](const py::object& path) { return read_result(file_name(path)); }, py::arg("path"))
       .def(
@@ -233,7 +239,9 @@ void bind_result(py::module_& module) {
       .def("to_json", &result_to_json)
       .def(
           "export_taps",
-          [](const DesignResult& r, const std::string& format) { return py::bytes(export_taps(r, format)); },
+          [](const DesignResult& r, const py::object& format) {
+            return py::bytes(export_taps(r, argument<std::string>("text", "format", format)));
+          },
           py::arg("format"))
       .def("keys", [](const DesignResult&) { return keys(); })
       .def("__iter__", [](const DesignResult&) { return py::iter(keys()); })

@@ -28,9 +28,26 @@ py::module_ fields_module() {
   return py::module_::import("accdec._fields");
 }
 
-Task from_fields(bool program, const py::kwargs& fields) {
+bool flag(const char* name, const py::object& value) {
+  return argument<bool>("flag", name, value);
+}
+
+Task from_fields(const py::object& program, const py::kwargs& fields) {
   return parse_task_json(fields_module().attr("to_json")(fields).cast<std::string>(), "task",
-                         options_of(program, false));
+                         options_of(flag("program", program), false));
+}
+
+Task read(const py::object& path, const py::object& program, const py::object& given) {
+  return read_task(file_name(path), options_of(flag("program", program), flag("given", given)));
+}
+
+Task parse(const py::object& text, const py::object& name, const py::object& program) {
+  return parse_task(argument<std::string>("text", "text", text), argument<std::string>("text", "name", name),
+                    options_of(flag("program", program), false));
+}
+
+Task with_value(const Task& task, const py::object& key, const py::object& value) {
+  return with_setting(task, argument<std::string>("text", "key", key), argument<double>("real", "value", value));
 }
 
 py::object vector(const Eigen::VectorXd& v) {
@@ -122,18 +139,8 @@ True
 void bind_task(py::module_& module) {
   py::class_<Task, std::shared_ptr<Task>>(module, "Task", task_doc)
       .def(py::init(&from_fields), py::arg("program") = false)
-      .def_static(
-          "read",
-          [](const py::object& path, bool program, bool given) {
-            return read_task(file_name(path), options_of(program, given));
-          },
-          py::arg("path"), py::arg("program") = false, py::arg("given") = false)
-      .def_static(
-          "parse",
-          [](const std::string& text, const std::string& name, bool program) {
-            return parse_task(text, name, options_of(program, false));
-          },
-          py::arg("text"), py::arg("name") = "task", py::arg("program") = false)
+      .def_static("read", &read, py::arg("path"), py::arg("program") = false, py::arg("given") = false)
+      .def_static("parse", &parse, py::arg("text"), py::arg("name") = "task", py::arg("program") = false)
       .def("replace", [](const py::object& self,
                          const py::kwargs& fields) { return fields_module().attr("replaced")(self, fields); })
       .def("to_dict", [](const py::object& self) { return fields_module().attr("to_dict")(self); })
@@ -142,9 +149,7 @@ void bind_task(py::module_& module) {
           py::arg("path"))
       .def("_json", [](const Task& task) { return task_to_json(task).dump(); })
       .def("to_toml", &task_to_toml)
-      .def(
-          "set", [](const Task& task, const std::string& key, double value) { return with_setting(task, key, value); },
-          py::arg("key"), py::arg("value"))
+      .def("set", &with_value, py::arg("key"), py::arg("value"))
       .def_readonly("title", &Task::title)
       .def_readonly("sample_period", &Task::sample_period)
       .def_property_readonly("axes", [](const Task& task) { return list_of(task.machine.axes, axis_dict); })

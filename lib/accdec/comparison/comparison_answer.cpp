@@ -9,9 +9,9 @@
 namespace accdec {
 namespace {
 
-using study::Attempt;
-using study::ComparisonData;
-using study::Judgement;
+using comparison::Attempt;
+using comparison::ComparisonData;
+using comparison::Judgement;
 
 struct Score {
   std::string solver;
@@ -40,7 +40,7 @@ std::vector<Score> scores_of(const ComparisonData& data) {
   for (const bool design : {false, true}) {
     if (data.profiled(design).empty()) continue;
     const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
-    const auto over_least = study::performance_ratios(costs, data.plain);
+    const auto over_least = comparison::performance_ratios(costs, data.plain);
     for (std::size_t s = 0; s < scores.size(); ++s) {
       scores[s].problems += costs[s].size();
       for (std::size_t p = 0; p < costs[s].size(); ++p) {
@@ -52,7 +52,7 @@ std::vector<Score> scores_of(const ComparisonData& data) {
   }
   for (std::size_t s = 0; s < scores.size(); ++s) {
     scores[s].solver = data.solvers[s];
-    if (!ratios[s].empty()) scores[s].ratio = study::quartiles(ratios[s]).median;
+    if (!ratios[s].empty()) scores[s].ratio = comparison::quartiles(ratios[s]).median;
     count_claims(data, s, scores[s]);
   }
   std::stable_sort(scores.begin(), scores.end(), [](const Score& a, const Score& b) {

@@ -12,7 +12,7 @@
 #include <accdec/motion/shapes.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 namespace {
 
 Filter default_filter(int order) {
@@ -164,4 +164,4 @@ std::string ComparisonCase::asks() const {
   return "";
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -12,7 +12,7 @@
 #include <accdec/design/formulation.hpp>
 #include <accdec/task/task.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 /// What solvers are asked of a task at a given order.
 enum class Question {
@@ -99,4 +99,4 @@ std::string_view to_string(Reference::Proof proof);
 /// @param time_limit  s
 Reference reference_of(const ComparisonCase& subject, double time_limit);
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -8,22 +8,22 @@
 
 #include <accdec/comparison/comparison_data.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-double number_in(const Row& row, const char* key, double missing = nan) {
+double number_in(const study::Row& row, const char* key, double missing = nan) {
   const auto found = row.find(key);
   return found != row.end() && found->is_number() ? found->get<double>() : missing;
 }
 
-std::string text(const Row& row, const char* key) {
+std::string text(const study::Row& row, const char* key) {
   const auto found = row.find(key);
   return found != row.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-ComparedCase case_of(const Row& row) {
+ComparedCase case_of(const study::Row& row) {
   ComparedCase c;
   c.problem = row.at("problem");
   c.family = row.at("family");
@@ -43,7 +43,7 @@ ComparedCase case_of(const Row& row) {
   return c;
 }
 
-bool found_feasible(const Row& run) {
+bool found_feasible(const study::Row& run) {
   return run.at("verdict") == "optimal" || run.at("verdict") == "feasible";
 }
 
@@ -52,7 +52,7 @@ class Reader {
   explicit Reader(const std::vector<std::string>& lines) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
       try {
-        take(Row::parse(lines[i]));
+        take(study::Row::parse(lines[i]));
       } catch (const nlohmann::json::exception& error) {
         throw std::invalid_argument(fmt::format("line {}: not a record of a comparison ({})", i + 1, error.what()));
       } catch (const std::invalid_argument& error) {
@@ -66,11 +66,12 @@ class Reader {
   ComparisonData read() {
     settle_references();
     data_.attempts.resize(data_.cases.size() * static_cast<std::size_t>(data_.starts) * data_.solvers.size());
-    std::vector<std::vector<const Row*>> repeats(data_.attempts.size());
-    for (const Row& run : runs_) repeats[index_of(run)].push_back(&run);
+    std::vector<std::vector<const study::Row*>> repeats(data_.attempts.size());
+    for (const study::Row& run : runs_) repeats[index_of(run)].push_back(&run);
     for (std::size_t i = 0; i < repeats.size(); ++i) {
-      std::sort(repeats[i].begin(), repeats[i].end(),
-                [](const Row* a, const Row* b) { return a->at("repeat").get<int>() < b->at("repeat").get<int>(); });
+      std::sort(repeats[i].begin(), repeats[i].end(), [](const study::Row* a, const study::Row* b) {
+        return a->at("repeat").get<int>() < b->at("repeat").get<int>();
+      });
       fill(data_.attempts[i], repeats[i],
            data_.cases[i / data_.solvers.size() / static_cast<std::size_t>(data_.starts)]);
     }
@@ -78,11 +79,11 @@ class Reader {
   }
 
  private:
-  void take(Row row) {
+  void take(study::Row row) {
     const std::string record = row.at("record");
     if (record == "comparison") {
       if (row.at("schema") != "accdec.comparison/1") throw std::invalid_argument("unknown schema");
-      for (const Row& solver : row.at("solvers")) {
+      for (const study::Row& solver : row.at("solvers")) {
         const std::string name = solver.at("name"), algorithm = solver.value("solver", name);
         if (name == algorithm || name.starts_with(algorithm + "/")) data_.plain.push_back(data_.solvers.size());
         solver_index_[name] = data_.solvers.size();
@@ -107,7 +108,7 @@ class Reader {
     }
   }
 
-  std::size_t index_of(const Row& run) const {
+  std::size_t index_of(const study::Row& run) const {
     const std::size_t c = run.at("case"), start = run.at("start");
     const auto solver = solver_index_.find(run.at("solver").get<std::string>());
     if (c >= data_.cases.size() || static_cast<int>(start) >= data_.starts || solver == solver_index_.end()) {
@@ -123,7 +124,7 @@ class Reader {
   void settle_references() {
     std::vector<double> best(data_.cases.size(), infinite);
     std::vector<std::string> by(data_.cases.size());
-    for (const Row& run : runs_) {
+    for (const study::Row& run : runs_) {
       const std::size_t c = index_of(run) / data_.solvers.size() / static_cast<std::size_t>(data_.starts);
       if (!found_feasible(run) || !(number_in(run, "objective", infinite) < best[c])) continue;
       best[c] = number_in(run, "objective");
@@ -162,7 +163,7 @@ class Reader {
     double gap = nan;
   };
 
-  Outcome judged(const Row& row, const ComparedCase& c) const {
+  Outcome judged(const study::Row& row, const ComparedCase& c) const {
     const std::string claim = row.at("claim"), verdict = row.at("verdict");
     if (c.infeasible)
       return {Judgement::impossible, claim == "infeasible", nan};  // "no design" says only that none was found
@@ -178,7 +179,7 @@ class Reader {
     return o;
   }
 
-  void fill(Attempt& a, const std::vector<const Row*>& repeats, const ComparedCase& c) const {
+  void fill(Attempt& a, const std::vector<const study::Row*>& repeats, const ComparedCase& c) const {
     a.objective = a.gap = a.violation = nan;
     a.target_time.assign(data_.targets.size(), infinite);
     a.target_evaluations.assign(data_.targets.size(), infinite);
@@ -186,7 +187,7 @@ class Reader {
     if (repeats.empty()) return;
     std::vector<Outcome> outcomes;
     std::vector<double> costs;
-    for (const Row* row : repeats) {
+    for (const study::Row* row : repeats) {
       outcomes.push_back(judged(*row, c));
       const double t = number_in(*row, "wall_time_s");
       if (std::isfinite(t)) a.times.push_back(t);
@@ -209,12 +210,12 @@ class Reader {
     a.accuracy_cost = met(repeats, outcomes, c.reference, data_.accuracy, true).time;
   }
 
-  static double evaluations_of(const Row& row) {
+  static double evaluations_of(const study::Row& row) {
     const auto n = row.find("evaluations");
     return n == row.end() ? 0.0 : std::max(number_in(*n, "objective", 0.0), number_in(*n, "rows", 0.0));
   }
 
-  static void take_single(Attempt& a, const Row& row, const Outcome& outcome) {
+  static void take_single(Attempt& a, const study::Row& row, const Outcome& outcome) {
     a.judgement = outcome.judgement;
     a.gap = outcome.gap;
     a.claim = row.at("claim");
@@ -237,16 +238,16 @@ class Reader {
 
   /// When repeats came within `target` of the reference, medians over them.
   /// @param to_the_end  whether a repeat that did not end with success counts as never having come there
-  static Meeting met(const std::vector<const Row*>& repeats, const std::vector<Outcome>& outcomes, double reference,
-                     double target, bool to_the_end) {
+  static Meeting met(const std::vector<const study::Row*>& repeats, const std::vector<Outcome>& outcomes,
+                     double reference, double target, bool to_the_end) {
     const double goal = reference + target * std::max(1.0, std::abs(reference));
     std::vector<double> times, evaluations;
     for (std::size_t r = 0; r < repeats.size(); ++r) {
-      const Row& row = *repeats[r];
+      const study::Row& row = *repeats[r];
       const double wall = number_in(row, "wall_time_s");
       Meeting meeting;
       const auto history = row.find("history");
-      for (const Row& step : history != row.end() ? *history : Row::array()) {
+      for (const study::Row& step : history != row.end() ? *history : study::Row::array()) {
         if (!(step.at(2).get<double>() <= goal)) continue;
         meeting = {step.at(1), step.at(0)};
         break;
@@ -262,7 +263,7 @@ class Reader {
   }
 
   ComparisonData data_;
-  std::vector<Row> runs_;
+  std::vector<study::Row> runs_;
   std::map<std::string, std::size_t> solver_index_;
 };
 
@@ -313,4 +314,4 @@ ComparisonData read_comparison(const std::vector<std::string>& lines) {
   return Reader(lines).read();
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -9,7 +9,7 @@
 #include <accdec/comparison/profile.hpp>
 #include <accdec/study/point_columns.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 /// What the row of a run claims whose process was killed by the timer, or died.
 inline constexpr std::string_view claim_killed = "killed", claim_crashed = "crashed";
@@ -73,7 +73,7 @@ struct Attempt {
 
 /// Raw data, understood: everything the tables and figures are made from.
 struct ComparisonData {
-  Row header;
+  study::Row header;
   std::vector<std::string> solvers;
   std::vector<std::string> algorithms;  ///< registry name of each of them
   std::vector<std::size_t>
@@ -85,7 +85,7 @@ struct ComparisonData {
   std::vector<Attempt> attempts;  ///< (case * starts + start) * solvers + solver
   std::vector<std::string>
       contradictions;  ///< what must not be: a proof beaten, a feasible point of an infeasible problem, ...
-  Row session;         ///< the record of how time was spent; null without one
+  study::Row session;  ///< the record of how time was spent; null without one
 
   /// Whether a run, known from its first repeat, is worth timing again: not if it was refused or failed to run; nor if
   /// it used up its time and ended ten times farther from the reference than counts as reached, since that is no matter
@@ -118,4 +118,4 @@ struct ComparisonData {
 /// @throws std::invalid_argument naming the line that is not a record of a comparison, or what is missing.
 ComparisonData read_comparison(const std::vector<std::string>& lines);
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -9,9 +9,9 @@
 namespace accdec {
 namespace {
 
-using study::Attempt;
-using study::ComparisonData;
-using study::Distribution;
+using comparison::Attempt;
+using comparison::ComparisonData;
+using comparison::Distribution;
 
 /// Solvers of one panel.
 struct Group {
@@ -55,7 +55,7 @@ Series steps(const Distribution& d, double low, double high, const std::string& 
   s.label = label;
   s.style = style;
   s.mark = Mark::marked_line;
-  double y = study::at(d, low);
+  double y = comparison::at(d, low);
   s.x.push_back(low);
   s.y.push_back(y);
   for (std::size_t i = 0; i < d.x.size(); ++i) {
@@ -102,7 +102,7 @@ void add_panels(Figure& figure, const ComparisonData& data, bool design, const s
     Panel panel = panel_of(title.empty() ? group.title : fmt::format("{}: {}", title, group.title), x, y, range);
     for (const std::size_t s : group.solvers)
       panel.series.push_back(
-          steps(study::distribution(values[s]), range.first, range.second, data.solvers[s], style_of(data, s)));
+          steps(comparison::distribution(values[s]), range.first, range.second, data.solvers[s], style_of(data, s)));
     figure.panels.push_back(std::move(panel));
   }
 }
@@ -132,7 +132,7 @@ std::string least_of(const ComparisonData& data) {
 Figure performance(const ComparisonData& data, bool design, const std::string& of) {
   Figure figure = page(fmt::format("Performance profiles by {}, {}", to_accuracy(data), of), columns_of(data));
   const auto costs = data.costs(design, [](const Attempt& a) { return a.accuracy_cost; });
-  add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "",
+  add_panels(figure, data, design, comparison::performance_ratios(costs, data.plain), "",
              "time to accuracy / " + least_of(data), "share of problems solved", 1.0);
   return figure;
 }
@@ -140,7 +140,7 @@ Figure performance(const ComparisonData& data, bool design, const std::string& o
 Figure performance_to_the_end(const ComparisonData& data, bool design, const std::string& of) {
   Figure figure = page(fmt::format("Performance profiles by time until the solver ends, {}", of), columns_of(data));
   const auto costs = data.costs(design, [](const Attempt& a) { return a.end_cost; });
-  add_panels(figure, data, design, study::performance_ratios(costs, data.plain), "",
+  add_panels(figure, data, design, comparison::performance_ratios(costs, data.plain), "",
              "time to the solver's end / " + least_of(data), "share of problems solved", 1.0);
   return figure;
 }
@@ -158,13 +158,14 @@ Figure pairwise(const ComparisonData& data, bool design, const std::string& of) 
                        2, 640, 300);
   for (std::size_t s = 0; s < costs.size(); ++s) {
     if (s == best || !data.takes_part(design, s)) continue;
-    const auto ratios = study::performance_ratios({costs[best], costs[s]});
+    const auto ratios = comparison::performance_ratios({costs[best], costs[s]});
     auto range = decades(ratios);
     range.first = 1.0;
     Panel panel = panel_of(fmt::format("{} and {}", data.solvers[best], data.solvers[s]),
                            "time to accuracy / lesser of the two", "share of problems solved", range);
-    panel.series.push_back(steps(study::distribution(ratios[0]), range.first, range.second, data.solvers[best], 0));
-    panel.series.push_back(steps(study::distribution(ratios[1]), range.first, range.second, data.solvers[s],
+    panel.series.push_back(
+        steps(comparison::distribution(ratios[0]), range.first, range.second, data.solvers[best], 0));
+    panel.series.push_back(steps(comparison::distribution(ratios[1]), range.first, range.second, data.solvers[s],
                                  1));  // the two may have the same style elsewhere
     figure.panels.push_back(std::move(panel));
   }
@@ -177,7 +178,7 @@ Figure data_profiles(const ComparisonData& data, bool design, const std::string&
   const std::vector<int> variables = data.variables(design);
   for (std::size_t t = 0; t < data.targets.size(); ++t) {
     auto values = data.costs(design, [t](const Attempt& a) { return a.target_evaluations[t]; });
-    for (auto& list : values) list = study::simplex_gradients(list, variables);
+    for (auto& list : values) list = comparison::simplex_gradients(list, variables);
     add_panels(figure, data, design, values, fmt::format("within {:g} of the reference", data.targets[t]),
                "evaluations / (variables + 1)", "share of problems that met it", 1e-4);
   }

@@ -19,14 +19,14 @@
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/manifest.hpp>
 #include <accdec/study/journal.hpp>
-#include <accdec/study/point_set.hpp>
+#include <accdec/study/shards.hpp>
 
 namespace accdec {
 namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-using study::Entries;
+using comparison::Entries;
 using study::Row;
 
 const ResultsKind kind{"accdec.comparison/1", "suite_hash", "suite"};
@@ -35,7 +35,7 @@ struct Times {
   double solving = 0.0, evaluating = 0.0, judging = 0.0, references = 0.0;
   void add(const study::Entry& entry) {
     const Row row = Row::parse(entry.row);
-    const bool lost = study::lost(row.value("claim", ""));
+    const bool lost = comparison::lost(row.value("claim", ""));
     solving += lost ? entry.seconds : row.value("wall_time_s", 0.0);
     evaluating += row.value("evaluation_time_s", 0.0);
     judging += row.value("verification_time_s", 0.0);
@@ -95,7 +95,7 @@ void remove_journals(const fs::path& folder) {
 }
 
 /// What a merge lacks: the problems' first numbers, and the shards they are in if all journals are of as many.
-std::string missing_text(const study::Comparison& comparison, const std::vector<std::size_t>& missing,
+std::string missing_text(const comparison::Comparison& comparison, const std::vector<std::size_t>& missing,
                          const std::vector<std::string>& folders) {
   std::set<std::size_t> counts, without;
   for (const std::string& folder : folders) {
@@ -121,11 +121,11 @@ class FolderRun {
         folder_(options.out),
         whole_(options.shards == 1),
         comparison_(suite.settings, suite.cases),
-        cases_(study::cases_of_shard(comparison_.cases().size(), options.shard, options.shards)) {
-    const std::string identity = study::comparison_identity(comparison_, suite.hash);
-    Entries merged = study::shard_entries(options.merge, identity);
+        cases_(comparison::cases_of_shard(comparison_.cases().size(), options.shard, options.shards)) {
+    const std::string identity = comparison::comparison_identity(comparison_, suite.hash);
+    Entries merged = comparison::shard_entries(options.merge, identity);
     if (!options.merge.empty()) {
-      const std::vector<std::size_t> missing = study::next_entries(comparison_, merged, cases_);
+      const std::vector<std::size_t> missing = comparison::next_entries(comparison_, merged, cases_);
       if (!missing.empty()) throw OutputError(missing_text(comparison_, missing, options.merge));
     }
     if (whole_) earlier_ = earlier_entries(options.out, comparison_, results_hash(options.out, kind) == suite.hash);
@@ -150,12 +150,12 @@ class FolderRun {
 
   ComparisonSummary go() {
     StudyProgress progress{entries_.size(), comparison_.size(), 0.0};
-    for (std::vector<std::size_t> next; !(next = study::next_entries(comparison_, entries_, cases_)).empty();) {
+    for (std::vector<std::size_t> next; !(next = comparison::next_entries(comparison_, entries_, cases_)).empty();) {
       progress.done = entries_.size();
-      progress.total = entries_.size() + study::open_entries(comparison_, entries_, cases_, next);
+      progress.total = entries_.size() + comparison::open_entries(comparison_, entries_, cases_, next);
       compute(next, progress);
     }
-    summary_.wall_time = study::seconds_since(began_);
+    summary_.wall_time = seconds_since(began_);
     summary_.runs = entries_.size() - static_cast<std::size_t>(std::count(cases_.begin(), cases_.end(), true));
     if (!whole_) return summary_;
     if (summary_.computed > 0) account();
@@ -174,7 +174,7 @@ class FolderRun {
           entries_[i] = entry;
           ++summary_.computed;
           ++progress.done;
-          progress.seconds = study::seconds_since(began_);
+          progress.seconds = seconds_since(began_);
           if (options_.progress) options_.progress(progress);
         },
         run_);
@@ -200,7 +200,7 @@ class FolderRun {
     std::vector<std::string> lines{header_.dump()};
     for (const auto& [index, entry] : entries_) lines.push_back(entry.row);
     if (!session_.is_null()) lines.push_back(session_.dump());
-    const study::ComparisonData data = study::read_comparison(lines);
+    const comparison::ComparisonData data = comparison::read_comparison(lines);
     summary_.contradictions = data.contradictions.size();
     summary_.table = summary_text(data);
     write_results(suite_, lines, earlier_.others, session_, options_);
@@ -214,7 +214,7 @@ class FolderRun {
   const ComparisonRunOptions& options_;
   fs::path folder_;
   bool whole_;
-  study::Comparison comparison_;
+  comparison::Comparison comparison_;
   std::vector<bool> cases_;
   EarlierEntries earlier_;
   std::unique_ptr<study::Journal> journal_;

@@ -14,11 +14,12 @@
 #include <accdec/design/limit_rows.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/nlp/violation.hpp>
 #include <accdec/task/convexity.hpp>
 #include <accdec/task/order_bound.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -215,7 +216,7 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
     for (std::size_t i = 0; i < task.corners.size(); ++i) {
       if (i != j) tasks[n].corners[i].error_max.reset();
     }
-    const double left = time_limit - std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    const double left = time_limit - seconds_since(began);
     searches.push_back(std::make_unique<DelaySearch>(tasks[n], j, spec.order, subject.blend_delays(),
                                                      timer(left / static_cast<double>(free.size() - n))));
     const double share = free.size() == 1 ? 1.0 : 0.2;
@@ -280,4 +281,4 @@ Reference reference_of(const ComparisonCase& subject, double time_limit) {
   return {};
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -11,12 +11,12 @@
 namespace accdec {
 namespace {
 
-using study::ComparisonData;
+using comparison::ComparisonData;
 
 std::string settings_text(const ComparisonData& data) {
   const study::Row& h = data.header;
   std::string longer;
-  for (const study::ComparedCase& c : data.cases) {
+  for (const comparison::ComparedCase& c : data.cases) {
     if (c.time_limit > 0.0 && c.time_limit != h.value("time_limit_s", 0.0))
       longer += fmt::format("{}{} ({}): {:g} s", longer.empty() ? " Other time limits, for all alike: " : ", ",
                             c.problem, c.question, c.time_limit);
@@ -143,7 +143,7 @@ std::string part(const ComparisonTable& table, const std::vector<std::size_t>& c
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> comparison_documents(const std::vector<std::string>& lines) {
-  const ComparisonData data = study::read_comparison(lines);
+  const ComparisonData data = comparison::read_comparison(lines);
   std::vector<std::pair<std::string, std::string>> documents;
   const ComparisonTable problems = problems_table(data), summary = summary_table(data),
                         confusion = confusion_table(data);

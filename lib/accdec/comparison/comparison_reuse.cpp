@@ -15,7 +15,7 @@ using study::Row;
 /// Puts lines where the comparison has their keys.
 class Places {
  public:
-  Places(const study::Comparison& comparison, bool same_suite) : comparison_(comparison), same_suite_(same_suite) {
+  Places(const comparison::Comparison& comparison, bool same_suite) : comparison_(comparison), same_suite_(same_suite) {
     for (std::size_t i = 0; i < comparison.size(); ++i) {
       if (std::string key = comparison.key(i); !key.empty()) place_.emplace(std::move(key), i);
     }
@@ -50,7 +50,7 @@ class Places {
  private:
   /// Names the row after its place; whether that changes it.
   bool move_to(Row& row, std::size_t index) const {
-    const study::ScheduledRun run = comparison_.at(index);
+    const comparison::ScheduledRun run = comparison_.at(index);
     const auto set = [&](const char* key, const Row& value) {
       if (row.value(key, Row()) == value) return false;
       row[key] = value;
@@ -62,7 +62,7 @@ class Places {
     return changed;
   }
 
-  const study::Comparison& comparison_;
+  const comparison::Comparison& comparison_;
   bool same_suite_;
   std::unordered_map<std::string, std::size_t> place_;
   std::set<std::string> set_aside_;
@@ -81,7 +81,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-EarlierEntries earlier_entries(const std::string& folder, const study::Comparison& comparison, bool same_suite) {
+EarlierEntries earlier_entries(const std::string& folder, const comparison::Comparison& comparison, bool same_suite) {
   Places places(comparison, same_suite);
   for (const char* name : {comparison_earlier_name, comparison_raw_name}) {
     const fs::path path = fs::path(folder) / name;

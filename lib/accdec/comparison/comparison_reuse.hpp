@@ -27,7 +27,7 @@ struct EarlierEntries {
 /// An entry counts if everything it depends on is as it was (Comparison::key), wherever the suite has it now; lines
 /// without a key, of older versions, count if `same_suite` says that nothing at all has changed.
 /// @throws study::JournalError for a journal that cannot be read
-EarlierEntries earlier_entries(const std::string& folder, const study::Comparison& comparison, bool same_suite);
+EarlierEntries earlier_entries(const std::string& folder, const comparison::Comparison& comparison, bool same_suite);
 
 /// Whole lines of a text, empty ones left out.
 std::vector<std::string> lines_of(const std::string& text);

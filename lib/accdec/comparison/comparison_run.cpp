@@ -16,7 +16,7 @@
 #include <accdec/formats/toml_file.hpp>
 #include <accdec/study/row_numbers.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 using Clock = std::chrono::steady_clock;
 
 Comparison::Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases) : settings_(std::move(settings)) {
@@ -84,8 +84,8 @@ double Comparison::kill_after(std::size_t index) const {
   return run.reference ? 2.0 * limit + 5.0 : limit + settings_.kill_after - settings_.time_limit;
 }
 
-Row Comparison::header() const {
-  Row row;
+study::Row Comparison::header() const {
+  study::Row row;
   row["record"] = "comparison";
   row["schema"] = "accdec.comparison/1";
   row["title"] = settings_.title;
@@ -100,7 +100,7 @@ Row Comparison::header() const {
   row["feasibility"] = settings_.feasibility;
   row["accuracy"] = settings_.accuracy;
   row["targets"] = settings_.targets;
-  row["solvers"] = Row::array();
+  row["solvers"] = study::Row::array();
   for (const Competitor& competitor : settings_.solvers) {
     const solvers::Solver& solver = competitor.registered();
     const solvers::Capabilities can = solver.capabilities();
@@ -110,7 +110,7 @@ Row Comparison::header() const {
                        : curvature                              ? "second derivatives"
                        : can.uses_gradient || can.uses_jacobian ? "first derivatives"
                                                                 : "values";
-    Row entry;
+    study::Row entry;
     entry["name"] = competitor.name;
     entry["solver"] = competitor.solver;
     entry["library"] = solver.library_version();
@@ -124,7 +124,7 @@ Row Comparison::header() const {
   return row;
 }
 
-Row Comparison::run(std::size_t index) const {
+study::Row Comparison::run(std::size_t index) const {
   const ScheduledRun entry = at(index);
   return entry.reference ? reference_row(entry) : run_row(entry);
 }
@@ -147,8 +147,8 @@ std::string Comparison::key(std::size_t index) const {
   return toml_input::hash_of(text);
 }
 
-Row Comparison::beginning_of_run(const ScheduledRun& entry) const {
-  Row row;
+study::Row Comparison::beginning_of_run(const ScheduledRun& entry) const {
+  study::Row row;
   row["record"] = "run";
   row["index"] = index_of(entry, entry.repeat);
   row["key"] = key(index_of(entry, entry.repeat));
@@ -159,9 +159,9 @@ Row Comparison::beginning_of_run(const ScheduledRun& entry) const {
   return row;
 }
 
-Row Comparison::beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const {
+study::Row Comparison::beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const {
   const CaseSpec& spec = subject.spec();
-  Row row;
+  study::Row row;
   row["record"] = "problem";
   row["index"] = case_index;
   row["key"] = key(case_index);
@@ -179,9 +179,9 @@ Row Comparison::beginning_of_reference(std::size_t case_index, const ComparisonC
   return row;
 }
 
-Row Comparison::reference_row(const ScheduledRun& entry) const {
+study::Row Comparison::reference_row(const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
-  Row row = beginning_of_reference(entry.case_index, subject);
+  study::Row row = beginning_of_reference(entry.case_index, subject);
   const auto began = Clock::now();
   Reference reference;
   try {
@@ -190,15 +190,15 @@ Row Comparison::reference_row(const ScheduledRun& entry) const {
     reference = {Reference::Proof::bound, 0.0, nlp::infinity, fmt::format("error: {}", error.what())};
   }
   row["proof"] = to_string(reference.proof);
-  row["lower"] = number(reference.lower);
-  row["upper"] = number(reference.upper);
+  row["lower"] = study::number(reference.lower);
+  row["upper"] = study::number(reference.upper);
   row["method"] = reference.method;
-  row["reference_time_s"] = seconds(seconds_since(began));
+  row["reference_time_s"] = study::seconds(seconds_since(began));
   return row;
 }
 
-Row Comparison::run_row(const ScheduledRun& entry) const {
-  Row row = beginning_of_run(entry);
+study::Row Comparison::run_row(const ScheduledRun& entry) const {
+  study::Row row = beginning_of_run(entry);
   row["claim"] = "error";
   row["verdict"] = "none";
   try {
@@ -210,21 +210,21 @@ Row Comparison::run_row(const ScheduledRun& entry) const {
   return row;
 }
 
-Row Comparison::lost(std::size_t index, const std::string& reason) const {
+study::Row Comparison::lost(std::size_t index, const std::string& reason) const {
   const ScheduledRun entry = at(index);
   if (entry.reference) {
-    Row row = beginning_of_reference(entry.case_index, ComparisonCase(cases_[entry.case_index]));
+    study::Row row = beginning_of_reference(entry.case_index, ComparisonCase(cases_[entry.case_index]));
     row["proof"] = to_string(Reference::Proof::bound);
     row["lower"] = 0.0;
     row["upper"] = nullptr;
     row["method"] = fmt::format("none: {}", reason);
     return row;
   }
-  Row row = beginning_of_run(entry);
+  study::Row row = beginning_of_run(entry);
   row["claim"] = reason.starts_with("given up") ? claim_killed : claim_crashed;
   row["verdict"] = "none";
   row["message"] = reason;
   return row;
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

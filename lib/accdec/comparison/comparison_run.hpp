@@ -9,7 +9,7 @@
 #include <accdec/comparison/competitor.hpp>
 #include <accdec/study/point_columns.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 /// What is the same for every solver.
 struct ComparisonSettings {
@@ -63,26 +63,27 @@ class Comparison {
   std::size_t index_of(const ScheduledRun& run, int repeat) const;
 
   /// First line of the raw data: settings, solvers with their versions and abilities.
-  Row header() const;
+  study::Row header() const;
   /// Carries out an entry: the line of the raw data. Exceptions do not pass but are recorded.
-  Row run(std::size_t index) const;
+  study::Row run(std::size_t index) const;
   /// The line of an entry whose process was killed by the timer or crashed.
-  Row lost(std::size_t index, const std::string& reason) const;
+  study::Row lost(std::size_t index, const std::string& reason) const;
 
  private:
-  Row beginning_of_run(const ScheduledRun& entry) const;
-  Row beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const;
-  Row reference_row(const ScheduledRun& entry) const;
-  Row run_row(const ScheduledRun& entry) const;
+  study::Row beginning_of_run(const ScheduledRun& entry) const;
+  study::Row beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const;
+  study::Row reference_row(const ScheduledRun& entry) const;
+  study::Row run_row(const ScheduledRun& entry) const;
   /// Of a case, start and repeat.
   std::vector<std::size_t> order_of_solvers(std::size_t case_index, std::size_t start, std::size_t repeat) const;
+  /// These three in comparison_solve.cpp.
   solvers::Options solver_options(const ScheduledRun& entry) const;
-  void solve_into(Row& row, const ScheduledRun& entry) const;
-  void design_into(Row& row, const ScheduledRun& entry) const;
+  void solve_into(study::Row& row, const ScheduledRun& entry) const;
+  void design_into(study::Row& row, const ScheduledRun& entry) const;
 
   ComparisonSettings settings_;
   /// Built anew by every entry: a process that holds all of them takes three times as long to fork.
   std::vector<CaseSpec> cases_;
 };
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

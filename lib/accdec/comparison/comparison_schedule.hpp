@@ -10,9 +10,9 @@
 #include <accdec/study/journal.hpp>
 #include <accdec/study/shards.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
-using Entries = std::map<std::size_t, Entry>;  ///< lines of the raw data by their place in the schedule
+using Entries = std::map<std::size_t, study::Entry>;  ///< lines of the raw data by their place in the schedule
 
 /// What is to be computed next of some cases: their references; when these are there the first repeats; and then those
 /// other repeats that are worth it. Empty when all is there.
@@ -37,6 +37,6 @@ std::string comparison_identity(const Comparison& comparison, const std::string&
 Entries shard_entries(const std::vector<std::string>& folders, const std::string& identity);
 
 /// How far the shards of a comparison in a folder are, in entries. @throws OutputError
-std::vector<ShardState> comparison_shards(const Suite& suite, const std::string& folder, std::size_t shards);
+std::vector<study::ShardState> comparison_shards(const Suite& suite, const std::string& folder, std::size_t shards);
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

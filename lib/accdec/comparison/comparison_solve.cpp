@@ -12,21 +12,22 @@
 #include <accdec/solvers/solver.hpp>
 #include <accdec/study/row_numbers.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 /// Improvements that matter: the first, the last, and those that leave at most 0.9 of the distance to the last that the
 /// one before left: a target is seen to be met no later than one a tenth nearer to the last was.
-Row thinned(const std::vector<nlp::Improvement>& history) {
-  Row list = Row::array();
+study::Row thinned(const std::vector<nlp::Improvement>& history) {
+  study::Row list = study::Row::array();
   double left = nlp::infinity;
   for (std::size_t i = 0; i < history.size(); ++i) {
     const double now = history[i].objective - history.back().objective;
     if (now > 0.9 * left && i + 1 < history.size()) continue;
     left = now;
-    list.push_back(Row::array({history[i].evaluations, seconds(history[i].time), number(history[i].objective)}));
+    list.push_back(study::Row::array(
+        {history[i].evaluations, study::seconds(history[i].time), study::number(history[i].objective)}));
   }
   return list;
 }
@@ -37,7 +38,7 @@ double violation_of(const nlp::Problem& problem, const std::vector<double>& x, d
   return std::isfinite(objective) ? nlp::largest_violation(problem, x) : nlp::infinity;
 }
 
-Row counts_row(const nlp::Counts& n) {
+study::Row counts_row(const nlp::Counts& n) {
   return {{"objective", n.objective},
           {"gradient", n.gradient},
           {"rows", n.rows},
@@ -59,7 +60,7 @@ solvers::Options Comparison::solver_options(const ScheduledRun& entry) const {
   return options;
 }
 
-void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
+void Comparison::solve_into(study::Row& row, const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
   const Competitor& competitor = settings_.solvers[entry.solver];
   const bool reduced = competitor.wants_reduced(settings_.reduced);
@@ -100,23 +101,23 @@ void Comparison::solve_into(Row& row, const ScheduledRun& entry) const {
   else if (verdict != solvers::Verdict::optimal)
     verdict = solvers::Verdict::feasible;
   row["verdict"] = to_string(verdict);
-  row["objective"] = number(objective);
-  row["claimed_objective"] = number(result.claimed_objective);
-  row["violation"] = rounded(violation, 4);
+  row["objective"] = study::number(objective);
+  row["claimed_objective"] = study::number(result.claimed_objective);
+  row["violation"] = study::rounded(violation, 4);
   row["worst"] = result.verification.worst;
-  row["stationarity"] = rounded(result.verification.stationarity, 4);
-  row["complementarity"] = rounded(result.verification.complementarity, 4);
+  row["stationarity"] = study::rounded(result.verification.stationarity, 4);
+  row["complementarity"] = study::rounded(result.verification.complementarity, 4);
   row["evaluations"] = counts_row(result.counts);
-  row["wall_time_s"] = seconds(result.wall_time);
-  row["evaluation_time_s"] = seconds(result.counts.evaluation_time);
-  row["verification_time_s"] = seconds(seconds_since(began) - result.wall_time);
+  row["wall_time_s"] = study::seconds(result.wall_time);
+  row["evaluation_time_s"] = study::seconds(result.counts.evaluation_time);
+  row["verification_time_s"] = study::seconds(seconds_since(began) - result.wall_time);
   row["history"] = thinned(history);
   if (entry.repeat > 0) {  // what the first says need not be said again
     for (const char* key : {"message", "claimed_objective", "worst", "stationarity", "complementarity"}) row.erase(key);
   }
 }
 
-void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
+void Comparison::design_into(study::Row& row, const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
   const CaseSpec& spec = subject.spec();
   const Competitor& competitor = settings_.solvers[entry.solver];
@@ -155,12 +156,12 @@ void Comparison::design_into(Row& row, const ScheduledRun& entry) const {
   row["claim"] = late ? to_string(solvers::Claim::time_limit) : found ? to_string(solvers::Claim::solved) : "no design";
   if (entry.repeat == 0) row["message"] = result.message;
   row["verdict"] = found ? "feasible" : "none";
-  if (found) row["objective"] = number(result.objective() / task.sample_period);
+  if (found) row["objective"] = study::number(result.objective() / task.sample_period);
   row["evaluations"] = counts_row(result.solver.counts);
-  row["wall_time_s"] = seconds(wall);
-  row["evaluation_time_s"] = seconds(result.solver.counts.evaluation_time);
-  row["verification_time_s"] = seconds(judging);
+  row["wall_time_s"] = study::seconds(wall);
+  row["evaluation_time_s"] = study::seconds(result.solver.counts.evaluation_time);
+  row["verification_time_s"] = study::seconds(judging);
   row["history"] = thinned(history);
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -5,7 +5,7 @@
 
 namespace accdec {
 
-std::string summary_text(const study::ComparisonData& data) {
+std::string summary_text(const comparison::ComparisonData& data) {
   struct Column {
     const char* name;
     const char* shown;

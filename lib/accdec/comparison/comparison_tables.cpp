@@ -10,16 +10,16 @@
 namespace accdec {
 namespace {
 
-using study::Attempt;
-using study::ComparedCase;
-using study::ComparisonData;
-using study::Judgement;
+using comparison::Attempt;
+using comparison::ComparedCase;
+using comparison::ComparisonData;
+using comparison::Judgement;
 
 std::string shown(double x, int digits = 4) {
   return std::isfinite(x) ? fmt::format("{:.{}g}", x, digits) : "";
 }
 
-constexpr std::size_t judgement_count = std::size(study::judgements);
+constexpr std::size_t judgement_count = std::size(comparison::judgements);
 std::size_t position(Judgement j) {
   return static_cast<std::size_t>(j);
 }
@@ -73,7 +73,7 @@ struct Tally {
       if (c.infeasible) ++judged[position(Judgement::impossible)];
       return;
     }
-    if (study::lost(a.claim)) ++lost;
+    if (comparison::lost(a.claim)) ++lost;
     ++judged[position(a.judgement)];
     if (c.infeasible && a.success) ++recognised;
     if (c.infeasible && a.claim == "no design") ++none_found;
@@ -106,13 +106,13 @@ std::string judged(const Tally& t) {
   return whole(t.judged[position(J)]);
 }
 std::string lower(const std::vector<double>& values) {
-  return shown(study::quartiles(values).lower);
+  return shown(comparison::quartiles(values).lower);
 }
 std::string median(const std::vector<double>& values) {
-  return shown(study::quartiles(values).median);
+  return shown(comparison::quartiles(values).median);
 }
 std::string upper(const std::vector<double>& values) {
-  return shown(study::quartiles(values).upper);
+  return shown(comparison::quartiles(values).upper);
 }
 
 const SummaryColumn summary_columns[] = {
@@ -140,7 +140,7 @@ const SummaryColumn summary_columns[] = {
     {"time to accuracy median / s", [](const Tally& t) { return median(t.accuracy_times); }},
     {"time to accuracy upper quartile / s", [](const Tally& t) { return upper(t.accuracy_times); }},
     {"median of time to end / time to accuracy",
-     [](const Tally& t) { return shown(study::quartiles(t.polishing).median, 3); }},
+     [](const Tally& t) { return shown(comparison::quartiles(t.polishing).median, 3); }},
     {"evaluations lower quartile", [](const Tally& t) { return lower(t.evaluations); }},
     {"evaluations median", [](const Tally& t) { return median(t.evaluations); }},
     {"evaluations upper quartile", [](const Tally& t) { return upper(t.evaluations); }},
@@ -165,7 +165,7 @@ ComparisonTable summary_table(const ComparisonData& data) {
 
 ComparisonTable confusion_table(const ComparisonData& data) {
   ComparisonTable t{"confusion", {"solver", "claimed"}, {}};
-  for (const Judgement j : study::judgements) t.head.emplace_back(to_string(j));
+  for (const Judgement j : comparison::judgements) t.head.emplace_back(to_string(j));
   using Counts = std::map<std::string, std::array<std::size_t, judgement_count>>;
   const auto add = [&](const std::string& solver, const Counts& counts) {
     for (const auto& [claim, row] : counts) {
@@ -257,10 +257,10 @@ ComparisonTable pairs_table(const ComparisonData& data) {
     for (std::size_t a = 0; a < data.solvers.size(); ++a) {
       for (std::size_t b = 0; b < data.solvers.size(); ++b) {
         if (a == b || !data.takes_part(design, a) || !data.takes_part(design, b)) continue;
-        const auto d = study::distribution(study::performance_ratios({costs[a], costs[b]}).front());
+        const auto d = comparison::distribution(comparison::performance_ratios({costs[a], costs[b]}).front());
         t.rows.push_back({design ? "design" : "nonlinear problem", data.solvers[a], data.solvers[b],
-                          shown(d.y.empty() ? 0.0 : d.y.back(), 3), shown(study::at(d, 1.0), 3),
-                          shown(study::at(d, 2.0), 3), shown(study::at(d, 10.0), 3)});
+                          shown(d.y.empty() ? 0.0 : d.y.back(), 3), shown(comparison::at(d, 1.0), 3),
+                          shown(comparison::at(d, 2.0), 3), shown(comparison::at(d, 10.0), 3)});
       }
     }
   }

@@ -3,7 +3,7 @@
 #include <accdec/comparison/competitor.hpp>
 #include <accdec/nlp/problem.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 namespace {
 
 /// minimise x over 0 <= x <= 1: what every solver takes.
@@ -58,4 +58,4 @@ Competitor competitor_from_entry(const std::string& entry) {
   return c;
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

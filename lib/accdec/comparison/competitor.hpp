@@ -6,7 +6,7 @@
 
 #include <accdec/solvers/solver.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 /// A solver as it takes part in a comparison: which form of the problems it gets, and with which of its library's
 /// options.
@@ -37,4 +37,4 @@ Competitor competitor_from_entry(const std::string& entry);
 /// Whether both forms of a problem can be given to a solver.
 bool takes_both_forms(const solvers::Solver& solver);
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

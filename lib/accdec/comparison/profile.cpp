@@ -5,7 +5,7 @@
 
 #include <accdec/comparison/profile.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 namespace {
 
 /// `values` sorted; position in 0 .. size - 1.
@@ -75,4 +75,4 @@ Quartiles quartiles(std::vector<double> values) {
   return {between(values, 0.25 * last), between(values, 0.5 * last), between(values, 0.75 * last)};
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 /// A distribution as its steps: from x[i] on (inclusive) the share is y[i]; 0 before x[0]. x increases strictly, y too,
 /// up to <= 1.
@@ -44,4 +44,4 @@ struct Quartiles {
 /// all are NaN.
 Quartiles quartiles(std::vector<double> values);
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

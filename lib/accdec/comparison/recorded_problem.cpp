@@ -1,8 +1,9 @@
 #include <algorithm>
 
 #include <accdec/comparison/recorded_problem.hpp>
+#include <accdec/files/seconds_since.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 RecordedProblem::RecordedProblem(const nlp::Problem& problem, Judge judge, std::size_t most_bytes)
     : problem_(problem),
@@ -13,7 +14,7 @@ RecordedProblem::RecordedProblem(const nlp::Problem& problem, Judge judge, std::
 double RecordedProblem::objective(std::span<const double> x) const {
   const double value = problem_.objective(x);
   if (points_.size() >= most_points_) judge_points();
-  const double time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  const double time = seconds_since(began_);
   points_.push_back({std::max(++objectives_, rows_), time, {x.begin(), x.end()}});
   return value;
 }
@@ -39,4 +40,4 @@ const std::vector<nlp::Improvement>& RecordedProblem::history() {
   return history_;
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

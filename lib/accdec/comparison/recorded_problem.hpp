@@ -8,7 +8,7 @@
 #include <accdec/nlp/evaluator.hpp>
 #include <accdec/nlp/problem.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 /// A problem that remembers the points at which its objective was asked for, so that they can be judged by another
 /// measure after the run instead of during it. Not thread-safe: for one run of one solver.
@@ -72,4 +72,4 @@ class RecordedProblem final : public nlp::Problem {
   mutable double best_objective_ = nlp::infinity;
 };
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

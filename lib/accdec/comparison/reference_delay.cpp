@@ -4,7 +4,7 @@
 
 #include <accdec/comparison/reference_delay.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 double left_of_tap(double x) {
   return x >= 0.0 ? x + 0.5 : x <= -1.0 ? 0.0 : 0.5 * (x + 1.0) * (x + 1.0);
@@ -149,4 +149,4 @@ std::pair<double, double> DelaySearch::delay_of(const Filter& filter) const {
   return {high, instant};
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -2,7 +2,7 @@
 
 #include <accdec/comparison/reference_search.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 /// Leg distances of DelayProblem, whose response is interpolated: tap i is spread evenly over samples i .. i + 1.
 /// Distance left at instant t of a stop, and its derivative, per tap; samples at full speed.
@@ -43,4 +43,4 @@ class DelaySearch : public ReferenceSearch {
   double delay_ = 0.0;  ///< being tried
 };
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -3,7 +3,7 @@
 
 #include <accdec/comparison/reference_search.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 namespace {
 
 constexpr int deepest = 400;
@@ -127,4 +127,4 @@ ReferenceSearch::Answer ReferenceSearch::below(double value, double gap) {
   return Answer::refuted;
 }
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -6,7 +6,7 @@
 
 #include <accdec/exact/search.hpp>
 
-namespace accdec::study {
+namespace accdec::comparison {
 
 /// What is left to refute: filters whose cumulative response holds `path`, at instants low .. high (delay questions).
 struct Part {
@@ -69,4 +69,4 @@ class ReferenceSearch {
   exact::Box box_;
 };
 
-}  // namespace accdec::study
+}  // namespace accdec::comparison

@@ -36,7 +36,7 @@ class SuiteReader {
  private:
   static constexpr const char* top_name = "the suite (top level)";
 
-  void read_settings(const Table& top, study::ComparisonSettings& s) {
+  void read_settings(const Table& top, comparison::ComparisonSettings& s) {
     s.title = top.text("title").value_or(path_);
     s.notes = top.text("notes").value_or("");
     s.starts = top.required_integer("starts");
@@ -53,7 +53,7 @@ class SuiteReader {
     if (top.has("targets")) s.targets = top.numbers("targets");
     s.reference_time_limit = top.required_number("reference_time_limit_s");
     read_competitors(top, solvers_, s);
-    for (const study::Competitor& c : s.solvers) {
+    for (const comparison::Competitor& c : s.solvers) {
       text_ << fmt::format("{} {} {}", c.name, c.solver, static_cast<int>(c.form));
       for (const auto& [key, value] : c.native) text_ << fmt::format(" {}={}", key, value);
       text_ << '\n';
@@ -76,7 +76,7 @@ class SuiteReader {
   }
 
   void read_problem(const Table& top, const Table& table, Suite& suite) {
-    study::CaseSpec spec;
+    comparison::CaseSpec spec;
     spec.name = *table.text("name");
     spec.family = table.text("family").value_or("other");
     std::string path;
@@ -98,20 +98,20 @@ class SuiteReader {
             << fmt::format("{} {} {} {}\n", spec.order, spec.infeasible, spec.time_limit, fmt::join(spec.delays, " "));
     text_ << spec.name << '\n' << problem.str();
     for (const std::string& name : table.texts("formulation")) {
-      spec.question = *study::question_from_string(name);
+      spec.question = *comparison::question_from_string(name);
       check(table, spec, suite);
       for (const int factor : table.has("sizes") ? sizes(table) : sizes(top)) {
         if (static_cast<long>(spec.order + 1) * factor > most_taps)
           table.fail(
               fmt::format("order {} at size {} is too large; {} taps are allowed", spec.order, factor, most_taps));
-        suite.cases.push_back(study::refined(spec, factor));
+        suite.cases.push_back(comparison::refined(spec, factor));
         suite.cases.back().identity = toml_input::hash_of(problem.str() + name + fmt::format(" {}", factor));
         text_ << name << ' ' << factor << '\n';
       }
     }
   }
 
-  void read_delays(const Table& table, study::CaseSpec& spec) const {
+  void read_delays(const Table& table, comparison::CaseSpec& spec) const {
     const std::size_t corners = spec.task.corners.size();
     if (!table.has("delay_samples")) return;
     const std::vector<double> given = table.numbers("delay_samples");
@@ -123,8 +123,8 @@ class SuiteReader {
       spec.delays[j] = static_cast<int>(given.size() == 1 ? given.front() : given[j]);
   }
 
-  void check(const Table& table, const study::CaseSpec& spec, const Suite& suite) const {
-    for (const study::CaseSpec& other : suite.cases) {
+  void check(const Table& table, const comparison::CaseSpec& spec, const Suite& suite) const {
+    for (const comparison::CaseSpec& other : suite.cases) {
       if (other.name == spec.name && other.question == spec.question)
         table.fail_at("name", fmt::format("the name \"{}\" is taken already", spec.name));
     }

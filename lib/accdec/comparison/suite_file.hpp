@@ -11,9 +11,9 @@ namespace accdec {
 /// A suite of comparison problems, read.
 struct Suite {
   std::string path;
-  study::ComparisonSettings settings;
-  std::vector<study::CaseSpec> cases;  ///< every problem at every size
-  std::string hash;                    ///< over everything results depend on
+  comparison::ComparisonSettings settings;
+  std::vector<comparison::CaseSpec> cases;  ///< every problem at every size
+  std::string hash;                         ///< over everything results depend on
 };
 
 /// Reads SUITE.toml; problems/suite/full.toml explains every key. Paths of tasks in it are relative to it.

@@ -68,7 +68,7 @@ Key sizes(std::string fallback) {
 }
 
 std::vector<Key> setting_keys() {
-  const study::ComparisonSettings s;
+  const comparison::ComparisonSettings s;
   const auto text_of = [](double x) { return fmt::format("{}", x); };
   Key targets{.name = "targets",
               .type = KeyType::numbers,
@@ -97,8 +97,8 @@ std::vector<Key> setting_keys() {
 
 std::vector<std::string> questions() {
   std::vector<std::string> names;
-  for (const auto question : {study::Question::margin, study::Question::delay, study::Question::design})
-    names.emplace_back(study::to_string(question));
+  for (const auto question : {comparison::Question::margin, comparison::Question::delay, comparison::Question::design})
+    names.emplace_back(comparison::to_string(question));
   return names;
 }
 
@@ -173,7 +173,7 @@ std::vector<std::string> solver_names() {
 std::vector<std::string> solver_names_with_forms() {
   std::vector<std::string> names = solver_names();
   for (const auto& solver : solvers::registry()) {
-    if (!study::takes_both_forms(*solver)) continue;
+    if (!comparison::takes_both_forms(*solver)) continue;
     for (const char* form : {"/sparse", "/reduced"}) names.push_back(solver->name() + form);
   }
   return names;

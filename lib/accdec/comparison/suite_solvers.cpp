@@ -12,7 +12,7 @@
 namespace accdec::toml_input {
 namespace {
 
-using study::Competitor;
+using comparison::Competitor;
 using Names = std::vector<std::string>;
 
 bool among(const Names& names, const std::string& name) {
@@ -58,7 +58,7 @@ Competitor read_variant(const Table& table) {
   c.name = *table.text("name");
   c.solver = table.word("solver");
   if (table.has("form")) {
-    if (!study::takes_both_forms(c.registered()))
+    if (!comparison::takes_both_forms(c.registered()))
       table.fail_at("form", fmt::format("{} takes one form only", c.solver));
     c.form = table.word("form") == "sparse" ? Competitor::Form::sparse : Competitor::Form::reduced;
   }
@@ -75,20 +75,20 @@ Competitor read_variant(const Table& table) {
 
 }  // namespace
 
-void read_competitors(const Table& top, const Names& instead, study::ComparisonSettings& settings) {
+void read_competitors(const Table& top, const Names& instead, comparison::ComparisonSettings& settings) {
   const Names names = solver_names(), known = solver_names_with_forms();
   const auto variants = top.tables("variant");
   settings.reduced = known_solvers(top, "reduced", names);
   if (!instead.empty()) {
     if (const std::string message = objection(instead, known); !message.empty())
       throw std::invalid_argument("--solvers: " + message);
-    for (const std::string& name : instead) settings.solvers.push_back(study::competitor_from_entry(name));
+    for (const std::string& name : instead) settings.solvers.push_back(comparison::competitor_from_entry(name));
     return;
   }
   if (!top.has("solvers") && variants.empty())
     top.fail(fmt::format("the suite needs `solvers`: \"all\" or a list of {}", fmt::join(names, ", ")));
   for (const std::string& name : top.text("solvers") == "all" ? names : known_solvers(top, "solvers", known))
-    settings.solvers.push_back(study::competitor_from_entry(name));
+    settings.solvers.push_back(comparison::competitor_from_entry(name));
   for (const Table& table : variants) {
     Competitor variant = read_variant(table);
     const auto same = [&](const Competitor& c) { return c.name == variant.name; };

@@ -14,6 +14,7 @@ namespace accdec::toml_input {
 /// @param instead  names to take instead of the suite's solvers and variants, if not empty
 /// @throws InputError for unknown solvers, forms and options, with the known ones, and for names that stand twice;
 /// std::invalid_argument for unknown names, or twice the same, in `instead`
-void read_competitors(const Table& top, const std::vector<std::string>& instead, study::ComparisonSettings& settings);
+void read_competitors(const Table& top, const std::vector<std::string>& instead,
+                      comparison::ComparisonSettings& settings);
 
 }  // namespace accdec::toml_input

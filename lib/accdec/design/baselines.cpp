@@ -7,6 +7,7 @@
 
 #include <accdec/design/baseline_search.hpp>
 #include <accdec/design/baselines.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/verifier.hpp>
@@ -64,9 +65,6 @@ BaselineResult best_below(const Task& task, const Baseline& baseline, double hop
       chosen.filter = answer.spec;
       const Filter filter = make_filter(*answer.spec);
       answer.result = assess(chosen, filter, search.delays(), false);
-      const int apart = DelayFinder(filter).exact_stop_delay();
-      answer.exact_stop =
-          std::all_of(search.delays().begin(), search.delays().end(), [&](int d) { return d >= apart; });
     } else {
       message = fmt::format("no {} of order {} to {} holds all limits", baseline.name, task.design.order_min,
                             task.design.order_max);
@@ -82,11 +80,18 @@ BaselineResult best_below(const Task& task, const Baseline& baseline, double hop
   answer.result.solver.method = "given";
   answer.result.solver.name = fmt::format("best {}", baseline.name);
   answer.result.solver.evaluations = tried;
-  answer.result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  answer.result.solver.wall_time = seconds_since(began);
   return answer;
 }
 
 }  // namespace
+
+bool stops_exactly(const DesignResult& result) {
+  if (!result.filter || result.corners.empty()) return false;
+  const int apart = DelayFinder(*result.filter).exact_stop_delay();
+  return std::all_of(result.corners.begin(), result.corners.end(),
+                     [=](const CornerResult& corner) { return corner.delay >= apart; });
+}
 
 std::span<const Baseline> baselines() {
   return families;

@@ -30,8 +30,10 @@ struct BaselineResult {
       spec;             ///< the filter in the words of a task file; none when no order within the task's bounds will do
   DesignResult result;  ///< feasible (the family's best, verified by simulation), infeasible or failed; its task has
                         ///< the filter in place
-  bool exact_stop = false;  ///< no corner's legs overlap: the delays are those of a machine that stops
 };
+
+/// Whether no corner's legs overlap: the delays are those of a machine that stops.
+bool stops_exactly(const DesignResult& result);
 
 /// The best that one family can do under a task's limits: the least cost (objective.hpp) over every order within the
 /// task's bounds and every value of the family's parameters, each corner with the smallest delay at which its error

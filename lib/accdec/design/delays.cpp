@@ -8,6 +8,7 @@
 #include <accdec/certificate/certificate.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/design/limit_rows.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/verification_cost.hpp>
@@ -111,7 +112,7 @@ DesignResult verified(const Task& task, const Filter& filter, const std::vector<
 
 DesignResult design_delays(const Task& task, const DesignOptions& options) {
   const auto began = std::chrono::steady_clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+  const auto elapsed = [&] { return seconds_since(began); };
   const auto cancelled = [&] { return options.cancel != nullptr && options.cancel->load(); };
   const auto stopped = [&] { return elapsed() > options.time_limit || cancelled(); };
   const Filter filter = make_filter(*task.filter);

@@ -9,6 +9,7 @@
 #include <accdec/design/design.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/size.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/task/contradictions.hpp>
 
 namespace accdec {
@@ -32,7 +33,7 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   const bool cancelled = options.cancel != nullptr && options.cancel->load();
   if (nlp.has_design() || cancelled) return nlp;
   ExactOptions exact = exact_options(options);
-  exact.time_limit -= std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  exact.time_limit -= seconds_since(began);
   if (exact.time_limit <= 0.0) return nlp;
   DesignResult proof;
   try {

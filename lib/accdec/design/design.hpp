@@ -43,7 +43,7 @@ DesignResult design_task(const Task& task, const DesignOptions& options = {});
 /// optimum.
 DesignResult design_delays(const Task& task, const DesignOptions& options = {});
 
-/// Filter and delays by nonlinear programming, see Method::nlp.
+/// Filter and delays by nonlinear programming, see Method::nlp. In nlp_search.cpp.
 DesignResult design_nlp(const Task& task, const DesignOptions& options = {});
 
 }  // namespace accdec

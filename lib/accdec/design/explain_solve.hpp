@@ -5,6 +5,7 @@
 
 #include <accdec/design/explain.hpp>
 #include <accdec/design/verify_result.hpp>
+#include <accdec/files/seconds_since.hpp>
 
 // Internal to the room: single solves of an explanation, counted, none taken at its word.
 
@@ -53,7 +54,7 @@ class ExplainSolver {
  private:
   using Clock = std::chrono::steady_clock;
   int done() const { return explanation_.solves + 1; }
-  double left() const { return options_.time_limit - std::chrono::duration<double>(Clock::now() - began_).count(); }
+  double left() const { return options_.time_limit - seconds_since(began_); }
 
   const ExplainOptions& options_;
   Explanation& explanation_;

@@ -88,11 +88,16 @@ std::vector<double> FixedOrderDesigner::guess_delays(const Filter& filter) const
 
 std::vector<int> FixedOrderDesigner::rounded_up(const std::vector<double>& delays, int order) const {
   std::vector<int> integers;
-  for (const double d : delays) integers.push_back(std::clamp(static_cast<int>(std::ceil(d - 1e-3)), 0, order + 1));
+  for (const double d : delays)
+    integers.push_back(std::clamp(static_cast<int>(std::ceil(d - 1e-3)), 0, order + settling));
   for (std::size_t j = 0; j < delays.size(); ++j) {
     if (task_.corners[j].delay) integers[j] = *task_.corners[j].delay;
   }
   return integers;
+}
+
+std::vector<int> FixedOrderDesigner::parting_delays(int order) const {
+  return rounded_up(std::vector<double>(task_.corners.size(), order + settling), order);
 }
 
 FormulationOptions FixedOrderDesigner::formulation(int order, std::vector<int> blend_delays) {
@@ -143,8 +148,7 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
   std::vector<double> delays = guess_delays(start);
   for (int pass = 0; pass < 8 && !stopped(); ++pass) {
     // Once the legs part, a blend is a stop and a start: the loosest its limits get.
-    const std::vector<int> blend =
-        parted ? rounded_up(std::vector<double>(delays.size(), order + 1.0), order) : rounded_up(delays, order);
+    const std::vector<int> blend = parted ? parting_delays(order) : rounded_up(delays, order);
     const DelayProblem problem(task_, formulation(order, blend));
     const solvers::Result result = solve(problem, problem.start_from(start, delays));
     // A relaxation only guides the search: there a start that holds is as good as any.

@@ -10,6 +10,7 @@
 
 #include <accdec/design/design.hpp>
 #include <accdec/design/formulation.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/solvers/solver.hpp>
 
 namespace accdec {
@@ -33,7 +34,7 @@ class FixedOrderDesigner {
     double cost = 0.0;                     ///< the task's objective, samples
     std::vector<double> delays, instants;  ///< per corner; instant -1 without an error bound
     std::optional<Filter> filter;
-    /// Limits on the blend held only at parted legs: `cost` then counts delays of N + 1, `delays` are what the errors
+    /// Limits on the blend held only at parted legs: `cost` then counts `parting_delays`, `delays` are what the errors
     /// alone need.
     bool parted = false;
   };
@@ -48,8 +49,10 @@ class FixedOrderDesigner {
                                        std::vector<int> samples);
 
   std::vector<double> guess_delays(const Filter& filter) const;
-  /// Continuous delays rounded up to integers in 0 .. N + 1; given delays are kept.
+  /// Continuous delays rounded up to integers, at most those that part the legs; given delays are kept.
   std::vector<int> rounded_up(const std::vector<double>& delays, int order) const;
+  /// Delays from which on nothing changes any more, since the legs ask nothing of each other; given delays are kept.
+  std::vector<int> parting_delays(int order) const;
 
   bool stopped() const {
     return elapsed() > options_.time_limit || (options_.cancel != nullptr && options_.cancel->load());
@@ -59,7 +62,7 @@ class FixedOrderDesigner {
     if (options_.cancel != nullptr && options_.cancel->load()) return StopReason::interrupted;
     return stopped() ? StopReason::time_limit : StopReason::finished;
   }
-  double elapsed() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+  double elapsed() const { return seconds_since(began_); }
   void tell(const std::string& line) const {
     if (options_.progress) options_.progress(line);
   }

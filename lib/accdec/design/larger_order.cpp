@@ -7,6 +7,7 @@
 #include <accdec/design/shape_search.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/exact/size.hpp>
+#include <accdec/files/seconds_since.hpp>
 
 namespace accdec {
 namespace {
@@ -19,10 +20,7 @@ constexpr int most_order = 3200;
 std::string larger_order_note(const Task& task, double seconds, const std::atomic<bool>* cancel) {
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
-  const auto stop = [&] {
-    return std::chrono::duration<double>(Clock::now() - began).count() > seconds ||
-           (cancel != nullptr && cancel->load());
-  };
+  const auto stop = [&] { return seconds_since(began) > seconds || (cancel != nullptr && cancel->load()); };
   Task longer = task;
   longer.design.order_min = std::max(task.design.order_min, task.design.order_max + 1);
   longer.design.order_max = std::min(most_order, 8 * task.design.order_max);

@@ -9,6 +9,7 @@
 
 #include <accdec/design/design.hpp>
 #include <accdec/design/fixed_order.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/conflict.hpp>
 #include <accdec/task/objective.hpp>
@@ -161,7 +162,7 @@ class Search {
       const double t = r->instants[j] + delays[j] - r->delays[j];
       samples.push_back(r->instants[j] < 0.0 ? (order + delays[j]) / 2 : static_cast<int>(std::lround(t - 0.5)));
     }
-    const auto part = [&] { delays = at_.rounded_up(std::vector<double>(delays.size(), order + 1.0), order); };
+    const auto part = [&] { delays = at_.parting_delays(order); };
     bool ok = attempt(order, delays, samples, *r->filter);
     // Repair: lengthen the delay of the corner with the largest error use, until all hold or the legs part.
     for (int tries = 0; !ok && tries < 12 && !at_.stopped(); ++tries) {
@@ -197,7 +198,7 @@ class Search {
   bool lengthen(std::vector<int>& delays, int order) const {
     std::optional<std::size_t> worst;
     for (std::size_t j = 0; j < delays.size(); ++j) {
-      if (task_.corners[j].delay || !task_.corners[j].error_max || delays[j] > order) continue;
+      if (task_.corners[j].delay || !task_.corners[j].error_max || delays[j] >= order + settling) continue;
       if (!worst || last_error_use_[j] > last_error_use_[*worst]) worst = j;
     }
     if (!worst) return false;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <accdec/design/shape_search.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
@@ -115,7 +116,7 @@ class ShapeSearch {
 std::optional<DesignResult> best_shape(const Task& task, double seconds, const std::atomic<bool>* cancel) {
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
-  const auto elapsed = [began] { return std::chrono::duration<double>(Clock::now() - began).count(); };
+  const auto elapsed = [began] { return seconds_since(began); };
   ShapeSearch search(task, [&] { return elapsed() > seconds || (cancel != nullptr && cancel->load()); });
   for (const ShapeOf& shape : shapes(!task.machine.modes.empty())) search.try_shape(shape);
   auto result = search.verified();

@@ -5,6 +5,7 @@
 
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/task/contradictions.hpp>
@@ -123,7 +124,7 @@ DesignResult ExactRun::go_on(const ExactOptions& options) {
     result = conclude();
     result->solver.evaluations = search_.linear_programs() + (joint_ ? joint_->linear_programs() : 0);
   }
-  wall_time_ += std::chrono::duration<double>(Clock::now() - began).count();
+  wall_time_ += seconds_since(began);
   result->solver.wall_time = wall_time_;
   return std::move(*result);
 }

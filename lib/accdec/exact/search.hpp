@@ -25,7 +25,7 @@ struct Proof {
 /// A proof of one corner's convex limits for a target lower than the one it was begun with: leaves out what is too long
 /// by now, and multipliers no leaf needs. None if a part is not refuted any more, as rounding may have it.
 std::optional<Proof> pruned(const LimitModel& model, const Box& root, const Proof& proof);
-/// The proof with the objective it is about, without multipliers that no leaf needs.
+/// The proof with the objective it is about, without multipliers that no leaf needs. In proof.cpp.
 std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBounds& design);
 
 /// A window (window.hpp) and where in it each corner is closest if it is the anchor: of the corners that count, the
@@ -87,7 +87,7 @@ class Search {
   /// Several corners: offers the filters of one linear program an order, from `least` on, until `enough`.
   void sweep_orders(int least, const std::function<bool()>& enough);
   /// Several corners: looks for something shorter near `best`, with as many boxes at most as take about a second.
-  /// Whether it found any.
+  /// Whether it found any. In neighbourhood.cpp.
   bool improve();
   /// Offers a filter with the delays it needs.
   void offer(Filter filter);
@@ -144,7 +144,8 @@ class Search {
   /// Cuts the box by the target and shrinks its tube where it is needed. False: nothing is left.
   bool narrow(Box& box, proof::Node* why = nullptr);
   State refute_single(Box box, Outcome outcome);
-  /// The split of the box, of which `whole` is what it was before the target cut it, that promises most.
+  /// The split of the box, of which `whole` is what it was before the target cut it, that promises most. In
+  /// branching.cpp.
   proof::Node choose_split(const Box& whole, const Box& box, const Outcome& outcome);
   /// One corner: the split that the linear program's filter asks for.
   proof::Node split_alone(const Filter& filter, const Box& box) const;

@@ -7,18 +7,9 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files/keys.hpp>
+#include <accdec/files/units.hpp>
 
 namespace accdec {
-namespace {
-
-struct Unit {
-  std::string_view name;
-  double divisor;
-};
-constexpr Unit units[] = {{"ms", 1e3},     {"mm", 1e3}, {"mm/s", 1e3},  {"mm/s^2", 1e3},
-                          {"mm/s^3", 1e3}, {"um", 1e6}, {"mm/min", 6e4}};
-
-}  // namespace
 
 std::string Range::text(std::string_view key) const {
   constexpr double none = std::numeric_limits<double>::infinity();
@@ -62,10 +53,8 @@ std::vector<std::string_view> names_of(const std::vector<Key>& keys) {
 
 double to_si(const Key& key, double value) {
   if (key.unit == "degrees") return value / 180.0 * std::numbers::pi;
-  for (const Unit& unit : units) {
-    if (unit.name == key.unit) return value / unit.divisor;
-  }
-  return value;
+  const Unit* unit = find_unit(key.unit);
+  return unit ? value / unit->divisor : value;
 }
 
 double from_si(const Key& key, double si) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <utility>
 #include <vector>
@@ -8,15 +7,10 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files/suggestion.hpp>
+#include <accdec/files/units.hpp>
 
 namespace accdec {
 namespace {
-
-/// Longest first, so that "_mm_s2" is not taken for "_s2".
-constexpr std::array<std::string_view, 29> unit_suffixes{
-    "_mm_min", "_mm_s2", "_mm_s3", "_um_s2", "_m_min", "_m_s2", "_m_s3", "_n_s_m", "_mm_s", "_um_s",
-    "_m_s",    "_rad",   "_deg",   "_khz",   "_ms",    "_us",   "_ns",   "_um",    "_mm",   "_nm",
-    "_kg",     "_hz",    "_kn",    "_kw",    "_s",     "_m",    "_n",    "_w",     "_g"};
 
 std::string normalised(std::string_view word) {
   std::string text(word);
@@ -26,7 +20,8 @@ std::string normalised(std::string_view word) {
 }
 
 std::string_view without_unit(std::string_view word) {
-  for (const std::string_view suffix : unit_suffixes) {
+  for (const Unit& unit : units) {
+    const std::string suffix = normalised(unit.suffix);
     if (word.size() > suffix.size() && word.ends_with(suffix)) return word.substr(0, word.size() - suffix.size());
   }
   return word;

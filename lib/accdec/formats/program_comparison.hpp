@@ -8,10 +8,6 @@
 
 namespace accdec {
 
-/// Members of a program's result that say how it was found or what other plans take: a recheck cannot find them from
-/// the commands. All others are compared.
-const std::vector<std::string>& program_members_not_checked();
-
 /// What comparing a recorded result with one made anew found.
 struct ProgramDifferences {
   std::vector<std::string> reasons;  ///< at most ten, in the order of the file
@@ -19,7 +15,8 @@ struct ProgramDifferences {
 };
 
 /// What a program's result, accdec.program/1, records otherwise than `found` would be recorded: numbers that differ by
-/// more than relative 1e-9 and absolute 1e-13, other words, members that are missing or unknown.
+/// more than relative 1e-9 and absolute 1e-13, other words, members that are missing or unknown. Members that say how
+/// the plan was found or what other plans take are not compared; of these only the kind of value counts.
 /// @param text  of the result, valid JSON
 /// @param skip  further members not to compare, because the program was not read again
 ProgramDifferences program_differences(std::string_view text, const ProgramResult& found,

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/files/units.hpp>
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/formats/task_json.hpp>
 #include <accdec/formats/task_keys.hpp>
@@ -17,20 +18,10 @@ namespace {
 
 using PlainJson = nlohmann::json;
 
-/// What a key ends in because of its unit.
-std::string suffix_of(const std::string& unit) {
-  if (unit == "degrees") return "_deg";
-  std::string text = "_";
-  for (const char c : unit) {
-    if (c != '^') text += c == '/' || c == ' ' ? '_' : c;
-  }
-  return text;
-}
-
 /// "feed_in" of "feed_in_mm_min"; the key itself if it names no unit.
 std::string si_name(const Key& key) {
-  const std::string suffix = suffix_of(key.unit);
-  return key.name.ends_with(suffix) ? key.name.substr(0, key.name.size() - suffix.size()) : key.name;
+  const Unit* unit = unit_in_name(key.name);
+  return unit && unit->name == key.unit ? key.name.substr(0, key.name.size() - unit->suffix.size()) : key.name;
 }
 
 /// Of a table of a task, "" is the top, the key that has this name in SI and another in files.

@@ -22,7 +22,9 @@ struct WrongDerivative {
 
 /// Compares every first and second derivative of a problem, entries outside the sparsity patterns included, with
 /// central differences extrapolated from two steps (error O(h^4)); Hessians with differences of the given first
-/// derivatives, at fixed pseudo-random multipliers. O(n) evaluations of everything.
+/// derivatives, at fixed pseudo-random multipliers. O(n) evaluations of everything. Where a derivative jumps within a
+/// step of x, as second derivatives of interpolated functions do at the knots, that of either side is right: an entry
+/// that differs is compared with one-sided differences, too.
 /// @param x          size n, in the interior of the domain by more than `step`
 /// @param tolerance  relative to the larger of 1, the entry, and the largest value of the function differentiated
 /// @param step       relative to max(1, |x_i|)

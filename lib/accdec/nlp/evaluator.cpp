@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/nlp/evaluator.hpp>
 
 namespace accdec::nlp {
@@ -29,7 +30,7 @@ void Evaluator::end(Stop why) {
 void Evaluator::poll() {
   if (stop_ != Stop::none) throw StopRun();
   if (limits_.cancel != nullptr && limits_.cancel->load(std::memory_order_relaxed)) end(Stop::cancelled);
-  if (std::chrono::duration<double>(Clock::now() - began_).count() > limits_.time) end(Stop::time_limit);
+  if (seconds_since(began_) > limits_.time) end(Stop::time_limit);
 }
 
 template <class Call>
@@ -37,9 +38,7 @@ void Evaluator::guarded(std::int64_t& count, Call call) {
   poll();
   ++count;
   const auto before = Clock::now();
-  const auto clock_out = [&] {
-    counts_.evaluation_time += std::chrono::duration<double>(Clock::now() - before).count();
-  };
+  const auto clock_out = [&] { counts_.evaluation_time += seconds_since(before); };
   try {
     call();
   } catch (...) {
@@ -116,8 +115,7 @@ void Evaluator::consider() {
   }
   best_ = objective_point_;
   best_objective_ = objective_value_;
-  history_.push_back({std::max(counts_.objective, counts_.rows),
-                      std::chrono::duration<double>(Clock::now() - began_).count(), best_objective_});
+  history_.push_back({std::max(counts_.objective, counts_.rows), seconds_since(began_), best_objective_});
 }
 
 }  // namespace accdec::nlp

@@ -142,7 +142,7 @@ std::vector<Drawing> drawings() {
   FigureData d5 = figure5(), d6 = figure6(), d7 = figure7(), d8 = figure8(), d10 = figure10();
   const std::string feed = "v₁ = v₂ = 4·10⁵ BLU/s, θ = 95°";
   Panel p5 = panel_of(d5, "", "t_ms", time_label, speed_label, {{"va_mm_s", "v_a"}, {"vb_mm_s", "v_b"}});
-  all.push_back(make_drawing("fig05", std::move(d5), "Fig. 5: blended command in the a-b frame, " + feed, {p5}, 1));
+  all.push_back(make_drawing("fig05", std::move(d5), "Fig. 5: blend in the a-b frame, " + feed, {p5}, 1));
   const auto speeds = [&](const char* title, const char* d) {
     const auto name = [&](const char* base) { return fmt::format("{}_d{}_mm_s", base, d); };
     Panel panel = panel_of(d6, title, "t_ms", time_label, "speed / (mm/s)",

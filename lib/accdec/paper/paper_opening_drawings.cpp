@@ -18,8 +18,7 @@ Drawing draw1() {
       panel_of(data, "Acc/Dec processor, to the servo system", "t_ms", opening_time_label, opening_speed_label,
                {{"linear_mm_s", "linear, 41 taps"}, {"fir_mm_s", "Blackman FIR, 41 taps"}})};
   for (Panel& panel : panels) panel.y.min = 0.0, panel.y.max = 450.0;
-  return make_drawing("fig01", std::move(data),
-                      "Fig. 1: interpolator, Acc/Dec processor, servo system: the command between them",
+  return make_drawing("fig01", std::move(data), "Fig. 1: the command between interpolator, Acc/Dec and servo",
                       std::move(panels), 1);
 }
 

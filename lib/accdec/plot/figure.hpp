@@ -43,6 +43,7 @@ struct Circle {
 struct HeatMap {
   std::vector<double> x, y, values;
   std::string label;
+  bool with_sign = false;  ///< colours meet at 0 even where no value lies on its other side
 };
 /// Lines in the colours of a value, later pieces over earlier ones; the colour bar stands for the legend.
 struct ColouredLines {

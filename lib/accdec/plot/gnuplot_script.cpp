@@ -269,7 +269,7 @@ class Writer {
     for (const double v : map.values) {
       if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     }
-    if (low < 0.0 && high > 0.0) {
+    if (low < high && (map.with_sign || (low < 0.0 && high > 0.0))) {
       const double most = std::max(-low, high);
       line("set palette defined ({})", signed_palette);
       line("set cbrange [{}:{}]", number(-most), number(most));

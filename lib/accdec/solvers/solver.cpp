@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/nlp/kkt.hpp>
 #include <accdec/solvers/solver.hpp>
 
@@ -143,7 +144,7 @@ Result Solver::solve(const nlp::Problem& problem, std::span<const double> start,
     const bool stationary = std::max(kkt.stationarity, kkt.complementarity) <= std::max(1e-5, 10.0 * options.tolerance);
     v.verdict = stationary ? Verdict::optimal : Verdict::feasible;
   }
-  result.counts.verification_time = std::chrono::duration<double>(Clock::now() - ended).count();
+  result.counts.verification_time = seconds_since(ended);
   return result;
 }
 

@@ -18,13 +18,14 @@ std::string milliseconds(double seconds) {
 }
 
 void add_row(TextTable& table, std::string name, std::string parameters, const DesignResult& result,
-             const DesignResult& design, std::string note) {
+             const DesignResult& design, std::string note = "") {
   if (!result.filter) {
     table.add({std::move(name), "-", "-", "-", "-", "-", "-", result.message});
     return;
   }
   std::vector<int> delays;
   for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
+  if (stops_exactly(result)) note += note.empty() ? "exact stop" : ", exact stop";
   const std::string more =
       design.filter ? fmt::format("{:.1f}", 100.0 * (result.objective() / design.objective() - 1.0)) : "-";
   table.add({std::move(name), std::move(parameters), std::to_string(result.filter->order()),
@@ -40,7 +41,7 @@ std::string rows(const BaselineTable& t) {
   if (t.own) {
     const Task& task = t.own->task;
     add_row(table, "yours: " + std::string(to_string(task.filter->kind)), describe_parameters(*task.filter), *t.own,
-            t.design, "");
+            t.design);
   }
   // Families without a filter, by why they have none.
   std::vector<std::pair<std::string, std::string>> without;
@@ -48,8 +49,7 @@ std::string rows(const BaselineTable& t) {
     const BaselineResult& family = t.families[i];
     const std::string title(baselines()[i].title);
     if (family.spec) {
-      add_row(table, title, describe_parameters(*family.spec), family.result, t.design,
-              family.exact_stop ? "exact stop" : "");
+      add_row(table, title, describe_parameters(*family.spec), family.result, t.design);
       continue;
     }
     if (baselines()[i].pairs > 0 && t.design.task.machine.modes.empty()) continue;  // nothing to cancel

@@ -5,7 +5,8 @@
 #include <fmt/format.h>
 
 #include <accdec/plot/figure_layout.hpp>
-#include <accdec/study/study_figure_check.hpp>
+#include <accdec/study/column_titles.hpp>
+#include <accdec/study/study_figure_completion.hpp>
 #include <accdec/study/study_report.hpp>
 
 namespace accdec {
@@ -219,6 +220,7 @@ void add_heat(Panel& panel, const StudyFigure& figure, const StudyTable& table, 
     panel.title =
         fmt::format("{} of {} values of x and {} of {} of y", map.x.size(), xs.size(), map.y.size(), ys.size());
   map.label = figure.z_label;
+  map.with_sign = figure.excess;
   map.values.assign(map.x.size() * map.y.size(), std::nan(""));
   const auto place = [](const std::vector<double>& values, double v) {
     return static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), v) - values.begin());

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include <accdec/design/verify_result.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/formats/certificate_json.hpp>
 #include <accdec/study/optima.hpp>
 
@@ -39,7 +40,7 @@ Optimum find_optimum(std::string name, Task task, const DesignOptions& options, 
   found.design = design_task(task, options);
   const auto began = std::chrono::steady_clock::now();
   const ResultCheck check = verify_result(found.design);
-  found.check_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  found.check_time = seconds_since(began);
   found.accepted = check.accepted;
   if (!check.reasons.empty()) found.objection = check.reasons.front();
   if (found.design.certificate) found.certificate_bytes = certificate_to_json(*found.design.certificate).size();

@@ -39,6 +39,10 @@ std::string name_of(const Optimum& o, const BaselineResult& family) {
   return std::string(baselines()[static_cast<std::size_t>(&family - o.families.data())].name);
 }
 
+const char* stop_note(const DesignResult& result) {
+  return stops_exactly(result) ? ", exact stop" : "";
+}
+
 /// A column of the table in the report, of the CSV, or of both. Empty cells are shown as "-" in the report.
 struct OptimaColumn {
   const char* heading;  ///< in the report; null: not there
@@ -50,7 +54,8 @@ const OptimaColumn of_design[] = {
     {"task", "task", [](const Optimum& o) { return o.name; }},
     {"status", "status", [](const Optimum& o) { return std::string(to_string(o.design.status)); }},
     {"N", "order", [](const Optimum& o) { return o.design.filter ? std::to_string(o.design.filter->order()) : ""; }},
-    {"d", "delays", [](const Optimum& o) { return delays_of(o.design); }},
+    {"d", nullptr, [](const Optimum& o) { return delays_of(o.design) + stop_note(o.design); }},
+    {nullptr, "delays", [](const Optimum& o) { return delays_of(o.design); }},
     {"cycle ms", "cycle_time_ms",
      [](const Optimum& o) { return o.design.filter ? milliseconds(o.design.cycle_time) : ""; }},
     {"corners ms", "corner_time_ms",
@@ -73,15 +78,14 @@ std::string of_best(const Optimum& o) {
 }
 
 const OptimaColumn of_family[] = {
-    {"best family", nullptr, of_best<[](const Optimum& o, const BaselineResult& best) {
-       return name_of(o, best) + (best.exact_stop ? ", exact stop" : "");
-     }>},
-    {nullptr, "best_family", of_best<name_of>},
+    {"best family", "best_family", of_best<name_of>},
     {"its filter", "its_parameters",
      of_best<[](const Optimum&, const BaselineResult& best) { return describe_parameters(*best.spec); }>},
     {"N", nullptr,
      of_best<[](const Optimum&, const BaselineResult& best) { return std::to_string(best.result.filter->order()); }>},
-    {"d", nullptr, of_best<[](const Optimum&, const BaselineResult& best) { return delays_of(best.result); }>},
+    {"d", nullptr, of_best<[](const Optimum&, const BaselineResult& best) {
+       return delays_of(best.result) + stop_note(best.result);
+     }>},
     {"cycle ms", nullptr,
      of_best<[](const Optimum&, const BaselineResult& best) { return milliseconds(best.result.cycle_time); }>},
     {"saved %", nullptr, [](const Optimum& o) { return o.saving() ? fmt::format("{:.1f}", 100.0 * *o.saving()) : ""; }},

@@ -162,6 +162,17 @@ PointOutcome slowed_down(const Task& task) {
   return o;
 }
 
+/// With the same delay at every corner: the least from which on legs do not overlap, or where the last tap of one leg
+/// and the first of the next together break a limit a sample or two more, which part their forces and jerks, too.
+DesignResult exact_stop(const Task& task, const Filter& filter) {
+  const int apart = DelayFinder(filter).exact_stop_delay();
+  DesignResult result;
+  for (int d = apart; d <= apart + 2 && !result.filter; ++d) {
+    result = assess(task, filter, std::vector<int>(task.corners.size(), d), false);
+  }
+  return result;
+}
+
 PointOutcome compute(const Task& task, std::string_view name, const DesignOptions& options) {
   PointOutcome o;
   if (const Baseline* family = find_baseline(name)) {
@@ -177,11 +188,14 @@ PointOutcome compute(const Task& task, std::string_view name, const DesignOption
     o.result = design_delays(task, options);
   } else if (name == "given" || name == "exact-stop") {
     const Filter filter = make_filter(filter_of(task));
-    const int stop = DelayFinder(filter).exact_stop_delay();
-    std::vector<int> delays;
-    for (const TaskCorner& corner : task.corners) delays.push_back(name == "given" ? corner.delay.value_or(0) : stop);
-    o.result = assess(task, filter, delays, name == "given");
-    if (name == "given") find_peaks(o, task, filter, delays);
+    if (name == "exact-stop") {
+      o.result = exact_stop(task, filter);
+    } else {
+      std::vector<int> delays;
+      for (const TaskCorner& corner : task.corners) delays.push_back(corner.delay.value_or(0));
+      o.result = assess(task, filter, delays, true);
+      find_peaks(o, task, filter, delays);
+    }
   } else if (name == "slow-down") {
     o = slowed_down(task);
   } else {

@@ -20,7 +20,7 @@ using Row = nlohmann::ordered_json;
 ///   boxcar .. exponential-zvd   the best of that family of filters under the same limits (best_baseline)
 ///   delays       the task's filter, smallest delays
 ///   given        the task's filter and delays (0 where it gives none), whatever they break, with their peaks
-///   exact-stop   the task's filter, every corner with the delay from which on nothing overlaps
+///   exact-stop   the task's filter, every corner with the least delay at which nothing overlaps and all limits hold
 ///   slow-down    the task's filter, no delay, feeds lowered at the corner (see slow_down.hpp)
 /// "shapes" in a study file stands for all families.
 std::vector<std::string_view> computations();

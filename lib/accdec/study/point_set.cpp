@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <set>
 #include <stdexcept>
@@ -8,21 +7,10 @@
 #include <fmt/format.h>
 
 #include <accdec/study/point_set.hpp>
+#include <accdec/study/portable_random.hpp>
 
 namespace accdec::study {
 namespace {
-
-/// Uniform in [0, 1) from the 53 high bits: unlike the library's distributions the same with every standard library.
-double uniform(std::mt19937_64& rng) {
-  return static_cast<double>(rng() >> 11) * 0x1p-53;
-}
-
-/// 0 .. size - 1 in random order (Fisher-Yates); what std::shuffle does is left to the library.
-void shuffle(std::vector<std::size_t>& order, std::mt19937_64& rng) {
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  for (std::size_t i = order.size(); i > 1; --i)
-    std::swap(order[i - 1], order[static_cast<std::size_t>(uniform(rng) * static_cast<double>(i))]);
-}
 
 double between(const Variation& v, double t) {
   const double from = v.values.front(), to = v.values.back();
@@ -92,41 +80,6 @@ std::vector<double> spread(double from, double to, std::size_t count, bool logar
   }
   if (count > 1) values.back() = to;
   return values;
-}
-
-namespace {
-
-/// Deals the points out: what(first point, order), where order[s] + first goes to shard s + 1.
-template <class What>
-void deal_out(std::size_t size, std::size_t count, What what) {
-  std::mt19937_64 rng(1);
-  std::vector<std::size_t> deal;
-  for (std::size_t from = 0; from < size; from += deal.size()) {
-    deal.resize(std::min(count, size - from));  // of the last few points the first shards get one each
-    shuffle(deal, rng);
-    what(from, deal);
-  }
-}
-
-}  // namespace
-
-std::vector<std::size_t> shard(std::size_t size, std::size_t number, std::size_t count) {
-  if (number < 1 || number > count)
-    throw std::invalid_argument(
-        fmt::format("shard {}/{} does not exist; allowed is 1/{} to {}/{}", number, count, count, count, count));
-  std::vector<std::size_t> indices;
-  deal_out(size, count, [&](std::size_t from, const std::vector<std::size_t>& deal) {
-    if (number <= deal.size()) indices.push_back(from + deal[number - 1]);
-  });
-  return indices;
-}
-
-std::vector<std::uint32_t> shard_owners(std::size_t size, std::size_t count) {
-  std::vector<std::uint32_t> owners(size);
-  deal_out(size, count, [&](std::size_t from, const std::vector<std::size_t>& deal) {
-    for (std::size_t s = 0; s < deal.size(); ++s) owners[from + deal[s]] = static_cast<std::uint32_t>(s + 1);
-  });
-  return owners;
 }
 
 }  // namespace accdec::study

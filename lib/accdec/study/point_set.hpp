@@ -54,13 +54,4 @@ class PointSet {
 /// @throws std::invalid_argument if count is 0, an end is not finite, or a logarithmic end is not positive.
 std::vector<double> spread(double from, double to, std::size_t count, bool logarithmic);
 
-/// The indices of shard `number` (1 .. count) of `size` points, ascending: of every `count` consecutive points each
-/// shard gets one, drawn by a generator of fixed seed. So every shard has its part of every region and of every value
-/// of each axis, which plain striping denies where the number of values and `count` have a common divisor. The same on
-/// every platform.
-/// @throws std::invalid_argument unless 1 <= number <= count.
-std::vector<std::size_t> shard(std::size_t size, std::size_t number, std::size_t count);
-/// The shard of each point.
-std::vector<std::uint32_t> shard_owners(std::size_t size, std::size_t count);
-
 }  // namespace accdec::study

@@ -1,10 +1,48 @@
+#include <algorithm>
 #include <cstdlib>
+#include <random>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include <accdec/study/portable_random.hpp>
 #include <accdec/study/shards.hpp>
 
 namespace accdec::study {
+namespace {
+
+/// Deals the points out: what(first point, order), where order[s] + first goes to shard s + 1.
+template <class What>
+void deal_out(std::size_t size, std::size_t count, What what) {
+  std::mt19937_64 rng(1);
+  std::vector<std::size_t> deal;
+  for (std::size_t from = 0; from < size; from += deal.size()) {
+    deal.resize(std::min(count, size - from));  // of the last few points the first shards get one each
+    shuffle(deal, rng);
+    what(from, deal);
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> shard(std::size_t size, std::size_t number, std::size_t count) {
+  if (number < 1 || number > count)
+    throw std::invalid_argument(
+        fmt::format("shard {}/{} does not exist; allowed is 1/{} to {}/{}", number, count, count, count, count));
+  std::vector<std::size_t> indices;
+  deal_out(size, count, [&](std::size_t from, const std::vector<std::size_t>& deal) {
+    if (number <= deal.size()) indices.push_back(from + deal[number - 1]);
+  });
+  return indices;
+}
+
+std::vector<std::uint32_t> shard_owners(std::size_t size, std::size_t count) {
+  std::vector<std::uint32_t> owners(size);
+  deal_out(size, count, [&](std::size_t from, const std::vector<std::size_t>& deal) {
+    for (std::size_t s = 0; s < deal.size(); ++s) owners[from + deal[s]] = static_cast<std::uint32_t>(s + 1);
+  });
+  return owners;
+}
 
 std::string shard_journal(std::size_t number, std::size_t count) {
   return fmt::format("shard-{}-of-{}.journal", number, count);

@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <accdec/files/suggestion.hpp>
+#include <accdec/study/column_titles.hpp>
 #include <accdec/study/point_columns.hpp>
-#include <accdec/study/study_figure_check.hpp>
+#include <accdec/study/study_figure_completion.hpp>
 #include <accdec/study/study_parts.hpp>
 
 namespace accdec {
@@ -77,7 +78,7 @@ StudyFigure read_figure(const Table& table, const Study& study, bool grid) {
   f.log_y = table.boolean("log_y");
   check_columns(table, f, study);
   f.where = read_where(table, study);
-  if (const auto fault = check_study_figure(f, study, grid)) table.fail_at(fault->key, fault->message);
+  if (const auto fault = complete_study_figure(f, study, grid)) table.fail_at(fault->key, fault->message);
   return f;
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/baselines.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/formats/task_tree.hpp>
 #include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_file.hpp>
@@ -83,8 +84,7 @@ std::string Study::row(std::size_t index, double* method_seconds) const {
     row["reason"] = nullptr;
     const auto began = std::chrono::steady_clock::now();
     for (const std::string& computation : computations) study::compute_into(row, point_task, computation, design);
-    if (method_seconds)
-      *method_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    if (method_seconds) *method_seconds = seconds_since(began);
     if (has_shapes(*this)) row["best_shape"] = study::best_shape_of(row);
     for (const StudyRatio& r : ratios) row[r.name] = ratio(row, r);
     if (const study::Row error = study::error_of(row, computations); !error.is_null()) {

@@ -35,6 +35,7 @@ struct StudyFigure {
   bool log_x = false, log_y = false;
   std::vector<std::string> members;  ///< of a family over a varied quantity: its values in order, as in the CSV
   std::string family_unit;           ///< of these values, for the legend
+  bool excess = false;               ///< z says by how much more or less: see HeatMap::with_sign
   bool points_only = false;          ///< no lines between points, which a Latin hypercube strews
 };
 

@@ -15,6 +15,7 @@
 #include <accdec/formats/manifest.hpp>
 #include <accdec/study/journal.hpp>
 #include <accdec/study/row_store.hpp>
+#include <accdec/study/shards.hpp>
 #include <accdec/study/study_folder.hpp>
 #include <accdec/study/study_report.hpp>
 
@@ -72,7 +73,7 @@ void note_finished(RowStore& rows, const fs::path& folder, const Study& study) {
 void write_results(const Study& study, RowStore& rows, const StudyRunOptions& options, Clock::time_point began,
                    StudySummary& summary) {
   std::vector<OutputFile> files = write_study(study, rows, options.out, &summary.empty_figures);
-  summary.wall_time = study::seconds_since(began);
+  summary.wall_time = seconds_since(began);
   nlohmann::ordered_json manifest;
   manifest["schema"] = kind.schema;
   manifest["study"] = study.path;
@@ -210,11 +211,11 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
         rows.put(i, file, journal.append(i, entry), entry.row);
         summary.method_time += entry.seconds;
         ++progress.done;
-        progress.seconds = study::seconds_since(began);
+        progress.seconds = seconds_since(began);
         if (options.progress) options.progress(progress);
       },
       run);
-  summary.wall_time = study::seconds_since(began);
+  summary.wall_time = seconds_since(began);
   summary.bad = rows.count_unanswered();
   summary.lost = rows.count_lost();
   if (!whole) return summary;

@@ -8,6 +8,7 @@
 
 #include <accdec/formats/task_tree.hpp>
 #include <accdec/formats/toml_file.hpp>
+#include <accdec/study/shards.hpp>
 #include <accdec/study/study_parts.hpp>
 #include <accdec/study/study_tasks.hpp>
 

@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/study/worker_process.hpp>
 
 namespace accdec::study {
@@ -65,7 +66,7 @@ struct Answer {
     } catch (const std::exception& error) {
       text = error.what();
     }
-    answer.seconds = std::chrono::duration<double>(Clock::now() - began).count();
+    answer.seconds = seconds_since(began);
     answer.length = text.size();
     if (!send_all(socket, &answer, sizeof answer) || !send_all(socket, text.data(), text.size())) break;
   }
@@ -103,7 +104,7 @@ class Worker {
 
   int socket() const { return socket_; }
   std::size_t index() const { return index_; }
-  double busy_for() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+  double busy_for() const { return seconds_since(began_); }
 
   void give(std::size_t index) {
     index_ = index;

@@ -21,15 +21,16 @@ VerificationCost verification_cost(const Task& task, int order, const std::vecto
   return cost;
 }
 
-void require_simulation_room(const Task& task, int order, const std::vector<int>& delays) {
-  const VerificationCost cost = verification_cost(task, order, delays);
+void require_simulation_room(const Task& task, int order, const std::vector<int>& delays, double matrices) {
+  // Those of the verification are position, velocity, acceleration and jerk.
+  const double bytes = matrices / 4.0 * verification_cost(task, order, delays).bytes;
   // Small ones are not worth asking the system.
-  if (cost.bytes < 1e9) return;
+  if (bytes < 1e9) return;
   const double there = available_memory();
-  if (cost.bytes <= 0.8 * there) return;
+  if (bytes <= 0.8 * there) return;
   throw std::length_error(
       fmt::format("simulating a corner of order {} with its delay would take {:.3g} GB of memory, {:.3g} GB are there",
-                  order, 1e-9 * cost.bytes, 1e-9 * there));
+                  order, 1e-9 * bytes, 1e-9 * there));
 }
 
 }  // namespace accdec

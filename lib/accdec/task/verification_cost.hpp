@@ -16,7 +16,8 @@ struct VerificationCost {
 /// @param delays  one per corner
 VerificationCost verification_cost(const Task& task, int order, const std::vector<int>& delays);
 
+/// @param matrices  kept at once, samples by axes each
 /// @throws std::length_error in words, if simulating the corners would take more memory than there is
-void require_simulation_room(const Task& task, int order, const std::vector<int>& delays);
+void require_simulation_room(const Task& task, int order, const std::vector<int>& delays, double matrices = 4.0);
 
 }  // namespace accdec

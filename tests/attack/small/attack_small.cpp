@@ -12,6 +12,7 @@
 
 #include <accdec/design/design.hpp>
 #include <accdec/design/verify_result.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/task_writer.hpp>
 
@@ -59,9 +60,8 @@ class Attack {
   using Clock = std::chrono::steady_clock;
 
   void tell() {
-    std::string line =
-        fmt::format("{{\"seed\": {}, \"first\": {}, \"next\": {}, \"seconds\": {:.0f}", arguments_.seed,
-                    arguments_.first, number_, std::chrono::duration<double>(Clock::now() - began_).count());
+    std::string line = fmt::format("{{\"seed\": {}, \"first\": {}, \"next\": {}, \"seconds\": {:.0f}", arguments_.seed,
+                                   arguments_.first, number_, seconds_since(began_));
     for (const auto& [what, count] : counts_) line += fmt::format(", \"{}\": {}", what, count);
     fmt::print("{}}}\n", line);
     std::fflush(stdout);

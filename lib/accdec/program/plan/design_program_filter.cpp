@@ -9,6 +9,7 @@
 
 #include <accdec/design/baselines.hpp>
 #include <accdec/design/design.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/design_program_filter.hpp>
 #include <accdec/program/plan/filter_search.hpp>
@@ -60,9 +61,7 @@ double planned_time(const Toolpath& path, const Filter& filter, const Task& task
 class Deadline {
  public:
   explicit Deadline(double seconds) : seconds_(seconds) {}
-  bool over() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count() > seconds_;
-  }
+  bool over() const { return seconds_since(start_) > seconds_; }
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -340,7 +339,7 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
   }
   ProgramFilter best = candidates.fastest();
   best.solver.method = "representative corners";
-  best.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  best.solver.wall_time = seconds_since(start);
   return best;
 }
 
@@ -373,7 +372,7 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
   }
   best.solver.method = "filter and feeds together";
   best.solver.evaluations += search.evaluations;
-  best.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  best.solver.wall_time = seconds_since(start);
   return best;
 }
 

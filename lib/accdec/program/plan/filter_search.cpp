@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/filter_search.hpp>
 #include <accdec/program/plan/stretches.hpp>
@@ -115,9 +116,7 @@ class Search {
   }
 
   bool found() const { return time_ < unlimited; }
-  bool late() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count() > options_.time_limit;
-  }
+  bool late() const { return seconds_since(start_) > options_.time_limit; }
 
   void offer(int longer, int shorter) {
     const int order = longer + shorter - 2;

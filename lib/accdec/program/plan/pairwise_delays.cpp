@@ -118,4 +118,12 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, 
   return result;
 }
 
+std::size_t raised_delays(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
+                          const std::vector<int>& delays) {
+  const std::vector<int> alone = pairwise_delays(path, filters, sample_period, machine).delays;
+  std::size_t raised = 0;
+  for (std::size_t b = 0; b < alone.size(); ++b) raised += delays[b] > alone[b] ? 1 : 0;
+  return raised;
+}
+
 }  // namespace accdec

@@ -131,9 +131,6 @@ ProgramPlan plan_with(Toolpath& path, const LegFilters& filters, double sample_p
   }
   plan = check_program(path, filters, sample_period, machine, std::move(plan.delays));
   plan.rounds = rounds;
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    plan.raised += plan.delays[b] > pairwise.delays[b] ? 1 : 0;
-  }
   plan.too_fast = std::move(too_fast);
   return plan;
 }

@@ -31,6 +31,11 @@ struct PairwiseDelays {
 PairwiseDelays pairwise_delays(const Toolpath& path, const LegFilters& filters, double sample_period,
                                const Machine& machine = {}, DelayRule rule = DelayRule::smallest);
 
+/// How many joints have a longer delay than they would need alone, as moves overlap or the program asked for it.
+/// @param delays  samples, one a block
+std::size_t raised_delays(const Toolpath& path, const LegFilters& filters, double sample_period, const Machine& machine,
+                          const std::vector<int>& delays);
+
 /// Smallest d >= 0 with which the path through the samples passes a lone joint within `error_max`: the polyline error
 /// never grows with d.
 /// @param cos_interior       cos(theta), see Corner
@@ -52,11 +57,10 @@ struct SlowedFeeds {
 
 /// Delays for a whole program and the simulation that verified them.
 struct ProgramPlan {
-  std::vector<int> delays;     ///< samples, one a block
-  std::vector<double> errors;  ///< m, on the simulated path, one a block
-  Simulation simulation;       ///< of the whole program with these delays, every sample
-  std::size_t raised = 0;      ///< joints whose delay the overlap with further moves raised above the pairwise one
-  std::size_t slowed = 0;      ///< blocks whose feed had to be lowered
+  std::vector<int> delays;            ///< samples, one a block
+  std::vector<double> errors;         ///< m, on the simulated path, one a block
+  Simulation simulation;              ///< of the whole program with these delays, every sample
+  std::size_t slowed = 0;             ///< blocks whose feed had to be lowered
   std::vector<SlowedFeeds> too_fast;  ///< of these, those that start or stop too fast for the filter; one entry a limit
   int rounds = 0;                     ///< of repair
   bool errors_hold = false;           ///< every joint within its tolerance
@@ -89,7 +93,7 @@ void limit_rapids(Toolpath& path, const Filter& filter, double sample_period, co
 /// @param delays  of the path; found again when feeds change
 /// @param ramps   where feeds change inside a leg, lower them to what passes that joint instead; true of each joint
 /// alone
-/// @return one entry a limit
+/// @return one entry a limit. In slow_blocks.cpp.
 std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const LegFilters& filters, double sample_period,
                                      const Machine& machine, PairwiseDelays& delays, bool ramps);
 

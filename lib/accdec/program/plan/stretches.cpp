@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <type_traits>
 
 #include <accdec/program/plan/stretches.hpp>
@@ -38,7 +39,9 @@ Toolpath stretch_of(const Toolpath& path, std::size_t first, std::size_t count) 
 std::vector<Toolpath> stretches(const Toolpath& path, std::size_t whole_max) {
   if (path.blocks() <= whole_max) return {stretch_of(path, 0, path.blocks())};
   std::vector<Toolpath> parts;
-  for (std::size_t i = 0; i < 4; ++i) parts.push_back(stretch_of(path, (2 * i + 1) * path.blocks() / 8, whole_max / 4));
+  const std::size_t length = whole_max / 4, last = path.blocks() - length;
+  for (std::size_t i = 0; i < 4; ++i)
+    parts.push_back(stretch_of(path, std::min((2 * i + 1) * path.blocks() / 8, last), length));
   return parts;
 }
 

@@ -23,6 +23,7 @@ enum GGroup : int {
   g_return,
   g_unknown
 };
+/// For messages; those that `g_group` knows (a test compares).
 inline constexpr const char* g_supported =
     "; supported: G0 G1 G2 G3 G4 G5 G5.1 G5.2 G5.3 G17 G18 G19 G20 G21 G40 G43 G49 G54 to G59.3 G61 G61.1 G64 G80 G90 "
     "G90.1 G91 G91.1 G94 G96 to G99";
@@ -30,6 +31,7 @@ GGroup g_group(int tenths);
 
 /// Modal groups of M codes: stopping, tool change, spindle, coolant, overrides.
 enum MGroup : int { m_stop, m_tool, m_spindle, m_coolant, m_override, m_unknown };
+/// As `g_supported`.
 inline constexpr const char* m_supported = "; supported: M0 to M9, M30, M48, M49";
 MGroup m_group(int tenths);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/machine/utilisation.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/profiles/last_filter.hpp>
@@ -82,7 +83,7 @@ ProfileResult run_profiles(const std::string& name, Toolpath path, const Task& t
     result.corner_bound = program_corner_bound(result.path, machine, task.sample_period, bound_time);
   }
   judge(result);
-  result.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.wall_time = seconds_since(start);
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/program/plan/choose_feeds.hpp>
 #include <accdec/program/plan/choose_leg_filters.hpp>
@@ -87,6 +88,7 @@ void count_joints(ProgramResult& result) {
 
 void judge_program(ProgramResult& result, const Machine& machine) {
   count_joints(result);
+  result.raised = raised_delays(result.path, result.legs, result.sample_period, machine, result.plan.delays);
   add_vibration(result, machine);
   judge_limits(result);
 }
@@ -235,7 +237,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   planning.exact_stops();
   judge_program(result, machine);
   result.solver.method = "given";
-  result.solver.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.solver.wall_time = seconds_since(start);
   return result;
 }
 

@@ -41,6 +41,7 @@ struct ProgramResult {
   std::size_t corners = 0;         ///< joints that turn or stop
   std::size_t delayed = 0;         ///< of these with a delay
   std::size_t exact_stops = 0;     ///< of these with the delay of an exact stop
+  std::size_t raised = 0;          ///< joints with a longer delay than they would need alone
   double worst_error = 0.0;        ///< m, over joints that have a tolerance
   double worst_utilisation = 0.0;  ///< error/tolerance, and its line
   std::uint32_t worst_line = 0;

@@ -81,7 +81,7 @@ std::string program_to_json(const ProgramResult& result) {
   json["corners"] = {{"count", result.corners},
                      {"delayed", result.delayed},
                      {"exact_stops", result.exact_stops},
-                     {"raised_by_overlap", result.plan.raised},
+                     {"raised_by_overlap", result.raised},
                      {"slowed_blocks", result.plan.slowed},
                      {"worst_error_m", number(result.worst_error)},
                      {"worst_utilisation", number(result.worst_utilisation)},

@@ -101,7 +101,8 @@ class SummaryText {
       put("  feeds above an axis' velocity limit lowered to it in {} lines, the first {}\n",
           result_.path.clamped.size(), result_.path.clamped.front());
     }
-    if (plan.raised > 0) put("  {} delays raised because moves overlap, in {} rounds\n", plan.raised, plan.rounds);
+    if (result_.raised > 0)
+      put("  {} delays longer than their corners alone need, because moves overlap\n", result_.raised);
     std::size_t too_fast = 0;
     for (const SlowedFeeds& slowed : plan.too_fast) {
       too_fast += slowed.blocks;

@@ -8,32 +8,14 @@
 #include <fmt/ranges.h>
 
 #include <accdec/plot/figure.hpp>
+#include <accdec/study/column_titles.hpp>
 #include <accdec/study/point_columns.hpp>
-#include <accdec/study/study_figure_check.hpp>
+#include <accdec/study/study_figure_completion.hpp>
 
 namespace accdec {
 namespace {
 
 using Kind = StudyFigure::Kind;
-
-/// Suffixes of keys and columns, longer ones before those they end with.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 17> units{{{"_mm_min", "mm/min"},
-                                                                               {"_mm_s3", "mm/s³"},
-                                                                               {"_mm_s2", "mm/s²"},
-                                                                               {"_mm_s", "mm/s"},
-                                                                               {"_N_s_m", "N s/m"},
-                                                                               {"_samples", "samples"},
-                                                                               {"_deg", "deg"},
-                                                                               {"_ms", "ms"},
-                                                                               {"_um", "µm"},
-                                                                               {"_mm", "mm"},
-                                                                               {"_kg", "kg"},
-                                                                               {"_Hz", "Hz"},
-                                                                               {"_hz", "Hz"},
-                                                                               {"_s", "s"},
-                                                                               {"_N", "N"},
-                                                                               {"_W", "W"},
-                                                                               {"_m", "m"}}};
 
 /// A varied quantity: the cases, or a variation.
 struct Varied {
@@ -63,10 +45,6 @@ std::vector<Varied> axes_of(const Study& study, bool grid) {
 const Varied* find_varied(const std::vector<Varied>& axes, const std::string& name) {
   const auto found = std::find_if(axes.begin(), axes.end(), [&](const Varied& a) { return a.name == name; });
   return found == axes.end() ? nullptr : &*found;
-}
-
-std::string last_part(const std::string& column) {
-  return column.substr(column.rfind('.') + 1);
 }
 
 /// Of the columns of points, and those that every study has.
@@ -134,50 +112,6 @@ std::optional<FigureFault> check_labels(const StudyFigure& figure, std::size_t c
                                            figure.labels.size() == 1 ? "" : "s", curves, curves == 1 ? "" : "s")};
 }
 
-/// The suffix and unit of a column; null if it has none.
-const std::pair<std::string_view, std::string_view>* unit_suffix(const std::string& column) {
-  const auto found = std::find_if(units.begin(), units.end(), [&](const auto& u) {
-    return column.size() > u.first.size() && column.ends_with(u.first);
-  });
-  return found == units.end() ? nullptr : &*found;
-}
-
-std::string unit_in(const std::string& column, const Study& study) {
-  for (const study::Variation& v : study.points().variations()) {
-    if (v.name == column && unit_of(column).empty()) return unit_of(v.keys.front());
-  }
-  return unit_of(column);
-}
-
-}  // namespace
-
-std::string unit_of(const std::string& column) {
-  if (const study::PointColumn* of_points = study::find_point_column(column)) return std::string(of_points->unit);
-  const auto* found = unit_suffix(column);
-  return found == nullptr ? "" : std::string(found->second);
-}
-
-std::string axis_title(const std::string& column, const std::string& unit) {
-  std::string name = column;
-  if (const auto* found = unit_suffix(column)) name.resize(column.size() - found->first.size());
-  const std::size_t dot = name.rfind('.'), begin = dot == std::string::npos ? 0 : dot + 1;
-  std::replace(name.begin() + static_cast<std::ptrdiff_t>(begin), name.end(), '_', ' ');
-  if (begin > 0) name = fmt::format("{}: {}", name.substr(0, dot), name.substr(begin));
-  if (unit.empty()) return name;
-  return unit.find_first_of("/ ") == std::string::npos ? fmt::format("{} / {}", name, unit)
-                                                       : fmt::format("{} / ({})", name, unit);
-}
-
-std::string axis_title(const std::vector<std::string>& columns, const Study& study) {
-  if (columns.empty()) return "";
-  const bool alike = std::all_of(columns.begin(), columns.end(),
-                                 [&](const std::string& c) { return last_part(c) == last_part(columns.front()); });
-  return axis_title(alike && columns.size() > 1 ? last_part(columns.front()) : columns.front(),
-                    unit_in(columns.front(), study));
-}
-
-namespace {
-
 /// The axes of a heat map.
 std::optional<FigureFault> check_heat(const StudyFigure& figure, const std::vector<Varied>& axes, bool grid) {
   if (figure.y.size() > 1) return FigureFault{"y", "a heat map has one `y`"};
@@ -197,7 +131,7 @@ std::optional<FigureFault> check_heat(const StudyFigure& figure, const std::vect
 
 }  // namespace
 
-std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& study, bool grid) {
+std::optional<FigureFault> complete_study_figure(StudyFigure& figure, const Study& study, bool grid) {
   const std::vector<Varied> axes = axes_of(study, grid);
   for (auto& condition : figure.where) {
     const Varied* axis = find_varied(axes, condition.first);
@@ -212,6 +146,8 @@ std::optional<FigureFault> check_study_figure(StudyFigure& figure, const Study& 
   }
   if (heat) {
     if (auto fault = check_heat(figure, axes, grid)) return fault;
+    figure.excess = std::any_of(study.ratios.begin(), study.ratios.end(),
+                                [&](const StudyRatio& r) { return r.name == figure.z && r.excess; });
   }
   figure.points_only = !grid;
 

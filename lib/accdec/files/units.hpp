@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace accdec {
+
+/// A unit as keys, tables and figures write it.
+struct Unit {
+  std::string_view suffix;   ///< of names of keys and columns: "_mm_s3" of "jerk_mm_s3"
+  std::string_view name;     ///< in tables of keys: "mm/s^3"
+  std::string_view printed;  ///< on figures: "mm/s³"
+  double divisor = 1.0;      ///< a number in this unit over it is the number in SI; of degrees, in `to_si`, apart
+};
+
+/// Those of our files, and others that people write into names. A suffix stands before those it ends with.
+constexpr std::array<Unit, 31> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
+                                      {"_mm_s3", "mm/s^3", "mm/s³", 1e3},
+                                      {"_mm_s2", "mm/s^2", "mm/s²", 1e3},
+                                      {"_mm_s", "mm/s", "mm/s", 1e3},
+                                      {"_um_s2", "um/s^2", "µm/s²", 1e6},
+                                      {"_um_s", "um/s", "µm/s", 1e6},
+                                      {"_N_s_m", "N s/m", "N s/m"},
+                                      {"_m_min", "m/min", "m/min", 60.0},
+                                      {"_m_s3", "m/s^3", "m/s³"},
+                                      {"_m_s2", "m/s^2", "m/s²"},
+                                      {"_m_s", "m/s", "m/s"},
+                                      {"_samples", "samples", "samples"},
+                                      {"_deg", "degrees", "deg"},
+                                      {"_rad", "rad", "rad"},
+                                      {"_ms", "ms", "ms", 1e3},
+                                      {"_us", "us", "µs", 1e6},
+                                      {"_ns", "ns", "ns", 1e9},
+                                      {"_mm", "mm", "mm", 1e3},
+                                      {"_um", "um", "µm", 1e6},
+                                      {"_nm", "nm", "nm", 1e9},
+                                      {"_kg", "kg", "kg"},
+                                      {"_kHz", "kHz", "kHz", 1e-3},
+                                      {"_Hz", "Hz", "Hz"},
+                                      {"_hz", "Hz", "Hz"},
+                                      {"_kN", "kN", "kN", 1e-3},
+                                      {"_kW", "kW", "kW", 1e-3},
+                                      {"_s", "s", "s"},
+                                      {"_m", "m", "m"},
+                                      {"_N", "N", "N"},
+                                      {"_W", "W", "W"},
+                                      {"_g", "g", "g", 1e3}}};
+
+/// By its name in tables of keys; null where there is none.
+constexpr const Unit* find_unit(std::string_view name) {
+  for (const Unit& unit : units) {
+    if (unit.name == name) return &unit;
+  }
+  return nullptr;
+}
+
+/// Whose suffix a name of a key or column ends in; null where it has none, or nothing before it.
+constexpr const Unit* unit_in_name(std::string_view key) {
+  for (const Unit& unit : units) {
+    if (key.size() > unit.suffix.size() && key.ends_with(unit.suffix)) return &unit;
+  }
+  return nullptr;
+}
+
+}  // namespace accdec

@@ -1,0 +1,105 @@
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "program_command.hpp"
+
+// What `accdec program --emit` writes, and that it plans to the same motion.
+
+namespace {
+
+using accdec::test::ProgramCommand;
+using testing::HasSubstr;
+
+TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
+  write("part.ngc",
+        "%\nN10 G21 G90 G64 P0.05 (start)\nT1 M6\nG54 G43 H1\nS12000 M3\nM8\nG0 X10 Y10\nG1 X60 F3000\nG4 P0.5\nY30 "
+        "M1\nG61.1\n"
+        "Y60\nG61\nG64 P0.02\nX10 S8000.5\nG20\nG1 X1 F100\nM5 M9\nM30\n");
+  ASSERT_EQ(run("program part.ngc --feeds keep --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
+  const std::string text = read("e.ngc");
+  std::size_t at = 0;
+  for (const char* words :
+       {"%\n", "\nN10 (start)\n", "\nT1 M6\n", "\nG54 G43 H1\n", "\nS12000 M3\n", "\nM8\n", "\nG0 X10 Y10\n",
+        "\nG61.1\n", "\nG1 X60 F3000\n", "\nG4 P0.5\n", "\nG1 Y30\n", "\nM1\n", "\nG1 Y60\n", "\nS8000.5\n",
+        "\nG64 P0.02\n", "\nG1 X10\n", "\nG1 X25.4 F", "\nM5 M9\n", "\nM30\n%\n"}) {
+    const std::size_t found = text.find(words, at);
+    ASSERT_NE(found, std::string::npos) << words << "in\n" << text;
+    at = found + 1;
+  }
+  EXPECT_EQ(text.find("e-"), std::string::npos) << "numbers of programs have no exponents";
+  ASSERT_EQ(
+      run("program e.ngc --feeds keep --task task.toml --dwells-before-filter --json again.json --emit again.ngc").code,
+      0)
+      << read("err");
+  EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
+  EXPECT_EQ(read("again.ngc"), text);
+  // Read as any program, a dwell is an exact stop as well.
+  ASSERT_EQ(run("program e.ngc --feeds keep --task task.toml --json stops.json").code, 0) << read("err");
+  EXPECT_GT(number_of("stops.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
+}
+
+// Numbers and comments stay on the line of their block, on its first part where it was split; each stands once.
+TEST_F(ProgramCommand, EmittedNumbersAndCommentsStayWithTheirBlocks) {
+  write("part.ngc",
+        "N5 (head)\nG21 G90 G64 P0.05\n(alone)\nN10 T1 M6 (tool)\nN20 G1 X60 F3000 (first) (cut)\n"
+        "N25 X60\nN30 G3 X70 Y10 I0 J10 ; arc\n/N40 G1 Y40\nG1 Y60 M8 (coolant)\nN50 G4 P0.5 (wait)\nN60 M30 (end)\n");
+  for (const char* feeds : {"keep", "choose"}) {
+    ASSERT_EQ(run(std::string("program part.ngc --task task.toml --json r.json --emit e.ngc --feeds ") + feeds).code, 0)
+        << read("err");
+    const std::string text = read("e.ngc");
+    for (const char* line : {"\nN5 (head)\n", "\n(alone)\n", "\nN10 T1 M6 (tool)\n", "\nN25\n", "\nN50 (wait)\n",
+                             "\nM8\n", "\nN60 (end)\nM30\n"})
+      EXPECT_THAT(text, HasSubstr(line));
+    EXPECT_THAT(text, ::testing::ContainsRegex("\nN20 G1 X[0-9.]+( F[0-9.]+)? \\(first\\) \\(cut\\)\n"));
+    EXPECT_THAT(text, ::testing::ContainsRegex("\nN30 G1 X[0-9.]+ Y[0-9.]+( F[0-9.]+)? ; arc\n"));
+    EXPECT_THAT(text, ::testing::ContainsRegex("\nG1 (X[0-9.]+ )?Y[0-9.]+( F[0-9.]+)? \\(coolant\\)\n"));
+    for (const char* once : {"N20", "(first)", "N30", "; arc", "(coolant)"})
+      EXPECT_EQ(text.find(once), text.rfind(once)) << once;
+    ASSERT_EQ(
+        run(std::string("program e.ngc --task task.toml --dwells-before-filter --emit again.ngc --feeds ") + feeds)
+            .code,
+        0)
+        << read("err");
+    EXPECT_EQ(read("again.ngc"), text);
+  }
+}
+
+TEST_F(ProgramCommand, EmittedOrderAndAxes) {
+  // A run-up of the spindle stays before the cut, Z retracts before X and Y move, and what does not move is not named.
+  write("part.ngc", "G21 G64 P0.05\nS12000 M3\nG4 P2\nG1 X10 F600\nM5\nG4 P3\nM4\nG0 Z50\nG0 X100 Y50\nG4 P1\nM9\n");
+  ASSERT_EQ(run("program part.ngc --feeds keep --task task.toml --emit e.ngc").code, 0) << read("err");
+  const std::string text = read("e.ngc");
+  EXPECT_THAT(text, HasSubstr("S12000 M3\nG4 P2\n"));
+  EXPECT_THAT(text, HasSubstr("G1 X10 F600\nM5\nG4 P3\nM4\n"));
+  EXPECT_THAT(text, HasSubstr("\nG0 Z50\n"));
+  EXPECT_THAT(text, HasSubstr("G0 X100 Y50\nG4 P1\nM9\nM2\n"));
+  ASSERT_EQ(run("program e.ngc --feeds keep --task task.toml --dwells-before-filter --emit again.ngc").code, 0)
+      << read("err");
+  EXPECT_EQ(read("again.ngc"), text);
+}
+
+TEST_F(ProgramCommand, CanonicalCallsThatAreNotMotionAreEmittedAsWords) {
+  write("part.canon",
+        "USE_LENGTH_UNITS(CANON_UNITS_MM)\nSELECT_TOOL(3)\nCHANGE_TOOL()\nSET_SPINDLE_SPEED(0, "
+        "8000.0000)\nSTART_SPINDLE_CLOCKWISE(0)\nFLOOD_ON()\n"
+        "SET_FEED_RATE(600)\nSTRAIGHT_FEED(10, 0, 0)\nPROGRAM_STOP()\nSTRAIGHT_FEED(20, 0, "
+        "0)\nSTOP_SPINDLE_TURNING(0)\nPROGRAM_END()\n");
+  ASSERT_EQ(run("program part.canon --feeds keep --task task.toml --emit e.ngc").code, 0) << read("err");
+  EXPECT_THAT(read("e.ngc"), HasSubstr("T3\nM6\nS8000\nM3\nM8\nG61.1\nG1 X10 F600\nM0\nG1 X20\nM5\nM2\n"));
+}
+
+TEST_F(ProgramCommand, WrittenFromCsvItGoesToItsBeginningFirst) {
+  write("part.csv", "x_mm,y_mm,z_mm,feed_mm_min\n5,5,-1,600\n15,5,-1,600\n15,25,-1,600\n");
+  ASSERT_EQ(run("program part.csv --feeds keep --task task.toml --emit e.ngc").code, 0) << read("err");
+  EXPECT_THAT(read("e.ngc"), HasSubstr("\nG61.1\nG0 X5 Y5 Z-1\nG64 P0.02\nG1 X15 F600\n"));
+  write("free.toml",
+        "sample_period_ms = 1.0\n[filter]\nkind = \"boxcar\"\norder = 40\n[[axis]]\nacceleration_max_mm_s2 = "
+        "6000\n[program]\nerror_max_um = 20\n");
+  ASSERT_EQ(run("program part.csv --feeds keep --task free.toml --emit e.ngc").code, 0) << read("err");
+  EXPECT_THAT(read("e.ngc"), HasSubstr("\nG1 X5 Y5 Z-1 F600\n"));
+  EXPECT_EQ(run("program e.ngc --feeds keep --task free.toml --dwells-before-filter").code, 0) << read("err");
+}
+
+}  // namespace
