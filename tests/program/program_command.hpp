@@ -29,8 +29,7 @@ class ProgramCommand : public ::testing::Test {
   std::string read(const std::string& name) const { return folder_.read(name); }
   Output run(const std::string& arguments) const {
     const std::string line = "cd '" + folder_.path("") + "' && '" + test_support::program() + "' " + arguments;
-    const int code =
-        test_support::wait_for(test_support::start_shell(line, folder_.path("out"), folder_.path("err")));
+    const int code = test_support::wait_for(test_support::start_shell(line, folder_.path("out"), folder_.path("err")));
     return {code, read("out"), read("err")};
   }
   /// A number of a JSON result, by the first key of this name.

@@ -9,8 +9,8 @@
 #include <accdec/motion/smallest_delay.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/plan/program_plan.hpp>
-#include <accdec/program/profiles/plan_profiles.hpp>
 #include <accdec/program/plan/stretches.hpp>
+#include <accdec/program/profiles/plan_profiles.hpp>
 #include <accdec/program/simulate/simulate.hpp>
 
 #include "reference.hpp"
