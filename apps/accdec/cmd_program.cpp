@@ -73,13 +73,13 @@ void check_outputs(const Options& options) {
 }
 
 /// Plan profiles, and because it is never to be slower than they are, the plans of one filter and one a leg.
-void run_profiles_and_others(const Options& options, Context& context, const ProgramFile& file, const Task& task) {
-  const ProgramInputs inputs = options.json.empty() ? ProgramInputs{} : inputs_of(options, file);
+void run_profiles_and_others(const Options& options, Context& context, ProgramFile& file, const Task& task) {
   const auto fastest = [&] {
     StatusLine status(context.quiet);
-    return run_fastest_plan(options.program, file.path, file.reading.read.arc_tolerance, task, options.file,
+    return run_fastest_plan(options.program, file, task, options.file,
                             [&](const std::string& line) { status.tell(line); });
   }();
+  const ProgramInputs inputs = options.json.empty() ? ProgramInputs{} : inputs_of(options, file);
   write_fastest(fastest, inputs, file.path, task.machine,
                 {options.json, options.samples, options.stream, options.figure}, context);
 }

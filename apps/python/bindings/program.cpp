@@ -65,7 +65,7 @@ py::object fastest(const std::string& file, const std::shared_ptr<Task>& task, c
   run_interruptibly(
       [=](const Work& work) {
         ProgramFile read = read_program_file(file, *task, options, teller(work));
-        auto found = run_fastest_plan(file, read.path, read.reading.read.arc_tolerance, *task, options, teller(work));
+        auto found = run_fastest_plan(file, read, *task, options, teller(work));
         if (auto* profiles = std::get_if<ProfileResult>(&found)) {
           *result = std::make_shared<ProfileProgram>(std::move(*profiles), std::move(read.path), task->machine);
         } else {

@@ -32,27 +32,24 @@ ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double ar
   return run_profiles(name, std::move(path), task, bound_time);
 }
 
-std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, const Toolpath& path,
-                                                            double arc_tolerance, const Task& task,
-                                                            const ProgramFileOptions& options,
+std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, ProgramFile& file,
+                                                            const Task& task, const ProgramFileOptions& options,
                                                             const std::function<void(const std::string&)>& tell) {
   // Of the longest programs the search for a filter, and the bound by linear programs, would take longer than the plan.
-  const bool several = path.blocks() <= several_plans_max;
+  const bool several = file.path.blocks() <= several_plans_max;
   const double bound_time = several ? 10.0 : 3.0;  // s
-  ProfileResult profiles = plan_profiles_of(name, path, arc_tolerance, task, bound_time);
+  ProfileResult profiles = plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task, bound_time);
   if (!several) return profiles;
   ProgramFileOptions choosing = options;
   choosing.feeds = Feeds::choose;
-  const ProgramFilter choice = filter_for_program(path, task, choosing, tell);
-  if (!choice.filter) return profiles;
-  // The plan of one filter is a candidate of the one a leg. On many chords a plan that keeps feeds above what arcs
-  // allow takes long, and is slow.
-  const Feeds feeds = path.arcs.empty() ? Feeds::choose : Feeds::choose_only;
-  ProgramResult other = run_program(name, path, *choice.filter, task, true, options.filter_bound, feeds);
-  other.solver = choice.solver;
+  choosing.per_leg = true;  // the plan of one filter is a candidate of it
+  ProgramFile copy = file;
+  ProgramResult other = run_program_file(name, copy, task, choosing, tell);
+  if (other.plan.delays.empty()) return profiles;
   const PlanTime mine = time_of(profiles), theirs = time_of(other);
   if (theirs.verified && (!mine.verified || theirs.time < mine.time)) {
     other.candidates = {mine};
+    file.reading = copy.reading;
     return other;
   }
   profiles.candidates = {theirs};

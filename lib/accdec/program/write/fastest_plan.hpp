@@ -18,14 +18,12 @@ ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double ar
 /// `accdec program --plan profiles`: that plan, and beside it, of programs of up to `several_plans_max` blocks, those
 /// of one filter and of one a leg; the fastest that holds all limits, with the times of the others as its candidates.
 /// Where none holds, the plan profiles with a message.
-/// @param path           as read; the feeds are chosen
-/// @param arc_tolerance  m, that it was read with
-/// @param options        for the plans beside it
-/// @param tell           one line a step, may be empty
+/// @param file     as read; the feeds are chosen; its `reading` becomes that of the answer
+/// @param options  for the plans beside it
+/// @param tell     one line a step, may be empty
 /// @throws std::invalid_argument as run_profiles
-std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, const Toolpath& path,
-                                                            double arc_tolerance, const Task& task,
-                                                            const ProgramFileOptions& options,
+std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, ProgramFile& file,
+                                                            const Task& task, const ProgramFileOptions& options,
                                                             const std::function<void(const std::string&)>& tell);
 
 }  // namespace accdec

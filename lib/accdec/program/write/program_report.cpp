@@ -107,6 +107,7 @@ class Planning {
   /// At the programmed feeds, rapid moves as fast as the filter starts and stops them.
   /// @param tune_curves  see plan_program
   void keep(const Toolpath& path, bool tune_curves) {
+    tune_curves_ = tune_curves;
     if (!path.given.empty()) as_commanded(path, false);
     slowed_ = path;
     limit_rapids(slowed_, result_.filter, task_.sample_period, machine_);
@@ -178,7 +179,7 @@ class Planning {
   }
   void per_leg(Toolpath path, bool feeds_chosen) {
     LegFilters legs = choose_leg_filters(path, result_.filter, task_.sample_period, machine_, task_.design.order_max);
-    ProgramPlan plan = plan_program(path, legs, task_.sample_period, machine_, !feeds_chosen);
+    ProgramPlan plan = plan_program(path, legs, task_.sample_period, machine_, !feeds_chosen && tune_curves_);
     offer({std::move(path), std::move(plan)}, std::move(legs), feeds_chosen);
   }
   double seconds(const ProgramPlan& plan) const {
@@ -202,6 +203,7 @@ class Planning {
   const Task& task_;
   const Machine& machine_;
   Toolpath slowed_, base_;  // with rapid moves slowed; and planned at these feeds
+  bool tune_curves_ = true;
 };
 
 }  // namespace
