@@ -171,6 +171,34 @@ TEST(DesignTask, StepsThatWouldTakeTooLongAreNotBegun) {
   EXPECT_THROW(design_task(task, options), std::invalid_argument);
 }
 
+// A heavy corner once drew the exact method away from the light one, and left it far behind the local solvers.
+TEST(DesignTask, UnequalWeightsAreNoWorseThanForLocalSolvers) {
+  const Task task = parse_task(R"(sample_period_ms = 1.0
+[[axis]]
+acceleration_max_mm_s2 = 6000
+jerk_max_mm_s3 = 500000
+[[corner]]
+angle_deg = 95
+feed_in_mm_min = 6000
+error_max_um = 50
+weight = 1000
+[[corner]]
+angle_deg = 40
+feed_in_mm_min = 5000
+error_max_um = 10
+)",
+                               "task.toml");
+  const DesignResult result = design_task(task);
+  EXPECT_EQ(result.status, Status::optimal) << result.message;
+  EXPECT_TRUE(verify_result(result).accepted);
+  DesignOptions local;
+  local.method = Method::nlp;
+  local.solver = "nlopt-slsqp";
+  const DesignResult other = design_task(task, local);
+  ASSERT_TRUE(other.has_design()) << other.message;
+  EXPECT_LE(result.objective(), other.objective());
+}
+
 TEST(DesignTask, StoppedWithoutADesignItSaysOnceWhatIsProved) {
   DesignOptions options;
   options.time_limit = 1.0;

@@ -1,5 +1,6 @@
 // Feeds a fuzz target with mutated files as fast as it reads them, without looking which code they reach:
-// fuzz_NAME_bulk SECONDS SEED FOLDER.. ; an input that ends the process is left in crash-input.
+// fuzz_NAME_bulk SECONDS SEED FOLDER.. ; an input that ends the process is left in crash-input. Told to end (SIGTERM,
+// Ctrl-C), it says how many it has read.
 
 #include <algorithm>
 #include <chrono>
@@ -22,6 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 namespace {
 
 std::string input;  // what the target has now
+volatile std::sig_atomic_t told_to_end = 0;
 
 extern "C" void keep_input(int signal) {
   const int file = open("crash-input", O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -88,11 +90,12 @@ class Mutator {
 int main(int count, char** arguments) {
   if (count < 4) return std::fprintf(stderr, "usage: %s SECONDS SEED FOLDER..\n", arguments[0]), 2;
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) std::signal(signal, keep_input);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { told_to_end = 1; });
   Mutator mutator(files_in(count - 3, arguments + 3), static_cast<unsigned>(std::atol(arguments[2])));
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(std::atof(arguments[1]));
   long inputs = 0;
-  for (; inputs % 256 != 0 || Clock::now() < end; ++inputs) {
+  for (; inputs % 256 != 0 || (told_to_end == 0 && Clock::now() < end); ++inputs) {
     mutator.next(input);
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
   }
