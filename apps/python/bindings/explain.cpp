@@ -96,6 +96,8 @@ complete : bool
 }  // namespace
 
 void bind_explain(py::module_& module) {
+  py::options options;
+  options.disable_function_signatures();
   py::class_<Explanation, std::shared_ptr<Explanation>>(module, "Explanation", explanation_doc)
       .def_property_readonly("result", [](const Explanation& e) { return shared(e.base); })
       .def_property_readonly("proved", [](const Explanation& e) { return e.base_proved; })
@@ -103,7 +105,7 @@ void bind_explain(py::module_& module) {
       .def_property_readonly("gains", [](const Explanation& e) { return part(e, "gains"); })
       .def_property_readonly("remedies", [](const Explanation& e) { return part(e, "remedies"); })
       .def_property_readonly("complete", [](const Explanation& e) { return e.complete; })
-      .def("to_json", &explanation_to_json)
+      .def("to_json", &explanation_to_json, "to_json()\n\nAs `accdec explain --json` writes it.")
       .def("__str__", &explanation_text);
   module.def("explain", &explain, py::arg("task"), py::kw_only(), py::arg("share"), py::arg("time_limit"),
              py::arg("design_time_limit"), py::arg("progress"));

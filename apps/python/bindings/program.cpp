@@ -189,11 +189,13 @@ durations : ndarray
     s, way over feed of every commanded block.
 )";
 
+constexpr const char* json_doc = "to_json()\n\nThe text of a result file, as the command line's --json.";
 constexpr const char* page_doc =
-    "One HTML page without network: the path in the colour of its speed, to zoom into, the limit that binds over time, "
+    "page()\n\nOne HTML page without network: the path in the colour of its speed, to zoom into, the limit that binds "
+    "over time, "
     "and the time lost by classes of corners.";
 constexpr const char* samples_doc =
-    "Every sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes.";
+    "samples()\n\nEvery sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes.";
 
 /// What both kinds of plan have.
 template <class Result>
@@ -220,7 +222,8 @@ void bind_profiles(py::module_& module) {
       .def_property_readonly("taps", last_filter)
       .def_property_readonly(
           "errors", [](const py::object& self) { return view(self.cast<const ProfileProgram&>().plan.errors, self); })
-      .def("to_json", [](const ProfileProgram& r) { return profiles_to_json(r); })
+      .def(
+          "to_json", [](const ProfileProgram& r) { return profiles_to_json(r); }, json_doc)
       .def(
           "page", [](const ProfileProgram& r) { return page_of(r, r.message.empty()); }, page_doc)
       .def(
@@ -245,10 +248,13 @@ void bind_program_plan(py::module_& module) {
       .def_property_readonly("delays", view_of(&ProgramPlan::delays))
       .def_property_readonly("errors", view_of(&ProgramPlan::errors))
       .def_property_readonly("durations", view_of<Program>(&Toolpath::duration))
-      .def("to_json", [](const Program& r) { return program_to_json(r); })
+      .def(
+          "to_json", [](const Program& r) { return program_to_json(r); }, json_doc)
       .def(
           "page", [](const Program& r) { return page_of(r, r.path.blocks() > 0); }, page_doc)
-      .def("emit", [](const Program& r) { return emitted(r); })
+      .def(
+          "emit", [](const Program& r) { return emitted(r); },
+          "emit()\n\nThe program written back, with the feeds and delays of the plan, as the command line's --emit.")
       .def(
           "samples",
           [](const Program& r) {
@@ -263,6 +269,8 @@ void bind_program_plan(py::module_& module) {
 }  // namespace
 
 void bind_program(py::module_& module) {
+  py::options options;
+  options.disable_function_signatures();
   bind_program_plan(module);
   bind_profiles(module);
   module.def(
