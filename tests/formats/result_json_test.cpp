@@ -116,8 +116,8 @@ TEST(ResultJson, EveryStopReasonComesBack) {
 TEST(ResultJson, OtherCertificatesComeBack) {
   proof::BranchAndBound bare;
   bare.objective = Objective::corner;
-  for (const Certificate& certificate :
-       {Certificate{proof::ConstantFeed{}}, Certificate{proof::Enumeration{}}, Certificate{bare}}) {
+  for (const Certificate& certificate : {Certificate{proof::ConstantFeed{}}, Certificate{proof::CornerSpeed{}},
+                                         Certificate{proof::Enumeration{}}, Certificate{bare}}) {
     DesignResult result = example();
     result.certificate = std::make_shared<Certificate>(certificate);
     const DesignResult again = parse_result(result_to_json(result), "r.json");

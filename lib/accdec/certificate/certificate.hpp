@@ -183,6 +183,10 @@ struct Lemma {
 struct ConstantFeed {
   bool operator==(const ConstantFeed&) const = default;
 };
+/// A corner's smallest speed is more than any filter keeps within its error, see task/corner_speed.hpp.
+struct CornerSpeed {
+  bool operator==(const CornerSpeed&) const = default;
+};
 /// Of a given filter: every smaller delay breaks a limit.
 struct Enumeration {
   bool operator==(const Enumeration&) const = default;
@@ -207,7 +211,7 @@ struct BranchAndBound {
 
 /// Why nothing is shorter than a result says, or why there is no design; `accdec.certificate/1` in JSON.
 struct Certificate {
-  std::variant<proof::ConstantFeed, proof::Enumeration, proof::BranchAndBound> proof;
+  std::variant<proof::ConstantFeed, proof::CornerSpeed, proof::Enumeration, proof::BranchAndBound> proof;
   bool operator==(const Certificate&) const = default;
 };
 

@@ -10,6 +10,7 @@
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/certificate/checker.hpp>
 #include <accdec/certificate/constant_feed.hpp>
+#include <accdec/certificate/corner_speed_check.hpp>
 #include <accdec/certificate/merged_corners.hpp>
 #include <accdec/certificate/proof_claim.hpp>
 #include <accdec/task/granted_limits.hpp>
@@ -344,6 +345,14 @@ std::string check(const proof::ConstantFeed&, const Task& task, const DesignResu
   return broken;
 }
 
+std::string check(const proof::CornerSpeed&, const Task& task, const DesignResult& result,
+                  const std::function<bool()>&) {
+  if (result.status != Status::infeasible) throw Rejected("the certificate is one of infeasibility, the status is not");
+  std::string impossible = too_fast_for_its_error(task);
+  if (impossible.empty()) throw Rejected("no smallest speed is surely too much within its corner's error");
+  return impossible;
+}
+
 std::string check(const proof::Enumeration&, const Task&, const DesignResult&, const std::function<bool()>&) {
   throw Rejected("the certificate is about the delays of a given filter, the task leaves the filter open");
 }
@@ -360,6 +369,11 @@ std::string check(const proof::BranchAndBound& proof, const Task& task, const De
 }
 
 }  // namespace
+
+std::shared_ptr<const Certificate> certify_contradiction(const Task& task) {
+  if (broken_at_constant_feed(task).empty()) return std::make_shared<Certificate>(Certificate{proof::CornerSpeed{}});
+  return std::make_shared<Certificate>(Certificate{proof::ConstantFeed{}});
+}
 
 CheckReport check_certificate(const Task& task, const DesignResult& result, const std::function<bool()>& stop) {
   if (!result.certificate) return {false, "there is no certificate"};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include <accdec/certificate/certificate.hpp>
@@ -21,5 +22,8 @@ struct CheckReport {
 /// checked by `verify_by_simulation`.
 /// @param stop  polled; true ends the check, which then has accepted nothing
 CheckReport check_certificate(const Task& task, const DesignResult& result, const std::function<bool()>& stop = {});
+
+/// The certificate of a task whose limits contradict each other whatever the filter (task/contradictions.hpp).
+std::shared_ptr<const Certificate> certify_contradiction(const Task& task);
 
 }  // namespace accdec

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate/checker.hpp>
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/design.hpp>
 #include <accdec/exact/exact.hpp>
@@ -63,7 +63,7 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
     result.task = task;
     result.status = Status::infeasible;
     result.message = fmt::format("limits in conflict: {}", fmt::join(conflicts, "; "));
-    result.certificate = std::make_shared<Certificate>(Certificate{proof::ConstantFeed{}});
+    result.certificate = certify_contradiction(task);
     return result;
   }
   if (task.filter) return design_delays(task, options);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/certificate/checker.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/files/seconds_since.hpp>
@@ -38,6 +39,7 @@ ExactRun::ExactRun(const Task& task)
       several_(task.corners.size() > 1),
       // Symmetric filters are no part of the joint proof.
       jointly_(several_ && !task.design.symmetric),
+      minimises_(convex_ && !several_ && !task.design.symmetric),
       fixed_(cost_.given_delays(task)),
       search_(task, [this] { return stopped(); }),
       // Proved by nothing but the task's bounds.
@@ -58,7 +60,7 @@ std::optional<DesignResult> ExactRun::refusal() const {
   if (const auto impossible = contradictions(task_); !impossible.empty()) {
     result.status = Status::infeasible;
     result.message = impossible.front();
-    if (options_.certificate) result.certificate = std::make_shared<Certificate>(Certificate{proof::ConstantFeed{}});
+    if (options_.certificate) result.certificate = certify_contradiction(task_);
     return result;
   }
   try {
@@ -137,8 +139,10 @@ void ExactRun::at_once() {
   if (trial_ > low_ && trial_ <= high_ && trial_ < unlimited) take(search_.below(trial_), trial_);
   if (!search_.best || options_.gap > 0.0) return;
   const long budget = search_.linear_programs() + shortly(least_);
+  if (!minimises_) climb_ = step_ / 1.5;
   for (Answer answer = Answer::found; answer == Answer::found && !stopped() && !proved_;) {
     answer = search_.minimise(high_, budget - search_.linear_programs());
+    if (!minimises_ && answer != Answer::proved) break;  // of what the chords do not refute nothing is known
     take(answer, answer == Answer::proved ? search_.proof.target : high_);
   }
 }
@@ -150,8 +154,8 @@ void ExactRun::take(Answer answer, double target) {
   if (answer == Answer::proved) {
     low_ = std::max(low_, target);
     infeasible_ = target == unlimited;
-    proved_ = low_ >= high_ || infeasible_;
   }
+  proved_ = infeasible_ || (low_ >= high_ && search_.proof.target >= high_);
   tell();
 }
 
@@ -197,6 +201,12 @@ std::optional<double> ExactRun::next_target() {
     return trial_ >= longest ? unlimited : trial_;
   }
   if (high_ - low_ <= step_) return target;
+  if (climb_ > 0.0 && low_ >= climbed_) {
+    // Each proof goes on from the one before. What the chords say is mostly nearly all.
+    climbed_ = std::min(low_ + climb_, high_);
+    climb_ *= 2.0;
+    return climbed_;
+  }
   target = trial_ > low_ && trial_ < high_ && low_ < 0.9 * trial_ ? trial_ : 0.5 * (low_ + high_);
   // With several corners a proof grows fast with its target, and a better design ends it: in large steps.
   if (several_) target = large_step(low_, high_);

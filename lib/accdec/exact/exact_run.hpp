@@ -47,15 +47,17 @@ class ExactRun {
   double wall_time_ = 0.0;  ///< s, of earlier calls
   const LinearCost cost_;
   const bool convex_, several_, jointly_;
-  const double fixed_;  ///< of given delays
+  const bool minimises_;  ///< one tree of linear programs finds the shortest design
+  const double fixed_;    ///< of given delays
   double step_ = 0.0;
   exact::Search search_;
   std::unique_ptr<exact::Joint> joint_;
   int least_ = -1;  ///< smallest order that may do; -1: not known yet
   bool swept_ = false, tried_at_once_ = false;
-  double low_, high_ = unlimited;  ///< samples; bound and shortest known
-  double trial_ = 0.0;             ///< next bound to try where no design is known
-  double open_ = unlimited;        ///< the least target with a part in which rounding decides
+  double low_, high_ = unlimited;       ///< samples; bound and shortest known
+  double trial_ = 0.0;                  ///< next bound to try where no design is known
+  double climb_ = 0.0, climbed_ = 0.0;  ///< the next step up from a bound and where the last one led; 0: there is none
+  double open_ = unlimited;             ///< the least target with a part in which rounding decides
   bool proved_ = false, infeasible_ = false;
 };
 

@@ -29,13 +29,23 @@ class Pruner {
       to_.tree.push_back(proof::TooLong{});
       return;
     }
+    for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
+    if (!model_.convex() && !model_.shrink(box)) {
+      skip();
+      to_.tree.push_back(proof::Unreachable{});
+      return;
+    }
     const proof::Node& node = from_.tree[next_++];
     if (const auto* refuted = std::get_if<proof::Refuted>(&node)) {
       leaf(refuted->multipliers, box);
       return;
     }
     to_.tree.push_back(node);
-    if (std::holds_alternative<proof::TooLong>(node)) return;
+    if (!std::holds_alternative<proof::Split>(node)) {
+      // Its part was narrowed away under the longer target, so it is under the shorter.
+      holds_ = false;
+      return;
+    }
     const auto [first, second] = parts(whole, node);
     copy(first);
     copy(second);
@@ -47,8 +57,7 @@ class Pruner {
                        [&](const CornerBox& c) { return c.k1 > std::min(c.k2, box.order + c.d2 + 1); });
   }
 
-  void leaf(int multipliers, Box box) {
-    for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
+  void leaf(int multipliers, const Box& box) {
     holds_ = holds_ && refutation(model_, from_.multipliers[static_cast<std::size_t>(multipliers)], box) > 0.0;
     to_.tree.push_back(proof::Refuted{kept(multipliers, box)});
   }
@@ -75,6 +84,10 @@ class Pruner {
   /// Rows at samples past the end of a shorter filter have none left.
   bool has_terms(const proof::Row& id, const Box& box) const {
     if (std::holds_alternative<proof::Error>(id) || std::holds_alternative<proof::Vibration>(id)) return true;
+    if (const auto* response = std::get_if<proof::Response>(&id); response && response->sample > box.order)
+      return false;
+    if (const auto chord = chord_of(id); chord && chord->sample > model_.chords.last_sample(chord->family, box))
+      return false;
     const SparseRow row = model_.row(id, box);
     return !row.no_terms() || row.constant > 1.0;
   }

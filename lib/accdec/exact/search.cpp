@@ -156,48 +156,6 @@ int Search::smallest_order() {
   return smallest_order_ = high;
 }
 
-Search::Answer Search::below(double target) {
-  going_on_ = false;
-  return search(target);
-}
-
-Search::Answer Search::minimise(double target, long budget) {
-  going_on_ = model_.convex() && !task_.design.symmetric && task_.corners.size() == 1;
-  budget_end_ = linear_programs() + budget;
-  const Answer answer = search(target);
-  budget_end_ = std::numeric_limits<long>::max();
-  return answer;
-}
-
-Search::Answer Search::search(double target) {
-  target_ = target;
-  current_ = Proof{};
-  recent_.clear();
-  in_tree_.clear();
-  Box box = root();
-  if (tighten(task_, target, box)) size_for(box.order);
-  const State state = refute(root());
-  if (state == State::found) return Answer::found;
-  if (state == State::open) return Answer::open;
-  if (state == State::stopped) return Answer::unknown;
-  current_.target = target_;
-  if (target_ < target) {
-    auto shorter = pruned(model_, root(), current_);
-    if (!shorter) return below(target_);
-    current_ = std::move(*shorter);
-  }
-  proof = std::move(current_);
-  return Answer::proved;
-}
-
-/// After something was found in a box: lowers the target to it and looks at the box again.
-Search::State Search::go_on(State state, const Box& box) {
-  if (state != State::found || !going_on_) return state;
-  if (!best || !(best->value < target_)) return state;
-  target_ = best->value;
-  return refute(box);
-}
-
 Search::State Search::leave(proof::Node leaf) {
   current_.tree.push_back(std::move(leaf));
   return State::closed;
@@ -279,6 +237,7 @@ Search::State Search::refute(Box box) {
 
 /// A box of one delay and one sample for every corner.
 Search::State Search::refute_single(Box box, Outcome outcome) {
+  if (by_chords_) return reach_by_chords(box, outcome);
   if (!model_.convex()) {
     if (!task_.design.symmetric) return refute_sums(std::move(box), false, 0);
     leave(proof::SymmetricOrders{});

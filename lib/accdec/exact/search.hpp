@@ -78,9 +78,10 @@ class Search {
   /// found: `best` is shorter than target. unknown: stopped. open: there is nothing but in parts where rounding
   /// decides.
   Answer below(double target);
-  /// Goes on with a lower target whenever something shorter is found. proved: nothing is shorter than `proof.target`.
-  /// unknown: also after `budget` linear programs. One tree serves all targets; for symmetric filters and outside the
-  /// convex class, where leaves belong to one order, and for several corners this is `below`.
+  /// One corner: goes on with a lower target whenever something shorter is found. proved: nothing is shorter than
+  /// `proof.target`. unknown: also after `budget` linear programs. One tree serves all targets. For symmetric filters
+  /// and outside the convex class it goes as far as linear programs of single delays and samples do by themselves; the
+  /// target proved may then be less than what there is. Several corners: `below`.
   Answer minimise(double target, long budget);
   /// The smallest order that holds the limits not tied to a tolerance, or order_max + 1; leaves a first design in
   /// `best` if it can.
@@ -116,6 +117,8 @@ class Search {
  private:
   enum class State { closed, found, stopped, open };  // open: rounding decides
   Answer search(double target);
+  State refute_again(const Box& whole, std::size_t& next);
+  State reach_by_chords(const Box& box, const Outcome& outcome);
   State undecided() const { return stopped() ? State::stopped : State::open; }
   bool stopped() const { return stop_() || linear_programs() > budget_end_; }
   State go_on(State state, const Box& box);
@@ -167,6 +170,8 @@ class Search {
   long linear_programs_ = 0;
   double target_ = 0.0;
   bool going_on_ = false;
+  bool by_chords_ = false;      ///< minimise by what single delays and samples refute without splits of responses
+  double reached_ = unlimited;  ///< the least that they do not refute
   long budget_end_ = std::numeric_limits<long>::max();
   Proof current_;
   int smallest_order_ = 0;

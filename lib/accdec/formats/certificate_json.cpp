@@ -97,6 +97,9 @@ Json lemma_json(const proof::Lemma& lemma) {
 Json proof_json(const proof::ConstantFeed&) {
   return Json::object({{"schema", "accdec.certificate/1"}, {"kind", "constant feed"}});
 }
+Json proof_json(const proof::CornerSpeed&) {
+  return Json::object({{"schema", "accdec.certificate/1"}, {"kind", "corner speed"}});
+}
 Json proof_json(const proof::Enumeration&) {
   return Json::object({{"kind", "enumeration"}});
 }

@@ -238,9 +238,13 @@ Certificate read_certificate(const Value& value) {
     value.members({"kind", "schema"});
     return {proof::ConstantFeed{}};
   }
+  if (kind == "corner speed") {
+    value.members({"kind", "schema"});
+    return {proof::CornerSpeed{}};
+  }
   if (kind == "branch and bound") return {read_branch_and_bound(value)};
-  value["kind"].fail(
-      fmt::format("\"{}\" is unknown; allowed are constant feed, enumeration, branch and bound, packed", kind));
+  value["kind"].fail(fmt::format(
+      "\"{}\" is unknown; allowed are constant feed, corner speed, enumeration, branch and bound, packed", kind));
 }
 
 }  // namespace accdec

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/task/contradictions.hpp>
+#include <accdec/task/corner_speed.hpp>
 #include <accdec/task/granted_limits.hpp>
 
 namespace accdec {
@@ -32,6 +33,15 @@ std::vector<std::string> contradictions(const Task& task) {
           fmt::format("speed_min: corner {} asks for at least {:.10g} m/s, its slower leg runs at {:.10g} m/s",
                       corner.name, corner.speed_min, feed));
     }
+  }
+  const CornerSpeeds speeds(task);
+  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+    const TaskCorner& corner = task.corners[j];
+    if (const double fastest = speeds.fastest(j); fastest < unlimited)
+      found.push_back(
+          fmt::format("smallest speed {0} and corner error {0}: within {1:.10g} m every filter is slower "
+                      "than {2:.4g} m/s somewhere, by acceleration, force and jerk; asked for is {3:.10g} m/s",
+                      corner.name, *corner.error_max, fastest, corner.speed_min));
   }
   for (const Mode& mode : task.machine.modes) {
     // Sampled, a whole number of cycles per period cannot be told from 0 Hz, where every filter passes everything.

@@ -1,0 +1,138 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/certificate/corner_speed_check.hpp>
+#include <accdec/certificate/interval.hpp>
+#include <accdec/task/granted_limits.hpp>
+
+namespace accdec {
+namespace {
+
+/// At least what any tap, and any difference of two next to each other or to the end, may be.
+struct Largest {
+  double tap = 1.0, difference = unlimited;
+};
+
+Largest largest_taps(const Task& task) {
+  Largest largest;
+  const Interval t(task.sample_period);
+  const auto hold = [](double& bound, const Interval& by) { bound = std::min(bound, by.hi); };
+  for (const TaskCorner& corner : task.corners) {
+    const Corner& c = corner.geometry();
+    for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
+      const Axis& axis = task.machine.axes[i];
+      const auto a = static_cast<Eigen::Index>(i);
+      const Interval start = (Interval(c.feed_in) * Interval(c.direction_in[a])).magnitude(),
+                     stop = (Interval(c.feed_out) * Interval(c.direction_out[a])).magnitude();
+      for (const Interval& feed : {start, stop}) {
+        if (!(feed.lo > 0.0)) continue;
+        if (axis.acceleration_max < unlimited) hold(largest.tap, Interval(axis.acceleration_max) * t / feed);
+        if (axis.jerk_max < unlimited) hold(largest.difference, Interval(axis.jerk_max) * t * t / feed);
+      }
+      if (axis.force_max < unlimited && axis.mass > 0.0 && start.lo > 0.0)
+        hold(largest.tap, Interval(axis.force_max) * t / (Interval(axis.mass) * start));
+    }
+  }
+  return largest;
+}
+
+/// At most sum (i + 1) c_i over all c_0, c_1 .. >= 0 of this sum, none above `tap` nor more than `difference` below the
+/// one before it. The least is that of c_i = min(tap, max(0, top - i difference)): any other of the same sum is below
+/// it first and above it then. A top with too small a sum gives less still.
+Interval distance(const Largest& largest, const Interval& sum) {
+  const double goal = sum.lo;
+  if (!(goal > 0.0)) return {};
+  if (goal > 1.0 + 1e-9) return Interval(1e30);  // no leg is faster than its feed
+  Interval moment;
+  const auto total = [&](double top) {
+    Interval mass;
+    moment = {};
+    for (int i = 0; mass.hi <= goal; ++i) {
+      const Interval ramp = Interval(top) - Interval(i) * Interval(largest.difference);
+      if (!(ramp.hi > 0.0)) break;
+      const Interval tap(std::max(0.0, std::min(largest.tap, ramp.lo)), std::min(largest.tap, ramp.hi));
+      mass = mass + tap;
+      moment = moment + Interval(i + 1.0) * tap;
+    }
+    return mass.hi;
+  };
+  if (largest.difference == unlimited) {
+    const double full = std::floor(goal / largest.tap * (1.0 - 1e-15));
+    const Interval rest = Interval(goal) - Interval(full) * Interval(largest.tap);
+    return Interval(largest.tap) * Interval(0.5 * full) * Interval(full + 1.0) +
+           Interval(full + 1.0) * Interval(std::max(0.0, rest.lo));
+  }
+  double low = 0.0, high = largest.tap + largest.difference * (goal / largest.tap + 1.0);
+  for (int i = 0; i < 45; ++i) {
+    const double top = 0.5 * (low + high);
+    (total(top) <= goal ? low : high) = top;
+  }
+  return total(low) <= goal ? moment : Interval{};
+}
+
+/// Both legs' speeds about the sample at which leg 1 is the faster one for the last time: alpha that of leg 1 right
+/// after it, beta that of leg 2 at it.
+class Crossing {
+ public:
+  Crossing(const Largest& largest, const Corner& corner, double speed)
+      : largest_(largest),
+        in_(corner.feed_in),
+        out_(corner.feed_out),
+        speed_(speed),
+        cosine_(std::max(-1.0, corner.cos_interior() - 1e-15), std::min(1.0, corner.cos_interior() + 1e-15)),
+        equal_(speed_ / square_root(Interval(2.0) * (Interval(1.0) - cosine_))) {}
+
+  /// Of both legs together from the corner point, in sample periods: every beta is in one of these cells.
+  double least_distance() const {
+    constexpr int cells = 400;
+    double least = unlimited;
+    for (int i = 0; i <= cells; ++i) {
+      const double width = 2.0 * equal_.lo / cells;
+      least = std::min(least, least_between(i * width, i < cells ? (i + 1) * width : unlimited));
+    }
+    return least;
+  }
+
+ private:
+  /// The faster leg's speed at least, beside a slower one of this speed: alpha^2 + beta^2 - 2 alpha beta cos = s^2.
+  Interval faster(double slower) const {
+    const Interval x(slower), sine2 = (Interval(1.0) - cosine_) * (Interval(1.0) + cosine_);
+    return x * cosine_ + square_root(speed_ * speed_ - x * x * sine2);
+  }
+  /// A concave function up to where both are equal; from there the slower leg itself is fast enough.
+  double faster_least(double low, double high) const {
+    if (low >= equal_.lo) return std::max(low, equal_.lo);
+    return std::min(faster(low).lo, high < equal_.lo ? faster(high).lo : equal_.lo);
+  }
+  /// One sample changes a leg's speed by no more than the largest tap.
+  double least_between(double low, double high) const {
+    const double alpha = (Interval(faster_least(low, high)) - Interval(largest_.tap) * in_).lo;
+    const double beta =
+        std::max(low, (Interval(faster_least(std::max(0.0, alpha), unlimited)) - Interval(largest_.tap) * out_).lo);
+    if (beta > high) return unlimited;
+    return (in_ * distance(largest_, Interval(alpha) / in_) + out_ * distance(largest_, Interval(beta) / out_)).lo;
+  }
+
+  const Largest& largest_;
+  Interval in_, out_, speed_, cosine_, equal_;
+};
+
+}  // namespace
+
+std::string too_fast_for_its_error(const Task& written) {
+  const Task task = granted_limits(written);
+  const Largest largest = largest_taps(task);
+  for (const TaskCorner& corner : task.corners) {
+    if (!corner.error_max || !(corner.speed_min > 0.0)) continue;
+    const double cosine = corner.geometry().cos_interior() - 1e-15;
+    if (!(cosine > -1.0) || !(cosine < 1.0 - 1e-9)) continue;
+    const Interval across = square_root(Interval(0.5) * (Interval(1.0) + Interval(cosine)));
+    const Interval least = Interval(Crossing(largest, corner.geometry(), corner.speed_min).least_distance());
+    if ((Interval(task.sample_period) * across * least).lo > *corner.error_max)
+      return fmt::format("corner {}: no filter is as fast as its smallest speed within its error", corner.name);
+  }
+  return {};
+}
+
+}  // namespace accdec

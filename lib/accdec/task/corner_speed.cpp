@@ -1,0 +1,127 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/task/corner_speed.hpp>
+#include <accdec/task/granted_limits.hpp>
+
+namespace accdec {
+namespace {
+
+struct TapBounds {
+  double most, step;
+};
+
+/// The last taps of a filter, or the first backwards: as large as they can be and still end.
+struct Ramp {
+  double mass = 0.0, moment = 0.0;  ///< sums of taps, and of taps by their distance, the first's being 1
+
+  Ramp(const TapBounds& bounds, double top, double at_most) {
+    for (int i = 0; mass < at_most; ++i) {
+      double tap = std::min(bounds.most, bounds.step < unlimited ? top - i * bounds.step : at_most - mass);
+      if (!(tap > 0.0)) break;
+      tap = std::min(tap, at_most - mass);
+      mass += tap, moment += (i + 1.0) * tap;
+    }
+  }
+};
+
+/// The least moment of taps of this sum.
+double least_moment(const TapBounds& bounds, double mass) {
+  if (mass <= 0.0) return 0.0;
+  if (mass > 1.0 + 1e-9) return unlimited;
+  if (bounds.step == unlimited) return Ramp(bounds, 0.0, mass).moment;
+  double low = 0.0, high = bounds.most + bounds.step * (mass / bounds.most + 1.0);
+  for (int i = 0; i < 50; ++i) {
+    const double top = 0.5 * (low + high);
+    (Ramp(bounds, top, 2.0 * mass).mass <= mass ? low : high) = top;
+  }
+  return Ramp(bounds, low, mass).moment;
+}
+
+/// One corner and a smallest speed s: alpha and beta are the speeds of leg 1 after sample k and of leg 2 at it.
+class SlowestPoint {
+ public:
+  SlowestPoint(double period, const TapBounds& bounds, const Corner& corner, double speed)
+      : bounds_(bounds),
+        corner_(corner),
+        speed_(speed),
+        cosine_(corner.cos_interior()),
+        equal_(speed / std::sqrt(2.0 * (1.0 - cosine_))),
+        to_error_(period * std::sqrt(0.5 * (1.0 + cosine_))) {}
+
+  /// Whether everything of this speed has a larger error.
+  bool beyond(double error) const {
+    constexpr int cells = 200;
+    const double width = 2.0 * equal_ / cells;
+    // Where both are equal the error is least, nearly: what is no contradiction mostly shows there.
+    const int middle = cells / 2;
+    for (int i = 0; i <= cells; ++i) {
+      const int cell = (middle + cells - i) % (cells + 1);
+      if (least_error(cell * width, cell < cells ? (cell + 1) * width : unlimited) <= error) return false;
+    }
+    return true;
+  }
+
+ private:
+  /// What the other leg, the faster one, needs beside a speed of this one up to `equal_`.
+  double beside(double slower) const {
+    const double sine2 = (1.0 - cosine_) * (1.0 + cosine_);
+    return slower * cosine_ + std::sqrt(std::max(0.0, speed_ * speed_ - slower * slower * sine2));
+  }
+  /// The least of it over a range: concave up to `equal_`, and no less than this leg's own from there.
+  double beside(double low, double high) const {
+    if (low >= equal_) return low;
+    return std::min(beside(low), high < equal_ ? beside(high) : equal_);
+  }
+  double least_error(double low, double high) const {
+    const double alpha = std::max(0.0, beside(low, high) - bounds_.most * corner_.feed_in);
+    const double beta = std::max(low, beside(alpha, unlimited) - bounds_.most * corner_.feed_out);
+    if (beta > high) return unlimited;
+    return to_error_ * (corner_.feed_in * least_moment(bounds_, alpha / corner_.feed_in) +
+                        corner_.feed_out * least_moment(bounds_, beta / corner_.feed_out));
+  }
+
+  const TapBounds& bounds_;
+  const Corner& corner_;
+  double speed_, cosine_, equal_, to_error_;
+};
+
+}  // namespace
+
+CornerSpeeds::CornerSpeeds(const Task& task) : task_(granted_limits(task)) {
+  const double t = task_.sample_period;
+  for (const TaskCorner& corner : task_.corners) {
+    const Corner& c = corner.geometry();
+    for (std::size_t i = 0; i < task_.machine.axes.size(); ++i) {
+      const Axis& axis = task_.machine.axes[i];
+      const auto a = static_cast<Eigen::Index>(i);
+      const double in = std::abs(c.feed_in * c.direction_in[a]), out = std::abs(c.feed_out * c.direction_out[a]);
+      const double fastest = std::max(in, out);
+      if (fastest > 0.0) {
+        tap_max_ = std::min(tap_max_, axis.acceleration_max * t / fastest);
+        difference_max_ = std::min(difference_max_, axis.jerk_max * t * t / fastest);
+      }
+      // From rest friction only takes force away.
+      if (in > 0.0 && axis.mass > 0.0) tap_max_ = std::min(tap_max_, axis.force_max * t / (axis.mass * in));
+    }
+  }
+}
+
+double CornerSpeeds::fastest(std::size_t j) const {
+  const TaskCorner& corner = task_.corners[j];
+  const double cosine = corner.geometry().cos_interior();
+  if (!corner.error_max || !(corner.speed_min > 0.0) || !(cosine > -1.0 && cosine < 1.0 - 1e-9)) return unlimited;
+  const TapBounds bounds{tap_max_, difference_max_};
+  const auto possible = [&](double speed) {
+    return !SlowestPoint(task_.sample_period, bounds, corner.geometry(), speed).beyond(*corner.error_max * 1.00000001);
+  };
+  if (possible(corner.speed_min)) return unlimited;
+  double low = 0.0, high = corner.speed_min;
+  for (int i = 0; i < 20; ++i) {
+    const double mid = 0.5 * (low + high);
+    (possible(mid) ? low : high) = mid;
+  }
+  return high;
+}
+
+}  // namespace accdec
