@@ -158,12 +158,31 @@ def earlier_rows(path, cases):
     return rows
 
 
+def summary(rows):
+    """Who is faster how often without a jerk limit, from the rows themselves; without their rows, nothing."""
+    text = []
+    for plan in ("profiles", "fixed"):
+        ratios = {}
+        for row in rows:
+            same = [r for r in rows if r["planner"] == "LinuxCNC" and (r["program"], r["acceleration_max"], r["jerk_max"]) ==
+                    (row["program"], row["acceleration_max"], "")]
+            if row["jerk_max"] == "" and row["planner"] == "accdec " + plan and "time_s" in row and same:
+                ratios[row["program"], row["acceleration_max"]] = row["time_s"] / same[0]["time_s"]
+        if not ratios:
+            continue
+        slower = ["%s at %d mm/s^2 (%+.1f %%)" % (*key, 100 * (ratio - 1)) for key, ratio in ratios.items() if ratio >= 1]
+        text += ["Without a jerk limit `%s` is faster than LinuxCNC in %d of %d cases%s." %
+                 (plan, len(ratios) - len(slower), len(ratios), "; slower in " + ", ".join(slower) if slower else ""), ""]
+    return text
+
+
 def write_table(path, rows, plans):
     text = ["# Beside LinuxCNC", "",
             "Written by `tests/peers/run.py`: LinuxCNC 2.9 (Debian) in simulation and accdec on the same programs at the same limits, %d mm/s an axis, one" % VELOCITY,
             "position a millisecond. Times in s from the first to the last change of position; every motion judged by `tests/peers/check.py` from its",
             "positions only. In brackets: the largest distance of a programmed point from the motion, um. An asterisk: breaks a limit or a tolerance, see",
-            "peers.csv for which, and for the peak acceleration and jerk of every axis.", ""]
+            "peers.csv for which, and for the peak acceleration and jerk of every axis. Where a jerk limit makes a plan slower than LinuxCNC, LinuxCNC",
+            "breaks the limit. No corner bound: a plan of filters was the fastest, whose report has none, or no leg comes to its feed.", ""] + summary(rows)
     for jerk in ("", JERK):
         text += ["## " + ("Jerk at most %g mm/s^3" % jerk if jerk else "No jerk limit"), "",
                  "| program | mm/s^2 | LinuxCNC | " + " | ".join("accdec " + p for p in plans) + " | profiles/LinuxCNC | corner bound |",
