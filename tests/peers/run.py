@@ -182,11 +182,14 @@ def write_table(path, rows, plans):
             "position a millisecond. Times in s from the first to the last change of position; every motion judged by `tests/peers/check.py` from its",
             "positions only. In brackets: the largest distance of a programmed point from the motion, um. An asterisk: breaks a limit or a tolerance, see",
             "peers.csv for which, and for the peak acceleration and jerk of every axis. Where a jerk limit makes a plan slower than LinuxCNC, LinuxCNC",
-            "breaks the limit. No corner bound: a plan of filters was the fastest, whose report has none, or no leg comes to its feed.", ""] + summary(rows)
+            "breaks the limit. The bound is the larger of those of `accdec program`: corners of straight legs by linear programs, and any continuous",
+            "motion, which knows nothing of jerk and little of corners between legs too short to come to their feed. One filter for a whole program",
+            "is as long as its corners ask for, and takes v^2 s^2/(2 R) off every curve: on the spiral that costs more than LinuxCNC loses, which",
+            "leaves its tolerance there.", ""] + summary(rows)
     for jerk in ("", JERK):
         text += ["## " + ("Jerk at most %g mm/s^3" % jerk if jerk else "No jerk limit"), "",
-                 "| program | mm/s^2 | LinuxCNC | " + " | ".join("accdec " + p for p in plans) + " | profiles/LinuxCNC | corner bound |",
-                 "|---|--:|--:|" + "--:|" * (len(plans) + 2)]
+                 "| program | mm/s^2 | LinuxCNC | " + " | ".join("accdec " + p for p in plans) + " | profiles/LinuxCNC | bound | of profiles, % |",
+                 "|---|--:|--:|" + "--:|" * (len(plans) + 3)]
         keys = dict.fromkeys((r["program"], r["acceleration_max"]) for r in rows if r["jerk_max"] == jerk)
         for name, acceleration in keys:
             mine = {r["planner"]: r for r in rows if (r["program"], r["acceleration_max"], r["jerk_max"]) == (name, acceleration, jerk)}
@@ -198,9 +201,10 @@ def write_table(path, rows, plans):
                 return "%.3f (%.1f)%s" % (row["time_s"], 1e3 * row["error_max_mm"], "*" if row["breaks"] else "")
             ours, theirs = mine.get("accdec profiles", {}), mine["LinuxCNC"]
             ratio = "%.3f" % (ours["time_s"] / theirs["time_s"]) if "time_s" in ours else "-"
-            bound = "%.3f" % ours["corner_bound_s"] if "corner_bound_s" in ours else "-"
+            bound = max([ours[key] for key in ("corner_bound_s", "lower_bound_s") if key in ours], default=None)
+            bounds = "%.3f | %.1f" % (bound, 100 * bound / ours["time_s"]) if bound else "- | -"
             text.append("| %s | %d | %s | %s | %s | %s |" % (name, acceleration, cell("LinuxCNC"),
-                                                             " | ".join(cell("accdec " + p) for p in plans), ratio, bound))
+                                                             " | ".join(cell("accdec " + p) for p in plans), ratio, bounds))
         text.append("")
     pathlib.Path(path).write_text("\n".join(text))
 
