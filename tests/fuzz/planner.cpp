@@ -138,7 +138,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Toolpath path = read_toolpath(source, machine, options);
     double way = 0.0;
     for (const double d : path.duration) way += d;
-    if (path.blocks() > 400 || way > 20.0) return 0;  // right, but slow
+    if (path.blocks() > 120 || way > 5.0) return 0;  // right, but slow
     const Machine axes = program_machine(machine, path);
     const ProfilePlan profiles = plan_profiles(path, axes, period);
     if (profiles.holds()) check_profiles(path, axes, profiles);

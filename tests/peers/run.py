@@ -158,16 +158,38 @@ def earlier_rows(path, cases):
     return rows
 
 
+def summary(rows):
+    """Who is faster how often without a jerk limit, from the rows themselves; without their rows, nothing."""
+    text = []
+    for plan in ("profiles", "fixed"):
+        ratios = {}
+        for row in rows:
+            same = [r for r in rows if r["planner"] == "LinuxCNC" and (r["program"], r["acceleration_max"], r["jerk_max"]) ==
+                    (row["program"], row["acceleration_max"], "")]
+            if row["jerk_max"] == "" and row["planner"] == "accdec " + plan and "time_s" in row and same:
+                ratios[row["program"], row["acceleration_max"]] = row["time_s"] / same[0]["time_s"]
+        if not ratios:
+            continue
+        slower = ["%s at %d mm/s^2 (%+.1f %%)" % (*key, 100 * (ratio - 1)) for key, ratio in ratios.items() if ratio >= 1]
+        text += ["Without a jerk limit `%s` is faster than LinuxCNC in %d of %d cases%s." %
+                 (plan, len(ratios) - len(slower), len(ratios), "; slower in " + ", ".join(slower) if slower else ""), ""]
+    return text
+
+
 def write_table(path, rows, plans):
     text = ["# Beside LinuxCNC", "",
             "Written by `tests/peers/run.py`: LinuxCNC 2.9 (Debian) in simulation and accdec on the same programs at the same limits, %d mm/s an axis, one" % VELOCITY,
             "position a millisecond. Times in s from the first to the last change of position; every motion judged by `tests/peers/check.py` from its",
             "positions only. In brackets: the largest distance of a programmed point from the motion, um. An asterisk: breaks a limit or a tolerance, see",
-            "peers.csv for which, and for the peak acceleration and jerk of every axis.", ""]
+            "peers.csv for which, and for the peak acceleration and jerk of every axis. Where a jerk limit makes a plan slower than LinuxCNC, LinuxCNC",
+            "breaks the limit. The bound is the larger of those of `accdec program`: corners of straight legs by linear programs, and any continuous",
+            "motion, which knows nothing of jerk and little of corners between legs too short to come to their feed. One filter for a whole program",
+            "is as long as its corners ask for, and takes v^2 s^2/(2 R) off every curve: on the spiral that costs more than LinuxCNC loses, which",
+            "leaves its tolerance there.", ""] + summary(rows)
     for jerk in ("", JERK):
         text += ["## " + ("Jerk at most %g mm/s^3" % jerk if jerk else "No jerk limit"), "",
-                 "| program | mm/s^2 | LinuxCNC | " + " | ".join("accdec " + p for p in plans) + " | profiles/LinuxCNC | corner bound |",
-                 "|---|--:|--:|" + "--:|" * (len(plans) + 2)]
+                 "| program | mm/s^2 | LinuxCNC | " + " | ".join("accdec " + p for p in plans) + " | profiles/LinuxCNC | bound | of profiles, % |",
+                 "|---|--:|--:|" + "--:|" * (len(plans) + 3)]
         keys = dict.fromkeys((r["program"], r["acceleration_max"]) for r in rows if r["jerk_max"] == jerk)
         for name, acceleration in keys:
             mine = {r["planner"]: r for r in rows if (r["program"], r["acceleration_max"], r["jerk_max"]) == (name, acceleration, jerk)}
@@ -179,9 +201,10 @@ def write_table(path, rows, plans):
                 return "%.3f (%.1f)%s" % (row["time_s"], 1e3 * row["error_max_mm"], "*" if row["breaks"] else "")
             ours, theirs = mine.get("accdec profiles", {}), mine["LinuxCNC"]
             ratio = "%.3f" % (ours["time_s"] / theirs["time_s"]) if "time_s" in ours else "-"
-            bound = "%.3f" % ours["corner_bound_s"] if "corner_bound_s" in ours else "-"
+            bound = max([ours[key] for key in ("corner_bound_s", "lower_bound_s") if key in ours], default=None)
+            bounds = "%.3f | %.1f" % (bound, 100 * bound / ours["time_s"]) if bound else "- | -"
             text.append("| %s | %d | %s | %s | %s | %s |" % (name, acceleration, cell("LinuxCNC"),
-                                                             " | ".join(cell("accdec " + p) for p in plans), ratio, bound))
+                                                             " | ".join(cell("accdec " + p) for p in plans), ratio, bounds))
         text.append("")
     pathlib.Path(path).write_text("\n".join(text))
 

@@ -106,6 +106,9 @@ TEST_F(ProgramCommand, ParametersAreRunByTheInterpreterOrItsInstallationIsNamed)
     EXPECT_EQ(done.code, 0) << done.err;
     EXPECT_THAT(done.err, HasSubstr("run by rs274"));
     EXPECT_EQ(number_of("r.json", "blocks"), 3);
+    const Output tools = run("program loop.ngc --task task.toml --tool-table none.tbl");
+    EXPECT_EQ(tools.code, 2);
+    EXPECT_THAT(tools.err, HasSubstr("none.tbl: no such tool table"));
   } else {
     EXPECT_EQ(done.code, 2);
     EXPECT_THAT(done.err, HasSubstr("apt-get install linuxcnc-uspace"));

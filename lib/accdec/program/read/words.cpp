@@ -16,8 +16,7 @@ std::string printable(char c) {
 }
 
 [[noreturn]] void needs_interpreter(const LineSource& source, std::size_t column, const std::string& what) {
-  throw NeedsInterpreter(source.name(), source.line_number(), column,
-                         what + " are not supported: give the interpreter's canonical output instead");
+  throw NeedsInterpreter(source.name(), source.line_number(), column, what + " need LinuxCNC's interpreter");
 }
 
 [[noreturn]] void refuse(const LineSource& source, char c, std::size_t column) {
