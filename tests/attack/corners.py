@@ -1,4 +1,5 @@
-"""Single corners: the program's `optimal` and `infeasible` against linear programs, its designs against the model in numpy."""
+"""Single corners: the program's `optimal` and `infeasible` against linear programs, its designs against the model in
+numpy."""
 import judge
 import model
 import tasks

@@ -37,8 +37,13 @@ class Attack:
     def run(self, *arguments, timeout=120, **options):
         """Exit code (negative: signal, None: did not end in time), standard output, standard error."""
         try:
-            done = subprocess.run([self.binary, *map(str, arguments)], capture_output=True, timeout=timeout,
-                                  stdin=subprocess.DEVNULL, **options)
+            done = subprocess.run(
+                [self.binary, *map(str, arguments)],
+                capture_output=True,
+                timeout=timeout,
+                stdin=subprocess.DEVNULL,
+                **options,
+            )
         except subprocess.TimeoutExpired:
             return None, "", "did not end"
         code = done.returncode
@@ -49,8 +54,13 @@ class Attack:
 
     def start(self, *arguments):
         """A process of its own group, so that its children can be killed with it."""
-        return subprocess.Popen([self.binary, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL, start_new_session=True)
+        return subprocess.Popen(
+            [self.binary, *map(str, arguments)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
 
     def kill(self, process):
         try:

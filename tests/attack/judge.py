@@ -1,8 +1,9 @@
 """Is any corner as short as N + d = L? Decided by linear programs over every (N, d, k), solved by HiGHS.
 
-For a fixed order N, delay d and sample k all limits but power, regeneration and smallest speed are convex in the taps: rows |A b| <= 1 and
-cones. The cone of the corner error is the objective: the smallest |S[k]| is found by a polygon of tangents that is refined where the
-optimum lies. Every value of it is a lower bound, so a polygon that is above the tolerance refutes (N, d, k) at once.
+For a fixed order N, delay d and sample k all limits but power, regeneration and smallest speed are convex in the taps:
+rows |A b| <= 1 and cones. The cone of the corner error is the objective: the smallest |S[k]| is found by a polygon of
+tangents that is refined where the optimum lies. Every value of it is a lower bound, so a polygon that is above the
+tolerance refutes (N, d, k) at once.
 """
 import math
 
@@ -47,12 +48,23 @@ def smallest_error(rows, cones, position, stop_above, symmetric=False):
             equal.append(row)
     objective = np.append(np.zeros(n), 1.0)
     for _ in range(100):
-        left = np.vstack([np.hstack([np.vstack(upper), np.zeros((sum(len(u) for u in upper), 1))]),
-                          np.hstack([error_cuts, -np.ones((len(error_cuts), 1))])])
+        left = np.vstack(
+            [
+                np.hstack([np.vstack(upper), np.zeros((sum(len(u) for u in upper), 1))]),
+                np.hstack([error_cuts, -np.ones((len(error_cuts), 1))]),
+            ]
+        )
         right = np.concatenate(bounds + [np.zeros(len(error_cuts))])
         for method in ("highs", "highs-ds", "highs-ipm"):  # now and then HiGHS ends without knowing
-            answer = linprog(objective, A_ub=left, b_ub=right, A_eq=np.array(equal), b_eq=[1.0] + [0.0] * (len(equal) - 1),
-                             bounds=[(0.0, None)] * (n + 1), method=method)
+            answer = linprog(
+                objective,
+                A_ub=left,
+                b_ub=right,
+                A_eq=np.array(equal),
+                b_eq=[1.0] + [0.0] * (len(equal) - 1),
+                bounds=[(0.0, None)] * (n + 1),
+                method=method,
+            )
             if answer.status in (0, 2):
                 break
         else:

@@ -1,4 +1,5 @@
-"""SIGKILL at random times: an output is the old one or the new one, whole; a study or comparison goes on and loses nothing."""
+"""SIGKILL at random times: an output is the old one or the new one, whole; a study or comparison goes on and loses
+nothing."""
 import os
 import shutil
 import time
@@ -31,6 +32,7 @@ def _whole_text(ending):
     def check(path):
         if not Path(path).read_text().rstrip().endswith(ending):
             raise ValueError("no end")
+
     return check
 
 
@@ -60,14 +62,22 @@ class Victim:
 def _victims(attack):
     make_inputs(attack)
     p = attack.path
-    return [Victim(attack, "killed.json", ("design", p("task.toml"), "-q", "--json"), _whole_result),
-            Victim(attack, "killed-program.json", ("program", p("part.ngc"), "--task", p("machine.toml"), "-q", "--json"), _whole_program),
-            Victim(attack, "killed.svg", ("plot", p("result.json"), "--out"), _whole_text("</svg>")),
-            Victim(attack, "killed.ngc", ("generate", "star", "--blocks", "2000", "--out"), _whole_text("M2"))]
+    return [
+        Victim(attack, "killed.json", ("design", p("task.toml"), "-q", "--json"), _whole_result),
+        Victim(
+            attack,
+            "killed-program.json",
+            ("program", p("part.ngc"), "--task", p("machine.toml"), "-q", "--json"),
+            _whole_program,
+        ),
+        Victim(attack, "killed.svg", ("plot", p("result.json"), "--out"), _whole_text("</svg>")),
+        Victim(attack, "killed.ngc", ("generate", "star", "--blocks", "2000", "--out"), _whole_text("M2")),
+    ]
 
 
 def _no_leftovers(attack, names):
-    """SIGKILL leaves no chance to remove a temporary; it must be told from the output by its name, and be one a kill at most."""
+    """SIGKILL leaves no chance to remove a temporary; it must be told from the output by its name, and be one a kill at
+    most."""
     left = leftovers(attack.work, names)
     if len(left) > 1:
         attack.fail(f"a kill left {left}")
@@ -101,7 +111,9 @@ def _kill_study(attack, reference):
 def run(attack):
     victims = _victims(attack)
     Path(attack.path("study.toml")).write_text(STUDY)
-    code, _, err = attack.run("study", attack.path("study.toml"), "--out", attack.path("reference"), "-q", "--workers", "1")
+    code, _, err = attack.run(
+        "study", attack.path("study.toml"), "--out", attack.path("reference"), "-q", "--workers", "1"
+    )
     if code != 0:
         attack.fail(f"the study does not run: {code}: {err}")
         return

@@ -24,7 +24,8 @@ def machine_axes(task, count):
 
 
 def unit_motions(task, corner, order, delay):
-    """Velocity, acceleration, jerk (samples x taps) per axis over rest, leg 1, gap, leg 2, rest; position over the blend alone."""
+    """Velocity, acceleration, jerk (samples x taps) per axis over rest, leg 1, gap, leg 2, rest; position over the
+    blend alone."""
     period = task["sample_period_ms"] / 1e3
     u1, u2 = directions(corner)
     v1 = corner["feed_in_mm_min"] / 6e4
@@ -32,14 +33,16 @@ def unit_motions(task, corner, order, delay):
     leg, rest = order + 3, order + 4
     end_of_leg = rest + leg
     total = end_of_leg + delay + leg + rest
-    motion = SimpleNamespace(velocity=[], acceleration=[], jerk=[], position=[], blend=slice(end_of_leg - 1, end_of_leg + order + delay + 2))
+    motion = SimpleNamespace(
+        velocity=[], acceleration=[], jerk=[], position=[], blend=slice(end_of_leg - 1, end_of_leg + order + delay + 2)
+    )
     for x1, x2 in zip(u1, u2):
         command = np.zeros(total)
         command[rest:end_of_leg] = v1 * x1
-        command[end_of_leg + delay:end_of_leg + delay + leg] = v2 * x2
+        command[end_of_leg + delay : end_of_leg + delay + leg] = v2 * x2
         velocity = np.zeros((total, order + 1))
         for i in range(order + 1):
-            velocity[i:, i] = command[:total - i]
+            velocity[i:, i] = command[: total - i]
         acceleration = np.diff(velocity, axis=0, prepend=0.0) / period
         motion.velocity.append(velocity)
         motion.acceleration.append(acceleration)
@@ -49,7 +52,11 @@ def unit_motions(task, corner, order, delay):
     return motion
 
 
-LINEAR = (("velocity_max_mm_s", "velocity", 1e-3), ("acceleration_max_mm_s2", "acceleration", 1e-3), ("jerk_max_mm_s3", "jerk", 1e-3))
+LINEAR = (
+    ("velocity_max_mm_s", "velocity", 1e-3),
+    ("acceleration_max_mm_s2", "acceleration", 1e-3),
+    ("jerk_max_mm_s3", "jerk", 1e-3),
+)
 
 
 def linear_rows(task, corner, motion):
@@ -60,7 +67,9 @@ def linear_rows(task, corner, motion):
             if key in axis:
                 rows.append(getattr(motion, quantity)[i] / (axis[key] * unit))
         if "force_max_N" in axis:
-            force = axis.get("mass_kg", 0.0) * motion.acceleration[i] + axis.get("damping_N_s_m", 0.0) * motion.velocity[i]
+            force = (
+                axis.get("mass_kg", 0.0) * motion.acceleration[i] + axis.get("damping_N_s_m", 0.0) * motion.velocity[i]
+            )
             rows.append(force / axis["force_max_N"])
     return np.unique(np.vstack(rows).round(14), axis=0) if rows else np.zeros((0, motion.velocity[0].shape[1]))
 
@@ -74,7 +83,8 @@ def residual_rows(mode, period, order, count=33):
 
 
 def worst_use(task, taps, delays):
-    """Largest use of any limit (1 is the bound) by the taps and delays, and its name. Distances below 1e-12 m are zero."""
+    """Largest use of any limit (1 is the bound) by the taps and delays, and its name. Distances below 1e-12 m are
+    zero."""
     taps = np.asarray(taps, float) / math.fsum(taps)
     worst, name = 0.0, "none"
 
@@ -108,7 +118,8 @@ def worst_use(task, taps, delays):
 
 
 def value_at(task, taps, delays, limit):
-    """What a recorded limit of an axis is used at the event and sample that it names, in SI; None where there is none."""
+    """What a recorded limit of an axis is used at the event and sample that it names, in SI; None where there is
+    none."""
     taps = np.asarray(taps, float) / math.fsum(taps)
     j, corner = next(((j, c) for j, c in enumerate(task["corner"]) if c["name"] == limit["corner"]), (None, None))
     if corner is None:
@@ -121,10 +132,18 @@ def value_at(task, taps, delays, limit):
         return None
     axes = machine_axes(task, len(motion.velocity))
     i = next((i for i, axis in enumerate(axes) if axis.get("name", "xyzabcuvw"[i]) == limit["axis"]), 0)
-    v, a, jerk = (quantity[i][zero + limit["sample"]] @ taps for quantity in (motion.velocity, motion.acceleration, motion.jerk))
+    v, a, jerk = (
+        quantity[i][zero + limit["sample"]] @ taps for quantity in (motion.velocity, motion.acceleration, motion.jerk)
+    )
     force = axes[i].get("mass_kg", 0.0) * a + axes[i].get("damping_N_s_m", 0.0) * v
-    return {"velocity": abs(v), "acceleration": abs(a), "jerk": abs(jerk), "force": abs(force), "power": force * v,
-            "regeneration": -force * v}.get(limit["kind"])
+    return {
+        "velocity": abs(v),
+        "acceleration": abs(a),
+        "jerk": abs(jerk),
+        "force": abs(force),
+        "power": force * v,
+        "regeneration": -force * v,
+    }.get(limit["kind"])
 
 
 def corner_error(motion, taps):

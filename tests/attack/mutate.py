@@ -1,4 +1,5 @@
-"""Results damaged and forged: `verify` may refuse or reject them, or accept what is still true; never a crash, never a lie."""
+"""Results damaged and forged: `verify` may refuse or reject them, or accept what is still true; never a crash, never a
+lie."""
 import base64
 import copy
 import gzip
@@ -23,8 +24,18 @@ def _change(rng, value):
     if isinstance(value, bool):
         return not value
     if isinstance(value, (int, float)) and rng.random() < 0.8:
-        return rng.choice([value * (1.0 + rng.choice([-1, 1]) * 10.0 ** rng.uniform(-12, 0)), -value, value + 1, value - 1, 0, value * 2,
-                           1e308, 5e-324])
+        return rng.choice(
+            [
+                value * (1.0 + rng.choice([-1, 1]) * 10.0 ** rng.uniform(-12, 0)),
+                -value,
+                value + 1,
+                value - 1,
+                0,
+                value * 2,
+                1e308,
+                5e-324,
+            ]
+        )
     if isinstance(value, str):
         return rng.choice(["", value + "x", "optimal", "feasible", "infeasible", "blend", "stop"])
     if isinstance(value, list) and value:
@@ -94,12 +105,14 @@ def pack(rng, forged):
     if kind == 0:
         packed[rng.randrange(len(packed))] = rng.randrange(256)
     elif kind == 1:
-        del packed[rng.randrange(len(packed)):]
+        del packed[rng.randrange(len(packed)) :]
     elif kind == 2:
         packed = packed * 2
     elif kind == 3:
         packed = bytearray(gzip.compress(b"[" * rng.choice([1, 1000, 20_000_000]), 1))
-    return forged | {"certificate": {"gzip": base64.b64encode(packed).decode(), "kind": "packed", "schema": "accdec.certificate/1"}}
+    return forged | {
+        "certificate": {"gzip": base64.b64encode(packed).decode(), "kind": "packed", "schema": "accdec.certificate/1"}
+    }
 
 
 def mutate_text(rng, text):
@@ -111,16 +124,17 @@ def mutate_text(rng, text):
         if kind == 0:
             data[at] = rng.randrange(256)
         elif kind == 1:
-            del data[at:at + length]
+            del data[at : at + length]
         elif kind == 2:
-            data[at:at] = data[at:at + length]
+            data[at:at] = data[at : at + length]
         elif len(data) > 2 and rng.random() < 0.3:
             del data[at:]
         data = data or bytearray(b" ")
     return bytes(data)
 
 
-# What a recheck finds by itself. Where a limit is used most may be told otherwise where it is used alike (`_misplaced`).
+# What a recheck finds by itself. Where a limit is used most may be told otherwise where it is used alike
+# (`_misplaced`).
 CHECKED = ("sample_period_s", "cycle_time_s", "corner_time_s", "corners", "limits", "verification", "filter")
 FREE = ("sample", "event", "worst", "frequency_Hz", "name")
 
@@ -168,7 +182,8 @@ def _contradiction(result):
 
 
 def _lie(task, original, path):
-    """What is false in an accepted result; None if all of it is true. The task is part of the file and was not changed on purpose."""
+    """What is false in an accepted result; None if all of it is true. The task is part of the file and was not changed
+    on purpose."""
     try:
         result = read_json(path)
     except ValueError:
@@ -203,7 +218,11 @@ def _lie(task, original, path):
 
 
 def run(attack):
-    task_path, result_path, forged_path = attack.path("task.toml"), attack.path("result.json"), attack.path("forged.json")
+    task_path, result_path, forged_path = (
+        attack.path("task.toml"),
+        attack.path("result.json"),
+        attack.path("forged.json"),
+    )
     task = original = None
     while attack.more():
         rng = attack.rng()

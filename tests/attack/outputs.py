@@ -1,4 +1,5 @@
-"""Outputs that must not be written, or cannot be: onto inputs, onto each other, onto full disks; many writers at once; links."""
+"""Outputs that must not be written, or cannot be: onto inputs, onto each other, onto full disks; many writers at once;
+links."""
 import os
 import resource
 import signal
@@ -29,16 +30,25 @@ def _small_files():
 
 def _commands(p):
     """Commands with one output each: what stands before the name of the output."""
-    return [("design", p("task.toml"), "-q", "--json"), ("evaluate", p("given.toml"), "-q", "--json"),
-            ("export", p("result.json"), "--format", "json", "--out"), ("export", p("result.json"), "--format", "c", "--out"),
-            ("plot", p("result.json"), "--out"), ("generate", "star", "--blocks", "50", "--out")] + \
-           [("program", p("part.ngc"), "--task", p("machine.toml"), "-q", o) for o in ("--json", "--samples", "--delays", "--emit", "--figure")]
+    return [
+        ("design", p("task.toml"), "-q", "--json"),
+        ("evaluate", p("given.toml"), "-q", "--json"),
+        ("export", p("result.json"), "--format", "json", "--out"),
+        ("export", p("result.json"), "--format", "c", "--out"),
+        ("plot", p("result.json"), "--out"),
+        ("generate", "star", "--blocks", "50", "--out"),
+    ] + [
+        ("program", p("part.ngc"), "--task", p("machine.toml"), "-q", o)
+        for o in ("--json", "--samples", "--delays", "--emit", "--figure")
+    ]
 
 
 def make_inputs(attack):
     p = attack.path
     Path(p("task.toml")).write_text(TASK)
-    Path(p("given.toml")).write_text(TASK.replace("error_max_um", "delay_samples = 12\nerror_max_um") + "[filter]\nkind = \"boxcar\"\norder = 30\n")
+    Path(p("given.toml")).write_text(
+        TASK.replace("error_max_um", "delay_samples = 12\nerror_max_um") + "[filter]\nkind = \"boxcar\"\norder = 30\n"
+    )
     Path(p("machine.toml")).write_text(MACHINE)
     Path(p("part.ngc")).write_text(PROGRAM)
     code, _, err = attack.run("design", p("task.toml"), "--json", p("result.json"), "-q")
@@ -73,7 +83,13 @@ def _onto_inputs(attack, inputs, command):
         suffix = _suffix(command) if _suffix(command) == ".svg" else ""
         if not suffix:
             _refused(attack, inputs, command, source, "an input")
-            _refused(attack, inputs, command, os.path.join(attack.work, ".", os.path.basename(source)), "an input, spelt otherwise")
+            _refused(
+                attack,
+                inputs,
+                command,
+                os.path.join(attack.work, ".", os.path.basename(source)),
+                "an input, spelt otherwise",
+            )
         for name, link in (("hard" + suffix, os.link), ("soft" + suffix, os.symlink)):
             link(source, attack.path(name))
             _refused(attack, inputs, command, attack.path(name), f"a {name} link to an input")
@@ -93,7 +109,11 @@ def _onto_each_other(attack, inputs):
 def _cannot_be_written(attack, inputs, command):
     p = attack.path
     target = p("target" + _suffix(command))
-    for place, what in ((os.path.join(p("missing"), "x.svg"), "a missing folder"), (str(attack.work), "a folder"), ("", "an empty name")):
+    for place, what in (
+        (os.path.join(p("missing"), "x.svg"), "a missing folder"),
+        (str(attack.work), "a folder"),
+        ("", "an empty name"),
+    ):
         _refused(attack, inputs, command, place, what)
     if _suffix(command) != ".svg":
         _refused(attack, inputs, command, "/dev/full", "a full device")
@@ -125,7 +145,9 @@ def _planted_links(attack, command):
 
 def _full_standard_output(attack, command):
     with open("/dev/full", "wb") as full:
-        code = subprocess.run([attack.binary, *command], stdout=full, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL).returncode
+        code = subprocess.run(
+            [attack.binary, *command], stdout=full, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL
+        ).returncode
     attack.count("full standard outputs")
     if code != 2:
         attack.fail(f"full standard output: exit {code}: {' '.join(command)}")
@@ -160,9 +182,17 @@ def run(attack):
             _planted_links(attack, commands[step])
         elif step == len(commands):
             _onto_each_other(attack, inputs)
-            for command in (("design", p("task.toml")), ("evaluate", p("given.toml")), ("verify", p("result.json")), ("solvers",),
-                            ("program", p("part.ngc"), "--task", p("machine.toml")), ("generate", "star", "--blocks", "50"),
-                            ("design", p("task.toml"), "--json", "-"), ("--help",), ("--version",)):
+            for command in (
+                ("design", p("task.toml")),
+                ("evaluate", p("given.toml")),
+                ("verify", p("result.json")),
+                ("solvers",),
+                ("program", p("part.ngc"), "--task", p("machine.toml")),
+                ("generate", "star", "--blocks", "50"),
+                ("design", p("task.toml"), "--json", "-"),
+                ("--help",),
+                ("--version",),
+            ):
                 _full_standard_output(attack, command)
         else:
             race(attack)

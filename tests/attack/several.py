@@ -1,7 +1,8 @@
 """Several corners that share a filter: the program's optimum of whole machine time against linear programs.
 
-For a given order, delays, and a sample of each corner at which it is nearest, all limits are convex in the taps, so `judge` decides whether
-there are taps. What costs less than the program's answer is a finite list of orders and delays; every one of them is refuted.
+For a given order, delays, and a sample of each corner at which it is nearest, all limits are convex in the taps, so
+`judge` decides whether there are taps. What costs less than the program's answer is a finite list of orders and delays;
+every one of them is refuted.
 """
 import itertools
 from pathlib import Path
@@ -55,11 +56,14 @@ class Order:
         return self.alone[j, delay]
 
     def together(self, delays, nearest, slack):
-        """Whether one filter holds all limits and brings the first corners within their tolerances at the samples `nearest`; limits and
-        tolerances widened by `slack` (a share)."""
+        """Whether one filter holds all limits and brings the first corners within their tolerances at the samples
+        `nearest`; limits and tolerances widened by `slack` (a share)."""
         motions = [self.motion(j, d) for j, d in enumerate(delays)]
         rows = np.vstack([rows for _, rows, _ in motions]) / (1.0 + slack)
-        ends = [([p[k] for p in motion.position], tolerance * (1.0 + slack)) for (motion, _, tolerance), k in zip(motions, nearest)]
+        ends = [
+            ([p[k] for p in motion.position], tolerance * (1.0 + slack))
+            for (motion, _, tolerance), k in zip(motions, nearest)
+        ]
         cones = [(judge.plane(position)[None], tolerance) for position, tolerance in ends[1:]]
         error = judge.smallest_error(rows, cones, *ends[0])
         return error is not None and error <= ends[0][1]
@@ -105,8 +109,11 @@ def draw(rng):
     task = tasks.draw(rng, "several", longest=5)
     if rng.random() < 0.75:
         del task["corner"][2:]
-    task["design"] = {"objective": rng.choice(["cycle", "cycle", "cycle", "corner"]), "runs": rng.choice([1.0, 2.5, 7.0]),
-                      "order_max": 12}
+    task["design"] = {
+        "objective": rng.choice(["cycle", "cycle", "cycle", "corner"]),
+        "runs": rng.choice([1.0, 2.5, 7.0]),
+        "order_max": 12,
+    }
     return task
 
 
@@ -114,8 +121,10 @@ def judge_result(attack, task, result, *files):
     costs, period = Costs(task), task["sample_period_ms"] / 1e3
     order, delays = result["filter"]["order"], [c["delay_samples"] for c in result["corners"]]
     runs = task["design"]["runs"]
-    times = {"cycle_time_s": runs * (order + 1) + sum(w * d for w, d in zip(costs.weights, delays)),
-             "corner_time_s": sum(w * (order + 1 + d) for w, d in zip(costs.weights, delays))}
+    times = {
+        "cycle_time_s": runs * (order + 1) + sum(w * d for w, d in zip(costs.weights, delays)),
+        "corner_time_s": sum(w * (order + 1 + d) for w, d in zip(costs.weights, delays)),
+    }
     for name, samples in times.items():
         if abs(result[name] - period * samples) > 1e-9 * period * samples:
             attack.fail(f"{name} is {result[name]}, not {period * samples}", *files)
@@ -128,7 +137,9 @@ def judge_result(attack, task, result, *files):
         if found is None:
             attack.count("undecided by the judge")
         elif found:
-            attack.fail(f"optimal with N = {order} and delays {delays}, but N = {at.order} and {less} cost less", *files)
+            attack.fail(
+                f"optimal with N = {order} and delays {delays}, but N = {at.order} and {less} cost less", *files
+            )
 
 
 def run(attack):

@@ -1,12 +1,26 @@
 """Random design tasks of every kind, as dictionaries with the keys of task files.
 
-Limits are drawn from the number of samples they make a filter take, so that most tasks have an answer and none takes long.
+Limits are drawn from the number of samples they make a filter take, so that most tasks have an answer and none takes
+long.
 """
 import json
 import math
 
-KINDS = ("plain", "axes", "force", "vibration", "power", "regeneration", "speed", "symmetric", "given", "fixed-delay",
-         "several", "ties", "velocity")
+KINDS = (
+    "plain",
+    "axes",
+    "force",
+    "vibration",
+    "power",
+    "regeneration",
+    "speed",
+    "symmetric",
+    "given",
+    "fixed-delay",
+    "several",
+    "ties",
+    "velocity",
+)
 # Kinds whose feasible filters are a convex set for each (order, delay, sample): those the judge can decide.
 JUDGED = ("plain", "axes", "force", "vibration", "ties", "velocity")
 
@@ -74,7 +88,8 @@ def _given_filter(rng, samples):
 
 
 def draw(rng, kind, longest=16):
-    """A random task of a kind. `longest`: most samples an acceleration takes; the order ends near one to two times that."""
+    """A random task of a kind. `longest`: most samples an acceleration takes; the order ends near one to two times
+    that."""
     period = rng.choice([0.25, 0.5, 1.0, 1.0, 2.0, 4.0]) * 1e-3
     feed = rng.uniform(500.0, 20000.0) / 6e4
     samples = rng.uniform(3.0, longest)
@@ -91,9 +106,13 @@ def draw(rng, kind, longest=16):
     names = [f"x{i}" for i in range(axes)]
     alike = kind == "ties" or rng.random() < 0.3
     one = _axis(rng, names[0], feed, period, samples, limits)
-    task["axis"] = [one] + [dict(one, name=n) if alike else _axis(rng, n, feed, period, samples, limits) for n in names[1:]]
-    task["corner"] = [_corner(rng, period, feed * (1.0 if i == 0 else rng.uniform(0.4, 1.0)), samples, axes, rng.random() < 0.7)
-                      for i in range(corners)]
+    task["axis"] = [one] + [
+        dict(one, name=n) if alike else _axis(rng, n, feed, period, samples, limits) for n in names[1:]
+    ]
+    task["corner"] = [
+        _corner(rng, period, feed * (1.0 if i == 0 else rng.uniform(0.4, 1.0)), samples, axes, rng.random() < 0.7)
+        for i in range(corners)
+    ]
     for i, corner in enumerate(task["corner"]):
         corner["name"] = chr(ord("A") + i)
         if kind == "several":
@@ -110,8 +129,12 @@ def draw(rng, kind, longest=16):
         task["design"] = {"symmetric": kind == "symmetric"}
     if kind == "vibration":
         low = rng.uniform(0.4, 1.5) / (samples * period)
-        task["mode"] = [{"frequency_Hz": rng.choice([low, [low, low * rng.uniform(1.01, 1.15)]]),
-                         "residual_max": rng.choice([0.02, 0.05, 0.1, 0.3])}]
+        task["mode"] = [
+            {
+                "frequency_Hz": rng.choice([low, [low, low * rng.uniform(1.01, 1.15)]]),
+                "residual_max": rng.choice([0.02, 0.05, 0.1, 0.3]),
+            }
+        ]
     if kind == "given":
         task["filter"] = _given_filter(rng, samples)
     return task

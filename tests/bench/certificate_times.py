@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What proofs cost to check: processor time of `design` and of `verify`, and the size of the result with its certificate.
+"""What proofs cost to check: processor time of `design` and of `verify`, and the size of the result with its
+certificate.
 
   certificate_times.py TASK.toml ... [--accdec build/release/apps/accdec] [--time-limit 60]
 
@@ -32,8 +33,18 @@ def main():
     slower = 0
     for task in options.tasks:
         with tempfile.NamedTemporaryFile(suffix=".json") as file:
-            proof, _ = processor_seconds([options.accdec, "design", task, "--time-limit", str(options.time_limit),
-                                          "--quiet", "--json", file.name])
+            proof, _ = processor_seconds(
+                [
+                    options.accdec,
+                    "design",
+                    task,
+                    "--time-limit",
+                    str(options.time_limit),
+                    "--quiet",
+                    "--json",
+                    file.name,
+                ]
+            )
             # The middle of three: a check of a short proof lasts no longer than the clock's step.
             checks = [processor_seconds([options.accdec, "verify", file.name]) for _ in range(3)]
             result = json.load(open(file.name))
@@ -42,7 +53,10 @@ def main():
         wanted = 1 if result["status"] == "infeasible" else 0
         status = result["status"] if checks[0][1] == wanted or result["status"] == "infeasible" else "refused"
         slower += check > proof - start
-        print(f"| {task.stem} | {status} | {1e3 * (proof - start):.1f} | {1e3 * max(check, 0.0):.1f} | {1e-3 * size:.0f} |", flush=True)
+        print(
+            f"| {task.stem} | {status} | {1e3 * (proof - start):.1f} | {1e3 * max(check, 0.0):.1f} | {1e-3 * size:.0f} |",
+            flush=True,
+        )
     print(f"\nSlower to check than to prove: {slower} of {len(options.tasks)}.")
 
 

@@ -14,8 +14,20 @@ import resource
 import subprocess
 import time
 
-COLUMNS = ("kind", "corners", "seed", "status", "cycle_ms", "bound_ms", "gap_percent", "processor_s", "wall_s",
-           "linear_programs", "check_s", "proof")
+COLUMNS = (
+    "kind",
+    "corners",
+    "seed",
+    "status",
+    "cycle_ms",
+    "bound_ms",
+    "gap_percent",
+    "processor_s",
+    "wall_s",
+    "linear_programs",
+    "check_s",
+    "proof",
+)
 PLOT = """
 set terminal svg size 860,420 noenhanced font 'DejaVu Sans,12' background '#ffffff'
 set output '{out}/many_corners.svg'
@@ -32,8 +44,13 @@ set grid lc rgb '#dddddd'
 f = '{out}/many_corners.csv'
 plot {curves}, NaN with points lc rgb '#808080' pt 6 title 'stopped without a whole proof'
 """
-MARKS = {"jerk": ("#000000", 0), "force": ("#0b5fa5", 0.12), "vibration": ("#c8501e", 0.24), "power": ("#2e7d32", -0.12),
-         "unequal": ("#8e44ad", -0.24)}
+MARKS = {
+    "jerk": ("#000000", 0),
+    "force": ("#0b5fa5", 0.12),
+    "vibration": ("#c8501e", 0.24),
+    "power": ("#2e7d32", -0.12),
+    "unequal": ("#8e44ad", -0.24),
+}
 
 
 def processor_time():
@@ -55,9 +72,20 @@ def row_of(accdec, task, limit):
     result.unlink()
     kind, corners, seed = task.stem.split("-")
     proof = "accepted" if found.get("certificate") and check.returncode == 0 else "none"
-    return (kind, corners, seed, found["status"], f"{1e3 * found['cycle_time_s']:.6g}",
-            f"{1e3 * (found['lower_bound_s'] or 0):.6g}", f"{100 * (found['gap'] or 0):.2f}", f"{processor:.2f}",
-            f"{wall:.2f}", found["solver"]["evaluations"], f"{checking:.2f}", proof)
+    return (
+        kind,
+        corners,
+        seed,
+        found["status"],
+        f"{1e3 * found['cycle_time_s']:.6g}",
+        f"{1e3 * (found['lower_bound_s'] or 0):.6g}",
+        f"{100 * (found['gap'] or 0):.2f}",
+        f"{processor:.2f}",
+        f"{wall:.2f}",
+        found["solver"]["evaluations"],
+        f"{checking:.2f}",
+        proof,
+    )
 
 
 def draw(out):

@@ -3,14 +3,15 @@
 
     tests/bench/smooth_kernels.py PROGRAM OUT.md
 
-Kalico (a fork of the printer firmware Klipper) smooths motion with polynomial kernels w(t) over a time T_sm = c/f against
-a resonance near f Hz (klippy/extras/shaper_defs.py, coefficients below, highest power first, of t/T_sm over [-1/2, 1/2]).
-Each kernel is sampled every T, and its own demands are measured: largest tap (peak acceleration), largest difference of
-neighbouring taps, both ends included (peak jerk), and the worst residual of an undamped mode from 0.9 f to 1.1 f. The
-question: how short is the shortest non-negative filter that is nowhere worse? accdec answers with a proof; the second
-method is a linear program (HiGHS) whose rows are necessary conditions, so that an order which it finds infeasible is
-impossible. Kalico tunes its kernels for damped modes, which accdec's limits do not know: so the table also says what both
-leave of a mode with a damping ratio of 0.1, and how short a filter for that mode could be (linear programs alone).
+Kalico (a fork of the printer firmware Klipper) smooths motion with polynomial kernels w(t) over a time T_sm = c/f
+against a resonance near f Hz (klippy/extras/shaper_defs.py, coefficients below, highest power first, of t/T_sm over
+[-1/2, 1/2]). Each kernel is sampled every T, and its own demands are measured: largest tap (peak acceleration), largest
+difference of neighbouring taps, both ends included (peak jerk), and the worst residual of an undamped mode from 0.9 f
+to 1.1 f. The question: how short is the shortest non-negative filter that is nowhere worse? accdec answers with a
+proof; the second method is a linear program (HiGHS) whose rows are necessary conditions, so that an order which it
+finds infeasible is impossible. Kalico tunes its kernels for damped modes, which accdec's limits do not know: so the
+table also says what both leave of a mode with a damping ratio of 0.1, and how short a filter for that mode could be
+(linear programs alone).
 """
 
 import json
@@ -23,12 +24,34 @@ import numpy as np
 from scipy.optimize import linprog
 
 KERNELS = {
-    "smooth_zv": (0.8025, [-118.4265334338076, 5.861885495127615, 29.52796003014231, -1.465471373781904,
-                           0.01966833207740377]),
-    "smooth_mzv": (0.95625, [-1906.717580206364, 125.8892756660212, 698.0200035767849, -37.75923018121473,
-                             -62.18762409216703, 1.57172781617736, 1.713117990217123]),
-    "smooth_ei": (1.06625, [-1797.048868963208, 120.5310596109878, 669.6653197989012, -35.71975707450795,
-                            -62.49388325512682, 1.396748042940248, 1.848276903900512]),
+    "smooth_zv": (
+        0.8025,
+        [-118.4265334338076, 5.861885495127615, 29.52796003014231, -1.465471373781904, 0.01966833207740377],
+    ),
+    "smooth_mzv": (
+        0.95625,
+        [
+            -1906.717580206364,
+            125.8892756660212,
+            698.0200035767849,
+            -37.75923018121473,
+            -62.18762409216703,
+            1.57172781617736,
+            1.713117990217123,
+        ],
+    ),
+    "smooth_ei": (
+        1.06625,
+        [
+            -1797.048868963208,
+            120.5310596109878,
+            669.6653197989012,
+            -35.71975707450795,
+            -62.49388325512682,
+            1.396748042940248,
+            1.848276903900512,
+        ],
+    ),
 }
 FREQUENCY = 40.0  # Hz
 PERIOD = 0.5e-3  # s
@@ -56,8 +79,8 @@ def residual(taps, damping=0.0):
 
 
 def filter_of(order, peak, step, allowed, damping=0.0, inside=False):
-    """A filter of this order within the limits by a linear program, or None. The circle of the residual is replaced by a
-    polygon of 72 sides about it (necessary conditions) or inside it, at 41 frequencies."""
+    """A filter of this order within the limits by a linear program, or None. The circle of the residual is replaced by
+    a polygon of 72 sides about it (necessary conditions) or inside it, at 41 frequencies."""
     n, sides = order + 1, 72
     difference = np.eye(n + 1, n) - np.eye(n + 1, n, -1)
     rows, bounds = [difference, -difference], [np.full(2 * n + 2, step)]
@@ -66,8 +89,15 @@ def filter_of(order, peak, step, allowed, damping=0.0, inside=False):
         weight = np.exp((-damping + 1j * np.sqrt(1.0 - damping**2)) * at)
         rows.append((weight[None, :] * np.exp(-2j * np.pi * np.arange(sides) / sides)[:, None]).real)
         bounds.append(np.full(sides, allowed * (np.cos(np.pi / sides) if inside else 1.0)))
-    answer = linprog(np.zeros(n), A_ub=np.vstack(rows), b_ub=np.concatenate(bounds), A_eq=np.ones((1, n)), b_eq=[1.0],
-                     bounds=(0.0, peak), method="highs")
+    answer = linprog(
+        np.zeros(n),
+        A_ub=np.vstack(rows),
+        b_ub=np.concatenate(bounds),
+        A_eq=np.ones((1, n)),
+        b_eq=[1.0],
+        bounds=(0.0, peak),
+        method="highs",
+    )
     return answer.x if answer.status == 0 else None
 
 
@@ -75,8 +105,14 @@ def shortest_damped(taps, peak, step):
     """Fewest taps that are nowhere worse than `taps` on a mode with DAMPING; the range that the polygons leave open."""
     allowed = residual(taps, DAMPING)
     fewest = next(n for n in range(1, len(taps) + 1) if filter_of(n - 1, peak, step, allowed, DAMPING) is not None)
-    enough = next((n for n in range(fewest, len(taps) + 1)
-                   if filter_of(n - 1, peak, step, allowed * 0.999, DAMPING, inside=True) is not None), len(taps))
+    enough = next(
+        (
+            n
+            for n in range(fewest, len(taps) + 1)
+            if filter_of(n - 1, peak, step, allowed * 0.999, DAMPING, inside=True) is not None
+        ),
+        len(taps),
+    )
     return str(fewest) if fewest == enough else f"{fewest} to {enough}"
 
 
@@ -106,8 +142,11 @@ residual_max = {allowed!r}
 
 def main():
     program, out = sys.argv[1:]
-    lines = ["| kernel | taps | its residual, undamped | damped | shortest taps, undamped | accdec | one tap less, by HiGHS "
-             "| their residual, damped | shortest taps, damped, by HiGHS |", "|---|--:|--:|--:|--:|---|---|--:|--:|"]
+    lines = [
+        "| kernel | taps | its residual, undamped | damped | shortest taps, undamped | accdec | one tap less, by HiGHS "
+        "| their residual, damped | shortest taps, damped, by HiGHS |",
+        "|---|--:|--:|--:|--:|---|---|--:|--:|",
+    ]
     for name, (duration, coefficients) in KERNELS.items():
         taps = taps_of(duration, coefficients)
         peak = taps.max()
@@ -117,9 +156,11 @@ def main():
         found = np.array(result["filter"]["taps"]) / np.sum(result["filter"]["taps"])
         proof = result["status"] + (", certificate accepted" if verified else ", NOT VERIFIED")
         refuted = filter_of(len(found) - 2, peak * EXACT, step * EXACT, allowed) is None
-        lines.append(f"| {name} | {len(taps)} | {100 * residual(taps):.1f} % | {100 * residual(taps, DAMPING):.1f} % "
-                     f"| {len(found)} | {proof} | {'impossible' if refuted else 'not refuted'} "
-                     f"| {100 * residual(found, DAMPING):.1f} % | {shortest_damped(taps, peak * EXACT, step * EXACT)} |")
+        lines.append(
+            f"| {name} | {len(taps)} | {100 * residual(taps):.1f} % | {100 * residual(taps, DAMPING):.1f} % "
+            f"| {len(found)} | {proof} | {'impossible' if refuted else 'not refuted'} "
+            f"| {100 * residual(found, DAMPING):.1f} % | {shortest_damped(taps, peak * EXACT, step * EXACT)} |"
+        )
     text = "\n".join(lines) + "\n"
     Path(out).write_text(text)
     print(text, end="")

@@ -156,7 +156,8 @@ def as_toml(tree):
 
 
 TASK = {
-    "title": "t", "sample_period_ms": 1,
+    "title": "t",
+    "sample_period_ms": 1,
     "filter": {"kind": "boxcar", "order": 8, "shaper": "zv", "shaper_delay": 3},
     "baseline": {"kind": "hann", "order": 8},
     "design": {"order_max": 100},
@@ -166,16 +167,35 @@ TASK = {
     "program": {"error_max_um": 10},
 }
 STUDY = {
-    "title": "s", "task": "good.toml", "compute": ["delays"], "method": "exact",
+    "title": "s",
+    "task": "good.toml",
+    "compute": ["delays"],
+    "method": "exact",
     "case": [{"name": "a", "set": {"filter.order": 9}}, {"name": "b"}],
-    "vary": [{"key": "corner.*.error_max_um", "values": [10, 20]},
-             {"key": "corner.A.angle_deg", "range": {"from": 80, "to": 90, "count": 2}}],
+    "vary": [
+        {"key": "corner.*.error_max_um", "values": [10, 20]},
+        {"key": "corner.A.angle_deg", "range": {"from": 80, "to": 90, "count": 2}},
+    ],
     "ratio": [{"name": "r", "of": "delays.cycle_time_ms", "to": "delays.corner_time_ms"}],
-    "figure": [{"name": "f", "kind": "heat", "x": "corner.*.error_max_um", "y": ["corner.A.angle_deg"],
-                "z": "delays.cycle_time_ms", "where": {"case": "a"}}],
+    "figure": [
+        {
+            "name": "f",
+            "kind": "heat",
+            "x": "corner.*.error_max_um",
+            "y": ["corner.A.angle_deg"],
+            "z": "delays.cycle_time_ms",
+            "where": {"case": "a"},
+        }
+    ],
 }
 SUITE = {
-    "title": "s", "solvers": ["ipopt"], "starts": 1, "repeats": 1, "time_limit_s": 1, "reference_time_limit_s": 2, "reduced": ["nlopt-cobyla"],
+    "title": "s",
+    "solvers": ["ipopt"],
+    "starts": 1,
+    "repeats": 1,
+    "time_limit_s": 1,
+    "reference_time_limit_s": 2,
+    "reduced": ["nlopt-cobyla"],
     "variant": [{"name": "v", "solver": "ipopt", "form": "reduced"}],
     "problem": [{"name": "p", "task": "good.toml", "formulation": ["margin"], "order": 9, "sizes": [1]}],
 }

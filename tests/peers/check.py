@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""One checker for everybody's motion: positions every millisecond against the points of a program and the limits of the axes."""
+"""One checker for everybody's motion: positions every millisecond against the points of a program and the limits of the
+axes."""
 import numpy as np
 
 T = 1e-3
@@ -7,7 +8,11 @@ T = 1e-3
 
 def load_points(text):
     rows = [line.split() for line in text.splitlines()]
-    return np.array([[float(v) for v in r[:3]] for r in rows]), np.array([float(r[3]) for r in rows]), [r[4] for r in rows]
+    return (
+        np.array([[float(v) for v in r[:3]] for r in rows]),
+        np.array([float(r[3]) for r in rows]),
+        [r[4] for r in rows],
+    )
 
 
 def distances(points, point):
@@ -21,7 +26,8 @@ def distances(points, point):
 def nearest_in_order(motion, points):
     """Smallest distance of the polyline through the samples from every point, the points in their order.
 
-    The search for a point begins where the one before was nearest, and ends one and a half of their distance and 1 mm farther along the motion.
+    The search for a point begins where the one before was nearest, and ends one and a half of their distance and 1 mm
+    farther along the motion.
     """
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(motion, axis=0), axis=1))])
     found, at = np.zeros(len(points)), 0
@@ -33,7 +39,7 @@ def nearest_in_order(motion, points):
         if last == at:
             found[k] = np.linalg.norm(motion[at] - points[k])
             continue
-        d = distances(motion[at:last + 1], points[k])
+        d = distances(motion[at : last + 1], points[k])
         i = int(np.argmin(d))
         found[k] = d[i]
         at += i
@@ -41,10 +47,11 @@ def nearest_in_order(motion, points):
 
 
 def check(motion, points, tolerances, kinds, acceleration, velocity, jerk):
-    """motion: rows of x, y, z in mm; limits of every axis in mm/s^n, jerk None if there is none. Returns a dictionary."""
+    """motion: rows of x, y, z in mm; limits of every axis in mm/s^n, jerk None if there is none. Returns a
+    dictionary."""
     moving = np.nonzero(np.any(np.diff(motion, axis=0) != 0, axis=1))[0]
     first, last = moving[0], moving[-1] + 1
-    motion = motion[first:last + 1]
+    motion = motion[first : last + 1]
     rested = np.vstack([np.repeat(motion[:1], 3, 0), motion, np.repeat(motion[-1:], 3, 0)])
     v = np.diff(rested, axis=0) / T
     a = np.diff(v, axis=0) / T

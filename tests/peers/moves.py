@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """moves.py PROGRAM.ngc: the points a program asks for, by LinuxCNC's own interpreter (its python module gcode).
 
-One line a point, mm: x y z tolerance kind. `tolerance` is G64 P in force at the end of the move, 0 for exact path and stop, and kind is
-`corner` for the end of a move and `arc` for a point inside an arc. The first line is the start.
+One line a point, mm: x y z tolerance kind. `tolerance` is G64 P in force at the end of the move, 0 for exact path and
+stop, and kind is `corner` for the end of a move and `arc` for a point inside an arc. The first line is the start.
 """
 import math
 import os

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""LinuxCNC and accdec side by side: the same programs at the same limits, both motions judged by one checker. See README.md."""
+"""LinuxCNC and accdec side by side: the same programs at the same limits, both motions judged by one checker. See
+README.md."""
 import argparse
 import concurrent.futures
 import csv
@@ -22,24 +23,33 @@ PLANS = ["fixed", "per-leg", "profiles"]
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--install", action="store_true", help="install linuxcnc-uspace and gcc with apt-get first (root)")
+    parser.add_argument(
+        "--install", action="store_true", help="install linuxcnc-uspace and gcc with apt-get first (root)"
+    )
     parser.add_argument("--accdec", default=str(ROOT / "build/release/apps/accdec"), help="the program to compare")
     parser.add_argument("--out", default=str(ROOT / "results/program"), help="folder for peers.csv and peers.md")
-    parser.add_argument("--only", nargs="*", help="only programs whose name contains one of these words; the rows of others stay")
+    parser.add_argument(
+        "--only", nargs="*", help="only programs whose name contains one of these words; the rows of others stay"
+    )
     parser.add_argument("--plans", nargs="*", default=PLANS, choices=PLANS)
-    parser.add_argument("--warp", type=int, default=5, help="LinuxCNC's servo thread runs so many times faster than the clock")
+    parser.add_argument(
+        "--warp", type=int, default=5, help="LinuxCNC's servo thread runs so many times faster than the clock"
+    )
     parser.add_argument("--jobs", type=int, default=2, help="programs at a time")
     return parser.parse_args()
 
 
 def install():
     subprocess.check_call(["apt-get", "update", "-qq"])
-    subprocess.check_call(["apt-get", "install", "-y", "-qq", "--no-install-recommends", "linuxcnc-uspace", "gcc", "libc6-dev"],
-                          env={**os.environ, "DEBIAN_FRONTEND": "noninteractive"})
+    subprocess.check_call(
+        ["apt-get", "install", "-y", "-qq", "--no-install-recommends", "linuxcnc-uspace", "gcc", "libc6-dev"],
+        env={**os.environ, "DEBIAN_FRONTEND": "noninteractive"},
+    )
 
 
 def fair(program, folder):
-    """A copy with G61.1 before its last move: LinuxCNC would else keep half its acceleration there for a blend that never comes."""
+    """A copy with G61.1 before its last move: LinuxCNC would else keep half its acceleration there for a blend that
+    never comes."""
     lines = pathlib.Path(program).read_text().splitlines()
     moves = [i for i, line in enumerate(lines) if any(c in line.split("(")[0].upper() for c in "XYZ")]
     if not any("G61.1" in line.upper() for line in lines):
@@ -62,24 +72,47 @@ def cases(accdec, folder):
                 found.append((name, problems / (name + ".ngc"), acceleration, acceleration == 1000))
     for kind, blocks in GENERATED.items():
         program = folder / (kind + "-generated.ngc")
-        subprocess.check_call([accdec, "generate", kind, "--blocks", str(blocks), "--feed", "6000", "--tolerance", "0.05", "--out", str(program)])
+        subprocess.check_call(
+            [
+                accdec,
+                "generate",
+                kind,
+                "--blocks",
+                str(blocks),
+                "--feed",
+                "6000",
+                "--tolerance",
+                "0.05",
+                "--out",
+                str(program),
+            ]
+        )
         found.append((kind, program, 1000, True))
     return found
 
 
 def task_file(folder, acceleration, jerk):
     path = folder / ("limits-%d-%s.toml" % (acceleration, jerk or "none"))
-    path.write_text("sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = %d\nacceleration_max_mm_s2 = %d\n%s" %
-                    (VELOCITY, acceleration, "jerk_max_mm_s3 = %d\n" % jerk if jerk else ""))
+    path.write_text(
+        "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = %d\nacceleration_max_mm_s2 = %d\n%s"
+        % (VELOCITY, acceleration, "jerk_max_mm_s3 = %d\n" % jerk if jerk else "")
+    )
     return path
 
 
 def samples_of_accdec(path):
     """Columns x_mm, y_mm, z_mm of a sample file; an axis that never moves is not in it."""
     import numpy as np
+
     with open(path) as file:
         names = file.readline().strip().split(",")
-    table = np.loadtxt(path, delimiter=",", skiprows=1, usecols=[names.index(a) for a in ("x_mm", "y_mm", "z_mm") if a in names], ndmin=2)
+    table = np.loadtxt(
+        path,
+        delimiter=",",
+        skiprows=1,
+        usecols=[names.index(a) for a in ("x_mm", "y_mm", "z_mm") if a in names],
+        ndmin=2,
+    )
     motion, column = np.zeros((len(table), 3)), 0
     for i, axis in enumerate("xyz"):
         if axis + "_mm" in names:
@@ -92,10 +125,13 @@ def compare(case, options, folder):
     """All rows of one program."""
     import numpy as np
     import check
+
     name, program, acceleration, with_jerk = case
     folder = pathlib.Path(tempfile.mkdtemp(dir=folder))
     program = fair(program, folder)
-    points, tolerances, kinds = check.load_points(subprocess.check_output([sys.executable, str(HERE / "moves.py"), str(program)], text=True))
+    points, tolerances, kinds = check.load_points(
+        subprocess.check_output([sys.executable, str(HERE / "moves.py"), str(program)], text=True)
+    )
     rows = []
 
     def judge(planner, motion, jerk, bounds=None):
@@ -107,8 +143,10 @@ def compare(case, options, folder):
         print("%s, %d mm/s^2, %s: %s %.3f s" % (name, acceleration, limit, planner, row["time_s"]), flush=True)
 
     out = folder / "linuxcnc.csv"
-    subprocess.check_call([str(HERE / "linuxcnc/run"), str(program), str(out), str(acceleration), str(VELOCITY)],
-                          env={**os.environ, "PEER_WARP": str(options.warp)})
+    subprocess.check_call(
+        [str(HERE / "linuxcnc/run"), str(program), str(out), str(acceleration), str(VELOCITY)],
+        env={**os.environ, "PEER_WARP": str(options.warp)},
+    )
     motion = np.loadtxt(out, delimiter=",", skiprows=1)
     judge("LinuxCNC", motion, None)
     if with_jerk:
@@ -117,20 +155,51 @@ def compare(case, options, folder):
         for plan in options.plans:
             samples, report = folder / "samples.csv", folder / "report.json"
             report.unlink(missing_ok=True)
-            done = subprocess.run([options.accdec, "program", str(program), "--task", str(task_file(folder, acceleration, jerk)), "--plan", plan,
-                                   "--time-limit", "60", "--samples", str(samples), "--json", str(report)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            done = subprocess.run(
+                [
+                    options.accdec,
+                    "program",
+                    str(program),
+                    "--task",
+                    str(task_file(folder, acceleration, jerk)),
+                    "--plan",
+                    plan,
+                    "--time-limit",
+                    "60",
+                    "--samples",
+                    str(samples),
+                    "--json",
+                    str(report),
+                ],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
             if done.returncode != 0:
-                rows.append({"program": name, "acceleration_max": acceleration, "jerk_max": jerk or "", "planner": "accdec " + plan,
-                             "breaks": "no plan: " + (done.stderr.strip().splitlines() or ["exit code %d" % done.returncode])[-1]})
+                rows.append(
+                    {
+                        "program": name,
+                        "acceleration_max": acceleration,
+                        "jerk_max": jerk or "",
+                        "planner": "accdec " + plan,
+                        "breaks": "no plan: "
+                        + (done.stderr.strip().splitlines() or ["exit code %d" % done.returncode])[-1],
+                    }
+                )
                 continue
             document = json.loads(report.read_text())
-            bounds = {key: document[key] for key in ("lower_bound_s", "corner_bound_s") if document.get(key) is not None}
+            bounds = {
+                key: document[key] for key in ("lower_bound_s", "corner_bound_s") if document.get(key) is not None
+            }
             judge("accdec " + plan, samples_of_accdec(samples), jerk, bounds)
     return rows
 
 
-COLUMNS = (["program", "acceleration_max", "jerk_max", "planner", "time_s", "error_max_mm", "excess_max_mm"] +
-           [what + "_" + axis for what in ("velocity", "acceleration", "jerk") for axis in "xyz"] + ["corner_bound_s", "lower_bound_s", "breaks"])
+COLUMNS = (
+    ["program", "acceleration_max", "jerk_max", "planner", "time_s", "error_max_mm", "excess_max_mm"]
+    + [what + "_" + axis for what in ("velocity", "acceleration", "jerk") for axis in "xyz"]
+    + ["corner_bound_s", "lower_bound_s", "breaks"]
+)
 
 
 def write_csv(path, rows):
@@ -152,7 +221,14 @@ def earlier_rows(path, cases):
                 continue
             words = ("program", "planner", "breaks")
             numbers = {k: float(v) for k, v in row.items() if k not in words and v != ""}
-            rows.append({"jerk_max": "", **{k: row[k] for k in words}, **numbers, "acceleration_max": int(row["acceleration_max"])})
+            rows.append(
+                {
+                    "jerk_max": "",
+                    **{k: row[k] for k in words},
+                    **numbers,
+                    "acceleration_max": int(row["acceleration_max"]),
+                }
+            )
             if row["jerk_max"]:
                 rows[-1]["jerk_max"] = int(row["jerk_max"])
     return rows
@@ -164,47 +240,74 @@ def summary(rows):
     for plan in ("profiles", "fixed"):
         ratios = {}
         for row in rows:
-            same = [r for r in rows if r["planner"] == "LinuxCNC" and (r["program"], r["acceleration_max"], r["jerk_max"]) ==
-                    (row["program"], row["acceleration_max"], "")]
+            same = [
+                r
+                for r in rows
+                if r["planner"] == "LinuxCNC"
+                and (r["program"], r["acceleration_max"], r["jerk_max"])
+                == (row["program"], row["acceleration_max"], "")
+            ]
             if row["jerk_max"] == "" and row["planner"] == "accdec " + plan and "time_s" in row and same:
                 ratios[row["program"], row["acceleration_max"]] = row["time_s"] / same[0]["time_s"]
         if not ratios:
             continue
-        slower = ["%s at %d mm/s^2 (%+.1f %%)" % (*key, 100 * (ratio - 1)) for key, ratio in ratios.items() if ratio >= 1]
-        text += ["Without a jerk limit `%s` is faster than LinuxCNC in %d of %d cases%s." %
-                 (plan, len(ratios) - len(slower), len(ratios), "; slower in " + ", ".join(slower) if slower else ""), ""]
+        slower = [
+            "%s at %d mm/s^2 (%+.1f %%)" % (*key, 100 * (ratio - 1)) for key, ratio in ratios.items() if ratio >= 1
+        ]
+        text += [
+            "Without a jerk limit `%s` is faster than LinuxCNC in %d of %d cases%s."
+            % (plan, len(ratios) - len(slower), len(ratios), "; slower in " + ", ".join(slower) if slower else ""),
+            "",
+        ]
     return text
 
 
 def write_table(path, rows, plans):
-    text = ["# Beside LinuxCNC", "",
-            "Written by `tests/peers/run.py`: LinuxCNC 2.9 (Debian) in simulation and accdec on the same programs at the same limits, %d mm/s an axis, one" % VELOCITY,
-            "position a millisecond. Times in s from the first to the last change of position; every motion judged by `tests/peers/check.py` from its",
-            "positions only. In brackets: the largest distance of a programmed point from the motion, um. An asterisk: breaks a limit or a tolerance, see",
-            "peers.csv for which, and for the peak acceleration and jerk of every axis. Where a jerk limit makes a plan slower than LinuxCNC, LinuxCNC",
-            "breaks the limit. The bound is the larger of those of `accdec program`: corners of straight legs by linear programs, and any continuous",
-            "motion, which knows nothing of jerk and little of corners between legs too short to come to their feed. One filter for a whole program",
-            "is as long as its corners ask for, and takes v^2 s^2/(2 R) off every curve: on the spiral that costs more than LinuxCNC loses, which",
-            "leaves its tolerance there.", ""] + summary(rows)
+    text = [
+        "# Beside LinuxCNC",
+        "",
+        "Written by `tests/peers/run.py`: LinuxCNC 2.9 (Debian) in simulation and accdec on the same programs at the same limits, %d mm/s an axis, one"
+        % VELOCITY,
+        "position a millisecond. Times in s from the first to the last change of position; every motion judged by `tests/peers/check.py` from its",
+        "positions only. In brackets: the largest distance of a programmed point from the motion, um. An asterisk: breaks a limit or a tolerance, see",
+        "peers.csv for which, and for the peak acceleration and jerk of every axis. Where a jerk limit makes a plan slower than LinuxCNC, LinuxCNC",
+        "breaks the limit. The bound is the larger of those of `accdec program`: corners of straight legs by linear programs, and any continuous",
+        "motion, which knows nothing of jerk and little of corners between legs too short to come to their feed. One filter for a whole program",
+        "is as long as its corners ask for, and takes v^2 s^2/(2 R) off every curve: on the spiral that costs more than LinuxCNC loses, which",
+        "leaves its tolerance there.",
+        "",
+    ] + summary(rows)
     for jerk in ("", JERK):
-        text += ["## " + ("Jerk at most %g mm/s^3" % jerk if jerk else "No jerk limit"), "",
-                 "| program | mm/s^2 | LinuxCNC | " + " | ".join("accdec " + p for p in plans) + " | profiles/LinuxCNC | bound | of profiles, % |",
-                 "|---|--:|--:|" + "--:|" * (len(plans) + 3)]
+        text += [
+            "## " + ("Jerk at most %g mm/s^3" % jerk if jerk else "No jerk limit"),
+            "",
+            "| program | mm/s^2 | LinuxCNC | "
+            + " | ".join("accdec " + p for p in plans)
+            + " | profiles/LinuxCNC | bound | of profiles, % |",
+            "|---|--:|--:|" + "--:|" * (len(plans) + 3),
+        ]
         keys = dict.fromkeys((r["program"], r["acceleration_max"]) for r in rows if r["jerk_max"] == jerk)
         for name, acceleration in keys:
-            mine = {r["planner"]: r for r in rows if (r["program"], r["acceleration_max"], r["jerk_max"]) == (name, acceleration, jerk)}
+            mine = {
+                r["planner"]: r
+                for r in rows
+                if (r["program"], r["acceleration_max"], r["jerk_max"]) == (name, acceleration, jerk)
+            }
 
             def cell(planner):
                 row = mine.get(planner, {})
                 if "time_s" not in row:
                     return "-"
                 return "%.3f (%.1f)%s" % (row["time_s"], 1e3 * row["error_max_mm"], "*" if row["breaks"] else "")
+
             ours, theirs = mine.get("accdec profiles", {}), mine["LinuxCNC"]
             ratio = "%.3f" % (ours["time_s"] / theirs["time_s"]) if "time_s" in ours else "-"
             bound = max([ours[key] for key in ("corner_bound_s", "lower_bound_s") if key in ours], default=None)
             bounds = "%.3f | %.1f" % (bound, 100 * bound / ours["time_s"]) if bound else "- | -"
-            text.append("| %s | %d | %s | %s | %s | %s |" % (name, acceleration, cell("LinuxCNC"),
-                                                             " | ".join(cell("accdec " + p) for p in plans), ratio, bounds))
+            text.append(
+                "| %s | %d | %s | %s | %s | %s |"
+                % (name, acceleration, cell("LinuxCNC"), " | ".join(cell("accdec " + p) for p in plans), ratio, bounds)
+            )
         text.append("")
     pathlib.Path(path).write_text("\n".join(text))
 
