@@ -15,8 +15,6 @@
 #include <accdec/formats/program_record.hpp>
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/plot/figure.hpp>
-#include <accdec/plot/plot_program.hpp>
-#include <accdec/plot/program_page.hpp>
 #include <accdec/program/write/fastest_plan.hpp>
 #include <accdec/program/write/program_file.hpp>
 #include <accdec/program/write/program_report.hpp>
@@ -24,6 +22,7 @@
 
 #include "option_checks.hpp"
 #include "output.hpp"
+#include "program_figure.hpp"
 #include "program_profiles.hpp"
 #include "status_line.hpp"
 
@@ -63,9 +62,6 @@ void check_outputs(const Options& options) {
   };
   refuse(options.delays, !profiles, "--delays", "fixed or per-leg");
   refuse(options.emit, !profiles, "--emit", "fixed or per-leg");
-  if (!options.figure.empty() && profiles && figure_format(options.figure) != "html") {
-    throw std::invalid_argument("--figure needs --plan fixed or per-leg, or a name that ends in .html");
-  }
   refuse(options.stream, profiles, "--stream", "profiles");
   if (options.file.compensate_arcs && options.feeds == "keep") {
     throw std::invalid_argument("--compensate-arcs needs --feeds choose");
@@ -82,13 +78,6 @@ void run_profiles_and_others(const Options& options, Context& context, ProgramFi
   const ProgramInputs inputs = options.json.empty() ? ProgramInputs{} : inputs_of(options, file);
   write_fastest(fastest, inputs, file.path, task.machine,
                 {options.json, options.samples, options.stream, options.figure}, context);
-}
-
-std::string figure_of(const Task& task, const Toolpath& programmed, const ProgramResult& result,
-                      const std::string& type) {
-  if (type == "html") return program_page(programmed, task.machine, result);
-  const Figure figure = plot_program(result);
-  return convert_svg(render_svg(figure), type, figure.title);
 }
 
 /// Plans with one filter, or one a leg.
@@ -147,10 +136,10 @@ void run(Options& options, Context& context) {
     context.exit_code = exit_no_answer;
     return;
   }
-  const Toolpath programmed = figure_type == "html" ? file.path : Toolpath{};
+  const Toolpath programmed = figure_type.empty() ? Toolpath{} : file.path;
   const ProgramResult result = plan_with(options, context, file, choice, task);
   write_outputs(options, context, result, options.json.empty() ? "" : program_to_json(result, inputs_of(options, file)),
-                figure_type.empty() ? "" : figure_of(task, programmed, result, figure_type));
+                figure_type.empty() ? "" : program_figure(result, programmed, task.machine, figure_type));
   context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
 }
 
@@ -184,9 +173,10 @@ void add_outputs(CLI::App& command, Options& options) {
   add_output_option(command, "--emit", options.emit,
                     "Write the program back with the feeds, dwells and path modes that realise the plan; its G4 must "
                     "act before the filter");
-  add_output_option(command, "--figure", options.figure,
-                    "Draw the path by its errors and a histogram of the delays, .svg, .png or .pdf; or .html: one page "
-                    "that zooms into the path, coloured by speed, and says where time is lost");
+  add_output_option(
+      command, "--figure", options.figure,
+      "Draw the path by its errors and speed, the delays, the speed over time by the limit that binds and "
+      "where time is lost, .svg, .png or .pdf; or .html: one page that zooms into path and speed");
   add_output_option(command, "--stream", options.stream,
                     "With --plan profiles: one line a cycle of positions, - for standard output");
   command.add_option("--worst", options.worst, "How many corners to list by the use of their tolerance")

@@ -3,17 +3,18 @@
 #include <cstdio>
 
 #include <accdec/files/output_files.hpp>
-#include <accdec/plot/program_page.hpp>
 #include <accdec/program/write/samples.hpp>
+
+#include "program_figure.hpp"
 
 namespace accdec::cli {
 namespace {
 
 /// Writes the files and the summary of a plan. A plan that breaks a limit leaves no samples: only its JSON and its
 /// message.
-template <class Samples, class Stream, class Page>
+template <class Samples, class Stream, class Figure>
 void write(const ProfileOutputs& outputs, Context& context, const std::string& json, const std::string& summary,
-           const std::string& broken, const Samples& samples, const Stream& stream, const Page& page) {
+           const std::string& broken, const Samples& samples, const Stream& stream, const Figure& figure) {
   const bool holds = broken.empty();
   std::vector<OutputFile> large;
   if (holds && !outputs.samples.empty()) {
@@ -26,7 +27,7 @@ void write(const ProfileOutputs& outputs, Context& context, const std::string& j
   }
   OutputFiles files;
   if (!outputs.json.empty()) files.add(outputs.json, json);
-  if (holds && !outputs.page.empty()) files.add(outputs.page, page());
+  if (holds && !outputs.figure.empty()) files.add(outputs.figure, figure(figure_format(outputs.figure)));
   files.commit();
   for (OutputFile& file : large) file.commit();
   const bool stdout_taken = outputs.json == "-" || outputs.samples == "-" || outputs.stream == "-";
@@ -45,14 +46,14 @@ void write_fastest(const std::variant<ProfileResult, ProgramResult>& fastest, co
         outputs, context, outputs.json.empty() ? "" : profiles_to_json(*profiles, inputs), profiles_summary(*profiles),
         profiles->message, [&](std::ostream& out) { write_profile_samples(*profiles, out); },
         [&](std::ostream& out) { stream_profile(*profiles, out); },
-        [&] { return program_page(programmed, machine, *profiles); });
+        [&](const std::string& type) { return program_figure(*profiles, programmed, machine, type); });
     return;
   }
   const ProgramResult& other = std::get<ProgramResult>(fastest);
   write(
       outputs, context, outputs.json.empty() ? "" : program_to_json(other, inputs), program_summary(other), {},
       [&](std::ostream& out) { write_samples(other, out); }, [&](std::ostream& out) { stream_samples(other, out); },
-      [&] { return program_page(programmed, machine, other); });
+      [&](const std::string& type) { return program_figure(other, programmed, machine, type); });
 }
 
 }  // namespace accdec::cli

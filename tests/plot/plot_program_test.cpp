@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <sstream>
 
@@ -7,6 +9,7 @@
 
 #include <accdec/motion/shapes.hpp>
 #include <accdec/plot/plot_program.hpp>
+#include <accdec/plot/program_motion.hpp>
 #include <accdec/program/write/generate.hpp>
 
 namespace accdec {
@@ -97,6 +100,72 @@ TEST(PlotProgram, TheHistogramCountsEveryCornerOnce) {
   double samples = 0.0;
   for (std::size_t i = 0; i < bars.x.size(); ++i) samples += bars.x[i] * bars.y[i];
   EXPECT_NEAR(samples * result.sample_period, result.delay_total, 1e-9);
+}
+
+TEST(PlotProgram, SpeedsOverTimeHaveTheNameOfTheLimitThatBinds) {
+  // 60 mm at 100 mm/s and 1 m/s^2: ramps of 0.1 s, 0.7 s in all.
+  Task task;
+  task.machine.axes.resize(1);
+  task.machine.axes[0].acceleration_max = 1.0;
+  LineSource source("part.ngc", "G1 F6000 X60\n");
+  const Toolpath path = read_toolpath(source, task.machine, {});
+  const ProfileResult result = run_profiles("part.ngc", path, task, 0.0);
+  ASSERT_TRUE(result.plan.holds());
+  const Figure figure = plot_program(result, path, task.machine);
+  const Panel& speed = figure.panels[figure.panels.size() - 2];
+  ASSERT_EQ(speed.series.size(), 2U);
+  EXPECT_EQ(speed.series[0].label, "tolerance or programmed feed");
+  EXPECT_EQ(speed.series[1].label, "acceleration");
+  for (const Series& s : speed.series) {
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      if (std::isnan(s.x[i])) continue;
+      // A sample or two at the ends of the ramps are rounding.
+      const double ramp = 1e3 * std::min(s.x[i], 0.7 - s.x[i]);
+      EXPECT_NEAR(s.y[i], std::min(100.0, ramp), 2.0) << s.x[i];
+      EXPECT_TRUE(std::abs(ramp - 100.0) < 3.0 || ramp < 3.0 || (ramp < 100.0) == (&s != speed.series.data()));
+    }
+  }
+  // Each ramp takes 0.05 s longer than at the feed.
+  const Panel& lost = figure.panels.back();
+  ASSERT_EQ(lost.x.names, std::vector<std::string>{"stops, start and end"});
+  EXPECT_NEAR(lost.series[0].y[0], 0.1, 2e-3);
+}
+
+TEST(PlotProgram, MotionPanelsShowWhatStandsInTheSamples) {
+  const ProgramResult result = planned("G64 P0.1 G1 F6000 X50\nF3000 Y50\nX0 Y80\nX90\n", 50e-6);
+  const Figure figure = plot_program(result, result.path, {});
+  ASSERT_EQ(figure.panels.size(), 5U);
+  std::vector<double> speeds;  // mm/s
+  visit_samples(result,
+                [&](std::int64_t, const double*, const double* v) { speeds.push_back(1e3 * std::hypot(v[0], v[1])); });
+  // What is drawn are samples, and no sample lies beyond what is drawn a few pixels around it.
+  const auto reach = static_cast<std::ptrdiff_t>(speeds.size() / 200);
+  std::vector<double> low(speeds.size(), INFINITY), high(speeds.size(), -INFINITY);
+  for (const Series& s : figure.panels[3].series) {
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      if (std::isnan(s.x[i])) continue;
+      const auto at = std::lround(s.x[i] / result.sample_period), end = std::ssize(speeds);
+      EXPECT_NEAR(s.y[i], speeds.at(static_cast<std::size_t>(at)), 1e-9);
+      for (auto k = std::max(0L, at - reach); k < std::min(end, at + reach); ++k) {
+        low[static_cast<std::size_t>(k)] = std::min(low[static_cast<std::size_t>(k)], s.y[i]);
+        high[static_cast<std::size_t>(k)] = std::max(high[static_cast<std::size_t>(k)], s.y[i]);
+      }
+    }
+  }
+  for (std::size_t k = 0; k < speeds.size(); ++k) {
+    EXPECT_GE(speeds[k], low[k] - 1e-9) << k;
+    EXPECT_LE(speeds[k], high[k] + 1e-9) << k;
+  }
+  const Panel& lost = figure.panels[4];
+  const std::vector<CornerLoss> classes = time_lost(result.path, motion_of(result));
+  ASSERT_EQ(lost.x.names.size(), lost.series[0].y.size());
+  for (std::size_t i = 0; i < lost.x.names.size(); ++i) {
+    const auto loss = std::find_if(classes.begin(), classes.end(),
+                                   [&](const CornerLoss& c) { return class_name(c) == lost.x.names[i]; });
+    ASSERT_NE(loss, classes.end());
+    EXPECT_EQ(lost.series[0].y[i], loss->time);
+  }
+  EXPECT_TRUE(std::is_sorted(lost.series[0].y.rbegin(), lost.series[0].y.rend()));
 }
 
 TEST(PlotProgram, ADensePathStaysASmallDrawing) {

@@ -24,11 +24,6 @@ ProfileResult planned(const std::string& text) {
   return run_profiles("test", path_of(text), task, 0.0);
 }
 
-PageMotion page_of(const ProfileResult& result) {
-  return {"test", result.sample_period,
-          [&result](const SampleVisitor& visit) { visit_profile_samples(result, visit); }};
-}
-
 TEST(TimeLost, IsWhatTheMotionTakesBeyondWayOverFeed) {
   const double feed = 0.1;
   const ProfileResult result = planned("G64 P0.05 F6000\nG1 X30\nG1 Y30\nG1 X60 Y50\nM2\n");
@@ -39,7 +34,7 @@ TEST(TimeLost, IsWhatTheMotionTakesBeyondWayOverFeed) {
     x = at[0], y = at[1];
     samples = static_cast<double>(k);
   });
-  const std::vector<CornerLoss> classes = time_lost(result.path, page_of(result));
+  const std::vector<CornerLoss> classes = time_lost(result.path, motion_of(result));
   double sum = 0.0;
   long joints = 0;
   for (const CornerLoss& loss : classes) {

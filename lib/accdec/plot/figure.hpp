@@ -22,6 +22,7 @@ struct Series {
   std::vector<double> x, y;
   Mark mark = Mark::line;
   int style = 0;
+  bool solid = false;  ///< a line without the dashes of its style, for lines that take turns along one curve
 };
 /// A horizontal limit, drawn dashed across the panel.
 struct LimitLine {
@@ -60,7 +61,7 @@ struct Scale {
   std::string label;  ///< with the unit: "time / ms"
   bool log = false;
   std::optional<double> min, max;
-  std::vector<std::string> names = {};  ///< y only: of the values 1, 2, ..., in place of numbers
+  std::vector<std::string> names = {};  ///< of the values 1, 2, ..., in place of numbers
 };
 struct Panel {
   std::string title;

@@ -82,7 +82,7 @@ int symbol_of(const Series& s) {
 std::string line_of(const Series& s) {
   const std::size_t i = style_index(s.style);
   return fmt::format("lc rgb '{}' lw {} dt {}", colour_of(s), widths[i / dashes.size() % widths.size()],
-                     dashes[i % dashes.size()]);
+                     s.solid ? "solid" : dashes[i % dashes.size()]);
 }
 
 std::string with(const Series& s) {

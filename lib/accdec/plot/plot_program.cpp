@@ -7,6 +7,7 @@
 
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/program_drawing.hpp>
+#include <accdec/plot/program_motion_panels.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
@@ -21,12 +22,12 @@ bool rotary(std::size_t axis) {
   return axis >= 3 && axis < 6;
 }
 
-/// Error over tolerance of a joint, %; 0 where it stops or has no tolerance.
-double use_of(const ProgramResult& result, std::size_t joint) {
-  const double tolerance = result.path.tolerance[joint];
-  if (result.path.joint[joint] == Joint::stop || !(tolerance < unlimited)) return 0.0;
-  const double error = result.plan.errors[joint] <= position_floor ? 0.0 : result.plan.errors[joint];
-  return 100.0 * std::min(1.0, utilisation_of(LimitKind::corner_error, error, tolerance));
+/// Error (m) over tolerance of a joint, %; 0 where it stops or has no tolerance.
+double use_of(const Toolpath& path, std::size_t joint, double error) {
+  const double tolerance = path.tolerance[joint];
+  if (path.joint[joint] == Joint::stop || !(tolerance < unlimited)) return 0.0;
+  return 100.0 *
+         std::min(1.0, utilisation_of(LimitKind::corner_error, error <= position_floor ? 0.0 : error, tolerance));
 }
 
 /// The corners as a reader of the program counts them, and the worst of the joints inside arcs.
@@ -36,15 +37,16 @@ struct DrawnCorners {
   double worst_in_arc = 0.0;  ///< %
 };
 
-DrawnCorners corners_of(const ProgramResult& result, const ProgramView& view) {
-  const Toolpath& path = result.path;
+/// @param errors  m, one a block  @param delays  samples, one a block; empty: none
+DrawnCorners corners_of(const Toolpath& path, const std::vector<double>& errors, const std::vector<int>& delays,
+                        const ProgramView& view) {
   DrawnCorners corners;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (path.inside_arc[b] != 0) {
       corners.arcs = true;
-      corners.worst_in_arc = std::max(corners.worst_in_arc, use_of(result, b));
-    } else if (path.joint[b] != Joint::straight || result.plan.delays[b] != 0) {
-      corners.places.push_back({view.at(path, b + 1), use_of(result, b)});
+      corners.worst_in_arc = std::max(corners.worst_in_arc, use_of(path, b, errors[b]));
+    } else if (path.joint[b] != Joint::straight || (!delays.empty() && delays[b] != 0)) {
+      corners.places.push_back({view.at(path, b + 1), use_of(path, b, errors[b])});
     }
   }
   return corners;
@@ -87,11 +89,12 @@ Panel corner_panel(const Toolpath& path, const DrawnCorners& corners, const Prog
   return panel;
 }
 
-Panel speed_panel(const Toolpath& path, const ProgramView& view) {
+Panel speed_panel(const Toolpath& path, const std::vector<Stroke>& strokes, const ProgramView& view,
+                  const char* speed) {
   Panel panel = view_panel(path, view);
-  const std::vector<Stroke> strokes = strokes_of(path, view);
   add_strokes(panel, strokes, view, true);
-  panel.title = fmt::format("speed of {} blocks{}", path.blocks(), panel.series.empty() ? "" : ", rapid moves dashed");
+  panel.title =
+      fmt::format("{} of {} blocks{}", speed, path.blocks(), panel.series.empty() ? "" : ", rapid moves dashed");
   panel.coloured = speed_lines(strokes, view);
   return panel;
 }
@@ -129,27 +132,57 @@ Panel delay_panel(const ProgramResult& result) {
   return panel;
 }
 
+Figure program_page_frame(const std::string& program) {
+  Figure figure;
+  figure.title = program.substr(program.find_last_of('/') + 1);
+  figure.panel_width = page_width;
+  figure.panel_height = panel_height;
+  return figure;
+}
+
+void add_corner_panels(Figure& figure, const Toolpath& path, const DrawnCorners& corners, const ProgramView& whole) {
+  std::string title = fmt::format("{} corners by their errors", corners.places.size());
+  if (corners.arcs) title += fmt::format("; inside arcs at most {:.3g} % of the tolerance", corners.worst_in_arc);
+  figure.panels.push_back(corner_panel(path, corners, whole, title));
+  if (corners.places.size() < many_corners) return;
+  std::vector<std::array<double, 2>> places;
+  for (const PlaceValue& corner : corners.places) places.push_back(corner.place);
+  figure.panels.push_back(corner_panel(path, corners, enlarged(whole, places), "enlarged, where most are"));
+}
+
+void add_motion_panels(Figure& figure, const Toolpath& programmed, const Machine& machine,
+                       const ProgramMotion& motion) {
+  figure.panels.push_back(speed_over_time_panel(programmed, program_machine(machine, programmed), motion));
+  figure.panels.push_back(time_lost_panel(programmed, motion));
+}
+
 }  // namespace
 
 Figure plot_program(const ProgramResult& result) {
-  Figure figure;
-  const std::string name = result.program.substr(result.program.find_last_of('/') + 1);
-  figure.title = fmt::format("{}: {:.6g} s, {} taps{}", name, result.cycle_time, result.filter.order() + 1,
-                             result.legs.single() ? "" : ", length by leg");
-  figure.panel_width = page_width;
-  figure.panel_height = panel_height;
   const ProgramView whole = whole_view(result.path);
-  const DrawnCorners corners = corners_of(result, whole);
-  std::string title = fmt::format("{} corners by their errors", corners.places.size());
-  if (corners.arcs) title += fmt::format("; inside arcs at most {:.3g} % of the tolerance", corners.worst_in_arc);
-  figure.panels.push_back(corner_panel(result.path, corners, whole, title));
-  if (corners.places.size() >= many_corners) {
-    std::vector<std::array<double, 2>> places;
-    for (const PlaceValue& corner : corners.places) places.push_back(corner.place);
-    figure.panels.push_back(corner_panel(result.path, corners, enlarged(whole, places), "enlarged, where most are"));
-  }
-  figure.panels.push_back(speed_panel(result.path, whole));
+  Figure figure = program_page_frame(result.program);
+  figure.title += fmt::format(": {:.6g} s, {} taps{}", result.cycle_time, result.filter.order() + 1,
+                              result.legs.single() ? "" : ", length by leg");
+  add_corner_panels(figure, result.path, corners_of(result.path, result.plan.errors, result.plan.delays, whole), whole);
+  figure.panels.push_back(speed_panel(result.path, strokes_of(result.path, whole), whole, "commanded speed"));
   figure.panels.push_back(delay_panel(result));
+  return figure;
+}
+
+Figure plot_program(const ProgramResult& result, const Toolpath& programmed, const Machine& machine) {
+  Figure figure = plot_program(result);
+  add_motion_panels(figure, programmed, machine, motion_of(result));
+  return figure;
+}
+
+Figure plot_program(const ProfileResult& result, const Toolpath& programmed, const Machine& machine) {
+  const ProgramView whole = whole_view(result.path);
+  const ProgramMotion motion = motion_of(result);
+  Figure figure = program_page_frame(result.program);
+  figure.title += fmt::format(": {:.6g} s, plan profiles", result.cycle_time);
+  add_corner_panels(figure, result.path, corners_of(result.path, result.plan.errors, {}, whole), whole);
+  figure.panels.push_back(speed_panel(result.path, strokes_of(result.path, motion, whole), whole, "speed"));
+  add_motion_panels(figure, programmed, machine, motion);
   return figure;
 }
 

@@ -22,13 +22,6 @@ bool is_rotary(std::size_t axis) {
   return axis >= 3 && axis < 6;
 }
 
-double speed_of(const Toolpath& path, std::size_t block) {
-  double length2 = 0.0;
-  const double *p = path.point(block), *q = path.point(block + 1);
-  for (std::size_t a = 0; a < path.dimensions(); ++a) length2 += (q[a] - p[a]) * (q[a] - p[a]);
-  return std::sqrt(length2) / path.duration[block];
-}
-
 /// Rows of cells that strokes pass, by the value that counts where several do: the lowest.
 class Cells {
  public:
@@ -72,6 +65,28 @@ class Cells {
   double cell_;
   std::size_t columns_, rows_;
   std::vector<double> values_;
+};
+
+/// Puts moves together that follow one another until they can be seen.
+class StrokeMaker {
+ public:
+  explicit StrokeMaker(const ProgramView& view) : view_(view) {}
+  void add(const Point& from, const Point& to, double speed, bool rapid) {
+    if (!view_.shows(from, to)) {
+      open_ = false;
+      return;
+    }
+    if (!open_ || strokes.back().rapid != rapid) strokes.push_back({from, from, INFINITY, rapid});
+    Stroke& stroke = strokes.back();
+    stroke.to = to;
+    stroke.speed = std::min(stroke.speed, speed);
+    open_ = std::hypot(to[0] - stroke.from[0], to[1] - stroke.from[1]) < seen * view_.pixel;
+  }
+  std::vector<Stroke> strokes;
+
+ private:
+  const ProgramView& view_;
+  bool open_ = false;
 };
 
 void fit(ProgramView& view) {
@@ -150,22 +165,23 @@ ProgramView enlarged(const ProgramView& view, const std::vector<Point>& places) 
 }
 
 std::vector<Stroke> strokes_of(const Toolpath& path, const ProgramView& view) {
-  std::vector<Stroke> strokes;
-  bool open = false;
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    const Point p = view.at(path, b), q = view.at(path, b + 1);
-    const bool rapid = path.rapid[b] != 0;
-    if (!view.shows(p, q)) {
-      open = false;
-      continue;
-    }
-    if (!open || strokes.back().rapid != rapid) strokes.push_back({p, p, INFINITY, rapid});
-    Stroke& stroke = strokes.back();
-    stroke.to = q;
-    stroke.speed = std::min(stroke.speed, speed_of(path, b));
-    open = std::hypot(q[0] - stroke.from[0], q[1] - stroke.from[1]) < seen * view.pixel;
-  }
-  return strokes;
+  StrokeMaker maker(view);
+  for (std::size_t b = 0; b < path.blocks(); ++b)
+    maker.add(view.at(path, b), view.at(path, b + 1), block_feed(path, b), path.rapid[b] != 0);
+  return maker.strokes;
+}
+
+std::vector<Stroke> strokes_of(const Toolpath& path, const ProgramMotion& motion, const ProgramView& view) {
+  StrokeMaker maker(view);
+  PathFollower follower(path);
+  Point before{};
+  visit_speeds(path, Machine{}, motion, [&](std::int64_t k, const double* position, double speed, int) {
+    const Point now{position[view.across], path.dimensions() > 1 ? position[view.up] : 0.0};
+    follower.follow(position);
+    if (k > 0) maker.add(before, now, speed, path.rapid[follower.block()] != 0);
+    before = now;
+  });
+  return maker.strokes;
 }
 
 double stroke_width(const std::vector<Stroke>& strokes, const ProgramView& view) {
@@ -200,7 +216,7 @@ Series stroke_series(const std::vector<Stroke>& strokes, const ProgramView& view
 
 ColouredLines speed_lines(const std::vector<Stroke>& strokes, const ProgramView& view) {
   ColouredLines lines;
-  lines.label = "commanded speed / (mm/s)";
+  lines.label = "speed / (mm/s)";
   lines.high = 0.0;
   for (const Stroke& s : strokes) {
     if (!s.rapid) lines.high = std::max(lines.high, 1e3 * s.speed);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <accdec/plot/figure.hpp>
-#include <accdec/program/write/program_report.hpp>
+#include <accdec/plot/program_motion.hpp>
 
 namespace accdec {
 
@@ -30,10 +30,13 @@ ProgramView enlarged(const ProgramView& view, const std::vector<std::array<doubl
 /// A straight line of the drawing, m. Moves shorter than a pixel or two are put together.
 struct Stroke {
   std::array<double, 2> from{}, to{};
-  double speed = 0.0;  ///< m/s, the lowest commanded on it
+  double speed = 0.0;  ///< m/s, the lowest on it
   bool rapid = false;
 };
+/// With the commanded speeds.
 std::vector<Stroke> strokes_of(const Toolpath& path, const ProgramView& view);
+/// With the speeds of the motion along the path.
+std::vector<Stroke> strokes_of(const Toolpath& path, const ProgramMotion& motion, const ProgramView& view);
 
 /// px, thinner the more of the drawing the strokes fill.
 double stroke_width(const std::vector<Stroke>& strokes, const ProgramView& view);

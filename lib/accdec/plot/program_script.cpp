@@ -85,7 +85,7 @@ function drawSpeed() {
 }
 function tell() {
   info.textContent = mark < 0 ? "\u00a0" : `${D.t[mark]} s: ${D.ax[0]} ${D.x[mark]}, ${D.ax[1]} ${D.y[mark]} mm, ` +
-    `${D.v[mark]} mm/s, ` + (D.l[mark] < 0 ? "no limit binds" : D.names[D.l[mark]].replaceAll("_", " ") + " binds");
+    `${D.v[mark]} mm/s, ` + (D.l[mark] < 0 ? D.other : D.names[D.l[mark]]) + " binds";
 }
 let asked = false;
 function draw() {
@@ -161,8 +161,8 @@ S.addEventListener("pointerdown", nearTime);
 P.ondblclick = S.ondblclick = home;
 addEventListener("resize", draw);
 document.getElementById("legend").innerHTML = D.names.map((n, i) => D.l.includes(i)
-  ? `<b style="color:${lim[i]}">&#9632;</b> ${n.replaceAll("_", " ")} ` : "").join("") +
-  '<b style="color:#999">&#9632;</b> no limit';
+  ? `<b style="color:${lim[i]}">&#9632;</b> ${n} ` : "").join("") +
+  `<b style="color:#999">&#9632;</b> ${D.other}`;
 home();
 )js";
 

@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include <accdec/machine/limits.hpp>
+#include <accdec/plot/program_motion.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr std::array<double, 7> turns{0.0, 5.0, 20.0, 45.0, 75.0, 105.0, 180.0};
+
+double turn_at(const Toolpath& path, std::size_t b) {
+  const std::size_t n = path.dimensions();
+  const double* p = path.point(b);
+  double dot = 0.0, in2 = 0.0, out2 = 0.0;
+  for (std::size_t a = 0; a < n; ++a) {
+    const double u = p[n + a] - p[a], w = p[2 * n + a] - p[n + a];
+    dot += u * w;
+    in2 += u * u;
+    out2 += w * w;
+  }
+  return std::acos(std::clamp(dot / std::sqrt(in2 * out2), -1.0, 1.0)) * 180.0 / std::numbers::pi;
+}
+
+double norm(const double* v, std::size_t n) {
+  double sum = 0.0;
+  for (std::size_t a = 0; a < n; ++a) sum += v[a] * v[a];
+  return std::sqrt(sum);
+}
+
+/// The limits of one machine, and how much of each a sample uses.
+class Uses {
+ public:
+  Uses(const Machine& machine, double period) : period_(period) {
+    for (const Axis& axis : machine.axes) axes_.push_back({&axis, AxisSampler(axis, period)});
+  }
+  /// Index in `axis_limits` of the limit most used by the next sample; -1 if none by 98 %.
+  int next(const double* v) {
+    int binding = -1;
+    double most = 0.98;
+    for (Followed& followed : axes_) {
+      const AxisState state = followed.sampler.next(*v, (*v - followed.velocity) / period_);
+      for (std::size_t i = 0; i < axis_limits.size(); ++i) {
+        const double use = axis_limits[i].value(state) / (followed.axis->*axis_limits[i].bound);
+        if (use > most) most = use, binding = static_cast<int>(i);
+      }
+      followed.velocity = *v++;
+    }
+    return binding;
+  }
+
+ private:
+  struct Followed {
+    const Axis* axis;
+    AxisSampler sampler;
+    double velocity = 0.0;  ///< m/s, of the last sample
+  };
+  double period_;
+  std::vector<Followed> axes_;
+};
+
+std::string title_of(const std::string& program, double cycle_time, const char* plan) {
+  return fmt::format("{}: {:.6g} s, plan {}", program, cycle_time, plan);
+}
+
+}  // namespace
+
+double block_feed(const Toolpath& path, std::size_t block) {
+  std::array<double, program_axis_count> way{};
+  const double *p = path.point(block), *q = path.point(block + 1);
+  for (std::size_t a = 0; a < path.dimensions(); ++a) way[a] = q[a] - p[a];
+  return norm(way.data(), path.dimensions()) / path.duration[block];
+}
+
+ProgramMotion motion_of(const ProgramResult& result) {
+  return {title_of(result.program, result.cycle_time, result.legs.single() ? "fixed" : "per-leg"), result.sample_period,
+          result.cycle_time, [&result](const SampleVisitor& visit) { visit_samples(result, visit); }};
+}
+
+ProgramMotion motion_of(const ProfileResult& result) {
+  return {title_of(result.program, result.cycle_time, "profiles"), result.sample_period, result.cycle_time,
+          [&result](const SampleVisitor& visit) { visit_profile_samples(result, visit); }};
+}
+
+void PathFollower::follow(const double* x) {
+  for (;; ++block_) {
+    const bool last = block_ + 1 == path_.blocks();
+    double along = 0.0, length2 = 0.0, from_next = 0.0;
+    const double* p = path_.point(block_);
+    for (std::size_t a = 0; a < n_; ++a) {
+      const double u = p[n_ + a] - p[a];
+      along += (x[a] - p[a]) * u;
+      length2 += u * u;
+      if (!last) from_next += (x[a] - p[n_ + a]) * (p[2 * n_ + a] - p[n_ + a]);
+    }
+    part_ = std::clamp(along / length2, 0.0, 1.0);
+    // On this block until past its end or, where the corner is cut, on the way along the next.
+    const bool leaving = part_ > 0.5 && from_next > 0.0;
+    if (last || (along < length2 && !leaving)) return;
+  }
+}
+
+void visit_speeds(const Toolpath& path, const Machine& machine, const ProgramMotion& motion,
+                  const SpeedVisitor& visit) {
+  Uses uses(machine, motion.sample_period);
+  motion.samples([&](std::int64_t k, const double* position, const double* velocity) {
+    visit(k, position, norm(velocity, path.dimensions()), uses.next(velocity));
+  });
+}
+
+std::string binding_name(int binding) {
+  if (binding < 0) return "tolerance or programmed feed";
+  return std::string(to_string(axis_limits.at(static_cast<std::size_t>(binding)).kind));
+}
+
+std::vector<CornerLoss> time_lost(const Toolpath& path, const ProgramMotion& motion) {
+  std::vector<CornerLoss> classes;
+  for (std::size_t i = 0; i + 1 < turns.size(); ++i) classes.push_back({turns[i], turns[i + 1], false, 0, 0.0});
+  classes.push_back({0.0, 180.0, true, 0, 0.0});
+  std::vector<std::uint8_t> of_joint(path.blocks(), 0);
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    std::size_t i = classes.size() - 1;
+    if (path.joint[b] != Joint::stop) {
+      const double turn = turn_at(path, b);
+      i = 0;
+      while (i + 2 < turns.size() && turn > turns[i + 1]) ++i;
+    }
+    of_joint[b] = static_cast<std::uint8_t>(i);
+    ++classes[i].count;
+  }
+  PathFollower follower(path);
+  motion.samples([&](std::int64_t k, const double* x, const double* v) {
+    if (k == 0) return;
+    follower.follow(x);
+    const double slower = 1.0 - norm(v, path.dimensions()) / block_feed(path, follower.block());
+    const std::ptrdiff_t joint = follower.joint();
+    const std::size_t i = joint < 0 ? classes.size() - 1 : of_joint[static_cast<std::size_t>(joint)];
+    classes[i].time += slower * motion.sample_period;
+  });
+  return classes;
+}
+
+std::string class_name(const CornerLoss& loss) {
+  return loss.stop ? "stops, start and end" : fmt::format("{:g} to {:g} degrees", loss.turn_from, loss.turn_to);
+}
+
+}  // namespace accdec

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <accdec/plot/program_motion_panels.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr double columns_drawn = 600.0;  ///< about as many as a plot has pixels
+constexpr std::size_t classes_drawn = 5;
+constexpr int thin_solid = 16, bar_style = 1;  // styles of series
+
+struct SpeedPoint {
+  double t = 0.0, v = 0.0;  ///< s, mm/s
+};
+
+/// The speed where one limit binds: of every column of pixels the first, lowest, highest and last point, which draw the
+/// same as all of them.
+class SpeedTrace {
+ public:
+  explicit SpeedTrace(double column) : column_(column) {}
+
+  /// The motion from one sample to the next, in the order of time.
+  void add(const SpeedPoint& from, const SpeedPoint& to) {
+    const double column = std::floor(to.t / column_);
+    if (points_.empty() || column != at_) {
+      end_column();
+      if (!x.empty() && from.t > x.back()) put({NAN, NAN});
+      at_ = column;
+      points_ = {from, from, from, from};
+    }
+    if (to.v < points_[1].v) points_[1] = to;
+    if (to.v > points_[2].v) points_[2] = to;
+    points_[3] = to;
+  }
+  void end_column() {
+    std::stable_sort(points_.begin(), points_.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+    for (const SpeedPoint& point : points_) {
+      if (x.empty() || !(point.t <= x.back())) put(point);
+    }
+    points_.clear();
+  }
+  std::vector<double> x, y;
+
+ private:
+  void put(const SpeedPoint& point) {
+    x.push_back(point.t);
+    y.push_back(point.v);
+  }
+  double column_, at_ = 0.0;
+  std::vector<SpeedPoint> points_;  ///< first, lowest, highest and last of this column
+};
+
+}  // namespace
+
+Panel speed_over_time_panel(const Toolpath& programmed, const Machine& machine, const ProgramMotion& motion) {
+  std::map<int, SpeedTrace> traces;  // by what binds
+  SpeedPoint before;
+  double highest = 0.0;
+  visit_speeds(programmed, machine, motion, [&](std::int64_t k, const double*, double speed, int binding) {
+    const SpeedPoint now{static_cast<double>(k) * motion.sample_period, 1e3 * speed};
+    highest = std::max(highest, now.v);
+    if (k > 0) traces.try_emplace(binding, motion.cycle_time / columns_drawn).first->second.add(before, now);
+    before = now;
+  });
+  Panel panel;
+  panel.title = "speed by the limit that binds";
+  // The scale is for cutting: of rapid moves that are far faster only that is said.
+  double feed = 0.0;
+  for (std::size_t b = 0; b < programmed.blocks(); ++b)
+    if (programmed.rapid[b] == 0) feed = std::max(feed, 1e3 * block_feed(programmed, b));
+  if (feed > 0.0 && highest > 2.0 * feed) {
+    panel.title += fmt::format("; rapid moves reach {:.4g} mm/s", highest);
+    highest = feed;
+  }
+  panel.x.label = "time / s";
+  panel.y.label = "speed / (mm/s)";
+  panel.x.min = 0.0, panel.x.max = motion.cycle_time;
+  panel.y.min = 0.0, panel.y.max = highest > 0.0 ? 1.06 * highest : 1.0;
+  for (auto& [binding, trace] : traces) {
+    trace.end_column();
+    Series series{binding_name(binding), std::move(trace.x), std::move(trace.y), Mark::line, thin_solid};
+    // Dashes would look like gaps between the limits.
+    if (binding >= 0) series.style = 1 + binding, series.solid = true;
+    panel.series.push_back(std::move(series));
+  }
+  return panel;
+}
+
+Panel time_lost_panel(const Toolpath& programmed, const ProgramMotion& motion) {
+  std::vector<CornerLoss> classes = time_lost(programmed, motion);
+  double sum = 0.0;
+  for (const CornerLoss& loss : classes) sum += loss.time;
+  std::stable_sort(classes.begin(), classes.end(), [](const auto& a, const auto& b) { return a.time > b.time; });
+  Series bars{"", {}, {}, Mark::bars, bar_style};
+  Panel panel;
+  for (const CornerLoss& loss : classes) {
+    if (bars.x.size() == classes_drawn || loss.count == 0 || !(loss.time > 0.0)) break;
+    bars.x.push_back(static_cast<double>(bars.x.size() + 1));
+    bars.y.push_back(loss.time);
+    panel.x.names.push_back(class_name(loss));
+  }
+  panel.title = fmt::format("time lost against the programmed feed, {:.4g} s of the {:.6g} s", sum, motion.cycle_time);
+  panel.x.label = "at corners that turn by";
+  panel.y.label = "time lost / s";
+  panel.x.min = 0.5, panel.x.max = 0.5 + classes_drawn;
+  panel.y.min = 0.0, panel.y.max = bars.y.empty() ? 1.0 : 1.06 * bars.y.front();
+  panel.series.push_back(std::move(bars));
+  return panel;
+}
+
+}  // namespace accdec
