@@ -216,9 +216,21 @@ TEST_F(StudyCommand, ARepeatedSubmissionHasTheArgumentsOfTheFirst) {
   const std::string again = submit("");
   EXPECT_THAT(again, HasSubstr(first));
   EXPECT_THAT(again, HasSubstr("With the arguments for sbatch of before: --time=10 --qos=a b"));
-  EXPECT_THAT(content(home_ / "out/slurm/array.sh"), HasSubstr("sbatch --array=1-3 '--time=10' '--qos=a b' /"));
+  EXPECT_THAT(content(home_ / "out/slurm/array.sh"), HasSubstr("sbatch --array=1-3 '--time=10' '--qos=a b' '/"));
   EXPECT_THAT(submit(" --sbatch-arg --time=20"), HasSubstr("--parsable --array=1-3 --time=20 /"));
   EXPECT_THAT(submit(""), HasSubstr("--parsable --dependency=afterany:7 --time=20 /"));
+}
+
+// What would end a comment of the script would be run on the nodes; what says the array again would win over ours.
+TEST_F(StudyCommand, ArgumentsThatTheScriptsCannotHoldAreRefused) {
+  study(5);
+  for (const char* more : {"--sbatch-arg \"$(printf 'a\\nb')\"", "--sbatch-arg=--array=1-99", "--sbatch-arg=-d=3"}) {
+    const Outcome r = run(std::string("study study.toml --out out --slurm 3 ") + more);
+    EXPECT_EQ(r.exit_code, 2) << r.output;
+    EXPECT_THAT(r.output, HasSubstr("--sbatch-arg")) << r.output;
+    EXPECT_FALSE(fs::exists(home_ / "out/slurm/array.sh"));
+  }
+  EXPECT_EQ(run("study study.toml --out 'out\"x' --slurm 3").exit_code, 2);
 }
 
 }  // namespace

@@ -111,8 +111,8 @@ std::string gain_text(const Explanation& e) {
     // All together is no answer to the question which one. Where one [[axis]] stands for all, "of all axes" is one key.
     const auto best = std::find_if(e.gains.begin(), e.gains.end(), [](const Gain& g) { return !all_limits(g.room); });
     if (best != e.gains.end() && best->gain > 0.0) {
-      text += fmt::format("Nothing saves more than {}: {} instead of {} saves {} ms ({:.1f} %).\n", best->room.name,
-                          numbers(best->room, [&](const Lever& l) { return l.moved(e.share); }),
+      text += fmt::format("No single limit saves more than {}: {} instead of {} saves {} ms ({:.1f} %).\n",
+                          best->room.name, numbers(best->room, [&](const Lever& l) { return l.moved(e.share); }),
                           numbers(best->room, [](const Lever& l) { return l.value; }), ms(best->gain),
                           100.0 * best->gain / e.base.objective());
     } else if (e.gains.front().gain > 0.0) {
@@ -150,7 +150,7 @@ std::string remedy_text(const Explanation& e) {
   if (least != nullptr) {
     text += fmt::format(
         "\nSmallest change, each by itself, with which there is a design (verified by simulation; to "
-        "within {} and four digits):\n{}",
+        "within {} of what is given and four digits):\n{}",
         percent(remedy_tolerance), table.str());
   }
   if (!useless.empty()) text += fmt::format("\nNo change helps, by itself, of: {}.\n", fmt::join(useless, ", "));

@@ -44,6 +44,8 @@ std::string freeze_inputs(const std::string& file, const std::string& folder);
 /// Writes DIR/slurm: plan.json, array.sh and merge.sh.
 /// @param program  path of accdec on the nodes
 /// @throws OutputError
+/// @throws std::invalid_argument of a folder or an argument for sbatch that a script cannot hold, or that says what is
+/// ours to say (the array, the dependency)
 void write_cluster_plan(const ClusterPlan& plan, const std::string& program);
 
 /// The plan in a results' folder. @throws OutputError if there is none, or one of another subcommand

@@ -47,7 +47,10 @@ std::string submit(std::vector<std::string> arguments, const std::vector<std::st
   arguments.insert(arguments.end(), more.begin(), more.end());
   arguments.push_back(script.string());
   const std::string answer = trimmed(slurm(arguments));
-  return answer.substr(0, answer.find(';'));  // behind it the cluster's name
+  const std::string job = answer.substr(0, answer.find(';'));  // behind it the cluster's name
+  if (job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
+    throw std::runtime_error(fmt::format("sbatch answered `{}`, which is no number of a job", answer));
+  return job;
 }
 
 std::string clock_text(double seconds) {
@@ -162,7 +165,15 @@ ClusterJob submit_missing(ClusterPlan& plan, const std::vector<ShardState>& shar
   }
   std::vector<std::string> after;
   if (!before.empty()) after.push_back(fmt::format("--dependency=afterany:{}", fmt::join(before, ":")));
-  job.merge = submit(after, plan.sbatch, folder / "merge.sh");
+  try {
+    job.merge = submit(after, plan.sbatch, folder / "merge.sh");
+  } catch (const std::runtime_error& error) {
+    if (job.array.empty()) throw;
+    throw std::runtime_error(
+        fmt::format("{}; the shards are submitted as array job {}, the same command again submits "
+                    "the merge",
+                    error.what(), job.array));
+  }
   plan.jobs.back() = job;
   write_cluster_plan(plan, program);
   return job;

@@ -1,6 +1,9 @@
+#include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <sstream>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,6 +32,32 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
+/// Within the quotes of a file name of #SBATCH, where %a is a number.
+std::string pattern(const std::string& path) {
+  std::string out;
+  for (const char c : path) out += c == '%' ? "%%" : std::string(1, c);
+  return out;
+}
+
+/// What would end a comment or the quotes of a script is refused.
+/// @throws std::invalid_argument
+void check_for_scripts(const ClusterPlan& plan) {
+  const auto control = [](const std::string& text) {
+    return std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; });
+  };
+  if (control(plan.folder) || plan.folder.find_first_of("\"\\") != std::string::npos)
+    throw std::invalid_argument(
+        "--slurm: the name of the folder must have no control characters, double quotes or backslashes");
+  for (const std::string& argument : plan.sbatch) {
+    if (control(argument)) throw std::invalid_argument("--sbatch-arg: control characters are not allowed");
+    for (const char* own : {"--array", "-a", "--dependency", "-d", "--parsable"}) {
+      if (argument.starts_with(own) &&
+          (own[1] != '-' || argument.size() == std::strlen(own) || argument[std::strlen(own)] == '='))
+        throw std::invalid_argument(fmt::format("--sbatch-arg {}: {} is set by --slurm", argument, own));
+    }
+  }
+}
+
 fs::path slurm_folder(const std::string& folder) {
   return fs::path(folder) / "slurm";
 }
@@ -46,13 +75,13 @@ std::string array_script(const ClusterPlan& plan, const std::string& program) {
   for (const std::string& argument : plan.sbatch) sbatch += quoted(argument) + " ";
   return fmt::format(R"sh(#!/bin/bash
 # One shard of {shards}, written by accdec {command} --slurm, which submits it for every shard that is missing:
-#   sbatch --array=1-{shards} {sbatch}{slurm}/array.sh
-#   sbatch --dependency=afterany:JOB {sbatch}{slurm}/merge.sh
+#   sbatch --array=1-{shards} {sbatch}{array}
+#   sbatch --dependency=afterany:JOB {sbatch}{merge}
 # Without Slurm, on hosts that see this folder and are named in nodes.txt one a line (GNU parallel over ssh; the same
 # command again does what failed or is missing), and then the merge:
-#   parallel --joblog {slurm}/joblog --resume-failed --sshloginfile nodes.txt \
-#     bash {slurm}/array.sh {{}} ::: $(seq {shards})
-#   bash {slurm}/merge.sh
+#   parallel --joblog {joblog} --resume-failed --sshloginfile nodes.txt \
+#     bash {array} {{}} ::: $(seq {shards})
+#   bash {merge}
 #SBATCH --job-name=accdec-{command}
 #SBATCH --requeue
 #SBATCH --open-mode=append
@@ -62,7 +91,9 @@ shard=${{SLURM_ARRAY_TASK_ID:-${{1:?the number of a shard, 1 to {shards}}}}}
 echo "shard $shard of {shards} on $(hostname), $(date -u +%FT%TZ)"
 exec {run} --shard "$shard/{shards}" --workers "${{SLURM_CPUS_PER_TASK:-1}}"
 )sh",
-                     fmt::arg("shards", plan.shards), fmt::arg("command", plan.command), fmt::arg("slurm", slurm),
+                     fmt::arg("shards", plan.shards), fmt::arg("command", plan.command),
+                     fmt::arg("slurm", pattern(slurm)), fmt::arg("array", quoted(slurm + "/array.sh")),
+                     fmt::arg("merge", quoted(slurm + "/merge.sh")), fmt::arg("joblog", quoted(slurm + "/joblog")),
                      fmt::arg("sbatch", sbatch), fmt::arg("run", command_line(plan, program)));
 }
 
@@ -77,7 +108,7 @@ set -eu
 echo "merge on $(hostname), $(date -u +%FT%TZ)"
 exec {run} --merge {folder}
 )sh",
-                     fmt::arg("slurm", slurm_folder(plan.folder).string()),
+                     fmt::arg("slurm", pattern(slurm_folder(plan.folder).string())),
                      fmt::arg("run", command_line(plan, program)), fmt::arg("folder", quoted(plan.folder)));
 }
 
@@ -124,6 +155,7 @@ std::string freeze_inputs(const std::string& file, const std::string& folder) {
 }
 
 void write_cluster_plan(const ClusterPlan& plan, const std::string& program) {
+  check_for_scripts(plan);
   const fs::path folder = slurm_folder(plan.folder);
   create_results_folder(folder.string());
   ordered_json json;
