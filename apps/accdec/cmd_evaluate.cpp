@@ -1,4 +1,5 @@
 #include <memory>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -27,6 +28,9 @@ void print_circle(const Task& task, const Options& options) {
       "v^2 sigma^2/(2R) {:.4f} um with sigma = {:.4g} ms)\n",
       options.circle_radius_mm, options.circle_feed_mm_min, 1e6 * error.radius_error, 1e6 * error.simulated,
       1e6 * error.small_angle, 1e3 * error.deviation);
+  const double turn = 2.0 * std::numbers::pi * options.circle_radius_mm / (options.circle_feed_mm_min / 60.0);
+  if (turn < make_filter(*task.filter).order() * task.sample_period)
+    fmt::print("  the turn of {:.4g} ms is shorter than the filter, which never is full of it\n", 1e3 * turn);
 }
 
 }  // namespace

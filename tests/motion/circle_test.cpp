@@ -47,6 +47,13 @@ TEST(CircleError, AgreesWithAWholeTurnSimulated) {
   }
 }
 
+TEST(CircleError, OfManySamplesIsFoundFromThoseThatDiffer) {
+  const CircleError e = circle_error(boxcar(19), 1e6, 0.1, 1e-3);  // a turn of 6e10 samples
+  EXPECT_NEAR(e.radius_error, e.small_angle, 1e-6 * e.small_angle);
+  EXPECT_LT(e.simulated, 1e-9);  // far below the rounding of positions of a million metres
+  EXPECT_THROW(circle_error(boxcar(circle_order_max + 1), 1.0, 0.1, 1e-3), std::invalid_argument);
+}
+
 TEST(CircleError, WhatIsNoCircleIsRefused) {
   EXPECT_THROW(circle_error(boxcar(3), 0.0, 0.1, 1e-3), std::invalid_argument);
   EXPECT_THROW(circle_error(boxcar(3), 0.1, -0.1, 1e-3), std::invalid_argument);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -11,13 +12,15 @@ namespace {
 /// Plain convolution of commanded points: rest at angle 0, one turn in equal steps (the last one shorter), rest.
 double simulate(const Filter& filter, double radius, double step) {
   using Complex = std::complex<double>;
-  const auto turn = static_cast<long>(std::ceil(2.0 * std::numbers::pi / step - 1e-9));
+  const auto turn = static_cast<long>(std::min(1e15, std::ceil(2.0 * std::numbers::pi / step - 1e-9)));
   const auto command = [&](long n) {
     if (n <= 0 || n >= turn) return Complex(radius, 0.0);
     return std::polar(radius, step * static_cast<double>(n));
   };
   double worst = 0.0;
   for (long n = 0; n <= turn + filter.order(); ++n) {
+    // While the filter sees the turn alone, all samples are as far from the circle.
+    if (n == 2L * filter.order() + 2) n = std::max(n, turn - filter.order() - 2);
     Complex point = 0.0;
     for (int i = 0; i <= filter.order(); ++i) point += filter.tap(i) * command(n - i);
     worst = std::max(worst, std::abs(std::abs(point) - radius));
@@ -42,6 +45,8 @@ CircleError circle_error(const Filter& filter, double radius, double feed, doubl
     throw std::invalid_argument(
         "a circle needs a radius, a feed and a sample period > 0, and more than two samples a turn");
   }
+  if (filter.order() > circle_order_max)
+    throw std::invalid_argument("the error of a circle is computed for filters of at most 20000 taps");
   // 1 - |H|^2 = sum_i sum_j b_i b_j (1 - cos((i - j) step)), without the cancellation of 1 - |H| for small steps.
   double missing = 0.0;
   for (int i = 0; i <= filter.order(); ++i) {

@@ -18,9 +18,12 @@ struct CircleError {
   double deviation = 0.0;  ///< s, sigma
 };
 
+/// Both sums take the square of the order: longer filters are refused.
+inline constexpr int circle_order_max = 19'999;
+
 /// @param radius  m, > 0  @param feed  m/s, > 0  @param sample_period  s, > 0
 /// @throws std::invalid_argument when one of them is not positive and finite, or a sample's way is more than half the
-/// circle
+/// circle, or the filter is longer than circle_order_max
 CircleError circle_error(const Filter& filter, double radius, double feed, double sample_period);
 
 }  // namespace accdec

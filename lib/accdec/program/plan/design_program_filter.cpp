@@ -13,6 +13,7 @@
 #include <accdec/motion/shapes.hpp>
 #include <accdec/program/plan/design_program_filter.hpp>
 #include <accdec/program/plan/filter_search.hpp>
+#include <accdec/program/plan/plan_time.hpp>
 #include <accdec/program/plan/program_plan.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -361,11 +362,14 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
     best = design_program_filter(path, task, time_limit, progress);
     if (!best.filter) best.message = best.message.empty() ? "no filter holds the limits" : best.message;
   }
-  const auto samples = [&](const Filter& filter) {
+  // As the planner has it: feeds chosen or, of programs that are not too long for both plans, as programmed.
+  const auto time = [&](const Filter& filter) {
     const ScheduledPlan plan = schedule_feeds(path, filter, task.sample_period, machine, 3);
-    return all_holds(plan.plan) ? plan.plan.simulation.samples : INT64_MAX;
+    const double chosen =
+        all_holds(plan.plan) ? static_cast<double>(plan.plan.simulation.samples) * task.sample_period : unlimited;
+    return path.blocks() > several_plans_max ? chosen : std::min(chosen, planned_time(path, filter, task, machine));
   };
-  if (search.filter && (!best.filter || samples(*search.filter) <= samples(*best.filter))) {
+  if (search.filter && (!best.filter || time(*search.filter) <= time(*best.filter))) {
     best.filter = search.filter;
     best.solver.name = "trapezoid";
     best.message.clear();

@@ -16,9 +16,6 @@
 
 namespace accdec {
 
-/// Programs of more blocks are planned in one way only: several would take many times as long.
-inline constexpr std::size_t several_plans_max = 200'000;
-
 /// What becomes of programmed feeds.
 enum class Feeds {
   keep,        ///< commanded as they are, but for blocks that would break a limit
