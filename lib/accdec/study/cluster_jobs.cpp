@@ -47,7 +47,7 @@ std::string submit(std::vector<std::string> arguments, const std::vector<std::st
   arguments.insert(arguments.end(), more.begin(), more.end());
   arguments.push_back(script.string());
   const std::string answer = trimmed(slurm(arguments));
-  const std::string job = answer.substr(0, answer.find(';'));  // behind it the cluster's name
+  std::string job = answer.substr(0, answer.find(';'));  // behind it the cluster's name
   if (job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
     throw std::runtime_error(fmt::format("sbatch answered `{}`, which is no number of a job", answer));
   return job;
