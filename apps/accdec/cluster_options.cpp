@@ -38,6 +38,7 @@ ClusterPlan plan_of(const ClusterWork& work, const ClusterOptions& options) {
   plan.more = work.more;
   plan.shards = options.shards;
   if (!options.sbatch.empty()) plan.sbatch = options.sbatch;  // else those of before
+  check_for_scripts(plan);
   plan.input = freeze_inputs(work.input, (folder / "slurm" / "inputs").string());
   work.check(plan.input);
   return plan;

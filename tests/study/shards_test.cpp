@@ -228,7 +228,7 @@ TEST_F(StudyCommand, ArgumentsThatTheScriptsCannotHoldAreRefused) {
     const Outcome r = run(std::string("study study.toml --out out --slurm 3 ") + more);
     EXPECT_EQ(r.exit_code, 2) << r.output;
     EXPECT_THAT(r.output, HasSubstr("--sbatch-arg")) << r.output;
-    EXPECT_FALSE(fs::exists(home_ / "out/slurm/array.sh"));
+    EXPECT_FALSE(fs::exists(home_ / "out/slurm")) << "nothing is half written";
   }
   EXPECT_EQ(run("study study.toml --out 'out\"x' --slurm 3").exit_code, 2);
 }

@@ -36,6 +36,11 @@ struct QueuedTask {
   bool runs() const { return state == "R" || state == "CG"; }
 };
 
+/// To be called before anything is written: what would end a comment or the quotes of a script, or says what is ours to
+/// say (the array, the dependency), is refused.
+/// @throws std::invalid_argument
+void check_for_scripts(const ClusterPlan& plan);
+
 /// Copies a study or suite and all task files it names into a folder, where the copy names the copies.
 /// @return the copy's path
 /// @throws InputError, OutputError
@@ -44,8 +49,6 @@ std::string freeze_inputs(const std::string& file, const std::string& folder);
 /// Writes DIR/slurm: plan.json, array.sh and merge.sh.
 /// @param program  path of accdec on the nodes
 /// @throws OutputError
-/// @throws std::invalid_argument of a folder or an argument for sbatch that a script cannot hold, or that says what is
-/// ours to say (the array, the dependency)
 void write_cluster_plan(const ClusterPlan& plan, const std::string& program);
 
 /// The plan in a results' folder. @throws OutputError if there is none, or one of another subcommand

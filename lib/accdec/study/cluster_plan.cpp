@@ -39,25 +39,6 @@ std::string pattern(const std::string& path) {
   return out;
 }
 
-/// What would end a comment or the quotes of a script is refused.
-/// @throws std::invalid_argument
-void check_for_scripts(const ClusterPlan& plan) {
-  const auto control = [](const std::string& text) {
-    return std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; });
-  };
-  if (control(plan.folder) || plan.folder.find_first_of("\"\\") != std::string::npos)
-    throw std::invalid_argument(
-        "--slurm: the name of the folder must have no control characters, double quotes or backslashes");
-  for (const std::string& argument : plan.sbatch) {
-    if (control(argument)) throw std::invalid_argument("--sbatch-arg: control characters are not allowed");
-    for (const char* own : {"--array", "-a", "--dependency", "-d", "--parsable"}) {
-      if (argument.starts_with(own) &&
-          (own[1] != '-' || argument.size() == std::strlen(own) || argument[std::strlen(own)] == '='))
-        throw std::invalid_argument(fmt::format("--sbatch-arg {}: {} is set by --slurm", argument, own));
-    }
-  }
-}
-
 fs::path slurm_folder(const std::string& folder) {
   return fs::path(folder) / "slurm";
 }
@@ -132,6 +113,23 @@ void freeze_task(toml::table& table, const fs::path& beside, const fs::path& fol
 
 }  // namespace
 
+void check_for_scripts(const ClusterPlan& plan) {
+  const auto control = [](const std::string& text) {
+    return std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; });
+  };
+  if (control(plan.folder) || plan.folder.find_first_of("\"\\") != std::string::npos)
+    throw std::invalid_argument(
+        "--slurm: the name of the folder must have no control characters, double quotes or backslashes");
+  for (const std::string& argument : plan.sbatch) {
+    if (control(argument)) throw std::invalid_argument("--sbatch-arg: control characters are not allowed");
+    for (const char* own : {"--array", "-a", "--dependency", "-d", "--parsable"}) {
+      if (argument.starts_with(own) &&
+          (own[1] != '-' || argument.size() == std::strlen(own) || argument[std::strlen(own)] == '='))
+        throw std::invalid_argument(fmt::format("--sbatch-arg {}: {} is set by --slurm", argument, own));
+    }
+  }
+}
+
 std::string freeze_inputs(const std::string& file, const std::string& folder) {
   create_results_folder(folder);
   toml::table tree = toml_input::parse_file(file);
@@ -155,7 +153,6 @@ std::string freeze_inputs(const std::string& file, const std::string& folder) {
 }
 
 void write_cluster_plan(const ClusterPlan& plan, const std::string& program) {
-  check_for_scripts(plan);
   const fs::path folder = slurm_folder(plan.folder);
   create_results_folder(folder.string());
   ordered_json json;
