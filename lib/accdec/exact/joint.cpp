@@ -138,9 +138,13 @@ void Joint::add(Lemma lemma) {
 
 /// Hands the best design to all.
 void Joint::share() {
-  for (const auto& prover : provers_)
-    if (prover->some.best && prover->some.best->value < target()) designs_.best = prover->some.best;
-  for (const auto& prover : provers_) prover->some.best = designs_.best;
+  for (const auto& prover : provers_) {
+    for (const bool wide : {false, true}) {
+      const auto& best = prover->of(wide).best;
+      if (best && best->value < target()) designs_.best = best;
+    }
+  }
+  for (const auto& prover : provers_) prover->some.best = prover->any.best = designs_.best;
 }
 
 /// Short filters first, for what is learned there mostly holds for long ones, too; but not for ever.
@@ -317,7 +321,7 @@ void Joint::check(Prover& prover, Work& work) const {
   const std::vector<int>& d1 = at.d1;
   constexpr long no_budget = std::numeric_limits<long>::max() / 2;
   std::vector<proof::Node> tree;
-  if (work.order > short_ && refutes(prover, true, work.order, d1, no_budget, tree)) {
+  if (refutes(prover, true, work.order, d1, no_budget, tree)) {
     work.lemma = learn(prover, at, true, work.order, std::move(tree));
     return;
   }

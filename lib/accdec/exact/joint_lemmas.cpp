@@ -16,7 +16,7 @@ constexpr long attempt = 40;
 /// @param wide  for filters of any order; else up to `order`
 bool Joint::refutes(Prover& prover, bool wide, int order, const std::vector<int>& most, long budget,
                     std::vector<proof::Node>& tree) const {
-  Search::Together answer = prover.of(wide).refute_together(order, most, budget);
+  Search::Together answer = prover.of(wide).refute_together(order, most, budget, tree);
   if (answer.refuted) tree = std::move(answer.tree);
   return answer.refuted;
 }

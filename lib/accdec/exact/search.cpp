@@ -179,12 +179,13 @@ void Search::remember(int multipliers) {
   recent_.pop_back();
 }
 
+bool Search::refutes(int multipliers, const Box& box) const {
+  const Multipliers& y = current_.multipliers[static_cast<std::size_t>(multipliers)];
+  return (box.window ? window_refutation(model_, y, box) : refutation(model_, y, box)) > 0.0;
+}
+
 int Search::refuted_before(const Box& box) {
-  const auto refutes = [&](int y) {
-    const Multipliers& multipliers = current_.multipliers[static_cast<std::size_t>(y)];
-    return (box.window ? window_refutation(model_, multipliers, box) : refutation(model_, multipliers, box)) > 0.0;
-  };
-  const auto found = std::find_if(recent_.begin(), recent_.end(), refutes);
+  const auto found = std::find_if(recent_.begin(), recent_.end(), [&](int y) { return refutes(y, box); });
   return found == recent_.end() ? -1 : *found;
 }
 

@@ -64,8 +64,11 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
 /// Both parts of a split on a delay, a sample or the order.
 std::pair<Box, Box> parts(const Box& box, const proof::Split& split);
 std::pair<Box, Box> parts(const Box& box, const proof::OrderSplit& split);
+std::pair<Box, Box> parts(const Box& box, const proof::ResponseSplit& split);
 /// @throws std::logic_error  of any other node
 std::pair<Box, Box> parts(const Box& box, const proof::Node& node);
+/// In a tree in preorder: the first node after this one and its parts.
+std::size_t after(const std::vector<proof::Node>& tree, std::size_t node);
 
 /// Looks for something shorter than a target, or proves that there is nothing.
 class Search {
@@ -102,7 +105,9 @@ class Search {
   /// Whether a filter of at most this order holds these corners with delays of at most `most`, one per corner; < 0: the
   /// corner does not count. Ends after `budget` linear programs. Filters met on the way are offered. Several corners,
   /// no symmetry.
-  Together refute_together(int order, const std::vector<int>& most, long budget);
+  /// @param like  a proof of this search for other delays, whose splits are taken first; empty: there is none
+  Together refute_together(int order, const std::vector<int>& most, long budget,
+                           const std::vector<proof::Node>& like = {});
   /// The corners that a proof of delays together says something of.
   std::vector<char> corners_used(const std::vector<proof::Node>& tree) const;
   const std::vector<Multipliers>& multipliers() const { return current_.multipliers; }
@@ -135,6 +140,8 @@ class Search {
   State refute(Box box);
   State refute_sums(Box box, bool symmetric, int depth);
   State refute_together(Box box, int depth);
+  State refute_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole, int depth);
+  State both_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole, int depth);
   std::optional<proof::Node> split_together(const Filter& filter, const Box& box) const;
   bool blend_holds(const Filter& filter, const Box& box, std::size_t corner, int delay) const;
   State split_sum(const Box& box, const SumBound& at, bool symmetric, int depth);
@@ -143,6 +150,7 @@ class Search {
   State leave(proof::Node leaf);
   int keep(Multipliers y);
   void remember(int multipliers);
+  bool refutes(int multipliers, const Box& box) const;
   /// Multipliers used lately that refute the box, too; -1: none.
   int refuted_before(const Box& box);
   /// Cuts the box by the target and shrinks its tube where it is needed. False: nothing is left.

@@ -85,7 +85,7 @@ Search::State Search::refute_together(Box box, int depth) {
   Outcome outcome = relaxation_->solve(box, false);
   if (outcome.kind == Outcome::refuted) return close_by(keep(std::move(outcome.multipliers)));
   if (!outcome.filter) return undecided();
-  if (!box.window) offer(*outcome.filter);
+  offer(*outcome.filter);
   const auto node = split_together(*outcome.filter, box);
   if (!node) {
     together_ = *outcome.filter;
@@ -93,18 +93,43 @@ Search::State Search::refute_together(Box box, int depth) {
   }
   if (std::holds_alternative<proof::TooLong>(*node)) return State::open;
   current_.tree.push_back(*node);
-  std::pair<Box, Box> both_parts{whole, whole};
-  if (const auto* response = std::get_if<proof::ResponseSplit>(&*node)) {
-    both_parts.first.path.push_back({response->sample, true, response->level});
-    both_parts.second.path.push_back({response->sample, false, response->level});
-  } else {
-    both_parts = parts(whole, *node);
-  }
+  std::pair<Box, Box> both_parts = parts(whole, *node);
   const State state = refute_together(std::move(both_parts.first), depth + 1);
   return state == State::closed ? refute_together(std::move(both_parts.second), depth + 1) : state;
 }
 
-Search::Together Search::refute_together(int order, const std::vector<int>& most, long budget) {
+/// A proof's splits once more, for a box of other delays: its multipliers refute most parts still.
+Search::State Search::refute_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole, int depth) {
+  if (stopped()) return State::stopped;
+  Box box = whole;
+  proof::Node why;
+  if (!narrow(box, &why)) return leave(why);
+  if (const auto* refuted = std::get_if<proof::Refuted>(&tree[node])) {
+    if (refutes(refuted->multipliers, box)) return close_by(refuted->multipliers);
+  } else if (const auto* split = std::get_if<proof::Split>(&tree[node])) {
+    const CornerBox& c = whole.corner(split->corner);
+    const std::size_t first = node + 1, second = after(tree, first);
+    const bool counts = among_[static_cast<std::size_t>(split->corner)] != 0;
+    // The part that the range is in whole; of a corner that does not count any more the one known best.
+    if (counts ? split->at >= (split->on_delay ? c.d2 : c.k2) : second - first >= after(tree, second) - second)
+      return refute_like(tree, first, whole, depth);
+    if (!counts || split->at < (split->on_delay ? c.d1 : c.k1)) return refute_like(tree, second, whole, depth);
+    return both_like(tree, node, whole, depth);
+  } else if (std::holds_alternative<proof::ResponseSplit>(tree[node])) {
+    return both_like(tree, node, whole, depth);
+  }
+  return refute_together(whole, depth);
+}
+
+Search::State Search::both_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole, int depth) {
+  current_.tree.push_back(tree[node]);
+  const auto [a, b] = parts(whole, tree[node]);
+  const State state = refute_like(tree, node + 1, a, depth + 1);
+  return state == State::closed ? refute_like(tree, after(tree, node + 1), b, depth + 1) : state;
+}
+
+Search::Together Search::refute_together(int order, const std::vector<int>& most, long budget,
+                                         const std::vector<proof::Node>& like) {
   target_ = std::numeric_limits<double>::infinity();
   current_.tree.clear();
   if (window_.order > 0) order = window_.order;
@@ -133,7 +158,7 @@ Search::Together Search::refute_together(int order, const std::vector<int>& most
   together_.reset();
   budget_end_ = linear_programs() + budget;
   Together answer;
-  const State state = refute_together(std::move(box), 0);
+  const State state = like.empty() ? refute_together(std::move(box), 0) : refute_like(like, 0, box, 0);
   budget_end_ = std::numeric_limits<long>::max();
   answer.refuted = state == State::closed;
   answer.holds = state == State::found;
