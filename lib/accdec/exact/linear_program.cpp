@@ -157,10 +157,12 @@ double LinearProgram::vibration_scale(const proof::Vibration& id) const {
 void LinearProgram::draft_vibration(const proof::Vibration& id) {
   const double scale = vibration_scale(id);
   draft_.clear();
-  for (int i = 0; i <= largest_; ++i) {
-    draft_.add(
-        i, scale * (window_ ? window_vibration(model_, id, i, largest_) : model_.rows.vibration_coefficient(id, i)));
-  }
+  on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
+  if (window_)
+    add_window_vibration(model_, id, scale, on_tap_);
+  else
+    model_.rows.add_vibration(id, scale, on_tap_);
+  for (int i = 0; i <= largest_; ++i) draft_.add(i, on_tap_[static_cast<std::size_t>(i)]);
   const double residual = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
   draft_.high = scale * residual * (1.0 + slack_);
   draft_.low = window_ ? -DualSimplex::infinity : -draft_.high;

@@ -91,8 +91,7 @@ class WeightedSum {
   }
 
   bool add(const proof::Vibration& id, double y) {
-    for (int i = 0; i <= exact_box_.order; ++i)
-      taps_[static_cast<std::size_t>(i)] += y * model_.rows.vibration_coefficient(id, i);
+    model_.rows.add_vibration(id, y, taps_);
     return counts(y, y * model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max);
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -57,6 +58,8 @@ class ConvexRows {
   std::vector<proof::Row> broken_blend_rows(const Filter& filter, const Box& box, double slack) const;
   /// Dense coefficient of tap i in a vibration row.
   double vibration_coefficient(const proof::Vibration& id, int i) const;
+  /// Adds y times those of the first taps.
+  void add_vibration(const proof::Vibration& id, double y, std::span<double> taps) const;
 
  private:
   const Task& task_;

@@ -36,8 +36,10 @@ bool inside_window(const proof::Row& id, const Box& box) {
   return std::visit(Inside{box}, id);
 }
 
-double window_vibration(const LimitModel& model, const proof::Vibration& id, int i, int order) {
-  return i == 0 || i == order ? -1.0 : model.rows.vibration_coefficient(id, i);
+void add_window_vibration(const LimitModel& model, const proof::Vibration& id, double y, std::span<double> taps) {
+  const double first = taps.front(), last = taps.back();
+  model.rows.add_vibration(id, y, taps);
+  taps.front() = first - y, taps.back() = last - y;
 }
 
 double window_refutation(const LimitModel& written, const Multipliers& y, const Box& box) {
@@ -58,8 +60,7 @@ double window_refutation(const LimitModel& written, const Multipliers& y, const 
       continue;
     }
     if (const auto* vibration = std::get_if<proof::Vibration>(&id)) {
-      for (int i = 0; i <= box.order; ++i)
-        c[static_cast<std::size_t>(i)] += value * window_vibration(model, *vibration, i, box.order);
+      add_window_vibration(model, *vibration, value, c);
       rhs += value * model.task().machine.modes[static_cast<std::size_t>(vibration->mode)].residual_max;
       continue;
     }
@@ -74,15 +75,14 @@ double window_refutation(const LimitModel& written, const Multipliers& y, const 
     c[i] += suffix;
   }
   // Least sum c_i b_i: the cheapest taps inside are full, the rest is in the cheaper end.
-  const double end = std::min(c.front(), c.back());
-  std::sort(c.begin() + 1, c.end() - 1);
-  double least = 0.0, left = 1.0;
-  for (std::size_t i = 1; i + 1 < size && c[i] < end && left > 0.0; ++i) {
-    const double tap = std::min(left, model.rows.tap_max());
-    least += tap * c[i];
-    left -= tap;
-  }
-  least += left * end;
+  const double end = std::min(c.front(), c.back()), most = 1.0 / model.rows.tap_max();
+  const auto dear = std::partition(c.begin() + 1, c.end() - 1, [&](double x) { return x < end; });
+  const auto full = c.begin() + 1 + std::min(dear - c.begin() - 1, static_cast<std::ptrdiff_t>(most));
+  std::nth_element(c.begin() + 1, full, dear);
+  double least = 0.0;
+  for (auto tap = c.begin() + 1; tap != full; ++tap) least += model.rows.tap_max() * *tap;
+  const double left = 1.0 - model.rows.tap_max() * static_cast<double>(full - c.begin() - 1);
+  least += left * (full != dear ? *full : end);
   return least - rhs - 1e-12 * (magnitude + std::abs(rhs));
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include <accdec/exact/limit_model.hpp>
 
 // Internal to the exact method: filters of any order in a linear program of few columns.
@@ -14,8 +16,8 @@ namespace accdec::exact {
 
 /// Whether a row says something of the taps inside a window alone.
 bool inside_window(const proof::Row& id, const Box& box);
-/// Coefficient of tap i in a vibration row: of those that an end stands for at least -1.
-double window_vibration(const LimitModel& model, const proof::Vibration& id, int i, int order);
+/// Adds y times the coefficients of the window's taps in a vibration row: of those that an end stands for at least -1.
+void add_window_vibration(const LimitModel& model, const proof::Vibration& id, double y, std::span<double> taps);
 /// As `refutation`, over filters of any order; minus infinity for rows that are not inside.
 double window_refutation(const LimitModel& model, const Multipliers& y, const Box& box);
 
