@@ -181,7 +181,7 @@ def _contradiction(result):
     return None
 
 
-def _lie(task, original, path):
+def lie(task, original, path):
     """What is false in an accepted result; None if all of it is true. The task is part of the file and was not changed
     on purpose."""
     try:
@@ -244,7 +244,7 @@ def run(attack):
         attack.count("results mutated")
         if code == 0:
             attack.count("accepted, still true")
-            lie = _lie(task, original, forged_path)
+            lie = lie(task, original, forged_path)
             if lie:
                 attack.fail(f"accepted: {lie}", task_path, result_path, forged_path)
         elif code is None:
