@@ -45,8 +45,10 @@ class Anytime {
     if (settled() || close_enough()) return *exact_;
     if (!convex && !has_bound()) bound_of_part(convex_part(task_), 0.1);
     const double share = several ? 0.35 : 0.2;
-    if (several && task_.design.order_min <= dense_order_max) local("nlopt-slsqp", 0.4 * share);
-    local(options_.solver, share);
+    const bool dense = several && task_.design.order_min <= dense_order_max;
+    if (dense) local("nlopt-slsqp", 0.4 * share);
+    // A proof that has come this far soon finds what a second solver could.
+    if (!dense || !exact_->gap || *exact_->gap > 0.05) local(options_.solver, share);
     if (!exact_->has_design() && !best_) shapes(0.1);
     if (several || !convex || !exact_->has_design()) exact(1.0);
     if (settled()) return *exact_;
