@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <accdec/exact/dual_simplex.hpp>
+#include <accdec/exact/tableau_loops.hpp>
 
 // The iterations of the dual simplex method.
 
@@ -69,8 +70,7 @@ void DualSimplex::compute_duals() {
   for (std::size_t i = 0; i < basic_.size(); ++i) {
     if (basic_[i] >= columns_ || cost_[nth(basic_[i])] == 0.0) continue;
     const double c = cost_[nth(basic_[i])];
-    const double* row = tableau_row(static_cast<int>(i));
-    for (std::size_t j = 0; j < stride_; ++j) dual_[j] += c * row[j];
+    add_multiple(dual_.data(), tableau_row(static_cast<int>(i)), c, stride_);
   }
 }
 
@@ -139,11 +139,15 @@ void DualSimplex::compute_basics() {
   std::vector<double>& x = scratch_values_;
   x.assign(stride_, 0.0);
   for (int j = 0; j < columns_; ++j) x[nth(j)] = value_[nth(nonbasic_[nth(j)])];
-  for (std::size_t i = 0; i < basic_.size(); ++i) {
-    const double* row = tableau_row(static_cast<int>(i));
-    double sum = 0.0;
-    for (std::size_t j = 0; j < stride_; ++j) sum += row[j] * x[j];
-    value_[nth(basic_[i])] = sum;
+  for (std::size_t i = 0; i < basic_.size(); ++i)
+    value_[nth(basic_[i])] = dot(tableau_row(static_cast<int>(i)), x.data(), stride_);
+  compute_unstored();
+}
+
+/// The values of basic rows that the tableau does not hold, from the columns'.
+void DualSimplex::compute_unstored() {
+  for (int r = 0; r < rows(); ++r) {
+    if (slot_[nth(columns_ + r)] == unstored) value_[nth(columns_ + r)] = activity(r, value_);
   }
 }
 
@@ -153,32 +157,34 @@ DualSimplex::Status DualSimplex::iterate() {
     if (count % 16 == 0 && stop_ && stop_()) return Status::stopped;
     // Long without an end: perhaps in circles.
     if (count % (5 * (columns_ + rows()) + 50) == 0) perturb();
-    const int i = leaving_row();
-    if (i < 0) return Status::optimal;
-    const int v = basic_[nth(i)];
+    const int v = leaving_variable();
+    if (v < 0) return Status::optimal;
+    const double* row = in_nonbasics(v);
     const double above = value_[nth(v)] - high_[nth(v)], below = low_[nth(v)] - value_[nth(v)];
     const double sigma = above > below ? 1.0 : -1.0;
-    const int position = entering_position(i, sigma, std::max(above, below));
-    if (position < 0) return take_ray(i, sigma) ? Status::infeasible : Status::trouble;
-    if (std::abs(tableau_row(i)[position]) < smallest_pivot) return Status::trouble;
-    step(i, position, sigma);
+    const int position = entering_position(row, sigma, std::max(above, below));
+    if (position < 0) return take_ray(v, row, sigma) ? Status::infeasible : Status::trouble;
+    if (std::abs(row[position]) < smallest_pivot) return Status::trouble;
+    step(v, row, position, sigma);
   }
   return Status::trouble;
 }
 
 /// Largest infeasibility in the norm of the row of the basis' inverse.
-int DualSimplex::leaving_row() const {
+int DualSimplex::leaving_variable() {
   int best = -1;
   double largest = 0.0;
-  for (std::size_t i = 0; i < basic_.size(); ++i) {
-    const int v = basic_[i];
+  const auto consider = [&](int v) {
     const double x = value_[nth(v)], infeasibility = std::max(x - high_[nth(v)], low_[nth(v)] - x);
-    if (!(infeasibility > primal_tolerance)) continue;
-    const double* row = tableau_row(static_cast<int>(i));
-    double weight = v >= columns_ ? 1.0 : 1e-6;
-    for (std::size_t j = 0; j < stride_; ++j) weight += is_row_[j] * row[j] * row[j];
-    const double rate = infeasibility * infeasibility / weight;
-    if (rate > largest) largest = rate, best = static_cast<int>(i);
+    if (!(infeasibility > primal_tolerance)) return;
+    const double own = v >= columns_ ? 1.0 : 1e-6, square = infeasibility * infeasibility;
+    if (square <= own * largest) return;
+    const double rate = square / (own + sum_of_squares(is_row_.data(), in_nonbasics(v), stride_));
+    if (rate > largest) largest = rate, best = v;
+  };
+  for (const int v : basic_) consider(v);
+  for (int v = columns_; v < static_cast<int>(slot_.size()); ++v) {
+    if (slot_[nth(v)] == unstored) consider(v);
   }
   return best;
 }
@@ -186,11 +192,10 @@ int DualSimplex::leaving_row() const {
 /// Passes bounded variables over to their other bounds as long as the leaving one stays outside of its own; `flips_`
 /// are these.
 /// @return -1 if even all of them do not bring it back
-int DualSimplex::entering_position(int i, double sigma, double infeasibility) {
+int DualSimplex::entering_position(const double* row, double sigma, double infeasibility) {
   candidates_.clear();
   group_end_.clear();
   flips_.clear();
-  const double* row = tableau_row(i);
   for (int j = 0; j < columns_; ++j) {
     const double a = sigma * row[j];
     if (std::abs(a) < smallest_entry) continue;
@@ -250,13 +255,11 @@ int DualSimplex::best_of_group(std::size_t begin, std::size_t end) const {
   return static_cast<int>(best);
 }
 
-void DualSimplex::step(int i, int position, double sigma) {
-  const double* row = tableau_row(i);
+void DualSimplex::step(int leaving, const double* row, int position, double sigma) {
   // Reduced costs.
   const double a = sigma * row[position];
   const double t = std::max(0.0, -dual_[nth(position)] / a);
-  const int leaving = basic_[nth(i)];
-  for (int j = 0; j < columns_; ++j) dual_[nth(j)] += t * sigma * row[j];
+  add_multiple(dual_.data(), row, t * sigma, stride_);
   dual_[nth(position)] = -sigma * t;
   for (const int j : flips_) {
     const auto v = nth(nonbasic_[nth(j)]);
@@ -266,6 +269,8 @@ void DualSimplex::step(int i, int position, double sigma) {
     for (std::size_t k = 0; k < basic_.size(); ++k) value_[nth(basic_[k])] += tableau_[k * stride_ + nth(j)] * move;
   }
   // Values.
+  if (!flips_.empty() && slot_[nth(leaving)] == unstored)
+    value_[nth(leaving)] = activity(leaving - columns_, value_);
   const double bound = sigma > 0.0 ? high_[nth(leaving)] : low_[nth(leaving)];
   const double move = (bound - value_[nth(leaving)]) / row[position];
   for (std::size_t k = 0; k < basic_.size(); ++k)
@@ -274,7 +279,8 @@ void DualSimplex::step(int i, int position, double sigma) {
   value_[nth(entering)] += move;
   value_[nth(leaving)] = bound;
   at_[nth(leaving)] = sigma > 0.0 ? upper : lower;
-  exchange(i, position);
+  exchange(leaving, row, position);
+  compute_unstored();
   // What the tolerance let pass on the wrong side.
   for (int j = 0; j < columns_; ++j) {
     const At state = at_[nth(nonbasic_[nth(j)])];
