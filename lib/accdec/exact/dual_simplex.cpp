@@ -47,10 +47,6 @@ void DualSimplex::set_row_bounds(int row, double low, double high) {
 double DualSimplex::activity(int row, const std::vector<double>& x) const {
   double sum = 0.0;
   const Row& r = rows_[at(row)];
-  if (r.is_short) {
-    for (std::size_t e = 0; e < most_short; ++e) sum += r.short_values[e] * x[at(r.short_columns[e])];
-    return sum;
-  }
   for (std::size_t e = 0; e < r.columns.size(); ++e) sum += r.values[e] * x[at(r.columns[e])];
   return sum;
 }
@@ -59,11 +55,12 @@ void DualSimplex::set_row(int row, std::span<const int> columns, std::span<const
   Row& r = rows_[at(row)];
   r.columns.assign(columns.begin(), columns.end());
   r.values.assign(values.begin(), values.end());
-  r.is_short = columns.size() <= most_short && columns_ > 0;
-  r.short_columns = {}, r.short_values = {};
+  r.is_short = columns.size() <= most_short;
   if (!r.is_short) return;
-  std::ranges::copy(columns, r.short_columns.begin());
-  std::ranges::copy(values, r.short_values.begin());
+  ShortRow& s = short_rows_[at(row)];
+  std::ranges::copy(columns, s.columns.begin());
+  std::ranges::copy(values, s.values.begin());
+  s.size = columns.size();
 }
 
 /// Whether the variable has a row of the tableau while it is basic.
@@ -73,6 +70,7 @@ bool DualSimplex::is_stored(int variable) const {
 
 void DualSimplex::add_row(std::span<const int> columns, std::span<const double> values, double low, double high) {
   rows_.emplace_back();
+  short_rows_.emplace_back();
   set_row(rows() - 1, columns, values);
   low_.push_back(low);
   high_.push_back(high);
@@ -188,11 +186,13 @@ void DualSimplex::remove_row(int row) {
   if (row != last) {
     const auto from = at(columns_ + last), to = at(columns_ + row);
     std::swap(rows_[at(row)], rows_[at(last)]);
+    short_rows_[at(row)] = short_rows_[at(last)];
     low_[to] = low_[from], high_[to] = high_[from], value_[to] = value_[from], at_[to] = at_[from];
     const int i = slot_[to] = slot_[from];
     if (i != unstored) (i < 0 ? nonbasic_[at(-1 - i)] : basic_[at(i)]) = columns_ + row;
   }
   rows_.pop_back();
+  short_rows_.pop_back();
   low_.pop_back(), high_.pop_back(), value_.pop_back(), at_.pop_back(), slot_.pop_back();
 }
 

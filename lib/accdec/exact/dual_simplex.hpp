@@ -16,8 +16,9 @@ namespace accdec::exact {
 ///
 /// solved by the bounded dual simplex method on a dense tableau, for the linear programs of the exact method: 20 to 300
 /// columns, nearly all of them bounded, many of the rows dense or of a few entries, and a hundred near relatives to
-/// solve one after another. The tableau has no rows for inactive rows of few entries: columns say as much. Rows can be added, replaced and removed and bounds changed at any time; the next solve starts from the
-/// basis of the last. Bounds may be infinite or equal.
+/// solve one after another. The tableau has no rows for inactive rows of few entries: columns say as much. Rows can be
+/// added, replaced and removed and bounds changed at any time; the next solve starts from the basis of the last. Bounds
+/// may be infinite or equal.
 ///
 /// Leaving rows are chosen by steepest edge (Forrest and Goldfarb, Math. Program. 57, 1992; the weights are norms of
 /// tableau rows and computed afresh), entering columns by the bound flipping ratio test (Maros, Eur. J. Oper. Res. 149,
@@ -83,13 +84,17 @@ class DualSimplex {
     std::vector<int> columns;
     std::vector<double> values;
     bool is_short = false;
-    /// The same, where it has few entries; filled up with zeros.
-    std::array<int, most_short> short_columns{};
-    std::array<double, most_short> short_values{};
+  };
+  /// The same of a short row, in place.
+  struct ShortRow {
+    std::array<int, most_short> columns{};
+    std::array<double, most_short> values{};
+    std::size_t size = 0;
   };
   struct Candidate {
     int position;
     double dual, size;  ///< |reduced cost| and |entry of the pivot row|
+    double drop;        ///< of the leaving variable's infeasibility where it goes to its other bound
   };
   double* tableau_row(int i) { return tableau_.data() + static_cast<std::size_t>(i) * stride_; }
   const double* tableau_row(int i) const { return tableau_.data() + static_cast<std::size_t>(i) * stride_; }
@@ -117,7 +122,11 @@ class DualSimplex {
   bool dual_feasible();
   int leaving_variable();
   int entering_position(const double* row, double sigma, double infeasibility);
+  bool group_candidates(double infeasibility, bool in_one_go);
+  std::size_t pass_over(std::size_t begin, double& slope);
+  int best_of_last_groups() const;
   int best_of_group(std::size_t begin, std::size_t end) const;
+  void flip();
   void step(int leaving, const double* row, int position, double sigma);
   void perturb();
   bool take_point();
@@ -127,12 +136,13 @@ class DualSimplex {
   std::size_t stride_;
   std::vector<double> cost_, low_, high_;
   std::vector<Row> rows_;
+  std::vector<ShortRow> short_rows_;  ///< by row
 
   // Basic variables in terms of the nonbasic ones; variables are the columns, then the values of the rows.
   std::vector<double> tableau_;
-  std::vector<int> basic_;     ///< by row of the tableau; short rows of the program are not in it
-  std::vector<int> nonbasic_;  ///< by position
-  std::vector<int> slot_;      ///< by variable: row of the tableau, `unstored`, or -1 - position among the nonbasics
+  std::vector<int> basic_;      ///< by row of the tableau; short rows of the program are not in it
+  std::vector<int> nonbasic_;   ///< by position
+  std::vector<int> slot_;       ///< by variable: row of the tableau, `unstored`, or -1 - position among the nonbasics
   std::vector<double> value_;   ///< by variable
   std::vector<At> at_;          ///< by variable, of nonbasics
   std::vector<double> dual_;    ///< by position: reduced costs
