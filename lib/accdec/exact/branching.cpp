@@ -166,10 +166,8 @@ proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
 proof::Node Search::split_alone(const Filter& filter, const Box& box) const {
   const CornerBox& c = box.corners.front();
   const CornerError error(model_, filter, 0);
-  int first = c.d1;
-  while (first <= c.d2 && !error.holds(first, c, box.order)) ++first;
   ErrorSplit chosen;
-  if (first > c.d2) consider_splits(error, 0, c, true, chosen);
+  if (!error.holds(c.d2, c, box.order)) consider_splits(error, 0, c, c.k1 == c.k2, chosen);
   if (chosen.gain > 0.0) return chosen.split;
   if (c.d1 < c.d2) return proof::Split{0, true, c.d1 + (c.d2 - c.d1) / 2};
   return proof::Split{0, false, c.k1 + (c.k2 - c.k1) / 2};

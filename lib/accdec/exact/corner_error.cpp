@@ -43,19 +43,34 @@ bool CornerError::holds(int delay, const CornerBox& c, int order) const {
 }
 
 void consider_splits(const CornerError& error, std::size_t j, const CornerBox& c, bool delays_too, ErrorSplit& chosen) {
-  const auto take = [&](bool on_delay, int at, const CornerBox& first, const CornerBox& second) {
-    const double gain = std::min(error.relaxed(first), error.relaxed(second));
+  const auto take = [&](bool on_delay, int at, double gain) {
     if (gain > chosen.gain) chosen = {{static_cast<int>(j), on_delay, at}, gain};
   };
-  for (int at = c.k1; at < c.k2; ++at) {
-    CornerBox first = c, second = c;
-    first.k2 = at, second.k1 = at + 1;
-    take(false, at, first, second);
+  const auto first_misses = [&](int at) {
+    CornerBox first = c;
+    first.k2 = at;
+    return error.relaxed(first);
+  };
+  const auto second_misses = [&](int at) {
+    CornerBox second = c;
+    second.k1 = at + 1;
+    return error.relaxed(second);
+  };
+  // The first part's miss falls, the second's rises: the least of both is greatest where they cross.
+  int low = c.k1, high = c.k2 - 1;
+  while (low < high) {
+    const int at = low + (high - low) / 2;
+    if (first_misses(at) > second_misses(at))
+      low = at + 1;
+    else
+      high = at;
   }
+  for (int at = std::max(c.k1, low - 1); at <= std::min(low, c.k2 - 1); ++at)
+    take(false, at, std::min(first_misses(at), second_misses(at)));
   for (int at = c.d1; at < c.d2 && (delays_too || c.k1 == c.k2); ++at) {
     CornerBox first = c, second = c;
     first.d2 = at, second.d1 = at + 1;
-    take(true, at, first, second);
+    take(true, at, std::min(error.relaxed(first), error.relaxed(second)));
   }
 }
 

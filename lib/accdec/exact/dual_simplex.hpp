@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -14,9 +15,10 @@ namespace accdec::exact {
 ///   minimise cost x   subject to   low <= x <= high,   row_low <= A x <= row_high
 ///
 /// solved by the bounded dual simplex method on a dense tableau, for the linear programs of the exact method: 20 to 300
-/// columns, nearly all of them bounded, many of the rows dense, and a hundred near relatives to solve one after
-/// another. Rows can be added, replaced and removed and bounds changed at any time; the next solve starts from the
-/// basis of the last. Bounds may be infinite or equal.
+/// columns, nearly all of them bounded, many of the rows dense or of a few entries, and a hundred near relatives to
+/// solve one after another. The tableau has no rows for inactive rows of few entries: columns say as much. Rows can be
+/// added, replaced and removed and bounds changed at any time; the next solve starts from the basis of the last. Bounds
+/// may be infinite or equal.
 ///
 /// Leaving rows are chosen by steepest edge (Forrest and Goldfarb, Math. Program. 57, 1992; the weights are norms of
 /// tableau rows and computed afresh), entering columns by the bound flipping ratio test (Maros, Eur. J. Oper. Res. 149,
@@ -62,7 +64,7 @@ class DualSimplex {
   /// bounds.
   std::span<const double> multipliers() const { return multipliers_; }
   /// Whether the row holds with equality in the basis.
-  bool active(int row) const { return basic_row_[static_cast<std::size_t>(columns_ + row)] < 0; }
+  bool active(int row) const { return slot_[static_cast<std::size_t>(columns_ + row)] < 0; }
   /// Whether a ray proves that no point holds all bounds. Entries meant for an infinite side are set to 0.
   bool refutes(std::vector<double>& ray) const;
   long pivots() const { return pivots_; }
@@ -76,20 +78,37 @@ class DualSimplex {
 
  private:
   enum At : std::uint8_t { lower, upper, free, far_below, far_above };  // the last two: where no bound of its own is
+  static constexpr std::size_t most_short = 4;
+  static constexpr int unstored = std::numeric_limits<int>::max();
   struct Row {
     std::vector<int> columns;
     std::vector<double> values;
+    bool is_short = false;
+  };
+  /// The same of a short row, in place.
+  struct ShortRow {
+    std::array<int, most_short> columns{};
+    std::array<double, most_short> values{};
+    std::size_t size = 0;
   };
   struct Candidate {
     int position;
     double dual, size;  ///< |reduced cost| and |entry of the pivot row|
+    double drop;        ///< of the leaving variable's infeasibility where it goes to its other bound
   };
   double* tableau_row(int i) { return tableau_.data() + static_cast<std::size_t>(i) * stride_; }
   const double* tableau_row(int i) const { return tableau_.data() + static_cast<std::size_t>(i) * stride_; }
   double activity(int row, const std::vector<double>& x) const;
+  void set_row(int row, std::span<const int> columns, std::span<const double> values);
+  bool is_stored(int variable) const;
+  void make_basic(int row);
   void express(int row, double* in_nonbasics) const;
-  void exchange(int i, int position);
+  const double* in_nonbasics(int basic);
+  double entry(int basic, int position) const;
+  void eliminate(const double* row, int position, int but);
+  void exchange(int out, const double* row, int position);
   bool free_row(int row);
+  int append_tableau_row(int basic);
   void drop_tableau_row(int i);
   double least_activity(int variable) const;
   double most_activity(int variable) const;
@@ -97,26 +116,33 @@ class DualSimplex {
   void compute_duals();
   void settle_nonbasics();
   void compute_basics();
+  void compute_unstored();
   Status attempt();
   Status iterate();
   bool dual_feasible();
-  int leaving_row() const;
-  int entering_position(int i, double sigma, double infeasibility);
+  int leaving_variable();
+  int entering_position(const double* row, double sigma, double infeasibility);
+  bool group_candidates(double infeasibility, bool in_one_go);
+  std::size_t pass_over(std::size_t begin, double& slope);
+  int best_of_last_groups() const;
   int best_of_group(std::size_t begin, std::size_t end) const;
-  void step(int i, int position, double sigma);
+  void flip();
+  void step(int leaving, const double* row, int position, double sigma);
   void perturb();
   bool take_point();
-  bool take_ray(int i, double sigma);
+  bool take_ray(int leaving, const double* row, double sigma);
 
   int columns_;
   std::size_t stride_;
   std::vector<double> cost_, low_, high_;
   std::vector<Row> rows_;
+  std::vector<ShortRow> short_rows_;  ///< by row
 
   // Basic variables in terms of the nonbasic ones; variables are the columns, then the values of the rows.
   std::vector<double> tableau_;
-  std::vector<int> basic_, nonbasic_;
-  std::vector<int> basic_row_;  ///< by variable: row of the tableau, or -1 - position among the nonbasics
+  std::vector<int> basic_;      ///< by row of the tableau; short rows of the program are not in it
+  std::vector<int> nonbasic_;   ///< by position
+  std::vector<int> slot_;       ///< by variable: row of the tableau, `unstored`, or -1 - position among the nonbasics
   std::vector<double> value_;   ///< by variable
   std::vector<At> at_;          ///< by variable, of nonbasics
   std::vector<double> dual_;    ///< by position: reduced costs
@@ -126,7 +152,7 @@ class DualSimplex {
   std::vector<Candidate> candidates_;
   std::vector<std::size_t> group_end_;
   std::vector<int> flips_;
-  std::vector<double> scratch_values_;
+  std::vector<double> scratch_values_, expressed_, pivot_row_;
   std::vector<std::pair<int, double>> scratch_;
   std::function<bool()> stop_;
   long pivots_ = 0;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <accdec/exact/dual_simplex.hpp>
+#include <accdec/exact/tableau_loops.hpp>
 
 // The iterations of the dual simplex method.
 
@@ -11,6 +12,7 @@ namespace {
 constexpr double dual_tolerance = 1e-9;
 constexpr double smallest_entry = 1e-11;  ///< entries of a pivot row below this are rounding
 constexpr double smallest_pivot = 1e-8;
+constexpr double trusted_pivot = 1e-5;
 constexpr double far = 1e7;  ///< stands for an infinite bound until the basis is dual feasible
 
 std::size_t nth(int i) {
@@ -69,8 +71,7 @@ void DualSimplex::compute_duals() {
   for (std::size_t i = 0; i < basic_.size(); ++i) {
     if (basic_[i] >= columns_ || cost_[nth(basic_[i])] == 0.0) continue;
     const double c = cost_[nth(basic_[i])];
-    const double* row = tableau_row(static_cast<int>(i));
-    for (std::size_t j = 0; j < stride_; ++j) dual_[j] += c * row[j];
+    add_multiple(dual_.data(), tableau_row(static_cast<int>(i)), c, stride_);
   }
 }
 
@@ -139,11 +140,21 @@ void DualSimplex::compute_basics() {
   std::vector<double>& x = scratch_values_;
   x.assign(stride_, 0.0);
   for (int j = 0; j < columns_; ++j) x[nth(j)] = value_[nth(nonbasic_[nth(j)])];
-  for (std::size_t i = 0; i < basic_.size(); ++i) {
-    const double* row = tableau_row(static_cast<int>(i));
+  for (std::size_t i = 0; i < basic_.size(); ++i)
+    value_[nth(basic_[i])] = dot(tableau_row(static_cast<int>(i)), x.data(), stride_);
+  compute_unstored();
+}
+
+/// The values of basic rows that the tableau does not hold, from the columns'.
+void DualSimplex::compute_unstored() {
+  const int* const slots = slot_.data() + columns_;
+  double* const values = value_.data() + columns_;
+  for (std::size_t r = 0; r < short_rows_.size(); ++r) {
+    if (slots[r] != unstored) continue;
+    const ShortRow& row = short_rows_[r];
     double sum = 0.0;
-    for (std::size_t j = 0; j < stride_; ++j) sum += row[j] * x[j];
-    value_[nth(basic_[i])] = sum;
+    for (std::size_t e = 0; e < row.size; ++e) sum += row.values[e] * value_[nth(row.columns[e])];
+    values[r] = sum;
   }
 }
 
@@ -153,32 +164,34 @@ DualSimplex::Status DualSimplex::iterate() {
     if (count % 16 == 0 && stop_ && stop_()) return Status::stopped;
     // Long without an end: perhaps in circles.
     if (count % (5 * (columns_ + rows()) + 50) == 0) perturb();
-    const int i = leaving_row();
-    if (i < 0) return Status::optimal;
-    const int v = basic_[nth(i)];
+    const int v = leaving_variable();
+    if (v < 0) return Status::optimal;
+    const double* row = in_nonbasics(v);
     const double above = value_[nth(v)] - high_[nth(v)], below = low_[nth(v)] - value_[nth(v)];
     const double sigma = above > below ? 1.0 : -1.0;
-    const int position = entering_position(i, sigma, std::max(above, below));
-    if (position < 0) return take_ray(i, sigma) ? Status::infeasible : Status::trouble;
-    if (std::abs(tableau_row(i)[position]) < smallest_pivot) return Status::trouble;
-    step(i, position, sigma);
+    const int position = entering_position(row, sigma, std::max(above, below));
+    if (position < 0) return take_ray(v, row, sigma) ? Status::infeasible : Status::trouble;
+    if (std::abs(row[position]) < smallest_pivot) return Status::trouble;
+    step(v, row, position, sigma);
   }
   return Status::trouble;
 }
 
 /// Largest infeasibility in the norm of the row of the basis' inverse.
-int DualSimplex::leaving_row() const {
+int DualSimplex::leaving_variable() {
   int best = -1;
   double largest = 0.0;
-  for (std::size_t i = 0; i < basic_.size(); ++i) {
-    const int v = basic_[i];
+  const auto consider = [&](int v) {
     const double x = value_[nth(v)], infeasibility = std::max(x - high_[nth(v)], low_[nth(v)] - x);
-    if (!(infeasibility > primal_tolerance)) continue;
-    const double* row = tableau_row(static_cast<int>(i));
-    double weight = v >= columns_ ? 1.0 : 1e-6;
-    for (std::size_t j = 0; j < stride_; ++j) weight += is_row_[j] * row[j] * row[j];
-    const double rate = infeasibility * infeasibility / weight;
-    if (rate > largest) largest = rate, best = static_cast<int>(i);
+    if (!(infeasibility > primal_tolerance)) return;
+    const double own = v >= columns_ ? 1.0 : 1e-6, square = infeasibility * infeasibility;
+    if (square <= own * largest) return;
+    const double rate = square / (own + sum_of_squares(is_row_.data(), in_nonbasics(v), stride_));
+    if (rate > largest) largest = rate, best = v;
+  };
+  for (const int v : basic_) consider(v);
+  for (int v = columns_; v < static_cast<int>(slot_.size()); ++v) {
+    if (slot_[nth(v)] == unstored) consider(v);
   }
   return best;
 }
@@ -186,11 +199,8 @@ int DualSimplex::leaving_row() const {
 /// Passes bounded variables over to their other bounds as long as the leaving one stays outside of its own; `flips_`
 /// are these.
 /// @return -1 if even all of them do not bring it back
-int DualSimplex::entering_position(int i, double sigma, double infeasibility) {
+int DualSimplex::entering_position(const double* row, double sigma, double infeasibility) {
   candidates_.clear();
-  group_end_.clear();
-  flips_.clear();
-  const double* row = tableau_row(i);
   for (int j = 0; j < columns_; ++j) {
     const double a = sigma * row[j];
     if (std::abs(a) < smallest_entry) continue;
@@ -201,14 +211,33 @@ int DualSimplex::entering_position(int i, double sigma, double infeasibility) {
     const bool falls = state == upper || state == far_above || state == free;
     if ((a < 0.0 && rises) || (a > 0.0 && falls)) {
       const double d = state == free ? 0.0 : std::max(0.0, falls ? -dual_[nth(j)] : dual_[nth(j)]);
-      candidates_.push_back({j, d, std::abs(a)});
+      const double size = std::abs(a);
+      candidates_.push_back({j, d, size, state >= free ? infinity : size * (high_[v] - low_[v])});
     }
   }
-  if (candidates_.empty()) return -1;
+  if (!group_candidates(infeasibility, true)) return -1;
+  // Of the last group; a group before if that has only pivots too small to trust.
+  if (candidates_[nth(best_of_last_groups())].size <= trusted_pivot) group_candidates(infeasibility, false);
+  const int best = best_of_last_groups();
+  const auto group = std::ranges::upper_bound(group_end_, nth(best));
+  const std::size_t begin = group == group_end_.begin() ? 0 : *(group - 1);
+  flips_.clear();
+  for (std::size_t c = 0; c < begin; ++c) flips_.push_back(candidates_[c].position);
+  return candidates_[nth(best)].position;
+}
+
+/// Groups of candidates whose ratios are equal to within the tolerance (Harris), up to the one in which the leaving
+/// variable comes back. False: it does not.
+/// @param in_one_go  many groups before the last few become one
+bool DualSimplex::group_candidates(double infeasibility, bool in_one_go) {
+  group_end_.clear();
   double slope = infeasibility;
   std::size_t begin = 0;
-  while (begin < candidates_.size()) {
-    // Harris: all whose ratio is below the least ratio with the tolerance added.
+  while (begin < candidates_.size() && slope > primal_tolerance) {
+    if (in_one_go && group_end_.size() == 1) {
+      const std::size_t passed = pass_over(begin, slope);
+      if (passed > begin) group_end_.push_back(begin = passed);
+    }
     double least = infinity;
     for (std::size_t c = begin; c < candidates_.size(); ++c)
       least = std::min(least, (candidates_[c].dual + dual_tolerance) / candidates_[c].size);
@@ -217,29 +246,47 @@ int DualSimplex::entering_position(int i, double sigma, double infeasibility) {
     auto end = static_cast<std::size_t>(middle - candidates_.begin());
     // Rounding may leave none, or a tableau of large numbers has become none at all: the group is one then.
     if (end == begin) ++end;
-    for (std::size_t c = begin; c < end; ++c) {
-      const auto v = nth(nonbasic_[nth(candidates_[c].position)]);
-      slope -= at_[v] >= free ? infinity : candidates_[c].size * (high_[v] - low_[v]);
-    }
+    for (std::size_t c = begin; c < end; ++c) slope -= candidates_[c].drop;
     group_end_.push_back(end);
     begin = end;
-    if (slope <= primal_tolerance) break;
   }
-  if (slope > primal_tolerance) return -1;
-  // Of the last group; a group before if that has only pivots too small to trust.
-  auto group = static_cast<int>(group_end_.size()) - 1;
+  return slope <= primal_tolerance;
+}
+
+/// Brings candidates to the front of those from `begin` on, the least ratios first, as long as passing all of them over
+/// does not bring the leaving variable back, by halving what is left. A few may stay behind.
+/// @return  where they end; the slope is what they leave of it
+std::size_t DualSimplex::pass_over(std::size_t begin, double& slope) {
+  const auto at = [&](std::size_t c) { return candidates_.begin() + static_cast<std::ptrdiff_t>(c); };
+  const auto ratio = [](const Candidate& c) { return c.dual / c.size; };
+  for (std::size_t end = candidates_.size(); end - begin > 8;) {
+    const double a = ratio(*at(begin)), b = ratio(*at(begin + (end - begin) / 2)), c = ratio(*at(end - 1));
+    const double pivot = std::max(std::min(a, b), std::min(std::max(a, b), c));
+    const auto middle = std::partition(at(begin), at(end), [&](const Candidate& x) { return ratio(x) < pivot; });
+    const auto passed = static_cast<std::size_t>(middle - candidates_.begin());
+    double left = slope;
+    for (std::size_t x = begin; x < passed; ++x) left -= candidates_[x].drop;
+    if (left <= primal_tolerance) {
+      end = passed;
+    } else if (passed > begin) {
+      begin = passed, slope = left;
+    } else {
+      break;  // all before the pivot is passed over; most have its ratio
+    }
+  }
+  return begin;
+}
+
+/// The largest pivot of the last group, or of one before where those after have only pivots too small to trust.
+int DualSimplex::best_of_last_groups() const {
   int best = -1;
-  for (; group >= 0; --group) {
+  for (auto group = static_cast<int>(group_end_.size()) - 1; group >= 0; --group) {
     const std::size_t first = group > 0 ? group_end_[nth(group) - 1] : 0;
     const int here = best_of_group(first, group_end_[nth(group)]);
-    if (best < 0 || candidates_[nth(here)].size > 1e3 * candidates_[nth(best)].size) {
-      best = here;
-      begin = first;
-    }
-    if (candidates_[nth(best)].size > 1e-5) break;
+    if (best < 0 || candidates_[nth(here)].size > 1e3 * candidates_[nth(best)].size) best = here;
+    if (candidates_[nth(best)].size > trusted_pivot) break;
   }
-  for (std::size_t c = 0; c < begin; ++c) flips_.push_back(candidates_[c].position);
-  return candidates_[nth(best)].position;
+  return best;
 }
 
 int DualSimplex::best_of_group(std::size_t begin, std::size_t end) const {
@@ -250,22 +297,31 @@ int DualSimplex::best_of_group(std::size_t begin, std::size_t end) const {
   return static_cast<int>(best);
 }
 
-void DualSimplex::step(int i, int position, double sigma) {
-  const double* row = tableau_row(i);
+/// Nonbasic variables to their other bounds.
+void DualSimplex::flip() {
+  if (flips_.empty()) return;
+  std::vector<double>& moves = scratch_values_;
+  moves.assign(stride_, 0.0);
+  for (const int j : flips_) {
+    const auto v = nth(nonbasic_[nth(j)]);
+    const bool rises = at_[v] == lower;
+    moves[nth(j)] = rises ? high_[v] - low_[v] : low_[v] - high_[v];
+    value_[v] = rises ? high_[v] : low_[v];
+    at_[v] = rises ? upper : lower;
+  }
+  for (std::size_t k = 0; k < basic_.size(); ++k)
+    value_[nth(basic_[k])] += dot(tableau_row(static_cast<int>(k)), moves.data(), stride_);
+}
+
+void DualSimplex::step(int leaving, const double* row, int position, double sigma) {
   // Reduced costs.
   const double a = sigma * row[position];
   const double t = std::max(0.0, -dual_[nth(position)] / a);
-  const int leaving = basic_[nth(i)];
-  for (int j = 0; j < columns_; ++j) dual_[nth(j)] += t * sigma * row[j];
+  add_multiple(dual_.data(), row, t * sigma, stride_);
   dual_[nth(position)] = -sigma * t;
-  for (const int j : flips_) {
-    const auto v = nth(nonbasic_[nth(j)]);
-    const double move = at_[v] == lower ? high_[v] - low_[v] : low_[v] - high_[v];
-    value_[v] = at_[v] == lower ? high_[v] : low_[v];
-    at_[v] = at_[v] == lower ? upper : lower;
-    for (std::size_t k = 0; k < basic_.size(); ++k) value_[nth(basic_[k])] += tableau_[k * stride_ + nth(j)] * move;
-  }
+  flip();
   // Values.
+  if (!flips_.empty() && slot_[nth(leaving)] == unstored) value_[nth(leaving)] = activity(leaving - columns_, value_);
   const double bound = sigma > 0.0 ? high_[nth(leaving)] : low_[nth(leaving)];
   const double move = (bound - value_[nth(leaving)]) / row[position];
   for (std::size_t k = 0; k < basic_.size(); ++k)
@@ -274,7 +330,8 @@ void DualSimplex::step(int i, int position, double sigma) {
   value_[nth(entering)] += move;
   value_[nth(leaving)] = bound;
   at_[nth(leaving)] = sigma > 0.0 ? upper : lower;
-  exchange(i, position);
+  exchange(leaving, row, position);
+  compute_unstored();
   // What the tolerance let pass on the wrong side.
   for (int j = 0; j < columns_; ++j) {
     const At state = at_[nth(nonbasic_[nth(j)])];

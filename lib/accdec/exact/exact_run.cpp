@@ -89,6 +89,7 @@ void ExactRun::offer_shapes() {
 void ExactRun::first_designs() {
   least_ = search_.smallest_order();
   if (!convex_ || several_) offer_shapes();
+  if (minimises_) search_.dive();
   if (several_ && !jointly_) {
     sweep_orders();
     search_.improve();

@@ -32,6 +32,7 @@ void Search::aim(double target) {
   current_.target = target;
   recent_.clear();
   in_tree_.clear();
+  refuted_corner_.clear();
   Box box = root();
   if (tighten(task_, target, box)) size_for(box.order);
 }

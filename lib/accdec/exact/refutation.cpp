@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <accdec/exact/limit_model.hpp>
 #include <accdec/exact/range_cut.hpp>
@@ -14,12 +15,13 @@ class WeightedSum {
   WeightedSum(const LimitModel& model, const Box& box, int order)
       : model_(model),
         box_(box),
-        exact_box_(box),
+        exact_box_(order == box.order ? box : other_order_.emplace(box)),
         taps_(static_cast<std::size_t>(order) + 1, 0.0),
-        sums_(taps_.size() + 1, 0.0),
-        delays_(box.corners.size(), 0.0),
-        samples_(box.corners.size(), 0.0) {
-    exact_box_.order = order;
+        sums_(taps_.size() + 1, 0.0) {
+    if (other_order_) other_order_->order = order;
+    if (!box.budget) return;
+    delays_.assign(box.corners.size(), 0.0);
+    samples_.assign(box.corners.size(), 0.0);
   }
 
   /// False: the row does not apply to the box.
@@ -39,7 +41,7 @@ class WeightedSum {
       taps_[i] = taps_[size - 1 - i] = 0.5 * (taps_[i] + taps_[size - 1 - i]);
     double least = cheapest_filter();
     if (least == infinity) return infinity;
-    for (std::size_t j = 0; j < box_.corners.size(); ++j) {
+    for (std::size_t j = 0; j < delays_.size(); ++j) {
       const CornerBox& b = box_.corners[j];
       least += std::min(0.0, delays_[j]) * (b.d2 - b.d1) + std::min(0.0, samples_[j]) * (b.k2 - b.k1);
     }
@@ -68,9 +70,19 @@ class WeightedSum {
     const auto j = static_cast<std::size_t>(id.corner);
     const double wp = y * model_.weight_in(j, id.angle), wq = y * model_.weight_out(j, id.angle);
     if (box_.loose(j) && (wp < -1e-16 || wq < -1e-16)) return false;
-    for (int i = 0; i <= exact_box_.order; ++i)
-      taps_[static_cast<std::size_t>(i)] += wp * box_.weight_in(j, i) + wq * box_.weight_out(j, i);
+    add_distances(j, wp, wq);
     return counts(y, y * model_.error_bound(j));
+  }
+
+  void add_distances(std::size_t j, double wp, double wq) {
+    if (!box_.distances.empty()) {
+      for (int i = 0; i <= exact_box_.order; ++i)
+        taps_[static_cast<std::size_t>(i)] += wp * box_.weight_in(j, i) + wq * box_.weight_out(j, i);
+      return;
+    }
+    const int in = box_.corners[j].k2, out = box_.first_out(j), order = exact_box_.order;
+    for (int i = std::max(0, in + 1); i <= order; ++i) taps_[static_cast<std::size_t>(i)] += wp * (i - in);
+    for (int i = 0; i < std::min(out, order + 1); ++i) taps_[static_cast<std::size_t>(i)] += wq * (out - i);
   }
 
   bool add(const proof::RangeError& id, double y) {
@@ -128,7 +140,8 @@ class WeightedSum {
 
   const LimitModel& model_;
   const Box& box_;
-  Box exact_box_;  // of the order asked for
+  std::optional<Box> other_order_;
+  const Box& exact_box_;  // of the order asked for
   std::vector<double> taps_, sums_, delays_, samples_;
   double rhs_ = 0.0, magnitude_ = 0.0;
 };

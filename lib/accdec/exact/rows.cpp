@@ -49,6 +49,7 @@ std::vector<EventSpeeds> event_speeds(const Task& task) {
 
 ConvexRows::ConvexRows(const Task& task) : task_(task), speeds_(event_speeds(task)) {
   const double t = task.sample_period;
+  for (std::size_t n = 0; n < period_to_the_.size(); ++n) period_to_the_[n] = std::pow(t, static_cast<double>(n));
   for (std::size_t a = 0; a < speeds_.size(); ++a) {
     const Axis& axis = task.machine.axes[a];
     const double fastest = std::max(speeds_[a].start, speeds_[a].stop);
@@ -127,7 +128,7 @@ SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
     return std::move(b.row);
   }
   const AxisLimit& limit = axis_limit(id.limit);
-  const double bound = std::pow(t, limit.differences) * axis.*limit.bound;
+  const double bound = period_to_the_[static_cast<std::size_t>(limit.differences)] * axis.*limit.bound;
   for (int j = 0; j <= limit.differences; ++j)
     acceleration(k - j, id.sign * difference_weight(limit.differences, j) / bound);
   return std::move(b.row);

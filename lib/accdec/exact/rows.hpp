@@ -1,18 +1,37 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <accdec/certificate/certificate.hpp>
 #include <accdec/exact/box.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/motion/filter.hpp>
 
 namespace accdec::exact {
 
+/// Numbers with their coefficients, of which a row has few: kept in place, for rows are made by the thousand.
+class FewTerms {
+ public:
+  using Term = std::pair<int, double>;
+  static constexpr std::size_t most = std::max(4, 2 * (most_differences + 1));  ///< of two legs each
+
+  void emplace_back(int number, double coefficient) { terms_.at(size_++) = {number, coefficient}; }
+  bool empty() const { return size_ == 0; }
+  const Term* begin() const { return terms_.data(); }
+  const Term* end() const { return terms_.data() + size_; }
+
+ private:
+  std::array<Term, most> terms_;
+  std::size_t size_ = 0;
+};
+
 /// Sum of taps, sums (coefficients of B_k) and constant, all <= 1.
 struct SparseRow {
-  std::vector<std::pair<int, double>> taps, sums;
+  FewTerms taps, sums;
   double constant = 0.0;
   /// No tap of the box's filters is in it: past the end of a shorter filter.
   bool no_terms() const { return taps.empty() && sums.empty(); }
@@ -66,6 +85,7 @@ class ConvexRows {
   std::vector<EventSpeeds> speeds_;
   double tap_max_ = 1.0;
   std::vector<RampLimit> ramps_;
+  std::array<double, most_differences + 1> period_to_the_;  ///< s^n, by n
 };
 
 }  // namespace accdec::exact

@@ -161,9 +161,10 @@ Search::State Search::leave(proof::Node leaf) {
   return State::closed;
 }
 
-int Search::keep(Multipliers y) {
+int Search::keep(Multipliers y, CornerBox of) {
   current_.multipliers.push_back(std::move(y));
   in_tree_.push_back(false);
+  refuted_corner_.push_back(of);
   return static_cast<int>(current_.multipliers.size()) - 1;
 }
 
@@ -207,6 +208,17 @@ bool Search::narrow(Box& box, proof::Node* why) {
   return (model_.convex() && !box.budget) || model_.shrink(box);
 }
 
+/// With the delay of the box; of several delays, the linear program has no limits of the blend, and the filter breaks
+/// them.
+bool Search::may_be_shorter(const Filter& filter, const Box& box) const {
+  if (model_.convex() && box.corners.front().d1 < box.corners.front().d2) return false;
+  int first = 0, last = filter.order();
+  while (first < last && filter.tap(first) == 0.0) ++first;
+  while (first < last && filter.tap(last) == 0.0) --last;
+  const int order = std::max(last - first, task_.design.order_min);
+  return value_of(task_, order, {box.corners.front().d1}) < target_ * (1.0 - 1e-9);
+}
+
 Search::State Search::refute(Box box) {
   if (stopped()) return State::stopped;
   const Box whole = box;
@@ -219,17 +231,24 @@ Search::State Search::refute(Box box) {
     return state == State::closed ? refute(longer) : state;
   }
   if (const int y = refuted_before(box); y >= 0) return close_by(y);
+  const bool one = box.corners.size() == 1 && model_.cone(0);
+  if (const auto beginning = one ? refuted_beginning(box) : std::nullopt) {
+    if (beginning->last == box.corners.front().k2) return close_by(beginning->multipliers);
+    current_.tree.push_back(proof::Split{0, false, beginning->last});
+    close_by(beginning->multipliers);
+    return refute(parts(whole, proof::Split{0, false, beginning->last}).second);
+  }
 
   Outcome outcome = relaxation_->solve(box, false);
-  if (outcome.kind == Outcome::refuted) return close_by(keep(std::move(outcome.multipliers)));
+  if (outcome.kind == Outcome::refuted)
+    return close_by(keep(std::move(outcome.multipliers), one ? box.corners.front() : CornerBox{.k1 = 1}));
   if (single(model_, box)) return go_on(refute_single(std::move(box), std::move(outcome)), whole);
-  if (outcome.filter) offer(*outcome.filter);
+  if (outcome.filter && (!one || may_be_shorter(*outcome.filter, box))) offer(*outcome.filter);
   const auto found = [&] { return best && best->value < target_ * (1.0 - 1e-9); };
   if (found()) return go_on(State::found, whole);
-  const bool alone = box.corners.size() == 1 && model_.cone(0) && outcome.filter;
-  const proof::Node node = box.budget ? choose_split(whole, box, outcome)
-                           : alone    ? split_alone(*outcome.filter, box)
-                                      : widest_split(model_, box);
+  const proof::Node node = box.budget              ? choose_split(whole, box, outcome)
+                           : one && outcome.filter ? split_alone(*outcome.filter, box)
+                                                   : widest_split(model_, box);
   if (found()) return State::found;
   current_.tree.push_back(node);
   const auto [first, second] = parts(whole, node);

@@ -89,6 +89,9 @@ class Search {
   /// The smallest order that holds the limits not tied to a tolerance, or order_max + 1; leaves a first design in
   /// `best` if it can.
   int smallest_order();
+  /// One corner, convex limits: a better first design by linear programs of single delays at the smallest orders. In
+  /// dive.cpp.
+  void dive();
   /// Several corners: offers the filters of one linear program an order, from `least` on, until `enough`.
   void sweep_orders(int least, const std::function<bool()>& enough);
   /// Several corners: looks for something shorter near `best`, with as many boxes at most as take about a second.
@@ -148,14 +151,24 @@ class Search {
   State close(Multipliers y);
   State close_by(int multipliers);
   State leave(proof::Node leaf);
-  int keep(Multipliers y);
+  /// @param of  the corner of the box they refute, where there is one corner
+  int keep(Multipliers y, CornerBox of = {.k1 = 1});
   void remember(int multipliers);
   bool refutes(int multipliers, const Box& box) const;
   /// Multipliers used lately that refute the box, too; -1: none.
   int refuted_before(const Box& box);
+  /// Of one corner's range of samples, the beginning up to a sample.
+  struct Beginning {
+    int last, multipliers;
+  };
+  /// Refuted by what refuted other samples lately, if there is such a beginning. In shifted.cpp.
+  std::optional<Beginning> refuted_beginning(const Box& box);
   /// Cuts the box by the target and shrinks its tube where it is needed. False: nothing is left.
   bool narrow(Box& box, proof::Node* why = nullptr);
+  bool may_be_shorter(const Filter& filter, const Box& box) const;
   State refute_single(Box box, Outcome outcome);
+  int longest_shorter(int order) const;
+  bool holds_alone(int order, int delay);
   /// The split of the box, of which `whole` is what it was before the target cut it, that promises most. In
   /// branching.cpp.
   proof::Node choose_split(const Box& whole, const Box& box, const Outcome& outcome);
@@ -185,9 +198,10 @@ class Search {
   int smallest_order_ = 0;
   std::vector<int> recent_;
   Window window_;
-  std::vector<char> among_;         ///< corners that count in refute_together
-  std::optional<Filter> together_;  ///< what holds them
-  std::vector<bool> in_tree_;       ///< of the multipliers: whether a leaf of the proof uses them
+  std::vector<char> among_;                ///< corners that count in refute_together
+  std::optional<Filter> together_;         ///< what holds them
+  std::vector<CornerBox> refuted_corner_;  ///< of the multipliers: see `keep`
+  std::vector<bool> in_tree_;              ///< of the multipliers: whether a leaf of the proof uses them
 };
 
 }  // namespace accdec::exact

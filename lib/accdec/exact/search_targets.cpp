@@ -44,6 +44,7 @@ Search::Answer Search::search(double target) {
   current_ = Proof{};
   recent_.clear();
   in_tree_.clear();
+  refuted_corner_.clear();
   Box box = root();
   if (tighten(task_, target, box)) size_for(box.order);
   std::size_t next = 0;

@@ -11,6 +11,8 @@ namespace {
 
 /// A pivot passes over the whole tableau: beyond this, each takes about a second.
 constexpr double bytes_max = 4e9;
+/// This little is always there: asking the system how much is takes longer than a small task.
+constexpr double bytes_always = 1e7;
 
 }  // namespace
 
@@ -32,7 +34,9 @@ double linear_program_bytes(const Task& task, int order) {
 }
 
 void require_room(const Task& task, int order) {
-  const double bytes = linear_program_bytes(task, order), there = std::min(bytes_max, 0.5 * available_memory());
+  const double bytes = linear_program_bytes(task, order);
+  if (bytes <= bytes_always) return;
+  const double there = std::min(bytes_max, 0.5 * available_memory());
   if (bytes <= there) return;
   throw TooLarge(
       fmt::format("the proof's linear programs for order {} and {} corner{} would take {:.3g} GB of memory, {:.3g} "
