@@ -23,7 +23,8 @@ double nearest_squared(double p, double q, double cos_interior) {
 
 }  // namespace
 
-Cascade::Cascade(std::span<const int> lengths, int pairs, int pair_delay) : averages_(static_cast<int>(lengths.size())) {
+Cascade::Cascade(std::span<const int> lengths, int pairs, int pair_delay)
+    : averages_(static_cast<int>(lengths.size())) {
   double whole = static_cast<double>(1 << pairs);
   for (const int length : lengths) order_ += length - 1, whole *= length;
   constexpr double copies[3][3] = {{1.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {1.0, 2.0, 1.0}};
