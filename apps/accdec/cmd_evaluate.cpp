@@ -20,9 +20,13 @@ struct Options {
   double circle_radius_mm = 0.0, circle_feed_mm_min = 0.0;
 };
 
-void print_circle(const Task& task, const Options& options) {
-  const CircleError error = circle_error(make_filter(*task.filter), options.circle_radius_mm * 1e-3,
-                                         options.circle_feed_mm_min / 6e4, task.sample_period);
+CircleRecord evaluate_circle(const Task& task, const Options& options) {
+  CircleRecord circle{options.circle_radius_mm * 1e-3, options.circle_feed_mm_min / 6e4, {}};
+  circle.error = circle_error(make_filter(*task.filter), circle.radius, circle.feed, task.sample_period);
+  return circle;
+}
+
+void print_circle(const Task& task, const Options& options, const CircleError& error) {
   fmt::print(
       "\ncircle of radius {:g} mm at {:g} mm/min: smaller by {:.4f} um (simulated turn {:.4f} um, "
       "v^2 sigma^2/(2R) {:.4f} um with sigma = {:.4g} ms)\n",
@@ -53,8 +57,10 @@ void add_evaluate(CLI::App& app, Context& context) {
   command->callback([options, &context] {
     const Task task = read_task(options->task, {.require_choices = true});
     require_outputs({options->json}, {options->task});
-    context.exit_code = deliver(evaluate_task(task), options->json, context);
-    if (options->circle_radius_mm > 0.0 && options->json != "-") print_circle(task, *options);
+    std::optional<CircleRecord> circle;
+    if (options->circle_radius_mm > 0.0) circle = evaluate_circle(task, *options);
+    context.exit_code = deliver(evaluate_task(task), options->json, context, certificate_max_default, circle);
+    if (circle && options->json != "-" && !context.quiet) print_circle(task, *options, circle->error);
   });
 }
 

@@ -8,6 +8,7 @@
 
 #include <accdec/design/verify_result.hpp>
 #include <accdec/files/text_file.hpp>
+#include <accdec/formats/circle_json.hpp>
 #include <accdec/formats/program_record.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/task/verification_cost.hpp>
@@ -51,7 +52,11 @@ void add_verify(CLI::App& app, Context& context) {
       return;
     }
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(*limit);
-    const ResultCheck check = verify_result(result, [end] { return std::chrono::steady_clock::now() > end; });
+    ResultCheck check = verify_result(result, [end] { return std::chrono::steady_clock::now() > end; });
+    if (const auto circle = circle_of(text)) {
+      for (std::string& reason : check_circle(*circle, result)) check.reasons.push_back(std::move(reason));
+      check.accepted = check.reasons.empty();
+    }
     if (check.accepted) {
       if (context.quiet) return;
       if (!check.verification.performed) {

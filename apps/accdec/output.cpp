@@ -39,7 +39,8 @@ DesignResult without_proof(DesignResult result) {
 
 }  // namespace
 
-int deliver(const DesignResult& result, const std::string& json_path, const Context& context, double certificate_max) {
+int deliver(const DesignResult& result, const std::string& json_path, const Context& context, double certificate_max,
+            const std::optional<CircleRecord>& circle) {
   if (!json_path.empty()) {
     const double megabytes = result.certificate ? 1e-6 * static_cast<double>(proof_size(result)) : 0.0;
     const bool keep = result.certificate && megabytes <= certificate_max;
@@ -47,7 +48,9 @@ int deliver(const DesignResult& result, const std::string& json_path, const Cont
       std::fprintf(stderr, "%s: the proof, %.3g MB, was left out; --certificate-max %.0f keeps it\n", json_path.c_str(),
                    megabytes, std::ceil(megabytes));
     }
-    write_file(json_path, result_to_json(keep ? result : without_proof(result)));
+    std::string json = result_to_json(keep ? result : without_proof(result));
+    if (circle) add_circle(json, *circle);
+    write_file(json_path, json);
   }
   if (json_path != "-" && !context.quiet) {
     const std::string text = result_text(result);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include <accdec/formats/circle_json.hpp>
 #include <accdec/task/result.hpp>
 
 #include "command.hpp"
@@ -31,7 +32,8 @@ inline constexpr double certificate_max_default = 50.0;  ///< MB
 /// Writes the result to `json_path` unless that is empty, prints the table unless quiet or standard output carries
 /// JSON, and gives the exit code its status calls for.
 /// @param certificate_max  MB: with a larger proof the file is written without it, and a line says so
+/// @param circle  also written, if there is one
 int deliver(const DesignResult& result, const std::string& json_path, const Context& context,
-            double certificate_max = certificate_max_default);
+            double certificate_max = certificate_max_default, const std::optional<CircleRecord>& circle = {});
 
 }  // namespace accdec::cli

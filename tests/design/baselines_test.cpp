@@ -204,6 +204,18 @@ TEST(Baselines, GivenDelaysStay) {
   EXPECT_EQ(best.result.corners.at(0).delay, 3);
 }
 
+// One family by itself is cut off inside of its search; what it had by then is verified, and said to be that.
+TEST(Baselines, AFamilyAloneEndsInTime) {
+  Axis axis;
+  axis.acceleration_max = 6.0;
+  axis.jerk_max = 600.0;
+  const Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 5e-5);
+  const BaselineResult none = best_baseline(task, family("averages"), 0.0);
+  EXPECT_FALSE(none.spec);
+  EXPECT_EQ(none.result.status, Status::failed);
+  EXPECT_THAT(none.result.message, ::testing::HasSubstr("not searched to the end"));
+}
+
 // A family is either searched to the end, or without a filter and without a claim that there is none.
 TEST(Baselines, NothingIsClaimedOfASearchThatWasCutOff) {
   Axis axis;

@@ -6,8 +6,8 @@
 #include <accdec/design/tap_range.hpp>
 #include <accdec/motion/controller_shapes.hpp>
 #include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/delays_by_formula.hpp>
+#include <accdec/task/granted_limits.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -24,6 +24,13 @@ constexpr double resolution = 1e-8;
 constexpr double most_time_constants = 21.0;
 /// Tones kept, those that filters rang at first.
 constexpr std::size_t most_tones = 100;
+
+/// Whether the corner's error bound may hold at this delay, up to rounding.
+bool may_hold_error(const Cascade& cascade, const TaskCorner& corner, double period, int delay) {
+  const Corner& g = corner.geometry();
+  const double allowed = std::max(*corner.error_max * slack, position_floor) * (1.0 + 1e-8);
+  return may_hold_error(cascade, g.cos_interior(), g.feed_in * period, g.feed_out * period, delay, allowed);
+}
 
 /// |sin(n x/2)/(n sin(x/2))| of an average of n taps at x rad a sample.
 double average_response(double phase, int length) {
@@ -72,21 +79,18 @@ std::vector<double> plain_taps(Shape shape, int order, double parameter) {
 }  // namespace
 
 BaselineSearch::BaselineSearch(const Task& task, const Baseline& baseline, double below)
-    : task_(task), family_(baseline), cost_(cost_of(task)), cheapest_(below) {
+    : task_(task),
+      family_(baseline),
+      cost_(cost_of(task)),
+      bounds_(tap_bounds(granted_limits(task))),
+      cheapest_(below) {
   const double period = task.sample_period;
   for (const TaskCorner& corner : task.corners) {
     const Corner& g = corner.geometry();
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
-      const Axis& axis = task.machine.axes[a];
       const auto e = static_cast<Eigen::Index>(a);
       const double in = std::abs(g.feed_in * g.direction_in[e]), out = std::abs(g.feed_out * g.direction_out[e]);
-      const double s = std::max(in, out);
-      if (s > 0.0) speeds_.push_back({&axis, in, out});
-      if (s > 0.0) tap_max_ = std::min(tap_max_, axis.acceleration_max * period / s * slack);
-      if (s > 0.0) first_tap_max_ = std::min(first_tap_max_, axis.jerk_max * period * period / s * slack);
-      // On a start the force is at least that of the mass; on a stop friction helps.
-      if (in > 0.0 && axis.mass > 0.0)
-        tap_max_ = std::min(tap_max_, axis.force_max * period / (axis.mass * in) * slack);
+      if (std::max(in, out) > 0.0) speeds_.push_back({&task.machine.axes[a], in, out});
     }
   }
   for (const Mode& mode : task.machine.modes) {
@@ -96,16 +100,22 @@ BaselineSearch::BaselineSearch(const Task& task, const Baseline& baseline, doubl
   }
   // Of all filters with taps of at most 1/L, some shift of the boxcar of L taps, or a mixture of two neighbouring ones,
   // has the smallest distances p and q (their cost is convex in the tap's index); a mixture is worth at most one sample
-  // of delay. Up to 90 degrees smaller distances are a smaller error.
-  const double taps = std::min(1.0 / tap_max_, static_cast<double>(task.design.order_max) + 1.0);
-  const DelayFinder narrowest(boxcar(std::max(1, static_cast<int>(taps)) - 1));
+  // of delay.
+  const int taps = std::max(1, static_cast<int>(std::min(1.0 / bounds_.most, task.design.order_max + 1.0)));
+  const Cascade narrowest(std::span(&taps, 1), 0, 0);
   for (const TaskCorner& corner : task.corners) {
-    const Corner& g = corner.geometry();
     int least = corner.delay.value_or(0);
-    if (!corner.delay && corner.error_max && g.cos_interior() >= 0.0) {
-      least = narrowest(g.cos_interior(), g.feed_in * period, g.feed_out * period, *corner.error_max * slack) - 1;
+    if (!corner.delay && corner.error_max) {
+      for (int high = taps; least < high;) {
+        const int middle = least + (high - least) / 2;
+        if (may_hold_error(narrowest, corner, period, middle))
+          high = middle;
+        else
+          least = middle + 1;
+      }
+      least = std::max(0, least - 1);
     }
-    least_delays_.push_back(std::max(0, least));
+    least_delays_.push_back(least);
   }
 }
 
@@ -163,19 +173,26 @@ void BaselineSearch::offer_cascade(const std::vector<int>& lengths, const Filter
   const std::vector<double> taps = cascade_taps(lengths, spec.pairs, spec.pair_delay);
   double sum = static_cast<double>(1 << spec.pairs);
   for (const int length : lengths) sum *= length;
-  if (starts(taps, sum) && !too_slow(taps, sum)) offer(spec);
+  if (starts(taps, sum)) offer(spec);
 }
 
-/// What products of the lengths already say: the plateau, the first step and the vibration at a few frequencies.
+/// What needs no taps: the plateau, the first step, the vibration at a few frequencies, a few samples, the errors.
 bool BaselineSearch::cheap_refusal(const std::vector<int>& lengths, const FilterSpec& spec) {
   const double copies = static_cast<double>(1 << spec.pairs);
   double first = 1.0 / copies, rest = 0.0;
   for (const int length : lengths) first /= length, rest += length - 1;
   rest -= lengths.front() - 1;
-  if (first > first_tap_max_) return true;
+  if (first > bounds_.step) return true;
   // The longest average has a plateau where it is longer than the others together; of copies, no tap is below its
   // share.
-  if (lengths.front() > rest && 1.0 / lengths.front() / copies > tap_max_) return true;
+  if (lengths.front() > rest && 1.0 / lengths.front() / copies > bounds_.most) return true;
+  if (rings(lengths, spec)) return true;
+  if (spec.order + spec.pairs * spec.pair_delay > Cascade::order_max) return false;
+  const Cascade cascade(lengths, spec.pairs, spec.pair_delay);
+  return fails_likewise(cascade) || too_slow(cascade);
+}
+
+bool BaselineSearch::rings(const std::vector<int>& lengths, const FilterSpec& spec) {
   for (Tone& tone : tones_) {
     double amplitude = 1.0;
     for (const int length : lengths) amplitude *= average_response(tone.phase, length);
@@ -187,38 +204,60 @@ bool BaselineSearch::cheap_refusal(const std::vector<int>& lengths, const Filter
   return false;
 }
 
+bool BaselineSearch::start_holds(const Speeds& speeds, double tap, double gone) const {
+  const Axis& axis = *speeds.axis;
+  const double v = speeds.start * gone, force = axis.mass * speeds.start * tap / task_.sample_period + axis.damping * v;
+  return force <= axis.force_max * slack && force * v <= axis.power_max * slack;
+}
+
+bool BaselineSearch::stop_holds(const Speeds& speeds, double tap, double left) const {
+  const Axis& axis = *speeds.axis;
+  const double v = speeds.stop * left, braking = axis.mass * speeds.stop * tap / task_.sample_period - axis.damping * v;
+  return braking * v <= axis.regeneration_max * slack;
+}
+
 /// Whether a filter may start every leg and stop it: what most do not, and the cheapest to see on taps not yet divided
 /// by their sum.
-bool BaselineSearch::starts(std::span<const double> taps, double sum) const {
-  const double period = task_.sample_period;
-  if (*std::max_element(taps.begin(), taps.end()) > tap_max_ * sum || taps.front() > first_tap_max_ * sum) return false;
+bool BaselineSearch::starts(std::span<const double> taps, double sum) {
+  if (*std::max_element(taps.begin(), taps.end()) > bounds_.most * sum || taps.front() > bounds_.step * sum)
+    return false;
+  const int last = static_cast<int>(taps.size()) - 1;
   for (const Speeds& speeds : speeds_) {
     const Axis& axis = *speeds.axis;
-    const double start = speeds.start / sum, stop = speeds.stop / sum;
     if (axis.force_max < unlimited || axis.power_max < unlimited) {
       double gone = 0.0;
-      for (const double b : taps) {
+      for (int k = 0; k <= last; ++k) {
+        const double b = taps[static_cast<std::size_t>(k)];
         gone += b;
-        const double v = start * gone, force = axis.mass * start * b / period + axis.damping * v;
-        if (force > axis.force_max * slack || force * v > axis.power_max * slack) return false;
+        if (!start_holds(speeds, b / sum, gone / sum)) return failed_start_ = {&speeds, k}, false;
       }
     }
     if (axis.regeneration_max < unlimited) {
       double left = sum;
-      for (const double b : taps) {
+      for (int k = 0; k <= last; ++k) {
+        const double b = taps[static_cast<std::size_t>(k)];
         left -= b;
-        const double v = stop * left, braking = axis.mass * stop * b / period - axis.damping * v;
-        if (braking * v > axis.regeneration_max * slack) return false;
+        if (!stop_holds(speeds, b / sum, left / sum)) return failed_stop_ = {&speeds, k}, false;
       }
     }
   }
   return true;
 }
 
+/// Whether it breaks a limit where the last one did that broke one: neighbours mostly do.
+bool BaselineSearch::fails_likewise(const Cascade& cascade) const {
+  constexpr double looser = 1.0 - 1e-8;  // than rounding
+  if (const auto& [speeds, k] = failed_start_;
+      speeds != nullptr && !start_holds(*speeds, looser * cascade.tap(k), looser * cascade.gone(k)))
+    return true;
+  const auto& [speeds, k] = failed_stop_;
+  return speeds != nullptr && !stop_holds(*speeds, looser * cascade.tap(k), 1.0 - cascade.gone(k));
+}
+
 void BaselineSearch::offer(const FilterSpec& spec) {
   ++tried_;
   const Filter filter = make_filter(spec);
-  if (*std::max_element(filter.taps().begin(), filter.taps().end()) > tap_max_) return;
+  if (*std::max_element(filter.taps().begin(), filter.taps().end()) > bounds_.most) return;
   for (const LimitUse& use : vibration_utilisation(filter, task_.sample_period, task_.machine)) {
     if (use.utilisation <= slack) continue;
     // The next ones that ring so are refused at once, and so are ranges of them.
@@ -237,31 +276,15 @@ void BaselineSearch::offer(const FilterSpec& spec) {
   delays_ = *delays;
 }
 
-/// Whether some corner's error bound needs a delay that costs too much, by its error at the largest delay that would
-/// not. Up to 90 degrees the error at samples falls with the delay; beyond, nothing is said.
-bool BaselineSearch::too_slow(std::span<const double> taps, double sum) {
+/// Whether some corner's error bound needs a delay that costs too much.
+bool BaselineSearch::too_slow(const Cascade& cascade) const {
   if (cheapest_ == unlimited) return false;
-  const int n = static_cast<int>(taps.size()) - 1;
-  const double room = cheapest_ - cost_(n, least_delays_);
-  stop_.assign(taps.size() + 1, 0.0);
-  start_.assign(taps.size() + 1, 0.0);
-  double gone = 0.0, left = 0.0;
-  for (std::size_t k = 1; k <= taps.size(); ++k) start_[k] = start_[k - 1] + (gone += taps[k - 1]);
-  for (std::size_t k = taps.size() - 1; k-- > 0;) stop_[k] = stop_[k + 1] + (left += taps[k + 1]);
+  const double room = cheapest_ - cost_(cascade.order(), least_delays_);
   for (std::size_t j = 0; j < task_.corners.size(); ++j) {
     const TaskCorner& corner = task_.corners[j];
-    const Corner& g = corner.geometry();
-    const double cosine = g.cos_interior(), period = task_.sample_period;
-    if (corner.delay || !corner.error_max || cosine < 0.0) continue;
+    if (corner.delay || !corner.error_max) continue;
     const int delay = least_delays_[j] + static_cast<int>(std::min(room / cost_.delay[j], 1e8));
-    const double in = g.feed_in * period / sum, out = g.feed_out * period / sum;
-    const double allowed = std::max(*corner.error_max * slack, position_floor) * (1.0 + 1e-9);
-    bool near = delay >= n;
-    for (int k = std::max(0, delay); k <= n && !near; ++k) {
-      const double p = in * stop_[static_cast<std::size_t>(k)], q = out * start_[static_cast<std::size_t>(k - delay)];
-      near = p * p + q * q + 2.0 * p * q * cosine <= allowed * allowed;
-    }
-    if (!near) return true;
+    if (!may_hold_error(cascade, corner, task_.sample_period, delay)) return true;
   }
   return false;
 }

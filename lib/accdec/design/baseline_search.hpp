@@ -6,8 +6,10 @@
 #include <vector>
 
 #include <accdec/design/baselines.hpp>
+#include <accdec/design/cascade.hpp>
 #include <accdec/design/tap_range.hpp>
 #include <accdec/task/objective.hpp>
+#include <accdec/task/tap_bounds.hpp>
 
 namespace accdec {
 
@@ -38,22 +40,30 @@ class BaselineSearch {
   void offer(const FilterSpec& spec);
   void offer_cascade(const std::vector<int>& lengths, const FilterSpec& spec);
   bool cheap_refusal(const std::vector<int>& lengths, const FilterSpec& spec);
-  bool too_slow(std::span<const double> taps, double sum);
-  bool starts(std::span<const double> taps, double sum) const;
+  bool rings(const std::vector<int>& lengths, const FilterSpec& spec);
+  bool fails_likewise(const Cascade& cascade) const;
+  bool too_slow(const Cascade& cascade) const;
+  bool starts(std::span<const double> taps, double sum);
+
+  struct Speeds {
+    const Axis* axis;
+    double start, stop;  ///< m/s, of leg 1 and of leg 2
+  };
+  struct Place {
+    const Speeds* speeds = nullptr;
+    int sample = 0;
+  };
+  bool start_holds(const Speeds& speeds, double tap, double gone) const;
+  bool stop_holds(const Speeds& speeds, double tap, double left) const;
 
   const Task& task_;
   const Baseline& family_;
   LinearCost cost_;
   std::vector<int> least_delays_;  ///< that no filter within the limits undercuts
-  double tap_max_ = 1.0;           ///< no tap may be larger, by acceleration and force limits
-  double first_tap_max_ = 1.0;     ///< nor the first, by jerk limits
-  struct Speeds {
-    const Axis* axis;
-    double start, stop;  ///< m/s, of leg 1 and of leg 2
-  };
+  TapBounds bounds_;
   std::vector<Speeds> speeds_;
+  Place failed_start_, failed_stop_;  ///< where the last filter broke a limit that could not start or stop
   std::vector<Tone> tones_;           ///< frequencies at which filters were found to ring, the last first
-  std::vector<double> stop_, start_;  ///< p and q of the filter looked at, times its sum
   Deadline deadline_;
   bool late_ = false;
   double cheapest_;

@@ -42,7 +42,17 @@ double hopeless_cost(const Task& task, const Deadline& deadline) {
   return baseline_hopeless * search.cost();
 }
 
-BaselineResult best_below(const Task& task, const Baseline& baseline, double hopeless, const Deadline& deadline) {
+constexpr const char* not_ended = "not searched to the end in the time given";
+
+Deadline deadline_in(double seconds) {
+  if (!(seconds < unlimited)) return {};
+  const std::chrono::duration<double> time(seconds);
+  return std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(time);
+}
+
+/// @param partly  take what was found by the deadline
+BaselineResult best_below(const Task& task, const Baseline& baseline, double hopeless, const Deadline& deadline,
+                          bool partly) {
   const auto began = std::chrono::steady_clock::now();
   BaselineResult answer;
   std::string message;
@@ -57,14 +67,15 @@ BaselineResult best_below(const Task& task, const Baseline& baseline, double hop
     search.run(deadline);
     tried = search.tried();
     late = !search.complete();
-    if (!late) answer.spec = search.best();
-    if (late) {
-      message = "not searched to the end in the time given";
-    } else if (answer.spec) {
+    if (!late || partly) answer.spec = search.best();
+    if (answer.spec) {
       Task chosen = task;
       chosen.filter = answer.spec;
       const Filter filter = make_filter(*answer.spec);
       answer.result = assess(chosen, filter, search.delays(), false);
+      if (late) answer.result.message = not_ended;
+    } else if (late) {
+      message = not_ended;
     } else {
       message = fmt::format("no {} of order {} to {} holds all limits", baseline.name, task.design.order_min,
                             task.design.order_max);
@@ -102,21 +113,17 @@ const Baseline* find_baseline(std::string_view name) {
   return found == families.end() ? nullptr : &*found;
 }
 
-BaselineResult best_baseline(const Task& task, const Baseline& baseline) {
-  return best_below(task, baseline,
-                    &baseline == &two_averages || !contradictions(task).empty() ? unlimited : hopeless_cost(task, {}),
-                    {});
+BaselineResult best_baseline(const Task& task, const Baseline& baseline, double seconds) {
+  const Deadline deadline = deadline_in(seconds);
+  const bool alone = &baseline == &two_averages || !contradictions(task).empty();
+  return best_below(task, baseline, alone ? unlimited : hopeless_cost(task, deadline), deadline, true);
 }
 
 std::vector<BaselineResult> best_baselines(const Task& task, double seconds) {
-  Deadline deadline;
-  if (seconds < unlimited) {
-    const std::chrono::duration<double> time(seconds);
-    deadline = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(time);
-  }
+  const Deadline deadline = deadline_in(seconds);
   const double hopeless = contradictions(task).empty() ? hopeless_cost(task, deadline) : unlimited;
   std::vector<BaselineResult> all;
-  for (const Baseline& baseline : families) all.push_back(best_below(task, baseline, hopeless, deadline));
+  for (const Baseline& baseline : families) all.push_back(best_below(task, baseline, hopeless, deadline, false));
   return all;
 }
 

@@ -43,7 +43,8 @@ bool stops_exactly(const DesignResult& result);
 /// impulses are there to cancel a vibration: families with them need a task with modes. Where two averages hold the
 /// limits, the search ends at `baseline_hopeless` times their cost. The task's own filter, if any, is ignored; given
 /// delays stay.
-BaselineResult best_baseline(const Task& task, const Baseline& baseline);
+/// @param seconds  of wall time: what is best by then is the answer, and its message says that the search was not ended
+BaselineResult best_baseline(const Task& task, const Baseline& baseline, double seconds = unlimited);
 /// All of them, in their order.
 /// @param seconds  of wall time: a family that is not searched to the end by then is without a filter (status failed)
 std::vector<BaselineResult> best_baselines(const Task& task, double seconds = unlimited);

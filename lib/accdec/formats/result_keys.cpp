@@ -87,6 +87,15 @@ Key limits() {
        optional(nullable(number("frequency_Hz", "of a vibration", "Hz")))});
 }
 
+Key circle() {
+  return optional(table("circle", KeyType::table, "of `evaluate --circle-radius-mm`: a circle passed at constant feed",
+                        {number("radius_m", "of the command", "m"), number("feed_m_s", "along it", "m/s"),
+                         number("radius_error_m", "by how much the path is smaller", "m"),
+                         number("small_angle_m", "the same by its first term, v^2 sigma^2 / (2 R)", "m"),
+                         number("simulated_m", "largest distance of a simulated turn from the circle", "m"),
+                         number("deviation_s", "sigma, the standard deviation of the taps", "s")}));
+}
+
 FileKind make_result_file() {
   Key schema{.name = "schema", .type = KeyType::word, .meaning = "kind of file and its version", .required = true};
   schema.words = {"accdec.result/1"};
@@ -122,7 +131,8 @@ FileKind make_result_file() {
              text("claimed", "what the solver said of its answer"),
              integer("evaluations", "of functions", "", {0, static_cast<double>(std::numeric_limits<long>::max() / 4)}),
              number("wall_time_s", "of the solve alone", "s")}),
-      certificate};
+      certificate,
+      circle()};
   return file;
 }
 

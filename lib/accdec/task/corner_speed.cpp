@@ -7,10 +7,6 @@
 namespace accdec {
 namespace {
 
-struct TapBounds {
-  double most, step;
-};
-
 /// The last taps of a filter, or the first backwards: as large as they can be and still end.
 struct Ramp {
   double mass = 0.0, moment = 0.0;  ///< sums of taps, and of taps by their distance, the first's being 1
@@ -88,32 +84,14 @@ class SlowestPoint {
 
 }  // namespace
 
-CornerSpeeds::CornerSpeeds(const Task& task) : task_(granted_limits(task)) {
-  const double t = task_.sample_period;
-  for (const TaskCorner& corner : task_.corners) {
-    const Corner& c = corner.geometry();
-    for (std::size_t i = 0; i < task_.machine.axes.size(); ++i) {
-      const Axis& axis = task_.machine.axes[i];
-      const auto a = static_cast<Eigen::Index>(i);
-      const double in = std::abs(c.feed_in * c.direction_in[a]), out = std::abs(c.feed_out * c.direction_out[a]);
-      const double fastest = std::max(in, out);
-      if (fastest > 0.0) {
-        tap_max_ = std::min(tap_max_, axis.acceleration_max * t / fastest);
-        difference_max_ = std::min(difference_max_, axis.jerk_max * t * t / fastest);
-      }
-      // From rest friction only takes force away.
-      if (in > 0.0 && axis.mass > 0.0) tap_max_ = std::min(tap_max_, axis.force_max * t / (axis.mass * in));
-    }
-  }
-}
+CornerSpeeds::CornerSpeeds(const Task& task) : task_(granted_limits(task)), bounds_(tap_bounds(task_)) {}
 
 double CornerSpeeds::fastest(std::size_t j) const {
   const TaskCorner& corner = task_.corners[j];
   const double cosine = corner.geometry().cos_interior();
   if (!corner.error_max || !(corner.speed_min > 0.0) || !(cosine > -1.0 && cosine < 1.0 - 1e-9)) return unlimited;
-  const TapBounds bounds{tap_max_, difference_max_};
   const auto possible = [&](double speed) {
-    return !SlowestPoint(task_.sample_period, bounds, corner.geometry(), speed).beyond(*corner.error_max * 1.00000001);
+    return !SlowestPoint(task_.sample_period, bounds_, corner.geometry(), speed).beyond(*corner.error_max * 1.00000001);
   };
   if (possible(corner.speed_min)) return unlimited;
   double low = 0.0, high = corner.speed_min;

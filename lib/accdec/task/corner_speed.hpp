@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include <accdec/task/tap_bounds.hpp>
 #include <accdec/task/task.hpp>
 
 namespace accdec {
@@ -23,8 +24,7 @@ class CornerSpeeds {
 
  private:
   Task task_;  ///< with the limits that verification grants
-  /// Bounds of a tap and of the difference of two, from starts and stops.
-  double tap_max_ = 1.0, difference_max_ = unlimited;
+  TapBounds bounds_;
 };
 
 }  // namespace accdec

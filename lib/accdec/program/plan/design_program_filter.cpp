@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,25 +13,11 @@
 #include <accdec/program/plan/filter_search.hpp>
 #include <accdec/program/plan/plan_time.hpp>
 #include <accdec/program/plan/program_plan.hpp>
+#include <accdec/program/plan/representative_task.hpp>
 #include <accdec/task/verifier.hpp>
 
 namespace accdec {
 namespace {
-
-Eigen::VectorXd leg(const Toolpath& path, std::size_t b) {
-  const auto n = static_cast<Eigen::Index>(path.dimensions());
-  return Eigen::Map<const Eigen::VectorXd>(path.point(b + 1), n) - Eigen::Map<const Eigen::VectorXd>(path.point(b), n);
-}
-
-TaskCorner task_corner(const std::string& name, const Eigen::VectorXd& in, const Eigen::VectorXd& out, double feed_in,
-                       double feed_out) {
-  const auto numbers = [](const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
-  return TaskCorner(name, DirectedLegs{numbers(in), numbers(out)}, feed_in, feed_out);
-}
-
-struct Class {
-  std::size_t member = 0, count = 0;
-};
 
 /// Unlimited when the filter cannot hold the limits.
 double program_time(const Toolpath& path, const Filter& filter, const Task& task, const Machine& machine) {
@@ -62,7 +46,8 @@ double planned_time(const Toolpath& path, const Filter& filter, const Task& task
 class Deadline {
  public:
   explicit Deadline(double seconds) : seconds_(seconds) {}
-  bool over() const { return seconds_since(start_) > seconds_; }
+  double left() const { return seconds_ - seconds_since(start_); }
+  bool over() const { return left() < 0.0; }
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -144,6 +129,13 @@ class Candidates {
     if (time < unlimited) all_.push_back({time, name, design});
   }
 
+  /// Of the fastest prediction.
+  std::optional<int> best_order() const {
+    const auto best = std::min_element(all_.begin(), all_.end(),
+                                       [](const auto& a, const auto& b) { return a.predicted < b.predicted; });
+    return best == all_.end() ? std::nullopt : std::optional(best->design.filter->order());
+  }
+
   /// The fastest plan that holds, not the fastest prediction.
   ProgramFilter fastest() {
     ProgramFilter best;
@@ -212,93 +204,37 @@ class Candidates {
 
 namespace {
 
-/// What a program's blocks are like, seen once.
-struct Survey {
-  std::vector<Class> corners;        ///< most frequent first
-  std::vector<std::size_t> fastest;  ///< blocks in which some axis is fastest, each once
-  double runs = 1.0;                 ///< from rest to rest
-};
-
-/// Class of the corner after block b: 10 degrees, headings by fifths of each axis's share, factors of 1.5 in feeds and
-/// tolerance.
-std::vector<int> class_of(const Toolpath& path, std::size_t b, const Eigen::VectorXd& in, const Eigen::VectorXd& out) {
-  const auto logarithm = [](double x) {
-    return x > 0.0 ? static_cast<int>(std::floor(std::log(x) / std::log(1.5))) : -1000;
+/// Designs for the representative task: first no longer than the best shape, which is a fraction of the work where many
+/// corners make the cost of a long filter small, then of any order, and of orders beside the best.
+/// @param time_limit  s, of the whole search for a filter
+void offer_designs(const Task& representative, Candidates& candidates, double time_limit) {
+  Task shorter = representative;
+  if (const auto order = candidates.best_order())
+    shorter.design.order_max = std::clamp(*order, representative.design.order_min, representative.design.order_max);
+  DesignOptions options;
+  options.time_limit = 0.3 * time_limit;
+  options.certificate = false;
+  const auto offer = [&](const Task& task, const std::string& order) {
+    const DesignResult design = design_task(task, options);
+    candidates.offer(design, (design.solver.name.empty() ? design.solver.method : design.solver.name) + order);
+    return design;
   };
-  const double cosine = -in.dot(out) / (in.norm() * out.norm());
-  const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
-  std::vector<int> key{static_cast<int>(angle / 10.0), logarithm(in.norm() / path.duration[b]),
-                       logarithm(out.norm() / path.duration[b + 1]), logarithm(path.tolerance[b])};
-  for (const Eigen::VectorXd* u : {&in, &out}) {
-    for (Eigen::Index a = 0; a < u->size(); ++a) key.push_back(static_cast<int>(5.0 * std::abs((*u)[a]) / u->norm()));
+  offer(shorter, "");
+  if (shorter.design.order_max < representative.design.order_max) offer(representative, " of any order");
+  const auto order = candidates.best_order();
+  if (!order) return;
+  // What the classes leave out (rapid moves, blocks shorter than the filter) may want another order than theirs.
+  options.time_limit = 0.1 * time_limit;
+  for (const int step : {-4, -2, 2, 4}) {
+    Task other = representative;
+    other.design.order_max = std::max(shorter.design.order_max, *order + step);
+    (step < 0 ? other.design.order_max : other.design.order_min) = *order + step;
+    if (*order + step >= representative.design.order_min && *order + step <= representative.design.order_max)
+      offer(other, fmt::format(" of order {}", *order + step));
   }
-  return key;
-}
-
-Survey survey(const Toolpath& path) {
-  Survey found;
-  const std::size_t n = path.dimensions();
-  std::map<std::vector<int>, Class> classes;
-  std::vector<double> most(n, 0.0);
-  found.fastest.assign(n, 0);
-  Eigen::VectorXd in, out = leg(path, 0);
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    in = out;
-    for (std::size_t a = 0; a < n && path.rapid[b] == 0; ++a) {
-      const double speed = std::abs(in[static_cast<Eigen::Index>(a)]) / path.duration[b];
-      if (speed > most[a]) most[a] = speed, found.fastest[a] = b;
-    }
-    if (b + 1 == path.blocks()) break;
-    out = leg(path, b + 1);
-    if (path.joint[b] == Joint::stop) found.runs += 1.0;
-    if (path.joint[b] != Joint::corner || path.rapid[b] != 0 || path.rapid[b + 1] != 0) continue;
-    Class& c = classes[class_of(path, b, in, out)];
-    if (c.count++ == 0) c.member = b;
-  }
-  for (const auto& [key, c] : classes) found.corners.push_back(c);
-  std::stable_sort(found.corners.begin(), found.corners.end(),
-                   [](const Class& a, const Class& b) { return a.count > b.count; });
-  std::sort(found.fastest.begin(), found.fastest.end());
-  found.fastest.erase(std::unique(found.fastest.begin(), found.fastest.end()), found.fastest.end());
-  return found;
 }
 
 }  // namespace
-
-Task representative_task(const Toolpath& path, const Task& task, std::size_t corners_max) {
-  Task result = task;
-  result.filter.reset();
-  result.corners.clear();
-  result.machine = program_machine(task.machine, path);
-  const Survey found = survey(path);
-  result.design.objective = Objective::cycle;
-  result.design.runs = found.runs;
-
-  double all = 0.0, kept = 0.0;
-  for (std::size_t i = 0; i < found.corners.size(); ++i) {
-    all += static_cast<double>(found.corners[i].count);
-    if (i < corners_max) kept += static_cast<double>(found.corners[i].count);
-  }
-  for (std::size_t i = 0; i < std::min(corners_max, found.corners.size()); ++i) {
-    const std::size_t b = found.corners[i].member;
-    const Eigen::VectorXd u = leg(path, b), w = leg(path, b + 1);
-    TaskCorner corner = task_corner(fmt::format("line {}", path.line[b]), u, w, u.norm() / path.duration[b],
-                                    w.norm() / path.duration[b + 1]);
-    corner.error_max = path.tolerance[b];
-    // The classes kept stand for the others, too.
-    corner.weight = static_cast<double>(found.corners[i].count) * all / kept;
-    result.corners.push_back(std::move(corner));
-  }
-  for (const std::size_t b : found.fastest) {
-    const Eigen::VectorXd u = leg(path, b);
-    const double feed = u.norm() / path.duration[b];
-    TaskCorner corner = task_corner(fmt::format("pass in line {}", path.line[b]), u, u, feed, feed);
-    corner.delay = 0;
-    corner.weight = 1e-3;
-    result.corners.push_back(std::move(corner));
-  }
-  return result;
-}
 
 ProgramFilter design_program_filter(const Toolpath& path, const Task& task, double time_limit,
                                     const std::function<void(const std::string&)>& progress) {
@@ -321,23 +257,9 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
     const bool slow =
         family.shape == Shape::exponential || family.shape == Shape::gaussian || family.shape == Shape::blackman_sinc;
     if (families.over() || (slow && time_limit < 30.0)) continue;
-    candidates.offer(best_baseline(representative, family).result, std::string(family.name));
+    candidates.offer(best_baseline(representative, family, families.left()).result, std::string(family.name));
   }
-  DesignOptions options;
-  options.time_limit = 0.6 * time_limit;
-  options.certificate = false;
-  const DesignResult design = design_task(representative, options);
-  candidates.offer(design, design.solver.name.empty() ? design.solver.method : design.solver.name);
-  // What the classes leave out (rapid moves, blocks shorter than the filter) may want another order than theirs.
-  options.time_limit = 0.1 * time_limit;
-  for (const int step : {-4, -2, 2, 4}) {
-    Task other = representative;
-    if (!design.filter) break;
-    const int order = design.filter->order() + step;
-    if (order < task.design.order_min || order > task.design.order_max) continue;
-    (step < 0 ? other.design.order_max : other.design.order_min) = order;
-    candidates.offer(design_task(other, options), fmt::format("{} of order {}", design.solver.name, order));
-  }
+  offer_designs(representative, candidates, time_limit);
   ProgramFilter best = candidates.fastest();
   best.solver.method = "representative corners";
   best.solver.wall_time = seconds_since(start);

@@ -10,13 +10,6 @@
 
 namespace accdec {
 
-/// A task with a handful of corners that stands for a program: its corners gathered by angle, headings, feeds and
-/// tolerance, the most frequent classes represented by one of their members with the weight of the class; and, for
-/// every axis, the feed move that drives it fastest as a straight pass, so that starts and stops in the worst
-/// directions count.
-/// @param corners_max  classes kept, >= 1
-Task representative_task(const Toolpath& path, const Task& task, std::size_t corners_max = 8);
-
 /// The filter for a program whose task leaves it open. Candidates are designed for the representative task (by
 /// `design_task` and among the standard shapes), and a search over trapezoids judges each by the whole program; the one
 /// with the shortest time of the whole program, with exact delays of every corner, is taken.
