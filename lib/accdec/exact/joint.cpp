@@ -253,7 +253,15 @@ std::optional<Joint::Work> Joint::settle(int at, double before) {
 
 void Joint::work_on(Prover& prover, Work& work) const {
   const long before = prover.linear_programs();
+  const std::size_t some = prover.some.multipliers().size(), any = prover.any.multipliers().size();
   if (!extend(prover, work)) check(prover, work);
+  // What attempts left that came to nothing would grow with the time.
+  const std::vector<proof::Node> nothing;
+  const auto found = [&](bool wide) -> const auto& {
+    return work.lemma && work.lemma->wide == wide ? work.lemma->tree : nothing;
+  };
+  prover.some.forget(some, found(false));
+  prover.any.forget(any, found(true));
   work.spent = prover.linear_programs() - before;
 }
 

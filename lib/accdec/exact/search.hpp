@@ -114,6 +114,8 @@ class Search {
   /// The corners that a proof of delays together says something of.
   std::vector<char> corners_used(const std::vector<proof::Node>& tree) const;
   const std::vector<Multipliers>& multipliers() const { return current_.multipliers; }
+  /// Of the multipliers from this one on, only those of a proof and some used lately are needed any more.
+  void forget(std::size_t from, const std::vector<proof::Node>& tree);
 
   /// Of kind `window`: for filters of any order.
   void look_through(Window window) { window_ = std::move(window); }

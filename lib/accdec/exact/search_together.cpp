@@ -167,6 +167,17 @@ Search::Together Search::refute_together(int order, const std::vector<int>& most
   return answer;
 }
 
+void Search::forget(std::size_t from, const std::vector<proof::Node>& tree) {
+  std::fill(in_tree_.begin() + static_cast<std::ptrdiff_t>(from), in_tree_.end(), false);
+  for (const proof::Node& node : tree)
+    if (const auto* refuted = std::get_if<proof::Refuted>(&node))
+      in_tree_[static_cast<std::size_t>(refuted->multipliers)] = true;
+  for (std::size_t i = from; i < in_tree_.size(); ++i) {
+    const bool lately = std::find(recent_.begin(), recent_.end(), static_cast<int>(i)) != recent_.end();
+    if (!in_tree_[i] && !lately) current_.multipliers[i] = {};
+  }
+}
+
 std::vector<char> Search::corners_used(const std::vector<proof::Node>& tree) const {
   std::vector<char> used(task_.corners.size(), 0);
   for (const proof::Node& node : tree) {
