@@ -12,6 +12,7 @@
 
 #include <accdec/design/design.hpp>
 #include <accdec/files/output_files.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/formats/task_reader.hpp>
 #include <accdec/study/baseline_table.hpp>
 
@@ -43,19 +44,33 @@ void print_quick_baselines(const DesignResult& design, double seconds) {
              study::baseline_text(study::compare_with_baselines(design, std::min(at_most, seconds))));
 }
 
-void print_baselines(const Task& task, DesignOptions options) {
+/// Two tables, that of the task's period with the design that is there; the first gets half of what is left.
+void print_baselines(const Task& task, const DesignResult& design, DesignOptions options, double left) {
+  const auto began = std::chrono::steady_clock::now();
   options.certificate = false;
-  const auto here = study::compare_with_baselines(task, options);
+  options.time_limit = 0.5 * left;
+  const auto here =
+      task.filter ? study::compare_with_baselines(task, options) : study::compare_with_baselines(design, task, options);
+  options.time_limit = left - seconds_since(began);
   const auto quarter = study::compare_with_baselines(study::at_shorter_period(task, 4), options);
   fmt::print("{}", study::baseline_text(here, quarter));
 }
 
-/// About what simulating a design for the report and writing it takes, s; of few corners nothing worth mentioning.
-double delivery_seconds(const Task& task) {
-  return 2e-5 * static_cast<double>(task.corners.size());
+/// What a time limit leaves for the search: not what was spent on reading, nor what simulating the design and writing
+/// it takes. Of few corners neither is worth mentioning, of very many it is said.
+double search_seconds(const Task& task, double limit, double reading, bool quiet) {
+  const double delivery = 1.2e-5 * static_cast<double>(task.corners.size());
+  const double search = std::max(0.2 * limit, limit - reading - delivery);
+  if (!quiet && reading + delivery > std::max(0.1, 0.05 * limit)) {
+    fmt::print(stderr, "{} corners took {:.2g} s to read; simulating and writing the answer take about {:.2g} s; ",
+               task.corners.size(), reading, delivery);
+    fmt::print(stderr, "the search gets {:.2g} of the {:g} s\n", search, limit);
+  }
+  return search;
 }
 
 void run(const Arguments& arguments, Context& context) {
+  const auto began = std::chrono::steady_clock::now();
   const Task task = read_task(arguments.task);
   require_outputs({arguments.json}, {arguments.task});
 
@@ -74,7 +89,9 @@ void run(const Arguments& arguments, Context& context) {
   if (task.filter && arguments.solver_given && !context.quiet) {
     fmt::print(stderr, "the filter is given: its delays are enumerated, {} is not used\n", options.solver);
   }
-  options.time_limit = std::max(0.5 * arguments.time_limit, arguments.time_limit - delivery_seconds(task));
+  options.time_limit = search_seconds(task, arguments.time_limit, seconds_since(began), context.quiet);
+  // A third of it each for the design and the two tables.
+  if (arguments.baselines) options.time_limit /= 3.0;
   options.gap = fraction(arguments.gap).value_or(0.0);
   if (options.gap > 0.0 && options.method == Method::nlp) {
     throw std::invalid_argument("--gap goes with the exact method: no other proves a bound");
@@ -89,7 +106,6 @@ void run(const Arguments& arguments, Context& context) {
     options.solver_options.native[pair.substr(0, equals)] = pair.substr(equals + 1);
   }
   options.cancel = &Interrupt::asked();
-  const auto began = std::chrono::steady_clock::now();
   const Interrupt interrupt;
   const DesignResult result = [&] {
     StatusLine status(context.quiet, StatusLine::Lines::news, options.time_limit);
@@ -101,15 +117,14 @@ void run(const Arguments& arguments, Context& context) {
   context.exit_code = deliver(result, arguments.json, context, arguments.certificate_max);
   if (!context.quiet && arguments.json != "-") {
     if (result.filter && !task.filter && !arguments.baselines && !arguments.no_baselines) {
-      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began;
-      print_quick_baselines(result, arguments.time_limit - taken.count());
+      print_quick_baselines(result, arguments.time_limit - seconds_since(began));
     }
     if (task.baseline && result.filter) fmt::print("{}", study::saving_text(*task.baseline, result));
     if (result.status == Status::infeasible) {
       fmt::print("`accdec explain {}` says how much each limit has to give.\n", arguments.task);
     }
   }
-  if (arguments.baselines) print_baselines(task, options);
+  if (arguments.baselines) print_baselines(task, result, options, arguments.time_limit - seconds_since(began));
 }
 
 }  // namespace
@@ -127,8 +142,10 @@ void add_design(CLI::App& app, Context& context) {
   command->add_option("--solver", arguments->solver,
                       "nonlinear solver to use (see `accdec solvers`); implies --method nlp");
   command
-      ->add_option("--time-limit", arguments->time_limit,
-                   "seconds for the whole design, then the best so far; the default is 600")
+      ->add_option(
+          "--time-limit", arguments->time_limit,
+          "seconds for the whole design, then the best so far; the default is 600; with --baselines a third of it "
+          "for the design, the rest for the tables")
       ->type_name("SECONDS")
       ->capture_default_str()
       ->check(positive_number());

@@ -37,6 +37,7 @@ void run(const Arguments& arguments, Context& context) {
     if (finer.corners.size() != 1)
       throw std::invalid_argument(arguments.growth + ": --growth takes a task with one corner");
   }
+  require_results_folder(arguments.out, {"accdec.optima/1", "command", "table of optima", "accdec optima "});
   create_results_folder(arguments.out);
 
   DesignOptions options;
@@ -59,18 +60,20 @@ void run(const Arguments& arguments, Context& context) {
   if (!arguments.growth.empty())
     command += fmt::format(" --growth {} --halvings {}", arguments.growth, arguments.halvings);
   nlohmann::ordered_json manifest;
+  manifest["schema"] = "accdec.optima/1";
   manifest["command"] = command;
   add_environment(manifest, ACCDEC_VERSION);
+  // The manifest first: whatever ends this between two files, the folder is known again.
   OutputFiles output;
   std::vector<std::string> names{(std::filesystem::path(arguments.out) / "manifest.json").string()},
       inputs = arguments.tasks;
+  output.add(names.front(), manifest.dump(2) + "\n");
   inputs.push_back(arguments.growth);
   for (auto& [name, content] : optima_documents(optima, growth)) {
     names.push_back((std::filesystem::path(arguments.out) / name).string());
     output.add(names.back(), std::move(content));
   }
   require_outputs(names, inputs);
-  output.add(names.front(), manifest.dump(2) + "\n");
   output.commit();
 
   if (!context.quiet) std::fputs(optima_text(optima).c_str(), stdout);

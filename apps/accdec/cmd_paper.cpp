@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -20,8 +21,11 @@ void add_paper(CLI::App& app, Context& context) {
       ->type_name("DIR")
       ->capture_default_str();
   command->callback([folder, &context] {
+    require_results_folder(*folder, {"accdec.manifest/1", "command", "results of the paper", "accdec paper "});
     const std::vector<paper::Table> tables{paper::table1(), paper::table2()};
-    const auto files = paper::files(tables, "accdec paper --out " + *folder, ACCDEC_VERSION);
+    auto files = paper::files(tables, "accdec paper --out " + *folder, ACCDEC_VERSION);
+    // The manifest first: whatever ends this between two files, the folder is known again.
+    std::rotate(files.begin(), files.end() - 1, files.end());
     create_results_folder(*folder);
     OutputFiles output;
     for (const auto& [name, content] : files) output.add((std::filesystem::path(*folder) / name).string(), content);

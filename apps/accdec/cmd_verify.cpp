@@ -1,12 +1,16 @@
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include <accdec/design/verify_result.hpp>
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/circle_json.hpp>
 #include <accdec/formats/program_record.hpp>
@@ -28,6 +32,22 @@ double simulation_seconds(const DesignResult& result) {
   return verification_cost(result.task, result.filter->order(), delays).seconds();
 }
 
+/// About, of a result's file, on the same core; 0 of what is no plain file.
+double reading_seconds(const std::string& path) {
+  std::error_code unknown;
+  const auto bytes = std::filesystem::file_size(path, unknown);
+  return unknown ? 0.0 : 1e-8 * static_cast<double>(bytes);
+}
+
+/// Whether what is left to do would last longer than the time limit; says so.
+bool too_long(const std::string& path, std::string_view what, double seconds, double limit, Context& context) {
+  if (seconds <= limit) return false;
+  context.exit_code = exit_no_answer;
+  fmt::print(stderr, "{}: not checked: {} would take about {:.2g} s; --time-limit is {:g} s\n", path, what, seconds,
+             limit);
+  return true;
+}
+
 }  // namespace
 
 void add_verify(CLI::App& app, Context& context) {
@@ -41,17 +61,17 @@ void add_verify(CLI::App& app, Context& context) {
       ->capture_default_str()
       ->check(positive_number());
   command->callback([path, limit, &context] {
+    const auto began = std::chrono::steady_clock::now();
+    if (too_long(*path, "reading it", reading_seconds(*path), *limit, context)) return;
     const std::string text = read_text_file(*path, result_file_limit);
     if (is_profile_result(text)) return verify_profiles(text, *path, *limit, context);
     if (is_program_result(text)) return verify_program(text, *path, *limit, context);
     const DesignResult result = parse_result(text, *path);
-    if (const double seconds = simulation_seconds(result); seconds > *limit) {
-      context.exit_code = exit_no_answer;
-      fmt::print(stderr, "{}: not checked: simulating the design would take about {:.0f} s; --time-limit is {:g} s\n",
-                 *path, seconds, *limit);
+    const double reading = seconds_since(began);
+    if (too_long(*path, reading > 0.5 ? "reading it and simulating the design" : "simulating the design",
+                 reading + simulation_seconds(result), *limit, context))
       return;
-    }
-    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(*limit);
+    const auto end = began + std::chrono::duration<double>(*limit);
     ResultCheck check = verify_result(result, [end] { return std::chrono::steady_clock::now() > end; });
     if (const auto circle = circle_of(text)) {
       for (std::string& reason : check_circle(*circle, result)) check.reasons.push_back(std::move(reason));

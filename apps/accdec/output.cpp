@@ -25,6 +25,10 @@ std::optional<double> fraction(const std::string& text) {
 
 namespace {
 
+bool claims_proof(const DesignResult& result) {
+  return result.certificate || result.status == Status::optimal || result.lower_bound || result.gap;
+}
+
 /// What a file may say that holds no proof: nothing that nobody can recheck.
 DesignResult without_proof(DesignResult result) {
   result.certificate.reset();
@@ -48,7 +52,9 @@ int deliver(const DesignResult& result, const std::string& json_path, const Cont
       std::fprintf(stderr, "%s: the proof, %.3g MB, was left out; --certificate-max %.0f keeps it\n", json_path.c_str(),
                    megabytes, std::ceil(megabytes));
     }
-    std::string json = result_to_json(keep ? result : without_proof(result));
+    // Of very many corners a copy costs as much as the text.
+    const bool as_it_is = keep || !claims_proof(result);
+    std::string json = result_to_json(as_it_is ? result : without_proof(result));
     if (circle) add_circle(json, *circle);
     write_file(json_path, json);
   }

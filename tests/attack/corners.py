@@ -1,5 +1,7 @@
 """Single corners: the program's `optimal` and `infeasible` against linear programs, its designs against the model in
 numpy."""
+from pathlib import Path
+
 import judge
 import model
 import tasks
@@ -30,24 +32,33 @@ def check_optimum(attack, task, result, files):
         attack.fail(f"optimal with N + d = {total}, but {total - 1} exists", *files)
 
 
-def run(attack):
-    task_path, result_path = attack.path("task.toml"), attack.path("result.json")
+def designed(attack, draw, time_limit=20):
+    """Case after case: a task that `draw` makes of random numbers, the program's result of it, and their two files."""
+    files = attack.path("task.toml"), attack.path("result.json")
     while attack.more():
-        kind = tasks.JUDGED[attack.case % len(tasks.JUDGED)]
-        task = attack.task_file(kind, longest=12)
-        code, _, err = attack.run("design", task_path, "--json", result_path, "-q", "--time-limit", 20)
-        attack.count("corners designed")
+        task = draw(attack.rng())
+        Path(files[0]).write_text(tasks.to_toml(task))
+        code, _, err = attack.run("design", files[0], "--json", files[1], "-q", "--time-limit", time_limit)
+        attack.count("tasks designed")
         if code is None or code == 2:
-            attack.fail(f"exit {code}: {err.strip()}", task_path)
+            attack.fail(f"exit {code}: {err.strip()}", files[0])
             continue
-        result = read_json(result_path)
+        result = read_json(files[1])
         attack.count(f"status {result['status']}")
         if result["filter"] is not None:
-            check_design(attack, task, result, (task_path, result_path))
+            check_design(attack, task, result, files)
+        yield task, result, files
+
+
+def run(attack):
+    def draw(rng):
+        return tasks.draw(rng, tasks.JUDGED[attack.case % len(tasks.JUDGED)], longest=12)
+
+    for task, result, files in designed(attack, draw):
         if result["status"] == "optimal":
-            check_optimum(attack, task, result, (task_path, result_path))
+            check_optimum(attack, task, result, files)
         elif result["status"] == "infeasible":
             # Nothing is easier than a long filter and a full stop.
             attack.count("infeasible judged")
             if judge.exists(task, 80, order_min=40, order_max=40):
-                attack.fail("infeasible, but an exact stop of order 40 exists", task_path, result_path)
+                attack.fail("infeasible, but an exact stop of order 40 exists", *files)

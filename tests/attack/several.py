@@ -5,15 +5,13 @@ For a given order, delays, and a sample of each corner at which it is nearest, a
 every one of them is refuted.
 """
 import itertools
-from pathlib import Path
 
 import numpy as np
 
 import judge
 import model
 import tasks
-from corners import check_design
-from harness import read_json
+from corners import designed
 
 
 class Costs:
@@ -143,20 +141,9 @@ def judge_result(attack, task, result, *files):
 
 
 def run(attack):
-    task_path, result_path = attack.path("task.toml"), attack.path("result.json")
-    while attack.more():
-        task = draw(attack.rng())
-        Path(task_path).write_text(tasks.to_toml(task))
-        code, _, err = attack.run("design", task_path, "--json", result_path, "-q", "--time-limit", 20)
-        if code is None or code == 2:
-            attack.fail(f"exit {code}: {err.strip()}", task_path)
-            continue
-        result = read_json(result_path)
-        attack.count(f"status {result['status']}")
-        if result["filter"] is not None:
-            check_design(attack, task, result, (task_path, result_path))
+    for task, result, files in designed(attack, draw):
         if result["status"] == "optimal":
             try:
-                judge_result(attack, task, result, task_path, result_path)
+                judge_result(attack, task, result, *files)
             except judge.Unsolved:
                 attack.count("undecided by the judge")

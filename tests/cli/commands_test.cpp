@@ -3,6 +3,7 @@
 #include <iterator>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -85,6 +86,26 @@ TEST(Cli, WhatWouldTakeTooLongToVerifyIsNotBegun) {
   EXPECT_THAT(outcome.err, HasSubstr("would take about"));
 }
 
+TEST(Cli, WhatWouldTakeTooLongToReadIsNotRead) {
+  const TemporaryFolder folder;
+  folder.write("r.json", std::string(5'000'000, ' '));
+  const Outcome outcome = run({"verify", folder.path("r.json"), "--time-limit", "0.01"});
+  EXPECT_EQ(outcome.code, 1) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("reading it would take about"));
+}
+
+TEST(Cli, WhatReadingAndWritingTakeOfTheTimeLimitIsSaidBeforeTheSearch) {
+  const TemporaryFolder folder;
+  std::string task = "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n";
+  for (int j = 0; j < 20000; ++j) task += fmt::format("[[corner]]\nangle_deg = 90\nfeed_in_mm_min = {}\n", 1000 + j);
+  folder.write("t.toml", task);
+  const Outcome outcome = run({"design", folder.path("t.toml"), "--json", "-", "--time-limit", "1"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("20000 corners took"));
+  EXPECT_THAT(outcome.err, HasSubstr("the search gets"));
+  EXPECT_EQ(Json::parse(outcome.out)["limits"].size(), 40000u);
+}
+
 TEST(Cli, ATableThatCannotBeWrittenIsExitCodeTwo) {
   const TemporaryFolder folder;
   const std::string command = quoted(accdec::test_support::program()) + " schema task > /dev/full";
@@ -162,6 +183,40 @@ TEST(Cli, UnknownOptionsAndValuesOfOptionsGetASuggestion) {
   EXPECT_THAT(said({"program", task, "--task", task, "--feeds", "kep"}), HasSubstr("did you mean \"keep\"?"));
   EXPECT_THAT(said({"export", "r.json", "--format", "cvs"}), HasSubstr("did you mean \"csv\"?"));
   EXPECT_THAT(said({"init", "--machine", "mil"}), HasSubstr("did you mean \"mill\"?"));
+}
+
+// Files given to the wrong command: each says what it expected and what the file seems to be.
+TEST(Cli, AFileOfTheWrongKindIsNamed) {
+  const TemporaryFolder folder;
+  const std::string task = problems + "corner/power.toml", result = folder.path("r.json"),
+                    program = problems + "program/star.ngc", study = problems + "study/pareto.toml",
+                    suite = problems + "suite/quick.toml", mill = problems + "program/mill.toml";
+  ASSERT_EQ(run({"design", problems + "corner/acceleration-jerk.toml", "--json", result, "-q"}).code, 0);
+  const std::vector<std::pair<std::vector<std::string>, std::string>> calls{
+      {{"explain", result}, "a task is expected, this seems to be a result, which `accdec verify`"},
+      {{"design", study}, "a task is expected, this seems to be a study, which `accdec study` takes"},
+      {{"evaluate", suite}, "a task is expected, this seems to be a suite, which `accdec compare` takes"},
+      {{"design", program}, "a task is expected, this seems to be a program"},
+      {{"verify", task}, "a result is expected, this seems to be a task, which `accdec design`"},
+      {{"plot", task, "--out", folder.path("x.svg")}, "a result is expected, this seems to be a task"},
+      {{"export", study, "--format", "csv", "--out", folder.path("x.csv")}, "a result is expected, this seems to be a"},
+      {{"study", task, "--out", folder.path("s")}, "a study is expected, this seems to be a task"},
+      {{"compare", study, "--out", folder.path("c")}, "a suite is expected, this seems to be a study"},
+      {{"program", task, "--task", mill}, "a program is expected, this seems to be a task"},
+      {{"program", result, "--task", mill}, "a program is expected, this seems to be a result"},
+      {{"plot", result, "--out", folder.path("x.sgv")}, "did you mean .svg?"}};
+  for (const auto& [words, text] : calls) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 2) << ::testing::PrintToString(words);
+    EXPECT_THAT(outcome.err, HasSubstr(text));
+  }
+  for (const auto& [right, wrong] :
+       {std::pair("[[axis]]", "[[axes]]"), std::pair("[[axis]]", "[axes]"), std::pair("[[corner]]", "[[corners]]")}) {
+    std::string text = "sample_period_ms = 1\n[[axis]]\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 100\n";
+    text.replace(text.find(right), std::string_view(right).size(), wrong);
+    folder.write("t.toml", text);
+    EXPECT_THAT(run({"design", folder.path("t.toml")}).err, HasSubstr("did you mean `")) << wrong;
+  }
 }
 
 // "nan" is in every range, if one asks whether it is below or above.

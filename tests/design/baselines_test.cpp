@@ -1,9 +1,12 @@
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <random>
 #include <stdexcept>
 #include <string_view>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -236,6 +239,28 @@ TEST(Baselines, NothingIsClaimedOfASearchThatWasCutOff) {
     ASSERT_EQ(within[i].spec.has_value(), all[i].spec.has_value());
     EXPECT_TRUE(!within[i].spec || within[i].result.objective() == all[i].result.objective());
   }
+}
+
+// A single filter of a million taps with a vibration band has some hundred thousand frequencies to be looked at, and as
+// many delays: hours, if the wish to stop were heard between orders only.
+TEST(Baselines, AStopIsHeardWithinAnOrderOfAMillionTaps) {
+  Axis axis;
+  axis.acceleration_max = 1e-4;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 1e-6);
+  task.machine.modes.push_back({10.0, 200.0, 1e-4});
+  task.design.order_min = 999'000;
+  task.design.order_max = 1'000'000;
+  std::atomic<bool> cancel = false;
+  const std::jthread user([&cancel] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    cancel = true;
+  });
+  long unfinished = 0;
+  for (const BaselineResult& family : best_baselines(task, unlimited, &cancel)) {
+    EXPECT_FALSE(family.spec);
+    unfinished += family.result.status == Status::failed ? 1 : 0;
+  }
+  EXPECT_GT(unfinished, 10);
 }
 
 TEST(Baselines, WhatCannotBeIsSaid) {

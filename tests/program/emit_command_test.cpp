@@ -40,6 +40,28 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
   EXPECT_GT(number_of("stops.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
 }
 
+// As rs274 reads it: a program's number moves nothing. With a word behind it, it is a loop or a subroutine.
+TEST_F(ProgramCommand, AProgramsNumberIsReadAndKept) {
+  const std::string rest = "N10 G21 G90 G64 P0.05 (start)\nG1 X60 F3000 (cut)\nY60\nM30\n%\n";
+  write("plain.ngc", "%\n" + rest);
+  ASSERT_EQ(run("program plain.ngc --feeds keep --task task.toml --json plain.json --emit plain-e.ngc").code, 0);
+  for (const char* number : {"O0001", "o7", "  O0001 (PART) ; of two"}) {
+    write("part.ngc", "%\n" + std::string(number) + "\n" + rest);
+    ASSERT_EQ(run("program part.ngc --feeds keep --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
+    EXPECT_EQ(read("err").find("rs274"), std::string::npos) << read("err");
+    EXPECT_EQ(number_of("r.json", "cycle_time_s"), number_of("plain.json", "cycle_time_s"));
+    const std::string text = read("e.ngc"), word = std::string(number).substr(std::string(number).find_first_of("Oo"));
+    EXPECT_EQ(text.rfind("%\n" + word.substr(0, word.find(' ')) + "\n", 0), 0u) << text;
+    EXPECT_THAT(text, HasSubstr("(cut)"));
+    EXPECT_EQ(text.find("(PART) ; of two\n") != std::string::npos, word.size() > 5) << text;
+  }
+  for (const char* word : {"O", "O1 if [1 GT 0]", "N5 O1", "O1 G1", "O1.5"}) {
+    write("part.ngc", "%\n" + std::string(word) + "\n" + rest);
+    run("program part.ngc --feeds keep --task task.toml");
+    EXPECT_THAT(read("err"), HasSubstr("part.ngc:2")) << word;
+  }
+}
+
 // Numbers and comments stay on the line of their block, on its first part where it was split; each stands once.
 TEST_F(ProgramCommand, EmittedNumbersAndCommentsStayWithTheirBlocks) {
   write("part.ngc",

@@ -19,7 +19,7 @@ using toml_input::Table;
 class SuiteReader {
  public:
   SuiteReader(const std::string& path, const std::vector<std::string>& solvers)
-      : path_(path), tree_(toml_input::parse_file(path)), solvers_(solvers) {}
+      : path_(path), tree_(toml_input::parse_file(path, InputKind::suite)), solvers_(solvers) {}
 
   Suite read() {
     toml_input::check_keys(tree_, path_, top_name, "", suite_file().keys).raise();

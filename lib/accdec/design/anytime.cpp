@@ -44,12 +44,13 @@ class Anytime {
     exact(several ? 0.2 : convex ? 0.9 : 0.3);
     if (settled() || close_enough()) return *exact_;
     if (!convex && !has_bound()) bound_of_part(convex_part(task_), 0.1);
+    // A filter that must be very quiet is seldom found by anything but a window made for it, and that at once.
+    if (!exact_->has_design()) shapes(0.1);
     const double share = several ? 0.35 : 0.2;
     const bool dense = several && task_.design.order_min <= dense_order_max;
     if (dense) local("nlopt-slsqp", 0.4 * share);
     // A proof that has come this far soon finds what a second solver could.
     if (!dense || !exact_->gap || *exact_->gap > 0.05) local(options_.solver, share);
-    if (!exact_->has_design() && !best_) shapes(0.1);
     if (several || !convex || !exact_->has_design()) exact(1.0);
     if (settled()) return *exact_;
     return finish();
@@ -58,7 +59,6 @@ class Anytime {
   /// Where the exact method's linear programs are too large.
   DesignResult run_without_linear_programs(const std::string& why) {
     exact_ = DesignResult();
-    exact_->task = task_;
     exact_->message = why;
     // Beyond these a single step of a local solver may last longer than the time limit leaves.
     const int most = task_.design.order_max;
@@ -115,6 +115,9 @@ class Anytime {
 
   void local(const std::string& solver, double share) {
     if (over() || close_enough()) return;
+    // In less they find nothing where corners share a filter, and the exact method would miss the time.
+    constexpr double least = 0.5;
+    if (task_.corners.size() > 1 && exact_->has_design() && share * options_.time_limit < least) return;
     DesignOptions options = options_;
     options.method = Method::nlp;
     options.solver = solver;
@@ -165,24 +168,26 @@ class Anytime {
 
   /// The best design with the highest bound.
   DesignResult finish() {
-    DesignResult result = *exact_;
-    if (best_ && (!result.has_design() || best_->objective() <= result.objective())) {
-      const SolverReport exact = result.solver;
-      const std::string message = result.message;
-      result = *best_;
+    // Of very many corners a copy takes as long as a search.
+    DesignResult exact = std::move(*exact_), result;
+    if (best_ && (!exact.has_design() || best_->objective() <= exact.objective())) {
+      result = std::move(*best_);
+      const SolverReport& prover = exact.solver;
       if (result.solver.method == "exact") {
-        result.solver = exact;
+        result.solver = prover;
       } else {
-        result.solver.name = exact.name.empty() ? result.solver.name : exact.name + "+" + result.solver.name;
+        result.solver.name = prover.name.empty() ? result.solver.name : prover.name + "+" + result.solver.name;
         result.solver.version =
-            exact.version.empty() ? result.solver.version : exact.version + ", " + result.solver.version;
-        result.solver.evaluations += exact.evaluations;
+            prover.version.empty() ? result.solver.version : prover.version + ", " + result.solver.version;
+        result.solver.evaluations += prover.evaluations;
       }
       result.solver.method = "exact";
       result.status = Status::feasible;
-      result.message = exact_->has_design() ? message : "not proved shortest: " + message;
-      result.stop = exact_->stop;
-      result.lower_bound = exact_->lower_bound, result.certificate = exact_->certificate;
+      result.message = exact.has_design() ? exact.message : "not proved shortest: " + exact.message;
+      result.stop = exact.stop;
+      result.lower_bound = exact.lower_bound, result.certificate = exact.certificate;
+    } else {
+      result = std::move(exact);
     }
     if (bound_ && (!result.lower_bound || *bound_->lower_bound > *result.lower_bound)) {
       result.lower_bound = bound_->lower_bound;
@@ -190,6 +195,7 @@ class Anytime {
     }
     result.solver.wall_time = options_.time_limit - left();
     if (!result.has_design()) {
+      result.task = task_;
       if (result.lower_bound)
         result.message += fmt::format("; proved: none is shorter than {:.6g} ms", 1e3 * *result.lower_bound);
       else

@@ -120,11 +120,11 @@ BaselineSearch::BaselineSearch(const Task& task, const Baseline& baseline, doubl
 }
 
 bool BaselineSearch::late() {
-  return late_ = late_ || (deadline_ && std::chrono::steady_clock::now() >= *deadline_);
+  return late_ = late_ || (stop_now_ && stop_now_());
 }
 
-void BaselineSearch::run(const Deadline& deadline) {
-  deadline_ = deadline;
+void BaselineSearch::run(std::function<bool()> stop) {
+  stop_now_ = std::move(stop);
   const int first = std::max(task_.design.order_min, order_lower_bound(task_, task_.design.order_max));
   for (int n = first; n <= task_.design.order_max && better(cost_(n, least_delays_)) && !late(); ++n) order(n);
 }
@@ -256,9 +256,11 @@ bool BaselineSearch::fails_likewise(const Cascade& cascade) const {
 
 void BaselineSearch::offer(const FilterSpec& spec) {
   ++tried_;
+  // Of a million taps a filter has up to a million delays, or frequencies, to be looked at.
+  const auto late = [this] { return this->late(); };
   const Filter filter = make_filter(spec);
   if (*std::max_element(filter.taps().begin(), filter.taps().end()) > bounds_.most) return;
-  for (const LimitUse& use : vibration_utilisation(filter, task_.sample_period, task_.machine)) {
+  for (const LimitUse& use : vibration_utilisation(filter, task_.sample_period, task_.machine, late)) {
     if (use.utilisation <= slack) continue;
     // The next ones that ring so are refused at once, and so are ranges of them.
     const double phase = 2.0 * pi * use.frequency * task_.sample_period;
@@ -267,8 +269,8 @@ void BaselineSearch::offer(const FilterSpec& spec) {
     if (!known && tones_.size() < most_tones) tones_.push_back({phase, use.bound});
     return;
   }
-  const auto delays = delays_by_formula(filter, task_, cheapest_);
-  if (!delays) return;
+  const auto delays = delays_by_formula(filter, task_, cheapest_, late);
+  if (!delays || late()) return;
   const double cost = cost_(filter.order(), *delays);
   if (!better(cost)) return;
   cheapest_ = cost;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <chrono>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,17 +13,15 @@
 
 namespace accdec {
 
-/// When a search has to end; none: never.
-using Deadline = std::optional<std::chrono::steady_clock::time_point>;
-
 /// Internal to the room: the search behind `best_baseline`, of one family for one task.
 class BaselineSearch {
  public:
   /// Keeps references: both arguments must outlive the object.
   /// @param below  samples: only what costs less is looked for
   BaselineSearch(const Task& task, const Baseline& baseline, double below = unlimited);
-  void run(const Deadline& deadline = {});
-  bool complete() const { return !late_; }  ///< false where the deadline came first: the best is not known then
+  /// @param stop  asked again and again, within an order, too
+  void run(std::function<bool()> stop = {});
+  bool complete() const { return !late_; }  ///< false where it was stopped: the best is not known then
 
   const std::optional<FilterSpec>& best() const { return best_; }
   const std::vector<int>& delays() const { return delays_; }
@@ -64,7 +62,7 @@ class BaselineSearch {
   std::vector<Speeds> speeds_;
   Place failed_start_, failed_stop_;  ///< where the last filter broke a limit that could not start or stop
   std::vector<Tone> tones_;           ///< frequencies at which filters were found to ring, the last first
-  Deadline deadline_;
+  std::function<bool()> stop_now_;
   bool late_ = false;
   double cheapest_;
   std::optional<FilterSpec> best_;

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -35,64 +37,71 @@ constexpr std::array<Baseline, 17> families{{{"boxcar", "average", Shape::boxcar
 
 constexpr const Baseline& two_averages = families[1];
 
+using Stop = std::function<bool()>;
+
 /// The cost, samples, from which on a family is hopeless.
-double hopeless_cost(const Task& task, const Deadline& deadline) {
+double hopeless_cost(const Task& task, const Stop& stop) {
   BaselineSearch search(task, two_averages);
-  search.run(deadline);
+  search.run(stop);
   return baseline_hopeless * search.cost();
 }
 
 constexpr const char* not_ended = "not searched to the end in the time given";
 
-Deadline deadline_in(double seconds) {
-  if (!(seconds < unlimited)) return {};
-  const std::chrono::duration<double> time(seconds);
-  return std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(time);
+Stop stop_in(double seconds, const std::atomic<bool>* cancel) {
+  const auto began = std::chrono::steady_clock::now();
+  return [=] { return seconds_since(began) >= seconds || (cancel != nullptr && cancel->load()); };
 }
 
-/// @param partly  take what was found by the deadline
-BaselineResult best_below(const Task& task, const Baseline& baseline, double hopeless, const Deadline& deadline,
-                          bool partly) {
-  const auto began = std::chrono::steady_clock::now();
+BaselineResult no_filter(const Task& task, Status status, std::string message) {
   BaselineResult answer;
-  std::string message;
-  long tried = 0;
-  bool late = false;
-  if (const auto impossible = contradictions(task); !impossible.empty()) {
-    message = impossible.front();
-  } else if (baseline.pairs > 0 && task.machine.modes.empty()) {
-    message = "the task bounds no vibration for pairs of impulses to cancel";
+  answer.result.task = task;
+  answer.result.status = status;
+  answer.result.message = std::move(message);
+  return answer;
+}
+
+/// @param partly  take what was found where the search was stopped
+BaselineResult best_below(const Task& task, const Baseline& baseline, double hopeless, const Stop& stop, bool partly) {
+  if (baseline.pairs > 0 && task.machine.modes.empty())
+    return no_filter(task, Status::infeasible, "the task bounds no vibration for pairs of impulses to cancel");
+  const auto began = std::chrono::steady_clock::now();
+  BaselineSearch search(task, baseline, hopeless);
+  search.run(stop);
+  BaselineResult answer;
+  if (search.best() && (search.complete() || partly)) {
+    answer.spec = search.best();
+    Task chosen = task;
+    chosen.filter = answer.spec;
+    answer.result = assess(chosen, make_filter(*answer.spec), search.delays(), false);
+    if (!search.complete()) answer.result.message = not_ended;
+  } else if (!search.complete()) {
+    answer = no_filter(task, Status::failed, not_ended);
   } else {
-    BaselineSearch search(task, baseline, hopeless);
-    search.run(deadline);
-    tried = search.tried();
-    late = !search.complete();
-    if (!late || partly) answer.spec = search.best();
-    if (answer.spec) {
-      Task chosen = task;
-      chosen.filter = answer.spec;
-      const Filter filter = make_filter(*answer.spec);
-      answer.result = assess(chosen, filter, search.delays(), false);
-      if (late) answer.result.message = not_ended;
-    } else if (late) {
-      message = not_ended;
-    } else {
-      message = fmt::format("no {} of order {} to {} holds all limits", baseline.name, task.design.order_min,
-                            task.design.order_max);
-      if (hopeless < unlimited)
-        message += fmt::format(" in less than {:g} times the time of two averages", baseline_hopeless);
-    }
+    std::string message = fmt::format("no {} of order {} to {} holds all limits", baseline.name, task.design.order_min,
+                                      task.design.order_max);
+    if (hopeless < unlimited)
+      message += fmt::format(" in less than {:g} times the time of two averages", baseline_hopeless);
+    answer = no_filter(task, Status::infeasible, std::move(message));
   }
-  if (!answer.spec) {
-    answer.result.task = task;
-    answer.result.status = late ? Status::failed : Status::infeasible;
-    answer.result.message = message;
-  }
-  answer.result.solver.method = "given";
-  answer.result.solver.name = fmt::format("best {}", baseline.name);
-  answer.result.solver.evaluations = tried;
+  answer.result.solver.evaluations = search.tried();
   answer.result.solver.wall_time = seconds_since(began);
   return answer;
+}
+
+/// Those families, one after another.
+std::vector<BaselineResult> best_of(const Task& task, std::span<const Baseline> wanted, const Stop& stop, bool partly) {
+  const std::vector<std::string> conflicts = contradictions(task);
+  const bool alone = wanted.data() == &two_averages && wanted.size() == 1;
+  const double hopeless = conflicts.empty() && !alone ? hopeless_cost(task, stop) : unlimited;
+  std::vector<BaselineResult> all;
+  for (const Baseline& baseline : wanted) {
+    all.push_back(conflicts.empty() ? best_below(task, baseline, hopeless, stop, partly)
+                                    : no_filter(task, Status::infeasible, conflicts.front()));
+    all.back().result.solver.method = "given";
+    all.back().result.solver.name = fmt::format("best {}", baseline.name);
+  }
+  return all;
 }
 
 }  // namespace
@@ -114,17 +123,11 @@ const Baseline* find_baseline(std::string_view name) {
 }
 
 BaselineResult best_baseline(const Task& task, const Baseline& baseline, double seconds) {
-  const Deadline deadline = deadline_in(seconds);
-  const bool alone = &baseline == &two_averages || !contradictions(task).empty();
-  return best_below(task, baseline, alone ? unlimited : hopeless_cost(task, deadline), deadline, true);
+  return best_of(task, {&baseline, 1}, stop_in(seconds, nullptr), true).front();
 }
 
-std::vector<BaselineResult> best_baselines(const Task& task, double seconds) {
-  const Deadline deadline = deadline_in(seconds);
-  const double hopeless = contradictions(task).empty() ? hopeless_cost(task, deadline) : unlimited;
-  std::vector<BaselineResult> all;
-  for (const Baseline& baseline : families) all.push_back(best_below(task, baseline, hopeless, deadline, false));
-  return all;
+std::vector<BaselineResult> best_baselines(const Task& task, double seconds, const std::atomic<bool>* cancel) {
+  return best_of(task, families, stop_in(seconds, cancel), false);
 }
 
 }  // namespace accdec

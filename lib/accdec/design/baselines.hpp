@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -47,7 +48,9 @@ bool stops_exactly(const DesignResult& result);
 BaselineResult best_baseline(const Task& task, const Baseline& baseline, double seconds = unlimited);
 /// All of them, in their order.
 /// @param seconds  of wall time: a family that is not searched to the end by then is without a filter (status failed)
-std::vector<BaselineResult> best_baselines(const Task& task, double seconds = unlimited);
+/// @param cancel   ends the search as the time does; null: nothing does
+std::vector<BaselineResult> best_baselines(const Task& task, double seconds = unlimited,
+                                           const std::atomic<bool>* cancel = nullptr);
 
 /// No family this many times slower than two averages is of interest to anybody; some (exponentials under a jerk limit)
 /// would be searched for minutes.

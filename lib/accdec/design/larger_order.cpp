@@ -24,25 +24,28 @@ std::string larger_order_note(const Task& task, double seconds, const std::atomi
   Task longer = task;
   longer.design.order_min = std::max(task.design.order_min, task.design.order_max + 1);
   longer.design.order_max = std::min(most_order, 8 * task.design.order_max);
-  if (longer.design.order_max < longer.design.order_min || stop()) return "";
+  if (longer.design.order_max < longer.design.order_min) return "; a larger order_max was not tried";
+  const std::string unknown = "; whether a larger order_max has one was not found out";
+  if (stop()) return unknown;
   try {
     exact::Search search(longer, stop);
     const int least = search.smallest_order();
-    if (stop() && !search.best) return "";
+    if (stop() && !search.best) return unknown;
     if (least > longer.design.order_max)
-      return fmt::format("; none of order {} or less does either", longer.design.order_max);
+      return fmt::format("; with order_max = {} there is none either, a larger one was not tried",
+                         longer.design.order_max);
     double cycle_time = search.best ? search.best->value * task.sample_period : 0.0;
     int order = search.best ? search.best->filter.order() : 0;
     if (!search.best) {
       longer.design.order_min = least;
       const auto shape = best_shape(longer, 0.5 * seconds, cancel);
-      if (!shape) return "";
+      if (!shape) return unknown;
       cycle_time = shape->objective(), order = shape->filter->order();
     }
     return fmt::format("; a longer filter does: with [design] order_max = {} there is a verified design of {:g} ms",
                        order, 1e3 * cycle_time);
   } catch (const exact::TooLarge&) {
-    return "";
+    return unknown;
   }
 }
 

@@ -7,8 +7,8 @@
 namespace accdec {
 
 /// After a proof that no filter of order_max or less holds the limits: whether a longer one does, which a user who
-/// never wrote order_max would want to know. "; [design] order_max = 611 is enough: ..." with a verified design, or
-/// that up to some larger order there is none either; empty if neither is found out.
+/// never wrote order_max would want to know: "; a longer filter does: with [design] order_max = 611 ..." of a verified
+/// design, that up to some larger order there is none either, or that neither is known.
 /// @param seconds  that may be spent on it
 std::string larger_order_note(const Task& task, double seconds, const std::atomic<bool>* cancel);
 

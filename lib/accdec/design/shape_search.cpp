@@ -28,16 +28,16 @@ Filter kaiser(int order, double beta) {
 }
 
 std::vector<ShapeOf> shapes(bool quiet) {
-  std::vector<ShapeOf> list{[](int n) { return n < 4 ? boxcar(n) : trapezoid(n, n / 4); },
-                            [](int n) { return n < 3 ? boxcar(n) : trapezoid(n, n / 3); },
-                            [](int n) { return n < 2 ? boxcar(n) : trapezoid(n, n / 2); },
-                            boxcar,
-                            [](int n) { return n < 10 ? boxcar(n) : trapezoid(n, n / 10); },
-                            [](int n) { return hann(std::max(n, 2)); },
-                            [](int n) { return blackman(std::max(n, 2)); }};
-  for (const double beta : {6.0, 10.0, 14.0, 18.0}) {
+  std::vector<ShapeOf> list;
+  // Where next to nothing may be left only they do, so they come first: time may be short.
+  for (const double beta : {18.0, 14.0, 10.0, 6.0}) {
     if (quiet) list.push_back([beta](int n) { return kaiser(n, beta); });
   }
+  list.insert(list.end(), {[](int n) { return n < 4 ? boxcar(n) : trapezoid(n, n / 4); },
+                           [](int n) { return n < 3 ? boxcar(n) : trapezoid(n, n / 3); },
+                           [](int n) { return n < 2 ? boxcar(n) : trapezoid(n, n / 2); }, boxcar,
+                           [](int n) { return n < 10 ? boxcar(n) : trapezoid(n, n / 10); },
+                           [](int n) { return hann(std::max(n, 2)); }, [](int n) { return blackman(std::max(n, 2)); }});
   return list;
 }
 
@@ -91,7 +91,7 @@ class ShapeSearch {
     ++tried_;
     Filter filter = shape(order);
     if (filter.order() > task_.design.order_max) return false;
-    auto delays = delays_by_formula(filter, task_, unlimited);
+    auto delays = delays_by_formula(filter, task_, unlimited, stop_);
     if (!delays) return false;
     const double cost = cost_(filter.order(), *delays);
     if (found_.size() < 4) {

@@ -3,8 +3,8 @@
 #include <limits>
 
 #include <accdec/exact/joint_prover.hpp>
-#include <accdec/exact/side_by_side.hpp>
 #include <accdec/exact/size.hpp>
+#include <accdec/files/side_by_side.hpp>
 #include <accdec/machine/limits.hpp>
 
 namespace accdec::exact {

@@ -1,7 +1,7 @@
 #include <limits>
 
 #include <accdec/exact/joint_prover.hpp>
-#include <accdec/exact/side_by_side.hpp>
+#include <accdec/files/side_by_side.hpp>
 
 // What the joint proof begins with: the least order, and lemmas of single corners.
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
@@ -59,12 +60,13 @@ double to_si(const Key& key, double value) {
 
 double from_si(const Key& key, double si) {
   const double about = si / to_si(key, 1.0);
-  const double exponent = about == 0.0 ? 0.0 : std::floor(std::log10(std::abs(about)));
-  for (int digits = 1; digits <= 17; ++digits) {
-    // Most numbers are plainly not of so few digits: that is told without writing and reading them.
-    const double last_digits = about / std::pow(10.0, exponent + 1.0 - digits);
-    if (std::abs(last_digits - std::round(last_digits)) > 1e-14 * std::abs(last_digits)) continue;
-    const double x = std::strtod(fmt::format("{:.{}g}", about, digits).c_str(), nullptr);
+  // A number of at most 15 digits is nearer to its quotient than any other of so few: rounding to 15 finds it, and an
+  // ulp or two that the division was off are gone.
+  for (const int digits : {15, 16, 17}) {
+    char text[32];
+    const std::to_chars_result end = std::to_chars(text, text + sizeof text, about, std::chars_format::general, digits);
+    double x = about;
+    std::from_chars(text, end.ptr, x);
     if (to_si(key, x) == si) return x;
   }
   // The division may have been off by an ulp or two; one of the neighbours is the value that was read.

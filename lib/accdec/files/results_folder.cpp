@@ -19,9 +19,10 @@ std::string hash_in(const fs::path& path, const ResultsKind& kind) {
   if (!fs::exists(path)) return "";
   std::ifstream in(path, std::ios::binary);
   const auto json = nlohmann::json::parse(in, nullptr, false);
-  const bool ours = json.is_object() && json.contains("schema") && json["schema"] == kind.schema &&
-                    json.contains(kind.hash_key) && json[kind.hash_key].is_string();
-  return ours ? json[kind.hash_key].get<std::string>() : "?";
+  if (!json.is_object() || !json.contains(kind.hash_key) || !json[kind.hash_key].is_string()) return "?";
+  const bool schema = json.contains("schema") ? json["schema"] == kind.schema : !kind.begins.empty();
+  const auto hash = json[kind.hash_key].get<std::string>();
+  return schema && hash.starts_with(kind.begins) ? hash : "?";
 }
 
 constexpr const char* marker_name = "accdec-folder.json";
@@ -40,6 +41,17 @@ bool holds_anything(const fs::path& folder) {
   return false;
 }
 
+OutputError no_results_of(const std::string& folder, const ResultsKind& kind) {
+  return OutputError(
+      fmt::format("{}: is not empty and holds no {}; nothing was changed. Choose another --out (folders of results "
+                  "are told by their {})",
+                  folder, kind.what, kind.begins.empty() ? marker_name : "manifest.json"));
+}
+
+void require_folder(const std::string& path) {
+  if (!fs::is_directory(path)) throw OutputError(fmt::format("{}: not a folder", path));
+}
+
 }  // namespace
 
 std::string results_hash(const std::string& folder, const ResultsKind& kind) {
@@ -48,7 +60,7 @@ std::string results_hash(const std::string& folder, const ResultsKind& kind) {
 
 void claim_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash, bool changed) {
   if (fs::exists(folder)) {
-    if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: not a folder", folder));
+    require_folder(folder);
     const std::string finished = results_hash(folder, kind), marked = marked_hash(folder, kind);
     // The marker is the younger of the two: results are replaced when their successors are whole.
     const std::string& owner = marked.empty() ? finished : marked;
@@ -60,12 +72,7 @@ void claim_results_folder(const std::string& folder, const ResultsKind& kind, co
                       folder, kind.what));
     }
     if (!marked.empty() && marked == hash) return;
-    if (finished.empty() && marked.empty() && holds_anything(folder)) {
-      throw OutputError(
-          fmt::format("{}: is not empty and holds no {}; nothing was changed. Choose another --out (folders of results "
-                      "are told by their {})",
-                      folder, kind.what, marker_name));
-    }
+    if (finished.empty() && marked.empty() && holds_anything(folder)) throw no_results_of(folder, kind);
   }
   create_results_folder(folder);
   nlohmann::ordered_json marker;
@@ -74,6 +81,14 @@ void claim_results_folder(const std::string& folder, const ResultsKind& kind, co
   marker["note"] =
       fmt::format("accdec keeps the results of this {} here and replaces them; keep nothing else here", kind.what);
   write_file((fs::path(folder) / marker_name).string(), marker.dump(2) + "\n");
+}
+
+void require_results_folder(const std::string& folder, const ResultsKind& kind) {
+  if (!fs::exists(folder)) return;
+  require_folder(folder);
+  const std::string finished = results_hash(folder, kind);
+  const bool foreign = finished == "?" || fs::exists(fs::path(folder) / marker_name);
+  if (foreign || (finished.empty() && holds_anything(folder))) throw no_results_of(folder, kind);
 }
 
 void create_results_folder(const std::string& folder) {

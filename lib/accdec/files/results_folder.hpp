@@ -9,6 +9,7 @@ struct ResultsKind {
   std::string schema;    ///< of the manifest
   std::string hash_key;  ///< manifest entry that says which study or suite it is
   std::string what;      ///< "study", "suite"
+  std::string begins{};  ///< the entry begins with this; then a manifest needs no schema
 };
 
 /// Hash that a folder's manifest names; empty without a manifest, "?" for one of another kind.
@@ -21,6 +22,11 @@ std::string results_hash(const std::string& folder, const ResultsKind& kind);
 /// @throws OutputError
 void claim_results_folder(const std::string& folder, const ResultsKind& kind, const std::string& hash,
                           bool changed = false);
+
+/// Refuses a folder that holds anything but results of this kind: told by their manifest, which is written before them.
+/// For results that are written all at once and replace those there whatever they were made of.
+/// @throws OutputError
+void require_results_folder(const std::string& folder, const ResultsKind& kind);
 
 /// Makes a folder for results, with those it lies in, unless it is there already. @throws OutputError
 void create_results_folder(const std::string& folder);

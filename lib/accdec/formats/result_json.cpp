@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -37,7 +38,12 @@ class ListWriter {
   }
   ListWriter& member(std::string_view name, std::string_view word) {
     key(name);
-    out_ += Json(word).dump(-1, ' ', false, Json::error_handler_t::replace);
+    const bool plain =
+        std::all_of(word.begin(), word.end(), [](char c) { return c >= ' ' && c < 0x7F && c != '"' && c != '\\'; });
+    if (plain)
+      (out_ += '"').append(word) += '"';
+    else
+      out_ += Json(word).dump(-1, ' ', false, Json::error_handler_t::replace);
     return *this;
   }
   ListWriter& member(std::string_view name, double value) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/files/check_keys.hpp>
+#include <accdec/files/file_kind.hpp>
 #include <accdec/files/json_position.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/certificate_json.hpp>
@@ -317,6 +318,8 @@ InputErrors positioned(const std::vector<InputError>& errors, bool at_least, std
 DesignResult parse_result(std::string_view text, const std::string& name) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
     throw InputError(name, 1, 1, "the file is empty; a result is JSON with schema \"accdec.result/1\"");
+  if (const std::string wrong = wrong_kind(text, InputKind::result); !wrong.empty())
+    throw InputError(name, 1, 1, wrong);
   // The parser takes it for the end of the file and what follows for nothing.
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
     const auto [line, column] = line_and_column(text, zero);

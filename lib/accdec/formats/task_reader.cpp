@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/file_kind.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/files/toml_table.hpp>
 #include <accdec/formats/filter_table.hpp>
@@ -312,6 +313,7 @@ Task parse_task(std::string_view text, const std::string& name, const TaskOption
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
     throw InputError(name, 1, 1, "the file is empty; a task needs at least sample_period_ms and one [[corner]]");
   }
+  if (const std::string wrong = wrong_kind(text, InputKind::task); !wrong.empty()) throw InputError(name, 1, 1, wrong);
   toml::table tree;
   try {
     tree = toml::parse(text, name);

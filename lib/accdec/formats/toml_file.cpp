@@ -11,8 +11,10 @@
 
 namespace accdec::toml_input {
 
-toml::table parse_file(const std::string& path) {
+toml::table parse_file(const std::string& path, std::optional<InputKind> expected) {
   const std::string text = read_text_file(path);
+  if (const std::string wrong = expected ? wrong_kind(text, *expected) : ""; !wrong.empty())
+    throw InputError(path, 1, 1, wrong);
   try {
     return toml::parse(text, path);
   } catch (const toml::parse_error& error) {
@@ -40,7 +42,7 @@ toml::table parse_task_beside(const Table& table, std::string_view key, const st
   path = (std::filesystem::path(table.file()).parent_path() / given).lexically_normal().string();
   if (!std::filesystem::exists(path))
     table.fail_at(key, fmt::format("{} does not exist; paths are relative to the file that names them", path));
-  return parse_file(path);
+  return parse_file(path, InputKind::task);
 }
 
 void apply_settings(const toml::table& settings, const std::string& file, toml::table& task) {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <toml++/toml.h>
 
+#include <accdec/files/file_kind.hpp>
 #include <accdec/files/toml_table.hpp>
 
 // Internal to the room: what the readers of studies and suites share. Not for inclusion from other rooms (it needs
@@ -13,8 +15,9 @@
 
 namespace accdec::toml_input {
 
+/// @param expected  a file of another kind is refused as such
 /// @throws InputError with position
-toml::table parse_file(const std::string& path);
+toml::table parse_file(const std::string& path, std::optional<InputKind> expected = {});
 
 /// A string or a list of strings; none if the key is missing. @throws InputError for anything else or an empty list
 std::vector<std::string> strings(const Table& table, const toml::table& raw, std::string_view key);

@@ -145,7 +145,8 @@ Response response(const Filter& filter, double frequency, double sample_period) 
 /// Where |H|^2 is largest on a mode's band: branch and bound over intervals. Between two points at which value and
 /// slope are known, the cubic through them is off by at most h^4/384 times the fourth derivative, and that of a
 /// trigonometric polynomial of degree N with values up to 1 is at most (2 pi N T)^4 (Bernstein's inequality).
-double worst_frequency(const Filter& filter, const Mode& mode, double sample_period) {
+double worst_frequency(const Filter& filter, const Mode& mode, double sample_period,
+                       const std::function<bool()>& stop) {
   struct Point {
     double f;
     Response r;
@@ -176,7 +177,7 @@ double worst_frequency(const Filter& filter, const Mode& mode, double sample_per
   std::vector<std::pair<Point, Point>> open;
   const int cells = std::max(1, static_cast<int>(std::ceil(8.0 * width * sample_period * (filter.order() + 1))));
   Point last = best;
-  for (int i = 1; i <= cells; ++i) {
+  for (int i = 1; i <= cells && !(stop && stop()); ++i) {
     const Point next = at(mode.frequency_low + width * (i == cells ? 1.0 : static_cast<double>(i) / cells));
     consider(next);
     open.emplace_back(last, next);
@@ -185,7 +186,7 @@ double worst_frequency(const Filter& filter, const Mode& mode, double sample_per
   // Far below the bound nobody needs the last digits; nor anywhere a part in 1e12 of the square. The error term knows
   // only that |H| <= 1 somewhere, so bounds of 1e-5 and less end at the count.
   const double floor = 1e-10 * mode.residual_max * mode.residual_max;
-  for (int left = 4096 + 64 * cells; !open.empty() && left > 0; --left) {
+  for (int left = 4096 + 64 * cells; !open.empty() && left > 0 && !(stop && stop()); --left) {
     const auto [a, b] = open.back();
     open.pop_back();
     if (cubic_max(a, b) + cubic_error(b.f - a.f) <= std::max(best.r.square * (1.0 + 1e-12), floor)) continue;
@@ -200,7 +201,8 @@ double worst_frequency(const Filter& filter, const Mode& mode, double sample_per
 
 }  // namespace
 
-std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine) {
+std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine,
+                                            const std::function<bool()>& stop) {
   require_period(sample_period);
   std::vector<LimitUse> uses;
   for (const Mode& mode : machine.modes) {
@@ -209,7 +211,7 @@ std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_
       throw std::invalid_argument(fmt::format("mode needs 0 < frequency_low <= frequency_high, got {} to {} Hz",
                                               mode.frequency_low, mode.frequency_high));
     }
-    const double best_f = worst_frequency(filter, mode, sample_period);
+    const double best_f = worst_frequency(filter, mode, sample_period, stop);
     LimitUse use;
     use.kind = LimitKind::vibration;
     use.frequency = best_f;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,7 +47,9 @@ double residual_vibration(const Filter& filter, double frequency, double sample_
 
 /// The worst frequency of every mode's band: a grid finer than the response can wiggle, then bisection on its slope in
 /// every cell that holds a maximum worth it. O((N + 1) * grid), grid = 8 (N + 1) T (high - low).
+/// @param stop  asked at every frequency; once it says so, what was found so far counts, which may be too little
 /// @throws std::invalid_argument on a band or sample period out of range.
-std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine);
+std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine,
+                                            const std::function<bool()>& stop = {});
 
 }  // namespace accdec

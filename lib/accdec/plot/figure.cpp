@@ -1,8 +1,12 @@
+#include <array>
+#include <filesystem>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include <accdec/files/process.hpp>
+#include <accdec/files/suggestion.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/plot/html.hpp>
 
@@ -82,8 +86,11 @@ std::string figure_format(const std::string& path) {
   for (const char* format : {"svg", "png", "pdf", "html"}) {
     if (path.ends_with(std::string(".") + format)) return format;
   }
-  throw std::invalid_argument(
-      fmt::format("{}: unknown extension; a figure is written as .svg, .png, .pdf or .html", path));
+  constexpr std::array<std::string_view, 4> known{"svg", "png", "pdf", "html"};
+  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string near = extension.empty() ? "" : nearest(extension.substr(1), known);
+  throw std::invalid_argument(fmt::format("{}: unknown extension; {}a figure is written as .svg, .png, .pdf or .html",
+                                          path, near.empty() ? "" : fmt::format("did you mean .{}? ", near)));
 }
 
 }  // namespace accdec

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/files/seconds_since.hpp>
 #include <accdec/formats/design_report.hpp>
 #include <accdec/study/baseline_table.hpp>
 
@@ -83,15 +85,26 @@ std::optional<double> BaselineTable::saving() const {
 }
 
 BaselineTable compare_with_baselines(const Task& task, const DesignOptions& options) {
-  BaselineTable table;
   Task open = task;
   open.filter.reset();
-  table.design = design_task(open, options);
-  table.families = best_baselines(open);
+  DesignOptions half = options;
+  half.time_limit = 0.5 * options.time_limit;
+  const auto began = std::chrono::steady_clock::now();
+  const DesignResult design = design_task(open, half);
+  DesignOptions rest = options;
+  rest.time_limit = options.time_limit - seconds_since(began);
+  return compare_with_baselines(design, task, rest);
+}
+
+BaselineTable compare_with_baselines(const DesignResult& design, const Task& task, const DesignOptions& options) {
+  const auto began = std::chrono::steady_clock::now();
+  BaselineTable table{design, {}, std::nullopt};
   if (const auto& own = task.baseline ? task.baseline : task.filter) {
-    open.filter = own;
-    table.own = design_delays(open, options);
+    Task given = task;
+    given.filter = own;
+    table.own = design_delays(given, options);
   }
+  table.families = best_baselines(design.task, options.time_limit - seconds_since(began), options.cancel);
   return table;
 }
 

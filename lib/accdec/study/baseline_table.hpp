@@ -22,7 +22,10 @@ struct BaselineTable {
   std::optional<double> saving() const;
 };
 
+/// Within options.time_limit: half of it for the design, what is left for the families.
 BaselineTable compare_with_baselines(const Task& task, const DesignOptions& options);
+/// The same with a design of the task that is there, without [filter].
+BaselineTable compare_with_baselines(const DesignResult& design, const Task& task, const DesignOptions& options);
 /// A design that is there beside what families come to within so many seconds.
 BaselineTable compare_with_baselines(const DesignResult& design, double seconds);
 

@@ -20,7 +20,9 @@ using toml_input::Table;
 /// Reads one study file; a class for the state its parts share.
 class StudyReader {
  public:
-  explicit StudyReader(const std::string& path) : tree_(toml_input::parse_file(path)) { places_.path = path; }
+  explicit StudyReader(const std::string& path) : tree_(toml_input::parse_file(path, InputKind::study)) {
+    places_.path = path;
+  }
 
   Study read() {
     toml_input::check_keys(tree_, places_.path, top_name, "", study_file().keys).raise();

@@ -101,7 +101,8 @@ class BlendCheck {
 
 }  // namespace
 
-std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Task& task, double samples) {
+std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Task& task, double samples,
+                                                  const std::function<bool()>& stop) {
   const DelayFinder smallest(filter);
   std::vector<int> delays;
   const LinearCost linear = cost_of(task);
@@ -122,7 +123,7 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
       if (residual_vibration(filter, f, task.sample_period) > mode.residual_max * slack) return std::nullopt;
     }
   }
-  for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, task.machine)) {
+  for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, task.machine, stop)) {
     if (use.utilisation > slack) return std::nullopt;
   }
   for (std::size_t j = 0; j < delays.size(); ++j) {
@@ -130,7 +131,9 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
     // At N + 1 the legs no longer overlap, but the last step of one acceleration still meets the first of the other.
     const int last = corner.delay.value_or(std::max(delays[j], filter.order() + settling));
     BlendCheck check(filter, corner, task);
-    while (!check.holds(delays[j])) {
+    for (;;) {
+      if (stop && stop()) return std::nullopt;
+      if (check.holds(delays[j])) break;
       cost += linear.delay[j];
       if (++delays[j] > last || cost >= samples) return std::nullopt;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace accdec {
 /// quick choice by formula, with nine tenths of the verification's tolerance as slack: whoever uses it verifies by
 /// simulation. O(axes (N + d)) a delay that holds, less for most that do not.
 /// @param task  its own filter, if any, is ignored
-std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Task& task, double samples);
+/// @param stop  asked before every delay: nothing when it says so
+std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Task& task, double samples,
+                                                  const std::function<bool()>& stop = {});
 
 }  // namespace accdec

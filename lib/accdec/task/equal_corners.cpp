@@ -52,26 +52,34 @@ std::vector<int> MergedTask::expand(const std::vector<int>& delays) const {
 }
 
 MergedTask merge_equal_corners(const Task& task) {
-  MergedTask merged{task, {}};
-  merged.task.corners.clear();
+  std::vector<std::size_t> firsts;  // of each kind
+  std::vector<int> of;
   using Key = std::tuple<double, double, double, double, int>;
   std::map<Key, std::vector<int>> alike;
   for (const TaskCorner& corner : task.corners) {
     const Key key{corner.geometry().feed_in, corner.geometry().feed_out, corner.error_max.value_or(-1.0),
                   corner.speed_min, corner.delay.value_or(-1)};
     std::vector<int>& kinds = alike[key];
-    const auto at = [&](int j) -> TaskCorner& { return merged.task.corners[static_cast<std::size_t>(j)]; };
+    const auto first = [&](int j) -> const TaskCorner& { return task.corners[firsts[static_cast<std::size_t>(j)]]; };
     const auto known =
-        std::find_if(kinds.begin(), kinds.end(), [&](int j) { return ask_the_same(task.machine, at(j), corner); });
+        std::find_if(kinds.begin(), kinds.end(), [&](int j) { return ask_the_same(task.machine, first(j), corner); });
     if (known == kinds.end()) {
-      merged.of.push_back(static_cast<int>(merged.task.corners.size()));
-      kinds.push_back(merged.of.back());
-      merged.task.corners.push_back(corner);
+      kinds.push_back(static_cast<int>(firsts.size()));
+      firsts.push_back(of.size());
+      of.push_back(kinds.back());
     } else {
-      merged.of.push_back(*known);
-      at(*known).weight += corner.weight;
+      of.push_back(*known);
     }
   }
+  if (firsts.size() == task.corners.size()) return {};
+  MergedTask merged{task, std::move(of)};
+  merged.task.corners.clear();
+  for (const std::size_t j : firsts) {
+    merged.task.corners.push_back(task.corners[j]);
+    merged.task.corners.back().weight = 0.0;
+  }
+  for (std::size_t j = 0; j < task.corners.size(); ++j)
+    merged.task.corners[static_cast<std::size_t>(merged.of[j])].weight += task.corners[j].weight;
   return merged;
 }
 

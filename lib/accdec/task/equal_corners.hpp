@@ -21,7 +21,7 @@ struct MergedTask {
   /// Delays of the whole task.
   std::vector<int> expand(const std::vector<int>& delays) const;
 };
-/// O(corners * kinds) at most.
+/// Empty if no two ask the same. O(corners * kinds) at most.
 MergedTask merge_equal_corners(const Task& task);
 
 }  // namespace accdec

@@ -1,12 +1,17 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include <accdec/files/side_by_side.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/simulation.hpp>
@@ -163,6 +168,48 @@ double residual_amplitude(const Filter& filter, double frequency, double period)
   return std::abs(state);
 }
 
+struct Measures {
+  std::vector<LimitUse> uses;
+  std::vector<CornerResult> corners;
+};
+
+void measure_corner(const Task& task, const Filter& filter, const TaskCorner& corner, int delay, Measures& out) {
+  if (delay < 0) throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delay));
+  const SampledMotion motion = simulate_corner(filter, corner.geometry(), delay, task.sample_period);
+  axis_uses(motion, task.machine, corner.name, out.uses);
+  int error_sample = 0, speed_sample = 0;
+  out.corners.push_back(
+      measure_samples(motion, corner, delay, filter.order(), task.sample_period, &error_sample, &speed_sample));
+  const CornerResult& measured = out.corners.back();
+  if (corner.error_max) {
+    out.uses.push_back(make_use(LimitKind::corner_error, "", corner.name,
+                                {measured.corner_error, Event::blend, error_sample}, *corner.error_max));
+  }
+  if (corner.speed_min > 0.0) {
+    out.uses.push_back(make_use(LimitKind::speed_min, "", corner.name, {measured.speed_min, Event::blend, speed_sample},
+                                corner.speed_min));
+  }
+}
+
+/// In the order of the corners; of very many on all cores.
+Measures measure_corners(const Task& task, const Filter& filter, const std::vector<int>& delays) {
+  constexpr std::size_t part_size = 1000;
+  std::vector<Measures> parts((delays.size() + part_size - 1) / part_size);
+  const int threads = static_cast<int>(std::thread::hardware_concurrency());
+  side_by_side(parts.size(), threads, [&](std::size_t part) {
+    const std::size_t end = std::min(delays.size(), (part + 1) * part_size);
+    for (std::size_t j = part * part_size; j < end; ++j)
+      measure_corner(task, filter, task.corners[j], delays[j], parts[part]);
+  });
+  if (parts.size() == 1) return std::move(parts.front());
+  Measures all;
+  for (Measures& part : parts) {
+    std::move(part.uses.begin(), part.uses.end(), std::back_inserter(all.uses));
+    std::move(part.corners.begin(), part.corners.end(), std::back_inserter(all.corners));
+  }
+  return all;
+}
+
 LimitUse vibration_limit(const Filter& filter, const Mode& mode, double period) {
   // The response is band-limited to N T: between grid points a sixteenth of its shortest ripple apart, a parabola
   // through three of them locates a peak far more closely than the amplitude can change.
@@ -213,26 +260,7 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
     throw std::invalid_argument(fmt::format("{} delays for {} corners", delays.size(), task.corners.size()));
   }
   require_simulation_room(task, filter.order(), delays);
-  std::vector<LimitUse> uses;
-  std::vector<CornerResult> measured;
-  for (std::size_t j = 0; j < task.corners.size(); ++j) {
-    const TaskCorner& corner = task.corners[j];
-    if (delays[j] < 0)
-      throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delays[j]));
-    const SampledMotion motion = simulate_corner(filter, corner.geometry(), delays[j], task.sample_period);
-    axis_uses(motion, task.machine, corner.name, uses);
-    int error_sample = 0, speed_sample = 0;
-    measured.push_back(
-        measure_samples(motion, corner, delays[j], filter.order(), task.sample_period, &error_sample, &speed_sample));
-    if (corner.error_max) {
-      uses.push_back(make_use(LimitKind::corner_error, "", corner.name,
-                              {measured.back().corner_error, Event::blend, error_sample}, *corner.error_max));
-    }
-    if (corner.speed_min > 0.0) {
-      uses.push_back(make_use(LimitKind::speed_min, "", corner.name,
-                              {measured.back().speed_min, Event::blend, speed_sample}, corner.speed_min));
-    }
-  }
+  auto [uses, measured] = measure_corners(task, filter, delays);
   for (const Mode& mode : task.machine.modes) uses.push_back(vibration_limit(filter, mode, task.sample_period));
 
   VerificationReport report;

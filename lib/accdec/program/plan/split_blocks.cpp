@@ -36,6 +36,7 @@ Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces
   out.empty_moves = path.empty_moves;
   out.clamped = path.clamped;
   out.percent = path.percent;
+  out.label = path.label;
   out.end = path.end;
   out.widen_arcs = path.widen_arcs;
   reserve(out, count);

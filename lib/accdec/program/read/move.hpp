@@ -49,8 +49,9 @@ class MoveSink {
   /// Words at this point that are not about motion (spindle, tool, coolant, offsets, M0), as they would be written.
   /// @param with_move  a line number or comment that stands on the line of the next move
   virtual void pass(std::string_view /*words*/, bool /*with_move*/ = false) {}
-  /// Whether the program stands between two %, and the word that ended it (M2, M30; empty: the end of the file).
-  virtual void frame(bool /*percent*/, std::string_view /*end*/) {}
+  /// Whether the program stands between two %, its number (O0001; may be empty), and the word that ended it (M2, M30;
+  /// empty: the end of the file).
+  virtual void frame(bool /*percent*/, std::string_view /*label*/, std::string_view /*end*/) {}
 };
 
 /// Duration of a straight move: the feed is that of X Y Z if any of them moves, else of U V W, else of A B C.

@@ -29,7 +29,7 @@ class MoveState {
   void spline(const std::vector<ControlPoint>& control, int order, std::size_t column);
   void stop(double dwell) { sink_.stop(dwell); }
   void pass(std::string_view words, bool with_move = false) { sink_.pass(words, with_move); }
-  void frame(bool percent, std::string_view end) { sink_.frame(percent, end); }
+  void frame(bool percent, std::string_view label, std::string_view end) { sink_.frame(percent, label, end); }
 
   /// Axes of a plane, in the order in which angles turn positively.
   static std::size_t first_axis(Plane plane) { return plane == Plane::xy ? 0 : plane == Plane::zx ? 2 : 1; }

@@ -24,13 +24,20 @@ class Interpreter {
     while (source_.next(line)) {
       const LineKind kind = scan_words(source_, line, words_);
       switch (kind) {
-        case LineKind::empty: pass_line(""); break;
+        case LineKind::empty:
+          // The number of the program heads it; a later one stays where it is.
+          if (label_.empty() && !opened_by_words_)
+            label_ = words_.label();
+          else if (!words_.label().empty())
+            state_.pass(words_.label());
+          pass_line("");
+          break;
         case LineKind::percent:
           if (opened) return finish();
           opened = percent_ = true;
           break;
         case LineKind::words:
-          opened = true;
+          opened = opened_by_words_ = true;
           if (!execute()) return finish();
       }
     }
@@ -40,7 +47,7 @@ class Interpreter {
  private:
   void finish() {
     splines_.leave(1);
-    state_.frame(percent_, end_);
+    state_.frame(percent_, label_, end_);
   }
   /// A line that moves nothing: its number, words and comments.
   void pass_line(const std::string& words) {
@@ -80,8 +87,8 @@ class Interpreter {
   std::uint32_t used_ = 0;
   int motion_ = -1;  // tenths; -1: none yet, 800: cancelled
   Plane plane_ = Plane::xy;
-  bool absolute_ = true, absolute_center_ = false, percent_ = false;
-  std::string end_;
+  bool absolute_ = true, absolute_center_ = false, percent_ = false, opened_by_words_ = false;
+  std::string label_, end_;
 };
 
 bool Interpreter::execute() {

@@ -35,8 +35,9 @@ class Builder : public MoveSink {
     if (dwell > 0.0 && path_.blocks() > 0) path_.dwell.emplace_back(path_.blocks() - 1, dwell);
   }
   void pass(std::string_view words, bool with_move) override { keep(std::string(words), false, with_move); }
-  void frame(bool percent, std::string_view end) override {
+  void frame(bool percent, std::string_view label, std::string_view end) override {
     path_.percent = percent;
+    path_.label = label;
     path_.end = end;
   }
   Toolpath finish();

@@ -64,6 +64,7 @@ struct Toolpath {
   std::vector<Passed> passed;          ///< dwells, and words that are not about motion, in their order
   std::vector<std::uint32_t> clamped;  ///< lines of feeds above an axis' velocity limit, lowered to it; ascending
   bool percent = false;                ///< the program stands between two %
+  std::string label;                   ///< its number, O0001; may be empty
   std::string end;                     ///< its last word, M2 or M30; empty: the end of the file
   std::int64_t empty_moves = 0;        ///< moves of no length that were left out
 

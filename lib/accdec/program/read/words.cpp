@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -85,6 +86,14 @@ std::string_view bracketed(LineSource& source, std::string_view line, std::size_
   return line.substr(from, end + 1 - from);
 }
 
+/// O and the digits behind it, where nothing but comments follows them; else empty.
+std::string_view program_number(std::string_view line) {
+  const std::size_t digits = std::min(line.find_first_not_of("0123456789", 1), line.size());
+  const std::size_t next = line.find_first_not_of(" \t", digits);
+  const bool alone = digits > 1 && (next == line.npos || line[next] == '(' || line[next] == ';');
+  return alone ? line.substr(0, digits) : std::string_view();
+}
+
 }  // namespace
 
 void Words::add_code(LineSource& source, char letter, double value, std::size_t column) {
@@ -147,7 +156,14 @@ LineKind scan_words(LineSource& source, std::string_view line, Words& words) {
     first = false;
     const char* const word = p++;
     while (p != end && (*p == ' ' || *p == '\t')) ++p;
-    if (letter == 'O') needs_interpreter(source, column(word), "O words");
+    if (letter == 'O') {
+      words.label_ = program_number(line.substr(static_cast<std::size_t>(word - begin)));
+      // With anything before it or behind it, it is an O word of the interpreter's: a loop or a subroutine.
+      if (words.label_.empty() || begin + line.find_first_not_of(" \t") != word)
+        needs_interpreter(source, column(word), "O words");
+      p = words.label_.data() + words.label_.size();
+      continue;
+    }
     double value = 0.0;
     if (!read_word_number(p, end, value)) {
       if (p != end && (*p == '#' || *p == '[')) refuse(source, *p, column(p));

@@ -43,6 +43,8 @@ class Words {
   std::size_t first_column(std::uint32_t letters) const;
   std::span<const Item> g_codes() const { return {g_.data(), g_count_}; }
   std::span<const Item> m_codes() const { return {m_.data(), m_count_}; }
+  /// The program's number, O0001, as written: a line of its own but for comments, which does nothing; else empty.
+  std::string_view label() const { return label_; }
   /// As written, with their brackets or semicolon; they hold until the next line.
   const std::vector<std::string_view>& comments() const { return comments_; }
 
@@ -56,6 +58,7 @@ class Words {
     present_ = 0;
     g_count_ = m_count_ = 0;
     comments_.clear();
+    label_ = {};
   }
 
   std::uint32_t present_ = 0;  ///< all letters but G and M
@@ -64,12 +67,13 @@ class Words {
   std::array<Item, codes_max> g_{}, m_{};
   std::size_t g_count_ = 0, m_count_ = 0;
   std::vector<std::string_view> comments_;
+  std::string_view label_;
 };
 
 /// Splits a line into words and comments; a deleted block (/) counts as empty. Letters of either case, blanks
 /// anywhere but in comments mean nothing, as in the language: X1 0.5 is X10.5.
 /// @throws ReadError on anything that is no word, a letter given twice, or N that is not the first word;
-///         NeedsInterpreter on parameters, expressions and O words
+///         NeedsInterpreter on parameters, expressions and O words but a program's number
 LineKind scan_words(LineSource& source, std::string_view line, Words& words);
 
 }  // namespace accdec

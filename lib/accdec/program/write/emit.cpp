@@ -51,6 +51,7 @@ class Emission {
 
   void header() {
     if (path_.percent) line("%");
+    if (!path_.label.empty()) line("{}", path_.label);
     const double period = result_.sample_period * 1e3;
     if (result_.legs.single()) {
       line("(planned for a filter of {} taps at T = {} ms)", result_.filter.order() + 1, plain_number(period, 6));

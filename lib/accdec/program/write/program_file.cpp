@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <accdec/files/file_kind.hpp>
+#include <accdec/files/text_file.hpp>
 #include <accdec/program/read/read_error.hpp>
 #include <accdec/program/read/run_rs274.hpp>
 #include <accdec/program/write/program_file.hpp>
@@ -11,6 +13,13 @@ namespace accdec {
 namespace {
 
 constexpr double longest_chords = 2e-6;  // m from their arcs
+
+/// Says what a file seems to be that is no program; does nothing where it may be one.
+void refuse_other_kinds(const std::string& file) {
+  if (!std::filesystem::is_regular_file(file)) return;
+  if (const std::string wrong = wrong_kind(read_text_file(file), InputKind::program); !wrong.empty())
+    throw std::invalid_argument(file + ": " + wrong);
+}
 
 }  // namespace
 
@@ -39,17 +48,23 @@ ProgramFile read_program_file(const std::string& file, const Task& task, const P
     if (source.byte_order_mark() && tell) tell(file + ": begins with a byte order mark, which is passed over");
     return result;
   } catch (const NeedsInterpreter& reason) {
+    refuse_other_kinds(file);
     std::string calls;
     try {
       calls = interpreted(file, options.tool_table);
     } catch (const std::invalid_argument& refused) {
       throw std::invalid_argument(std::string(reason.what()) + "\n" + refused.what());
     }
-    if (tell) tell(std::string(reason.what()) + ": run by rs274; lines are those of its output");
+    if (tell)
+      tell(std::string(reason.what()) +
+           ": run by rs274; lines are those of its output, which has no comments, N words and %");
     LineSource source(file + " (rs274 -g)", calls);
     result.path = read_toolpath(source, task.machine, reading);
     result.interpreted = true;
     return result;
+  } catch (const ReadError&) {
+    refuse_other_kinds(file);
+    throw;
   }
 }
 

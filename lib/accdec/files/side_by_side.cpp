@@ -5,9 +5,9 @@
 #include <thread>
 #include <vector>
 
-#include <accdec/exact/side_by_side.hpp>
+#include <accdec/files/side_by_side.hpp>
 
-namespace accdec::exact {
+namespace accdec {
 
 void side_by_side(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next = 0;
@@ -35,4 +35,4 @@ void side_by_side(std::size_t count, int threads, const std::function<void(std::
     if (e) std::rethrow_exception(e);
 }
 
-}  // namespace accdec::exact
+}  // namespace accdec
