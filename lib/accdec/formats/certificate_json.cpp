@@ -1,148 +1,174 @@
+#include <iterator>
+#include <tuple>
+#include <utility>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <accdec/files/packed_text.hpp>
 #include <accdec/formats/certificate_json.hpp>
+#include <accdec/formats/json_number.hpp>
 #include <accdec/task/objective.hpp>
 
 namespace accdec {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::size_t packed_above = 1'000'000;  // bytes
 
 // What stands in a row before its multiplier.
 
-Json row_json(const proof::TapDifference& r) {
-  return {to_string(r.limit), r.sample, r.sign};
+using Name = std::string_view;
+
+auto parts(const proof::TapDifference& r) {
+  return std::tuple(Name(to_string(r.limit)), r.sample, r.sign);
 }
-Json row_json(const proof::EventForce& r) {
-  return {r.stop ? "force stop" : "force start", r.axis, r.sample};
+auto parts(const proof::EventForce& r) {
+  return std::tuple(Name(r.stop ? "force stop" : "force start"), r.axis, r.sample);
 }
-Json row_json(const proof::Blend& r) {
-  return {fmt::format("blend {}", to_string(r.limit)), r.corner, r.axis, r.sample, r.sign};
+auto parts(const proof::Blend& r) {
+  return std::tuple(fmt::format("blend {}", to_string(r.limit)), r.corner, r.axis, r.sample, r.sign);
 }
-Json row_json(const proof::Error& r) {
-  return {"error", r.corner, r.angle};
+auto parts(const proof::Error& r) {
+  return std::tuple(Name("error"), r.corner, r.angle);
 }
-Json row_json(const proof::RangeError& r) {
-  return {"range error", r.corner, r.angle, r.in.at, r.in.after, r.in.high, r.out.at, r.out.after, r.out.high};
+auto parts(const proof::RangeError& r) {
+  return std::tuple(Name("range error"), r.corner, r.angle, r.in.at, r.in.after, r.in.high, r.out.at, r.out.after,
+                    r.out.high);
 }
-Json row_json(const proof::Budget&) {
-  return Json::array({"budget"});
+auto parts(const proof::Budget&) {
+  return std::tuple(Name("budget"));
 }
-Json row_json(const proof::Vibration& r) {
-  return {"vibration", r.mode, r.frequency, r.angle};
+auto parts(const proof::Vibration& r) {
+  return std::tuple(Name("vibration"), r.mode, r.frequency, r.angle);
 }
-Json row_json(const proof::EventPower& r) {
-  return {r.stop ? "regeneration stop" : "power start", r.axis, r.sample, r.low, r.high};
+auto parts(const proof::EventPower& r) {
+  return std::tuple(Name(r.stop ? "regeneration stop" : "power start"), r.axis, r.sample, r.low, r.high);
 }
-Json row_json(const proof::BlendPower& r) {
-  return {r.regeneration ? "blend regeneration" : "blend power", r.corner, r.axis, r.sample, r.sign, r.low, r.high};
+auto parts(const proof::BlendPower& r) {
+  return std::tuple(Name(r.regeneration ? "blend regeneration" : "blend power"), r.corner, r.axis, r.sample, r.sign,
+                    r.low, r.high);
 }
-Json row_json(const proof::Speed& r) {
-  return {"speed", r.corner, r.sample, r.low, r.high};
+auto parts(const proof::Speed& r) {
+  return std::tuple(Name("speed"), r.corner, r.sample, r.low, r.high);
 }
-Json row_json(const proof::Response& r) {
-  return {"response", r.sample, r.sign};
+auto parts(const proof::Response& r) {
+  return std::tuple(Name("response"), r.sample, r.sign);
 }
 
-Json node_json(const proof::TooLong&) {
-  return nullptr;
-}
-Json node_json(const proof::Unreachable&) {
-  return "unreachable";
-}
-Json node_json(const proof::Refuted& n) {
-  return n.multipliers;
-}
-Json node_json(const proof::RefutedSymmetric& n) {
-  return {n.multipliers, n.shorter};
-}
-Json node_json(const proof::SymmetricOrders&) {
-  return Json::array({"symmetric"});
-}
-Json node_json(const proof::Split& n) {
-  return {n.corner, n.on_delay ? "d" : "k", n.at};
-}
-Json node_json(const proof::OrderSplit& n) {
-  return Json::array({"N", n.at});
-}
-Json node_json(const proof::ResponseSplit& n) {
-  return {n.sample, "B", n.level};
-}
-Json node_json(const proof::ByLemma& n) {
-  return {"lemma", n.lemma};
-}
+/// A certificate written as text at once: as a tree of values that takes longer than many a proof.
+class Writer {
+ public:
+  std::string text;
 
-Json tree_json(const std::vector<proof::Node>& tree) {
-  Json json = Json::array();
-  for (const proof::Node& node : tree) json.push_back(std::visit([](const auto& n) { return node_json(n); }, node));
-  return json;
-}
-
-Json lemma_json(const proof::Lemma& lemma) {
-  Json json;
-  Json& delays = json["delays"] = Json::array();
-  for (const proof::CornerDelay& d : lemma.delays) delays.push_back({d.corner, d.delay});
-  if (lemma.window)
-    json["window"] = {lemma.window->order, lemma.window->anchor, lemma.window->at};
-  else
-    json["order"] = lemma.order;
-  json["tree"] = tree_json(lemma.tree);
-  return json;
-}
-
-Json proof_json(const proof::ConstantFeed&) {
-  return Json::object({{"schema", "accdec.certificate/1"}, {"kind", "constant feed"}});
-}
-Json proof_json(const proof::CornerSpeed&) {
-  return Json::object({{"schema", "accdec.certificate/1"}, {"kind", "corner speed"}});
-}
-Json proof_json(const proof::Enumeration&) {
-  return Json::object({{"kind", "enumeration"}});
-}
-Json proof_json(const proof::BranchAndBound& proof) {
-  Json json;
-  json["bound_samples"] = proof.bound_samples ? Json(*proof.bound_samples) : Json(nullptr);
-  if (!proof.conflict.empty()) json["conflict"] = proof.conflict;
-  json["kind"] = "branch and bound";
-  if (!proof.corner_of.empty()) json["corner_of"] = proof.corner_of;
-  for (const proof::Lemma& lemma : proof.lemmas) json["lemmas"].push_back(lemma_json(lemma));
-  Json& sets = json["multipliers"] = Json::array();
-  for (const proof::Multipliers& terms : proof.multipliers) {
-    Json& rows = sets.emplace_back(Json::array());
-    for (const proof::Term& term : terms) {
-      rows.push_back(std::visit([](const auto& row) { return row_json(row); }, term.row));
-      rows.back().push_back(term.multiplier);
-    }
+  template <class Value>
+  void member(Name name, const Value& value) {
+    text += text.empty() || text.back() == '{' ? "" : ",";
+    put(name);
+    text += ':';
+    put(value);
   }
-  json["objective"] = to_string(proof.objective);
-  if (proof.objective == Objective::cycle) json["runs"] = proof.runs;
-  json["schema"] = "accdec.certificate/1";
-  json["tolerance"] = proof.tolerance;
-  json["tree"] = tree_json(proof.tree);
-  return json;
-}
+  void put(const proof::ConstantFeed&) { kind_alone("constant feed"); }
+  void put(const proof::CornerSpeed&) { kind_alone("corner speed"); }
+  void put(const proof::Enumeration&) { text += R"({"kind":"enumeration"})"; }
+  void put(const proof::BranchAndBound& proof) {
+    text += '{';
+    if (proof.bound_samples)
+      member("bound_samples", *proof.bound_samples);
+    else
+      member("bound_samples", nullptr);
+    if (!proof.conflict.empty()) member("conflict", proof.conflict);
+    member("kind", Name("branch and bound"));
+    if (!proof.corner_of.empty()) member("corner_of", proof.corner_of);
+    if (!proof.lemmas.empty()) member("lemmas", proof.lemmas);
+    member("multipliers", proof.multipliers);
+    member("objective", to_string(proof.objective));
+    if (proof.objective == Objective::cycle) member("runs", proof.runs);
+    member("schema", Name("accdec.certificate/1"));
+    member("tolerance", proof.tolerance);
+    member("tree", proof.tree);
+    text += '}';
+  }
+
+ private:
+  void kind_alone(Name kind) {
+    text += '{';
+    member("schema", Name("accdec.certificate/1"));
+    member("kind", kind);
+    text += '}';
+  }
+
+  void put(std::nullptr_t) { text += "null"; }
+  void put(bool value) { text += value ? "true" : "false"; }
+  void put(int value) { fmt::format_to(std::back_inserter(text), "{}", value); }
+  void put(double value) { append_number(text, value); }
+  /// Of letters and blanks.
+  void put(Name name) {
+    text += '"';
+    text += name;
+    text += '"';
+  }
+  void put(const std::string& words) {
+    text += nlohmann::json(words).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+  template <class Element>
+  void put(const std::vector<Element>& list) {
+    text += '[';
+    for (const Element& element : list) {
+      if (&element != list.data()) text += ',';
+      put(element);
+    }
+    text += ']';
+  }
+  template <class... Parts>
+  void put(const std::tuple<Parts...>& list) {
+    Name before = "[";
+    std::apply([&](const auto&... part) { ((text += std::exchange(before, ","), put(part)), ...); }, list);
+    text += ']';
+  }
+
+  void put(const proof::Term& term) {
+    std::visit([&](const auto& row) { put(std::tuple_cat(parts(row), std::tuple(term.multiplier))); }, term.row);
+  }
+  void put(const proof::Node& node) {
+    std::visit([&](const auto& n) { put_node(n); }, node);
+  }
+  void put_node(const proof::TooLong&) { put(nullptr); }
+  void put_node(const proof::Unreachable&) { put(Name("unreachable")); }
+  void put_node(const proof::Refuted& n) { put(n.multipliers); }
+  void put_node(const proof::RefutedSymmetric& n) { put(std::tuple(n.multipliers, n.shorter)); }
+  void put_node(const proof::SymmetricOrders&) { put(std::tuple(Name("symmetric"))); }
+  void put_node(const proof::Split& n) { put(std::tuple(n.corner, Name(n.on_delay ? "d" : "k"), n.at)); }
+  void put_node(const proof::OrderSplit& n) { put(std::tuple(Name("N"), n.at)); }
+  void put_node(const proof::ResponseSplit& n) { put(std::tuple(n.sample, Name("B"), n.level)); }
+  void put_node(const proof::ByLemma& n) { put(std::tuple(Name("lemma"), n.lemma)); }
+
+  void put(const proof::CornerDelay& d) { put(std::tuple(d.corner, d.delay)); }
+  void put(const proof::Lemma& lemma) {
+    text += '{';
+    member("delays", lemma.delays);
+    if (lemma.window)
+      member("window", std::tuple(lemma.window->order, lemma.window->anchor, lemma.window->at));
+    else
+      member("order", lemma.order);
+    member("tree", lemma.tree);
+    text += '}';
+  }
+};
 
 }  // namespace
 
-nlohmann::ordered_json json_of(const Certificate& certificate) {
-  return std::visit([](const auto& proof) { return proof_json(proof); }, certificate.proof);
-}
-
-nlohmann::ordered_json stored_json_of(const Certificate& certificate) {
-  Json plain = json_of(certificate);
-  const std::string text = plain.dump();
-  if (text.size() <= packed_above) return plain;
-  const std::string packed = pack_text(text);
-  if (text.size() > most_unpacked(packed.size())) return plain;
-  return {{"gzip", packed}, {"kind", "packed"}, {"schema", "accdec.certificate/1"}};
-}
-
 std::string certificate_to_json(const Certificate& certificate) {
-  return json_of(certificate).dump();
+  Writer writer;
+  std::visit([&](const auto& proof) { writer.put(proof); }, certificate.proof);
+  return std::move(writer.text);
+}
+
+std::string stored_certificate(const Certificate& certificate) {
+  std::string plain = certificate_to_json(certificate);
+  if (plain.size() <= packed_above) return plain;
+  const std::string packed = pack_text(plain);
+  if (plain.size() > most_unpacked(packed.size())) return plain;
+  return fmt::format(R"({{"gzip":"{}","kind":"packed","schema":"accdec.certificate/1"}})", packed);
 }
 
 }  // namespace accdec

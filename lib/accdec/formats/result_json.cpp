@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <string_view>
@@ -9,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/certificate_json.hpp>
+#include <accdec/formats/json_number.hpp>
 #include <accdec/formats/result_json.hpp>
 #include <accdec/formats/task_writer.hpp>
 
@@ -52,7 +51,7 @@ class ListWriter {
       out_ += "null";
       return *this;
     }
-    append(value);
+    append_number(out_, value);
     return *this;
   }
   ListWriter& member(std::string_view name, int value) {
@@ -63,15 +62,6 @@ class ListWriter {
   void end() { out_ += "\n    }"; }
 
  private:
-  /// With the digits that reading it back takes.
-  void append(double value) {
-    char digits[32];
-    const std::to_chars_result written = std::to_chars(digits, digits + sizeof digits, value);
-    const std::string_view text(digits, static_cast<std::size_t>(written.ptr - digits));
-    out_ += text;
-    // A whole number is one of the kind that has a fraction.
-    if (text.find_first_of(".e") == std::string_view::npos) out_ += ".0";
-  }
   void key(std::string_view name) {
     out_ += first_member_ ? "\n      \"" : ",\n      \"";
     out_ += name;
@@ -128,7 +118,7 @@ std::string members_text(const Json& object) {
 
 std::size_t proof_size(const DesignResult& result) {
   if (!result.certificate) return 0;
-  return members_text({{"certificate", json_of(*result.certificate)}}).size();
+  return certificate_to_json(*result.certificate).size();
 }
 
 std::string result_to_json(const DesignResult& result) {
@@ -158,7 +148,6 @@ std::string result_to_json(const DesignResult& result) {
   tail["solver"] = {{"method", s.method},           {"name", s.name},
                     {"version", s.version},         {"claimed", s.claimed},
                     {"evaluations", s.evaluations}, {"wall_time_s", number(s.wall_time)}};
-  if (result.certificate) tail["certificate"] = stored_json_of(*result.certificate);
   std::string text;
   // Of a hundred thousand corners it is some hundred megabytes: growing step by step would copy them once more.
   text.reserve(1000 + 320 * (result.task.corners.size() + result.corners.size()) + 280 * result.limits.size());
@@ -168,6 +157,7 @@ std::string result_to_json(const DesignResult& result) {
   text += "," + members_text(times);
   append_list(text, "limits", result.limits, write_limit);
   text += "," + members_text(tail);
+  if (result.certificate) text += ",\n  \"certificate\": " + stored_certificate(*result.certificate);
   text += "\n}\n";
   return text;
 }
