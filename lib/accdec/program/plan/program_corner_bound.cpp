@@ -11,12 +11,14 @@
 namespace accdec {
 namespace {
 
-constexpr std::size_t steps = 24;  // of a leg's highest speed, from its feed down
+constexpr std::size_t steps = 24;   // of a leg's highest speed, from its feed down
 constexpr double step_ratio = 1.1;  // of one to the next
 constexpr int periods = 60;
 
 /// Of a leg's speeds, step s is from feed/step_ratio^(s + 1) to feed/step_ratio^s; the last one begins at 0.
-double step_part(std::size_t s) { return std::pow(step_ratio, -static_cast<double>(s)); }
+double step_part(std::size_t s) {
+  return std::pow(step_ratio, -static_cast<double>(s));
+}
 
 /// Blocks between two joints that turn or stop.
 struct BoundLeg {
@@ -227,8 +229,7 @@ class ProgramCornerBound {
     std::array<double, steps * steps> losses{};
     for (std::size_t s = 0; s < steps; ++s) {
       for (std::size_t t = 0; t < steps; ++t) {
-        losses[s * steps + t] =
-            -way * (1.0 / (c.leg_in->feed * step_part(s)) + 1.0 / (c.leg_out->feed * step_part(t)));
+        losses[s * steps + t] = -way * (1.0 / (c.leg_in->feed * step_part(s)) + 1.0 / (c.leg_out->feed * step_part(t)));
       }
     }
     return losses;
@@ -305,7 +306,8 @@ class ProgramCornerBound {
 
 CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, double sample_period,
                                  double time_limit) {
-  if (machine.axes.size() == path.dimensions()) return ProgramCornerBound(path, machine, sample_period).bound(time_limit);
+  if (machine.axes.size() == path.dimensions())
+    return ProgramCornerBound(path, machine, sample_period).bound(time_limit);
   CornerBound result;
   result.time = path.dwell_first;
   for (const auto& dwell : path.dwell) result.time += dwell.second;
