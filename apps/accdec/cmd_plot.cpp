@@ -1,6 +1,9 @@
+#include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,8 +15,11 @@
 #include <accdec/plot/html_result.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/plot_result.hpp>
+#include <accdec/program/write/fastest_plan.hpp>
 
 #include "output.hpp"
+#include "program_figure.hpp"
+#include "verify_program.hpp"
 
 namespace accdec::cli {
 
@@ -23,17 +29,36 @@ struct Options {
   std::string result, out, corner;
 };
 
-Figure program_figure(const std::string& text, const Options& options) {
+/// As `accdec program --figure` draws it, which takes the program as it was read. Where it is not there any more, what
+/// the commands alone show.
+std::string draw_program(const std::string& text, const Options& options, const std::string& format) {
   if (!options.corner.empty())
     throw std::invalid_argument("--corner goes with results of evaluate and design: a program is drawn whole");
-  const ProgramRecord record = parse_program_record(text, options.result);
-  if (!record.commands) {
+  const bool profiles = is_profile_result(text);
+  const ProgramRecord record =
+      profiles ? parse_profile_record(text, options.result) : parse_program_record(text, options.result);
+  if (!profiles && !record.commands) {
     throw std::invalid_argument(
         fmt::format("{}: holds no commands to draw (accdec keeps them up to {} blocks); accdec program --figure draws "
                     "any",
                     options.result, recorded_blocks_max));
   }
-  return plot_program(record.result);
+  std::string why = changed_inputs(record.inputs);
+  std::vector<std::string> reasons;
+  const std::optional<Toolpath> programmed = why.empty() ? read_again(record, reasons) : std::nullopt;
+  if (why.empty() && !programmed) why = "the program was run by rs274, which is not here";
+  if (programmed && profiles) {
+    if (record.result.status != Status::feasible) throw std::invalid_argument("the result is failed: no plan to draw");
+    const ProfileResult planned =
+        plan_profiles_of(record.inputs.program, *programmed, record.inputs.reading.read.arc_tolerance, record.task);
+    return program_figure(planned, *programmed, record.task.machine, format);
+  }
+  if (programmed) return program_figure(record.result, *programmed, record.task.machine, format);
+  if (profiles) throw std::invalid_argument(options.result + ": holds no commands to draw, and " + why);
+  std::fprintf(stderr, "%s: without speed over time and what corners cost, for %s\n", options.result.c_str(),
+               why.c_str());
+  const Figure figure = plot_program(record.result);
+  return convert_svg(render_svg(figure), format, figure.title);
 }
 
 }  // namespace
@@ -48,11 +73,9 @@ void add_plot(CLI::App& app, Context& context) {
     const std::string format = figure_format(options->out);
     const std::string text = read_text_file(options->result, result_file_limit);
     require_outputs({options->out}, {options->result});
-    refuse_profiles(text, options->result);
     std::string drawn;
-    if (is_program_result(text)) {
-      const Figure figure = program_figure(text, *options);
-      drawn = convert_svg(render_svg(figure), format, figure.title);
+    if (is_program_result(text) || is_profile_result(text)) {
+      drawn = draw_program(text, *options, format);
     } else {
       const DesignResult result = parse_result(text, options->result);
       const Figure figure = plot_result(result, options->corner);

@@ -85,7 +85,10 @@ ProgramResult plan_with(const Options& options, const Context& context, ProgramF
                         const Task& task) {
   StatusLine status(context.quiet, StatusLine::Lines::none);
   status.tell("planning and simulating");
+  std::optional<CornerBound> bound;
+  if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task);
   ProgramResult result = plan_program_file(options.program, file, choice, task, options.file);
+  result.corner_bound = bound;
   result.worst_shown = options.worst;
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) == 0) result.peak_memory = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;

@@ -26,7 +26,8 @@ namespace {
 constexpr double blocks_a_second = 1e4;  // planned with profiles; the slowest measured, a relief under a jerk limit
 constexpr double steps_a_second = 2e8;   // of direct_motion on one core of 2.6 GHz, long double
 
-/// Why the files that a result was made from do not tell whether it is right; empty if they do.
+}  // namespace
+
 std::string changed_inputs(const ProgramInputs& in) {
   const auto there = [](const std::string& path) { return std::filesystem::is_regular_file(path); };
   if (!there(in.program))
@@ -39,7 +40,6 @@ std::string changed_inputs(const ProgramInputs& in) {
   return "";
 }
 
-/// The program as it was read for the result; none where rs274 ran it and is not here to run it again.
 std::optional<Toolpath> read_again(const ProgramRecord& record, std::vector<std::string>& reasons) {
   const ProgramInputs& in = record.inputs;
   try {
@@ -63,6 +63,8 @@ std::optional<Toolpath> read_again(const ProgramRecord& record, std::vector<std:
   return read_toolpath(source, record.task.machine, in.reading);
 }
 
+namespace {
+
 /// Holds the commands against the program, and makes what is recorded of it anew.
 void compare_with_program(const ProgramRecord& record, Toolpath programmed, ProgramResultCheck& check) {
   const ProgramInputs& in = record.inputs;
@@ -77,7 +79,7 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
   found.path.clamped = programmed.clamped;
   const Machine machine = program_machine(record.task.machine, programmed);
   snap_durations(programmed, found.filter, found.sample_period, machine);
-  found.lower_bound = program_lower_bound(programmed, machine);
+  found.lower_bound = program_lower_bound(programmed, machine, found.sample_period);
   if (record.filter_bound) found.filter_bound = filter_lower_bound(programmed, machine, found.sample_period);
 }
 
@@ -124,7 +126,7 @@ void verify_profiles(const std::string& text, const std::string& path, double li
     return refuse(fmt::format("planning {} blocks anew may take {:.0f} s; --time-limit is {:g} s", programmed->blocks(),
                               seconds, limit));
   const ProfileResult found = plan_profiles_of(record.inputs.program, std::move(*programmed),
-                                               record.inputs.reading.read.arc_tolerance, record.task, 0.0);
+                                               record.inputs.reading.read.arc_tolerance, record.task);
   const ProgramDifferences compared = profile_differences(text, found);
   if (!compared.reasons.empty()) return refuse(fmt::format("{}", fmt::join(compared.reasons, "\n  ")));
   if (context.quiet) return;

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
+
+#include <accdec/formats/program_record.hpp>
 
 #include "command.hpp"
 
@@ -14,5 +18,12 @@ void verify_program(const std::string& text, const std::string& path, double lim
 /// Of a result of --plan profiles: the program planned anew, every sample of it checked, and what is recorded held
 /// against that.
 void verify_profiles(const std::string& text, const std::string& path, double limit, Context& context);
+
+/// Why the files that a result was made from do not tell whether it is right; empty if they do.
+std::string changed_inputs(const ProgramInputs& in);
+
+/// The program as it was read for the result; none where rs274 ran it and is not here to run it again.
+/// @param reasons  what contradicts the record is added
+std::optional<Toolpath> read_again(const ProgramRecord& record, std::vector<std::string>& reasons);
 
 }  // namespace accdec::cli

@@ -230,8 +230,7 @@ TEST_F(ProgramResult, OfProfilesIsPlannedAnewAndCompared) {
   bad = good;
   bad.erase("inputs");
   EXPECT_EQ(changed(bad).code, 2);
-  EXPECT_THAT(run({"plot", result_, "--out", folder_.path("p.svg")}).err,
-              HasSubstr("--plan profiles has no one filter"));
+  EXPECT_THAT(run({"plot", result_, "--out", folder_.path("p.svg")}).err, HasSubstr("is no whole result"));
   EXPECT_THAT(run({"export", result_, "--format", "csv"}).err, HasSubstr("--plan profiles has no one filter"));
   folder_.write("result.json", good.dump());
   EXPECT_EQ(run({"verify", result_, "--time-limit", "1e-9"}).code, 1);

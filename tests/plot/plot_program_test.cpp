@@ -109,7 +109,7 @@ TEST(PlotProgram, SpeedsOverTimeHaveTheNameOfTheLimitThatBinds) {
   task.machine.axes[0].acceleration_max = 1.0;
   LineSource source("part.ngc", "G1 F6000 X60\n");
   const Toolpath path = read_toolpath(source, task.machine, {});
-  const ProfileResult result = run_profiles("part.ngc", path, task, 0.0);
+  const ProfileResult result = run_profiles("part.ngc", path, task);
   ASSERT_TRUE(result.plan.holds());
   const Figure figure = plot_program(result, path, task.machine);
   const Panel& speed = figure.panels[figure.panels.size() - 2];

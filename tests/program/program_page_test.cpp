@@ -21,7 +21,7 @@ ProfileResult planned(const std::string& text) {
   axis.velocity_max = 0.2;
   axis.acceleration_max = 1.0;
   task.machine.axes = {axis};
-  return run_profiles("test", path_of(text), task, 0.0);
+  return run_profiles("test", path_of(text), task);
 }
 
 TEST(TimeLost, IsWhatTheMotionTakesBeyondWayOverFeed) {

@@ -180,7 +180,7 @@ TEST(Plan, ADwellAtTheEndTakesItsTime) {
   const ProgramPlan plan = plan_program(path, filter, period, {});
   EXPECT_EQ(plan.simulation.samples, 1000 + 41 + 5000);
   EXPECT_EQ(motion_samples(CommandTiming(path, period, plan.delays), filter), 1000 + 41 + 5000);
-  EXPECT_DOUBLE_EQ(program_lower_bound(path, {}), 6.0);
+  EXPECT_DOUBLE_EQ(program_lower_bound(path, {}, period), 6.0);
 }
 
 TEST(Plan, StraightAndToleratedJointsCostNothing) {
@@ -334,7 +334,7 @@ TEST(Plan, LowerBoundOfFineChordsKnowsWhatTurningTakes) {
     const std::string text = fmt::format("G64 P{}\nG1 X10 F60000\nG3 I10\nG1 X0\nM2\n", tolerance * 1e-3);
     LineSource source("circle.ngc", text);
     const Toolpath path = read_toolpath(source, machine, fine);
-    const double bound = program_lower_bound(path, machine);
+    const double bound = program_lower_bound(path, machine, period);
     EXPECT_GT(bound, 0.75 * turn) << tolerance;
     const ProfilePlan plan = plan_profiles(path, machine, period);
     ASSERT_TRUE(plan.holds());
@@ -348,15 +348,15 @@ TEST(Plan, LowerBoundIsTheClosedFormWhereThereIsOne) {
   machine.axes.push_back({"y", 0.5, 1.0});
   // 100 mm/s at 1 m/s^2: stops after each; along the diagonal sqrt(2) times as hard; then too short to reach the feed.
   const Toolpath stops = path_of("G61.1 G1 F6000 X50\nX80 Y30\nX80 Y34\n", machine);
-  EXPECT_NEAR(program_lower_bound(stops, machine),
+  EXPECT_NEAR(program_lower_bound(stops, machine, 0.0),
               (0.5 + 0.1) + (0.3 * std::sqrt(2.0) + 0.1 / std::sqrt(2.0)) + 2.0 * std::sqrt(0.004), 1e-12);
   // Blended: legs less the tolerance, and ramps at both ends along their axes.
   const Toolpath blended = path_of("G64 P0.5 G1 F6000 X50\nY50\n", machine);
-  EXPECT_NEAR(program_lower_bound(blended, machine), 2.0 * (0.495 + 0.05), 1e-12);
-  EXPECT_NEAR(program_lower_bound(path_of("G1 F6000 X50\nG4 P2\nX0\n"), {}), 3.0, 1e-12);
+  EXPECT_NEAR(program_lower_bound(blended, machine, 0.0), 2.0 * (0.495 + 0.05), 1e-12);
+  EXPECT_NEAR(program_lower_bound(path_of("G1 F6000 X50\nG4 P2\nX0\n"), {}, 0.0), 3.0, 1e-12);
   for (unsigned seed = 1; seed <= 5; ++seed) {
     Toolpath path = path_of(random_program(seed, 200));
-    const double bound = program_lower_bound(path, {});
+    const double bound = program_lower_bound(path, {}, period);
     EXPECT_LE(bound, static_cast<double>(plan_program(path, boxcar(10), period, {}).simulation.samples) * period);
   }
 }

@@ -23,6 +23,8 @@ std::string shown(const Json& value) {
 const Json& not_compared_of_programs() {
   static const Json samples = Json::parse(R"({
     "candidates": [{"plan": "", "cycle_time_s": 0.5, "verified": true}],
+    "corner_bound_s": 0.5,
+    "corner_bound": {"corners": 0, "counted": 0, "classes": 0, "complete": true},
     "corners.slowed_blocks": 0,
     "feeds_slowed": [{"limit": "", "blocks": 0, "factor": 0.5, "line": 0}],
     "cycle_time_one_filter_s": 0.5,

@@ -140,6 +140,7 @@ class Reader {
       r.sample_period = json_.at("sample_period_s").get<double>();
       r.filter = filter(json_.at("filter").at("taps"));
       r.legs = LegFilters(r.filter);
+      r.plan.simulation.samples = integer<std::int64_t>(json_.at("samples"));
       r.cycle_time = json_.at("cycle_time_s").get<double>();
       r.delay_total = json_.at("delay_total_s").get<double>();
       r.corners = integer<std::size_t>(json_.at("corners").at("count"));

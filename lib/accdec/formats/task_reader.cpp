@@ -163,12 +163,19 @@ std::size_t count_axes(const std::vector<CornerLegs>& corners, const std::vector
   return count != 0 ? count : static_cast<std::size_t>(options.axes);
 }
 
-/// Axes with names. One table stands for all axes, so its name names none, unless there is only one.
-std::vector<Axis> name_axes(const std::vector<Axis>& given, std::size_t count) {
+/// Axes with names. One table stands for all axes, so its name names none, unless there is only one. Where
+/// it stands for all axes of a program, rotary ones, whose limits are degrees instead of millimetres, are left out but
+/// for the one it names.
+std::vector<Axis> name_axes(const std::vector<Axis>& given, std::size_t count, bool program) {
   std::vector<Axis> axes(given);
   if (given.size() < 2) axes.assign(count, given.empty() ? Axis{} : given.front());
   for (std::size_t i = 0; i < axes.size(); ++i) {
     if (axes[i].name.empty() || (given.size() < 2 && count > 1)) axes[i].name = task_keys::axis_names[i];
+  }
+  if (program && given.size() == 1) {
+    std::erase_if(axes, [&](const Axis& axis) {
+      return std::string_view("abc").find(axis.name) != std::string_view::npos && axis.name != given.front().name;
+    });
   }
   return axes;
 }
@@ -274,9 +281,9 @@ class TaskReader {
   void place_corners() {
     std::vector<Axis>& axes = task_.machine.axes;
     if (axes.size() < 2) {
-      axes = name_axes(axes, count_axes(legs_, corners_, options_));
+      axes = name_axes(axes, count_axes(legs_, corners_, options_), corners_.empty() && options_.axes > 1);
     } else {
-      axes = name_axes(axes, axes.size());
+      axes = name_axes(axes, axes.size(), false);
       for (std::size_t j = 0; j < legs_.size(); ++j) faults_.attempt(corners_[j].pointer(), [&] { check_size(j); });
     }
     for (std::size_t j = 0; j < corners_.size(); ++j) {

@@ -1,7 +1,6 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <map>
+#include <initializer_list>
 #include <numbers>
 #include <vector>
 
@@ -11,16 +10,6 @@
 
 namespace accdec {
 namespace {
-
-/// The most that an axis may accelerate by at any speed up to its limit: friction helps to brake.
-double acceleration_most(const Axis& axis) {
-  double most = axis.acceleration_max;
-  if (axis.force_max < unlimited && axis.mass > 0.0 && (axis.damping == 0.0 || axis.velocity_max < unlimited)) {
-    const double friction = axis.damping == 0.0 ? 0.0 : axis.damping * axis.velocity_max;
-    most = std::min(most, (axis.force_max + friction) / axis.mass);
-  }
-  return most;
-}
 
 /// Rows low <= A x <= high over columns in [0, 1], to minimise cost x.
 class Rows {
@@ -36,12 +25,12 @@ class Rows {
     high_.push_back(high);
   }
 
-  /// A lower bound of the least cost, from whatever multipliers the solver ends with; 0 if it fails. All costs are
-  /// `cost`.
-  double bound(double cost) const {
+  /// Multipliers of the least cost - sum x, whatever the solver ends with, as their part in every column; none if it
+  /// fails. `sides` becomes the sum of multiplier and side, by the sides that the multipliers' signs name.
+  std::vector<double> multipliers(double& sides) const {
     const int rows = static_cast<int>(low_.size());
     const auto n = static_cast<std::size_t>(columns_);
-    const std::vector<double> zeros(n, 0.0), ones(n, 1.0), costs(n, cost);
+    const std::vector<double> zeros(n, 0.0), ones(n, 1.0), costs(n, -1.0);
     CoinPackedMatrix matrix(false, columns_, rows, static_cast<CoinBigIndex>(index_.size()), value_.data(),
                             index_.data(), start_.data(), nullptr);
     ClpSimplex lp;
@@ -52,22 +41,20 @@ class Rows {
     lp.setMaximumSeconds(5.0);
     lp.dual();
     const double* dual = lp.dualRowSolution();
-    if (dual == nullptr) return 0.0;
-    // cost x >= sum of y (A x) + sum of min(0, cost - A'y), by the sides of the rows that the signs of y name.
-    double bound = 0.0;
-    std::vector<double> reduced = costs;
+    std::vector<double> part(n, 0.0);
+    sides = 0.0;
+    if (dual == nullptr) return part;
     for (int r = 0; r < rows; ++r) {
       const auto i = static_cast<std::size_t>(r);
       const double side = dual[r] > 0.0 ? low_[i] : high_[i];
       if (dual[r] == 0.0 || !(std::abs(side) < 1e29)) continue;
-      bound += dual[r] * side;
+      sides += dual[r] * side;
       for (CoinBigIndex k = start_[i]; k < start_[i + 1]; ++k) {
-        reduced[static_cast<std::size_t>(index_[static_cast<std::size_t>(k)])] -=
+        part[static_cast<std::size_t>(index_[static_cast<std::size_t>(k)])] +=
             dual[r] * value_[static_cast<std::size_t>(k)];
       }
     }
-    for (const double value : reduced) bound += std::min(0.0, value);
-    return bound;
+    return part;
   }
 
  private:
@@ -77,7 +64,7 @@ class Rows {
   std::vector<CoinBigIndex> start_{0};
 };
 
-/// The linear program of one corner. Column k is the speed of leg 1 in period k over its feed, column count + k that
+/// The linear program of one corner. Column k is the speed of leg 1 in period k over its highest, column count + k that
 /// of leg 2; the corner's moment is the beginning of period `before`.
 class CornerLinearProgram {
  public:
@@ -96,15 +83,21 @@ class CornerLinearProgram {
     add_tolerance();
   }
 
-  /// Lost: all periods, less what both legs go in them over their feeds.
-  double lost() const { return period_ * std::max(0.0, count_ + rows_.bound(-1.0)); }
+  CornerDual loss() const {
+    CornerDual loss;
+    loss.period = period_;
+    const std::vector<double> part = rows_.multipliers(loss.sides);
+    loss.in.assign(part.begin(), part.begin() + count_);
+    loss.out.assign(part.begin() + count_, part.end());
+    return loss;
+  }
 
  private:
   /// |sum of both legs' differences of the speed of axis a| <= most, inside the window: what it shows at its ends is
   /// left free.
   void add_differences(std::size_t a, const std::vector<double>& difference, double most) {
     if (!(most < unlimited)) return;
-    const double in = corner_.in[a] * corner_.feed_in, out = corner_.out[a] * corner_.feed_out;
+    const double in = corner_.in[a] * corner_.speed_in, out = corner_.out[a] * corner_.speed_out;
     if (in == 0.0 && out == 0.0) return;
     const int length = static_cast<int>(difference.size());
     for (int k = length - 1; k < count_; ++k) {
@@ -118,14 +111,14 @@ class CornerLinearProgram {
     }
   }
 
-  /// Both legs together no faster than the higher feed, in the direction between them.
+  /// Both legs together no faster than the feed, in the direction between them.
   void add_feed() {
     double cosine = 0.0;
     for (std::size_t a = 0; a < dimensions_; ++a) cosine += corner_.in[a] * corner_.out[a];
-    const double half = std::sqrt(std::max(0.0, 0.5 * (1.0 + cosine))),
-                 feed = std::max(corner_.feed_in, corner_.feed_out);
+    const double half = std::sqrt(std::max(0.0, 0.5 * (1.0 + cosine))), feed = corner_.feed;
     for (int k = 0; k < count_ && half > 0.5; ++k) {
-      rows_.add({{k, half * corner_.feed_in / feed}, {count_ + k, half * corner_.feed_out / feed}}, -COIN_DBL_MAX, 1.0);
+      rows_.add({{k, half * corner_.speed_in / feed}, {count_ + k, half * corner_.speed_out / feed}}, -COIN_DBL_MAX,
+                1.0);
     }
   }
 
@@ -135,16 +128,16 @@ class CornerLinearProgram {
     for (std::size_t a = 0; a < dimensions_; ++a) cosine += corner_.in[a] * corner_.out[a];
     cosine = std::clamp(cosine, -1.0, 1.0);
     const double sine = std::sqrt(1.0 - cosine * cosine);
-    constexpr int sides = 64;
+    constexpr int sides = 32;
     // In units of the tolerance; an exact corner keeps a thousandth of a micrometre.
     const double tolerance = std::max(corner_.tolerance, 1e-9);
     for (int i = 0; i < sides; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / sides, x = std::cos(angle), y = std::sin(angle);
       const double along_in = -x, along_out = cosine * x + sine * y;
       std::vector<std::pair<int, double>> entries;
-      for (int k = before_; k < count_; ++k) entries.emplace_back(k, along_in * corner_.feed_in * period_ / tolerance);
+      for (int k = before_; k < count_; ++k) entries.emplace_back(k, along_in * corner_.speed_in * period_ / tolerance);
       for (int k = 0; k < before_; ++k) {
-        entries.emplace_back(count_ + k, along_out * corner_.feed_out * period_ / tolerance);
+        entries.emplace_back(count_ + k, along_out * corner_.speed_out * period_ / tolerance);
       }
       rows_.add(entries, -COIN_DBL_MAX, 1.0);
     }
@@ -157,97 +150,36 @@ class CornerLinearProgram {
   Rows rows_;
 };
 
-/// What a leg can do by itself.
-struct BoundLeg {
-  std::vector<double> unit;
-  double length = 0.0, feed = 0.0;
-  double ramp = 0.0;  // s from rest to the feed at least
-  bool long_enough = false;
-};
-
-BoundLeg bound_leg(const Toolpath& path, const Machine& machine, std::size_t b) {
-  const std::size_t n = path.dimensions();
-  const double* p = path.point(b);
-  BoundLeg leg;
-  for (std::size_t a = 0; a < n; ++a) leg.length = std::hypot(leg.length, p[n + a] - p[a]);
-  leg.feed = leg.length / path.duration[b];
-  double acceleration = unlimited, jerk = unlimited;
-  for (std::size_t a = 0; a < n; ++a) {
-    leg.unit.push_back((p[n + a] - p[a]) / leg.length);
-    const double part = std::abs(leg.unit.back());
-    if (part == 0.0) continue;
-    leg.feed = std::min(leg.feed, machine.axes[a].velocity_max / part);
-    acceleration = std::min(acceleration, acceleration_most(machine.axes[a]) / part);
-    jerk = std::min(jerk, machine.axes[a].jerk_max / part);
-  }
-  leg.ramp = acceleration < unlimited ? leg.feed / acceleration : 0.0;
-  if (jerk < unlimited) {
-    leg.ramp = acceleration < unlimited && leg.feed >= acceleration * acceleration / jerk
-                   ? leg.ramp + acceleration / jerk
-                   : 2.0 * std::sqrt(leg.feed / jerk);
-  }
-  // From rest to the feed and back takes ramp seconds' way at the feed.
-  leg.long_enough = leg.length >= leg.ramp * leg.feed * (1.0 - 1e-6);
-  return leg;
-}
-
-/// Corners alike: directions, feeds and tolerance to nine digits.
-std::vector<long long> class_of(const BoundLeg& in, const BoundLeg& out, double tolerance) {
-  std::vector<long long> key;
-  const auto add = [&](double value) { key.push_back(std::llround(value * 1e9)); };
-  for (const double u : in.unit) add(u);
-  for (const double u : out.unit) add(u);
-  add(in.feed);
-  add(out.feed);
-  key.push_back(std::llround(tolerance * 1e12));
-  return key;
-}
-
 }  // namespace
 
-double corner_time_bound(const BoundCorner& corner, const Machine& machine, std::size_t dimensions,
-                         double sample_period) {
-  // Any period gives a bound; more than some 300 periods only take longer.
-  const double period = std::max(sample_period, (corner.reach_in + corner.reach_out) / 300.0);
-  return CornerLinearProgram(corner, machine, dimensions, period).lost();
+double acceleration_most(const Axis& axis) {
+  double most = axis.acceleration_max;
+  if (axis.force_max < unlimited && axis.mass > 0.0 && (axis.damping == 0.0 || axis.velocity_max < unlimited)) {
+    const double friction = axis.damping == 0.0 ? 0.0 : axis.damping * axis.velocity_max;
+    most = std::min(most, (axis.force_max + friction) / axis.mass);
+  }
+  return most;
 }
 
-CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, double sample_period,
-                                 double time_limit) {
-  const auto start = std::chrono::steady_clock::now();
-  CornerBound result;
-  result.time = path.dwell_first;
-  for (const auto& dwell : path.dwell) result.time += dwell.second;
-  if (machine.axes.size() != path.dimensions()) return result;
-  std::map<std::vector<long long>, double> solved;
-  BoundLeg before;
-  bool running = false;
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    BoundLeg leg = bound_leg(path, machine, b);
-    result.time += leg.length / leg.feed;
-    if (!running && leg.long_enough) result.time += 0.5 * leg.ramp;
-    if (running && path.joint[b - 1] != Joint::straight) {
-      ++result.corners;
-      if (before.long_enough && leg.long_enough) {
-        ++result.counted;
-        const auto [entry, is_new] = solved.try_emplace(class_of(before, leg, path.tolerance[b - 1]), 0.0);
-        const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
-        if (is_new && spent.count() > time_limit) {
-          result.complete = false;
-        } else if (is_new) {
-          BoundCorner corner{before.unit.data(), leg.unit.data(), before.feed,          leg.feed,
-                             1.1 * before.ramp,  1.1 * leg.ramp,  path.tolerance[b - 1]};
-          entry->second = corner_time_bound(corner, machine, path.dimensions(), sample_period);
-          ++result.classes;
-        }
-        result.time += entry->second;
-      }
-    }
-    running = path.joint[b] != Joint::stop;
-    if (!running && leg.long_enough) result.time += 0.5 * leg.ramp;
-    before = std::move(leg);
+double CornerDual::at(double of_in, double of_out) const {
+  // With columns x in [0, c] and costs -1/c, c = of_in or of_out, and multipliers s times these, the least of
+  // sum (1 - x/c) is at least their number + s sides - sum of max(0, 1 + c s part). What speeds in common, s = 1/c
+  // follows exactly.
+  double best = -unlimited;
+  for (const double part_in : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    const double c = std::pow(of_in, part_in) * std::pow(of_out, 1.0 - part_in);
+    double lost = static_cast<double>(in.size()) + sides / c;
+    for (const double part : in) lost -= std::max(0.0, 1.0 + part * (of_in / c));
+    for (const double part : out) lost -= std::max(0.0, 1.0 + part * (of_out / c));
+    best = std::max(best, lost);
+    if (of_in == of_out) break;
   }
-  return result;
+  return period * best;
+}
+
+CornerDual corner_loss(const BoundCorner& corner, const Machine& machine, std::size_t dimensions, int periods) {
+  const double period = (corner.reach_in + corner.reach_out) / periods;
+  return CornerLinearProgram(corner, machine, dimensions, period).loss();
 }
 
 }  // namespace accdec

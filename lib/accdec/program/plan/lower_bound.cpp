@@ -5,11 +5,17 @@
 #include <accdec/program/plan/window_bound.hpp>
 
 namespace accdec {
-double program_lower_bound(const Toolpath& path, const Machine& machine) {
+double program_lower_bound(const Toolpath& path, const Machine& all_limits, double sample_period) {
   const std::size_t n = path.dimensions();
+  const auto unbounded = [](const Axis& axis) { return !(axis.acceleration_max < unlimited); };
+  const bool without = std::any_of(all_limits.axes.begin(), all_limits.axes.end(), unbounded);
+  const Machine machine = without ? Machine{} : all_limits;
   double any_direction2 = machine.axes.empty() ? unlimited : 0.0;
   for (const Axis& axis : machine.axes) any_direction2 += axis.acceleration_max * axis.acceleration_max;
   const double any_direction = std::sqrt(any_direction2);
+  // See the header: of a motion with no more than these accelerations, which stands for the samples.
+  const double saved = machine.axes.empty() ? 0.0 : sample_period,
+               wider = machine.axes.empty() ? 0.0 : any_direction * saved * saved / 8.0;
   const auto tolerance = [&](std::size_t joint) {
     return path.joint[joint] == Joint::stop ? 0.0 : path.tolerance[joint];
   };
@@ -36,8 +42,9 @@ double program_lower_bound(const Toolpath& path, const Machine& machine) {
       }
     }
     // All blocks at their feeds without ramps, or all at the highest feed with them, or windows of them.
-    const double ramped = time_from_rest(way, fastest, direct, 2);
-    time += std::max({cruise, ramped, last > first ? window_bound(path, machine, first, last) : 0.0});
+    const double ramped = time_from_rest(way - 2.0 * static_cast<double>(last - first) * wider, fastest, direct, 2);
+    const double windows = last > first ? window_bound(path, machine, wider, first, last) : 0.0;
+    time += std::max({cruise, ramped - saved, windows - saved});
     first = last + 1;
   }
   return time;

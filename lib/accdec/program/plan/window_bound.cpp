@@ -22,8 +22,8 @@ std::vector<std::size_t> window_sizes(std::size_t blocks) {
 
 class Windows {
  public:
-  Windows(const Toolpath& path, const Machine& machine, std::size_t first, std::size_t last)
-      : path_(path), machine_(machine), n_(path.dimensions()), first_(first), last_(last) {
+  Windows(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last)
+      : path_(path), machine_(machine), n_(path.dimensions()), wider_(wider), first_(first), last_(last) {
     const std::size_t blocks = last - first + 1;
     sizes_ = window_sizes(blocks);
     speed_.reserve(blocks);
@@ -66,7 +66,7 @@ class Windows {
 
   const double* point(std::size_t i) const { return path_.point(first_ + i); }
   bool rests(std::size_t i) const { return i == 0 || first_ + i == last_ + 1; }
-  double tolerance(std::size_t i) const { return rests(i) ? 0.0 : path_.tolerance[first_ + i - 1]; }
+  double tolerance(std::size_t i) const { return rests(i) ? 0.0 : path_.tolerance[first_ + i - 1] + wider_; }
 
   /// m/s^2 along a vector of this length.
   double acceleration(const double* vector, double length) const {
@@ -111,7 +111,9 @@ class Windows {
 
   const Toolpath& path_;
   const Machine& machine_;
-  const std::size_t n_, first_, last_;
+  const std::size_t n_;
+  const double wider_;
+  const std::size_t first_, last_;
   std::vector<std::size_t> sizes_;
   std::vector<double> speed_;                 // of every block
   std::vector<std::vector<double>> fastest_;  // of every size, by the window's first block
@@ -127,8 +129,8 @@ double time_from_rest(double distance, double speed, double acceleration, int re
                            : std::sqrt(2.0 * rests * distance / acceleration);
 }
 
-double window_bound(const Toolpath& path, const Machine& machine, std::size_t first, std::size_t last) {
-  return Windows(path, machine, first, last).largest();
+double window_bound(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last) {
+  return Windows(path, machine, wider, first, last).largest();
 }
 
 }  // namespace accdec

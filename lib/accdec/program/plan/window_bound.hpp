@@ -16,7 +16,8 @@ namespace accdec {
 /// - it takes the way |p_k - p_i| - e_i - e_k over v, and where it begins or ends at rest what speeding up costs;
 /// - across its chord, h the distance of p_j from it, the motion has to go h - e_j - max(e_i, e_k) aside between two
 ///   moments, which takes sqrt(8 (..)/A): nothing with |x''| <= A leaves its own chord by more than A t^2/8.
-double window_bound(const Toolpath& path, const Machine& machine, std::size_t first, std::size_t last);
+/// @param wider  m, added to all tolerances
+double window_bound(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last);
 
 /// Least time for `distance` at `speed` at most, with `rests` (0 to 2) of its ends at rest and `acceleration` there.
 double time_from_rest(double distance, double speed, double acceleration, int rests);

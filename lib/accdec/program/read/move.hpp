@@ -10,6 +10,10 @@ namespace accdec {
 /// millimetre, as feed words in degrees per minute and tolerances in numeric controls do, so it is 1e-3 here.
 inline constexpr std::string_view program_axes = "XYZABCUVW";
 inline constexpr std::size_t program_axis_count = 9;
+/// Whether it is A, B or C.
+constexpr bool rotary_axis(std::size_t axis) {
+  return axis >= 3 && axis <= 5;
+}
 using ProgramPoint = std::array<double, program_axis_count>;
 
 /// How the corner at the end of a move is to be passed.

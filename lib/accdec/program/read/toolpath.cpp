@@ -238,7 +238,13 @@ void Builder::move(const Move& move) {
   if ((moving & ~used_) != 0U) {
     for (std::size_t a = 0; a < program_axis_count; ++a) {
       if ((moving & (1U << a)) != 0U && limited_ && limits_[a] == nullptr) {
-        fail(move, fmt::format("axis {} is not among the axes of the task", program_axes[a]));
+        fail(move, fmt::format("axis {0} is not among the axes of the task{1}", program_axes[a],
+                               rotary_axis(a) ? fmt::format(": it is rotary and takes no limits from others; add an "
+                                                            "[[axis]] with name = \"{}\", where a degree counts as a "
+                                                            "millimetre: velocity_max_mm_s in degrees a second, "
+                                                            "acceleration_max_mm_s2 in degrees/s^2",
+                                                            static_cast<char>(program_axes[a] | 0x20))
+                                              : ""));
       }
     }
     if (path_.blocks() == 0) start_ = position_;
@@ -285,7 +291,7 @@ std::string Toolpath::axis_name(std::size_t dimension) const {
 }
 
 const Axis* find_axis(const Machine& machine, std::size_t program_axis) {
-  if (machine.axes.size() == 1) return &machine.axes.front();
+  if (machine.axes.size() == 1 && !rotary_axis(program_axis)) return &machine.axes.front();
   for (const Axis& axis : machine.axes) {
     if (axis.name.size() == 1 && (axis.name[0] & ~0x20) == program_axes[program_axis]) return &axis;
   }

@@ -93,7 +93,8 @@ struct ToolpathOptions {
 };
 
 /// The task's axis that moves a program axis: the one of its name in either case; a task with a single axis gives its
-/// limits to every axis, one without any axis limits nothing. nullptr if there is none of that name.
+/// limits to every linear axis (a rotary one has limits of its own, in degrees), one without any axis limits nothing.
+/// nullptr if there is none of that name.
 const Axis* find_axis(const Machine& machine, std::size_t program_axis);
 /// The machine with one axis a column of the path.
 Machine program_machine(const Machine& machine, const Toolpath& path);

@@ -5,6 +5,7 @@
 
 #include <accdec/program/plan/corner_limits.hpp>
 #include <accdec/program/read/number.hpp>
+#include <accdec/program/write/emitted_filters.hpp>
 #include <accdec/program/write/program_report.hpp>
 
 namespace accdec {
@@ -61,6 +62,9 @@ class Emission {
     line(
         "(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to "
         "rest)");
+    line("(read back by: accdec program FILE --task TASK.toml --plan {} --dwells-before-filter{})",
+         result_.legs.single() ? "fixed" : "per-leg", result_.feeds_chosen ? "" : " --feeds keep");
+    text_.append(filter_remarks(result_.filter));
     line("G21 G17 G90 G94");
     position();
   }
@@ -118,8 +122,8 @@ class Emission {
       }
       // A program written here and read again does not collect its own remarks.
       bool own = false;
-      for (const char* remark :
-           {"(planned for a filter", "(G4 without an exact stop", "(to where the program begins)", "(filter of "}) {
+      for (const char* remark : {"(planned for a filter", "(G4 without an exact stop",
+                                 "(read back by: ", "(filter taps: ", "(to where the program begins)", "(filter of "}) {
         own = own || words.starts_with(remark);
       }
       if (!own) line("{}", words);

@@ -2,6 +2,7 @@
 #include <optional>
 #include <utility>
 
+#include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/write/fastest_plan.hpp>
 
 namespace accdec {
@@ -26,10 +27,17 @@ PlanTime time_of(const ProgramResult& r) {
 
 }  // namespace
 
-ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task,
-                               double bound_time) {
+ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task) {
+  const double bound = program_lower_bound(path, program_machine(task.machine, path), task.sample_period);
   leave_room_for_arcs(path, arc_tolerance);
-  return run_profiles(name, std::move(path), task, bound_time);
+  ProfileResult result = run_profiles(name, std::move(path), task);
+  result.lower_bound = bound;
+  return result;
+}
+
+CornerBound corner_bound_of(const Toolpath& path, const Task& task) {
+  const double limit = path.blocks() <= several_plans_max ? 10.0 : 3.0;  // s
+  return program_corner_bound(path, program_machine(task.machine, path), task.sample_period, limit);
 }
 
 std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, ProgramFile& file,
@@ -37,8 +45,8 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
                                                             const std::function<void(const std::string&)>& tell) {
   // Of the longest programs the search for a filter, and the bound by linear programs, would take longer than the plan.
   const bool several = file.path.blocks() <= several_plans_max;
-  const double bound_time = several ? 10.0 : 3.0;  // s
-  ProfileResult profiles = plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task, bound_time);
+  ProfileResult profiles = plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task);
+  profiles.corner_bound = corner_bound_of(file.path, task);
   if (!several) return profiles;
   ProgramFileOptions choosing = options;
   choosing.feeds = Feeds::choose;
@@ -49,6 +57,7 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
   const PlanTime mine = time_of(profiles), theirs = time_of(other);
   if (theirs.verified && (!mine.verified || theirs.time < mine.time)) {
     other.candidates = {mine};
+    other.corner_bound = profiles.corner_bound;
     file.reading = copy.reading;
     return other;
   }

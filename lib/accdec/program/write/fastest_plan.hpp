@@ -11,9 +11,10 @@ namespace accdec {
 
 /// Plan profiles of a program, with room in its tolerances for what chords leave of their arcs.
 /// @param arc_tolerance  m, that the path was read with
-/// @param bound_time     see run_profiles
-ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task,
-                               double bound_time);
+ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task);
+
+/// A bound of corners for whichever plan; of programs of more blocks than `several_plans_max` in less time.
+CornerBound corner_bound_of(const Toolpath& path, const Task& task);
 
 /// `accdec program --plan profiles`: that plan, and beside it, of programs of up to `several_plans_max` blocks, those
 /// of one filter and of one a leg; the fastest that holds all limits, with the times of the others as its candidates.

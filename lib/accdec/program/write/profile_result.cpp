@@ -8,7 +8,6 @@
 
 #include <accdec/files/seconds_since.hpp>
 #include <accdec/machine/utilisation.hpp>
-#include <accdec/program/plan/lower_bound.hpp>
 #include <accdec/program/profiles/last_filter.hpp>
 #include <accdec/program/profiles/profile_motion.hpp>
 #include <accdec/program/write/profile_result.hpp>
@@ -63,7 +62,7 @@ void add_vibration(ProfileResult& result, const Machine& machine) {
 
 }  // namespace
 
-ProfileResult run_profiles(const std::string& name, Toolpath path, const Task& task, double bound_time) {
+ProfileResult run_profiles(const std::string& name, Toolpath path, const Task& task) {
   const auto start = std::chrono::steady_clock::now();
   if (!path.given.empty()) {
     throw std::invalid_argument(
@@ -78,10 +77,6 @@ ProfileResult run_profiles(const std::string& name, Toolpath path, const Task& t
   result.plan = plan_profiles(result.path, machine, task.sample_period);
   add_vibration(result, machine);
   result.cycle_time = static_cast<double>(result.plan.check.samples) * task.sample_period;
-  result.lower_bound = program_lower_bound(result.path, machine);
-  if (bound_time > 0.0) {
-    result.corner_bound = program_corner_bound(result.path, machine, task.sample_period, bound_time);
-  }
   judge(result);
   result.wall_time = seconds_since(start);
   return result;
@@ -107,9 +102,7 @@ std::string profiles_summary(const ProfileResult& result) {
   row("bound, continuous motion", result.lower_bound);
   if (const auto& bound = result.corner_bound) {
     row("bound, corners", bound->time);
-    fmt::format_to(put, "    {} of {} corners between legs that come to their feed, {} linear programs{}\n",
-                   bound->counted, bound->corners, bound->classes,
-                   bound->complete ? "" : ", stopped by the time limit");
+    fmt::format_to(put, "    {}\n", describe(*bound));
   }
   fmt::format_to(put, "\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n",
                  result.worst_error * 1e6, 100.0 * result.worst_utilisation, result.worst_line);
@@ -154,10 +147,7 @@ std::string profiles_to_json(const ProfileResult& result) {
   json["lower_bound_s"] = result.lower_bound;
   if (const auto& bound = result.corner_bound) {
     json["corner_bound_s"] = bound->time;
-    json["corner_bound"] = {{"corners", bound->corners},
-                            {"counted", bound->counted},
-                            {"classes", bound->classes},
-                            {"complete", bound->complete}};
+    json["corner_bound"] = corner_bound_to_json(*bound);
   }
   json["repair_rounds"] = result.plan.rounds;
   Json limits = Json::array();

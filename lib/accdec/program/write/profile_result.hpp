@@ -21,8 +21,8 @@ struct ProfileResult {
   double sample_period = 0.0;  ///< s
   ProfilePlan plan;
   double cycle_time = 0.0;                            ///< s, samples times T, to the first at rest
-  double lower_bound = 0.0;                           ///< s, see program_lower_bound
-  std::optional<CornerBound> corner_bound;            ///< where asked for
+  double lower_bound = 0.0;                           ///< s, see program_lower_bound; by whoever asks for it
+  std::optional<CornerBound> corner_bound;            ///< the same
   std::size_t corners = 0;                            ///< joints that turn or stop
   std::size_t stops = 0;                              ///< of these at rest
   double worst_error = 0.0, worst_utilisation = 0.0;  ///< m, of joints with a tolerance; share of it
@@ -33,10 +33,9 @@ struct ProfileResult {
 };
 
 /// Plans and verifies a program, see plan_profiles.
-/// @param bound_time  s for program_corner_bound; 0: not asked for
 /// @throws std::invalid_argument for what the plan cannot take: vibration bounds that no last filter holds, delays that
 /// the program brings along
-ProfileResult run_profiles(const std::string& name, Toolpath path, const Task& task, double bound_time);
+ProfileResult run_profiles(const std::string& name, Toolpath path, const Task& task);
 
 /// The table for people.
 std::string profiles_summary(const ProfileResult& result);

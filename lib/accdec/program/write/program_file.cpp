@@ -7,6 +7,7 @@
 #include <accdec/files/text_file.hpp>
 #include <accdec/program/read/read_error.hpp>
 #include <accdec/program/read/run_rs274.hpp>
+#include <accdec/program/write/emitted_filters.hpp>
 #include <accdec/program/write/program_file.hpp>
 
 namespace accdec {
@@ -74,6 +75,13 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
     ProgramFilter given;
     given.filter = make_filter(*task.filter);
     given.solver.method = "given";
+    return given;
+  }
+  if (const auto emitted = options.dwells_before_filter ? emitted_filter(path) : std::nullopt) {
+    if (tell) tell("the filter is the one that the program was planned for");
+    ProgramFilter given;
+    given.filter = *emitted;
+    given.solver.method = "given by the program";
     return given;
   }
   // Small programs are not worth a minute.

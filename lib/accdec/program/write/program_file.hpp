@@ -43,7 +43,8 @@ double chord_tolerance(const Task& task);
 ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
                               const std::function<void(const std::string&)>& tell);
 
-/// The task's filter, or one designed for the program; none where none holds, for the reason in the message.
+/// The task's filter, that of a program which --emit wrote and is read as such, or one designed for the program; none
+/// where none holds, for the reason in the message.
 /// @param tell  one line a step, may be empty
 ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
                                  const std::function<void(const std::string&)>& tell);

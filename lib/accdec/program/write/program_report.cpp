@@ -13,6 +13,7 @@
 #include <accdec/program/plan/choose_leg_filters.hpp>
 #include <accdec/program/plan/filter_bound.hpp>
 #include <accdec/program/plan/lower_bound.hpp>
+#include <accdec/program/write/emitted_filters.hpp>
 #include <accdec/program/write/program_report.hpp>
 #include <accdec/task/verifier.hpp>
 
@@ -108,7 +109,7 @@ class Planning {
   /// @param tune_curves  see plan_program
   void keep(const Toolpath& path, bool tune_curves) {
     tune_curves_ = tune_curves;
-    if (!path.given.empty()) as_commanded(path, false);
+    if (!path.given.empty()) as_commanded(path, result_.filter, false);
     slowed_ = path;
     limit_rapids(slowed_, result_.filter, task_.sample_period, machine_);
     snap_durations(slowed_, result_.filter, task_.sample_period, machine_);
@@ -119,14 +120,16 @@ class Planning {
     offer({base_, std::move(plan)}, result_.filter, false);
   }
   void choose(const Toolpath& path) {
-    if (path.blocks() <= several_plans_max || !path.given.empty()) as_commanded(path, true);
+    if (path.blocks() <= several_plans_max || !path.given.empty()) as_commanded(path, result_.filter, true);
     ScheduledPlan plan = schedule_feeds(path, result_.filter, task_.sample_period, machine_);
     if (!result_.cycle_time_kept && !all_holds(plan.plan) && !all_holds(result_.plan)) keep(path, false);
     offer(std::move(plan), result_.filter, true);
     result_.cycle_time_one_filter = seconds(result_.plan);
   }
   /// At the programmed feeds, and at those that the plan of one filter chose.
-  void per_leg() {
+  /// @param path  as read: what was written for a filter a leg names them
+  void per_leg(const Toolpath& path, Feeds feeds) {
+    if (auto legs = emitted_legs(path, result_.filter)) as_commanded(path, std::move(*legs), feeds != Feeds::keep);
     if (result_.feeds_chosen && result_.programmed_blocks <= several_plans_max) per_leg(result_.path, true);
     if (slowed_.blocks() > 0) per_leg(std::move(slowed_), false);
   }
@@ -162,20 +165,20 @@ class Planning {
 
  private:
   /// With the feeds and delays of the program, unchanged: what a plan wrote holds as it is.
-  void as_commanded(const Toolpath& path, bool feeds_chosen) {
+  void as_commanded(const Toolpath& path, LegFilters legs, bool feeds_chosen) {
     ScheduledPlan plan{path, {}};
     if (!feeds_chosen) limit_rapids(plan.path, result_.filter, task_.sample_period, machine_);
     snap_legs(plan.path, task_.sample_period);
     std::vector<int> delays(path.blocks(), 0);
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
       if (path.joint[b] == Joint::stop)
-        delays[b] = result_.filter.last_nonzero_tap() - result_.filter.first_nonzero_tap();
+        delays[b] = std::max(0, legs.of(b).last_nonzero_tap() - legs.of(b + 1).first_nonzero_tap());
     }
     for (const auto& [block, delay] : path.given) {
       delays[block] = static_cast<int>(std::lround(std::min(delay / task_.sample_period, 1e9)));
     }
-    plan.plan = check_program(plan.path, result_.filter, task_.sample_period, machine_, std::move(delays));
-    if (all_holds(plan.plan)) offer(std::move(plan), result_.filter, feeds_chosen);
+    plan.plan = check_program(plan.path, legs, task_.sample_period, machine_, std::move(delays));
+    if (all_holds(plan.plan)) offer(std::move(plan), std::move(legs), feeds_chosen);
   }
   void per_leg(Toolpath path, bool feeds_chosen) {
     LegFilters legs = choose_leg_filters(path, result_.filter, task_.sample_period, machine_, task_.design.order_max);
@@ -221,13 +224,14 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   const Machine machine = program_machine(task.machine, path);
   // Before any move is slowed to suit this filter: the bounds are for all.
   snap_durations(path, filter, task.sample_period, machine);
-  result.lower_bound = program_lower_bound(path, machine);
+  result.lower_bound = program_lower_bound(path, machine, task.sample_period);
   if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
+  const Toolpath read = per_leg ? path : Toolpath{};
   Planning planning(result, task, machine);
   const bool keep = feeds == Feeds::keep || (feeds == Feeds::choose && (per_leg || path.blocks() <= several_plans_max));
   if (keep) planning.keep(path, feeds == Feeds::keep || path.blocks() <= tuned_max);
   if (feeds != Feeds::keep) planning.choose(path);
-  if (per_leg) planning.per_leg();
+  if (per_leg) planning.per_leg(read, feeds);
   result.cycle_time = static_cast<double>(result.plan.simulation.samples) * task.sample_period;
   path = {};
   // For the plan it was enough that each joint holds; what is reported is the least distance.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <accdec/program/plan/corner_bound.hpp>
 #include <accdec/program/plan/plan_time.hpp>
 #include <accdec/program/plan/program_plan.hpp>
 #include <accdec/program/read/toolpath.hpp>
@@ -52,10 +53,11 @@ struct ProgramResult {
   double cycle_time_no_delay = 0.0;    ///< s, no delay but where the program stops
   double lower_bound =
       0.0;  ///< s, see program_lower_bound; at the programmed feeds, rapid moves at their axes' largest velocity
-  std::optional<double> filter_bound;  ///< s, see filter_lower_bound; at the programmed feeds, where asked for
-  std::int64_t peak_memory = 0;        ///< bytes of the process, by whoever runs it; 0: not asked for
-  double delay_total = 0.0;            ///< s, delays of this plan
-  std::vector<PlanTime> candidates;    ///< plans that were made beside this one
+  std::optional<double> filter_bound;       ///< s, see filter_lower_bound; at the programmed feeds, where asked for
+  std::optional<CornerBound> corner_bound;  ///< by whoever asks for it
+  std::int64_t peak_memory = 0;             ///< bytes of the process, by whoever runs it; 0: not asked for
+  double delay_total = 0.0;                 ///< s, delays of this plan
+  std::vector<PlanTime> candidates;         ///< plans that were made beside this one
   VerificationReport verification;
   SolverReport solver;
   std::string message;

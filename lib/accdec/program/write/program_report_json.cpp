@@ -101,6 +101,10 @@ std::string program_to_json(const ProgramResult& result) {
   json["exact_stop_breaks"] = result.exact_stop_breaks.empty() ? Json(nullptr) : Json(result.exact_stop_breaks);
   json["cycle_time_no_delay_s"] = result.cycle_time_no_delay;
   json["lower_bound_s"] = result.lower_bound;
+  if (result.corner_bound) {
+    json["corner_bound_s"] = result.corner_bound->time;
+    json["corner_bound"] = corner_bound_to_json(*result.corner_bound);
+  }
   if (result.filter_bound) json["filter_bound_s"] = *result.filter_bound;
   if (result.peak_memory > 0) json["peak_memory_bytes"] = result.peak_memory;
   json["delay_total_s"] = result.delay_total;

@@ -72,6 +72,10 @@ class SummaryText {
     if (!result_.exact_stop_breaks.empty()) put("    but breaks {}\n", result_.exact_stop_breaks);
     row("no delay at any corner", result_.cycle_time_no_delay);
     row("bound, continuous motion", result_.lower_bound);
+    if (result_.corner_bound) {
+      row("bound, corners", result_.corner_bound->time);
+      put("    {}\n", describe(*result_.corner_bound));
+    }
     if (result_.filter_bound) row("bound, filters and delays", *result_.filter_bound);
   }
 

@@ -76,6 +76,16 @@ std::string describe(const PlanTime& plan) {
   return fmt::format("plan {}{}", plan.plan, plan.verified ? "" : ", not verified");
 }
 
+std::string describe(const CornerBound& bound) {
+  return fmt::format("{} of {} corners between legs longer than cutting them takes, {} linear programs{}",
+                     bound.counted, bound.corners, bound.classes, bound.complete ? "" : ", stopped by the time limit");
+}
+
+nlohmann::ordered_json corner_bound_to_json(const CornerBound& bound) {
+  return {
+      {"corners", bound.corners}, {"counted", bound.counted}, {"classes", bound.classes}, {"complete", bound.complete}};
+}
+
 nlohmann::ordered_json plan_times_to_json(const std::vector<PlanTime>& plans) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const PlanTime& plan : plans) {

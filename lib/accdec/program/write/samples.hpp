@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json_fwd.hpp>
 
+#include <accdec/program/plan/corner_bound.hpp>
 #include <accdec/program/plan/plan_time.hpp>
 #include <accdec/program/read/toolpath.hpp>
 
@@ -52,6 +53,9 @@ void stream_samples(const ProgramResult& result, std::ostream& out);
 
 /// "plan fixed" or "plan fixed, not verified": a row of a summary.
 std::string describe(const PlanTime& plan);
+/// "12 of 30 corners ..": below the bound's row in a summary.
+std::string describe(const CornerBound& bound);
+nlohmann::ordered_json corner_bound_to_json(const CornerBound& bound);
 /// A list of plan, cycle_time_s, verified.
 nlohmann::ordered_json plan_times_to_json(const std::vector<PlanTime>& plans);
 
