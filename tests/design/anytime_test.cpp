@@ -91,6 +91,21 @@ error_max_um = 50
   }
 }
 
+// 1 m/s by a jerk of 0.4 m/s^3 takes 2 sqrt(1 / 0.4) s, by one of 20 m/s^3 a seventh of it: 3162 and 447 samples.
+TEST(DesignTask, WhatALargerOrderMaxDoesIsSaid) {
+  const auto message = [](double jerk) {
+    Task task = straight_start(100);
+    task.corners[0].set_feeds(1.0, 1.0);
+    task.machine.axes[0].acceleration_max = task.machine.axes[1].acceleration_max = unlimited;
+    task.machine.axes[0].jerk_max = task.machine.axes[1].jerk_max = jerk;
+    const DesignResult result = design_task(task);
+    EXPECT_EQ(result.status, Status::infeasible);
+    return result.message;
+  };
+  EXPECT_THAT(message(0.4), HasSubstr("with order_max = 800 there is none either, a larger one was not tried"));
+  EXPECT_THAT(message(20.0), HasSubstr("a longer filter does: with [design] order_max = 4"));
+}
+
 TEST(DesignTask, ProgrammesAreEstimatedBeforeTheyAreBuilt) {
   Task task = straight_start(400);
   task.machine.axes[0].jerk_max = 500.0;
