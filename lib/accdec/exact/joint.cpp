@@ -41,7 +41,7 @@ Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()>
   std::sort(window_.anchors.begin(), window_.anchors.end(), [&](int a, int b) {
     return model.error_bound(static_cast<std::size_t>(a)) < model.error_bound(static_cast<std::size_t>(b));
   });
-  for (int i = 0; i < provers_for(task, short_); ++i)
+  for (int i = 0; i < provers_for(task, std::max(short_, window_.order)); ++i)
     provers_.push_back(std::make_unique<Prover>(task, stop, window_, i));
   nodes_.push_back(root_node(task));
 }
