@@ -159,6 +159,34 @@ def draw(figure: dict[str, Any]) -> Any:
     return made
 
 
+def _motion_figure(plan: ProfileProgram) -> dict[str, Any]:
+    """The path in the colour of its speed, and the speed over time, from the samples; of long motions every k-th."""
+    motion = plan.samples()
+    every = max(1, len(motion["time"]) // 20_000)
+    time, position, velocity = (motion[name][::every] for name in ("time", "position", "velocity"))
+    speed = 1e3 * np.linalg.norm(velocity, axis=1)
+    widest = sorted(np.argsort(-np.ptp(position, axis=0), kind="stable")[:2])
+    first, second = widest[0], widest[-1]
+    x, y = 1e3 * position[:, first], 1e3 * position[:, second]
+    panel = {"title": "", "limits": [], "bands": [], "circles": [], "series": [], "heat_map": None, "coloured": None,
+             "equal_aspect": False, "has_data": True}
+
+    def scale(label: str) -> dict[str, Any]:
+        return {"label": label, "log": False, "min": None, "max": None}
+
+    # Rapid moves would leave one colour for all cutting.
+    usual = 1.05 * float(np.quantile(speed, 0.95))
+    pieces = [(x[i:i + 2], y[i:i + 2], speed[i + 1]) for i in range(len(x) - 1)]
+    coloured = {"pieces": pieces, "low": 0.0, "high": usual if 0.0 < usual < 0.5 * speed.max() else float(speed.max()),
+                "line_width": 2.0, "label": "speed / (mm/s)"}
+    names = motion["axes"]
+    return {"title": f"plan profiles, {plan.cycle_time:.6g} s", "columns": 1, "panel_width": 760, "panel_height": 300,
+            "panels": [{**panel, "x": scale(f"{names[first]} / mm"), "y": scale(f"{names[second]} / mm"),
+                        "coloured": coloured, "equal_aspect": True},
+                       {**panel, "x": scale("time / s"), "y": scale("speed / (mm/s)"),
+                        "series": [{"label": "", "x": time, "y": speed, "mark": "line", "style": 0}]}]}
+
+
 def plot(result: Union[Result, Program, ProfileProgram], corner: str = "",
          path: Optional[Union[str, "os.PathLike[str]"]] = None) -> Any:
     """Draw the motion, path, taps and frequency response of a result, or the path of a program.
@@ -166,7 +194,7 @@ def plot(result: Union[Result, Program, ProfileProgram], corner: str = "",
     Parameters
     ----------
     result : Result, Program or ProfileProgram
-        Programs by corner errors, speed, the limit that binds and where time is lost.
+        Programs by corner errors and delays, plan "profiles" by its speed.
     corner : str
         Of a result, its name; the first unless given.
     path : path, optional
@@ -186,8 +214,10 @@ def plot(result: Union[Result, Program, ProfileProgram], corner: str = "",
     >>> len(figure.axes) > 4
     True
     """
-    if isinstance(result, (Program, ProfileProgram)):
+    if isinstance(result, Program):
         made = draw(_core.program_figure(result))
+    elif isinstance(result, ProfileProgram):
+        made = draw(_motion_figure(result))
     elif isinstance(result, Result):
         made = draw(_core.result_figure(result, arguments.text("corner", corner)))
     else:

@@ -295,13 +295,8 @@ void bind_program(py::module_& module) {
       py::arg("file"), py::arg("task"), py::kw_only(), py::arg("plan"), py::arg("keep_feeds"), py::arg("arc_tolerance"),
       py::arg("time_limit"), py::arg("rapid_stops"), py::arg("dwells_before_filter"), py::arg("filter_bound"),
       py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("progress"));
-  const auto figure = [](const auto& result) {
-    return figure_dict(plot_program(result, result.programmed, result.machine));
-  };
   module.def(
-      "program_figure", [figure](const Program& result) { return figure(result); }, py::arg("result"));
-  module.def(
-      "program_figure", [figure](const ProfileProgram& result) { return figure(result); }, py::arg("result"));
+      "program_figure", [](const Program& result) { return figure_dict(plot_program(result)); }, py::arg("result"));
 }
 
 }  // namespace accdec::python
