@@ -34,7 +34,8 @@ bool DualSimplex::take_point() {
   scratch_.clear();
   objective_ = 0.0;
   for (int j = 0; j < columns_; ++j) {
-    if (point_[number(j)] < low_[number(j)] - tolerance || point_[number(j)] > high_[number(j)] + tolerance) return false;
+    if (point_[number(j)] < low_[number(j)] - tolerance || point_[number(j)] > high_[number(j)] + tolerance)
+      return false;
     point_[number(j)] = std::clamp(point_[number(j)], low_[number(j)], high_[number(j)]);
     objective_ += cost_[number(j)] * point_[number(j)];
   }
