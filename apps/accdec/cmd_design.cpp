@@ -59,6 +59,7 @@ void print_baselines(const Task& task, const DesignResult& design, DesignOptions
 /// What a time limit leaves for the search: not what was spent on reading, nor what simulating the design and writing
 /// it takes. Of few corners neither is worth mentioning, of very many it is said.
 double search_seconds(const Task& task, double limit, double reading, bool quiet) {
+  if (task.corners.size() < 1000) return limit;
   const double delivery = 1.2e-5 * static_cast<double>(task.corners.size());
   const double search = std::max(0.2 * limit, limit - reading - delivery);
   if (!quiet && reading + delivery > std::max(0.1, 0.05 * limit)) {
