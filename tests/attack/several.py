@@ -62,7 +62,8 @@ class Order:
             ([p[k] for p in motion.position], tolerance * (1.0 + slack))
             for (motion, _, tolerance), k in zip(motions, nearest)
         ]
-        cones = [(judge.plane(position)[None], tolerance) for position, tolerance in ends[1:]]
+        # In units of the tolerance: in metres it would be no more than a thousand times what HiGHS lets pass.
+        cones = [(judge.plane(position)[None] / tolerance, 1.0) for position, tolerance in ends[1:]]
         error = judge.smallest_error(rows, cones, *ends[0])
         return error is not None and error <= ends[0][1]
 
