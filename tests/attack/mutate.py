@@ -244,8 +244,8 @@ def run(attack):
         attack.count("results mutated")
         if code == 0:
             attack.count("accepted, still true")
-            lie = lie(task, original, forged_path)
-            if lie:
-                attack.fail(f"accepted: {lie}", task_path, result_path, forged_path)
+            why = lie(task, original, forged_path)
+            if why:
+                attack.fail(f"accepted: {why}", task_path, result_path, forged_path)
         elif code is None:
             attack.fail("verify did not end", forged_path)

@@ -222,7 +222,7 @@ TEST(DesignTask, StoppedWithoutADesignItSaysOnceWhatIsProved) {
   const DesignResult result =
       design_task(parse_task("sample_period_ms = 1.0\n[[axis]]\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = "
                              "500000\n[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = "
-                             "50\n[[mode]]\nfrequency_Hz = [38, 46]\nresidual_max = 1e-7\n",
+                             "50\n[[mode]]\nfrequency_Hz = [38, 46]\nresidual_max = 1e-12\n",
                              "task.toml"),
                   options);
   ASSERT_FALSE(result.filter) << "a faster machine: choose a harder task";
