@@ -76,6 +76,27 @@ TEST(Baselines, ExponentialSaturatesForceWithFriction) {
   EXPECT_NEAR(best.spec->ratio, inertia / (inertia + axis.damping), 2e-3);  // any ratio between two whole lengths does
 }
 
+// Played backwards the start of a mass is its stop, and its power what it gives back, at the speed a sample later: what
+// holds where power is limited does backwards where regeneration is. So the best there is as short, and it rises.
+TEST(Baselines, ExponentialsForRegenerationAreThoseForPowerBackwards) {
+  Axis starts;
+  starts.mass = 40.0;
+  starts.acceleration_max = 6.0;
+  starts.power_max = 6.0;
+  Axis stops = starts;
+  std::swap(stops.power_max, stops.regeneration_max);
+  const auto best_with = [](const Axis& axis) {
+    return best_baseline(plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 150e-6), family("exponential"));
+  };
+  const BaselineResult power = best_with(starts), regeneration = best_with(stops);
+  ASSERT_TRUE(power.spec) << power.result.message;
+  ASSERT_TRUE(regeneration.spec) << regeneration.result.message;
+  EXPECT_LT(power.spec->ratio, 1.0);
+  EXPECT_GT(regeneration.spec->ratio, 1.0);
+  EXPECT_LE(regeneration.result.objective(), power.result.objective() + 1e-12);
+  EXPECT_GE(regeneration.result.objective(), power.result.objective() - 3e-3);  // a sample at each end, and of delay
+}
+
 /// The least objective, samples, of one member with the delays it needs; judged by the blend formulas, not the
 /// search's.
 double cost(const Task& task, const FilterSpec& spec, int order_max) {
@@ -118,7 +139,7 @@ double brute_force(const Task& task, const Baseline& b, int order_max) {
       FilterSpec spec{.kind = b.shape, .order = order, .pairs = b.pairs, .pair_delay = delay};
       for (int g = 1; g <= 40; ++g) {
         spec.alpha = 0.15 * g;
-        spec.ratio = g / 40.0;
+        spec.ratio = g <= 20 ? g / 20.0 : 20.0 / (41 - g);
         spec.cutoff = order > 0 ? 2.0 / order * g / 40.0 : 0.0;
         spec.ramp = g - 1;
         const bool grid =

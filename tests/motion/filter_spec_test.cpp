@@ -57,6 +57,8 @@ TEST(Exponential, TapsAreAGeometricSeries) {
   const double first = (1.0 - 0.93) / (1.0 - std::pow(0.93, 23));
   for (int i = 0; i <= 22; ++i) EXPECT_NEAR(filter.tap(i), first * std::pow(0.93, i), 1e-15);
   expect_same(exponential(9, 1.0), boxcar(9), 1e-16);
+  const Filter rising = exponential(22, 1.0 / 0.93);
+  for (int i = 0; i <= 22; ++i) EXPECT_NEAR(rising.tap(i), filter.tap(22 - i), 1e-15);
 }
 
 TEST(Gaussian, IsSymmetricAndABoxcarAtAlphaZero) {
@@ -72,7 +74,7 @@ TEST(ControllerShapes, RefuseWhatTheyCannotBe) {
   EXPECT_THROW(averages(none), std::invalid_argument);
   EXPECT_THROW(averages({}), std::invalid_argument);
   EXPECT_THROW(exponential(5, 0.0), std::invalid_argument);
-  EXPECT_THROW(exponential(5, 1.1), std::invalid_argument);
+  EXPECT_THROW(exponential(5, 1000.1), std::invalid_argument);
   EXPECT_THROW(gaussian(0, 1.0), std::invalid_argument);
   EXPECT_THROW(gaussian(5, 7.0), std::invalid_argument);
   EXPECT_THROW(with_pairs(boxcar(3), 1, 0), std::invalid_argument);

@@ -55,8 +55,8 @@ int least_order(Shape shape) {
 }
 
 /// The taps of a family with a real parameter before they are divided by their sum, each monotone in what is searched:
-/// the time constants an exponential is long, a Gaussian's alpha, a sinc's cut-off times its order (2 puts its first
-/// zeros on the window's ends).
+/// the time constants an exponential is long (below 0 it rises), a Gaussian's alpha, a sinc's cut-off times its order
+/// (2 puts its first zeros on the window's ends).
 std::vector<double> plain_taps(Shape shape, int order, double parameter) {
   std::vector<double> taps(static_cast<std::size_t>(order) + 1);
   for (int i = 0; i <= order; ++i) {
@@ -293,12 +293,13 @@ bool BaselineSearch::too_slow(const Cascade& cascade) const {
 
 /// Branch and bound over the one real parameter of a shape.
 void BaselineSearch::search_parameter(const FilterSpec& spec) {
-  const double low = 0.0, high = spec.kind == Shape::blackman_sinc ? 2.0
-                                 : spec.kind == Shape::gaussian    ? 6.0
-                                                                   : most_time_constants;
+  const bool exponential = spec.kind == Shape::exponential;
+  const double high = spec.kind == Shape::blackman_sinc ? 2.0 : exponential ? most_time_constants : 6.0;
+  const double low =
+      exponential ? -std::min(most_time_constants, std::log(exponential_ratio_max) * std::max(1, spec.order)) : 0.0;
   const auto offer_at = [&](double value) {
     FilterSpec tried = spec;
-    if (spec.kind == Shape::exponential) tried.ratio = std::exp(-value / std::max(1, spec.order));
+    if (exponential) tried.ratio = std::min(std::exp(-value / std::max(1, spec.order)), exponential_ratio_max);
     if (spec.kind == Shape::gaussian) tried.alpha = value;
     if (spec.kind == Shape::blackman_sinc) tried.cutoff = value / spec.order;
     if (spec.kind != Shape::blackman_sinc || value > 0.0) offer(tried);

@@ -250,6 +250,7 @@ DesignResult read_members(const Json& json, const std::string& name) {
                          given("certificate_checked") && v["certificate_checked"].get<bool>(),
                          given("certificate") ? v["certificate"].get<std::string>() : ""};
   result.solver = {s["method"], s["name"], s["version"], s["claimed"], s["evaluations"], s["wall_time_s"], {}};
+  if (!(result.solver.wall_time >= 0.0)) throw mistake("/solver/wall_time_s", "must not be negative");
   result.message = json["message"].get<std::string>();
   if (const auto proof = json.find("certificate"); proof != json.end() && !proof->is_null())
     result.certificate = std::make_shared<Certificate>(certificate_of(*proof));

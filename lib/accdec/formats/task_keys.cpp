@@ -36,7 +36,7 @@ Key parameter_key(const ShapeInfo& shape) {
       key.unit = "of Nyquist", key.meaning = "cutoff frequency; at most 2 / order", key.example = "0.049";
       break;
     case Shape::gaussian: key.meaning = "half width over standard deviation", key.example = "2.5"; break;
-    case Shape::exponential: key.meaning = "each tap to the one before", key.example = "0.9"; break;
+    case Shape::exponential: key.meaning = "each tap to the one before, above 1 rising", key.example = "0.9"; break;
     case Shape::taps:
       key.meaning = "N + 1 numbers of any positive sum, which is made 1", key.example = "[1, 2, 1]";
       break;

@@ -25,11 +25,13 @@ void add_pairs(std::vector<double>& taps, int pairs, int delay) {
 
 Filter exponential(int order, double ratio) {
   if (order < 0) throw std::invalid_argument(fmt::format("exponential needs order >= 0, got {}", order));
-  if (!(ratio > 0.0 && ratio <= 1.0)) {
-    throw std::invalid_argument(fmt::format("exponential needs 0 < ratio <= 1, got {}", ratio));
+  if (!(ratio > 0.0 && ratio <= exponential_ratio_max)) {
+    throw std::invalid_argument(
+        fmt::format("exponential needs 0 < ratio <= {:g}, got {}", exponential_ratio_max, ratio));
   }
   std::vector<double> taps;
-  for (int i = 0; i <= order; ++i) taps.push_back(std::pow(ratio, i));
+  // From the largest tap, so that none overflows.
+  for (int i = 0; i <= order; ++i) taps.push_back(std::pow(ratio, ratio > 1.0 ? i - order : i));
   return Filter(std::move(taps));
 }
 

@@ -11,7 +11,9 @@ namespace accdec {
 /// the range given here.
 
 /// Truncated exponential b_i ~ ratio^i, i = 0 .. N: "exponential Acc/Dec" with an end. order >= 0.
-/// @param ratio  0 < ratio <= 1; 1 is the boxcar
+/// @param ratio  0 < ratio <= exponential_ratio_max; below 1 a one-pole filter cut off, 1 the boxcar, above 1 rising: a
+///               start as smooth as the other's stop
+inline constexpr double exponential_ratio_max = 1000.0;
 Filter exponential(int order, double ratio);
 
 /// Gaussian exp(-(alpha x)^2/2), x = (i - N/2)/(N/2) from -1 to 1. order >= 1.

@@ -27,7 +27,7 @@ const std::array<ShapeInfo, 10> shapes{{
      [](const Spec& s) { return blackman_sinc(s.order, s.cutoff); }},
     {Shape::gaussian, "gaussian", true, ShapeParameter{"alpha", &Spec::alpha, 0.0, 6.0, false},
      [](const Spec& s) { return gaussian(s.order, s.alpha); }},
-    {Shape::exponential, "exponential", true, ShapeParameter{"ratio", &Spec::ratio, 0.0, 1.0, true},
+    {Shape::exponential, "exponential", true, ShapeParameter{"ratio", &Spec::ratio, 0.0, exponential_ratio_max, true},
      [](const Spec& s) { return exponential(s.order, s.ratio); }},
     {Shape::taps, "taps", false, ShapeParameter{"taps", &Spec::taps, 0.0, 1e300, false},
      [](const Spec& s) { return Filter(s.taps); }},

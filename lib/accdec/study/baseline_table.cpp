@@ -134,10 +134,17 @@ std::string baseline_text(const BaselineTable& table, const BaselineTable& quart
   const auto name = [](const BaselineTable& t) {
     return baselines()[static_cast<std::size_t>(t.best() - t.families.data())].title;
   };
-  text += fmt::format("\nsaved against the best family: {:.1f} % at {:g} ms ({}), {:.1f} % at {:g} ms ({})\n", here,
-                      1e3 * table.design.task.sample_period, name(table), there,
-                      1e3 * quarter.design.task.sample_period, name(quarter));
-  if (here > there + 0.05) {
+  if (here < 0.0 || there < 0.0)
+    return text + "\nno saving can be stated: a search was stopped before it was as good\n";
+  const auto ended = [](const BaselineTable& t) {
+    return std::none_of(t.families.begin(), t.families.end(),
+                        [](const auto& f) { return f.result.status == Status::failed; });
+  };
+  const bool all = ended(table) && ended(quarter);
+  text += fmt::format("\nsaved against the best family{}: {:.1f} % at {:g} ms ({}), {:.1f} % at {:g} ms ({})\n",
+                      all ? "" : " of those searched to the end", here, 1e3 * table.design.task.sample_period,
+                      name(table), there, 1e3 * quarter.design.task.sample_period, name(quarter));
+  if (here > there + 0.05 && all && quarter.design.status == Status::optimal) {
     text +=
         fmt::format("{:.1f} of these {:.1f} % are rounding to whole samples: a shorter sample period saves them too\n",
                     here - std::max(0.0, there), here);
