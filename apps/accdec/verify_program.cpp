@@ -104,7 +104,8 @@ void print_accepted(const ProgramRecord& record, const std::string& shown, bool 
   }
   if (!std::filesystem::is_regular_file(record.inputs.task_path))
     fmt::print("{} is not there: the task is the one in the result\n", record.inputs.task_path);
-  fmt::print("not checked, because they say how the plan was found or what others take: {}\n", fmt::join(open, ", "));
+  fmt::print("not checked, because they say how the plan was found or what others take: {}, inputs.compensate_arcs\n",
+             fmt::join(open, ", "));
 }
 
 }  // namespace
