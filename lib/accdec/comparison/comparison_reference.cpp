@@ -123,6 +123,9 @@ class MarginSearch : public ReferenceSearch {
   double value_of(const Filter& filter, const Part&) override {
     return std::sqrt(margin_of(plain_, filter, spec_.delays, samples_));
   }
+  bool approach_is_enough() const override {
+    return std::ranges::count_if(plain_.corners, [](const TaskCorner& c) { return c.error_max.has_value(); }) == 1;
+  }
 
  private:
   Task& task_;

@@ -67,9 +67,12 @@ void ReferenceSearch::descend(double least) {
     if (model_.convex()) {
       filter = relaxation_.solve(box, symmetric()).filter;
     } else {
-      filter = relaxation_.repair(box, symmetric(), *best);
+      filter = relaxation_.approach(box, symmetric(), *best);
     }
-    if (!filter || !offer(*filter, part)) step *= 0.3;
+    const double before = upper;
+    const bool better = filter && offer(*filter, part);
+    if (!model_.convex() && approach_is_enough() && before - upper <= least) return;
+    if (!better) step *= 0.3;
     step = std::min(step, 0.5 * (upper - lower));
   }
 }

@@ -47,6 +47,8 @@ class ReferenceSearch {
   virtual std::vector<Part> all() const { return {Part{}}; }
   /// Where to look for something better than `best`, with its own response as a guide.
   virtual Part around_best() const { return {}; }
+  /// Whether the excess over the tolerances is the value itself, so that smaller steps lead where large ones do.
+  virtual bool approach_is_enough() const { return false; }
 
   bool symmetric() const { return model_.task().design.symmetric; }
   int order() const { return box_.order; }

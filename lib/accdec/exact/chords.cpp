@@ -186,12 +186,12 @@ std::optional<Chord> Chords::draw(const ChordFamily& family, int sample, const B
   return chord;
 }
 
-std::optional<Chord> Chords::tangent(const Chord& chord, const Filter& filter, const Box& box) const {
+std::optional<Chord> Chords::tangent(const Chord& chord, const Filter& filter, const Box& box, double least_use) const {
   const ChordFamily& family = chord.family;
   const Legs v = event_legs(family);
   const int k = chord.sample, m = k - event_delay(family, box);
   const double in = v.in * filter.remaining(k), out = v.out * filter.cumulative(m);
-  if (use(family, k, filter, box) < 0.95) return std::nullopt;
+  if (use(family, k, filter, box) < least_use) return std::nullopt;
   if (family.kind == ChordFamily::speed) {
     const double turned = turn(family);
     const double direction = std::atan2(out * std::sin(turned), in + out * std::cos(turned));

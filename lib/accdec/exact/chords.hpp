@@ -54,7 +54,8 @@ class Chords {
   std::vector<Chord> broken(const Filter& filter, const Box& box, double slack) const;
 
   /// The chord shrunk to the filter's own speed: whatever holds it holds the limit. None where the limit is far.
-  std::optional<Chord> tangent(const Chord& at, const Filter& filter, const Box& box) const;
+  /// @param least_use  of the limit, where it still counts as near
+  std::optional<Chord> tangent(const Chord& at, const Filter& filter, const Box& box, double least_use) const;
   /// Adds the limits that the filter comes close to or breaks; returns the worst use.
   double gather_close(const Filter& filter, const Box& box, std::vector<Chord>& close) const;
 

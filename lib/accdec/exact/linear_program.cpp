@@ -65,11 +65,20 @@ void LinearProgram::start_cold() {
 }
 
 void LinearProgram::soften(const std::vector<Chord>& close, const Filter& at, const Box& box) {
+  add_tangents(close, at, box, 0.95, true);
+}
+
+void LinearProgram::tie(const std::vector<Chord>& close, const Filter& at, const Box& box) {
+  add_tangents(close, at, box, 0.0, false);
+}
+
+void LinearProgram::add_tangents(const std::vector<Chord>& close, const Filter& at, const Box& box, double least_use,
+                                 bool soft) {
   lp_.set_column_bounds(excess(), 0.0, DualSimplex::infinity);
   for (const Chord& chord : close) {
-    const auto tangent = model_.chords.tangent(chord, at, box);
+    const auto tangent = model_.chords.tangent(chord, at, box, least_use);
     if (!tangent) continue;
-    draft_limit(model_.chords.row(*tangent, box), 1.0, false, true);
+    draft_limit(model_.chords.row(*tangent, box), 1.0, false, soft);
     add(row_of(*tangent));
   }
 }

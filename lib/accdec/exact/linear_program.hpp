@@ -37,6 +37,8 @@ class LinearProgram {
   void use_clp_alone(bool alone) { clp_alone_ = alone; }
   /// After `prepare`: asks for no margin of the cones, and adds tangents that the excess may break.
   void soften(const std::vector<Chord>& close, const Filter& at, const Box& box);
+  /// The same, but nothing may break the tangents.
+  void tie(const std::vector<Chord>& close, const Filter& at, const Box& box);
   /// Solves it as it stands: by the dense dual simplex, or by Clp where that loses its digits.
   const LpSolution& solve();
   /// Adds what the filter breaks. False: nothing new. @param allowed  excess over the cones
@@ -80,6 +82,7 @@ class LinearProgram {
   double vibration_scale(const proof::Vibration& id) const;
   double tap_bound(int column) const;
   void add(Id id);  // the draft
+  void add_tangents(const std::vector<Chord>& close, const Filter& at, const Box& box, double least_use, bool soft);
   void add_base_rows();
   void draft_limit(const SparseRow& row, double scale, bool both, bool soft = false);
   void draft_cone(const proof::Error& id, const Box& box);

@@ -54,6 +54,33 @@ class Relaxation::Impl {
     return std::nullopt;
   }
 
+  /// As `repair`, but only the cones may be broken; tangents hold limits by themselves, so every step stays inside
+  /// them.
+  std::optional<Filter> approach(const Box& box, bool symmetric, Filter at) {
+    std::vector<Chord> close;
+    model_.chords.gather_close(at, box, close);
+    std::optional<Filter> best;
+    double before = DualSimplex::infinity;
+    for (int round = 0; round < 30; ++round) {
+      program_->prepare(box, symmetric);
+      program_->tie(close, at, box);
+      const Outcome outcome = cut(box, symmetric, false, false);
+      if (!outcome.filter) break;
+      std::vector<Chord> reached = close;
+      if (model_.chords.gather_close(*outcome.filter, box, reached) > 1.0 + 3.0 * slack) {
+        if (reached.size() == close.size()) break;  // rounding
+        close = std::move(reached);
+        continue;
+      }
+      const bool little = outcome.excess > before - 1e-7 * (1.0 + before);
+      at = *outcome.filter, best = at;
+      before = outcome.excess;
+      close = std::move(reached);
+      if (little) break;
+    }
+    return best;
+  }
+
   long linear_programs() const { return solved_; }
 
  private:
@@ -126,6 +153,9 @@ Outcome Relaxation::solve(const Box& box, bool symmetric, bool strongest) {
 }
 std::optional<Filter> Relaxation::repair(const Box& box, bool symmetric, const Filter& start) {
   return impl_->repair(box, symmetric, start);
+}
+std::optional<Filter> Relaxation::approach(const Box& box, bool symmetric, const Filter& start) {
+  return impl_->approach(box, symmetric, start);
 }
 long Relaxation::linear_programs() const {
   return impl_->linear_programs();

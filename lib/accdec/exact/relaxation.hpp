@@ -47,6 +47,9 @@ class Relaxation {
   /// A filter of a box of single delays and samples that holds all limits, from one that holds some; none if this way
   /// leads nowhere.
   std::optional<Filter> repair(const Box& box, bool symmetric, const Filter& start);
+  /// A filter of such a box that holds all limits but the tolerances, which it comes as close to as this way leads,
+  /// from one that holds the limits.
+  std::optional<Filter> approach(const Box& box, bool symmetric, const Filter& start);
   long linear_programs() const;
 
  private:
