@@ -29,9 +29,14 @@ TEST(CliEvaluate, GivesThePapersTable2) {
 
 // 41 equal taps at 1 ms: sigma^2 = (41^2 - 1)/12 ms^2, and |H| is the Dirichlet kernel of 41 samples.
 TEST(CliEvaluate, RecordsTheErrorOfACircle) {
-  const std::vector<std::string> command{
-      "evaluate", problems_of_evaluate + "paper/table1.toml", "--circle-radius-mm", "20", "--circle-feed-mm-min", "6000", "--json",
-      "-"};
+  const std::vector<std::string> command{"evaluate",
+                                         problems_of_evaluate + "paper/table1.toml",
+                                         "--circle-radius-mm",
+                                         "20",
+                                         "--circle-feed-mm-min",
+                                         "6000",
+                                         "--json",
+                                         "-"};
   const Outcome outcome = run(command);
   EXPECT_EQ(outcome.code, 0);
   const Json circle = Json::parse(outcome.out)["circle"];
