@@ -13,7 +13,7 @@ namespace accdec {
 inline constexpr std::size_t bound_steps = 24;   // of a leg's highest speed, from its feed down
 inline constexpr double bound_step_ratio = 1.1;  // of one to the next
 
-/// Of a leg's speeds, step s is from feed/bound_step_ratio^(s + 1) to feed/bound_step_ratio^s; the last one begins at 0.
+/// Of a leg's speeds v, step s is from feed/1.1^(s + 1) to feed/1.1^s; the last one begins at 0.
 inline double step_part(std::size_t s) {
   static const std::array<double, bound_steps> parts = [] {
     std::array<double, bound_steps> powers{};
