@@ -1,4 +1,3 @@
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -287,60 +286,6 @@ TEST(Cli, InputThatCannotBeRead) {
   EXPECT_EQ(folder.count(), 1U);
 }
 
-TEST(Cli, EvaluateGivesThePapersTable2) {
-  const Outcome outcome = run({"evaluate", problems + "paper/table2.toml", "--json", "-"});
-  EXPECT_EQ(outcome.code, 0);
-  const Json json = Json::parse(outcome.out);  // nothing but JSON on standard output
-  const double printed[] = {2442, 1333, 241, 0};
-  for (std::size_t j = 0; j < 4; ++j)
-    EXPECT_EQ(std::round(1e6 * json["corners"][j]["corner_error_m"].get<double>()), printed[j]);
-}
-
-// 41 equal taps at 1 ms: sigma^2 = (41^2 - 1)/12 ms^2, and |H| is the Dirichlet kernel of 41 samples.
-TEST(Cli, EvaluateRecordsTheErrorOfACircle) {
-  const std::vector<std::string> command{
-      "evaluate", problems + "paper/table1.toml", "--circle-radius-mm", "20", "--circle-feed-mm-min", "6000", "--json",
-      "-"};
-  const Outcome outcome = run(command);
-  EXPECT_EQ(outcome.code, 0);
-  const Json circle = Json::parse(outcome.out)["circle"];
-  EXPECT_DOUBLE_EQ(circle["radius_m"], 0.02);
-  EXPECT_DOUBLE_EQ(circle["feed_m_s"], 0.1);
-  const double sigma = std::sqrt((41.0 * 41.0 - 1.0) / 12.0) * 1e-3, half = 0.5 * 0.1 * 1e-3 / 0.02;
-  EXPECT_NEAR(circle["deviation_s"], sigma, 1e-12);
-  EXPECT_NEAR(circle["small_angle_m"], 0.1 * 0.1 * sigma * sigma / (2.0 * 0.02), 1e-15);
-  EXPECT_NEAR(circle["radius_error_m"], 0.02 * (1.0 - std::sin(41.0 * half) / (41.0 * std::sin(half))), 1e-14);
-  // The mean of 41 points of the circle, as far from it as any once the filter is full.
-  double x = 0.0, y = 0.0;
-  for (int i = 0; i < 41; ++i) x += 0.02 * std::cos(2.0 * half * i) / 41.0, y += 0.02 * std::sin(2.0 * half * i) / 41.0;
-  EXPECT_NEAR(circle["simulated_m"], 0.02 - std::hypot(x, y), 1e-12);
-  const TemporaryFolder folder;
-  EXPECT_EQ(run({"verify", folder.write("true.json", outcome.out)}).code, 0);
-  for (const char* name : {"feed_m_s", "radius_error_m", "simulated_m"}) {
-    Json lie = Json::parse(outcome.out);
-    lie["circle"][name] = 1.001 * lie["circle"][name].get<double>();
-    const Outcome check = run({"verify", folder.write("lie.json", lie.dump())});
-    EXPECT_EQ(check.code, 1) << name;
-    EXPECT_THAT(check.out, HasSubstr("circle."));
-  }
-}
-
-TEST(Cli, EvaluateGivesFigure12) {
-  const auto errors = [](const char* name) {
-    std::vector<double> values;
-    const Json json = Json::parse(run({"evaluate", problems + "paper/" + name, "--json", "-"}).out);
-    for (const Json& corner : json["corners"]) values.push_back(1e6 * corner["corner_error_m"].get<double>());
-    return values;
-  };
-  // The linear case needs 14 T, not the 12 T the paper prints, to come down to the error of the FIR filter.
-  const double fir = errors("fig12-fir.toml")[0];
-  EXPECT_NEAR(fir, 415.6, 0.05);
-  EXPECT_NEAR(errors("fig12-s-curve.toml")[1], 412.5, 0.05);
-  const auto linear = errors("fig12-linear.toml");
-  EXPECT_GT(linear[1], 1.1 * fir);
-  EXPECT_LT(linear[2], fir);
-}
-
 TEST(Cli, TablesGoToStandardOutputUnlessQuietOrJsonDoes) {
   const std::string task = problems + "paper/table2.toml";
   const Outcome table = run({"evaluate", task});
@@ -433,13 +378,6 @@ TEST(Cli, DamagedResultsAreRefusedWithTheirPosition) {
     EXPECT_EQ(outcome.out, "");
     EXPECT_THAT(outcome.err, HasSubstr("r.json:2:13: schema: \"accdec.result/2\" is another kind of file"));
   }
-}
-
-TEST(Cli, EvaluateNamesTheCornerWithoutDelay) {
-  const Outcome outcome = run({"evaluate", problems + "machine/given-filter.toml"});
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("corner A has no `delay_samples`"));
-  EXPECT_THAT(outcome.err, Not(HasSubstr(":1:1:")));
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ struct CornerBound {
   std::size_t corners = 0;  ///< joints that turn
   std::size_t counted = 0;  ///< of these between legs longer than cutting their corners takes: the others cost nothing
   std::size_t classes = 0;  ///< linear programs solved
-  bool complete = true;     ///< false if time ran out: further corners cost next to nothing
+  bool complete = true;     ///< false after 400 programs or if time ran out: further corners cost nothing
 };
 
 /// For all highest speeds v_i of the legs i, sum of L_i/v_i + sum of what the corners cost at them, at its least; in

@@ -6,71 +6,22 @@
 #include <map>
 #include <vector>
 
+#include <accdec/program/plan/bound_leg.hpp>
 #include <accdec/program/plan/corner_bound.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr std::size_t steps = 24;   // of a leg's highest speed, from its feed down
-constexpr double step_ratio = 1.1;  // of one to the next
 constexpr int periods = 60;
-
-/// Of a leg's speeds, step s is from feed/step_ratio^(s + 1) to feed/step_ratio^s; the last one begins at 0.
-double step_part(std::size_t s) {
-  return std::pow(step_ratio, -static_cast<double>(s));
-}
-
-/// Blocks between two joints that turn or stop.
-struct BoundLeg {
-  std::size_t first = 0, last = 0;  // blocks
-  double length = 0.0, feed = 0.0, acceleration = unlimited, jerk = unlimited;
-  double rests = 0.0, corners = 0.0;  // ends at rest; ends that count
-  int corner_class = -1;              // of the corner at its end, where that counts
-
-  /// From rest to v, or as much faster, with no acceleration at both ends.
-  double ramp(double v) const {
-    if (!(jerk < unlimited)) return acceleration < unlimited ? v / acceleration : 0.0;
-    if (v * jerk >= acceleration * acceleration) return v / acceleration + acceleration / jerk;
-    return 2.0 * std::sqrt(v / jerk);
-  }
-
-  /// From rest to rest: the way at v and both ramps, v as high as the length lets it come to (by bisection: length = v
-  /// ramp(v)).
-  double rest_to_rest() const {
-    double high = feed;
-    if (feed * ramp(feed) > length) {
-      double low = 0.0;
-      for (int i = 0; i < 60; ++i) {
-        const double v = 0.5 * (low + high);
-        (v * ramp(v) > length ? high : low) = v;
-      }
-    }
-    return length / high + ramp(high);
-  }
-
-  std::size_t expected_step() const {
-    std::size_t s = 0;
-    while (s + 2 < steps && feed * step_part(s) * ramp(feed * step_part(s)) > step_ratio * length) ++s;
-    return s;
-  }
-
-  /// What the leg takes at least at a step, without its corners.
-  double time(std::size_t s) const {
-    if (rests == 2.0) return rest_to_rest();
-    const double v = feed * step_part(s);
-    if (s + 1 == steps) return length / v;
-    const double faster = v - feed * step_part(s + 1);
-    return length / v + rests * 0.5 * ramp(v) - (rests + corners) * faster * ramp(faster) / (2.0 * v);
-  }
-};
+constexpr std::size_t programs_max = 400;  // linear programs
 
 /// Corners of the same directions, feeds and tolerance.
 struct CornerClass {
-  std::vector<double> in, out;  // unit vectors
-  const BoundLeg *leg_in = nullptr, *leg_out = nullptr;
+  std::size_t leg = 0;  // before the first of them
   double tolerance = 0.0;
-  std::array<double, steps * steps> loss{};  // at least, by the steps before and after
-  std::array<bool, steps * steps> solved{};
+  double way = 0.0;          // that cutting the corner saves at most of either leg
+  std::vector<double> loss;  // at least, by the steps before and after; empty until one of them is solved
+  std::vector<bool> solved;  // the same
 };
 
 class ProgramCornerBound {
@@ -108,8 +59,9 @@ class ProgramCornerBound {
         if (legs_[i].corner_class < 0) continue;
         CornerClass& c = classes_[static_cast<std::size_t>(legs_[i].corner_class)];
         const std::size_t s = step_[i], t = step_[i + 1];
-        if (c.solved[s * steps + t] || s + 1 == steps || t + 1 == steps) continue;
-        if (ended()) {
+        if (s + 1 == bound_steps || t + 1 == bound_steps || (!c.solved.empty() && c.solved[s * bound_steps + t]))
+          continue;
+        if (result_.classes == programs_max || ended()) {
           result_.time = least_sum();
           result_.complete = false;
           return result_;
@@ -199,6 +151,7 @@ class ProgramCornerBound {
   int class_of(std::size_t i, const std::vector<double>& in, const std::vector<double>& out,
                std::map<std::vector<long long>, int>& known) {
     std::vector<long long> key;
+    key.reserve(2 * n_ + 3);
     for (const double u : in) key.push_back(std::llround(u * 1e9));
     for (const double u : out) key.push_back(std::llround(u * 1e9));
     for (const double feed : {legs_[i].feed, legs_[i + 1].feed}) key.push_back(std::llround(feed * 1e9));
@@ -206,75 +159,78 @@ class ProgramCornerBound {
     key.push_back(std::llround(tolerance * 1e12));
     const auto [entry, is_new] = known.try_emplace(std::move(key), static_cast<int>(classes_.size()));
     if (is_new) {
-      CornerClass c;
-      c.in = in;
-      c.out = out;
-      c.leg_in = &legs_[i];
-      c.leg_out = &legs_[i + 1];
-      c.tolerance = tolerance;
-      c.loss = least_losses(c);
-      classes_.push_back(std::move(c));
+      double cosine = 0.0;
+      for (std::size_t a = 0; a < n_; ++a) cosine += in[a] * out[a];
+      const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+      const double way = cosine > 0.0 ? tolerance / std::max(sine, 1e-12) : tolerance;
+      const double shorter = std::min(legs_[i].length, legs_[i + 1].length);
+      classes_.push_back({i, tolerance, std::min(way, shorter + tolerance), {}, {}});
     }
     return entry->second;
   }
 
-  /// Before any linear program: at the corner's moment the legs have p to go and q gone, |q u2 - p u1| <= e; so no
-  /// more than p/v1 + q/v2 is saved by moving both at once.
-  std::array<double, steps * steps> least_losses(const CornerClass& c) const {
-    double cosine = 0.0;
-    for (std::size_t a = 0; a < n_; ++a) cosine += c.in[a] * c.out[a];
-    const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-    double way = cosine > 0.0 ? c.tolerance / std::max(sine, 1e-12) : c.tolerance;
-    way = std::min(way, std::min(c.leg_in->length, c.leg_out->length) + c.tolerance);
-    std::array<double, steps * steps> losses{};
-    for (std::size_t s = 0; s < steps; ++s) {
-      for (std::size_t t = 0; t < steps; ++t) {
-        losses[s * steps + t] = -way * (1.0 / (c.leg_in->feed * step_part(s)) + 1.0 / (c.leg_out->feed * step_part(t)));
-      }
-    }
-    return losses;
+  /// Before any linear program, by the leg before (0) or after (1) the corner and its step: at the corner's moment the
+  /// legs have p to go and q gone, |q u2 - p u1| <= e; so no more than p/v1 + q/v2 is saved by moving both at once.
+  double saving(const CornerClass& c, std::size_t after, std::size_t s) const {
+    return c.way / (legs_[c.leg + after].feed * step_part(s));
   }
 
   void solve(CornerClass& c, std::size_t s, std::size_t t) {
-    const double in = c.leg_in->feed * step_part(s), out = c.leg_out->feed * step_part(t);
-    const BoundCorner corner{c.in.data(),
-                             c.out.data(),
+    const BoundLeg &leg_in = legs_[c.leg], &leg_out = legs_[c.leg + 1];
+    std::vector<double> u, w;
+    unit(leg_in.last, u);
+    unit(leg_out.first, w);
+    const double in = leg_in.feed * step_part(s), out = leg_out.feed * step_part(t);
+    const BoundCorner corner{u.data(),
+                             w.data(),
                              in,
                              out,
-                             std::max(c.leg_in->feed, c.leg_out->feed),
-                             1.1 * c.leg_in->ramp(in),
-                             1.1 * c.leg_out->ramp(out),
+                             std::max(leg_in.feed, leg_out.feed),
+                             1.1 * leg_in.ramp(in),
+                             1.1 * leg_out.ramp(out),
                              c.tolerance};
     const CornerDual loss = corner_loss(corner, machine_, n_, periods);
-    for (std::size_t i = 0; i + 1 < steps; ++i) {
-      for (std::size_t j = 0; j + 1 < steps; ++j) {
-        double& known = c.loss[i * steps + j];
+    if (c.loss.empty()) {
+      c.solved.resize(bound_steps * bound_steps);
+      c.loss.resize(bound_steps * bound_steps);
+      for (std::size_t k = 0; k < c.loss.size(); ++k)
+        c.loss[k] = -saving(c, 0, k / bound_steps) - saving(c, 1, k % bound_steps);
+    }
+    for (std::size_t i = 0; i + 1 < bound_steps; ++i) {
+      for (std::size_t j = 0; j + 1 < bound_steps; ++j) {
+        double& known = c.loss[i * bound_steps + j];
         known = std::max(known, loss.at(step_part(i) / step_part(s), step_part(j) / step_part(t)));
       }
     }
-    c.solved[s * steps + t] = true;
+    c.solved[s * bound_steps + t] = true;
     ++result_.classes;
   }
 
   /// Over all steps of all legs; `step_` becomes those of the least.
   double least_sum() {
-    std::vector<std::array<std::uint8_t, steps>> from(legs_.size());
-    std::array<double, steps> best{};
+    std::vector<std::array<std::uint8_t, bound_steps>> from(legs_.size());
+    std::array<double, bound_steps> best{};
     double before = path_.dwell_first;  // of earlier sections between stops
     for (const auto& dwell : path_.dwell) before += dwell.second;
     for (std::size_t i = 0; i < legs_.size(); ++i) {
-      const std::array<double, steps> earlier = best;
+      std::array<double, bound_steps> earlier = best;
+      const int corner = i > 0 ? legs_[i - 1].corner_class : -1;
+      const CornerClass* c = corner < 0 ? nullptr : &classes_[static_cast<std::size_t>(corner)];
+      if (c != nullptr && c->loss.empty()) {
+        // Whatever the step after it.
+        for (std::size_t k = 0; k < bound_steps; ++k) earlier[k] -= saving(*c, 0, k);
+      }
       const std::size_t least =
           static_cast<std::size_t>(std::min_element(earlier.begin(), earlier.end()) - earlier.begin());
-      const int corner = i > 0 ? legs_[i - 1].corner_class : -1;
-      for (std::size_t t = 0; t < steps; ++t) {
+      for (std::size_t t = 0; t < bound_steps; ++t) {
         std::size_t s = least;
         double sum = earlier[least];
-        if (corner >= 0) {
-          const double* loss = classes_[static_cast<std::size_t>(corner)].loss.data();
-          sum = earlier[s] + loss[s * steps + t];
-          for (std::size_t k = 0; k < steps; ++k) {
-            if (earlier[k] + loss[k * steps + t] < sum) sum = earlier[s = k] + loss[k * steps + t];
+        if (c != nullptr && c->loss.empty()) sum -= saving(*c, 1, t);
+        if (c != nullptr && !c->loss.empty()) {
+          const double* loss = c->loss.data();
+          sum = earlier[s] + loss[s * bound_steps + t];
+          for (std::size_t k = 0; k < bound_steps; ++k) {
+            if (earlier[k] + loss[k * bound_steps + t] < sum) sum = earlier[s = k] + loss[k * bound_steps + t];
           }
         }
         best[t] = sum + legs_[i].time(t);

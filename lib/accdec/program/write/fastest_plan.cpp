@@ -36,8 +36,7 @@ ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double ar
 }
 
 CornerBound corner_bound_of(const Toolpath& path, const Task& task) {
-  const double limit = path.blocks() <= several_plans_max ? 10.0 : 3.0;  // s
-  return program_corner_bound(path, program_machine(task.machine, path), task.sample_period, limit);
+  return program_corner_bound(path, program_machine(task.machine, path), task.sample_period, 10.0);
 }
 
 std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& name, ProgramFile& file,
@@ -46,8 +45,8 @@ std::variant<ProfileResult, ProgramResult> run_fastest_plan(const std::string& n
   // Of the longest programs the search for a filter, and the bound by linear programs, would take longer than the plan.
   const bool several = file.path.blocks() <= several_plans_max;
   ProfileResult profiles = plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task);
-  profiles.corner_bound = corner_bound_of(file.path, task);
   if (!several) return profiles;
+  profiles.corner_bound = corner_bound_of(file.path, task);
   ProgramFileOptions choosing = options;
   choosing.feeds = Feeds::choose;
   choosing.per_leg = true;  // the plan of one filter is a candidate of it

@@ -13,7 +13,8 @@ namespace accdec {
 /// @param arc_tolerance  m, that the path was read with
 ProfileResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task);
 
-/// A bound of corners for whichever plan; of programs of more blocks than `several_plans_max` in less time.
+/// A bound of corners for whichever plan, for programs of up to `several_plans_max` blocks: of longer ones it would
+/// take longer than their plan.
 CornerBound corner_bound_of(const Toolpath& path, const Task& task);
 
 /// `accdec program --plan profiles`: that plan, and beside it, of programs of up to `several_plans_max` blocks, those
