@@ -146,8 +146,7 @@ def compare(case, options, folder):
         print("%s, %d mm/s^2, %s: %s %.3f s" % (name, acceleration, limit, planner, row["time_s"]), flush=True)
 
     if options.only_accdec:
-        earlier = earlier_rows(pathlib.Path(options.out) / "peers.csv", [(name, acceleration)])
-        rows += [row for row in earlier if row["planner"] == "LinuxCNC"]
+        rows += [row for row in options.earlier if (row["program"], row["acceleration_max"]) == (name, acceleration)]
     else:
         out = folder / "linuxcnc.csv"
         subprocess.check_call(
@@ -335,6 +334,9 @@ def main():
         work = cases(options.accdec, pathlib.Path(folder))
         chosen = [c for c in work if not options.only or any(word in c[0] for word in options.only)]
         rows = earlier_rows(out / "peers.csv", [(c[0], c[2]) for c in work if c not in chosen])
+        # Before the table is written again, which begins with the first program.
+        earlier = earlier_rows(out / "peers.csv", [(c[0], c[2]) for c in chosen]) if options.only_accdec else []
+        options.earlier = [row for row in earlier if row["planner"] == "LinuxCNC"]
         order = {(c[0], c[2]): i for i, c in enumerate(work)}
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
             for result in pool.map(lambda case: compare(case, options, folder), chosen):

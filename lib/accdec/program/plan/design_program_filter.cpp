@@ -289,7 +289,9 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
     const ScheduledPlan plan = schedule_feeds(path, filter, task.sample_period, machine, 3);
     const double chosen =
         all_holds(plan.plan) ? static_cast<double>(plan.plan.simulation.samples) * task.sample_period : unlimited;
-    return path.blocks() > several_plans_max ? chosen : std::min(chosen, planned_time(path, filter, task, machine));
+    // A plan at programmed feeds is not faster than its prediction, and takes many times as long to make.
+    if (path.blocks() > several_plans_max || program_time(path, filter, task, machine) >= chosen) return chosen;
+    return std::min(chosen, planned_time(path, filter, task, machine));
   };
   if (search.filter && (!best.filter || time(*search.filter) <= time(*best.filter))) {
     best.filter = search.filter;

@@ -96,8 +96,10 @@ void judge_program(ProgramResult& result, const Machine& machine) {
 
 namespace {
 
-/// Only programs this short are planned with every curve tried at several feeds.
+/// Only programs this short are planned with every curve tried at several feeds, and those at programmed feeds only
+/// where they are not this many times slower than with chosen ones: it takes ten times as long and saves a few percent.
 constexpr std::size_t tuned_max = 2'000;
+constexpr double hopelessly_slower = 1.25;
 
 /// Makes the plan of the result: the fastest of those asked for that hold.
 class Planning {
@@ -124,6 +126,12 @@ class Planning {
     ScheduledPlan plan = schedule_feeds(path, result_.filter, task_.sample_period, machine_);
     if (!result_.cycle_time_kept && !all_holds(plan.plan) && !all_holds(result_.plan)) keep(path, false);
     offer(std::move(plan), result_.filter, true);
+    result_.cycle_time_one_filter = seconds(result_.plan);
+  }
+  /// Once more at the programmed feeds, beside chosen ones.
+  void tune(const Toolpath& path) {
+    if (!result_.cycle_time_kept || *result_.cycle_time_kept > hopelessly_slower * seconds(result_.plan)) return;
+    keep(path, true);
     result_.cycle_time_one_filter = seconds(result_.plan);
   }
   /// At the programmed feeds, and at those that the plan of one filter chose.
@@ -229,8 +237,9 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   const Toolpath read = per_leg ? path : Toolpath{};
   Planning planning(result, task, machine);
   const bool keep = feeds == Feeds::keep || (feeds == Feeds::choose && (per_leg || path.blocks() <= several_plans_max));
-  if (keep) planning.keep(path, feeds == Feeds::keep || path.blocks() <= tuned_max);
+  if (keep) planning.keep(path, feeds == Feeds::keep);
   if (feeds != Feeds::keep) planning.choose(path);
+  if (feeds != Feeds::keep && keep && path.blocks() <= tuned_max) planning.tune(path);
   if (per_leg) planning.per_leg(read, feeds);
   result.cycle_time = static_cast<double>(result.plan.simulation.samples) * task.sample_period;
   path = {};
