@@ -78,7 +78,7 @@ std::string describe(const PlanTime& plan) {
 
 std::string describe(const CornerBound& bound) {
   return fmt::format("{} of {} corners between legs longer than cutting them takes, {} linear programs{}",
-                     bound.counted, bound.corners, bound.classes, bound.complete ? "" : ", stopped by the time limit");
+                     bound.counted, bound.corners, bound.classes, bound.complete ? "" : ", not all of them solved");
 }
 
 nlohmann::ordered_json corner_bound_to_json(const CornerBound& bound) {
