@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/verify_result.hpp>
+#include <accdec/files/output_files.hpp>
 #include <accdec/files/seconds_since.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/circle_json.hpp>
@@ -62,6 +63,7 @@ void add_verify(CLI::App& app, Context& context) {
       ->check(positive_number());
   command->callback([path, limit, &context] {
     const auto began = std::chrono::steady_clock::now();
+    require_outputs({}, {*path});
     if (too_long(*path, "reading it", reading_seconds(*path), *limit, context)) return;
     const std::string text = read_text_file(*path, result_file_limit);
     if (is_profile_result(text)) return verify_profiles(text, *path, *limit, context);

@@ -3,6 +3,7 @@
 #include <functional>
 #include <thread>
 
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -123,6 +124,28 @@ TEST(OutputFiles, LinksAndDevicesSurvive) {
   EXPECT_EQ(folder.read("other"), "new");
   write_file("/dev/null", "x");
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST(OutputFiles, ALinkThatLeadsToItselfIsNoPlaceToWriteTo) {
+  TemporaryFolder folder;
+  std::filesystem::create_symlink("b", folder.path("a"));
+  std::filesystem::create_symlink("a", folder.path("b"));
+  EXPECT_THAT(failure_of([&] { write_file(folder.path("a"), "text"); }), HasSubstr("cannot be written"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path("a")));
+  EXPECT_EQ(folder.count(), 2U);
+}
+
+TEST(OutputFiles, AnInputThatStandardOutputGoesToIsRefused) {
+  TemporaryFolder folder;
+  write_file(folder.path("task"), "text");
+  std::fflush(stdout);
+  const int before = ::dup(STDOUT_FILENO), file = ::open(folder.path("task").c_str(), O_WRONLY | O_APPEND);
+  ASSERT_GE(::dup2(file, STDOUT_FILENO), 0);
+  const std::string refusal = failure_of([&] { require_outputs({""}, {folder.path("task")}); });
+  ::dup2(before, STDOUT_FILENO);
+  ::close(before), ::close(file);
+  EXPECT_THAT(refusal, HasSubstr("is an input, and standard output goes there"));
+  EXPECT_EQ(folder.read("task"), "text");
 }
 
 TEST(OutputFiles, LinksLaidWhereATemporaryWasForeseenAreNotFollowed) {

@@ -112,6 +112,7 @@ OutputFile::OutputFile(const std::string& path) : state_(std::make_unique<State>
     s.file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
     s.target = link_target(path);
+    if (std::error_code code; std::filesystem::is_symlink(s.target, code)) s.fail("cannot be written", ELOOP);
     s.file = open_temporary(s.target, s.temporary);
     if (s.file < 0) s.temporary.clear();
   }

@@ -73,6 +73,10 @@ void OutputFiles::commit() {
 }
 
 void require_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    if (!input.empty() && is_redirected_output(input))
+      throw OutputError(fmt::format("{}: is an input, and standard output goes there; write to another file", input));
+  }
   std::vector<std::string> seen;
   bool standard_output = false;
   for (const std::string& path : outputs) {
