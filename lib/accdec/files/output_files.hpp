@@ -30,8 +30,8 @@ class OutputFiles {
 };
 
 /// For the beginning of a command, before it computes: throws OutputError unless every output could be written now, is
-/// none of the inputs and no other output; and if standard output goes to an input. Files are compared by what they are,
-/// not by their names: links and other spellings are found out. Empty names stand for outputs that are not wanted.
+/// none of the inputs and no other output; and if standard output goes to an input. Files are compared by what they
+/// are, not by their names: links and other spellings are found out. Empty names stand for outputs that are not wanted.
 void require_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
 /// Whether two names lead to one file: one that is there, or one that would be made.

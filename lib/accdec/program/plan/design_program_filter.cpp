@@ -26,6 +26,7 @@ double program_time(const Toolpath& path, const Filter& filter, const Task& task
   }
   Toolpath copy = path;
   limit_rapids(copy, filter, task.sample_period, machine);
+  snap_durations(copy, filter, task.sample_period, machine);
   const PairwiseDelays delays = pairwise_delays(copy, filter, task.sample_period, machine);
   if (!delays.limits_possible) return unlimited;
   const CommandTiming timing(copy, task.sample_period, delays.delays);
@@ -36,6 +37,7 @@ double program_time(const Toolpath& path, const Filter& filter, const Task& task
 double planned_time(const Toolpath& path, const Filter& filter, const Task& task, const Machine& machine) {
   Toolpath copy = path;
   limit_rapids(copy, filter, task.sample_period, machine);
+  snap_durations(copy, filter, task.sample_period, machine);
   const ProgramPlan plan = plan_program(copy, filter, task.sample_period, machine);
   for (const LimitUse& use : plan.simulation.limits) {
     if (use.utilisation > 1.0 + verification_tolerance) return unlimited;
@@ -252,12 +254,16 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
   found.solver.evaluations = search.evaluations();
   candidates.offer(found, "trapezoid for the program");
   const Deadline families(0.3 * time_limit);
-  for (const Baseline& family : baselines()) {
-    // Under a jerk limit these are searched for minutes, which a small program is not worth.
-    const bool slow =
-        family.shape == Shape::exponential || family.shape == Shape::gaussian || family.shape == Shape::blackman_sinc;
-    if (families.over() || (slow && time_limit < 30.0)) continue;
-    candidates.offer(best_baseline(representative, family, families.left()).result, std::string(family.name));
+  // Those of few members first: whatever the time is left for is among the others.
+  for (const bool large : {false, true}) {
+    for (const Baseline& family : baselines()) {
+      // Under a jerk limit these are searched for minutes, which a small program is not worth.
+      const bool slow =
+          family.shape == Shape::exponential || family.shape == Shape::gaussian || family.shape == Shape::blackman_sinc;
+      if (large != (family.pairs > 0 || family.shape == Shape::averages || slow)) continue;
+      if (families.over() || (slow && time_limit < 30.0)) continue;
+      candidates.offer(best_baseline(representative, family, families.left()).result, std::string(family.name));
+    }
   }
   offer_designs(representative, candidates, time_limit);
   ProgramFilter best = candidates.fastest();
