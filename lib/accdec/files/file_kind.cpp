@@ -60,9 +60,9 @@ bool has_words_of(std::string_view text, InputKind kind) {
       return true;
     }
     for (const std::string_view word : kind_of(kind).words) {
-      const bool ends = line.size() == word.size() || std::string_view(" \t=").find(line[word.size()]) != line.npos ||
-                        word.front() == '[';
-      found = found || (line.starts_with(word) && ends);
+      if (!line.starts_with(word)) continue;
+      const std::string_view rest = line.substr(word.size());
+      found = found || rest.empty() || word.front() == '[' || std::string_view(" \t=").find(rest.front()) != rest.npos;
     }
     return found;
   });

@@ -115,19 +115,22 @@ double Builder::rapid_duration(const Move& move) const {
 
 /// Of a feed move: that of its feed, or where this is clamped, what the velocity limits allow.
 double Builder::limited_duration(const Move& move) {
+  // Of a block of micrometres the digits of its coordinates turn it by so much: what was at a limit is above it.
+  constexpr double rounding = 1e-5;
   double duration = move.duration;
   for (std::size_t a = 0; a < program_axis_count; ++a) {
     if (limits_[a] == nullptr) continue;
     const double distance = std::abs(move.to[a] - position_[a]), least = distance / limits_[a]->velocity_max;
     if (move.duration * (1.0 + 1e-9) >= least) continue;
-    if (!options_.clamp_feeds) {
+    if (!options_.clamp_feeds && move.duration * (1.0 + rounding) < least) {
       fail(move, fmt::format("the feed moves axis {} at {:.6g} mm/s, its limit is {:.6g}", program_axes[a],
                              distance / move.duration * 1e3, limits_[a]->velocity_max * 1e3));
     }
     duration = std::max(duration, least);
   }
   const auto line = static_cast<std::uint32_t>(move.line);
-  if (duration > move.duration && (path_.clamped.empty() || path_.clamped.back() != line))
+  if (duration > move.duration * (1.0 + (options_.clamp_feeds ? 0.0 : rounding)) &&
+      (path_.clamped.empty() || path_.clamped.back() != line))
     path_.clamped.push_back(line);
   return duration;
 }
