@@ -25,7 +25,7 @@ std::string larger_order_note(const Task& task, double seconds, const std::atomi
   longer.design.order_min = std::max(task.design.order_min, task.design.order_max + 1);
   longer.design.order_max = std::min(most_order, 8 * task.design.order_max);
   if (longer.design.order_max < longer.design.order_min) return "; a larger order_max was not tried";
-  const std::string unknown = "; whether a larger order_max has one was not found out";
+  std::string unknown = "; whether a larger order_max has one was not found out";
   if (stop()) return unknown;
   try {
     exact::Search search(longer, stop);

@@ -217,7 +217,7 @@ void offer_designs(const Task& representative, Candidates& candidates, double ti
   options.time_limit = 0.3 * time_limit;
   options.certificate = false;
   const auto offer = [&](const Task& task, const std::string& order) {
-    const DesignResult design = design_task(task, options);
+    DesignResult design = design_task(task, options);
     candidates.offer(design, (design.solver.name.empty() ? design.solver.method : design.solver.name) + order);
     return design;
   };
