@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/files/shown_text.hpp>
+
 namespace accdec::cli {
 namespace {
 
@@ -50,8 +52,8 @@ void add_cluster_options(CLI::App& command, ClusterOptions& options) {
   const auto slurm =
       command
           .add_option("--slurm", options.shards,
-                      "Have Slurm compute N shards and put them together: freezes the inputs in DIR/slurm, submits an "
-                      "array and a merge behind it. The same command again submits what is missing")
+                      "Compute N shards with Slurm and merge them: copies the inputs to DIR/slurm and submits an array "
+                      "and a merge after it. The same command again submits the missing shards")
           ->check(CLI::Range(2, 1000))
           ->type_name("N");
   command
@@ -63,9 +65,9 @@ void add_cluster_options(CLI::App& command, ClusterOptions& options) {
       ->type_name("ARG")
       ->needs(slurm);
   command
-      .add_option("--status", options.status,
-                  "Say what runs, what is done, what is lost and how long it will take of what --slurm submitted from "
-                  "DIR")
+      .add_option(
+          "--status", options.status,
+          "Print the state of the jobs that --slurm submitted from DIR: running, done, lost, and remaining time")
       ->type_name("DIR")
       ->excludes(slurm);
 }
@@ -82,9 +84,9 @@ int submit_to_cluster(const ClusterWork& work, const ClusterOptions& options, co
   const std::string program = fs::read_symlink("/proc/self/exe").string();
   ClusterPlan plan = plan_of(work, options);
   write_cluster_plan(plan, program);
-  const std::vector<study::ShardState> states = work.states(plan.shards);
+  const std::vector<batch::ShardState> states = work.states(plan.shards);
   const bool complete =
-      std::all_of(states.begin(), states.end(), [](const study::ShardState& s) { return s.complete(); });
+      std::all_of(states.begin(), states.end(), [](const batch::ShardState& s) { return s.complete(); });
   if (complete && work.finished()) {
     if (!context.quiet) fmt::print("{}\nNothing to submit: {} is complete\n", work.title, work.out);
     return exit_ok;
@@ -93,16 +95,16 @@ int submit_to_cluster(const ClusterWork& work, const ClusterOptions& options, co
   if (context.quiet) return exit_ok;
   fmt::print("{}\n", work.title);
   if (!job.array.empty())
-    fmt::print("Submitted shard {} of {} as array job {}\n", study::ranges_text(job.shards), plan.shards, job.array);
+    fmt::print("Submitted shard {} of {} as array job {}\n", batch::ranges_text(job.shards), plan.shards, job.array);
   if (!job.merge.empty()) fmt::print("Submitted the merge as job {}\n", job.merge);
   if (job.array.empty() && job.merge.empty()) fmt::print("Nothing to submit: all that is missing is in the queue\n");
   if (options.sbatch.empty() && !plan.sbatch.empty())
     fmt::print("With the arguments for sbatch of before: {}\n", fmt::join(plan.sbatch, " "));
-  fmt::print("How far it is: accdec {} --status {}\n", work.command, work.out);
+  fmt::print("How far it is: accdec {} --status {}\n", work.command, shell_quoted(work.out));
   return exit_ok;
 }
 
-int print_cluster_status(const ClusterPlan& plan, const std::vector<study::ShardState>& shards, bool finished) {
+int print_cluster_status(const ClusterPlan& plan, const std::vector<batch::ShardState>& shards, bool finished) {
   const std::vector<QueuedTask> queue = queue_or_none(plan);
   const std::string text = cluster_status(plan, shards, queue, finished);
   std::fwrite(text.data(), 1, text.size(), stdout);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <accdec/study/cluster.hpp>
+#include <accdec/batch/cluster.hpp>
 
 #include "command.hpp"
 
@@ -23,7 +23,7 @@ void add_cluster_options(CLI::App& command, ClusterOptions& options);
 /// @throws std::invalid_argument with it, if there is neither --status nor both an input and a folder for results
 void require_work(const ClusterOptions& options, const std::string& input, const std::string& out, const char* usage);
 
-/// What a study and a comparison have in common for it.
+/// Cluster options shared by studies and comparisons.
 struct ClusterWork {
   std::string command, title, input, out;                ///< subcommand; as given by the user
   std::vector<std::string> more;                         ///< further arguments of shards and merge
@@ -31,7 +31,7 @@ struct ClusterWork {
   std::string unit_name;                                 ///< "points"
   std::function<void()> claim;                           ///< makes the results' folder this work's own
   std::function<void(const std::string& frozen)> check;  ///< throws unless the copy is the same work
-  std::function<std::vector<study::ShardState>(std::size_t shards)> states;
+  std::function<std::vector<batch::ShardState>(std::size_t shards)> states;
   std::function<bool()> finished;
 };
 
@@ -39,7 +39,7 @@ struct ClusterWork {
 int submit_to_cluster(const ClusterWork& work, const ClusterOptions& options, const Context& context);
 
 /// Says how far a plan is. @return exit_no_answer if something of it is in no queue
-int print_cluster_status(const ClusterPlan& plan, const std::vector<study::ShardState>& shards, bool finished);
+int print_cluster_status(const ClusterPlan& plan, const std::vector<batch::ShardState>& shards, bool finished);
 
 /// I and N of "I/N". @throws std::invalid_argument
 std::pair<std::size_t, std::size_t> parse_shard(const std::string& text);

@@ -10,9 +10,11 @@
 
 #include <accdec/comparison/comparison_folder.hpp>
 #include <accdec/comparison/comparison_schedule.hpp>
+#include <accdec/files/shown_text.hpp>
 
 #include "cluster_options.hpp"
 #include "command.hpp"
+#include "interrupt.hpp"
 #include "progress_bar.hpp"
 
 namespace accdec::cli {
@@ -65,7 +67,7 @@ int run_cluster(const Options& options, const Context& context) {
 void run(Options& options, Context& context) {
   if (!options.redraw.empty()) {
     const std::size_t files = redraw_comparison(options.redraw);
-    if (!context.quiet) fmt::print("{} files drawn anew from {}/raw.jsonl\n", files, options.redraw);
+    if (!context.quiet) fmt::print("{} files made again from {}/raw.jsonl\n", files, options.redraw);
     return;
   }
   require_work(options.cluster, options.suite, options.run.out,
@@ -77,12 +79,16 @@ void run(Options& options, Context& context) {
   if (!options.shard.empty()) std::tie(options.run.shard, options.run.shards) = parse_shard(options.shard);
   const Suite suite = read_suite(options.suite, options.solvers);
   if (!context.quiet) tell_missing_delays(suite);
-  options.run.command = fmt::format("accdec compare {} --out {}", options.suite, options.run.out);
+  options.run.command =
+      fmt::format("accdec compare {} --out {}", shell_quoted(options.suite), shell_quoted(options.run.out));
   if (!options.solvers.empty()) options.run.command += fmt::format(" --solvers {}", fmt::join(options.solvers, ","));
   if (options.run.workers > 0) options.run.command += fmt::format(" --workers {}", options.run.workers);
   options.run.version = ACCDEC_VERSION;
-  if (!context.quiet && ::isatty(2)) options.run.progress = ProgressBar("runs");
-  const ComparisonSummary s = run_comparison(suite, options.run);
+  if (!context.quiet) options.run.progress = ProgressBar("runs");
+  const ComparisonSummary s = [&] {
+    const InterruptNote note(options.run.out, "runs", false, context.quiet);
+    return run_comparison(suite, options.run);
+  }();
   options.run.progress = nullptr;  // takes the bar away
   context.exit_code = s.contradictions == 0 ? exit_ok : exit_no_answer;
   if (s.contradictions > 0)
@@ -90,16 +96,16 @@ void run(Options& options, Context& context) {
   if (context.quiet) return;
   if (!s.finished) {
     fmt::print("{}\nShard {}/{} is done: {} runs; put all together with `accdec compare {} --out DIR --merge {}`\n",
-               suite.settings.title, options.run.shard, options.run.shards, s.runs, options.suite, options.run.out);
+               suite.settings.title, options.run.shard, options.run.shards, s.runs, shell_quoted(options.suite),
+               shell_quoted(options.run.out));
     return;
   }
   fmt::print("{}\n\n{}\n", suite.settings.title, s.table);
   fmt::print("{} problems, {} runs: {} entries computed in {:.1f} s ({:.2f} % bookkeeping), {} from an earlier run\n",
              s.problems, s.runs, s.computed, s.wall_time, 100.0 * s.bookkeeping, s.found);
   if (s.set_aside > 0) {
-    fmt::print(
-        "{} entries of an earlier form of the suite, which it does not ask for now, are kept in {}/earlier.jsonl\n",
-        s.set_aside, options.run.out);
+    fmt::print("{} entries that the suite no longer asks for are kept in {}/earlier.jsonl\n", s.set_aside,
+               options.run.out);
   }
   fmt::print("Results: {}/report.html, raw.jsonl, tables in CSV, figures, manifest.json\n", options.run.out);
 }
@@ -111,16 +117,15 @@ void add_compare(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("compare", "Compare solvers on a suite of problems, every answer verified");
   const auto suite =
       command->add_option("suite", options->suite, "Suite file: problems, solvers, limits")->type_name("SUITE.toml");
-  const auto out =
-      command
-          ->add_option("--out", options->run.out,
-                       "Folder for the results; goes on where an interrupted run stopped, and after a change of the "
-                       "suite computes what the change touches")
-          ->type_name("DIR");
+  const auto out = command
+                       ->add_option("--out", options->run.out,
+                                    "Folder for the results. An interrupted run continues; after a change of the suite "
+                                    "only the changed entries are computed")
+                       ->type_name("DIR");
   const auto solvers = command
                            ->add_option("--solvers", options->solvers,
-                                        "Instead of the suite's: names of `accdec solvers`, NAME/sparse or "
-                                        "NAME/reduced for a form of the problem")
+                                        "Solvers instead of the suite's: names of `accdec solvers`; NAME/sparse or "
+                                        "NAME/reduced for one form of the problem")
                            ->delimiter(',')
                            ->type_name("LIST");
   const auto workers = command
@@ -130,17 +135,17 @@ void add_compare(CLI::App& app, Context& context) {
                            ->type_name("N");
   command
       ->add_option("--redraw", options->redraw,
-                   "Make tables, figures and report of a folder anew from its raw data, solving nothing")
+                   "Make the tables, figures and report of a folder again from its raw data, without solving anything")
       ->type_name("DIR")
       ->excludes(suite)
       ->excludes(out)
       ->excludes(solvers)
       ->excludes(workers);
   const auto shard =
-      command->add_option("--shard", options->shard, "Carry out the problems of part I of N only, without a report")
+      command->add_option("--shard", options->shard, "Run only the problems of part I of N, without a report")
           ->type_name("I/N");
   const auto merge =
-      command->add_option("--merge", options->run.merge, "Put the shards in these folders together instead of solving")
+      command->add_option("--merge", options->run.merge, "Merge the shards in these folders instead of solving")
           ->type_name("DIR...")
           ->excludes(shard);
   add_cluster_options(*command, options->cluster);

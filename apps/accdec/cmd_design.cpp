@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -10,11 +11,12 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/design.hpp>
+#include <accdec/design.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
-#include <accdec/files/seconds_since.hpp>
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/study/baseline_table.hpp>
+#include <accdec/task.hpp>
 
 #include "interrupt.hpp"
 #include "option_checks.hpp"
@@ -36,28 +38,23 @@ struct Arguments {
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
-/// Unasked beside a design: what is found in a moment.
-void print_quick_baselines(const DesignResult& design, double seconds) {
-  constexpr double at_most = 1.0;
-  if (seconds <= 0.0) return;
-  fmt::print("\nbeside filters that controllers have (--baselines: all, and at a shorter period){}",
-             study::baseline_text(study::compare_with_baselines(design, std::min(at_most, seconds))));
-}
-
-/// Two tables, that of the task's period with the design that is there; the first gets half of what is left.
-void print_baselines(const Task& task, const DesignResult& design, DesignOptions options, double left) {
-  const auto began = std::chrono::steady_clock::now();
+/// Half of what is left is for the table of the task's period, the rest for that of a shorter one.
+study::BaselineTable full_table(const Task& task, const DesignResult& design, DesignOptions options, double left) {
   options.certificate = false;
   options.time_limit = 0.5 * left;
-  const auto here =
-      task.filter ? study::compare_with_baselines(task, options) : study::compare_with_baselines(design, task, options);
-  options.time_limit = left - seconds_since(began);
+  return task.filter ? study::compare_with_baselines(task, options)
+                     : study::compare_with_baselines(design, task, options);
+}
+
+void print_full_tables(const study::BaselineTable& here, const Task& task, DesignOptions options, double left) {
+  options.certificate = false;
+  options.time_limit = left;
   const auto quarter = study::compare_with_baselines(study::at_shorter_period(task, 4), options);
   fmt::print("{}", study::baseline_text(here, quarter));
 }
 
-/// What a time limit leaves for the search: not what was spent on reading, nor what simulating the design and writing
-/// it takes. Of few corners neither is worth mentioning, of very many it is said.
+/// The part of a time limit that is left for the search: without the time spent on reading, and without the time for
+/// simulating and writing the design. With few corners neither matters; with very many it is printed.
 double search_seconds(const Task& task, double limit, double reading, bool quiet) {
   if (task.corners.size() < 1000) return limit;
   const double delivery = 1.2e-5 * static_cast<double>(task.corners.size());
@@ -70,11 +67,9 @@ double search_seconds(const Task& task, double limit, double reading, bool quiet
   return search;
 }
 
-void run(const Arguments& arguments, Context& context) {
-  const auto began = std::chrono::steady_clock::now();
-  const Task task = read_task(arguments.task);
-  require_outputs({arguments.json}, {arguments.task});
-
+/// What the command line asks of the search, but for its time. Throws std::invalid_argument for options that exclude
+/// each other.
+DesignOptions asked_options(const Arguments& arguments, const Task& task, bool quiet) {
   DesignOptions options;
   // Naming a solver is asking for it.
   if (arguments.solver_given && arguments.method == "exact") {
@@ -87,12 +82,9 @@ void run(const Arguments& arguments, Context& context) {
         task.filter ? "--option: the filter is given, so its delays are enumerated and no solver is used"
                     : "--option NAME=VALUE goes with --solver: the exact method takes none");
   }
-  if (task.filter && arguments.solver_given && !context.quiet) {
+  if (task.filter && arguments.solver_given && !quiet) {
     fmt::print(stderr, "the filter is given: its delays are enumerated, {} is not used\n", options.solver);
   }
-  options.time_limit = search_seconds(task, arguments.time_limit, seconds_since(began), context.quiet);
-  // A third of it each for the design and the two tables.
-  if (arguments.baselines) options.time_limit /= 3.0;
   options.gap = fraction(arguments.gap).value_or(0.0);
   if (options.gap > 0.0 && options.method == Method::nlp) {
     throw std::invalid_argument("--gap goes with the exact method: no other proves a bound");
@@ -107,25 +99,51 @@ void run(const Arguments& arguments, Context& context) {
     options.solver_options.native[pair.substr(0, equals)] = pair.substr(equals + 1);
   }
   options.cancel = &Interrupt::asked();
+  return options;
+}
+
+void run(const Arguments& arguments, Context& context) {
+  const auto began = std::chrono::steady_clock::now();
+  const Task task = read_task(arguments.task, {.response = Considered::common});
+  warn(task, arguments.task, context);
+  require_outputs({arguments.json}, {arguments.task});
+
+  DesignOptions options = asked_options(arguments, task, context.quiet);
+  options.time_limit = search_seconds(task, arguments.time_limit, seconds_since(began), context.quiet);
+  // A third of it each for the design and the two tables.
+  if (arguments.baselines) options.time_limit /= 3.0;
   const Interrupt interrupt;
-  const DesignResult result = [&] {
+  DesignResult result = [&] {
     StatusLine status(context.quiet, StatusLine::Lines::news, options.time_limit);
     DesignOptions told = options;
     if (!context.quiet) told.progress = [&status](const std::string& line) { status.tell(line); };
     return design_task(task, told);
   }();
 
+  const auto left = [&] { return arguments.time_limit - seconds_since(began); };
+  const bool shown = !context.quiet && arguments.json != "-";
+  std::optional<study::BaselineTable> table;
+  if (arguments.baselines) {
+    table = full_table(task, result, options, left());
+  } else if (result.filter && !task.filter && !result.settings && (shown || task.baseline)) {
+    // Unasked: what is found in a moment.
+    const double most = arguments.no_baselines ? 0.0 : 1.0;
+    table = study::compare_with_baselines(result, std::clamp(left(), 0.0, most));
+  }
+  if (table && !result.settings) result.savings = study::savings(*table);
   context.exit_code = deliver(result, arguments.json, context, arguments.certificate_max);
-  if (!context.quiet && arguments.json != "-") {
-    if (result.filter && !task.filter && !arguments.baselines && !arguments.no_baselines) {
-      print_quick_baselines(result, arguments.time_limit - seconds_since(began));
+  if (shown) {
+    if (table && !arguments.baselines && !table->families.empty()) {
+      fmt::print("\nbeside filters that controllers have (--baselines: all of them, also at a shorter period){}",
+                 study::baseline_text(*table));
     }
-    if (task.baseline && result.filter) fmt::print("{}", study::saving_text(*task.baseline, result));
+    if (table && task.baseline && result.filter) fmt::print("{}", study::savings_text(*table));
     if (result.status == Status::infeasible) {
-      fmt::print("`accdec explain {}` says how much each limit has to give.\n", arguments.task);
+      fmt::print("`accdec explain {}` says which change of a limit makes a design possible.\n",
+                 shell_quoted(arguments.task));
     }
   }
-  if (arguments.baselines) print_baselines(task, result, options, arguments.time_limit - seconds_since(began));
+  if (arguments.baselines) print_full_tables(*table, task, options, left());
 }
 
 }  // namespace
@@ -143,22 +161,23 @@ void add_design(CLI::App& app, Context& context) {
   command->add_option("--solver", arguments->solver,
                       "nonlinear solver to use (see `accdec solvers`); implies --method nlp");
   command
-      ->add_option(
-          "--time-limit", arguments->time_limit,
-          "seconds for the whole design, then the best so far; the default is 600; with --baselines a third of it "
-          "for the design, the rest for the tables")
+      ->add_option("--time-limit", arguments->time_limit,
+                   "seconds for the whole command (default 600); then the best design so far is the answer. With "
+                   "--baselines the design gets a third of them, the tables the rest")
       ->type_name("SECONDS")
       ->capture_default_str()
       ->check(positive_number());
   command
-      ->add_option("--gap", arguments->gap,
-                   "end once the design is proved to be within this of the shortest, 1% or 0.01 (default 0)")
+      ->add_option(
+          "--gap", arguments->gap,
+          "stop when the design is proved to be this close to the shortest time, for example 1% or 0.01 (default 0)")
       ->check([](const std::string& text) {
         return fraction(text) ? std::string() : "must be from 0 to less than 100 %, as 1% or 0.01, got " + text;
       });
   command
-      ->add_option("--threads", arguments->threads,
-                   "for proofs of several corners; design and proof do not depend on it (default: one a core)")
+      ->add_option(
+          "--threads", arguments->threads,
+          "threads for proofs of several corners; design and proof do not depend on it (default: one per core)")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
   command->add_option("--seed", arguments->seed, "seed of solvers that draw random numbers")
@@ -168,14 +187,16 @@ void add_design(CLI::App& app, Context& context) {
         return whole && text.size() <= 19 ? std::string() : "must be a whole number from 0 to 10^19 - 1, got " + text;
       });
   command->add_option("--option", arguments->native, "the solver's own option, NAME=VALUE; may be repeated");
-  const auto all = command->add_flag(
-      "--baselines", arguments->baselines,
-      "search the best that filters of common controllers do to the end, at the task's sample period and a quarter of "
-      "it; without this what is found at the task's in a second. [baseline] in the task names the filter in use today");
-  command->add_flag("--no-baselines", arguments->no_baselines, "print no such table")->excludes(all);
+  const auto all =
+      command->add_flag("--baselines", arguments->baselines,
+                        "search the best filters of common controllers to the end, at the task's sample period and at "
+                        "a quarter of it. Without this option the search takes at most a second, at the task's period. "
+                        "[baseline] in the task names the filter in use today");
+  command->add_flag("--no-baselines", arguments->no_baselines, "do not print this table")->excludes(all);
   command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
   command
-      ->add_option("--certificate-max", arguments->certificate_max, "MB; a larger proof is left out of the file (50)")
+      ->add_option("--certificate-max", arguments->certificate_max,
+                   "leave a proof of more than this many MB out of the file (default 50)")
       ->check(number_between(0.0, 1e6));
   command->callback([arguments, command, &context] {
     arguments->solver_given = command->count("--solver") > 0;

@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 
 #include <accdec/files/output_files.hpp>
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/motion/circle.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/task.hpp>
+#include <accdec/verify.hpp>
 
 #include "option_checks.hpp"
 #include "output.hpp"
@@ -22,7 +23,11 @@ struct Options {
 
 CircleRecord evaluate_circle(const Task& task, const Options& options) {
   CircleRecord circle{options.circle_radius_mm * 1e-3, options.circle_feed_mm_min / 6e4, {}};
-  circle.error = circle_error(make_filter(*task.filter), circle.radius, circle.feed, task.sample_period);
+  const Filter filter = make_filter(*task.filter);
+  if (!Response(task.machine, task.sample_period).common())
+    throw std::invalid_argument("--circle-radius-mm needs one response of all axes, without negative taps");
+  const FilterBehind behind(filter, task.machine, task.sample_period);
+  circle.error = circle_error(behind.motion(), circle.radius, circle.feed, task.sample_period);
   return circle;
 }
 
@@ -34,28 +39,31 @@ void print_circle(const Task& task, const Options& options, const CircleError& e
       1e6 * error.small_angle, 1e3 * error.deviation);
   const double turn = 2.0 * std::numbers::pi * options.circle_radius_mm / (options.circle_feed_mm_min / 60.0);
   if (turn < make_filter(*task.filter).order() * task.sample_period)
-    fmt::print("  the turn of {:.4g} ms is shorter than the filter, which never is full of it\n", 1e3 * turn);
+    fmt::print("  the turn takes {:.4g} ms, less than the filter, so no output sample averages over the circle alone\n",
+               1e3 * turn);
 }
 
 }  // namespace
 
 void add_evaluate(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("evaluate", "Errors, times and limit use of a fixed filter and fixed delays");
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Print errors, times and limit use of a given filter with given delays");
   command->add_option("task", options->task, "Task file with a [filter] and delay_samples in every corner")
       ->required()
       ->type_name("TASK.toml");
   add_json_option(*command, options->json);
   auto* radius = command
                      ->add_option("--circle-radius-mm", options->circle_radius_mm,
-                                  "also the radius error of a circle of this radius")
+                                  "also print the radius error of a circle with this radius")
                      ->check(positive_number());
-  auto* feed =
-      command->add_option("--circle-feed-mm-min", options->circle_feed_mm_min, "its feed")->check(positive_number());
+  auto* feed = command->add_option("--circle-feed-mm-min", options->circle_feed_mm_min, "feed along this circle")
+                   ->check(positive_number());
   radius->needs(feed);
   feed->needs(radius);
   command->callback([options, &context] {
-    const Task task = read_task(options->task, {.require_choices = true});
+    const Task task = read_task(options->task, {.require_choices = true, .response = Considered::any});
+    warn(task, options->task, context);
     require_outputs({options->json}, {options->task});
     std::optional<CircleRecord> circle;
     if (options->circle_radius_mm > 0.0) circle = evaluate_circle(task, *options);

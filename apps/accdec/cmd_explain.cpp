@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/explain.hpp>
+#include <accdec/design.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/formats/explanation.hpp>
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/task.hpp>
 
 #include "interrupt.hpp"
 #include "option_checks.hpp"
@@ -20,10 +20,12 @@ namespace {
 struct Arguments {
   std::string task, json, by = "10 %";
   double time_limit = 300.0, design_time_limit = 10.0;
+  bool verbose = false;
 };
 
 void run(const Arguments& arguments, Context& context) {
-  const Task task = read_task(arguments.task);
+  const Task task = read_task(arguments.task, {.response = Considered::common});
+  warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
   ExplainOptions options;
   options.share = fraction(arguments.by).value_or(0.1);
@@ -42,7 +44,7 @@ void run(const Arguments& arguments, Context& context) {
   }();
 
   if (!arguments.json.empty()) write_file(arguments.json, explanation_to_json(explanation));
-  if (arguments.json != "-" && !context.quiet) fmt::print("{}", explanation_text(explanation));
+  if (arguments.json != "-" && !context.quiet) fmt::print("{}", explanation_text(explanation, arguments.verbose));
   context.exit_code = explanation.base.filter ? exit_ok : exit_no_answer;
 }
 
@@ -50,23 +52,24 @@ void run(const Arguments& arguments, Context& context) {
 
 void add_explain(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "explain", "Which limits a design uses to the full, and what more room for each saves or makes possible");
+  CLI::App* command =
+      app.add_subcommand("explain", "Show which limits bind, and what more room for each saves or makes possible");
   command->add_option("task", arguments->task, "Task file")->required()->type_name("TASK.toml");
   add_json_option(*command, arguments->json);
-  command->add_option("--by", arguments->by, "how much more room to try, 10% or 0.1 (default 10 %)")
+  command->add_option("--by", arguments->by, "how far to relax each limit, for example 10% or 0.1 (default 10 %)")
       ->check([](const std::string& text) {
         const auto share = fraction(text);
         return share && *share > 0.0 ? std::string() : "must be above 0 and below 100 %, as 10% or 0.1, got " + text;
       });
+  command->add_flag("--verbose", arguments->verbose, "name the samples at which limits are used to the full");
   command
       ->add_option("--time-limit", arguments->time_limit,
-                   "seconds for the whole explanation, then what is known by then; the default is 300")
+                   "seconds for the whole command (default 300); then the answers so far are printed")
       ->type_name("SECONDS")
       ->check(positive_number());
   command
       ->add_option("--design-time-limit", arguments->design_time_limit,
-                   "seconds of processor time for each single design; the default is 10")
+                   "seconds of processor time for each single design (default 10)")
       ->type_name("SECONDS")
       ->check(positive_number());
   command->callback([arguments, &context] { run(*arguments, context); });

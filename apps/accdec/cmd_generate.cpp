@@ -3,7 +3,7 @@
 #include <string>
 
 #include <accdec/files/output_file.hpp>
-#include <accdec/program/write/generate.hpp>
+#include <accdec/gcode/generate.hpp>
 
 #include "option_checks.hpp"
 #include "output.hpp"
@@ -23,13 +23,13 @@ void add_generate(CLI::App& app, Context&) {
       ->required()
       ->type_name("KIND")
       ->check(one_of({"pocket", "zigzag", "trochoid", "engraving", "raster", "star", "hilbert", "relief", "spiral"}));
-  command->add_option("--blocks", options->generate.blocks, "About how many blocks")
+  command->add_option("--blocks", options->generate.blocks, "Approximate number of blocks")
       ->check(CLI::Range(10L, 1000000000L))
       ->capture_default_str();
-  command->add_option("--feed", options->generate.feed, "mm/min")
+  command->add_option("--feed", options->generate.feed, "Programmed feed, mm/min")
       ->check(number_between(1e-3, 1e8))
       ->capture_default_str();
-  command->add_option("--tolerance", options->generate.tolerance, "mm, of G64 P")
+  command->add_option("--tolerance", options->generate.tolerance, "Tolerance of G64 P, mm")
       ->check(number_between(1e-6, 1e3))
       ->capture_default_str();
   add_output_option(*command, "--out", options->out, "File to write, - for standard output")->capture_default_str();

@@ -1,13 +1,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/files/suggestion.hpp>
 #include <accdec/formats/design_report.hpp>
 
@@ -19,7 +21,7 @@ namespace accdec::cli {
 namespace {
 
 struct Arguments {
-  std::string machine = "mill", out = "-";
+  std::string machine{first_machine}, out = "-";
   bool list = false, force = false;
 };
 
@@ -47,21 +49,25 @@ void run(const Arguments& arguments, const Context& context) {
     print_list();
     return;
   }
-  const auto files = machine_files();
-  const auto file =
-      std::find_if(files.begin(), files.end(), [&](const MachineFile& f) { return f.name == arguments.machine; });
   const bool to_file = arguments.out != "-";
   // Somebody's own numbers may stand in it.
   if (to_file && !arguments.force && std::filesystem::exists(arguments.out))
     throw OutputError(arguments.out + ": there is a file already; --force replaces it");
   require_outputs({arguments.out}, {});
-  write_file(arguments.out, file->text);
+  write_file(arguments.out, machine_file(arguments.machine).text);
   if (to_file && !context.quiet)
-    fmt::print("{} is written. Put in the numbers of your machine, then: accdec design {}\n", arguments.out,
-               arguments.out);
+    fmt::print("{} is written. Put in the numbers of your machine, then: accdec design {}\n", printable(arguments.out),
+               shell_quoted(arguments.out));
 }
 
 }  // namespace
+
+const MachineFile& machine_file(std::string_view name) {
+  for (const MachineFile& file : machine_files()) {
+    if (file.name == name) return file;
+  }
+  throw std::out_of_range(std::string(name));
+}
 
 void add_init(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
@@ -69,8 +75,8 @@ void add_init(CLI::App& app, Context& context) {
   command->add_option("--machine", arguments->machine, "kind of machine, see --list (default mill)")
       ->check(one_of(names()));
   add_output_option(*command, "--out", arguments->out, "Write to FILE; - is standard output, the default");
-  command->add_flag("--list", arguments->list, "say which machines there are, and write nothing");
-  command->add_flag("--force", arguments->force, "replace a file that is there");
+  command->add_flag("--list", arguments->list, "list the kinds of machines and write nothing");
+  command->add_flag("--force", arguments->force, "replace an existing file");
   command->callback([arguments, &context] { run(*arguments, context); });
 }
 

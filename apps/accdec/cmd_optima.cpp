@@ -9,9 +9,11 @@
 
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/formats/manifest.hpp>
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/plot/figure.hpp>
 #include <accdec/study/optima_report.hpp>
+#include <accdec/task.hpp>
 
 #include "command.hpp"
 #include "option_checks.hpp"
@@ -30,15 +32,15 @@ struct Arguments {
 void run(const Arguments& arguments, Context& context) {
   // Everything is read before anything is computed: a bad tenth file must not cost the time of the first nine.
   std::vector<Task> tasks;
-  for (const std::string& path : arguments.tasks) tasks.push_back(read_task(path));
+  for (const std::string& path : arguments.tasks) tasks.push_back(read_task(path, {.response = Considered::common}));
   Task finer;
   if (!arguments.growth.empty()) {
-    finer = read_task(arguments.growth);
+    finer = read_task(arguments.growth, {.response = Considered::common});
     if (finer.corners.size() != 1)
       throw std::invalid_argument(arguments.growth + ": --growth takes a task with one corner");
   }
   require_results_folder(arguments.out, {"accdec.optima/1", "command", "table of optima", "accdec optima "});
-  create_results_folder(arguments.out);
+  require_drawing("png");
 
   DesignOptions options;
   options.time_limit = arguments.time_limit;
@@ -55,10 +57,11 @@ void run(const Arguments& arguments, Context& context) {
     finer.design.order_max *= 2;
   }
 
-  std::string command = fmt::format("accdec optima {} --out {} --time-limit {:g}", fmt::join(arguments.tasks, " "),
-                                    arguments.out, arguments.time_limit);
+  std::string command = "accdec optima";
+  for (const std::string& task : arguments.tasks) command += " " + shell_quoted(task);
+  command += fmt::format(" --out {} --time-limit {:g}", shell_quoted(arguments.out), arguments.time_limit);
   if (!arguments.growth.empty())
-    command += fmt::format(" --growth {} --halvings {}", arguments.growth, arguments.halvings);
+    command += fmt::format(" --growth {} --halvings {}", shell_quoted(arguments.growth), arguments.halvings);
   nlohmann::ordered_json manifest;
   manifest["schema"] = "accdec.optima/1";
   manifest["command"] = command;
@@ -73,6 +76,7 @@ void run(const Arguments& arguments, Context& context) {
     names.push_back((std::filesystem::path(arguments.out) / name).string());
     output.add(names.back(), std::move(content));
   }
+  create_results_folder(arguments.out);
   require_outputs(names, inputs);
   output.commit();
 
@@ -90,8 +94,8 @@ void run(const Arguments& arguments, Context& context) {
 void add_optima(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
-      "optima", "Proved optima of many tasks beside the filters that controllers have, under the same limits");
-  command->add_option("tasks", arguments->tasks, "Task files; a [filter] in them is left aside")
+      "optima", "Compute proved optima of many tasks, beside the best filters that controllers have");
+  command->add_option("tasks", arguments->tasks, "Task files; a [filter] in them is ignored")
       ->required()
       ->type_name("TASK.toml...");
   command
@@ -103,7 +107,8 @@ void add_optima(CLI::App& app, Context& context) {
       ->check(positive_number())
       ->capture_default_str();
   command
-      ->add_option("--growth", arguments->growth, "Also solve this single-corner task at ever shorter sample periods")
+      ->add_option("--growth", arguments->growth,
+                   "Also solve this single-corner task at shorter and shorter sample periods")
       ->type_name("TASK.toml");
   command->add_option("--halvings", arguments->halvings, "How often --growth halves the sample period")
       ->check(CLI::Range(0, 10))

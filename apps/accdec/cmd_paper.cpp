@@ -16,7 +16,8 @@ namespace accdec::cli {
 
 void add_paper(CLI::App& app, Context& context) {
   const auto folder = std::make_shared<std::string>("results/paper");
-  CLI::App* command = app.add_subcommand("paper", "Every table and figure of the paper, against the printed values");
+  CLI::App* command =
+      app.add_subcommand("paper", "Make every table and figure of the paper, beside the printed values");
   command->add_option("--out", *folder, "Folder for CSV, SVG, report.md and manifest.json")
       ->type_name("DIR")
       ->capture_default_str();

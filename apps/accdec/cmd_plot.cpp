@@ -9,13 +9,13 @@
 
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/text_file.hpp>
-#include <accdec/formats/program_record.hpp>
-#include <accdec/formats/result_json.hpp>
+#include <accdec/plan/record/program_record.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/plot/html_result.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/plot_result.hpp>
-#include <accdec/program/write/fastest_plan.hpp>
+#include <accdec/result.hpp>
 
 #include "output.hpp"
 #include "program_figure.hpp"
@@ -26,7 +26,7 @@ namespace accdec::cli {
 namespace {
 
 struct Options {
-  std::string result, out, corner;
+  std::string result, out, corner, view = "auto";
 };
 
 /// As `accdec program --figure` draws it, which takes the program as it was read. Where it is not there any more, what
@@ -34,12 +34,11 @@ struct Options {
 std::string draw_program(const std::string& text, const Options& options, const std::string& format) {
   if (!options.corner.empty())
     throw std::invalid_argument("--corner goes with results of evaluate and design: a program is drawn whole");
-  const bool profiles = is_profile_result(text);
-  const ProgramRecord record =
-      profiles ? parse_profile_record(text, options.result) : parse_program_record(text, options.result);
-  if (!profiles && !record.commands) {
+  const ProgramRecord record = parse_program_record(text, options.result);
+  const bool plan_again = record.schema == ProgramSchema::profiles_1;
+  if (!plan_again && !record.commands) {
     throw std::invalid_argument(
-        fmt::format("{}: holds no commands to draw (accdec keeps them up to {} blocks); accdec program --figure draws "
+        fmt::format("{}: holds no commands to draw (accdec keeps them up to {} moves); accdec program --figure draws "
                     "any",
                     options.result, recorded_blocks_max));
   }
@@ -47,17 +46,18 @@ std::string draw_program(const std::string& text, const Options& options, const 
   std::vector<std::string> reasons;
   const std::optional<Toolpath> programmed = why.empty() ? read_again(record, reasons) : std::nullopt;
   if (why.empty() && !programmed) why = "the program was run by rs274, which is not here";
-  if (programmed && profiles) {
+  if (programmed && plan_again) {
     if (record.result.status != Status::feasible) throw std::invalid_argument("the result is failed: no plan to draw");
-    const ProfileResult planned =
+    const ProgramResult planned =
         plan_profiles_of(record.inputs.program, *programmed, record.inputs.reading.read.arc_tolerance, record.task);
-    return program_figure(planned, *programmed, record.task.machine, format);
+    return program_figure(planned, *programmed, record.task.machine, format, view_from(options.view));
   }
-  if (programmed) return program_figure(record.result, *programmed, record.task.machine, format);
-  if (profiles) throw std::invalid_argument(options.result + ": holds no commands to draw, and " + why);
-  std::fprintf(stderr, "%s: without speed over time and what corners cost, for %s\n", options.result.c_str(),
-               why.c_str());
-  const Figure figure = plot_program(record.result);
+  if (programmed)
+    return program_figure(record.result, *programmed, record.task.machine, format, view_from(options.view));
+  if (plan_again) throw std::invalid_argument(options.result + ": holds no commands to draw, and " + why);
+  std::fprintf(stderr, "%s: drawn without speed over time and without the time that corners cost: %s\n",
+               options.result.c_str(), why.c_str());
+  const Figure figure = plot_program(record.result, view_from(options.view));
   return convert_svg(render_svg(figure), format, figure.title);
 }
 
@@ -65,16 +65,17 @@ std::string draw_program(const std::string& text, const Options& options, const 
 
 void add_plot(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("plot", "Draws the motion, path, taps and frequency response of a result");
+  CLI::App* command = app.add_subcommand("plot", "Draw the motion, path, taps and frequency response of a result");
   command->add_option("result", options->result, "Result file")->required()->type_name("RESULT.json");
   add_output_option(*command, "--out", options->out, "Drawing to write, .svg, .png, .pdf or .html")->required();
-  command->add_option("--corner", options->corner, "Corner to draw; the first unless given")->type_name("NAME");
+  command->add_option("--corner", options->corner, "Corner to draw (default: the first)")->type_name("NAME");
+  add_view_option(*command, options->view);
   command->callback([options, &context] {
     const std::string format = figure_format(options->out);
     const std::string text = read_text_file(options->result, result_file_limit);
     require_outputs({options->out}, {options->result});
     std::string drawn;
-    if (is_program_result(text) || is_profile_result(text)) {
+    if (schema_of_program(text)) {
       drawn = draw_program(text, *options, format);
     } else {
       const DesignResult result = parse_result(text, options->result);

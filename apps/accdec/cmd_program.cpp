@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <sys/resource.h>
@@ -12,32 +13,39 @@
 
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/text_file.hpp>
-#include <accdec/formats/program_record.hpp>
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/plan/record/program_record.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/free_plan.hpp>
+#include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/figure.hpp>
-#include <accdec/program/write/fastest_plan.hpp>
-#include <accdec/program/write/program_file.hpp>
-#include <accdec/program/write/program_report.hpp>
-#include <accdec/program/write/samples.hpp>
+#include <accdec/program.hpp>
+#include <accdec/task.hpp>
 
+#include "interrupt.hpp"
 #include "option_checks.hpp"
 #include "output.hpp"
 #include "program_figure.hpp"
-#include "program_profiles.hpp"
 #include "status_line.hpp"
 
 namespace accdec::cli {
 namespace {
 
+constexpr const char* no_per_leg =
+    "plan per-leg was removed: it was not faster than plan fixed with a filter that suits the program; leave out "
+    "[filter] "
+    "to have one designed";
+
 struct Options {
   std::string program, task, json, delays, samples, emit, figure, stream;
-  std::string plan = "fixed", feeds = "choose";
-  std::optional<double> arc_tolerance_um;
+  std::string plan = "fixed", feeds = "choose", view = "auto";
+  std::optional<double> arc_tolerance_um, tool_length_mm;
   ProgramFileOptions file;
   std::size_t worst = 5;
+  bool per_leg = false;  // no more; said so
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
-/// What the result is made from, for whoever rechecks it.
+/// The inputs of the result, for whoever rechecks it.
 ProgramInputs inputs_of(const Options& options, const ProgramFile& file) {
   ProgramInputs inputs;
   inputs.program = options.program;
@@ -46,7 +54,7 @@ ProgramInputs inputs_of(const Options& options, const ProgramFile& file) {
   inputs.task_text = read_text_file(options.task);
   inputs.reading = file.reading;
   inputs.interpreted = file.interpreted;
-  if (file.interpreted) inputs.tool_table = options.file.tool_table;
+  if (file.interpreted) inputs.tools = options.file.tools;
   return inputs;
 }
 
@@ -55,94 +63,131 @@ ProgramFilter choose_filter(const Options& options, const Context& context, cons
   return filter_for_program(path, task, options.file, [&](const std::string& line) { status.tell(line); });
 }
 
-void check_outputs(const Options& options) {
-  const bool profiles = options.plan == "profiles";
+void check_options(const Options& options) {
+  if (options.per_leg) throw std::invalid_argument(no_per_leg);
+  const bool positions = options.plan != "fixed";
   const auto refuse = [&](const std::string& value, bool belongs, const char* name, const char* which) {
     if (!value.empty() && !belongs) throw std::invalid_argument(std::string(name) + " needs --plan " + which);
   };
-  refuse(options.delays, !profiles, "--delays", "fixed or per-leg");
-  refuse(options.emit, !profiles, "--emit", "fixed or per-leg");
-  refuse(options.stream, profiles, "--stream", "profiles");
+  refuse(options.delays, !positions, "--delays", "fixed");
+  refuse(options.emit, !positions, "--emit", "fixed");
+  refuse(options.stream, positions, "--stream", "profiles or free");
   if (options.file.compensate_arcs && options.feeds == "keep") {
     throw std::invalid_argument("--compensate-arcs needs --feeds choose");
   }
 }
 
-/// Plan profiles, and because it is never to be slower than they are, the plans of one filter and one a leg.
-void run_profiles_and_others(const Options& options, Context& context, ProgramFile& file, const Task& task) {
-  const auto fastest = [&] {
-    StatusLine status(context.quiet);
-    return run_fastest_plan(options.program, file, task, options.file,
-                            [&](const std::string& line) { status.tell(line); });
-  }();
-  const ProgramInputs inputs = options.json.empty() ? ProgramInputs{} : inputs_of(options, file);
-  write_fastest(fastest, inputs, file.path, task.machine,
-                {options.json, options.samples, options.stream, options.figure}, context);
+/// Says so where --samples writes more than a gigabyte: about 23 bytes an axis and 12 for the time, every sample.
+void warn_of_size(const std::string& file, double samples, std::size_t axes) {
+  const double bytes = samples * (12.0 + 23.0 * static_cast<double>(axes));
+  if (!file.empty() && bytes > 1e9)
+    std::fprintf(stderr, "--samples %s: about %.1f GB, %.3g samples\n", file.c_str(), 1e-9 * bytes, samples);
 }
 
-/// Plans with one filter, or one a leg.
-ProgramResult plan_with(const Options& options, const Context& context, ProgramFile& file, const ProgramFilter& choice,
-                        const Task& task) {
-  StatusLine status(context.quiet, StatusLine::Lines::none);
-  status.tell("planning and simulating");
-  std::optional<CornerBound> bound;
-  if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task);
-  ProgramResult result = plan_program_file(options.program, file, choice, task, options.file);
-  result.corner_bound = bound;
-  result.worst_shown = options.worst;
+std::int64_t peak_memory() {
   rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) == 0) result.peak_memory = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+  return getrusage(RUSAGE_SELF, &usage) == 0 ? static_cast<std::int64_t>(usage.ru_maxrss) * 1024 : 0;
+}
+
+/// A free motion: Ctrl-C ends it with the best so far.
+ProgramResult free_motion(const Options& options, const Context& context, const ProgramFile& file, const Task& task) {
+  const Interrupt interrupt;
+  std::optional<StatusLine> status;
+  status.emplace(context.quiet, StatusLine::Lines::none, options.file.time_limit.value_or(0.0));
+  std::string last;
+  FreeOptions free;
+  free.threads = options.threads;
+  free.cancel = &Interrupt::asked();
+  free.progress = [&](double gained, double share) {
+    status->tell(fmt::format("{:.0f} % of a sweep, {:.3f} s gained", 100.0 * share, gained));
+  };
+  ProgramResult result = run_free_plan(options.program, file, task, options.file, free, [&](const std::string& line) {
+    last = line;
+    status->tell(line);
+  });
+  status.reset();
+  const bool profiles = result.plan.name() != std::string("free");
+  if (profiles && result.verification.feasible) std::fprintf(stderr, "%s\n", last.c_str());
   return result;
 }
 
-/// The large files first, beside their targets; everything gets its name only when all is written.
+/// The plan asked for; none where no filter holds, which is said.
+std::optional<ProgramResult> plan_with(const Options& options, Context& context, ProgramFile& file, const Task& task) {
+  std::optional<ProgramResult> result;
+  if (options.plan == "profiles") {
+    StatusLine status(context.quiet);
+    result = run_fastest_plan(options.program, file, task, options.file,
+                              [&](const std::string& line) { status.tell(line); });
+  } else if (options.plan == "free") {
+    result = free_motion(options, context, file, task);
+  } else {
+    const ProgramFilter choice = choose_filter(options, context, file.path, task);
+    if (!choice.filter) {
+      std::fprintf(stderr, "%s\n", choice.message.c_str());
+      context.exit_code = exit_no_answer;
+      return result;
+    }
+    StatusLine status(context.quiet, StatusLine::Lines::none);
+    status.tell("planning and simulating");
+    std::optional<CornerBound> bound;
+    if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task, options.file.deadline);
+    result = plan_program_file(options.program, file, choice, task, options.file);
+    result->corner_bound = bound;
+  }
+  result->worst_shown = options.worst;
+  result->peak_memory = peak_memory();
+  return result;
+}
+
+/// The large files first, beside their targets; everything gets its name only when all is written. A motion for a
+/// controller that takes positions is only written where it holds: nothing behind it would slow it down.
 void write_outputs(const Options& options, const Context& context, const ProgramResult& result, const std::string& json,
                    const std::string& figure) {
   std::vector<OutputFile> large;
-  if (!options.samples.empty()) {
-    write_samples(result, large.emplace_back(options.samples).stream());
+  warn_of_size(options.samples, result.cycle_time / result.sample_period, result.plan.path.dimensions());
+  const bool motion = result.verification.feasible || result.plan.command() != nullptr;
+  const auto write = [&](const std::string& name, bool wanted, const auto& content) {
+    if (name.empty() || !wanted) return;
+    content(large.emplace_back(name).stream());
     large.back().close();
-  }
-  if (!options.emit.empty()) {
-    emit_program(result, large.emplace_back(options.emit).stream());
-    large.back().close();
-  }
+  };
+  write(options.samples, motion, [&](std::ostream& out) { write_samples(result, out); });
+  write(options.stream, result.verification.feasible, [&](std::ostream& out) { stream_samples(result, out); });
+  write(options.emit, true, [&](std::ostream& out) { emit_program(result, out); });
   OutputFiles files;
   if (!options.json.empty()) files.add(options.json, json);
   if (!options.delays.empty()) files.add(options.delays, delays_to_csv(result));
-  if (!options.figure.empty()) files.add(options.figure, figure);
+  if (!options.figure.empty() && motion) files.add(options.figure, figure);
   files.commit();
   for (OutputFile& file : large) file.commit();
-  const bool stdout_taken =
-      options.json == "-" || options.delays == "-" || options.samples == "-" || options.emit == "-";
+  bool stdout_taken = false;
+  for (const std::string& name : {options.json, options.delays, options.samples, options.emit, options.stream})
+    stdout_taken = stdout_taken || name == "-";
+  if (!motion) std::fprintf(stderr, "%s\n", result.message.c_str());
   if (!context.quiet && !stdout_taken) std::fputs(program_summary(result).c_str(), stdout);
 }
 
 void run(Options& options, Context& context) {
-  check_outputs(options);
+  check_options(options);
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
+  warn(task, options.task, context);
   require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},
-                  {options.program, options.task, options.file.tool_table});
-  options.file.per_leg = options.file.per_leg || options.plan == "per-leg";
+                  {options.program, options.task, options.file.tools.table});
   options.file.feeds = options.feeds == "keep" ? Feeds::keep : Feeds::choose;
+  if (options.tool_length_mm) options.file.tools.length = *options.tool_length_mm * 1e-3;
+  if (options.file.time_limit) options.file.deadline = Deadline(*options.file.time_limit);
   if (options.arc_tolerance_um) options.file.arc_tolerance = *options.arc_tolerance_um * 1e-6;
   ProgramFile file = read_program_file(options.program, task, options.file,
                                        [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
-  if (options.plan == "profiles") {
-    run_profiles_and_others(options, context, file, task);
-    return;
-  }
-  const ProgramFilter choice = choose_filter(options, context, file.path, task);
-  if (!choice.filter) {
-    std::fprintf(stderr, "%s\n", choice.message.c_str());
-    context.exit_code = exit_no_answer;
-    return;
-  }
   const Toolpath programmed = figure_type.empty() ? Toolpath{} : file.path;
-  const ProgramResult result = plan_with(options, context, file, choice, task);
+  const std::optional<ProgramResult> planned = plan_with(options, context, file, task);
+  if (!planned) return;
+  const ProgramResult& result = *planned;
   write_outputs(options, context, result, options.json.empty() ? "" : program_to_json(result, inputs_of(options, file)),
-                figure_type.empty() ? "" : program_figure(result, programmed, task.machine, figure_type));
+                figure_type.empty()
+                    ? ""
+                    : program_figure(result, programmed, task.machine, figure_type, view_from(options.view)));
   context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
 }
 
@@ -152,21 +197,31 @@ void add_inputs(CLI::App& command, Options& options) {
       ->type_name("FILE");
   command
       .add_option("--task", options.task,
-                  "Task with the sample period, the axes and the filter; without filter one is designed")
+                  "Task with the sample period, the axes and the filter. If it has no filter, one is designed")
       ->required()
       ->type_name("TASK.toml");
   command
       .add_option("--arc-tolerance-um", options.arc_tolerance_um,
-                  "Largest distance of a chord from its arc; default: what an arc's fastest motion leaves of the arc "
-                  "between two samples, a T^2/8, from 0.1 to 2; 2 with --feeds keep")
+                  "Largest distance of a chord from its arc. Default: a T^2/8 (how far the fastest motion leaves the "
+                  "arc between two samples), from 0.1 to 2; with --feeds keep 2")
       ->type_name("UM")
       ->check(number_between(1e-3, 1e4));
-  command.add_option("--tool-table", options.file.tool_table, "LinuxCNC's, for programs that rs274 has to run")
-      ->type_name("FILE");
+  auto* const table = command
+                          .add_option("--tool-table", options.file.tools.table,
+                                      "LinuxCNC's tool table for G41, G42 and G43; rs274 then runs the program")
+                          ->type_name("FILE");
+  command.add_flag("--tool-table-inch", options.file.tools.table_in_inch, "The tool table is in inches, not in mm")
+      ->needs(table);
+  command
+      .add_option("--tool-length", options.tool_length_mm,
+                  "Length of every tool for G43, instead of a tool table; 0 if Z is always that of the tool's tip")
+      ->type_name("MM")
+      ->check(number_between(-1e6, 1e6))
+      ->excludes(table);
   command.add_flag(
       "--dwells-before-filter", options.file.dwells_before_filter,
-      "Read G4 as --emit writes it: a delay of the command, without an exact stop unless G61.1 or M0 asks for one");
-  command.add_flag("--rapid-stops", options.file.rapid_stops, "Stop wherever rapid and feed moves meet");
+      "Read G4 as --emit writes it: it delays the command, with an exact stop only if G61.1 or M0 asks for one");
+  command.add_flag("--rapid-stops", options.file.rapid_stops, "Stop where rapid and feed moves meet");
 }
 
 void add_outputs(CLI::App& command, Options& options) {
@@ -176,13 +231,13 @@ void add_outputs(CLI::App& command, Options& options) {
   add_output_option(command, "--emit", options.emit,
                     "Write the program back with the feeds, dwells and path modes that realise the plan; its G4 must "
                     "act before the filter");
-  add_output_option(
-      command, "--figure", options.figure,
-      "Draw the path by its errors and speed, the delays, the speed over time by the limit that binds and "
-      "where time is lost, .svg, .png or .pdf; or .html: one page that zooms into path and speed");
+  add_output_option(command, "--figure", options.figure,
+                    "Draw the path with its errors and speeds, the delays, the speed over time with the limits that "
+                    "bind, and where time is lost: .svg, .png or .pdf; .html is a page with zoom");
+  add_view_option(command, options.view);
   add_output_option(command, "--stream", options.stream,
-                    "With --plan profiles: one line a cycle of positions, - for standard output");
-  command.add_option("--worst", options.worst, "How many corners to list by the use of their tolerance")
+                    "With --plan profiles or free: write the positions, one line per cycle, - for standard output");
+  command.add_option("--worst", options.worst, "How many corners to list: those that use most of their tolerance")
       ->check(CLI::Range(0, 10000))
       ->type_name("N")
       ->capture_default_str();
@@ -190,30 +245,37 @@ void add_outputs(CLI::App& command, Options& options) {
 
 void add_planning(CLI::App& command, Options& options) {
   command
-      .add_option("--time-limit", options.file.time_limit,
-                  "s, for the design of a filter where the task has none; default 2 s and 5 ms a block, at most 60")
+      .add_option(
+          "--time-limit", options.file.time_limit,
+          "Seconds for the whole command; if the task has no filter, its design gets half of them. Without this option "
+          "the design gets 2 s plus 5 ms per block, at most 60 s, and planning takes as long as it needs")
       ->check(positive_number());
   command
       .add_option("--plan", options.plan,
-                  "fixed: one filter for the whole program; per-leg: the filter of each leg follows what the limits "
-                  "allow in its direction, where that is faster; profiles: every corner its own filter and speed, for "
-                  "controllers that take a position every cycle (--samples, --stream); never slower than the others, "
-                  "which are made beside it")
-      ->check(one_of({"fixed", "per-leg", "profiles"}))
+                  "fixed: one filter for the whole program; profiles: a filter and a speed for every corner, for "
+                  "controllers that take a position every cycle (--samples, --stream). profiles also makes the plan "
+                  "fixed and returns the faster one, by name. free: profiles, shortened over windows of its samples as "
+                  "far as limits, feeds and tolerances allow any motion; until nothing is gained, --time-limit or "
+                  "Ctrl-C")
+      ->check([](const std::string& plan) { return std::string(plan == "per-leg" ? no_per_leg : ""); })
+      ->check(one_of({"fixed", "profiles", "free"}))
       ->capture_default_str();
   command
       .add_option("--feeds", options.feeds,
-                  "choose: F is an upper bound, feeds and steps of feed inside blocks are chosen; keep: every block at "
-                  "its programmed feed")
+                  "choose: F is an upper bound; feeds of blocks and steps of feed inside blocks are chosen. keep: "
+                  "every block has its programmed feed (only with --plan fixed)")
       ->check(one_of({"choose", "keep"}))
       ->capture_default_str();
+  command.add_option("--threads", options.threads, "Threads for --plan free (default: one per core)")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
   command.add_flag("--compensate-arcs", options.file.compensate_arcs,
-                   "Command arcs on a radius larger by what the filter takes away, v^2 s^2/(2 R); errors are measured "
+                   "Command arcs on a radius larger by the filter's radius error, v^2 s^2/(2 R); errors are measured "
                    "from the programmed arc");
-  command.add_flag("--per-leg", options.file.per_leg, "The same as --plan per-leg");
+  command.add_flag("--per-leg", options.per_leg)->group("");
   command.add_flag("--filter-bound", options.file.filter_bound,
-                   "Also say which time no filters that keep the acceleration limits, not longer than the blocks, can "
-                   "undercut with any delays");
+                   "Also print a lower bound on the time of any filters within the acceleration limits and no longer "
+                   "than a block, with any delays");
 }
 
 }  // namespace
@@ -221,7 +283,7 @@ void add_planning(CLI::App& command, Options& options) {
 void add_program(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "program", "A whole toolpath: feeds, filters and delays chosen, every sample simulated and verified");
+      "program", "Plan a whole toolpath: choose feeds, filters and delays, simulate and verify every sample");
   add_inputs(*command, *options);
   add_outputs(*command, *options);
   add_planning(*command, *options);

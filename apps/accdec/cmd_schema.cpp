@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/comparison/suite_keys.hpp>
+#include <accdec/formats/controller_file.hpp>
 #include <accdec/formats/result_keys.hpp>
 #include <accdec/formats/schema_document.hpp>
 #include <accdec/formats/task_keys.hpp>
@@ -21,14 +22,15 @@ void add_schema(CLI::App& app, Context&) {
     bool markdown = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("schema", "The keys of a kind of file, as a JSON Schema (draft 2020-12)");
-  command->add_option("kind", options->kind, "task, study, suite or result")
+  CLI::App* command = app.add_subcommand("schema", "Print the keys of a kind of file as a JSON Schema (draft 2020-12)");
+  command->add_option("kind", options->kind, "task, study, suite, result or controller")
       ->type_name("KIND")
       ->required()
-      ->check(one_of({"task", "study", "suite", "result"}));
-  command->add_flag("--markdown", options->markdown, "A table for people instead");
+      ->check(one_of({"task", "study", "suite", "result", "controller"}));
+  command->add_flag("--markdown", options->markdown, "Print a Markdown table instead");
   command->callback([options] {
-    for (const FileKind* file : std::array{&task_file(), &study_file(), &suite_file(), &result_file()}) {
+    for (const FileKind* file :
+         std::array{&task_file(), &study_file(), &suite_file(), &result_file(), &controller_file()}) {
       if (file->name == options->kind) fmt::print("{}", options->markdown ? key_table(*file) : json_schema(*file));
     }
   });

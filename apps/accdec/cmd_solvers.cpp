@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 #include "command.hpp"
 
@@ -32,8 +32,8 @@ std::string uses(const solvers::Capabilities& can) {
 }  // namespace
 
 void add_solvers(CLI::App& app, Context& context) {
-  CLI::App* command =
-      app.add_subcommand("solvers", "The optimisation algorithms for design --solver: versions and what each accepts");
+  CLI::App* command = app.add_subcommand(
+      "solvers", "List the optimisation algorithms for design --solver, with versions and what each accepts");
   command->callback([&context] {
     if (context.quiet) return;
     constexpr const char* row = "{:<20} {:<13} {:<7} {:<14} {:<26} {}\n";
@@ -43,6 +43,7 @@ void add_solvers(CLI::App& app, Context& context) {
       fmt::print(row, solver->name(), solver->library_version(), can.global ? "global" : "local",
                  can.seeded ? "by its seed" : "always", uses(can), accepts(can));
     }
+    for (const auto& [module, reason] : solvers::missing_modules()) fmt::print("{}: {}\n", module, reason);
   });
 }
 

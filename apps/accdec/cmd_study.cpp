@@ -2,14 +2,14 @@
 #include <memory>
 #include <stdexcept>
 
-#include <unistd.h>
-
 #include <fmt/format.h>
 
+#include <accdec/files/shown_text.hpp>
 #include <accdec/study/study_folder.hpp>
 
 #include "cluster_options.hpp"
 #include "command.hpp"
+#include "interrupt.hpp"
 #include "progress_bar.hpp"
 
 namespace accdec::cli {
@@ -50,8 +50,8 @@ void print_summary(const Options& options, const Study& study, const StudySummar
       s.bad > 0 ? fmt::format(", {} without an answer (column `reason`)", s.bad) : "");
   if (s.lost > 0) {
     fmt::print(
-        "{} of them were lost with the process computing them; run the study in this folder once more (without "
-        "--fresh) to compute these\n",
+        "{} of them were lost because their process died; run the study in this folder again (without --fresh) to "
+        "compute these\n",
         s.lost);
   }
   if (s.finished) {
@@ -59,7 +59,7 @@ void print_summary(const Options& options, const Study& study, const StudySummar
                study.figures.size());
   } else {
     fmt::print("Shard {}/{} is done; put all together with `accdec study {} --out DIR --merge {}`\n", options.run.shard,
-               options.run.shards, options.study, options.run.out);
+               options.run.shards, shell_quoted(options.study), shell_quoted(options.run.out));
   }
 }
 
@@ -72,10 +72,14 @@ void run(Options& options, Context& context) {
   }
   if (!options.shard.empty()) std::tie(options.run.shard, options.run.shards) = parse_shard(options.shard);
   const Study study = read_study(options.study);
-  options.run.command = fmt::format("accdec study {} --out {}", options.study, options.run.out);
+  options.run.command =
+      fmt::format("accdec study {} --out {}", shell_quoted(options.study), shell_quoted(options.run.out));
   options.run.version = ACCDEC_VERSION;
-  if (!context.quiet && ::isatty(2)) options.run.progress = ProgressBar();
-  const StudySummary s = run_study(study, options.run);
+  if (!context.quiet) options.run.progress = ProgressBar();
+  const StudySummary s = [&] {
+    const InterruptNote note(options.run.out, "points", options.run.fresh, context.quiet);
+    return run_study(study, options.run);
+  }();
   options.run.progress = nullptr;  // takes the bar away
   context.exit_code = s.bad < s.points ? exit_ok : exit_no_answer;
   for (const std::string& name : s.empty_figures)
@@ -89,32 +93,30 @@ void run(Options& options, Context& context) {
 void add_study(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("study", "Parameter study: many tasks from one, with tables, figures and a report");
+      app.add_subcommand("study", "Run a parameter study: many tasks from one, with tables, figures and a report");
   command->add_option("study", options->study, "Study file: base task, what varies, what to compute, figures")
       ->type_name("STUDY.toml");
   command
       ->add_option("--out", options->run.out,
-                   "Folder for the results; goes on where an interrupted run of the same study stopped, with the "
-                   "points lost in a crash once more")
+                   "Folder for the results. An interrupted run of the same study continues; points lost in a crash are "
+                   "computed again")
       ->type_name("DIR");
-  const auto workers =
-      command
-          ->add_option("--workers", options->run.workers,
-                       "Points computed at a time (default: all cores); rows depend on it only where time_limit_s cuts "
-                       "an optimum off")
-          ->check(CLI::Range(1, 1024))
-          ->type_name("N");
+  const auto workers = command
+                           ->add_option("--workers", options->run.workers,
+                                        "Points computed at a time (default: all cores). Rows depend on it only if "
+                                        "time_limit_s ends an optimum's search")
+                           ->check(CLI::Range(1, 1024))
+                           ->type_name("N");
   const auto shard =
       command->add_option("--shard", options->shard, "Compute part I of N only, without a report")->type_name("I/N");
   const auto merge =
-      command
-          ->add_option("--merge", options->run.merge, "Put the shards in these folders together instead of computing")
+      command->add_option("--merge", options->run.merge, "Merge the shards in these folders instead of computing")
           ->type_name("DIR...")
           ->excludes(shard);
   command->add_flag("--large", options->run.large, fmt::format("Allow more than {} points", large_study));
   const auto fresh = command->add_flag("--fresh", options->run.fresh,
-                                       "Compute all points anew, whatever the folder has; if this is interrupted, the "
-                                       "same command without --fresh goes on with it");
+                                       "Compute all points again, even those in the folder. If this is interrupted, "
+                                       "the same command without --fresh continues it");
   add_cluster_options(*command, options->cluster);
   for (const char* name : {"--slurm", "--status"}) {
     for (CLI::Option* other : {workers, shard, merge, fresh}) command->get_option(name)->excludes(other);

@@ -9,14 +9,15 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/verify_result.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/circle_json.hpp>
-#include <accdec/formats/program_record.hpp>
-#include <accdec/formats/result_json.hpp>
+#include <accdec/plan/record/program_record.hpp>
+#include <accdec/result.hpp>
 #include <accdec/task/verification_cost.hpp>
+#include <accdec/verify.hpp>
 
 #include "command.hpp"
 #include "option_checks.hpp"
@@ -53,12 +54,12 @@ bool too_long(const std::string& path, std::string_view what, double seconds, do
 
 void add_verify(CLI::App& app, Context& context) {
   auto path = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("verify", "Independent recheck of a result and of its certificate");
+  CLI::App* command = app.add_subcommand("verify", "Recheck a result and its certificate independently");
   command->add_option("result", *path, "Result file of evaluate, design or program")
       ->required()
       ->type_name("RESULT.json");
   auto limit = std::make_shared<double>(60.0);
-  command->add_option("--time-limit", *limit, "Seconds for the check; what takes longer is not accepted")
+  command->add_option("--time-limit", *limit, "Seconds for the check; a result that needs longer is not accepted")
       ->capture_default_str()
       ->check(positive_number());
   command->callback([path, limit, &context] {
@@ -66,8 +67,7 @@ void add_verify(CLI::App& app, Context& context) {
     require_outputs({}, {*path});
     if (too_long(*path, "reading it", reading_seconds(*path), *limit, context)) return;
     const std::string text = read_text_file(*path, result_file_limit);
-    if (is_profile_result(text)) return verify_profiles(text, *path, *limit, context);
-    if (is_program_result(text)) return verify_program(text, *path, *limit, context);
+    if (schema_of_program(text)) return verify_program(text, *path, *limit, context);
     const DesignResult result = parse_result(text, *path);
     const double reading = seconds_since(began);
     if (too_long(*path, reading > 0.5 ? "reading it and simulating the design" : "simulating the design",
@@ -88,13 +88,14 @@ void add_verify(CLI::App& app, Context& context) {
                    check.verification.worst.empty() ? "none" : check.verification.worst);
       }
       if (!check.proof.empty()) fmt::print("proof accepted: {}\n", check.proof);
-      fmt::print("not checked, because no recheck can find it: message, stop, solver\n");
+      fmt::print("not checked, because no recheck can find it: message, stop, solver{}\n",
+                 result.savings ? ", savings" : "");
       return;
     }
     context.exit_code = exit_no_answer;
     if (context.quiet) return;
     fmt::print("rejected\n");
-    for (const std::string& reason : check.reasons) fmt::print("  {}\n", reason);
+    for (const std::string& reason : check.reasons) fmt::print("  {}\n", printable(reason));
   });
 }
 

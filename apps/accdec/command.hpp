@@ -22,6 +22,7 @@ struct Context {
 void add_evaluate(CLI::App& app, Context& context);
 void add_init(CLI::App& app, Context& context);
 void add_explain(CLI::App& app, Context& context);
+void add_explore(CLI::App& app, Context& context);
 void add_completion(CLI::App& app, Context& context);
 void add_design(CLI::App& app, Context& context);
 void add_verify(CLI::App& app, Context& context);
@@ -29,6 +30,8 @@ void add_export(CLI::App& app, Context& context);
 void add_paper(CLI::App& app, Context& context);
 void add_plot(CLI::App& app, Context& context);
 void add_schema(CLI::App& app, Context& context);
+void add_controllers(CLI::App& app, Context& context);
+void add_identify(CLI::App& app, Context& context);
 void add_solvers(CLI::App& app, Context& context);
 void add_program(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);

@@ -7,7 +7,7 @@
 
 namespace accdec::cli {
 
-/// What a word of the command line may be completed with.
+/// Possible completions of a word of the command line.
 struct Argument {
   std::vector<std::string> names;    ///< with their dashes; of a positional its one name
   std::string description;           ///< one line

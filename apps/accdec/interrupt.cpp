@@ -2,6 +2,11 @@
 
 #include <csignal>
 
+#include <fmt/format.h>
+
+#include <accdec/files/shown_text.hpp>
+#include <accdec/files/temporaries.hpp>
+
 namespace accdec::cli {
 namespace {
 
@@ -20,6 +25,16 @@ Interrupt::~Interrupt() {
 }
 const std::atomic<bool>& Interrupt::asked() {
   return interrupted;
+}
+
+InterruptNote::InterruptNote(const std::string& folder, const char* units, bool fresh, bool quiet) {
+  if (quiet) return;
+  say_on_signals(
+      fmt::format("\nstopped; the {} computed so far are kept in {}; the same command{} goes on with the rest\n", units,
+                  printable(folder), fresh ? " without --fresh" : ""));
+}
+InterruptNote::~InterruptNote() {
+  say_on_signals("");
 }
 
 }  // namespace accdec::cli

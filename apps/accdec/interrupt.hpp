@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <string>
 
 namespace accdec::cli {
 
@@ -17,6 +18,16 @@ class Interrupt {
 
  private:
   void (*before_)(int);
+};
+
+/// While it lives, a signal that ends the program says what is kept of a study or comparison and how it goes on.
+class InterruptNote {
+ public:
+  /// @param units  what is computed one by one: "points"  @param fresh  whether all are computed again
+  InterruptNote(const std::string& folder, const char* units, bool fresh, bool quiet);
+  ~InterruptNote();
+  InterruptNote(const InterruptNote&) = delete;
+  InterruptNote& operator=(const InterruptNote&) = delete;
 };
 
 }  // namespace accdec::cli

@@ -13,5 +13,9 @@ struct MachineFile {
 
 /// In alphabetical order.
 std::span<const MachineFile> machine_files();
+/// The one to begin with.
+inline constexpr std::string_view first_machine = "mill";
+/// In cmd_init.cpp. @throws std::out_of_range if there is none of that name
+const MachineFile& machine_file(std::string_view name);
 
 }  // namespace accdec::cli

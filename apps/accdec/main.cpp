@@ -11,7 +11,9 @@
 
 #include <fmt/format.h>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
+#include <accdec/files/process.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/files/suggestion.hpp>
 #include <accdec/files/temporaries.hpp>
 #include <accdec/formats/manifest.hpp>
@@ -28,6 +30,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_evaluate(app, context);
   add_design(app, context);
   add_explain(app, context);
+  add_explore(app, context);
   add_verify(app, context);
   add_export(app, context);
   add_plot(app, context);
@@ -37,6 +40,8 @@ void add_commands(CLI::App& app, Context& context) {
   add_compare(app, context);
   add_program(app, context);
   add_generate(app, context);
+  add_controllers(app, context);
+  add_identify(app, context);
   add_solvers(app, context);
   add_completion(app, context);
   add_schema(app, context);
@@ -80,7 +85,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& success) {  // --help and --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "%s\n", usage_message(app, error).c_str());
+    std::fprintf(stderr, "%s\n", printable(usage_message(app, error)).c_str());
     return exit_bad_input;
   }
   return context.exit_code;
@@ -98,10 +103,10 @@ int main(int argc, char** argv) {
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
   const auto complain = [](const char* what, int code) {
     std::fflush(stdout);
-    std::fprintf(stderr, "%s\n", what);
+    std::fprintf(stderr, "%s\n", printable(what).c_str());
     return code;
   };
-  // What was printed has arrived, or the command failed.
+  // The printed text must have been written, or the command fails.
   const auto printed = [&](int code) {
     std::cout.flush();
     const bool arrived = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
@@ -117,6 +122,8 @@ int main(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     return complain(error.what(), cli::exit_bad_input);
   } catch (const std::system_error& error) {  // a table that cannot be written
+    return complain(error.what(), cli::exit_bad_input);
+  } catch (const MissingProgram& error) {
     return complain(error.what(), cli::exit_bad_input);
   } catch (const std::bad_alloc&) {
     return complain("out of memory", cli::exit_no_answer);

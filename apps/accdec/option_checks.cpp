@@ -72,7 +72,15 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   }
   const std::vector<std::string> extra = app.remaining(true);
   const auto option = std::find_if(extra.begin(), extra.end(), [](const auto& e) { return e.starts_with("--"); });
-  if (option != extra.end()) message = unknown_name("option", option->substr(0, option->find('=')), known);
+  if (option != extra.end()) {
+    const std::string name = option->substr(0, option->find('='));
+    message = std::find(known.begin(), known.end(), name) == known.end()
+                  ? unknown_name("option", name, known)
+                  : fmt::format("{} stands after \"--\", which ends the options", name);
+  } else if (!extra.empty() && extra.front().starts_with("-") && extra.front().size() > 2) {
+    message = fmt::format("unknown option \"{}\"; a file of this name is written ./{}, options begin with --",
+                          extra.front(), extra.front());
+  }
   const std::string help = &command == &app ? "accdec --help" : fmt::format("accdec {} --help", command.get_name());
   return fmt::format("{}\nRun {} for more information.", message, help);
 }

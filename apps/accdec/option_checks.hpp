@@ -14,7 +14,7 @@ CLI::Validator positive_number();
 /// One of these words; others get a suggestion.
 CLI::Validator one_of(std::vector<std::string> words);
 
-/// What is wrong with a command line, with a suggestion where an option is not known.
+/// The error in a command line, with a suggestion for an unknown option.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error);
 
 }  // namespace accdec::cli

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/format.h>
+
 #include <accdec/files/output_files.hpp>
-#include <accdec/formats/design_report.hpp>
-#include <accdec/formats/result_json.hpp>
+#include <accdec/files/shown_text.hpp>
+#include <accdec/result.hpp>
 
 #include "terminal.hpp"
 
@@ -29,7 +31,7 @@ bool claims_proof(const DesignResult& result) {
   return result.certificate || result.status == Status::optimal || result.lower_bound || result.gap;
 }
 
-/// What a file may say that holds no proof: nothing that nobody can recheck.
+/// A file without a proof must not contain claims that nobody can recheck.
 DesignResult without_proof(DesignResult result) {
   result.certificate.reset();
   if (result.status == Status::optimal) {
@@ -37,11 +39,21 @@ DesignResult without_proof(DesignResult result) {
     result.message = "proved shortest when it was designed; the proof is not in this file";
   }
   result.lower_bound.reset();
+  result.family_bound.reset();
   result.gap.reset();
   return result;
 }
 
 }  // namespace
+
+void warn(const Task& task, const std::string& path, const Context& context) {
+  constexpr double shortest = 0.05, longest = 20.0;  // ms, of controllers
+  const double period = 1e3 * task.sample_period;
+  if (context.quiet || (period >= shortest * (1.0 - 1e-9) && period <= longest * (1.0 + 1e-9))) return;
+  fmt::print(stderr,
+             "accdec: warning: {}: sample_period_ms = {:g} is outside {:g} to {:g}, the periods of controllers\n",
+             printable(path), period, shortest, longest);
+}
 
 int deliver(const DesignResult& result, const std::string& json_path, const Context& context, double certificate_max,
             const std::optional<CircleRecord>& circle) {
@@ -52,7 +64,7 @@ int deliver(const DesignResult& result, const std::string& json_path, const Cont
       std::fprintf(stderr, "%s: the proof, %.3g MB, was left out; --certificate-max %.0f keeps it\n", json_path.c_str(),
                    megabytes, std::ceil(megabytes));
     }
-    // Of very many corners a copy costs as much as the text.
+    // With very many corners, copying costs as much as writing the text.
     const bool as_it_is = keep || !claims_proof(result);
     std::string json = result_to_json(as_it_is ? result : without_proof(result));
     if (circle) add_circle(json, *circle);
@@ -65,7 +77,7 @@ int deliver(const DesignResult& result, const std::string& json_path, const Cont
   const bool answered = result.status == Status::optimal || result.status == Status::feasible;
   // Whoever asked for no table still has to learn why there is no answer.
   if (!answered && (context.quiet || json_path == "-")) {
-    std::fprintf(stderr, "%s: %s\n", std::string(to_string(result.status)).c_str(), result.message.c_str());
+    fmt::print(stderr, "{}: {}\n", to_string(result.status), printable(result.message));
   }
   return answered ? exit_ok : exit_no_answer;
 }

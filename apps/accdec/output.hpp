@@ -4,7 +4,7 @@
 #include <string>
 
 #include <accdec/formats/circle_json.hpp>
-#include <accdec/task/result.hpp>
+#include <accdec/result.hpp>
 
 #include "command.hpp"
 
@@ -28,6 +28,9 @@ inline void add_json_option(CLI::App& command, std::string& path) {
 std::optional<double> fraction(const std::string& text);
 
 inline constexpr double certificate_max_default = 50.0;  ///< MB
+
+/// Says what of a task may be a slip though it is allowed.
+void warn(const Task& task, const std::string& path, const Context& context);
 
 /// Writes the result to `json_path` unless that is empty, prints the table unless quiet or standard output carries
 /// JSON, and gives the exit code its status calls for.

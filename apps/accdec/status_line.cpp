@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/files.hpp>
 
 #include "terminal.hpp"
 

@@ -7,7 +7,7 @@ from docutils.utils.math import latex2mathml
 project = "accdec"
 author = "The accdec authors"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "breathe"]
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "accdec"

@@ -128,7 +128,7 @@ def main():
     (source / "examples").mkdir(parents=True)
     shutil.copy(guide / "conf.py", source)
     shutil.copytree(guide / "static", source / "static")
-    write_reference(source / "reference", arguments.program, root / "lib", doxygen, arguments.python)
+    write_reference(source / "reference", arguments.program, root / "lib/include", doxygen, arguments.python)
     for path in sorted(guide.glob("*.md")):
         (source / path.name).write_text(Page(path.stem, out, arguments).markdown(path.read_text()))
     for path in sorted((root / "problems" / "examples").iterdir()):

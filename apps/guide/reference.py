@@ -11,24 +11,14 @@ kinds = {
     "result": "What `accdec design` and `accdec evaluate` write with `--json`. SI units.",
 }
 
-# What a program is written with, in the order of the library's rooms. More headers are installed, which these need.
+# All public headers, by what they are for.
 headers = {
-    "Tasks and results": """task/task.hpp task/result.hpp task/verifier.hpp task/objective.hpp machine/machine.hpp
-        machine/limits.hpp machine/utilisation.hpp""",
-    "Designing": """design/design.hpp design/verify_result.hpp design/baselines.hpp design/explain.hpp
-        design/explain_levers.hpp""",
-    "Files": """formats/task_reader.hpp formats/task_json.hpp formats/result_json.hpp formats/design_report.hpp
-        formats/explanation.hpp formats/taps_export.hpp files/errors.hpp plot/figure.hpp plot/plot_result.hpp
-        plot/plot_program.hpp""",
-    "Filters and motion": """motion/filter.hpp motion/filter_spec.hpp motion/shapes.hpp motion/controller_shapes.hpp
-        motion/corner.hpp motion/blend.hpp motion/linear.hpp motion/circle.hpp motion/leg_distance.hpp
-        motion/smallest_delay.hpp task/simulation.hpp""",
-    "Whole programs": """program/read/line_source.hpp program/read/reader.hpp program/read/toolpath.hpp
-        program/plan/design_program_filter.hpp program/plan/program_plan.hpp program/plan/plan_time.hpp
-        program/simulate/leg_filters.hpp program/simulate/simulate.hpp program/write/program_report.hpp
-        program/write/generate.hpp""",
-    "Nonlinear problems and solvers": "nlp/problem.hpp nlp/evaluator.hpp solvers/solver.hpp certificate/checker.hpp",
-    "Studies": "study/study_file.hpp study/runner.hpp",
+    "Tasks and results": "task.hpp machine.hpp result.hpp verify.hpp",
+    "Designing": "design.hpp family.hpp certificate.hpp",
+    "Filters and motion": "filter.hpp corner.hpp",
+    "Whole programs": "program.hpp simulate.hpp",
+    "Nonlinear problems and solvers": "problem.hpp solver.hpp",
+    "Files": "files.hpp",
 }
 
 # "///< > 0" is no quotation of Markdown.
@@ -116,8 +106,7 @@ def cpp_library(library, out):
         raise SystemExit("the comments of the headers have errors")
     found = members(out / "xml")
     parts = ["C++ library\n===========\n\nSI units throughout. ``find_package(accdec REQUIRED)`` and "
-             "``accdec::accdec`` in CMake. These are the\nheaders a program is written with; others, which they need, "
-             "are installed too.\n"]
+             "``accdec::accdec`` in CMake. These are\nall its headers.\n"]
     for title, names in headers.items():
         parts.append(f"{title}\n{'-' * len(title)}\n")
         for name in names.split():

@@ -9,7 +9,7 @@ import mutate
 import tasks
 from harness import read_json
 
-HEADER = Path(__file__).resolve().parents[2] / "lib/accdec/certificate/certificate.hpp"
+HEADER = Path(__file__).resolve().parents[2] / "lib/include/accdec/certificate.hpp"
 
 
 def _tag(*tags):
@@ -26,6 +26,7 @@ PROOFS = {
     "CornerSpeed": lambda c: c["kind"] == "corner speed",
     "Enumeration": lambda c: c["kind"] == "enumeration",
     "BranchAndBound": lambda c: c["kind"] == "branch and bound",
+    "FamilyEnumeration": lambda c: c["kind"] == "families",
 }
 NODES = {
     "TooLong": lambda n: n is None,
@@ -108,6 +109,10 @@ def _moved(rng, entry):
 def forge(rng, certificate, kind):
     """Damages one entry of a kind: moved, taken away, doubled, or another entry of the proof in its place."""
     holder, at = rng.choice(places(certificate)[kind])
+    if kind == "FamilyEnumeration":
+        member = rng.choice(["refuted", "bound_samples"])
+        certificate[member] = _moved(rng, certificate[member])
+        return
     if holder is None:
         others = ["constant feed", "corner speed", "enumeration", "branch and bound", "packed", ""]
         certificate["kind"] = rng.choice([k for k in others if k != certificate["kind"]])
@@ -141,6 +146,10 @@ def _task(period, limits, corner, speed=None):
     return {"sample_period_ms": period, "axis": axes, "corner": [corner], "design": {"order_max": 60}}
 
 
+# Settings of a control: the proof counts the members of a family.
+SETTINGS = _task(1.0, {"acceleration_max_mm_s2": 6e3, "jerk_max_mm_s3": 500e3}, (95.0, 0.0, 6000.0, 50.0))
+SETTINGS["design"] = {"family": "averages", "stages": 2, "length_max_ms": 32}
+
 # Limits outside the convex class that are so tight that proofs need chords of the speed and splits of responses.
 TIGHT = {
     "slow": _task(
@@ -158,7 +167,9 @@ def draw(rng, case):
     """Tasks whose proofs have, together, every kind."""
     kinds = ("several", "symmetric", "power", "vibration", "several symmetric", "corner speed", "force", "given")
     kinds += ("slow", "constant feed", "power symmetric", "several twice", "regeneration", "infeasible", "weak")
-    kind = kinds[case % len(kinds)]
+    kind = kinds[case % 48 % len(kinds)]
+    if case % 48 >= 45:
+        return copy.deepcopy(SETTINGS)
     if kind in TIGHT:
         return copy.deepcopy(TIGHT[kind])
     base, *more = kind.split()
@@ -237,5 +248,5 @@ def run(attack):
                     attack.fail(f"accepted with a forged {kind}: {lie}", task_path, result_path, forged_path)
             elif code is None:
                 attack.fail("verify did not end", forged_path)
-    if attack.case >= 45 and never:
+    if attack.case >= 48 and never:
         attack.fail(f"no proof had {sorted(never)}: other tasks are to be drawn")

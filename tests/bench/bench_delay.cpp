@@ -3,11 +3,11 @@
 //   bench_delay --benchmark_repetitions=5 --benchmark_report_aggregates_only=true
 //
 // What limits it, measured on one core at 2.6 GHz: 78 ns a corner at N = 40 (13 million a second), 140 ns at N = 4000.
-// A corner takes 3.3 values of d(k) at N = 40 and 4.9 at N = 4000, three being the least that proves a minimum, and 1.8
-// distances to settle the whole delay. Nothing dominates: doing the square root of the cosine law twice costs 7 ns
-// more, that of the look-up 7 ns, the dependent load of its table 8 ns; corners in an order the branch predictor knows
-// gain 3 ns. The rest is the latency of one chain of some 100 additions and products, so that only several corners side
-// by side (SIMD) would be much faster. At N = 4000 the tables (320 kB) come from the second-level cache.
+// A corner takes 3.3 values of d(k) at N = 40 and 4.9 at N = 4000; three is the least that proves a minimum. It takes
+// 1.8 distances to find the whole delay. No part dominates. Computing the square root of the cosine law twice costs 7
+// ns more, that of the look-up 7 ns, and the dependent load of its table 8 ns. Corners in an order that the branch
+// predictor knows save 3 ns. The rest is the latency of one chain of about 100 additions and products. So only several
+// corners side by side (SIMD) would be much faster. At N = 4000 the tables (320 kB) come from the second-level cache.
 
 #include <cmath>
 #include <numbers>
@@ -16,8 +16,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
 
 namespace {
 

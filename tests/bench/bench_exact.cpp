@@ -1,6 +1,6 @@
 #include <benchmark/benchmark.h>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/exact/exact.hpp>
 
 #include "support/tasks.hpp"

@@ -1,4 +1,4 @@
-// What the solver interface costs: Ipopt called through it and directly, with the same options, on the same delay
+// Cost of the solver interface: Ipopt is called through it and directly, with the same options, on the same delay
 // problem (the argument is the filter's order N). The interface adds counting, timing, checks of finiteness, and the
 // verification of the answer.
 //   bench_interface --benchmark_repetitions=15 --benchmark_enable_random_interleaving=true
@@ -14,8 +14,8 @@
 #include <benchmark/benchmark.h>
 
 #include <accdec/design/formulation.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/solver.hpp>
 
 #include "support/tasks.hpp"
 

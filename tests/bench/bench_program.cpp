@@ -1,9 +1,9 @@
 // Speed of whole programs at N = 40, T = 1 ms, one core.
 //   bench_program --benchmark_repetitions=5 --benchmark_report_aggregates_only=true
-// read: bytes_per_second and items (blocks) per second from memory. delays: corners per second. verify: samples of the
-// program per second, every joint judged and every limit watched. program: from text to verified plan, blocks per
-// second, for the growth with length. fixed and profiles: the same for a million blocks with feeds chosen, in plan
-// `fixed` for a given filter and in plan `profiles` whole.
+// Read: bytes_per_second and items (blocks) per second from memory. Delays: corners per second. Verify: samples of the
+// program per second, with every joint judged and every limit watched. Program: from text to verified plan, blocks per
+// second, for the growth with length. Fixed and profiles: the same for a million blocks with chosen feeds, in plan
+// `fixed` for a given filter and in the whole plan `profiles`.
 
 #include <map>
 #include <sstream>
@@ -11,11 +11,11 @@
 
 #include <benchmark/benchmark.h>
 
-#include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/choose_feeds.hpp>
-#include <accdec/program/plan/program_plan.hpp>
-#include <accdec/program/profiles/plan_profiles.hpp>
-#include <accdec/program/write/generate.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/gcode/generate.hpp>
+#include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/trajectory/plan_profiles.hpp>
 
 namespace {
 

@@ -9,8 +9,8 @@
 #include <benchmark/benchmark.h>
 
 #include <accdec/design/formulation.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/solver.hpp>
 
 namespace {
 

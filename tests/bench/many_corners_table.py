@@ -45,6 +45,7 @@ set grid lc rgb '#dddddd'
 f = '{out}/many_corners.csv'
 plot {curves}, NaN with points lc rgb '#808080' pt 6 title 'stopped without a whole proof'
 """
+TITLE = "Proofs for several corners that share a filter: processor time"
 MARKS = {
     "jerk": ("#000000", 0),
     "force": ("#0b5fa5", 0.12),
@@ -96,6 +97,8 @@ def draw(out):
             shown = f"(strcol(1) eq '{kind}' && (strcol(4) eq 'optimal') == {status} ? $8 : NaN)"
             curves.append(f"f using ($2+{beside}):{shown} with points lc rgb '{colour}' pt {mark} {title}")
     subprocess.run(["gnuplot"], input=PLOT.format(out=out, curves=", ".join(curves)), text=True, check=True)
+    figure = out / "many_corners.svg"
+    figure.write_text(figure.read_text().replace("<title>Gnuplot</title>", f"<title>{TITLE}</title>"))
 
 
 def size_of(row):

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/certificate/constant_feed.hpp>
-#include <accdec/design/design.hpp>
-#include <accdec/design/verify_result.hpp>
+#include <accdec/design.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 

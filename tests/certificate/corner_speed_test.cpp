@@ -2,12 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/certificate/corner_speed_check.hpp>
-#include <accdec/design/design.hpp>
-#include <accdec/design/verify_result.hpp>
+#include <accdec/design.hpp>
 #include <accdec/task/contradictions.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 
@@ -25,8 +24,8 @@ Task right_angle(double speed_min, double error_max) {
   return task;
 }
 
-// In continuous time: both legs have s / sqrt 2 where they are equal, from a stretch of s^2 / (4 a) each, and across
-// the bisector that is sqrt(1/2) (s^2 / (4 a) + s^2 / (4 a)).
+// In continuous time, both legs have speed s / sqrt 2 where they are equal. Each gains it over s^2 / (4 a). Across the
+// bisector this is sqrt(1/2) (s^2 / (4 a) + s^2 / (4 a)).
 TEST(CornerSpeed, RightAngleAgainstTheClosedForm) {
   const double speed = 0.02, error = std::sqrt(0.5) * speed * speed / (2.0 * 5.0);
   for (const double part : {0.5, 0.9, 0.97}) {
@@ -55,7 +54,7 @@ void tighten_to(Task& task, const Filter& filter, int delay) {
   }
 }
 
-// What a filter does in simulation is no contradiction.
+// A motion that a filter reaches in simulation is no contradiction.
 TEST(CornerSpeed, NothingThatAFilterDoesIsImpossible) {
   std::mt19937 rng(16);
   std::uniform_real_distribution<double> u(0.0, 1.0);

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/certificate/checked_rows.hpp>
+#include <accdec/corner.hpp>
 #include <accdec/exact/exact.hpp>
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
 
 #include "support/certificates.hpp"
 #include "support/tasks.hpp"
@@ -143,8 +143,8 @@ Filter filter_within(const Task& task, std::mt19937& random) {
   return Filter(taps);
 }
 
-// What the checker adds for a cut must hold for every filter within the limits, every delay and every sample in the
-// box whose corner error is within the bound: with equality the bound is the error itself.
+// The checker's row for a cut must hold for every filter within the limits, and for every delay and sample in the box
+// whose corner error is within the bound. With equality the bound is the error itself.
 TEST(CheckedRanges, HoldForFiltersWithinTheLimits) {
   std::mt19937 random(7);
   Task task = two_corners();

@@ -7,9 +7,9 @@
 
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/exact/exact.hpp>
-#include <accdec/machine/utilisation.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/certificates.hpp"
 #include "support/tasks.hpp"
@@ -157,8 +157,8 @@ TEST_F(LemmaCertificate, OfLighterWeights) {
   }
 }
 
-// In a window any filter, shifted until the anchor's sample is where it should be, and with the taps at and beyond the
-// ends moved into them, holds every cut of errors that it has.
+// A filter is shifted until the anchor's sample is at its place, and the taps at and beyond the ends of the window are
+// moved into them. Then it holds every error cut of the window.
 TEST(CheckedWindows, CutsHoldForFiltersOfAnyOrder) {
   std::mt19937 random(9);
   std::uniform_int_distribution<int> order(2, 90), anchor_at(-5, 45), delay(0, 30), wide(0, 6);

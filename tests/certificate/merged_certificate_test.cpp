@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/design/design.hpp>
+#include <accdec/design.hpp>
 #include <accdec/exact/exact.hpp>
 
 #include "support/certificates.hpp"

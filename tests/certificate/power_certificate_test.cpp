@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/design/verify_result.hpp>
 #include <accdec/exact/exact.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/certificates.hpp"
 #include "support/tasks.hpp"
@@ -239,7 +239,7 @@ TEST_F(PowerCertificate, ShortenedTrees) {
   }
 }
 
-// What was proved under these limits was not proved under wider ones, one at a time.
+// A proof under these limits does not hold if one limit is wider.
 TEST_F(PowerCertificate, OfAnotherTask) {
   const auto expect_foreign = [&](const std::function<void(Task&)>& change) {
     Task other = task;

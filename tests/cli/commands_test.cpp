@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -57,8 +58,8 @@ TEST(Cli, EverySubcommandHasHelp) {
   }
 }
 
-// False claims that a checker once accepted: an order that depended on how samples were split, a range of delays one
-// short, and a tolerance of zero taken for half of what the simulation takes for zero.
+// False claims that a checker once accepted. One had an order that depended on how samples were split, and one a range
+// of delays that was one too short. One took a tolerance of zero as half of what the simulation counts as zero.
 TEST(Cli, VerifyRejectsForgedProofs) {
   const std::string forged = accdec::test_support::source_folder() + "/tests/cli/forged/";
   for (const char* name : {"symmetric-cover.json", "delay-range.json", "zero-tolerance.json"}) {
@@ -69,7 +70,7 @@ TEST(Cli, VerifyRejectsForgedProofs) {
 }
 
 TEST(Cli, HelpStatesTheTimeLimitOfADesign) {
-  EXPECT_THAT(run({"design", "--help"}).out, HasSubstr("the default is 600"));
+  EXPECT_THAT(run({"design", "--help"}).out, HasSubstr("(default 600)"));
 }
 
 // A delay of a million samples makes the simulation of two axes walk two millions.
@@ -178,10 +179,14 @@ TEST(Cli, UnknownOptionsAndValuesOfOptionsGetASuggestion) {
   EXPECT_THAT(said({"--qiet", "design", task}), HasSubstr("did you mean \"--quiet\"?"));
   EXPECT_THAT(said({"design", task, "--method", "exat"}),
               HasSubstr("--method: unknown value \"exat\"; did you mean \"exact\"?"));
-  EXPECT_THAT(said({"program", task, "--task", task, "--plan", "perleg"}), HasSubstr("did you mean \"per-leg\"?"));
+  EXPECT_THAT(said({"program", task, "--task", task, "--plan", "profile"}), HasSubstr("did you mean \"profiles\"?"));
   EXPECT_THAT(said({"program", task, "--task", task, "--feeds", "kep"}), HasSubstr("did you mean \"keep\"?"));
   EXPECT_THAT(said({"export", "r.json", "--format", "cvs"}), HasSubstr("did you mean \"csv\"?"));
   EXPECT_THAT(said({"init", "--machine", "mil"}), HasSubstr("did you mean \"mill\"?"));
+  EXPECT_THAT(said({"program", task, "--", "--task", task}),
+              StartsWith("--task stands after \"--\", which ends the options\n"));
+  EXPECT_THAT(said({"program", "-g.ngc", "--task", task}),
+              StartsWith("unknown option \"-g.ngc\"; a file of this name is written ./-g.ngc"));
 }
 
 // Files given to the wrong command: each says what it expected and what the file seems to be.
@@ -258,7 +263,7 @@ TEST(Cli, NumbersOfOptionsAreFiniteAndInRange) {
 TEST(Cli, TheDocumentedKeysAreThoseOfTheReaders) {
   std::ifstream file(problems + "README.md");
   const std::string page{std::istreambuf_iterator<char>(file), {}};
-  for (const std::string kind : {"task", "study", "suite", "result"}) {
+  for (const std::string kind : {"task", "study", "suite", "result", "controller"}) {
     const Outcome table = run({"schema", kind, "--markdown"});
     EXPECT_EQ(table.code, 0);
     const std::string command = "accdec schema " + kind + " --markdown";
@@ -342,7 +347,7 @@ TEST(Cli, DesignVerifyExport) {
   EXPECT_EQ(boasting.code, 1);
   EXPECT_THAT(boasting.out, HasSubstr("cycle_time_s"));
 
-  for (const std::string format : {"csv", "c", "json", "npy"}) {
+  for (const std::string format : {"csv", "c", "json", "npy", "m", "st", "linuxcnc-comp"}) {
     SCOPED_TRACE(format);
     const Outcome out = run({"export", result, "--format", format});
     EXPECT_EQ(out.code, 0);

@@ -117,7 +117,8 @@ def check_files():
     checked = 0
     for path in sorted(problems.rglob("*.toml")):
         content = tomllib.loads(path.read_text())
-        kind = "study" if "compute" in content else "suite" if "problem" in content else "task"
+        kind = ("controller" if path.parent.name == "controllers" else "study" if "compute" in content
+                else "suite" if "problem" in content else "task")
         for error in validators[kind][0].iter_errors(content):
             failures.append(f"{path}: {'/'.join(map(str, error.path))}: {error.message}")
         checked += 1
@@ -200,7 +201,7 @@ SUITE = {
     "problem": [{"name": "p", "task": "good.toml", "formulation": ["margin"], "order": 9, "sizes": [1]}],
 }
 
-validators = {kind: validator(kind) for kind in ("task", "study", "suite", "result")}
+validators = {kind: validator(kind) for kind in ("task", "study", "suite", "result", "controller")}
 result = check_files()
 (folder / "good.toml").write_text(as_toml(TASK))
 check_spoilt("task", TASK, "task.toml", as_toml, ("evaluate", "task.toml", "--quiet"))

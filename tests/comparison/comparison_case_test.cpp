@@ -6,7 +6,7 @@
 
 #include <accdec/comparison/comparison_run.hpp>
 #include <accdec/comparison/recorded_problem.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 #include "support/tasks.hpp"
 
@@ -25,8 +25,8 @@ CaseSpec boxcar_case(int taps, int delay, double angle = 90.0, double heading = 
   return spec;
 }
 
-// With the one filter that is left, the least error is that of the boxcar: 2 v T cos(theta/2) E[max(i - N/2 - d/2, 0)],
-// the sum taken out by hand: of i - 20 - d/2 over i = 20 + d/2 .. 40 it is m (m + 1)/2 with m = 20 - d/2.
+// Only one filter is left, so the least error is that of the boxcar: 2 v T cos(theta/2) E[max(i - N/2 - d/2, 0)]. The
+// sum is computed by hand: the sum of i - 20 - d/2 over i = 20 + d/2 .. 40 is m (m + 1)/2 with m = 20 - d/2.
 TEST(Reference, OfTheLeastErrorWhereOnlyABoxcarHolds) {
   for (const int delay : {0, 10, 20}) {
     const double m = 20 - delay / 2;
@@ -135,7 +135,7 @@ TEST(Schedule, RefusesWhatIsNoComparison) {
 TEST(ComparisonRun, RecordsRefusalsAndLostProcesses) {
   CaseSpec spec = boxcar_case(41, 0);
   const Comparison c(settings({"clp"}), {spec});
-  const study::Row refused = c.run(1);
+  const batch::Row refused = c.run(1);
   EXPECT_EQ(refused["claim"], "refused");
   EXPECT_EQ(refused["verdict"], "none");
   EXPECT_THAT(refused["message"].get<std::string>(), ::testing::HasSubstr("not linear"));
@@ -145,7 +145,7 @@ TEST(ComparisonRun, RecordsRefusalsAndLostProcesses) {
 
 TEST(ComparisonRun, HasWhatTheTablesNeed) {
   const Comparison c(settings({"ipopt"}), {boxcar_case(41, 0)});
-  const study::Row row = c.run(1);
+  const batch::Row row = c.run(1);
   EXPECT_EQ(row["claim"], "solved");
   EXPECT_EQ(row["verdict"], "optimal");
   EXPECT_LE(row["violation"].get<double>(), 1e-6);
@@ -163,10 +163,10 @@ TEST(ComparisonRun, WhatIsFoundOnTheWayIsJudgedAsTheAnswerIs) {
   both.reduced = {"nlopt-slsqp"};
   const Comparison c(both, {spec});
   for (std::size_t index = 1; index <= 2; ++index) {
-    const study::Row row = c.run(index);
+    const batch::Row row = c.run(index);
     ASSERT_FALSE(row["history"].empty()) << row.dump();
     double before = nlp::infinity;
-    for (const study::Row& step : row["history"]) {
+    for (const batch::Row& step : row["history"]) {
       EXPECT_GE(step[2].get<double>(), optimum * (1.0 - 1e-5));
       EXPECT_LT(step[2].get<double>(), before);
       before = step[2];
@@ -184,7 +184,7 @@ TEST(ComparisonRun, OneSolverInBothForms) {
     run.solver = solver;
     return c.run(c.index_of(run, 0));
   };
-  const study::Row sparse = row_of(0), reduced = row_of(1);
+  const batch::Row sparse = row_of(0), reduced = row_of(1);
   EXPECT_EQ(reduced["solver"], "nlopt-slsqp/reduced");
   EXPECT_EQ(reduced["verdict"], "optimal");
   EXPECT_NEAR(reduced["objective"].get<double>(), sparse["objective"].get<double>(),
@@ -195,7 +195,7 @@ TEST(ComparisonRun, OneSolverInBothForms) {
 // The reduced form has no second derivatives, whoever would use them.
 TEST(ComparisonRun, SaysWhatIsUsed) {
   const Comparison c(settings({"ipopt", "ipopt/reduced", "nlopt-cobyla"}), {boxcar_case(41, 10)});
-  const study::Row solvers = c.header()["solvers"];
+  const batch::Row solvers = c.header()["solvers"];
   EXPECT_EQ(solvers[0]["uses"], "second derivatives");
   EXPECT_EQ(solvers[1]["uses"], "first derivatives");
   EXPECT_EQ(solvers[1]["solver"], "ipopt");
@@ -211,7 +211,7 @@ TEST(ComparisonRun, DesignsStartWhereToldAndAreCounted) {
   const Comparison c(two_starts, {spec});
   std::set<std::int64_t> counts;
   for (std::size_t index = 1; index <= 2; ++index) {
-    const study::Row row = c.run(index);
+    const batch::Row row = c.run(index);
     ASSERT_EQ(row["claim"], "solved") << row.dump();
     for (const char* key : {"gradient", "rows", "jacobian", "hessian"})
       EXPECT_GT(row["evaluations"][key].get<int>(), 0) << key;

@@ -132,8 +132,8 @@ TEST(ComparisonData, TimeToAccuracyIsFreeOfPolishingAndNeedsAnAcceptedAnswer) {
        run(0, "rigged", "solved", "feasible", 2.1, 1.0, 0, with_history("[[9,0.1,2.0]]")),
        run(0, "rigged", "solved", "infeasible", 1.5, 1.0, 1, with_history("[[9,0.1,2.0]]")),
        run(0, "rigged", "solved", "feasible", 2.0, 1.0, 2, with_history("[[9,0.1,2.0]]")),
-       // Of three repeats two succeed, at 0.4 s and, by the answer alone, at the end after 7 s; the third counts as
-       // infinite: the median is 7 s.
+       // Two of three repeats succeed: one at 0.4 s, and one only by its answer, at the end after 7 s. The third counts
+       // as infinite, so the median is 7 s.
        run(1, "good", "solved", "feasible", 2.0, 1.0, 0, with_history("[[9,0.4,2.0]]")),
        run(1, "good", "solved", "feasible", 2.0, 7.0, 1, with_history("[[9,0.4,2.001]]")),
        run(1, "good", "time limit", "feasible", 2.001, 3.0, 2, with_history("[[9,0.2,2.0]]"))});

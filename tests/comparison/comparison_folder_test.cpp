@@ -14,11 +14,11 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/comparison/suite_file.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 #include "compare_command.hpp"
 
-// The comparison as a user runs it, killed, resumed and drawn anew.
+// The comparison as a user runs it: killed, resumed and drawn again.
 
 namespace {
 
@@ -101,7 +101,7 @@ TEST_F(CompareCommand, WithoutSlurmTheScriptsDoByThemselves) {
   suite(R"(["ipopt"])", "", 1);
   EXPECT_THAT(run("compare suite.toml --out out --slurm 9").output, HasSubstr("only 4 problems"));
   const Outcome r = run("compare suite.toml --out out --slurm 2 --solvers nlopt-slsqp,ipopt", "PATH=/nowhere");
-  EXPECT_EQ(r.exit_code, 1) << r.output;
+  EXPECT_EQ(r.exit_code, 2) << r.output;
   EXPECT_THAT(r.output, HasSubstr("sbatch is not installed"));
   fs::remove(home_ / "suite.toml");  // frozen, and so are its tasks
   for (const int shard : {1, 2})
@@ -274,6 +274,6 @@ delay_samples = 12
   EXPECT_THAT(r.output, ::testing::ContainsRegex("\nipopt +2 +2 +0"));
 }
 
-// What the shipped comparison claims to be.
+// Properties that the shipped comparison claims.
 
 }  // namespace

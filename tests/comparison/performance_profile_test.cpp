@@ -35,8 +35,8 @@ TEST(Profile, AProblemNobodySolvesStaysInTheDenominator) {
   EXPECT_DOUBLE_EQ(at(distribution(r[1]), 100), 0.5);
 }
 
-// A at 2 s and its variant at 1 s, B at 3 s and 1 s: the variant takes no wins from A, and where it alone succeeds it
-// is at 0.
+// A takes 2 s and its variant 1 s; B takes 3 s and 1 s. The variant takes no wins from A, and where it alone succeeds
+// its ratio is 0.
 TEST(Profile, RatiosToTheFastestOfSome) {
   const auto r = performance_ratios({{2, 2, inf}, {1, 1, 5}, {3, 1, inf}}, {0, 2});
   EXPECT_THAT(r[0], ElementsAre(1, 2, inf));

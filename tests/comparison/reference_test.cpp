@@ -6,7 +6,7 @@
 
 #include <accdec/comparison/comparison_case.hpp>
 #include <accdec/comparison/reference_delay.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 #include "support/tasks.hpp"
 

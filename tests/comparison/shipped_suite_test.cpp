@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <accdec/comparison/suite_file.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 #include "support/paths.hpp"
 

@@ -194,7 +194,7 @@ Case least_energy() {
   return c;
 }
 
-/// Of Hock and Schittkowski's Test Examples for Nonlinear Programming Codes, 1981: two variables.
+/// From Hock and Schittkowski's Test Examples for Nonlinear Programming Codes, 1981: two variables.
 void add_of_two_variables(std::vector<Case>& all) {
   const double root3 = std::sqrt(3.0), root7 = std::sqrt(7.0), pi = std::numbers::pi;
   all.push_back(
@@ -244,7 +244,7 @@ void add_of_two_variables(std::vector<Case>& all) {
   all.push_back(hs022("HS022 in a box", {{-3.0, 3.0}, {-3.0, 3.0}}));
 }
 
-/// Of the same, more variables, and one whose optimum is not regular.
+/// From the same book: more variables, and one case whose optimum is not regular.
 void add_of_more_variables(std::vector<Case>& all) {
   all.push_back(hs035("HS035", at_least(0.0)));
   all.push_back(hs035("HS035 in a box", {0.0, 3.0}));
@@ -277,7 +277,7 @@ void add_of_more_variables(std::vector<Case>& all) {
   all.push_back(hs013);
 }
 
-/// Of our own, with answers in closed form: linear, degenerate, fixed.
+/// Our own cases with answers in closed form: linear, degenerate, fixed.
 void add_of_our_own(std::vector<Case>& all) {
   all.push_back(
       {{"dependent equalities",

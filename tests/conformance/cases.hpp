@@ -7,7 +7,7 @@
 
 #include <conformance/second_order.hpp>
 
-#include <accdec/nlp/problem.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec::testing {
 
@@ -66,9 +66,9 @@ struct Case {
   bool regular = true;                       ///< a constraint qualification holds, so a minimiser is a KKT point
 };
 
-/// Hock and Schittkowski, Test Examples for Nonlinear Programming Codes (1981), by their numbers, and filter problems
-/// in closed form. "in a box": with finite bounds added that are inactive at the minimiser, for methods that search a
-/// box.
+/// Cases from Hock and Schittkowski, Test Examples for Nonlinear Programming Codes (1981), by their numbers, and filter
+/// problems in closed form. "In a box" means with added finite bounds that are inactive at the minimiser, for methods
+/// that search a box.
 const std::vector<Case>& cases();
 
 }  // namespace accdec::testing

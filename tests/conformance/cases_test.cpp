@@ -127,8 +127,8 @@ TEST(DerivativeChecker, TakesTheDerivativeOfEitherSideWhereItJumps) {
   }
 }
 
-// minimise x with two opposed rows 1e-7 apart and x free to fall: multipliers of 1e9 and more on both rows must not
-// make x = 0.5, whose gradient nothing balances, look stationary.
+// Minimises x with two opposed rows 1e-7 apart; x itself is free to fall. Multipliers of 1e9 and more on both rows must
+// not make x = 0.5 look stationary, because nothing balances its gradient.
 TEST(Kkt, HugeOpposedMultipliersDoNotHideAGradient) {
   const FormulaProblem pinched("pinched", {{0.0, 1.0}, {0.0, 1.0}}, [](const Variables& x) { return x[0]; },
                                {{{-nlp::infinity, 0.5 + 1e-7}, [](const Variables& x) { return x[1]; }},

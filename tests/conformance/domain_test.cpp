@@ -2,12 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <accdec/corner.hpp>
 #include <accdec/design/formulation.hpp>
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/corner.hpp>
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/nlp/derivative_check.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 #include "support/tasks.hpp"
 
@@ -51,8 +50,8 @@ class Domain : public ::testing::TestWithParam<std::string> {
   const Solver& solver() const { return solvers::find_solver(GetParam()); }
 };
 
-// Power with no damping would reward a late tap; with an acceleration limit alone and one sample k fixed, the least
-// error at slack 1 is the boxcar's, whose error at delay 0 is v T cos(theta/2) E|i - N/2| (Eq. 24).
+// Power with no damping would reward a late tap, so there is only an acceleration limit and one fixed sample k. The
+// least error at slack 1 is then that of the boxcar. At delay 0 this is v T cos(theta/2) E|i - N/2| (Eq. 24).
 TEST_P(Domain, TheOnlyFeasibleFilterIsTheBoxcar) {
   const Task task = acceleration_task(1.0 + 1e-7);
   const Filter box = boxcar(order);
@@ -102,8 +101,8 @@ TEST_P(Domain, ConvexMarginHasOneOptimum) {
   }
 }
 
-// The path of the smooth problem at half a sample past k lies on the sampled one: with the boxcar as the only filter
-// the least delay is known by bisection on the spline's own error.
+// Half a sample past k, the path of the smooth problem lies on the sampled one. With the boxcar as the only filter,
+// bisection on the spline's own error gives the least delay.
 TEST_P(Domain, LeastDelayOfTheBoxcar) {
   Task task = acceleration_task(1.0 + 1e-7);
   task.corners[0].error_max = 40e-6;

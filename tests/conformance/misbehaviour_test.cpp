@@ -1,4 +1,4 @@
-// What the libraries do on their own, called directly, and what comes out of the interface instead.
+// Misbehaviour of the libraries when called directly, and the result through the interface instead.
 
 #include <algorithm>
 #include <chrono>
@@ -16,9 +16,9 @@
 #include <gtest/gtest.h>
 
 #include <accdec/design/formulation.hpp>
-#include <accdec/formats/task_reader.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/solver.hpp>
+#include <accdec/task.hpp>
 
 #include "support/paths.hpp"
 

@@ -12,7 +12,7 @@
 #include <conformance/cases.hpp>
 #include <gmock/gmock.h>
 
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 namespace accdec::testing {
 namespace {

@@ -1,10 +1,13 @@
 // Adding an algorithm: this file, and one line that registers it.
 
+#include <set>
+
 #include <conformance/cases.hpp>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <accdec/solver.hpp>
 #include <accdec/solvers/run.hpp>
-#include <accdec/solvers/solver.hpp>
 
 namespace accdec::testing {
 namespace {
@@ -28,6 +31,16 @@ class Dummy final : public solvers::Solver {
     return result;
   }
 };
+
+TEST(Registration, TheBuildKnowsTheVersionsOfTheLoadedLibraries) {
+  EXPECT_THAT(solvers::missing_modules(), ::testing::IsEmpty());
+  std::set<std::string> built, loaded;
+  for (const auto& [name, version] : solvers::libraries()) built.insert(name + " " + version);
+  for (const auto& solver : solvers::registry()) {
+    if (solver->name() != "dummy") loaded.insert(solver->library_version());
+  }
+  EXPECT_EQ(built, loaded);
+}
 
 TEST(Registration, ADummySolverIsOneFileAndOneLine) {
   solvers::register_solver(std::make_unique<Dummy>());

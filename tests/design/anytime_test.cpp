@@ -4,11 +4,12 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <accdec/design/design.hpp>
-#include <accdec/design/shape_search.hpp>
-#include <accdec/design/verify_result.hpp>
+#include <accdec/design.hpp>
+#include <accdec/design/anytime.hpp>
 #include <accdec/exact/size.hpp>
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/families/quick_search.hpp>
+#include <accdec/task.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/paths.hpp"
 
@@ -33,6 +34,18 @@ feed_in_mm_min = 6000
 {})",
                                 order_max, more),
                     "task.toml");
+}
+
+TEST(DesignTask, EveryRunOfTheExactMethodGetsTheOptions) {
+  DesignOptions options;
+  options.threads = 3;
+  options.gap = 0.25;
+  options.certificate = false;
+  const ExactOptions exact = exact_options(options, 7.0);
+  EXPECT_EQ(exact.threads, 3);
+  EXPECT_EQ(exact.gap, 0.25);
+  EXPECT_FALSE(exact.certificate);
+  EXPECT_EQ(exact.time_limit, 7.0);
 }
 
 TEST(DesignTask, InfeasibleForItsOrderNamesTheKeyAndALongerFilter) {
@@ -79,7 +92,7 @@ feed_in_mm_min = 6000
 error_max_um = 50
 )",
                          "task.toml");
-  const auto result = best_shape(task, 30.0);
+  const auto result = quick_member(task, 30.0);
   ASSERT_TRUE(result.has_value());
   EXPECT_TRUE(verify_result(*result).accepted);
   // The sum over the taps at a frequency of the band, term by term.
@@ -91,7 +104,8 @@ error_max_um = 50
   }
 }
 
-// 1 m/s by a jerk of 0.4 m/s^3 takes 2 sqrt(1 / 0.4) s, by one of 20 m/s^3 a seventh of it: 3162 and 447 samples.
+// To reach 1 m/s with a jerk of 0.4 m/s^3 takes 2 sqrt(1 / 0.4) s. With 20 m/s^3 it takes a seventh of that. These are
+// 3162 and 447 samples.
 TEST(DesignTask, WhatALargerOrderMaxDoesIsSaid) {
   const auto message = [](double jerk) {
     Task task = straight_start(100);

@@ -8,8 +8,8 @@
 #include <accdec/design/cone_formulation.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/nlp/derivative_check.hpp>
-#include <accdec/solvers/solver.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/solver.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <accdec/design/explain.hpp>
+#include <accdec/design.hpp>
 #include <accdec/design/explain_solve.hpp>
 
 #include "support/tasks.hpp"

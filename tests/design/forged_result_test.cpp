@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include <accdec/design/design.hpp>
-#include <accdec/design/verify_result.hpp>
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/design.hpp>
+#include <accdec/task.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/paths.hpp"
 
@@ -39,7 +39,7 @@ DesignResult designed(const char* problem) {
   return design_task(read_task(test_support::source_folder() + "/problems/" + problem));
 }
 
-/// What no result may say, whether it was searched for or its filter was given.
+/// Claims that no result may make, for a searched or a given filter.
 std::vector<Forgery> contradictions() {
   return {
       {"feasible without a gap", [](auto& r) { r.status = Status::feasible; }, "that is optimal"},

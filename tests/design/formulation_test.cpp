@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 
+#include <accdec/corner.hpp>
 #include <accdec/design/formulation.hpp>
-#include <accdec/machine/utilisation.hpp>
-#include <accdec/motion/blend.hpp>
+#include <accdec/machine.hpp>
 #include <accdec/task/contradictions.hpp>
 
 #include "support/tasks.hpp"

@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 
-#include <accdec/design/design.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/design.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/task/order_bound.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 

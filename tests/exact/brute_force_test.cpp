@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/design/design.hpp>
+#include <accdec/design.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/exact/search.hpp>
@@ -162,8 +162,8 @@ TEST(ExactBruteForce, ThreeCornersAgreeWithTheSearchBelowATarget) {
   }
 }
 
-// The linear program holds a residual of half a percent to 1e-10, which is more of it than the verifier grants: its
-// design has to be asked for once more, with a margin.
+// The linear program holds a residual of half a percent to 1e-10, which is relatively more than the verifier grants. So
+// the design must be computed again with a margin.
 
 }  // namespace
 }  // namespace accdec

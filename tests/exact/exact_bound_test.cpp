@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/task/order_bound.hpp>
 
 #include "support/tasks.hpp"
 
-// What a proof has to show when it is stopped, and that it goes on from there.
+// The bound of a proof that is stopped, and its continuation from there.
 
 namespace accdec {
 namespace {

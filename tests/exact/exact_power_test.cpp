@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/design/formulation.hpp>
 #include <accdec/exact/exact.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/solvers/solver.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/solver.hpp>
+#include <accdec/verify.hpp>
 
 #include "expect_proved.hpp"
 #include "support/tasks.hpp"
@@ -39,9 +39,9 @@ DesignResult proved_exact_stop(const Axis& axis, double v, double t) {
   return result;
 }
 
-// Exact stop of frictionless axes, force then power: the shortest start has constant acceleration up to V* = P/F, then
-// the square root of V*^2 + 2 P t/m; sampled, B_k is the largest root of what one step allows. A stop is limited by
-// force alone, so the same filter does. Leg 2 starts when leg 1 stands: d = N.
+// Exact stop of frictionless axes, limited by force and then by power. The shortest start has constant acceleration up
+// to V* = P/F, then the speed is the square root of V*^2 + 2 P t/m. Sampled, B_k is the largest root of what one step
+// allows. A stop is limited only by force, so the same filter works. Leg 2 starts when leg 1 has stopped: d = N.
 TEST(ExactPower, ForceThenPowerIsTheSaturatingStart) {
   for (const double power : {60.0, 100.0, 140.0, 400.0}) {
     Axis axis = frictionless();
@@ -55,15 +55,15 @@ TEST(ExactPower, ForceThenPowerIsTheSaturatingStart) {
     for (double b = 0.0; b < 1.0 - 1e-12; ++taps) b = std::min(b + step, 0.5 * (b + std::sqrt(b * b + 4.0 * p)));
     EXPECT_EQ(result.filter->order() + 1, taps);
     EXPECT_EQ(result.filter->order() + result.corners[0].delay, 2 * (taps - 1));
-    // And that is, to the sample, what continuous time says: m V*/F + m (v^2 - V*^2)/(2 P).
+    // This agrees to the sample with continuous time: m V*/F + m (v^2 - V*^2)/(2 P).
     const double knee = std::min(v, power / axis.force_max);
     const double tau = axis.mass * knee / axis.force_max + axis.mass * (v * v - knee * knee) / (2.0 * power);
     EXPECT_NEAR(taps, tau / t, 2.0);
   }
 }
 
-// Regeneration is the mirror image, but for the last step: power is counted at the speed a step ends with, so a stop
-// gives nothing back in the step that ends at rest.
+// Regeneration is the mirror image except for the last step. Power is counted with the speed at the end of a step, so a
+// stop regenerates nothing in the step that ends at rest.
 TEST(ExactPower, RegenerationIsTheMirrorImage) {
   for (const double power : {40.0, 70.0, 120.0}) {
     Axis axis = frictionless();

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/certificate/checker.hpp>
-#include <accdec/design/design.hpp>
+#include <accdec/certificate.hpp>
+#include <accdec/design.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/exact/search.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 #include "expect_proved.hpp"
 #include "support/tasks.hpp"
@@ -84,9 +84,9 @@ TEST(Exact, ToleranceZeroGivesTheExactStop) {
   EXPECT_EQ(result.corners[0].corner_error, 0.0);
 }
 
-// Five taps J (1, 2, 3, 2, 1) of sum 1 are the only filter of order 4 under the jerk J v/T^2. One axis that leg 1 stops
-// and leg 2 starts again in the same direction sees the last step of the one and the first of the other at the same
-// sample up to d = N + 1, together 1.5 J: the legs must be N + 2 apart.
+// Five taps J (1, 2, 3, 2, 1) of sum 1 are the only filter of order 4 under the jerk J v/T^2. Leg 1 stops an axis, and
+// leg 2 starts it again in the same direction. Up to d = N + 1, the last step of leg 1 and the first of leg 2 meet at
+// one sample, together 1.5 J. So the legs must be N + 2 apart.
 TEST(Exact, JerkAcrossAnExactStopAsksForOneMoreSample) {
   Axis axis;
   axis.jerk_max = 0.1 / 9.0 / 1e-6 * (1.0 + 1e-8);

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/certificate/checker.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/certificate.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec::testing {
 

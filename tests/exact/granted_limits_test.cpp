@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/exact/exact.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/task/granted_limits.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 

@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/temporaries.hpp>
 
@@ -38,6 +38,38 @@ TEST(OutputFiles, WritesAndReplacesLeavingNothingElse) {
   write_file(folder.path("a"), std::string("two\0three", 9));
   EXPECT_EQ(folder.read("a"), std::string("two\0three", 9));
   EXPECT_EQ(folder.count(), 1U);
+}
+
+// A killed process leaves its temporary; the next one to write into the folder removes it, and no living one's.
+TEST(OutputFiles, TemporariesOfDeadProcessesAreRemoved) {
+  const TemporaryFolder folder;
+  std::string own;
+  const int file = open_temporary(folder.path("own"), own);
+  ASSERT_GE(file, 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::string name;
+    ::_exit(open_temporary(folder.path("report.html"), name) >= 0 ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(status, 0);
+  folder.write("notes.part", "mine");
+  ASSERT_EQ(folder.count(), 3U) << "own, the child's, notes";
+  // Another process, for which the folder is new.
+  const pid_t next = ::fork();
+  if (next == 0) {
+    const std::string there = folder.path("") + "/./r.json";
+    write_file(there, "{}");
+    ::_exit(0);
+  }
+  ASSERT_EQ(::waitpid(next, &status, 0), next);
+  EXPECT_EQ(folder.count(), 3U) << "own, notes, r.json";
+  EXPECT_EQ(folder.read("r.json"), "{}");
+  EXPECT_TRUE(std::filesystem::exists(own));
+  EXPECT_EQ(folder.read("notes.part"), "mine");
+  ::close(file);
+  remove_temporary(own);
 }
 
 TEST(OutputFiles, PermissionsOfAnExistingFileStay) {

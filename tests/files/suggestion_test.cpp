@@ -26,6 +26,14 @@ TEST(Suggestion, NearestKey) {
   EXPECT_EQ(nearest("colour", keys), "");
   EXPECT_EQ(nearest("", keys), "");
   EXPECT_EQ(suggest("weigth", keys), "did you mean `weight`?");
+  EXPECT_EQ(suggest("error_max_mm", keys), "did you mean `error_max_um`? Its number is in um, not in mm");
+  EXPECT_EQ(suggest("eror_max_um", keys), "did you mean `error_max_um`?");
+  constexpr std::string_view axis[] = {"velocity_max_mm_s", "acceleration_max_mm_s2", "jerk_max_mm_s3"};
+  EXPECT_EQ(suggest("accel_max_mm_s2", axis), "did you mean `acceleration_max_mm_s2`?");
+  EXPECT_EQ(suggest("vel_max_m_s", axis), "did you mean `velocity_max_mm_s`? Its number is in mm/s, not in m/s");
+  EXPECT_EQ(suggest("acceleration_max_mm_min2", axis),
+            "did you mean `acceleration_max_mm_s2`? Its number is in mm/s^2, not in mm/min^2");
+  EXPECT_EQ(nearest("acc_mm_s2", axis), "") << "an acceleration, but which?";
   constexpr std::string_view two[] = {"a", "b"};
   EXPECT_EQ(suggest("something", two), "known here: a, b");
 }

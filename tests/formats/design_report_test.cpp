@@ -1,9 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <accdec/design.hpp>
 #include <accdec/formats/design_report.hpp>
-#include <accdec/formats/task_reader.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/formats/explanation.hpp>
+#include <accdec/task.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/malformed_tasks.hpp"
 
@@ -36,6 +38,32 @@ TEST(ResultText, StatesUnitsAndTheWorstOfEveryLimit) {
   for (const char* unit : {"um", "mm/s", "ms", "mm/s^2", "N", "%"}) EXPECT_THAT(text, HasSubstr(unit));
   // Velocity x: 100 mm/s of 500, under the width of "313.344".
   EXPECT_THAT(text, HasSubstr("20.00      100    500  mm/s"));
+}
+
+TEST(ResultText, SaysWhatIsNotConsidered) {
+  const auto text = [](const malformed::Parts& parts) {
+    return result_text(evaluate_task(parse_task(parts.str(), "t")));
+  };
+  EXPECT_THAT(text({}), HasSubstr("ignored     vibration of the machine (the task has no [[mode]]); following error "
+                                  "and feedforward of the servo, thermal rating of the drives\n"));
+  EXPECT_THAT(text({.end = "[[mode]]\nfrequency_Hz = 40\nresidual_max = 1\n"}),
+              HasSubstr("ignored     following error and feedforward of the servo, thermal rating of the drives\n"));
+}
+
+TEST(ExplanationText, SaysWhatIsNotConsidered) {
+  const Explanation explanation = explain_task(parse_task(malformed::Parts{}.str(), "t"));
+  EXPECT_THAT(explanation_text(explanation), HasSubstr("Ignored: vibration of the machine (the task has no [[mode]])"));
+}
+
+// Names in a result come from a file; the terminal obeys what it gets.
+TEST(ResultText, HoldsNoControlCharacters) {
+  DesignResult result = evaluate_task(parse_task(malformed::Parts{}.str(), "t"));
+  result.message = result.solver.name = "\x1b[31mred";
+  result.limits.front().axis = "\x1b]0;title\a";
+  const std::string shown = result_text(result);
+  EXPECT_THAT(shown, HasSubstr("\\x1b[31mred"));
+  EXPECT_EQ(shown.find('\x1b'), std::string::npos);
+  EXPECT_EQ(shown.find('\a'), std::string::npos);
 }
 
 }  // namespace

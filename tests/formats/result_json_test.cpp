@@ -5,12 +5,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/certificate/certificate.hpp>
-#include <accdec/design/design.hpp>
-#include <accdec/design/verify_result.hpp>
-#include <accdec/formats/result_json.hpp>
-#include <accdec/formats/task_reader.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/certificate.hpp>
+#include <accdec/design.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/malformed_tasks.hpp"
 
@@ -304,6 +303,27 @@ TEST(Recheck, AnInfeasibleResultCarriesNothingBesides) {
     EXPECT_TRUE(rejected([](auto& r) { r.verification.worst = "jerk x"; }));
     EXPECT_TRUE(rejected([](auto& r) { r.verification.certificate = "proved"; }));
   }
+}
+
+TEST(ResultJson, SaysWhatIsNotConsidered) {
+  DesignResult result = example();
+  using List = std::vector<std::string>;
+  const auto listed = [](const DesignResult& r) {
+    return nlohmann::ordered_json::parse(result_to_json(r))["not_considered"].get<List>();
+  };
+  result.task.machine.modes.clear();
+  EXPECT_EQ(listed(result), (List{"vibration", "servo"}));
+  result.task.machine.modes.push_back({.frequency_low = 40, .frequency_high = 41, .residual_max = 0.1});
+  EXPECT_EQ(listed(result), List{"servo"});
+  // The list follows from the task; older results have none.
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(result_to_json(example()));
+  json.erase("not_considered");
+  EXPECT_NO_THROW(parse_result(json.dump(), "r"));
+  json["not_considered"] = List{"gravity"};
+  EXPECT_THAT(message_of(json.dump()),
+              HasSubstr("not_considered[0]: \"gravity\" is unknown; allowed are vibration, servo"));
+  json["not_considered"] = List{"servo", "servo"};
+  EXPECT_THAT(message_of(json.dump()), HasSubstr("not_considered: must be ["));
 }
 
 TEST(ResultJson, TapsAreNotScaledAndKeysStandOnce) {

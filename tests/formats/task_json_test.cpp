@@ -42,7 +42,8 @@ TEST(TaskJson, SaysWhatIsWrong) {
   EXPECT_THAT(complaint("{\"sample_period\": 0.001, \"sample_period_ms\": 1, " + corner + "}"),
               HasSubstr("both given"));
   EXPECT_THAT(complaint("{\"sample_period\": null, " + corner + "}"), HasSubstr("null"));
-  EXPECT_THAT(complaint("{\"sample_period\": \"short\", " + corner + "}"), HasSubstr("sample_period_ms"));
+  EXPECT_THAT(complaint("{\"sample_period\": \"short\", " + corner + "}"),
+              HasSubstr("`sample_period` must be a number, got \"short\""));
   EXPECT_THAT(complaint("{\"sample_period\": 0.001, \"filter\": {\"a\": {\"b\": {\"c\": {\"d\": {\"e\": 1}}}}}, " +
                         corner + "}"),
               HasSubstr("nested too deeply"));

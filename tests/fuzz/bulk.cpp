@@ -1,6 +1,6 @@
-// Feeds a fuzz target with mutated files as fast as it reads them, without looking which code they reach:
-// fuzz_NAME_bulk SECONDS SEED FOLDER.. ; an input that ends the process is left in crash-input. Told to end (SIGTERM,
-// Ctrl-C), it says how many it has read.
+// Feeds a fuzz target with mutated files as fast as it reads them, and ignores which code they reach: fuzz_NAME_bulk
+// SECONDS SEED FOLDER.. . An input that ends the process is left in crash-input. ; an input that ends the process is
+// left in crash-input. Told to end (SIGTERM, Ctrl-C), it says how many it has read.
 
 #include <algorithm>
 #include <chrono>

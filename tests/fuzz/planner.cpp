@@ -1,5 +1,6 @@
-// Any bytes are a machine and a short program of moves; whatever a planner says to hold, its samples hold by plain
-// differences and by the distance of every point from the whole motion, and it ends.
+// Any bytes make a machine and a short program of moves. The planner must end. If it claims that limits hold, plain
+// differences of its samples must confirm this. So must the distance of every point from the whole motion, and the
+// recheck of `accdec verify` must accept the record.
 
 #include <algorithm>
 #include <array>
@@ -12,11 +13,14 @@
 
 #include <fmt/format.h>
 
-#include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/choose_feeds.hpp>
-#include <accdec/program/profiles/plan_profiles.hpp>
-#include <accdec/program/profiles/profile_motion.hpp>
-#include <accdec/program/read/read_error.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/formats/task_writer.hpp>
+#include <accdec/gcode/read_error.hpp>
+#include <accdec/plan/record/check_record.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/simulate/profile_motion.hpp>
+#include <accdec/simulate/sample_check.hpp>
+#include <accdec/task.hpp>
 
 namespace {
 
@@ -90,11 +94,12 @@ void require(bool holds, const char* what) {
 
 /// Limits by differences, and the distance of every point from all of the motion: never more than the planner's own,
 /// which looks near the point's legs only.
-void check_profiles(const Toolpath& path, const Machine& machine, const ProfilePlan& plan) {
+void check_profiles(const Plan& plan, const Machine& machine) {
+  const Toolpath& path = plan.path;
   const std::size_t n = path.dimensions();
   std::vector<double> rows(path.point(0), path.point(0) + n);
   for (int i = 0; i < 3; ++i) rows.insert(rows.begin(), path.point(0), path.point(0) + n);
-  ProfileMotion motion(path, plan.chain, period, plan.last);
+  ProfileMotion motion(path, plan.trajectory()->chain, period, plan.filter());
   while (motion.next()) rows.insert(rows.end(), motion.position(), motion.position() + n);
   for (int i = 0; i < 3; ++i) rows.insert(rows.end(), path.point(path.blocks()), path.point(path.blocks()) + n);
   const std::size_t count = rows.size() / n;
@@ -123,6 +128,32 @@ void check_profiles(const Toolpath& path, const Machine& machine, const ProfileP
   }
 }
 
+/// The task of a machine and what a record says of its inputs.
+struct Inputs {
+  Task task;
+  ProgramInputs recorded;
+};
+
+Inputs inputs_of(const Machine& machine, const ToolpathOptions& reading) {
+  Inputs inputs;
+  inputs.task.sample_period = period;
+  inputs.task.machine = machine;
+  inputs.recorded.program = "fuzz.ngc";
+  inputs.recorded.task_path = "fuzz.toml";
+  inputs.recorded.task_text = task_to_toml(inputs.task);
+  inputs.recorded.reading = reading;
+  inputs.task = parse_task(inputs.recorded.task_text, "fuzz.toml", {.require_corners = false, .axes = 9});
+  return inputs;
+}
+
+void verify(const ProgramResult& result, const Toolpath& path, const Inputs& inputs) {
+  if (!result.verification.feasible) return;
+  const std::string text = program_to_json(result, inputs.recorded);
+  const RecordCheck check = check_program_record(text, parse_program_record(text, "r.json"), path);
+  for (const std::string& reason : check.reasons) std::fprintf(stderr, "%s\n", reason.c_str());
+  require(check.reasons.empty(), "a true result is refused");
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -139,15 +170,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     double way = 0.0;
     for (const double d : path.duration) way += d;
     if (path.blocks() > 120 || way > 5.0) return 0;  // right, but slow
-    const Machine axes = program_machine(machine, path);
-    const ProfilePlan profiles = plan_profiles(path, axes, period);
-    if (profiles.holds()) check_profiles(path, axes, profiles);
-    const Filter filter = boxcar(order);
-    const ScheduledPlan fixed = schedule_feeds(path, filter, period, axes);
-    if (all_holds(fixed.plan)) {
-      const ProgramPlan again = check_program(fixed.path, filter, period, axes, fixed.plan.delays);
-      require(all_holds(again) && again.simulation.samples == fixed.plan.simulation.samples, "fixed plan, again");
-    }
+    const Inputs inputs = inputs_of(machine, options);
+    const ProgramResult profiles =
+        plan_profiles_of(inputs.recorded.program, path, options.read.arc_tolerance, inputs.task);
+    if (profiles.verification.feasible) check_profiles(profiles.plan, program_machine(machine, path));
+    verify(profiles, path, inputs);
+    // Under sanitizers a search may take minutes; the best plan by then must hold, too.
+    const Deadline deadline(4.0);
+    verify(run_program(inputs.recorded.program, path, boxcar(order), inputs.task, false, Feeds::choose, deadline), path,
+           inputs);
   } catch (const ReadError&) {
   }
   return 0;

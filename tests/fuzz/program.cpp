@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <string_view>
 
-#include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/program_plan.hpp>
-#include <accdec/program/read/read_error.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/gcode/read_error.hpp>
+#include <accdec/plan/command/program_plan.hpp>
 
 namespace {
 

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include <accdec/formats/task_reader.hpp>
 #include <accdec/formats/task_writer.hpp>
+#include <accdec/task.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

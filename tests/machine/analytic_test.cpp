@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/machine/utilisation.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
 
 #include "support/random_case.hpp"
 
@@ -118,8 +118,8 @@ TEST(Analytic, ForceThenPowerLimitWithoutFriction) {
   }
 }
 
-// Among all filters whose start from rest keeps the force limit, the one that saturates it at every sample is the
-// fastest and has the smallest corner error, whatever the angle.
+// Take all filters whose start from rest keeps the force limit. The one that saturates it at every sample is the
+// fastest. It also has the smallest corner error at any angle.
 TEST(Analytic, SaturatedStartIsFastestAndNearestToTheCorner) {
   const double v = 0.5, mass = 100, damping = 800, force = 600;
   const double a = force * period / mass / v, r = 1 / (1 + damping * period / mass);  // B[k] <= r (B[k-1] + a)

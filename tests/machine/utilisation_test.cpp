@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/machine/utilisation.hpp>
+#include <accdec/machine.hpp>
 
 #include "support/convolution.hpp"
 #include "support/random_case.hpp"
@@ -23,7 +23,7 @@ using test::uniform;
 
 using std::numbers::pi;
 
-/// What a limit counts, from the simulated stream alone.
+/// The value that a limit bounds, from the simulated stream alone.
 double counted(LimitKind kind, const Axis& axis, const Convolution& plain, Eigen::Index a, int n) {
   const double v = plain.velocity(n)[a], acc = plain.acceleration(n)[a], force = axis.mass * acc + axis.damping * v;
   switch (kind) {
@@ -106,8 +106,8 @@ TEST(Utilisation, OnlyFiniteLimitsAreReportedInAxisOrder) {
   EXPECT_EQ(uses[2].kind, LimitKind::jerk);
 }
 
-// An axis that turns right round: without delay both legs brake it at once, twice the acceleration of a start or stop,
-// and both boxcars' edges fall on the same sample. From d = N + 1 on they follow each other.
+// An axis that reverses. Without delay both legs brake it at once, with twice the acceleration of a start or stop, and
+// the edges of both boxcars fall on the same sample. From d = N + 1 on they follow each other.
 TEST(Utilisation, ReversalDoublesTheAcceleration) {
   Machine machine;
   machine.axes.resize(1);

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/machine/utilisation.hpp>
+#include <accdec/machine.hpp>
 
 #include "support/random_case.hpp"
 

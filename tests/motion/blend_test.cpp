@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/blend.hpp>
+#include <accdec/corner.hpp>
 
 #include "support/convolution.hpp"
 #include "support/random_case.hpp"

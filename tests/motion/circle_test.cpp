@@ -4,9 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <accdec/filter.hpp>
 #include <accdec/motion/circle.hpp>
-#include <accdec/motion/controller_shapes.hpp>
-#include <accdec/motion/shapes.hpp>
 
 namespace accdec {
 namespace {
@@ -21,9 +20,8 @@ TEST(CircleError, OfTheBoxcarIsTheDirichletKernels) {
   }
 }
 
-// v^2 sigma^2/(2 R) is the first term of a series whose next is of relative size (v sigma/R)^2; sigma^2 of N + 1 equal
-// taps is
-// ((N + 1)^2 - 1)/12 samples^2.
+// The term v^2 sigma^2/(2 R) is the first one of a series. The next one has relative size (v sigma/R)^2. For N + 1
+// equal taps, sigma^2 is ((N + 1)^2 - 1)/12 samples^2.
 TEST(CircleError, SmallAngleFormula) {
   const double radius = 0.05, feed = 0.1, period = 1e-3;
   for (const int order : {1, 10, 40}) {
@@ -36,8 +34,8 @@ TEST(CircleError, SmallAngleFormula) {
   }
 }
 
-// The simulated turn is longer than the filter, so it reaches the shrunken circle; while the filter fills and empties,
-// points at rest count as well, which are nearer to the circle than that.
+// The simulated turn is longer than the filter, so it reaches the shrunken circle. While the filter fills and empties,
+// points at rest count too; they are nearer to the circle.
 TEST(CircleError, AgreesWithAWholeTurnSimulated) {
   for (const Filter& filter : {trapezoid(30, 8), hann(25), exponential(22, 0.95), blackman_sinc(40, 0.049)}) {
     for (const double radius : {0.005, 0.05, 0.5}) {

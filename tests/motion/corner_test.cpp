@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/corner.hpp>
+#include <accdec/corner.hpp>
 
 #include "support/random_case.hpp"
 

@@ -1,15 +1,16 @@
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
 #include <set>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <accdec/motion/controller_shapes.hpp>
-#include <accdec/motion/filter_spec.hpp>
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec {
 namespace {
@@ -52,6 +53,48 @@ TEST(Averages, ResponseIsTheProductOfTheirs) {
   }
 }
 
+// Beside a convolution term by term in long double, which adds only: every tap to 1e-12 of itself, those at the ends
+// too.
+TEST(Averages, ManyStagesAreAsAccurateAtTheEndsAsInTheMiddle) {
+  const std::vector<std::pair<int, std::size_t>> cascades{{3, 36}, {10, 18}, {10, 20}, {7, 60}, {500, 9}};
+  for (const auto& [length, stages] : cascades) {
+    std::vector<long double> expected{1.0L};
+    for (std::size_t stage = 0; stage < stages; ++stage) {
+      std::vector<long double> next(expected.size() + static_cast<std::size_t>(length) - 1, 0.0L);
+      for (std::size_t i = 0; i < expected.size(); ++i) {
+        for (std::size_t j = 0; j < static_cast<std::size_t>(length); ++j) next[i + j] += expected[i] / length;
+      }
+      expected = next;
+    }
+    const Filter filter = averages(std::vector<int>(stages, length));
+    ASSERT_EQ(filter.taps().size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const auto tap = static_cast<double>(expected[i]);
+      ASSERT_NEAR(filter.taps()[i], tap, 1e-12 * tap) << stages << " of " << length << ", tap " << i;
+    }
+  }
+  EXPECT_DOUBLE_EQ(averages(std::vector<int>(20, 10)).tap(0), 1e-20);
+}
+
+// Averages of two taps give binomial coefficients over 2^n, here beyond the range of a double.
+TEST(Averages, OfTwoTapsAreBinomialCoefficients) {
+  const int n = 1100;
+  const Filter filter = averages(std::vector<int>(n, 2));
+  ASSERT_EQ(filter.order(), n);
+  long double tap = std::ldexp(1.0L, -n);
+  for (int i = 0; i <= n; ++i) {
+    const auto expected = static_cast<double>(tap);
+    ASSERT_NEAR(filter.tap(i), expected, std::max(1e-12 * expected, 1e-300)) << "tap " << i;
+    tap *= static_cast<long double>(n - i) / (i + 1);
+  }
+}
+
+// Lengths that come one after another in any order and shape of blocks.
+TEST(Averages, OrderOfTheStagesDoesNotMatter) {
+  const std::vector<int> rising{1, 2, 5, 40, 163}, falling{163, 40, 5, 2, 1};
+  expect_same(averages(rising), averages(falling), 0.0);
+}
+
 TEST(Exponential, TapsAreAGeometricSeries) {
   const Filter filter = exponential(22, 0.93);
   const double first = (1.0 - 0.93) / (1.0 - std::pow(0.93, 23));
@@ -73,6 +116,10 @@ TEST(ControllerShapes, RefuseWhatTheyCannotBe) {
   const int none[] = {3, 0};
   EXPECT_THROW(averages(none), std::invalid_argument);
   EXPECT_THROW(averages({}), std::invalid_argument);
+  EXPECT_NO_THROW(averages(std::vector<int>(averages_max, 1)));
+  EXPECT_THROW(averages(std::vector<int>(averages_max + 1, 1)), std::invalid_argument);
+  // 2000 times an order of a million would take many seconds.
+  EXPECT_THROW(averages(std::vector<int>(averages_max, 501)), std::invalid_argument);
   EXPECT_THROW(exponential(5, 0.0), std::invalid_argument);
   EXPECT_THROW(exponential(5, 1000.1), std::invalid_argument);
   EXPECT_THROW(gaussian(0, 1.0), std::invalid_argument);
@@ -116,6 +163,16 @@ TEST(ShapeList, DescribesParameters) {
   spec.kind = Shape::exponential;
   spec.ratio = 0.95;
   EXPECT_EQ(describe_parameters(spec), "ratio = 0.95");
+  spec.ratio = 0.9123456789;
+  EXPECT_EQ(describe_parameters(spec), "ratio = 0.9123");
+  EXPECT_EQ(describe_parameters(spec, Digits::all), "ratio = 0.9123456789");
+}
+
+TEST(ShapeList, TitlesSayWhatShapesAre) {
+  EXPECT_EQ(shape_title(Shape::s_curve), "quintic S-curve (paper)");
+  EXPECT_EQ(shape_title(Shape::trapezoid), "two averages (trapezoidal acceleration, the industry's S-curve)");
+  EXPECT_EQ(shape_title(Shape::trapezoid, 2), "two averages, ZVD");
+  EXPECT_EQ(shape_title(Shape::gaussian, 1), "Gaussian, ZV");
 }
 
 }  // namespace

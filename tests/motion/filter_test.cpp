@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <accdec/motion/filter.hpp>
+#include <accdec/filter.hpp>
 
 #include "support/random_case.hpp"
 

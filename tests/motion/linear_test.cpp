@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/linear.hpp>
+#include <accdec/corner.hpp>
 
 #include "support/random_case.hpp"
 
@@ -20,9 +20,9 @@ using test::uniform;
 using std::numbers::pi;
 constexpr double one_degree = pi / 180.0;
 
-/// Position by integrating the two clipped ramps numerically (midpoint rule, exact for each linear piece when the kinks
-/// fall on cell edges, else wrong by less than v tau / n^2): shares nothing with the closed form but the start, Eq.
-/// (4).
+/// Position by numerical integration of the two clipped ramps with the midpoint rule. The rule is exact for each linear
+/// piece if the kinks fall on cell edges; otherwise it is wrong by less than v tau / n^2. It shares only the start, Eq.
+/// (4), with the closed form.
 Eigen::Vector2d integrated(double theta, double v1, double v2, double tau, double delay, double t, int n) {
   const Eigen::Vector2d u1(std::sin(theta / 2), -std::cos(theta / 2)), u2(std::sin(theta / 2), std::cos(theta / 2));
   Eigen::Vector2d s = -0.5 * v1 * tau * u1;

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/blend.hpp>
+#include <accdec/corner.hpp>
 
 #include "support/random_case.hpp"
 
@@ -51,8 +51,8 @@ TEST(Property, ErrorFallsWithDelayUpToARightAngleThePolylineErrorAtAnyAngle) {
             0);  // the sampled error of flat corners does rise here and there: that is why the two are told apart
 }
 
-// Straight on, two taps 1/2, equal feeds: at d = 0 a sample lies half a step before the point and one half a step
-// behind; the polyline passes through it.
+// A straight pass with two taps 1/2 and equal feeds. At d = 0 one sample lies half a step before the point and one half
+// a step after it. The polyline passes through it.
 TEST(Property, SampledErrorOfAStraightPassIsNotThatOfThePolyline) {
   const Filter filter({1, 1});
   const Corner corner = corner_of(pi, 0.5, 0.5);

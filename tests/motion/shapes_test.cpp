@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec {
 namespace {
@@ -81,8 +81,8 @@ TEST(Shapes, FollowTheirFormulas) {
   }
 }
 
-// The step response of the discrete quintic tends to 10 t^3 - 15 t^4 + 6 t^5 (Eq. 30): the trapezoidal sum of a
-// polynomial whose slope vanishes at both ends is off by O(n^-2).
+// The step response of the discrete quintic tends to 10 t^3 - 15 t^4 + 6 t^5 (Eq. 30). The trapezoidal sum of a
+// polynomial whose slope is zero at both ends is off by O(n^-2).
 TEST(Shapes, QuinticIntegratesToTheSCurve) {
   const int n = 400;
   const Filter f = s_curve(n);
@@ -108,11 +108,11 @@ TEST(Shapes, TrapezoidIsTwoBoxcarsInSeries) {
   EXPECT_NEAR(trapezoid(12, 0).tap(5), 1.0 / 13, 1e-16);
 }
 
-// "The FIR filter has the smallest corner error" holds at equal Acc/Dec time only. At equal limits: the trapezoid of
-// order 23, ramp 9 (boxcars of 10 and 15 taps in series: peak 1/15, step 1/150) needs less peak acceleration and jerk
-// than the paper's order-40 Blackman-sinc, takes 24 samples instead of 41, and has the smaller mean absolute deviation,
-// hence corner error (Eq. 24). With both limits used up, taps min((i + 1) j, a, (N + 1 - i) j), order 22 does (24 with
-// zero end taps counted).
+// "The FIR filter has the smallest corner error" holds at equal Acc/Dec time only. At equal limits, the trapezoid of
+// order 23, ramp 9, is better than the paper's order-40 Blackman-sinc. It is made of boxcars of 10 and 15 taps in
+// series: peak 1/15, step 1/150. It needs less peak acceleration and jerk and takes 24 samples instead of 41. It has
+// the smaller mean absolute deviation, hence corner error (Eq. 24). With both limits used fully, taps min((i + 1) j, a,
+// (N + 1 - i) j), order 22 is enough (24 with zero end taps counted).
 TEST(Shapes, TrapezoidBeatsThePapersFilterAtEqualLimits) {
   const Filter paper = blackman_sinc(40, 0.049);
   EXPECT_NEAR(mean_absolute_deviation(paper), 4.466, 5e-4);

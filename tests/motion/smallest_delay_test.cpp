@@ -6,9 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/corner.hpp>
-#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/corner.hpp>
 
 #include "support/random_case.hpp"
 
@@ -118,8 +116,8 @@ TEST(SmallestDelay, AnyToleranceAboveTheUndelayedErrorNeedsNone) {
   EXPECT_EQ(finder(-1.0, 1e-4, 1e-4, 1e-4), 0);  // straight on at one feed: a sample in every step's length
 }
 
-// Boxcar, equal feeds, N + d even: eps = 2 v0 T cos(theta/2) E[max(i - N/2 - d/2, 0)]; with j = (N - d)/2 taps left of
-// N + 1 the sum is j (j + 1) / (2 (N + 1)). The bound is put just above and just below it.
+// For a boxcar with equal feeds and N + d even, eps = 2 v0 T cos(theta/2) E[max(i - N/2 - d/2, 0)]. With j = (N - d)/2
+// taps left of N + 1, the sum is j (j + 1) / (2 (N + 1)). The bound is put just above and just below it.
 TEST(SmallestDelay, BoxcarInClosedForm) {
   const int order = 40;
   const DelayFinder finder(boxcar(order));

@@ -8,11 +8,11 @@ function(run)
 endfunction()
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-# What is installed asks for nothing but the packages that the exported target names, and what is installed.
+# The installed headers need only the packages that the exported target names, and installed files.
 file(GLOB_RECURSE headers RELATIVE ${WORK}/prefix/include ${WORK}/prefix/include/accdec/*.hpp)
 list(LENGTH headers count)
-if(count LESS 100)
-  message(FATAL_ERROR "only ${count} headers are installed")
+if(count EQUAL 0 OR count GREATER 14)
+  message(FATAL_ERROR "${count} headers are installed, 1 to 14 are public")
 endif()
 foreach(header ${headers})
   file(STRINGS ${WORK}/prefix/include/${header} lines REGEX "^#include [<\"].*[/.]")
@@ -29,14 +29,22 @@ run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/consumer)
 run(${WORK}/prefix/bin/accdec --version)
 run(${WORK}/build/first_result)
-file(READ ${SOURCE}/first_result.cpp program)
-file(READ ${PROJECT}/README.md readme)
-string(FIND "${readme}" "${program}" place)
-if(place EQUAL -1)
-  message(FATAL_ERROR "the README's C++ program is not tests/package/consumer/first_result.cpp")
-endif()
+run(${WORK}/build/one_corner)
+run(${WORK}/build/one_program)
+# Programs in documents are these, to the letter.
+foreach(pair first_result=README.md one_corner=lib/include/README.md one_program=lib/include/README.md)
+  string(REPLACE "=" ";" pair ${pair})
+  list(GET pair 0 name)
+  list(GET pair 1 document)
+  file(READ ${SOURCE}/${name}.cpp program)
+  file(READ ${PROJECT}/${document} text)
+  string(FIND "${text}" "${program}" place)
+  if(place EQUAL -1)
+    message(FATAL_ERROR "${document} does not have tests/package/consumer/${name}.cpp")
+  endif()
+endforeach()
 
-# What is installed beside the program and the library.
+# The other installed files.
 foreach(file share/bash-completion/completions/accdec share/zsh/vendor-completions/_accdec
     share/fish/vendor_completions.d/accdec.fish)
   if(NOT EXISTS ${WORK}/prefix/${file})
@@ -54,7 +62,7 @@ execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pc} pkg-config
 run(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pc} pkg-config --static --libs --cflags accdec)
 
 # One version, wherever it has to be written once more.
-foreach(file apps/guide/CITATION.cff apps/guide/CHANGELOG.md apps/python/pyproject.toml)
+foreach(file apps/guide/CITATION.cff apps/guide/CHANGELOG.md)
   file(READ ${PROJECT}/${file} text)
   string(FIND "${text}" "${version}" place)
   if(place EQUAL -1)

@@ -22,8 +22,8 @@ class Browser:
         os.close(commands)
         os.close(answers)
         self.number, self.buffer, self.events = 0, b"", []
-        target = self.call("Target.createTarget", url="about:blank")["targetId"]
-        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self.target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.call("Target.attachToTarget", targetId=self.target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.page(f"{domain}.enable")
 
@@ -60,8 +60,9 @@ class Browser:
         return result["result"].get("value")
 
     def open(self, path):
+        """A file, or an address."""
         self.events.clear()
-        self.page("Page.navigate", url=f"file://{path}")
+        self.page("Page.navigate", url=f"file://{path}" if str(path).startswith("/") else path)
         while not any(e.get("method") == "Page.loadEventFired" for e in self.events):
             self.events.append(self.receive())
         self.value("1")  # whatever the page's script had to say is here now

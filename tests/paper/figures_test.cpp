@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/linear.hpp>
+#include <accdec/corner.hpp>
 #include <accdec/paper/paper_case.hpp>
 #include <accdec/paper/paper_circle.hpp>
 #include <accdec/paper/paper_figures.hpp>

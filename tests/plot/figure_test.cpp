@@ -46,6 +46,18 @@ TEST(Figure, SameFigureSameBytes) {
   EXPECT_EQ(svg, render_svg(line_figure("plain")));
 }
 
+TEST(Figure, DrawingsAndCurvesAreNamedByTheirTitlesOnly) {
+  Figure figure = line_figure("of <one> curve");
+  figure.panels[0].series.push_back({"", {0, 1}, {1, 0}, Mark::line, 2});
+  const std::string svg = render_svg(figure);
+  EXPECT_THAT(svg, HasSubstr("<title>of &lt;one&gt; curve</title>"));
+  EXPECT_THAT(svg, Not(HasSubstr("<title>Gnuplot")));
+  EXPECT_THAT(svg, Not(HasSubstr("<title>gnuplot_plot")));
+  expect_well_formed(svg);
+  figure.title.clear();
+  EXPECT_THAT(render_svg(figure), Not(HasSubstr("<title>Gnuplot")));
+}
+
 TEST(Figure, TitlesAreDrawnAndNeverExecuted) {
   const auto touched = std::filesystem::temp_directory_path() / ("accdec-touched-" + std::to_string(::getpid()));
   const std::string touch = "touch " + touched.string();

@@ -7,10 +7,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/gcode/generate.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/program_motion.hpp>
-#include <accdec/program/write/generate.hpp>
+#include <accdec/plot/program_view.hpp>
 
 namespace accdec {
 namespace {
@@ -45,9 +46,15 @@ TEST(PlotProgram, CornersHaveTheColourOfTheirErrorOverTolerance) {
   EXPECT_EQ(path.x.label, "x / mm");
   EXPECT_EQ(path.y.label, "y / mm");
   EXPECT_EQ(value_at(path, 50.0, 0.0, 1.0), 0.0);
-  EXPECT_DOUBLE_EQ(value_at(path, 50.0, 50.0, 1.0), 100.0 * result.plan.errors[1] / 0.1e-3);
+  EXPECT_DOUBLE_EQ(value_at(path, 50.0, 50.0, 1.0), 100.0 * result.errors[1] / 0.1e-3);
   EXPECT_EQ(value_at(path, 25.0, 50.0, 20.0), -1.0) << "a leg has no colour";
   EXPECT_THAT(figure.title, HasSubstr("part.ngc"));
+  EXPECT_THAT(figure.title, HasSubstr(fmt::format("; at least {:.5g} s (way over feed)", result.lower_bound)));
+  ProgramResult bounded = result;
+  bounded.corner_bound.emplace();
+  bounded.corner_bound->time = 1.25;
+  bounded.corner_bound->any_motion = 1.125;
+  EXPECT_THAT(plot_program(bounded).title, HasSubstr("; at least 1.125 s (any motion), 1.25 s (monotone legs)"));
 }
 
 TEST(PlotProgram, LegsHaveTheColourOfTheirSpeedAndRapidMovesNone) {
@@ -70,10 +77,18 @@ TEST(PlotProgram, LegsHaveTheColourOfTheirSpeedAndRapidMovesNone) {
   EXPECT_EQ(value_at(drawn, 25.0, 25.0, 20.0), -1.0);
 }
 
+// At corners feeds are chosen in short slow parts of blocks; the drawing's pixel is 0.08 mm here.
+TEST(PlotProgram, AShortSlowMoveGivesTheLongOneBehindItNeitherItsSpeedNorItsPlace) {
+  const Panel path = plot_program(planned("G1 F600 Y0.03\nF6000 X50\n")).panels[1];
+  EXPECT_NEAR(value_at(path, 50.0, 0.03, 0.01), 100.0, 1e-9);  // 6000 mm/min
+  EXPECT_NEAR(value_at(path, 0.0, 0.03, 0.001), 100.0, 1e-9) << "begins where its block does";
+  EXPECT_NEAR(value_at(path, 0.0, 0.0, 0.001), 10.0, 1e-9);
+}
+
 TEST(PlotProgram, ChordsOfArcsAreNoCorners) {
   const ProgramResult result = planned("G17 G1 F3000 X10\nG3 X20 Y10 J10\nG1 Y20\n", 50e-6);
   const Panel path = plot_program(result).panels[0];
-  ASSERT_GT(result.path.blocks(), 10U);
+  ASSERT_GT(result.plan.path.blocks(), 10U);
   EXPECT_EQ(path.coloured->pieces.size(), 2U) << "the two ends of the arc";
   EXPECT_THAT(path.title, HasSubstr("inside arcs at most"));
 }
@@ -102,6 +117,21 @@ TEST(PlotProgram, TheHistogramCountsEveryCornerOnce) {
   EXPECT_NEAR(samples * result.sample_period, result.delay_total, 1e-9);
 }
 
+// One corner: ticks between whole delays or numbers of corners would mean nothing. Without corners there is none.
+TEST(PlotProgram, AHistogramOfOneValueHasWholeTicks) {
+  Figure figure = plot_program(planned("G64 P0.01 F6000 G1 X50\nY50\n"));
+  const Panel& delays = figure.panels.back();
+  EXPECT_THAT(delays.title, HasSubstr("delays of 1 joint,"));
+  ASSERT_EQ(delays.series[0].x.size(), 1U);
+  EXPECT_EQ(delays.series[0].y[0], 1.0);
+  EXPECT_THAT(figure.panels.front().title, HasSubstr("1 corner by its error"));
+  figure.panels = {delays};
+  EXPECT_THAT(gnuplot_script(figure), HasSubstr("set xtics 1\n"));
+  EXPECT_THAT(gnuplot_script(figure), HasSubstr("set ytics 1\n"));
+  for (const Panel& panel : plot_program(planned("F6000 G1 X50\n")).panels)
+    EXPECT_EQ(panel.title.find("delays"), std::string::npos) << panel.title;
+}
+
 TEST(PlotProgram, SpeedsOverTimeHaveTheNameOfTheLimitThatBinds) {
   // 60 mm at 100 mm/s and 1 m/s^2: ramps of 0.1 s, 0.7 s in all.
   Task task;
@@ -109,8 +139,8 @@ TEST(PlotProgram, SpeedsOverTimeHaveTheNameOfTheLimitThatBinds) {
   task.machine.axes[0].acceleration_max = 1.0;
   LineSource source("part.ngc", "G1 F6000 X60\n");
   const Toolpath path = read_toolpath(source, task.machine, {});
-  const ProfileResult result = run_profiles("part.ngc", path, task);
-  ASSERT_TRUE(result.plan.holds());
+  const ProgramResult result = run_profiles("part.ngc", path, task);
+  ASSERT_TRUE(result.verification.feasible);
   const Figure figure = plot_program(result, path, task.machine);
   const Panel& speed = figure.panels[figure.panels.size() - 2];
   ASSERT_EQ(speed.series.size(), 2U);
@@ -133,12 +163,12 @@ TEST(PlotProgram, SpeedsOverTimeHaveTheNameOfTheLimitThatBinds) {
 
 TEST(PlotProgram, MotionPanelsShowWhatStandsInTheSamples) {
   const ProgramResult result = planned("G64 P0.1 G1 F6000 X50\nF3000 Y50\nX0 Y80\nX90\n", 50e-6);
-  const Figure figure = plot_program(result, result.path, {});
+  const Figure figure = plot_program(result, result.plan.path, {});
   ASSERT_EQ(figure.panels.size(), 5U);
   std::vector<double> speeds;  // mm/s
   visit_samples(result,
                 [&](std::int64_t, const double*, const double* v) { speeds.push_back(1e3 * std::hypot(v[0], v[1])); });
-  // What is drawn are samples, and no sample lies beyond what is drawn a few pixels around it.
+  // Samples are drawn, and no sample lies more than a few pixels outside the drawing.
   const auto reach = static_cast<std::ptrdiff_t>(speeds.size() / 200);
   std::vector<double> low(speeds.size(), INFINITY), high(speeds.size(), -INFINITY);
   for (const Series& s : figure.panels[3].series) {
@@ -157,7 +187,7 @@ TEST(PlotProgram, MotionPanelsShowWhatStandsInTheSamples) {
     EXPECT_LE(speeds[k], high[k] + 1e-9) << k;
   }
   const Panel& lost = figure.panels[4];
-  const std::vector<CornerLoss> classes = time_lost(result.path, motion_of(result));
+  const std::vector<CornerLoss> classes = time_lost(result.plan.path, motion_of(result));
   ASSERT_EQ(lost.x.names.size(), lost.series[0].y.size());
   for (std::size_t i = 0; i < lost.x.names.size(); ++i) {
     const auto loss = std::find_if(classes.begin(), classes.end(),
@@ -182,6 +212,79 @@ TEST(PlotProgram, ADensePathStaysASmallDrawing) {
                            return a.value < b.value;
                          })->value;
   EXPECT_NEAR(darkest, 100.0 * result.worst_utilisation, 1e-9);
+}
+
+/// A machine that also moves rapidly.
+Toolpath with_rapids(const std::string& text) {
+  Machine machine;
+  machine.axes.resize(1);
+  machine.axes[0].velocity_max = 0.5;
+  ToolpathOptions options;
+  options.error_max = 20e-6;
+  LineSource source("part.ngc", text);
+  return read_toolpath(source, machine, options);
+}
+
+TEST(PlotProgram, IsSeenFromWhereItsFeedMovesShowMost) {
+  struct Case {
+    std::string text, across, up;
+    bool over_time = false;
+  };
+  const std::string contour = "G0 Z300\nX10 Y10\nG1 Z-1 F600\nX20 F3000\nY15\nX10\nY10\nG0 Z300\n";
+  for (const Case& c :
+       {Case{contour, "x", "y"}, Case{"G0 Y400\nZ300\n" + contour, "x", "y"},
+        // A relief whose cuts lie in x and z, but under G17.
+        Case{"G1 F3000 X50 Z20\nX100 Z0\nY1\nX50 Z30\nX0 Z0\n", "x", "y"},
+        // A lathe's, and one that cuts in y and z only.
+        Case{"G18 G0 Y300\nG1 F3000 X50 Z20\nX100 Z0\n", "x", "z"}, Case{"G0 X900\nG1 F3000 Y50 Z20\nZ0\n", "y", "z"},
+        Case{"G19 G0 X3\nG1 F600 X0\nG1 F3000 Y50 Z20 X1\nZ0\n", "y", "z"},
+        Case{"G0 X30 Y20\nG1 Z-9 F300\nG0 Z5\nX60\nG1 Z-9\nG0 Z5\n", "x", "y", true},
+        Case{"G0 X30\nG1 Z-9 F300\nG0 Z5\n", "x", "z", true}, Case{"G1 Z-9 F300\nG0 Z5\n", "z", "", true}}) {
+    const ProgramView view = whole_view(with_rapids(c.text));
+    EXPECT_EQ(view.names[0], c.across) << c.text;
+    EXPECT_EQ(view.names[1], c.up) << c.text;
+    EXPECT_EQ(view.over_time.has_value(), c.over_time) << c.text;
+  }
+}
+
+TEST(PlotProgram, IsSeenFromWhereItIsAskedFor) {
+  const Toolpath path = with_rapids("G1 F3000 X10\nY20\nZ30\n");
+  const double end[] = {0.01, 0.02, 0.03};
+  EXPECT_THAT(whole_view(path, view_from("xz")).at(end), testing::ElementsAre(0.01, 0.03));
+  EXPECT_THAT(whole_view(path, view_from("yz")).at(end), testing::ElementsAre(0.02, 0.03));
+  // Isometric drawings keep lengths along the axes, which are drawn 120 degrees apart.
+  const ProgramView iso = whole_view(path, view_from("iso"));
+  for (const std::size_t a : {0U, 1U, 2U}) {
+    double unit[3] = {}, next[3] = {};
+    unit[a] = next[(a + 1) % 3] = 1.0;
+    const auto p = iso.at(unit), q = iso.at(next);
+    EXPECT_NEAR(std::hypot(p[0], p[1]), 1.0, 1e-12);
+    EXPECT_NEAR(std::abs(p[0] * q[0] + p[1] * q[1]), 0.5, 1e-12);
+  }
+  EXPECT_NEAR(iso.at(end)[0], std::sqrt(0.75) * 0.03, 1e-15) << "x and y to the right, z upwards";
+  EXPECT_THROW(view_from("zx"), std::invalid_argument);
+  EXPECT_EQ(whole_view(with_rapids("G1 F3000 X10\n"), ViewFrom::yz).names[0], "y") << "an axis that never moves";
+}
+
+TEST(PlotProgram, DrillingIsDrawnAsDepthOverTime) {
+  Task task;
+  task.machine.axes.resize(1);
+  task.machine.axes[0].velocity_max = 0.5;
+  task.machine.axes[0].acceleration_max = 2.0;
+  const Toolpath path = with_rapids("G0 X30\nG1 Z-9 F300\nG0 Z5\nX60\nG1 Z-9\nG0 Z5\n");
+  const ProgramResult result = run_profiles("drill.ngc", path, task);
+  ASSERT_TRUE(result.verification.feasible);
+  const Figure figure = plot_program(result, path, task.machine);
+  const Panel& depth = figure.panels[1];
+  EXPECT_EQ(depth.title, "z over time");
+  ASSERT_EQ(depth.series.size(), 2U);
+  const Series& feed = depth.series[0];
+  const auto [deepest, highest] = std::minmax_element(feed.y.begin(), feed.y.end());
+  EXPECT_NEAR(*deepest, -9.0, 0.03);
+  // 14 and 9 mm at 5 mm/s.
+  EXPECT_NEAR(*std::max_element(feed.x.begin(), feed.x.end()) - feed.x.front(), 2.8 + 1.8, 0.6);
+  EXPECT_EQ(depth.series[1].label, "rapid moves");
+  EXPECT_EQ(plot_program(result, path, task.machine, ViewFrom::xz).panels[1].title.rfind("speed", 0), 0U);
 }
 
 TEST(PlotProgram, DrawsOneAxisAndRotaryAxes) {

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <accdec/files/process.hpp>
-#include <accdec/formats/result_json.hpp>
-#include <accdec/formats/task_reader.hpp>
 #include <accdec/plot/plot_result.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
@@ -110,7 +110,8 @@ TEST(PlotResult, LimitsAreDrawnOrNamed) {
 }
 
 TEST(PlotResult, TheWorstSampleIsMarkedAndTheBindingLimitNamed) {
-  // Of 60 N allowed 50 N are used, in closed form 83.3 %; power 5 of 8 W, braking 5 - v F at the first sample.
+  // In closed form 50 N of the allowed 60 N are used, which is 83.3 %. Power is 5 of 8 W, and braking is 5 - v F at the
+  // first sample.
   const Figure figure = plot_result(result());
   const Panel& force = panel(figure, "force x");
   EXPECT_THAT(force.title, HasSubstr("83.3 % used"));
@@ -123,6 +124,46 @@ TEST(PlotResult, TheWorstSampleIsMarkedAndTheBindingLimitNamed) {
   EXPECT_THAT(panel(plot_result(tight), "force x").title, HasSubstr("100.0 % used, binding"));
   EXPECT_THAT(panel(plot_result(tight), "jerk x").title, HasSubstr("10.0 % used"));  // 5 m/s^2 in one sample of 1 ms
   EXPECT_THROW(panel(plot_result(tight), "jerk y"), std::out_of_range);              // not limited: not drawn
+}
+
+TEST(PlotResult, EverySampleThatBindsIsMarked) {
+  DesignResult tight = result();
+  tight.task.machine.axes[0].force_max = 50.0;  // reached during all 20 samples of both ramps, see above
+  const Figure figure = plot_result(tight);
+  const Panel& force = panel(figure, "force x");
+  const Series& curve = force.series.at(0);
+  const Series& binds = force.series.at(1);
+  EXPECT_EQ(binds.label, "binds");
+  ASSERT_EQ(binds.y.size(), curve.y.size());
+  for (std::size_t n = 0; n < curve.y.size(); ++n) {
+    if (std::abs(curve.y[n]) < 0.99 * 50.0) continue;
+    EXPECT_DOUBLE_EQ(binds.y[n], std::copysign(50.0, curve.y[n])) << n;
+  }
+  const auto marked = std::count_if(binds.y.begin(), binds.y.end(), [](double y) { return std::isfinite(y); });
+  EXPECT_LT(static_cast<std::size_t>(marked), binds.y.size());
+}
+
+TEST(PlotResult, TodayIsDrawnBelowTheDesignAndTheTitleSaysWhatIsSaved) {
+  // Moving averages of 40 and 20 samples with the same delays: 20 samples of 1 ms are saved.
+  DesignResult r = result();
+  EXPECT_THAT(plot_result(r).title, testing::Not(HasSubstr("today")));
+  r.task.baseline = r.task.filter;
+  r.task.baseline->order = 39;
+  r.task.corners[0].error_max.reset();
+  const Figure figure = plot_result(r);
+  EXPECT_THAT(figure.title, HasSubstr("20 ms less than today"));
+  const Panel& speed = panel(figure, "velocity x");
+  EXPECT_EQ(speed.series.at(0).label, "today");
+  EXPECT_NEAR(largest(speed.series.at(0)), 100.0, 1e-9);
+  EXPECT_NEAR(largest(panel(figure, "acceleration x").series.at(0)), 2500.0, 1e-6);  // 100 mm/s in 40 ms
+  EXPECT_EQ(panel(figure, "path around corner first one").series.at(0).label, "today");
+}
+
+TEST(PlotResult, DistanceIsThatFromTheNearerLeg) {
+  // The legs are square: the distances are v T p(k) and v T q(k), and 2.25 is the largest of min(p, q) at a sample.
+  const Figure figure = plot_result(result());
+  const Panel& distance = panel(figure, "distance from the programmed path");
+  EXPECT_NEAR(largest(distance.series.at(0)), 225.0, 1e-9);
 }
 
 TEST(PlotResult, PathPassesTheCornerAtTheErrorItStates) {

@@ -6,33 +6,21 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <accdec/filter.hpp>
 #include <accdec/motion/circle.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/arc_caps.hpp>
-#include <accdec/program/plan/choose_feeds.hpp>
-#include <accdec/program/write/program_report.hpp>
+#include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/feeds/arc_caps.hpp>
+#include <accdec/program.hpp>
 
 #include "reference.hpp"
 
 namespace accdec::arcs_test {
 namespace {
 
+using test::machine_of;
 using test::Reference;
 
 constexpr double period = 1e-3, pi = std::numbers::pi;
-
-Machine machine_of(double acceleration, double jerk = unlimited) {
-  Machine machine;
-  for (const char* name : {"x", "y", "z"}) {
-    Axis axis;
-    axis.name = name;
-    axis.velocity_max = 0.2;
-    axis.acceleration_max = acceleration;
-    axis.jerk_max = jerk;
-    machine.axes.push_back(axis);
-  }
-  return machine;
-}
 
 /// A line of 20 mm into a circle of `turns` and a line out of it, all tangential. @param radius  mm
 std::string circle_program(double radius, int turns, double tolerance_mm, double rise = 0.0, double feed = 6000.0) {
@@ -67,7 +55,7 @@ struct Caps {
   double least = unlimited, most = 0.0;
   std::size_t inside = 0;
 };
-/// Of all joints that have one.
+/// Over all joints that have one.
 Caps caps_of(const Toolpath& path, const Filter& filter, const Machine& machine, double tolerance) {
   const FeedPath feeds = feed_path(path);
   const FeedWindow window(filter, program_machine(machine, path), period, path.dimensions());
@@ -106,7 +94,7 @@ std::pair<double, double> uses_on_circle(const Filter& filter, double radius, do
 TEST(ArcCaps, AFullCircleUsesItsAxesWholly) {
   for (const double radius : {2e-3, 5e-3, 20e-3}) {
     for (const bool jerk : {false, true}) {
-      const Machine machine = machine_of(1.0, jerk ? 20.0 : unlimited);
+      const Machine machine = machine_of(1.0, jerk ? 20.0 : unlimited, 0.2, 3);
       const Filter filter = jerk ? trapezoid(28, 9) : boxcar(19);
       const Toolpath path = path_of(circle_program(1e3 * radius, 4, 5.0, 0.0, 12000.0), machine, 1e-7);
       const Caps caps = caps_of(path, filter, machine, unlimited);
@@ -127,7 +115,7 @@ TEST(ArcCaps, AFullCircleUsesItsAxesWholly) {
 }
 
 TEST(ArcCaps, WhateverTheChords) {
-  const Machine machine = machine_of(1.0);
+  const Machine machine = machine_of(1.0, unlimited, 0.2, 3);
   double before = 0.0;
   for (const double chords : {1e-5, 1e-6, 1e-7}) {
     const Caps caps = caps_of(path_of(circle_program(5.0, 4, 5.0), machine, chords), boxcar(19), machine, unlimited);
@@ -137,7 +125,7 @@ TEST(ArcCaps, WhateverTheChords) {
 }
 
 TEST(ArcCaps, TheRadiusErrorIsThatOfTheClosedForm) {
-  const Machine machine = machine_of(100.0);
+  const Machine machine = machine_of(100.0, unlimited, 0.2, 3);
   for (const double radius : {2e-3, 5e-3, 20e-3}) {
     const Filter filter = trapezoid(40, 10);
     constexpr double tolerance = 20e-6;
@@ -153,7 +141,7 @@ TEST(ArcCaps, TheRadiusErrorIsThatOfTheClosedForm) {
 }
 
 TEST(ArcCaps, OfAHelixThePlaneCounts) {
-  const Machine machine = machine_of(1.0);
+  const Machine machine = machine_of(1.0, unlimited, 0.2, 3);
   const Caps flat = caps_of(path_of(circle_program(5.0, 4, 5.0), machine, 1e-7), boxcar(19), machine, unlimited);
   const double rise = 40.0, share = 4.0 * 2.0 * pi * 5.0 / std::hypot(4.0 * 2.0 * pi * 5.0, rise);
   const Caps helix = caps_of(path_of(circle_program(5.0, 4, 5.0, rise), machine, 1e-7), boxcar(19), machine, unlimited);
@@ -184,7 +172,7 @@ double radius_error(const ScheduledPlan& plan, const Filter& filter, double radi
 }
 
 TEST(CompensateArcs, TheRadiusErrorFallsToSecondOrder) {
-  const Machine machine = machine_of(1.0);
+  const Machine machine = machine_of(1.0, unlimited, 0.2, 3);
   for (const double radius : {2.0, 5.0, 20.0}) {
     for (const double rise : {0.0, 8.0}) {
       const Filter filter = boxcar(29);
@@ -198,8 +186,8 @@ TEST(CompensateArcs, TheRadiusErrorFallsToSecondOrder) {
       EXPECT_LT(e, 1.5 * 0.5 * 75e-6) << radius;
       // Second order: e^2/R, the change of speed with the heading within the filter, and chords of 0.1 um.
       EXPECT_LT(left, 0.12 * e + 2e-7) << radius << " " << rise;
-      // The price: the way is longer by e/R, no feed rises, and while the widening begins and ends within the filter it
-      // takes up to 3 e/tau^2, an eighth of v^2/R, of the acceleration: (9/8)^(1/2) in time.
+      // This costs time. The path is longer by e/R, and no feed rises. A widening that begins and ends within the
+      // filter takes up to 3 e/tau^2 of the acceleration, an eighth of v^2/R. That is (9/8)^(1/2) in time.
       const double longer = 1.0 + 1.5 * e / r;
       EXPECT_LE(static_cast<double>(wide.plan.simulation.samples),
                 1.06 * longer * static_cast<double>(plain.plan.simulation.samples));
@@ -220,7 +208,7 @@ TEST(CompensateArcs, LimitsAndTolerancesHoldByPlainConvolution) {
       "J0\n"
       "G61.1 G3 X15 Y20 I3 J0\nG64 P0.02\nG3 X9 Y20 I-3 J0\nG1 X0 Y0\n";
   for (const bool jerk : {false, true}) {
-    const Machine machine = machine_of(1.0, jerk ? 50.0 : unlimited);
+    const Machine machine = machine_of(1.0, jerk ? 50.0 : unlimited, 0.2, 3);
     const Filter filter = jerk ? trapezoid(46, 20) : boxcar(24);
     const ScheduledPlan plain = schedule(text, machine, filter, false);
     const ScheduledPlan wide = schedule(text, machine, filter, true);
@@ -248,13 +236,13 @@ TEST(CompensateArcs, LimitsAndTolerancesHoldByPlainConvolution) {
 TEST(CompensateArcs, WhatIsEmittedPlansToTheSameTime) {
   Task task;
   task.sample_period = period;
-  task.machine = machine_of(1.0);
+  task.machine = machine_of(1.0, unlimited, 0.2, 3);
   const Filter filter = boxcar(24);
   const std::string text = circle_program(5.0, 2, 0.01);
   const ProgramResult result =
-      run_program("test.ngc", path_of(text, task.machine, 1e-7, true), filter, task, false, false, Feeds::choose);
+      run_program("test.ngc", path_of(text, task.machine, 1e-7, true), filter, task, false, Feeds::choose);
   ASSERT_TRUE(result.verification.feasible);
-  EXPECT_GT(widest(result.path), 5e-6);
+  EXPECT_GT(widest(result.plan.path), 5e-6);
   std::ostringstream out;
   emit_program(result, out);
   const std::string emitted = out.str();
@@ -262,10 +250,9 @@ TEST(CompensateArcs, WhatIsEmittedPlansToTheSameTime) {
   ToolpathOptions options;
   options.clamp_feeds = options.dwells_before_filter = true;
   Toolpath again = read_toolpath(source, task.machine, options);
-  const ProgramResult second = run_program("emitted.ngc", std::move(again), filter, task, false, false, Feeds::choose);
+  const ProgramResult second = run_program("emitted.ngc", std::move(again), filter, task, false, Feeds::choose);
   ASSERT_TRUE(second.verification.feasible);
-  EXPECT_NEAR(static_cast<double>(second.plan.simulation.samples), static_cast<double>(result.plan.simulation.samples),
-              1.0);
+  EXPECT_NEAR(static_cast<double>(second.check.samples), static_cast<double>(result.check.samples), 1.0);
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/choose_feeds.hpp>
-#include <accdec/program/plan/filter_search.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/filters/filter_search.hpp>
 
 #include "reference.hpp"
 
@@ -152,9 +152,8 @@ TEST(FeedSchedule, ShortBlocksAreNotBoundByTheTimeTheirFeedWouldTakeToReach) {
   const Toolpath path = path_of(text, machine);
   const ScheduledPlan plan = schedule_feeds(path, boxcar(16), period, program_machine(machine, path));
   expect_holds(plan, boxcar(16), machine, "staircase");
-  // With parabolic corners of v_c = sqrt(8 a e/(m n)) = 16.8 mm/s in 16.8 ms and constant acceleration between: 2
-  // (sqrt(v_c^2 + a L') - v_c)/a
-  // + 16.8 ms a block, L' = 1.44 mm less the corner's halves; a filter of 17 ms is as good but for its steps.
+  // Parabolic corners have v_c = sqrt(8 a e/(m n)) = 16.8 mm/s and take 16.8 ms, with constant acceleration between
+  // them. So a block takes 2 (sqrt(v_c^2 + a L') - v_c)/a + 16.8 ms. L' is 1.44 mm less the corner's halves.
   const double corner = std::sqrt(8.0 * 1.0 * 50e-6 / std::sqrt(2.0)), left = 1.44e-3 - corner * corner;
   const double block = 2.0 * (std::sqrt(corner * corner + left) - corner) + corner;
   EXPECT_LT(static_cast<double>(plan.plan.simulation.samples) * period, 100.0 * block * 1.05 + 0.1);
@@ -187,7 +186,7 @@ TEST(FeedWindow, BrakingAndSpeedingUpHaveTheirOwnPower) {
   machine.axes[0].power_max = 5.0;
   machine.axes[0].regeneration_max = 2.0;
   const FeedWindow window(boxcar(9), machine, period, 1);
-  // From 0.4 to 0.5 m/s within 10 ms: (m a + c v) v = 5 at v = 0.5 gives a = 0; from 0.5 down to 0.4 m a v = 2 gives
+  // From 0.4 to 0.5 m/s within 10 ms, (m a + c v) v = 5 at v = 0.5 gives a = 0. From 0.5 down to 0.4, m a v = 2 gives
   // 0.4 m/s^2.
   EXPECT_NEAR(window.change(0, 0.5, 0.4, false), 0.0, 1e-12);
   EXPECT_NEAR(window.change(0, 0.4, 0.5, false), 0.4 * 0.01, 1e-7);

@@ -22,7 +22,7 @@ TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
         "program part.ngc --task task.toml --json r.json --delays d.csv --samples s.csv --emit e.ngc --figure f.svg");
     EXPECT_EQ(done.code, 0) << kind << done.out << done.err;
     EXPECT_EQ(done.err, "");
-    EXPECT_THAT(read("r.json"), HasSubstr("\"schema\": \"accdec.program/1\""));
+    EXPECT_THAT(read("r.json"), HasSubstr("\"schema\": \"accdec.program/2\""));
     EXPECT_THAT(read("r.json"), HasSubstr("\"feasible\": true"));
     std::istringstream delays(read("d.csv"));
     std::string line;
@@ -36,7 +36,7 @@ TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
     EXPECT_THAT(read("s.csv"), testing::StartsWith("time_s,x_mm,x_mm_s,"));
     EXPECT_THAT(read("e.ngc"), HasSubstr("G21 G17 G90 G94"));
     EXPECT_THAT(read("f.svg"), HasSubstr("corner error / tolerance, %"));
-    // What was written plans to the same motion.
+    // The written program plans to the same motion.
     ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --json again.json").code, 0) << kind;
     EXPECT_NEAR(number_of("again.json", "samples"), number_of("r.json", "samples"), 1.0) << kind;
     // At the programmed feeds it is written again alike.
@@ -265,17 +265,6 @@ TEST_F(ProgramCommand, DesignsAFilterWhereTheTaskHasNone) {
   const Output given = run("program part.ngc --task task.toml --json g.json");
   EXPECT_EQ(given.code, 0);
   EXPECT_LT(number_of("r.json", "cycle_time_s"), number_of("g.json", "cycle_time_s"));
-}
-
-TEST_F(ProgramCommand, PerLegIsNoLongerAndSaysItsFilters) {
-  ASSERT_EQ(run("generate zigzag --blocks 60 --out part.ngc").code, 0);
-  ASSERT_EQ(run("program part.ngc --feeds keep --task task.toml --json one.json").code, 0);
-  const Output done = run("program part.ngc --feeds keep --task task.toml --per-leg --json legs.json --emit e.ngc");
-  EXPECT_EQ(done.code, 0) << done.out << done.err;
-  EXPECT_LT(number_of("legs.json", "cycle_time_s"), number_of("one.json", "cycle_time_s"));
-  EXPECT_EQ(number_of("legs.json", "cycle_time_one_filter_s"), number_of("one.json", "cycle_time_s"));
-  EXPECT_THAT(read("legs.json"), HasSubstr("\"leg_filters\": ["));
-  EXPECT_THAT(read("e.ngc"), HasSubstr("(filter of "));
 }
 
 TEST_F(ProgramCommand, SameInputSameBytes) {

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <accdec/program/plan/corner_bound.hpp>
-#include <accdec/program/plan/lower_bound.hpp>
-#include <accdec/program/profiles/plan_profiles.hpp>
+#include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/lower_bound.hpp>
+#include <accdec/plan/trajectory/plan_profiles.hpp>
 
 #include "reference.hpp"
 #include "support/paths.hpp"
@@ -15,18 +15,7 @@
 namespace accdec {
 namespace {
 
-Machine machine(double acceleration, double jerk = unlimited) {
-  Machine m;
-  for (const char* name : {"x", "y"}) {
-    Axis axis;
-    axis.name = name;
-    axis.velocity_max = 0.2;
-    axis.acceleration_max = acceleration;
-    axis.jerk_max = jerk;
-    m.axes.push_back(axis);
-  }
-  return m;
-}
+using test::machine_of;
 
 /// Two legs of 50 mm at F = 100 mm/s, the first at `heading`, turning by `turn` degrees.
 std::string corner(double heading, double turn, double tolerance) {
@@ -43,7 +32,7 @@ TEST(CornerBound, OfARightAngleAlongTheAxesIsWhatTheParabolaLoses) {
   const double lost = (F - v) * (F - v) / (a * F) + (1.0 - v / F) * v / a;
   const double in[] = {1.0, 0.0}, out[] = {0.0, 1.0};
   const BoundCorner right{in, out, F, F, F, 0.12, 0.12, e};
-  const double bound = corner_loss(right, machine(a), 2, 240).at();
+  const double bound = corner_loss(right, machine_of(a), 2, 240).at();
   EXPECT_LE(bound, lost * (1.0 + 1e-9));
   EXPECT_GE(bound, lost - 5e-4);
 }
@@ -52,7 +41,7 @@ TEST(CornerBound, NoToleranceCostsAStop) {
   // Straight back: from F to rest and to F, 2 F/a of which half is lost.
   const double in[] = {1.0, 0.0}, out[] = {-1.0, 0.0};
   const BoundCorner back{in, out, 0.1, 0.1, 0.1, 0.12, 0.12, 0.0};
-  const double bound = corner_loss(back, machine(1.0), 2, 240).at();
+  const double bound = corner_loss(back, machine_of(1.0), 2, 240).at();
   EXPECT_LE(bound, 0.1 + 1e-9);
   EXPECT_GE(bound, 0.099);
 }
@@ -62,7 +51,7 @@ TEST(CornerBound, IsNotAbovePlansOfLongLegs) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int i = 0; i < 12; ++i) {
     const double jerk = i % 3 == 0 ? 50.0 : unlimited;
-    const Machine m = machine(1.0, jerk);
+    const Machine m = machine_of(1.0, jerk);
     const Toolpath path =
         test::path_of(corner(360.0 * unit(random), 5.0 + 170.0 * unit(random), 0.01 + 0.2 * unit(random)), m);
     const CornerBound bound = program_corner_bound(path, m, 1e-3, 60.0);
@@ -78,7 +67,7 @@ TEST(CornerBound, IsNotAbovePlansOfLongLegs) {
 TEST(CornerBound, AlikeCornersAreSolvedOnce) {
   std::string text = "G91 G64 P0.05 F6000\n";
   for (int i = 0; i < 20; ++i) text += "G1 X20\nG1 Y20\n";
-  const Machine m = machine(1.0);
+  const Machine m = machine_of(1.0);
   const CornerBound bound = program_corner_bound(test::path_of(text + "M2\n", m), m, 1e-3, 60.0);
   EXPECT_EQ(bound.corners, 39U);
   EXPECT_EQ(bound.counted, 39U);
@@ -86,10 +75,11 @@ TEST(CornerBound, AlikeCornersAreSolvedOnce) {
 }
 
 TEST(CornerBound, OfExactStopsIsTheClosedForm) {
-  // From rest to rest, a length at each: to the feed and along at it; without coming to it; with a jerk limit, where
-  // the ramps take v/a + a/j, or v t = L at the highest speed v with t = 2 sqrt(v/j), L = 2 v^1.5/sqrt(j).
+  // From rest to rest, with one length for each case. One reaches the feed and moves along at it; one does not reach
+  // it. With a jerk limit the ramps take v/a + a/j. Or v t = L at the highest speed v, with t = 2 sqrt(v/j) and L = 2
+  // v^1.5/sqrt(j).
   constexpr double T = 1e-6;
-  const Machine smooth = machine(1.0), jerky = machine(1.0, 50.0);
+  const Machine smooth = machine_of(1.0), jerky = machine_of(1.0, 50.0);
   const auto time = [&](const std::string& text, const Machine& m) {
     const Toolpath path = test::path_of("G61.1 F6000\n" + text + "M2\n", m);
     return program_corner_bound(path, program_machine(m, path), T, 60.0).time;
@@ -104,7 +94,7 @@ TEST(CornerBound, OfExactStopsIsTheClosedForm) {
 TEST(CornerBound, MultipliersBoundEverySpeed) {
   // Solved at one pair of speeds, the multipliers bound the losses at others from below; in common ones they are close.
   const double in[] = {1.0, 0.0}, out[] = {-0.5, std::sqrt(0.75)};
-  const Machine m = machine(1.0);
+  const Machine m = machine_of(1.0);
   const auto loss = [&](double v, double w) {
     return corner_loss({in, out, v, w, 0.2, 1.1 * v, 1.1 * w, 5e-5}, m, 2, 80);
   };
@@ -125,7 +115,7 @@ TEST(CornerBound, IsNotAbovePlansOfRandomPrograms) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   double sum = 0.0, plans = 0.0;
   for (int i = 0; i < 40; ++i) {
-    const Machine m = machine(i % 4 < 2 ? 0.5 : 2.0, i % 2 == 0 ? 50.0 : unlimited);
+    const Machine m = machine_of(i % 4 < 2 ? 0.5 : 2.0, i % 2 == 0 ? 50.0 : unlimited);
     std::string text = fmt::format("G91 G64 P{} F6000\n", i % 3 == 0 ? 0.3 : 0.03);
     const double shortest = i % 5 == 0 ? 1.0 : 5.0;
     for (int b = 0; b < 12; ++b) {
@@ -148,7 +138,7 @@ TEST(CornerBound, IsNotAbovePlansOfRandomPrograms) {
 
 TEST(CornerBound, CornersOfLegsThatCuttingWouldUseUpDoNotCount) {
   // A parabola takes 4 e/sqrt(2) = 2.8 mm of each leg at 1 mm.
-  const Machine m = machine(1.0);
+  const Machine m = machine_of(1.0);
   const Toolpath path = test::path_of("G64 P1 F6000\nG1 X3\nG1 Y3\nM2\n", m);
   const CornerBound bound = program_corner_bound(path, m, 1e-3, 60.0);
   EXPECT_EQ(bound.counted, 0U);

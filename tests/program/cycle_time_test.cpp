@@ -7,18 +7,18 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/design/design.hpp>
-#include <accdec/formats/task_reader.hpp>
-#include <accdec/program/simulate/simulate.hpp>
+#include <accdec/design.hpp>
+#include <accdec/simulate/simulate.hpp>
+#include <accdec/task.hpp>
 
 #include "support/paths.hpp"
 
 namespace accdec {
 namespace {
 
-/// A program that passes every corner of a task as often as its weight says, in one run from rest to rest: each leg
-/// leaves a corner at that corner's feed and reaches the next at the next one's. Headings turn on from corner to
-/// corner, which changes neither times nor errors. Both halves of a leg take a whole number of samples.
+/// A program that passes every corner of a task as often as its weight says, in one run from rest to rest. Each leg
+/// leaves a corner at that corner's feed and reaches the next one at the next corner's feed. Headings turn on from
+/// corner to corner, which changes neither times nor errors. Both halves of a leg take a whole number of samples.
 struct Realised {
   Toolpath path;
   std::vector<int> delays;
@@ -72,7 +72,7 @@ Realised realise(const Task& task, const DesignResult& design) {
   return program.done();
 }
 
-/// Of every shipped task with several corners.
+/// Paths of every shipped task with several corners.
 std::vector<std::string> tasks_of_several_corners() {
   std::vector<std::string> paths;
   for (const auto& file : std::filesystem::recursive_directory_iterator(test_support::source_folder() + "/problems")) {

@@ -68,6 +68,27 @@ TEST_F(ProgramCommand, AProgramsNumberIsReadAndKept) {
   }
 }
 
+// A G0 runs at the rapid rate: what the plan runs slower stands as G1, and the program says so.
+TEST_F(ProgramCommand, EmittedRapidMovesThatAreSlowerThanG0AreNamed) {
+  const std::string said = "(rapid moves stand as G1 where the plan runs them slower than G0";
+  write("part.ngc", "G21 G90 G64 P0.05\nG0 X30 Y20\nG1 X60 F3000\nG0 Z50\nM2\n");
+  for (const char* feeds : {"keep", "choose"}) {
+    ASSERT_EQ(run(std::string("program part.ngc --task task.toml --json r.json --emit e.ngc --feeds ") + feeds).code, 0)
+        << read("err");
+    const std::string text = read("e.ngc");
+    // Feeds in mm/min of G1 lines that cut nothing: z moves rapidly only, at less than 500 mm/s.
+    const std::size_t z = text.find("G1 Z");
+    EXPECT_EQ(text.find(said) != std::string::npos, z != std::string::npos) << text;
+    EXPECT_EQ(text.find("G0 Z50") != std::string::npos, z == std::string::npos) << text;
+    const std::string options =
+        std::string(" --dwells-before-filter --json again.json --emit again.ngc --feeds ") + feeds;
+    ASSERT_EQ(run("program e.ngc --task task.toml" + options).code, 0) << read("err");
+    EXPECT_LE(number_of("again.json", "samples"), number_of("r.json", "samples") + 1.0);
+    const std::string again = read("again.ngc");
+    EXPECT_EQ(again.find(said), again.rfind(said)) << "said once, however often it is written";
+  }
+}
+
 // Numbers and comments stay on the line of their block, on its first part where it was split; each stands once.
 TEST_F(ProgramCommand, EmittedNumbersAndCommentsStayWithTheirBlocks) {
   write("part.ngc",
@@ -94,19 +115,17 @@ TEST_F(ProgramCommand, EmittedNumbersAndCommentsStayWithTheirBlocks) {
   }
 }
 
-// The header's own command line reads it back to the same time within a sample, though the task has no filter; also
-// where every leg has its own.
+// The header's own command line reads it back to the same time within a sample, though the task has no filter.
 TEST_F(ProgramCommand, EmittedProgramNamesTheCommandThatReadsItBack) {
   std::string zigzag = "G21 G91 G64 P0.5 F6000\n";
   for (const char* leg : {"X10", "X7 Y7.2", "X0.8 Y-10", "X8 Y5.9", "X9.1 Y-4.1", "X4.2 Y9", "X9.4 Y-3.3", "X0.1 Y10",
                           "X8.1 Y-5.8", "X10 Y1", "X8.9 Y-4.6", "X-2.2 Y9.7", "X9.4 Y3.5", "X-1.9 Y-9.8"})
     zigzag += std::string("G1 ") + leg + "\n";
   write("part.ngc", zigzag + "M2\n");
-  int per_leg = 0;
   for (const char* jerk : {"", "jerk_max_mm_s3 = 500000\n"}) {
     write("free.toml", "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 5000\n" +
                            std::string(jerk));
-    for (const char* how : {"fixed", "per-leg", "per-leg --feeds keep"}) {
+    for (const char* how : {"fixed", "fixed --feeds keep"}) {
       ASSERT_EQ(run(std::string("program part.ngc --task free.toml --json r.json --emit e.ngc --plan ") + how).code, 0)
           << read("err");
       const std::string text = read("e.ngc"), begin = "(read back by: accdec ";
@@ -114,12 +133,28 @@ TEST_F(ProgramCommand, EmittedProgramNamesTheCommandThatReadsItBack) {
       std::string line = text.substr(at, text.find(")\n", at) - at);
       line.replace(line.find("FILE"), 4, "e.ngc");
       line.replace(line.find("TASK.toml"), 9, "free.toml");
-      per_leg += line.find("per-leg") != std::string::npos ? 1 : 0;
       ASSERT_EQ(run(line + " --json again.json").code, 0) << line << read("err");
       EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"), 1.0001e-3) << line;
     }
   }
-  EXPECT_GT(per_leg, 0);
+}
+
+// Blocks of some nanometres at millimetres an hour: coordinates are written finely enough to keep the samples. A
+// program that holds as it is written is the plan, though a faster one may be found.
+TEST_F(ProgramCommand, EmittedProgramsOfTinyBlocksTakeTheirSamples) {
+  write("tiny.toml",
+        "sample_period_ms = 2\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n"
+        "jerk_max_mm_s3 = 5000\n");
+  write("part.ngc",
+        "G21 G90 G17\nG64 P0.0077\nF5\nG1 Y-0.032331\nG1 X0.000034 Y-0.032339\nG61\n"
+        "G3 X-0.100688 Y0.032891 I-0.050361 J0.032615\nG1 X-0.112506 Y0.026712\nG1 X-0.113688 Y0.026094\n"
+        "G3 I0.050429 J0.03251 P3\nG64 P0.02\nG1 X-0.113688\nG3 X0.733432 Y-0.823537 I0.415518 J-0.432834\nF10\n"
+        "G1 X-0.112506 Y0.026712\nG1 X-0.093983 Y0.019779\nG61\nG91\nG1 X0.001852 Y-0.000693\nM2\n");
+  for (const char* how : {"", " --compensate-arcs"}) {
+    ASSERT_EQ(run(std::string("program part.ngc --task tiny.toml --json r.json --emit e.ngc") + how).code, 0);
+    ASSERT_EQ(run("program e.ngc --task tiny.toml --plan fixed --dwells-before-filter --json again.json").code, 0);
+    EXPECT_NEAR(number_of("again.json", "samples"), number_of("r.json", "samples"), 1.0) << how;
+  }
 }
 
 TEST_F(ProgramCommand, RotaryAxesTakeNoLimitsOfLinearOnes) {
@@ -182,6 +217,28 @@ TEST_F(ProgramCommand, WrittenFromCsvItGoesToItsBeginningFirst) {
   ASSERT_EQ(run("program part.csv --feeds keep --task free.toml --emit e.ngc").code, 0) << read("err");
   EXPECT_THAT(read("e.ngc"), HasSubstr("\nG1 X5 Y5 Z-1 F600\n"));
   EXPECT_EQ(run("program e.ngc --feeds keep --task free.toml --dwells-before-filter").code, 0) << read("err");
+}
+
+// Runs between delays that exceed whole samples by rounding only: the plan snaps them as reading it back does.
+TEST_F(ProgramCommand, EmittedRunsBetweenDelaysKeepTheirSamples) {
+  const std::string limits = "velocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\njerk_max_mm_s3 = 5000\n";
+  write("slow.toml", "sample_period_ms = 2\n[[axis]]\nname = \"x\"\n" + limits + "[[axis]]\nname = \"y\"\n" + limits);
+  write("part.ngc",
+        "G21 G90 G17\nG64 P0.0077\nF5\nG1 Y-0.032331\nG1 X0.000034 Y-0.032339\nG61\n"
+        "G3 X-0.100688 Y0.032891 I-0.050361 J0.032615\nG1 X-0.112506 Y0.026712\nG1 X-0.113688 Y0.026094\n"
+        "G3  I0.050429 J0.03251 P3\nG64 P0.02\nG1 X-0.113688\n"
+        "G3 X0.733432 Y-0.823537 I0.415518 J-0.432834\nF10\nG1 X-0.112506 Y0.026712\n"
+        "G1 X-0.093983 Y0.019779\nG61\nG91\nG1 X0.001852 Y-0.000693\nG4 P0\nG1 X0.029393 Y-0.006193\n"
+        "G2 X-0.818197 Y-0.224841 I-0.521519 J0.296678\nG1 X-0.009946 Y0.009698\nG61\n"
+        "G2 X0.647206 Y0.548748 I0.597977 J-0.049229\nG1 X0.000016 Y0.000003\n"
+        "G3 X0.011352 Y-0.038356 I0.005676 J-0.019178\nG1 X0.011041 Y-0.010201\nG90\nF30\nF15\n"
+        "G1 X-0.232307 Y0.308145\nG1 X-0.237828 Y0.313246\nG1 X-0.241772 Y0.326607\n"
+        "G1 X-0.261867 Y0.350532\nG91\nG1 X0.006923 Y0.010253\nG1 X-0.014036\nG1 X0.000611 Y0.006116\n"
+        "G1 X-0.028215 Y0.010097\nF7.5\nG3 X0.000024 Y0.000055 I-0.054787 J0.024462\nM2\n");
+  ASSERT_EQ(run("program part.ngc --task slow.toml --plan fixed --json r.json --emit e.ngc").code, 0) << read("err");
+  ASSERT_EQ(run("program e.ngc --task slow.toml --plan fixed --dwells-before-filter --json again.json").code, 0)
+      << read("err");
+  EXPECT_NEAR(number_of("again.json", "samples"), number_of("r.json", "samples"), 1.0);
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/program/profiles/profile_motion.hpp>
-#include <accdec/program/profiles/profile_repair.hpp>
-#include <accdec/program/write/fastest_plan.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/trajectory/profile_repair.hpp>
+#include <accdec/simulate/profile_motion.hpp>
 
 #include "reference.hpp"
 #include "support/paths.hpp"
@@ -36,24 +36,15 @@ Task task_of(double jerk, int order) {
   return task;
 }
 
-/// Every plan is a candidate of the next: one filter, one a leg, profiles.
+/// The plan of one filter is a candidate of profiles.
 void expect_ordered(const std::string& program, const Task& task) {
-  const auto planned = [&](bool per_leg) {
-    ProgramFileOptions options;
-    options.per_leg = per_leg;
-    ProgramFile file = read_program_file(program, task, options, {});
-    return run_program_file(program, file, task, options, {});
-  };
-  const ProgramResult fixed = planned(false), leg = planned(true);
-  ASSERT_TRUE(fixed.verification.feasible && leg.verification.feasible) << program;
-  EXPECT_LE(leg.cycle_time, fixed.cycle_time) << program;
   ProgramFile file = read_program_file(program, task, {}, {});
-  const auto fastest = run_fastest_plan(program, file, task, {}, {});
-  const double time = std::visit([](const auto& result) { return result.cycle_time; }, fastest);
-  EXPECT_LE(time, leg.cycle_time) << program;
-  if (const auto* profiles = std::get_if<ProfileResult>(&fastest)) {
-    EXPECT_EQ(profiles->message, "") << program;
-  }
+  const ProgramResult fixed = run_program_file(program, file, task, {}, {});
+  ASSERT_TRUE(fixed.verification.feasible) << program;
+  file = read_program_file(program, task, {}, {});
+  const ProgramResult fastest = run_fastest_plan(program, file, task, {}, {});
+  EXPECT_LE(fastest.cycle_time, fixed.cycle_time) << program;
+  EXPECT_EQ(fastest.message, "") << program;
 }
 
 class ShippedPrograms : public ::testing::TestWithParam<const char*> {};
@@ -67,6 +58,45 @@ TEST_P(ShippedPrograms, NoPlanIsSlowerThanThoseItContains) {
 INSTANTIATE_TEST_SUITE_P(All, ShippedPrograms,
                          ::testing::Values("pocket", "zigzag", "engraving", "star", "linuxcnc/zigzag-p0.05",
                                            "linuxcnc/corner-p0.1"));
+
+/// A machine whose limits and given filter, if any, make a case of their own.
+struct FeedCase {
+  const char* program;
+  double acceleration;  // m/s^2
+  double jerk;          // m/s^3
+  int order;            // of a given boxcar; 0: a filter is designed
+};
+
+class ChosenFeeds : public ::testing::TestWithParam<FeedCase> {};
+
+// Kept feeds are a candidate of chosen ones, with a given filter and with the filter designed for them.
+TEST_P(ChosenFeeds, AreNeverSlowerThanKeptOnes) {
+  const FeedCase& c = GetParam();
+  Task task = task_of(c.jerk, c.order);
+  for (Axis& axis : task.machine.axes) axis.velocity_max = 0.5, axis.acceleration_max = c.acceleration;
+  if (c.order == 0) task.filter.reset();
+  const std::string program = test_support::source_folder() + "/problems/program/" + c.program + ".ngc";
+  const auto planned = [&](Feeds feeds) {
+    ProgramFileOptions options;
+    options.feeds = feeds;
+    ProgramFile file = read_program_file(program, task, options, {});
+    return run_program_file(program, file, task, options, {});
+  };
+  const ProgramResult chosen = planned(Feeds::choose), kept = planned(Feeds::keep);
+  ASSERT_TRUE(kept.verification.feasible) << kept.message;
+  ASSERT_TRUE(chosen.verification.feasible) << chosen.message;
+  EXPECT_LE(chosen.cycle_time, kept.cycle_time * (1.0 + 1e-12));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ChosenFeeds,
+                         ::testing::Values(FeedCase{"raster", 1.0, unlimited, 99},
+                                           FeedCase{"engraving", 1.0, unlimited, 99},
+                                           FeedCase{"pocket", 1.0, unlimited, 60},
+                                           FeedCase{"linuxcnc/corner-p0.1", 1.0, unlimited, 0},
+                                           FeedCase{"linuxcnc/corner-p0.1", 6.0, unlimited, 0},
+                                           FeedCase{"linuxcnc/corner-p0.1", 6.0, 500.0, 0},
+                                           FeedCase{"linuxcnc/zigzag-p0.05", 1.0, unlimited, 0},
+                                           FeedCase{"legs", 6.0, 500.0, 0}, FeedCase{"zigzag", 6.0, 500.0, 0}));
 
 TEST(FastestPlan, OfRandomProgramsIsNoSlowerThanThoseItContains) {
   const TemporaryFolder folder;

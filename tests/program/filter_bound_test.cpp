@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/program/plan/filter_bound.hpp>
-#include <accdec/program/write/program_report.hpp>
+#include <accdec/bounds/filter_bound.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/program.hpp>
 
 #include "reference.hpp"
 #include "support/paths.hpp"
@@ -81,9 +81,9 @@ TEST(FilterBound, HoldsForTheProgramsMeasuredAgainstLinuxCNC) {
     if (entry.path().extension() != ".ngc") continue;
     LineSource source(entry.path());
     Toolpath path = read_toolpath(source, limits, {});
-    for (const bool per_leg : {false, true}) {
-      const ProgramResult result = run_program("a", path, boxcar(99), task, per_leg);
-      const double bound = filter_lower_bound(result.path, program_machine(limits, path), task.sample_period);
+    {
+      const ProgramResult result = run_program("a", path, boxcar(99), task);
+      const double bound = filter_lower_bound(result.plan.path, program_machine(limits, path), task.sample_period);
       EXPECT_TRUE(result.verification.feasible) << entry.path();
       EXPECT_LE(bound, result.cycle_time + 1e-9) << entry.path();
       // A lone corner of legs along the axes leaves only the whole samples of its delay out.

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/program/simulate/convolve.hpp>
-#include <accdec/program/simulate/joint_distance.hpp>
-#include <accdec/program/simulate/motion_extremes.hpp>
+#include <accdec/simulate/convolve.hpp>
+#include <accdec/simulate/joint_distance.hpp>
+#include <accdec/simulate/motion_extremes.hpp>
 
 namespace accdec {
 namespace {

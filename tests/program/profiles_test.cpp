@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <accdec/program/profiles/last_filter.hpp>
-#include <accdec/program/profiles/plan_profiles.hpp>
-#include <accdec/program/profiles/profile_corner.hpp>
-#include <accdec/program/profiles/profile_motion.hpp>
+#include <accdec/plan/trajectory/last_filter.hpp>
+#include <accdec/plan/trajectory/plan_profiles.hpp>
+#include <accdec/plan/trajectory/profile_corner.hpp>
+#include <accdec/simulate/profile_motion.hpp>
 
 #include "reference.hpp"
 #include "support/paths.hpp"
@@ -17,22 +17,9 @@
 namespace accdec {
 namespace {
 
+using test::machine_of;
 using test::path_of;
 using test::random_program;
-
-Machine machine(double acceleration, double jerk = unlimited, double velocity = 0.2, int axes = 3) {
-  Machine m;
-  for (const char* name : {"x", "y", "z"}) {
-    if (static_cast<int>(m.axes.size()) == axes) break;
-    Axis axis;
-    axis.name = name;
-    axis.velocity_max = velocity;
-    axis.acceleration_max = acceleration;
-    axis.jerk_max = jerk;
-    m.axes.push_back(axis);
-  }
-  return m;
-}
 
 /// All samples of a plan, the start included: rows of as many values as the path has axes.
 std::vector<std::vector<double>> samples_of(const Toolpath& path, const ProfilePlan& plan, double period) {
@@ -42,8 +29,9 @@ std::vector<std::vector<double>> samples_of(const Toolpath& path, const ProfileP
   return rows;
 }
 
-/// What a motion of rows of positions does, by brute force: differences in long double of the whole sequence, at rest
-/// at both ends; the distance of every joint from every segment of the motion, in the order of the program.
+/// Measures a motion of rows of positions by brute force. It takes differences in long double of the whole sequence, at
+/// rest at both ends. It takes the distance of every joint from every segment of the motion, in the order of the
+/// program.
 struct Brute {
   explicit Brute(std::vector<std::vector<double>> rows, const Toolpath& path, const Machine& m, double period)
       : rows_(std::move(rows)) {
@@ -102,7 +90,7 @@ struct Brute {
 TEST(ProfileCorner, IsAParabolaOfTheSpeedThatItsToleranceAllows) {
   // u1 along x, u2 turned by the angle: v = sqrt(8 a e/(m n)), n = |u2 - u1|, m its largest component.
   const double a = 1.0, e = 5e-5, period = 1e-6;
-  const Machine m = machine(a, unlimited, 0.2, 2);
+  const Machine m = machine_of(a, unlimited, 0.2, 2);
   const AvailableAcceleration available(m, period, LastFilter(1, period));
   for (const double turn : {5.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0}) {
     const double in[] = {1.0, 0.0},
@@ -166,7 +154,7 @@ TEST(Profiles, OneLegTakesTheTimeOfItsRamps) {
   for (const double length : {0.003, 0.01, 0.05, 0.1234}) {
     const Toolpath path = path_of(fmt::format("G64 P0.05 F{}\nG1 X{}\nM2\n", v * 60e3, length * 1e3));
     const double expected = length >= v * v / a ? length / v + v / a : 2.0 * std::sqrt(length / a);
-    const ProfilePlan plan = plan_profiles(path, machine(a, unlimited, 0.2, 1), period);
+    const ProfilePlan plan = plan_profiles(path, machine_of(a, unlimited, 0.2, 1), period);
     EXPECT_TRUE(plan.holds());
     EXPECT_NEAR(chain_time(plan.chain), expected, 1e-8);
     // One sample more until the velocity is 0, and the end rounded up to a sample.
@@ -178,7 +166,7 @@ TEST(Profiles, OneLegTakesTheTimeOfItsRamps) {
 TEST(Profiles, OneLegWithAJerkLimitTakesTheTimeOfAnSCurve) {
   const double period = 1e-3, a = 1.0, j = 50.0, v = 0.1, length = 0.05;
   const Toolpath path = path_of(fmt::format("G64 P0.05 F{}\nG1 X{}\nM2\n", v * 60e3, length * 1e3));
-  const ProfilePlan plan = plan_profiles(path, machine(a, j, 0.2, 1), period);
+  const ProfilePlan plan = plan_profiles(path, machine_of(a, j, 0.2, 1), period);
   EXPECT_TRUE(plan.holds());
   // L/v + v/a + a/j = 0.5 + 0.1 + 0.02; a boxcar of 20 taps lengthens by 19 samples, one more until the velocity is 0,
   // one of rounding.
@@ -190,7 +178,7 @@ TEST(Profiles, RightAnglesOfLongLegsLoseWhatTheParabolaLoses) {
   // it at F the ramps lose (F - v_c)^2/(a F) and the corner itself (1 - v_c/F) v_c/a.
   const double a = 1.0, F = 0.1, e = 5e-5, v = std::sqrt(8.0 * a * e / std::numbers::sqrt2);
   const Toolpath path = path_of("G64 P0.05 F6000\nG1 X50\nG1 Y50\nM2\n");
-  const ProfilePlan plan = plan_profiles(path, machine(a, unlimited, 0.2, 2), 1e-3);
+  const ProfilePlan plan = plan_profiles(path, machine_of(a, unlimited, 0.2, 2), 1e-3);
   const double expected = 1.0 + F / a + (F - v) * (F - v) / (a * F) + (1.0 - v / F) * v / a;
   EXPECT_TRUE(plan.holds());
   EXPECT_NEAR(chain_time(plan.chain), expected, 1e-4);  // the sagitta of a sample takes 0.35 % of the tolerance
@@ -199,13 +187,13 @@ TEST(Profiles, RightAnglesOfLongLegsLoseWhatTheParabolaLoses) {
 }
 
 TEST(Profiles, CirclesGoAsFastAsTheAxesAllow) {
-  // Where the circle of radius R crosses an axis direction, the centripetal acceleration v^2/R is one axis' alone: v =
-  // sqrt(a R) there, never more; on the diagonals both axes share it, at most 2^(1/4) of that. So a turn takes between
+  // Where the circle of radius R crosses an axis direction, one axis has the whole centripetal acceleration v^2/R: v is
+  // at most sqrt(a R) there. On the diagonals both axes share it: v is at most 2^(1/4) of that. So a turn takes between
   // 2^(-1/4) and 1 of 2 pi R/sqrt(a R), plus start and stop.
   const double a = 1.0, R = 4e-3, turns = 10.0, slow = 2.0 * std::numbers::pi * std::sqrt(R / a);
   std::string text = "G64 P0.02 F60000\nG0 X4\n";
   for (int i = 0; i < turns; ++i) text += "G3 X4 Y0 I-4 J0\n";
-  const Machine m = machine(a, unlimited, 1.0, 2);
+  const Machine m = machine_of(a, unlimited, 1.0, 2);
   const Toolpath path = path_of(text + "M2\n", m);
   const ProfilePlan plan = plan_profiles(path, m, 1e-3);
   EXPECT_TRUE(plan.holds());
@@ -219,7 +207,7 @@ TEST(Profiles, CirclesGoAsFastAsTheAxesAllow) {
 TEST(Profiles, StopsAndDwellsAreKept) {
   const Toolpath path = path_of("G64 P0.05 F6000\nG1 X10\nG4 P0.25\nG1 X20\nG61.1\nG1 Y10\nG64 P0.05\nG1 X30\nM2\n");
   for (const double jerk : {unlimited, 50.0}) {
-    const Machine m = machine(1.0, jerk, 0.2, 2);
+    const Machine m = machine_of(1.0, jerk, 0.2, 2);
     const ProfilePlan plan = plan_profiles(path, m, 1e-3);
     ASSERT_TRUE(plan.holds());
     const auto rows = samples_of(path, plan, 1e-3);
@@ -242,7 +230,7 @@ TEST(Profiles, ShortBlocksAreLookedAheadOver) {
     text += fmt::format("G1 X{:.9f}\n", step);
     length += step * 1e-3;
   }
-  const ProfilePlan plan = plan_profiles(path_of(text + "M2\n"), machine(1.0, unlimited, 0.2, 1), 1e-3);
+  const ProfilePlan plan = plan_profiles(path_of(text + "M2\n"), machine_of(1.0, unlimited, 0.2, 1), 1e-3);
   EXPECT_TRUE(plan.holds());
   EXPECT_NEAR(chain_time(plan.chain), length / 0.1 + 0.1, 1e-7);
 }
@@ -251,7 +239,7 @@ TEST(Profiles, LinuxCncsZigZagIsFasterThanLinuxCnc) {
   // LinuxCNC's times, problems/program/linuxcnc/README.md.
   const std::pair<const char*, double> measured[] = {
       {"p0.01", 19.036}, {"p0.05", 18.699}, {"p0.1", 18.410}, {"p0.5", 16.847}};
-  const Machine m = machine(1.0, unlimited, 0.2, 2);
+  const Machine m = machine_of(1.0, unlimited, 0.2, 2);
   for (const auto& [name, time] : measured) {
     LineSource source{std::filesystem::path(
         fmt::format("{}/problems/program/linuxcnc/zigzag-{}.ngc", test_support::source_folder(), name))};
@@ -289,7 +277,7 @@ TEST(ProfileCorner, DistanceThroughAnyLastFilterIsItsMean) {
 }
 
 TEST(LastFilters, HoldTheBoundsByTheirDefinition) {
-  Machine m = machine(1.0, unlimited, 0.2, 2);
+  Machine m = machine_of(1.0, unlimited, 0.2, 2);
   m.modes = {{40.0, 60.0, 0.1}, {110.0, 120.0, 0.05}};
   const double period = 1e-3;
   const std::vector<Filter> filters = last_filters(m, period);
@@ -312,7 +300,7 @@ TEST(Profiles, NoProgramExcitesAModeMoreThanItsBoundAllows) {
   // The whole motion's acceleration, transformed at each frequency, against that of the command before the last filter.
   const double period = 1e-3;
   for (const double jerk : {unlimited, 50.0}) {
-    Machine m = machine(1.0, jerk, 0.2, 2);
+    Machine m = machine_of(1.0, jerk, 0.2, 2);
     m.modes = {{40.0, 60.0, 0.1}};
     const Toolpath path =
         path_of("G64 P0.05 F6000\nG1 X20\nG1 Y20\nG1 X22 Y22\nG3 X12 Y32 I-10\nG1 X0 Y0\nG1 X1\nM2\n", m);
@@ -342,7 +330,7 @@ TEST(Profiles, NoProgramExcitesAModeMoreThanItsBoundAllows) {
 }
 
 TEST(Profiles, VibrationBoundsThatNoShortFilterHoldsAreRefused) {
-  Machine m = machine(1.0);
+  Machine m = machine_of(1.0, unlimited, 0.2, 3);
   m.modes.push_back({1.0, 499.0, 1e-9});
   EXPECT_THROW(plan_profiles(path_of("G64 P0.05 F6000\nG1 X10\nG1 Y10\nM2\n"), m, 1e-3), std::invalid_argument);
 }
@@ -357,7 +345,7 @@ TEST_P(RandomProfiles, HoldByBruteForce) {
   const auto between = [&](double low, double high) {
     return low * std::pow(high / low, std::uniform_real_distribution<double>(0.0, 1.0)(random));
   };
-  Machine m = machine(1.0);
+  Machine m = machine_of(1.0, unlimited, 0.2, 3);
   const bool jerk = seed % 2 == 1, force = seed % 3 == 2;
   for (Axis& axis : m.axes) {
     axis.acceleration_max = between(0.3, 10.0);

@@ -2,16 +2,17 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
-#include <accdec/program/plan/lower_bound.hpp>
-#include <accdec/program/plan/program_plan.hpp>
-#include <accdec/program/plan/stretches.hpp>
-#include <accdec/program/profiles/plan_profiles.hpp>
-#include <accdec/program/simulate/simulate.hpp>
+#include <accdec/bounds/lower_bound.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/gcode/read_error.hpp>
+#include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/feeds/stretches.hpp>
+#include <accdec/plan/trajectory/plan_profiles.hpp>
+#include <accdec/simulate/simulate.hpp>
 
 #include "reference.hpp"
 
@@ -322,9 +323,9 @@ TEST(Plan, LongLegsBesideACurveKeepTheirFeeds) {
 }
 
 TEST(Plan, LowerBoundOfFineChordsKnowsWhatTurningTakes) {
-  // A circle of radius R at F far above sqrt(a R): once around at that speed takes 2 pi sqrt(R/a). Along the axes,
-  // where a quarter's chord is turned by 45 degrees, they have sqrt(2) a; windows of a sixth to a quarter and the
-  // tolerance leave some tenths of it.
+  // A circle of radius R at F far above sqrt(a R): once around at that speed takes 2 pi sqrt(R/a). If a quarter's chord
+  // is turned by 45 degrees, the acceleration along it is sqrt(2) a. Windows of a sixth to a quarter, and the
+  // tolerance, reduce the bound by some tenths.
   Machine machine;
   for (const char* name : {"x", "y"}) machine.axes.push_back({name, 1.0, 1.0});
   const double turn = 2.0 * std::numbers::pi * std::sqrt(0.01);
@@ -340,6 +341,19 @@ TEST(Plan, LowerBoundOfFineChordsKnowsWhatTurningTakes) {
     ASSERT_TRUE(plan.holds());
     EXPECT_LT(bound, static_cast<double>(plan.check.samples) * period) << tolerance;
   }
+}
+
+// Rounding of the simulated path is that large; the bound would be loosened silently.
+TEST(Plan, TolerancesBelowAPicometreAreRefused) {
+  const auto read = [](const std::string& p) {
+    const std::string text = "G64 P" + p + " F6000\nG1 X10\nG1 Y10\nM2\n";
+    LineSource source("part.ngc", text);
+    return read_toolpath(source, {}, {});
+  };
+  EXPECT_THAT([&] { read("0.0000000001"); }, ::testing::ThrowsMessage<ReadError>(::testing::StartsWith("part.ngc:2:")));
+  EXPECT_THAT([&] { read("0.0000000001"); },
+              ::testing::ThrowsMessage<ReadError>(::testing::HasSubstr("allowed is 0 or 1e-09 mm and more")));
+  EXPECT_DOUBLE_EQ(read("0.000000002").tolerance.front(), 2e-12);
 }
 
 TEST(Plan, LowerBoundIsTheClosedFormWhereThereIsOne) {

@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <accdec/program/read/read_error.hpp>
-#include <accdec/program/read/reader.hpp>
+#include <accdec/gcode/read_error.hpp>
+#include <accdec/simulate.hpp>
 
 namespace accdec {
 

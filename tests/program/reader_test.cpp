@@ -171,9 +171,9 @@ TEST(Reader, NamesTheErrorAndItsPlace) {
   expect_error("G1 F1 X1e400\n", "1:9", "word E");
   expect_error("G1 F1 X" + std::string(400, '9') + "\n", "1:7", "word X has no number");
   expect_error("X1\n", "1:1", "without a motion");
-  expect_error("G6 X1\n", "1:1", "G6 is not supported");
-  expect_error("G61.3\n", "1:1", "G61.3 is not supported");
-  expect_error("M98 P1\n", "1:1", "M98 is not supported");
+  expect_error("G6 X1\n", "1:1", "interpreter is needed for G6");
+  expect_error("G61.3\n", "1:1", "interpreter is needed for G61.3");
+  expect_error("M98 P1\n", "1:1", "interpreter is needed for M98");
   expect_error("G1 G2 X1 F1\n", "1:4", "contradicts");
   expect_error("#1=2\n", "1:1", "parameters");
   expect_error("G1 X#1\n", "1:5", "parameters");
@@ -201,7 +201,7 @@ TEST(Reader, NamesTheErrorAndItsPlace) {
   expect_error("SET_FEED_RATE(100)\nSTRAIGHT_FEED(1, 2)\n", "2:19", "fewer than 3");
   expect_error("SET_FEED_RATE(100)\nSTRAIGHT_FEED(1, x, 2)\n", "2:18", "not a number");
   expect_error("USE_LENGTH_UNITS(CANON_UNITS_CM)\n", "1:18", "CANON_UNITS_INCHES");
-  expect_error("STRAIGHT_PROBE(0, 0, 0)\n", "1:1", "not supported");
+  expect_error("STRAIGHT_PROBE(0, 0, 0)\n", "1:1", "G38.2 to G38.5 end where the probe touches");
 }
 
 TEST(Reader, RefusesEndlessLinesInConstantMemory) {

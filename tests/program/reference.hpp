@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include <accdec/motion/filter.hpp>
-#include <accdec/program/read/toolpath.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/simulate.hpp>
 
 namespace accdec::test {
 
-/// A program by definition, independent of the library's emission and recursion: command positions at every sample as
-/// points of the path at that time, then plain convolution of those positions with the taps.
+/// A program computed from its definition, without the library's emission and recursion. Command positions at every
+/// sample are points of the path at that time; then follows plain convolution of these positions with the taps.
 struct Reference {
   std::size_t n = 0;
   std::vector<std::vector<double>> command, position;  // [sample][axis]; position is N + 1 samples longer
@@ -133,6 +133,21 @@ inline std::string random_program(unsigned seed, int blocks) {
 inline Toolpath path_of(const std::string& text, const Machine& machine = {}) {
   LineSource source("test.ngc", text);
   return read_toolpath(source, machine, {});
+}
+
+/// Axes x, y, z, or the first of them, of equal limits in m, kg, s.
+inline Machine machine_of(double acceleration, double jerk = unlimited, double velocity = 0.2, int axes = 2) {
+  Machine m;
+  for (const char* name : {"x", "y", "z"}) {
+    if (static_cast<int>(m.axes.size()) == axes) break;
+    Axis axis;
+    axis.name = name;
+    axis.velocity_max = velocity;
+    axis.acceleration_max = acceleration;
+    axis.jerk_max = jerk;
+    m.axes.push_back(axis);
+  }
+  return m;
 }
 
 }  // namespace accdec::test

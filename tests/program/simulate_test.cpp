@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/machine/utilisation.hpp>
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/program/simulate/simulate.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
+#include <accdec/simulate/simulate.hpp>
 
 #include "reference.hpp"
 

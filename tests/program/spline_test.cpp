@@ -4,7 +4,7 @@
 #include <random>
 #include <sstream>
 
-#include <accdec/program/read/spline.hpp>
+#include <accdec/gcode/spline.hpp>
 
 #include "reader_harness.hpp"
 

@@ -45,6 +45,25 @@ def test_result_is_like_scipys():
         result["nonsense"]
 
 
+def test_settings_of_a_controller():
+    task = everyday(family="averages", stages=2, length_step=1e-3, controller={"delays": ["in-position"]})
+    result = accdec.design(task)
+    assert result.outcome == "optimal" and result.family_bound == pytest.approx(result.fun, rel=1e-9)
+    lengths = [round(value["value"]) for value in result.settings["values"]]
+    assert [value["unit"] for value in result.settings["values"]] == ["ms", "ms"]
+    taps = np.convolve(*(np.full(n, 1.0 / n) for n in lengths))
+    assert np.allclose(result.x, taps, rtol=0, atol=1e-12)
+    left = [0.1e-3 * sum(b * max(i - d, 0) for i, b in enumerate(taps)) for d in range(len(taps))]
+    delay = next(d for d, way in enumerate(left) if way <= result.settings["width"])
+    assert result.delays.tolist() == [delay] and result.settings["delays"] == ["in-position"]
+    assert result.free_taps <= result.fun and result.mip_dual_bound <= result.free_taps * (1 + 1e-9)
+    assert result.settings["answer"].startswith("Set these: averages of ") and accdec.verify(result).accepted
+    assert pickle.loads(pickle.dumps(result)).settings == result.settings
+    assert accdec.design(everyday()).settings is None
+    with pytest.raises(accdec.InputError, match="no multiple of the sample period"):
+        everyday(family="averages", length_step=1.5e-3)
+
+
 def test_taps_are_a_read_only_view_of_the_result():
     result = accdec.design(everyday())
     assert result.x.base is result
@@ -179,3 +198,18 @@ def test_a_script_ended_by_ctrl_c_ends_cleanly(solver):
               "except KeyboardInterrupt: print('interrupted')\n")
     said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
     assert (said.returncode, said.stdout.strip(), said.stderr) == (0, "interrupted", "")
+
+
+def test_whole_coefficients():
+    """At most 12 of 256 units a tap, as a T/v = 0.05: 22 taps, of which the free optimum needs 20."""
+    task = accdec.Task(sample_period=1e-3, axes={"acceleration_max": 5.0}, coefficient_bits=8,
+                       corners={"direction_in": [1, 0], "direction_out": [0, 1], "feed_in": 0.1})
+    result = accdec.design(task)
+    assert result.order == 21
+    assert sum(result.quantisation["coefficients"]) == 256
+    assert np.array_equal(result.x * 256, result.quantisation["coefficients"])
+    assert result.quantisation["unquantised"] == pytest.approx(0.020)
+    assert accdec.verify(result)
+    assert accdec.design(task.replace(coefficient_bits=None)).quantisation is None
+    with pytest.raises(accdec.InputError, match="8 <= coefficient_bits <= 31"):
+        task.replace(coefficient_bits=2)

@@ -80,7 +80,7 @@ def test_heat_maps_and_coloured_lines_are_drawn():
 
 def test_exports_are_those_of_the_program(result, tmp_path):
     result.write(tmp_path / "result.json")
-    for format in ("csv", "c", "json", "npy"):
+    for format in ("csv", "c", "json", "npy", "m", "st", "linuxcnc-comp"):
         program = subprocess.run([os.environ["ACCDEC_BINARY"], "export", tmp_path / "result.json", "--format", format],
                                  capture_output=True, check=True).stdout
         ours = accdec.export(result, format, tmp_path / "taps")

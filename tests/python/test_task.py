@@ -103,12 +103,12 @@ def test_errors_have_the_text_of_the_command_line(tmp_path, text):
 
 
 @pytest.mark.parametrize("fields, words", [
-    ({"corners": {"angle": 4.0, "feed_in": 0.1}}, "0 < angle_deg <= 180"),
+    ({"corners": {"angle": 4.0, "feed_in": 0.1}}, "0 < angle <= 3.14159265"),
     ({"corners": {"angle": 1.0, "angle_deg": 57, "feed_in": 0.1}}, "both given"),
     ({"corners": {"angle": 1.0, "feed_in": float("nan")}}, "feed_in"),
     ({"corners": {"angle": 1.0, "feed_in": 0.1, "velocity": 1}}, "velocity"),
     ({"corners": []}, "no corner"),
-    ({"corners": {"angle": "wide", "feed_in": 0.1}}, "angle_deg"),
+    ({"corners": {"angle": "wide", "feed_in": 0.1}}, "`angle` must be a number"),
     ({"corners": {"angle": 1.0, "feed_in": 0.1}, "axes": {"force_max": 10}}, "mass_kg"),
 ])
 def test_wrong_fields_are_named(fields, words):
@@ -121,3 +121,18 @@ def test_no_limit_is_none_or_infinity():
     bare = accdec.Task(sample_period=1e-3, corners=corner)
     assert accdec.Task(sample_period=1e-3, corners={**corner, "error_max": None},
                        axes={"jerk_max": np.inf, "velocity_max": None}) == bare
+
+
+@pytest.mark.parametrize("field, value, said", [
+    ("axes", {"acceleration_max": -1}, "`acceleration_max` = -1 is out of range; allowed is 0 < acceleration_max <= 100000"),
+    ("axes", {"acceleration_max_mm_s2": -1}, "`acceleration_max_mm_s2` = -1 is out of range"),
+    ("axes", {"acceleration_max": "a"}, '`acceleration_max` must be a number, got "a"'),
+    ("corners", {"angle": 4.0, "feed_in": 0.1}, "`angle` = 4 is out of range; allowed is 0 < angle <= 3.14"),
+    ("corners", {"angle_deg": 90, "feed_in": -0.1}, "`feed_in` = -0.1 is out of range"),
+    ("modes", {"frequency": [30, -2], "residual_max": 0.1}, "`frequency` = -2 is out of range"),
+    ("sample_period", 5, "`sample_period` = 5 is out of range; allowed is 1e-07 <= sample_period <= 1")])
+def test_errors_have_the_names_and_units_given(field, value, said):
+    """1 m/s^2 is not 1000 of what the user wrote."""
+    with pytest.raises(accdec.InputError) as refused:
+        from_si().replace(**{field: value})
+    assert said in str(refused.value)

@@ -12,7 +12,7 @@
 #include <conformance/cases.hpp>
 #include <gtest/gtest.h>
 
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 namespace accdec::testing {
 namespace {

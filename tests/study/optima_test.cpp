@@ -32,8 +32,8 @@ TEST(Optima, TheBoxcarIsTheOptimumOfAnAccelerationLimit) {
   ASSERT_TRUE(o.saving().has_value());
   EXPECT_NEAR(*o.saving(), 0.0, 1e-9);
   // Every Hann of the same peak is longer: its mean tap is half its largest.
-  const auto family = [&](const char* name) -> const BaselineResult& {
-    return o.families.at(static_cast<std::size_t>(find_baseline(name) - baselines().data()));
+  const auto family = [&](const char* name) -> const FamilyResult& {
+    return o.families.at(static_cast<std::size_t>(find_family(name) - families().data()));
   };
   ASSERT_TRUE(family("boxcar").result.filter.has_value());
   EXPECT_NEAR(family("boxcar").result.cycle_time, 33e-3, 1e-12);
@@ -52,7 +52,7 @@ TEST(Optima, NoShapeBeatsAnOptimum) {
   task.corners.front().set_feeds(0.1, 0.1);
   const Optimum o = find_optimum("friction", task, {});
   ASSERT_EQ(o.design.status, Status::optimal) << o.design.message;
-  for (const BaselineResult& family : o.families) {
+  for (const FamilyResult& family : o.families) {
     if (family.result.filter) {
       EXPECT_GE(family.result.cycle_time, o.design.cycle_time - 1e-12);
     }

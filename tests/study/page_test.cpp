@@ -8,7 +8,7 @@
 
 #include "support/study_command.hpp"
 
-// What a study's page says and draws; how it behaves in a browser is tested in tests/pages.
+// Tests the content of a study's page; tests/pages tests how it behaves in a browser.
 
 namespace {
 

@@ -7,16 +7,18 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <accdec/study/cluster.hpp>
-#include <accdec/study/journal.hpp>
+#include <accdec/batch/cluster.hpp>
+#include <accdec/batch/journal.hpp>
+#include <accdec/batch/shards.hpp>
 #include <accdec/study/point_set.hpp>
 #include <accdec/study/row_store.hpp>
-#include <accdec/study/shards.hpp>
 #include <accdec/study/study_folder.hpp>
 
 #include "support/study_command.hpp"
 
 namespace accdec::study {
+
+using namespace batch;
 namespace {
 
 namespace fs = std::filesystem;
@@ -67,8 +69,8 @@ TEST(Shards, OfAGridHaveTheirPartOfEveryValueOfEveryAxis) {
 }
 
 TEST(Shards, AreTheSameOnEveryPlatform) {
-  // The generator is the standard's: its 10000th value from seed 5489 is fixed there; that what is made of it is
-  // integers and exact floating point only shows in a deal recomputed here in whole numbers.
+  // The generator is that of the standard, which fixes its 10000th value from seed 5489. A deal computed here in whole
+  // numbers shows that the shards use only integers and exact floating point.
   std::mt19937_64 rng(1);
   std::vector<std::size_t> deal(6);
   std::iota(deal.begin(), deal.end(), std::size_t{0});
@@ -175,7 +177,7 @@ TEST_F(StudyCommand, WithoutSlurmTheScriptsSayHowToDoWithout) {
   study(5);
   // A PATH without sbatch.
   const Outcome r = run("study study.toml --out out --slurm 3", "PATH=/nowhere");
-  EXPECT_EQ(r.exit_code, 1) << r.output;
+  EXPECT_EQ(r.exit_code, 2) << r.output;
   EXPECT_THAT(r.output, HasSubstr("sbatch is not installed"));
   EXPECT_THAT(content(home_ / "out/slurm/array.sh"), HasSubstr("--resume-failed --sshloginfile nodes.txt"));
   const Outcome first = run("study --status out", "PATH=/nowhere");

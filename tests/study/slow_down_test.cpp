@@ -4,8 +4,8 @@
 
 #include <gmock/gmock.h>
 
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/study/point_columns.hpp>
 #include <accdec/study/slow_down.hpp>
 
@@ -14,9 +14,8 @@
 namespace accdec::study {
 namespace {
 
-/// Filters the command "full feed, slow zone of h samples, corner, slow zone of h samples, full feed" by plain
-/// convolution; the smallest distance of its samples from the corner, and the time it takes longer than without the
-/// zones.
+/// Filters a command by plain convolution: "full feed, slow zone of h samples, corner, slow zone of h samples, full
+/// feed". Returns the smallest distance of its samples from the corner, and the additional time compared with no zones.
 double simulated_error(const Filter& filter, const Corner& corner, double period, double factor, int h) {
   const int lead = 3 * filter.order() + h + 5;
   std::vector<Eigen::VectorXd> command;
@@ -80,8 +79,9 @@ TEST(SlowDown, LosesMoreThanADelayWithLinearAccDec) {
   }
 }
 
-// A boxcar of 20 taps at the acceleration limit, on a corner that turns back by all but a degree: at d = N its last tap
-// brakes while its first accelerates the same way, twice the limit together. A sample more parts them: 20 + 20 samples.
+// A boxcar of 20 taps at the acceleration limit, on a corner that turns back by all but a degree. At d = N its last tap
+// brakes while its first accelerates the same way: together twice the limit. One sample more separates them: 20 + 20
+// samples.
 TEST(ExactStop, HoldsTheLimits) {
   Axis axis;
   axis.acceleration_max = 0.1 / 20e-3;

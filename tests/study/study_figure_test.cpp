@@ -14,6 +14,16 @@
 
 namespace {
 
+TEST(CurveTitles, OfComputationsAreTheirs) {
+  EXPECT_THAT(accdec::curve_titles({"optimum", "trapezoid", "s-curve", "delays"}),
+              ::testing::ElementsAre("designed", "two averages (trapezoidal acceleration, the industry's S-curve)",
+                                     "quintic S-curve (paper)", "delays"));
+  EXPECT_THAT(accdec::curve_titles({"hann.cycle_time_ms", "optimum.cycle_time_ms"}),
+              ::testing::ElementsAre("Hann", "designed"));
+  EXPECT_THAT(accdec::curve_titles({"hann.cycle_time_ms", "hann.error_um"}),
+              ::testing::ElementsAre("Hann: cycle_time_ms", "Hann: error_um"));
+}
+
 using ::testing::HasSubstr;
 using ::testing::Not;
 

@@ -54,9 +54,9 @@ TEST_F(StudyResume, AKilledFreshRunGoesOnWithoutFreshAndTakesNothingOld) {
   write(home_ / "out/rows.jsonl", rows);
   ASSERT_TRUE(killed_after("study study.toml --out out --fresh --workers 1", "out", 80));
   EXPECT_EQ(content(home_ / "out/rows.jsonl"), rows) << "the old results stay until the new ones are complete";
-  // Killed once more on the way, and begun anew once more: only the last beginning counts.
+  // Killed again on the way, and started fresh again: only the last start counts.
   ASSERT_TRUE(killed_after("study study.toml --out out --workers 1", "out", 20));
-  const auto done = journal_lines("out") - 2;  // but for the header and the mark
+  const auto done = journal_lines("out") - 2;  // without the header and the mark
   EXPECT_GE(done, 90);
   const Outcome rest = run("study study.toml --out out");
   ASSERT_EQ(rest.exit_code, 0) << rest.output;
@@ -111,6 +111,29 @@ TEST_F(StudyResume, PointsLostWithTheirProcessAreComputedByTheNextRun) {
   EXPECT_THAT(again.output, HasSubstr(fmt::format("240 points: {} computed", lost)));
   EXPECT_THAT(again.output, Not(HasSubstr("lost")));
   expect_same_results("whole", "out");
+}
+
+TEST_F(StudyResume, StoppedByHandItSaysWhatIsKeptOnce) {
+  study(200, "isolation = \"processes\"");
+  const pid_t child = start("study study.toml --out out --workers 2");
+  int status = 0;
+  pid_t ended = 0;
+  while (journal_lines("out") < 5 && (ended = ::waitpid(child, &status, WNOHANG)) == 0) std::this_thread::yield();
+  ASSERT_EQ(ended, 0) << "the study ended before it could be stopped";
+  // As a terminal does: to the workers, too.
+  std::istringstream children(content(fmt::format("/proc/{0}/task/{0}/children", child)));
+  for (pid_t worker = 0; children >> worker;) ::kill(worker, SIGINT);
+  ::kill(child, SIGINT);
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);
+  const std::string said =
+      "stopped; the points computed so far are kept in out; the same command goes on with the rest";
+  const std::string log = content(home_ / "log");
+  ASSERT_NE(log.find(said), std::string::npos) << log;
+  EXPECT_EQ(log.find(said), log.rfind(said)) << "the workers say nothing";
+  const Outcome rest = run("study study.toml --out out");
+  ASSERT_EQ(rest.exit_code, 0) << rest.output;
+  EXPECT_THAT(rest.output, Not(HasSubstr("800 computed")));
 }
 
 TEST_F(StudyResume, AFullDiskEndsItAndWithRoomItGoesOn) {

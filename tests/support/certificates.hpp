@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/formats/certificate_json.hpp>
-#include <accdec/formats/result_json.hpp>
+#include <accdec/result.hpp>
 
 namespace accdec::testing {
 
@@ -13,7 +13,7 @@ inline nlohmann::json certificate_json(const DesignResult& result) {
   return nlohmann::json::parse(certificate_to_json(*result.certificate));
 }
 
-/// What is said of a result with another certificate in its file: read as any file is, then checked.
+/// The report on a result with another certificate in its file: the file is read as usual, then checked.
 inline CheckReport check_forged(const Task& task, const DesignResult& result, const nlohmann::json& certificate) {
   DesignResult forged = result;
   forged.certificate.reset();

@@ -7,19 +7,19 @@
 
 #include <Eigen/Core>
 
-#include <accdec/motion/corner.hpp>
-#include <accdec/motion/filter.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec::test {
 
-/// The command stream of one corner put through the Acc/Dec processor by plain convolution, sample by sample: rest, leg
-/// 1 at v1, gap of d samples, leg 2 at v2, rest. Knows the taps and the definition V'[n] = sum_i b_i V[n - i] only,
-/// none of the tabulated moments of the library; position is the running right-rectangle sum, relative to the
-/// programmed corner point.
+/// The command stream of one corner, filtered by plain convolution sample by sample. The stream is rest, leg 1 at v1,
+/// gap of d samples, leg 2 at v2, rest. It uses only the taps and the definition V'[n] = sum_i b_i V[n - i], and none
+/// of the library's tabulated moments. Position is the running right-rectangle sum, relative to the programmed corner
+/// point.
 ///
-/// n = 0 is the last commanded sample of leg 1, so leg 1 is commanded on -run < n <= 0 and leg 2 on d < n <= d + run
-/// (with a negative d both at once). Leg 1 passes through the first filter, leg 2 through the second; for one filter
-/// that is the filtered sum. Both runs are long enough for full speed and for rest between the events.
+/// Sample n = 0 is the last commanded sample of leg 1. So leg 1 is commanded on -run < n <= 0, and leg 2 on d < n <= d
+/// + run (with a negative d both at once). Leg 1 passes through the first filter, leg 2 through the second; for one
+/// filter that is the filtered sum. Both runs are long enough for full speed and for rest between the events.
 class Convolution {
  public:
   Convolution(const Filter& in, const Filter& out, const Corner& corner, int delay, double period)

@@ -7,9 +7,8 @@
 
 #include <Eigen/Core>
 
-#include <accdec/motion/corner.hpp>
-#include <accdec/motion/filter.hpp>
-#include <accdec/motion/shapes.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec::test {
 
@@ -25,8 +24,8 @@ inline int integer(Random& random, int low, int high) {
   return std::uniform_int_distribution<int>(low, high)(random);
 }
 
-/// Filters of order 0 .. order_max of every kind a user could bring: standard shapes, rough random taps, taps over a
-/// huge dynamic range, one-sided decays, combs, and zero taps at either end.
+/// Random filters of order 0 to order_max, of every kind that a user might have. They are standard shapes, rough random
+/// taps, taps over a huge dynamic range, one-sided decays, combs, and filters with zero taps at either end.
 inline Filter random_filter(Random& random, int order_max) {
   const int order = integer(random, 0, order_max);
   std::vector<double> taps(static_cast<std::size_t>(order) + 1);

@@ -20,7 +20,6 @@ inline std::string quoted(const std::string& argument) {
   for (const char c : argument) {
     if (c == '\'') text.append("'\\'");
     text.push_back(c);
-    if (c == '\'') text.push_back('\'');
   }
   text.push_back('\'');
   return text;

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec::testing {
 

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/task/equal_corners.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 
@@ -36,7 +36,7 @@ Task task_of(const Axis& x, const Axis& y, const TaskCorner& corner) {
   return task;
 }
 
-// What the simulation, which knows nothing of symmetry, says of both: the same error, speed and use of the limits.
+// The simulation, which does not use symmetry, gives both the same error, speed and use of the limits.
 TEST(EqualCorners, SimulateAlike) {
   const TaskCorner first = corner_of(70.0, 25.0, Turn::left);
   const Task one = task_of(plain_axis(), plain_axis(), first);

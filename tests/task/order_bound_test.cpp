@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <accdec/machine/utilisation.hpp>
-#include <accdec/motion/filter.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
 #include <accdec/task/order_bound.hpp>
 
 #include "support/tasks.hpp"

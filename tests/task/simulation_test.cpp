@@ -4,7 +4,7 @@
 
 #include <accdec/task/check_delays.hpp>
 #include <accdec/task/simulation.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/convolution.hpp"
 #include "support/tasks.hpp"

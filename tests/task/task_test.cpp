@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 namespace {

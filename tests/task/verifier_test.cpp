@@ -4,10 +4,10 @@
 
 #include <gmock/gmock.h>
 
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/shapes.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/task/simulation.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 
@@ -87,8 +87,8 @@ TEST(Verifier, NamesTheLimitThatIsBroken) {
   EXPECT_NEAR(result.verification.max_violation, 0.25, 1e-12);
 }
 
-// The second side lobe of an average of 20 taps, |sin(20 x)/(20 sin x)| with x = pi f T, in a band that begins or ends
-// 0.3 Hz beside its peak, where the band's end has more than the next point of a grid of 0.9 Hz.
+// The second side lobe of an average of 20 taps, |sin(20 x)/(20 sin x)| with x = pi f T. The band begins or ends 0.3 Hz
+// beside its peak. There the band's end has a larger value than the next point of a grid of 0.9 Hz.
 TEST(Verifier, FindsPeaksBesideTheEndsOfABand) {
   const auto lobe = [](double f) {
     const double x = std::numbers::pi * f * 1e-3;

@@ -1,7 +1,7 @@
 #include <cstdio>
 
-#include <accdec/design/explain.hpp>
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/design.hpp>
+#include <accdec/task.hpp>
 
 int main() {
   for (const accdec::Gain& gain : accdec::explain_task(accdec::read_task("task.toml")).gains) {

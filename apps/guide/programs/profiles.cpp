@@ -1,7 +1,7 @@
 #include <cstdio>
 
-#include <accdec/formats/task_reader.hpp>
-#include <accdec/program/write/fastest_plan.hpp>
+#include <accdec/program.hpp>
+#include <accdec/task.hpp>
 
 int main() {
   using namespace accdec;
@@ -9,11 +9,7 @@ int main() {
   const Task task = read_task("problems/program/mill.toml", {.require_corners = false});
   const ProgramFileOptions options;
   ProgramFile read = read_program_file(name, task, options, {});
-  const auto fastest = run_fastest_plan(name, read, task, options, {});
-  if (const auto* profiles = std::get_if<ProfileResult>(&fastest)) {
-    std::printf("profiles: %.4f s\n", profiles->cycle_time);
-    for (const PlanTime& other : profiles->candidates) std::printf("%s: %.4f s\n", other.plan.c_str(), other.time);
-  } else {
-    std::printf("another plan: %.4f s\n", std::get<ProgramResult>(fastest).cycle_time);
-  }
+  const ProgramResult fastest = run_fastest_plan(name, read, task, options, {});
+  std::printf("%s: %.4f s\n", fastest.plan.name(), fastest.cycle_time);
+  for (const PlanTime& other : fastest.candidates) std::printf("%s: %.4f s\n", other.plan.c_str(), other.time);
 }

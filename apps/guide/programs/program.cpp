@@ -1,7 +1,7 @@
 #include <iostream>
 
-#include <accdec/formats/task_reader.hpp>
-#include <accdec/program/write/program_report.hpp>
+#include <accdec/program.hpp>
+#include <accdec/task.hpp>
 
 int main() {
   using namespace accdec;
@@ -12,7 +12,7 @@ int main() {
   LineSource source{std::filesystem::path(name)};
   const Toolpath path = read_toolpath(source, task.machine, reading);
   const Filter filter = make_filter(task.filter.value());
-  const ProgramResult result = run_program(name, path, filter, task, false, false, Feeds::choose);
+  const ProgramResult result = run_program(name, path, filter, task, false, Feeds::choose);
   std::cout << to_string(result.status) << ": " << result.cycle_time << " s, with exact stops "
-            << result.cycle_time_exact_stop << " s\n";
+            << result.cycle_time_exact_stop.value() << " s\n";
 }

@@ -1,7 +1,7 @@
 #include <iostream>
 
-#include <accdec/design/verify_result.hpp>
-#include <accdec/formats/result_json.hpp>
+#include <accdec/result.hpp>
+#include <accdec/verify.hpp>
 
 int main() {
   const accdec::ResultCheck check = accdec::verify_result(accdec::read_result("corner.json"));

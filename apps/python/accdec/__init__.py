@@ -9,11 +9,12 @@
 >>> round(1e3 * result.fun, 6)  # ms around the corner
 42.0
 
-Keyword arguments and results are in SI (m, s, kg, N, W, rad). Where a name ends in a unit (`angle_deg`,
-`feed_in_mm_min`), as in task files, that unit counts instead.
+Keyword arguments and results are in SI units (m, s, kg, N, W, rad). If a name ends in a unit (`angle_deg`,
+`feed_in_mm_min`), as in task files, it is in that unit.
 """
 
-from ._core import (Explanation, InputError, OutputError, ProfileProgram, Program, Recheck, Result, StopRun, Task,
+from . import _notebook
+from ._core import (Explanation, InputError, OutputError, Program, Recheck, Result, StopRun, Task,
                     __version__)
 from ._design import design, evaluate, read_result, verify
 from ._explain import baselines, explain
@@ -23,8 +24,10 @@ from ._plot import export, plot
 from ._program import program
 from ._study import compare, study
 
+del _notebook  # it has given the classes what notebooks ask for
+
 __all__ = [
-    "Explanation", "InputError", "OutputError", "Problem", "ProfileProgram", "Program", "Recheck", "Result",
+    "Explanation", "InputError", "OutputError", "Problem", "Program", "Recheck", "Result",
     "StopRun", "Task", "__version__", "baselines", "compare", "design", "evaluate", "explain", "export", "plot",
     "problem", "program", "read_result", "register_solver", "residual_vibration", "simulate", "smallest_delay", "solve",
     "solvers", "study", "taps", "verify",

@@ -77,25 +77,25 @@ def design(task: TaskLike, *, method: Optional[str] = None, solver: Optional[str
     solver : str, optional
         Nonlinear solver, see `solvers`; implies ``method="nlp"``. Default "ipopt".
     time_limit : float
-        s, for the whole design; then the best verified design so far.
+        s, for the whole design; then the answer is the best verified design so far.
     gap : float
-        End once the design is proved to be within this part of the shortest, 0 <= gap < 1. Exact method only.
+        End once the design is proved to be this close to the shortest time, 0 <= gap < 1. Exact method only.
     objective : {"cycle", "corner"}, optional
-        Instead of the task's: machine time of a run, or every corner as a run of its own.
+        Instead of the task's. "cycle" is machine time, "corner" counts the filter at every corner.
     seed : int
-        Of solvers that draw random numbers.
+        Seed of solvers that draw random numbers.
     threads : int, optional
-        For proofs of several corners, one a core unless given; design and proof do not depend on it.
+        Threads for proofs of several corners, by default one per core. Design and proof do not depend on it.
     options : dict, optional
         The solver's own options.
     certificate : bool
         Keep the proof in the result, for `verify`.
     reduced : bool, optional
-        Nonlinear solvers: positions substituted into their bounds; default is what the solver takes.
+        Nonlinear solvers: substitute positions into their bounds; the default is the form the solver takes.
     start : array_like, optional
-        Local nonlinear solvers: taps to start from, at their order; at others it is a trapezoid.
+        Local nonlinear solvers: taps to start from, at their order. Other orders start from a trapezoid.
     progress : bool or callable, optional
-        True prints a line a step; a callable gets the line, in the calling thread.
+        True prints one line per step; a callable gets the line, in the calling thread.
 
     Returns
     -------
@@ -125,15 +125,15 @@ def design(task: TaskLike, *, method: Optional[str] = None, solver: Optional[str
 
 def evaluate(task: TaskLike, taps: Optional[npt.ArrayLike] = None,
              delays: Optional[Sequence[int]] = None) -> Result:
-    """Errors, times and use of limits of a given filter and given delays, whatever they break.
+    """Errors, times and use of limits of a given filter and given delays, even if they break limits.
 
     Parameters
     ----------
     task : Task, path or dict
     taps : array_like, optional
-        b_0 .. b_N, of any sum; the task's filter unless given.
+        b_0 .. b_N, of any sum. The default is the task's filter.
     delays : sequence of int, optional
-        Samples, one a corner; the task's unless given.
+        Samples, one per corner. The default is the task's delays.
 
     Returns
     -------
@@ -189,7 +189,8 @@ def read_result(path: Union[str, "os.PathLike[str]"]) -> Result:
 def verify(result: Union[Result, str, "os.PathLike[str]"], *, time_limit: float = 60.0) -> Recheck:
     """Recheck a result from its task, taps and delays alone.
 
-    Every limit by simulation, every recorded number against what is found now, the proof in interval arithmetic.
+    It checks every limit by simulation, every recorded number by computing it again, and the proof in interval
+    arithmetic.
 
     Parameters
     ----------
@@ -200,7 +201,7 @@ def verify(result: Union[Result, str, "os.PathLike[str]"], *, time_limit: float 
     Returns
     -------
     Recheck
-        True where accepted; `reasons` says why not, `proof` what was proved.
+        True if accepted; `reasons` says why not, `proof` what was proved.
 
     Examples
     --------

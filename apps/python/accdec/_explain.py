@@ -15,7 +15,7 @@ def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 300.0, desig
             progress: Progress = None) -> Explanation:
     """Say which limits bind where, and what more room for each saves or makes possible.
 
-    The task is designed anew with more room for every limit. Of a task that has no design the smallest change of each
+    The task is designed again with more room for every limit. For a task without a design, the smallest change of each
     limit is found that makes it feasible. Designs are verified by simulation, bounds rechecked.
 
     Parameters
@@ -24,7 +24,8 @@ def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 300.0, desig
     by : float
         How much more room to try, a share of every limit, 0 < by < 1.
     time_limit, design_time_limit : float
-        s, of all designs, then what is known, and `complete` is False; of every single one, in processor time.
+        s. The first is for all designs: then the answers so far are returned, and `complete` is False. The second is
+        for each design, in processor time.
     progress : bool or callable, optional
 
     Returns
@@ -52,14 +53,14 @@ def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 300.0, desig
 
 
 def baselines(task: TaskLike, *, finer: int = 1, time_limit: float = 600.0, progress: Progress = None) -> Any:
-    """Hold the design of a task against the best that filters of controllers do under its limits.
+    """Compare the design of a task with the best filters of controllers under the same limits.
 
     Parameters
     ----------
     task : Task, path or dict
-        Its filter or, before that, its `baseline` is shown as "yours"; the designs leave it aside.
+        Its `baseline`, or else its filter, is shown as "yours". The designs ignore it.
     finer : int
-        So many times shorter a sample period. What a saving loses there is the rounding to whole samples.
+        Divides the sample period by this. If a saving becomes smaller, the difference was rounding to whole samples.
     time_limit : float
         s, for the design.
     progress : bool or callable, optional
@@ -67,7 +68,7 @@ def baselines(task: TaskLike, *, finer: int = 1, time_limit: float = 600.0, prog
     Returns
     -------
     pandas.DataFrame
-        A row a filter: "designed", "yours" where there is one, then every family with its best order and parameters:
+        One row per filter: "designed", "yours" if there is one, then every family with its best order and parameters:
         kind, parameters, order, delays, cycle_time and corner_time (s), more (share of the design's time), exact_stop
         (no legs overlap), outcome, message. ``attrs["saving"]`` is the share of the best family's time that the design
         saves (None without both), ``attrs["results"]`` has the `Result` of every row.

@@ -13,7 +13,9 @@ from . import _core
 from ._arguments import array, wrong
 
 _LISTS = {"axes": "axis", "corners": "corner", "modes": "mode"}
-_DESIGN = ("order_min", "order_max", "symmetric", "objective", "runs")
+_DESIGN = ("order_min", "order_max", "symmetric", "objective", "runs", "coefficient_bits", "family", "stages",
+           "shaper", "length_step", "length_max", "length_set")
+FIELDS = ("title", "sample_period", *_LISTS, "filter", "baseline", "controller", *_DESIGN)  # of the constructor
 
 
 def _plain(value: Any, name: str) -> Any:
@@ -83,9 +85,11 @@ def replaced(task: _core.Task, fields: Mapping[str, Any]) -> _core.Task:
         del old["sample_period_ms"]
     if "design" in new:
         new["design"] = {**old["design"], **new["design"]}
-    # What is set to None is left out.
+    # Fields set to None are left out.
     gone = [_LISTS.get(name, name) for name, value in fields.items() if value is None]
     merged = {key: value for key, value in {**old, **new}.items() if key not in gone}
+    if "design" in merged:
+        merged["design"] = {key: value for key, value in merged["design"].items() if key not in gone}
     return _core.Task(program=not merged.get("corner"), **merged)
 
 

@@ -64,9 +64,9 @@ def simulate(of: Union[Result, TaskLike], corner: Union[str, int, None] = None, 
     Parameters
     ----------
     of : Result, Task, path or dict
-        Filter and delay come from here unless given.
+        Filter and delay are taken from here unless given.
     corner : str or int, optional
-        Its name or number from 0; the first unless given.
+        Its name, or its number from 0. The default is the first.
     taps : array_like, optional
     delay : int, optional
         Samples, at most a million.
@@ -76,7 +76,9 @@ def simulate(of: Union[Result, TaskLike], corner: Union[str, int, None] = None, 
     dict of ndarray
         `time` (s, 0 at the last command sample of leg 1), and, samples by axes, `position` (m from the corner
         point), `velocity` (m/s), `acceleration` (m/s^2), `jerk` (m/s^3), `force` (N), `power` (W, motoring > 0);
-        `start`, `corner`, `stop`: the rows at which the three events begin.
+        `start`, `corner`, `stop`: the rows at which the three events begin. If the task has a response (`servo_gain`,
+        `response_taps`, `prefilter_taps`), these are of the motion behind it, and `command_position`,
+        `command_velocity`, `command_acceleration` and `command_jerk` are of the command before the servo.
 
     Examples
     --------
@@ -110,7 +112,7 @@ def smallest_delay(taps: npt.ArrayLike, angle: npt.ArrayLike, feed_in: npt.Array
                    feed_out: Optional[npt.ArrayLike] = None, sample_period: float) -> npt.NDArray[np.int32]:
     """The smallest command delay that brings a corner's error within a bound, for many corners at once.
 
-    Arrays are broadcast against each other. Limits of axes are not looked at: see `design` with a given filter.
+    Arrays are broadcast against each other. Limits of axes are ignored; `design` with a given filter uses them.
 
     Parameters
     ----------
@@ -123,7 +125,7 @@ def smallest_delay(taps: npt.ArrayLike, angle: npt.ArrayLike, feed_in: npt.Array
     error_max : array_like
         m, >= 0, bound on the error at samples.
     feed_out : array_like, optional
-        m/s; as `feed_in` unless given.
+        m/s. The default is `feed_in`.
     sample_period : float
         s.
 
@@ -173,7 +175,7 @@ def _check_corners(theta: Array, v_in: Array, v_out: Array, bound: Array) -> Non
 
 
 def residual_vibration(taps: npt.ArrayLike, frequency: npt.ArrayLike, sample_period: float) -> Array:
-    """The amplitude with which a filter leaves an undamped mode swinging, over that of the unfiltered command.
+    """The residual amplitude of an undamped mode after a filtered step, divided by that after an unfiltered step.
 
     Parameters
     ----------

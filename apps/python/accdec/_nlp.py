@@ -32,7 +32,7 @@ class _Sparse:
 class Problem:
     """A nonlinear problem: minimise fun(x) within bounds on x and on rows(x).
 
-    Made by `problem`; solvers written in Python get one too, whose every call is counted.
+    `problem` makes it. Solvers written in Python also get one, and all their calls are counted.
 
     Attributes
     ----------
@@ -40,13 +40,13 @@ class Problem:
     n, m : int
         Variables, rows.
     x0 : ndarray or None
-        A start: a trapezoid with the delays that it needs. None within a solver, which is handed its start.
+        A start: a trapezoid with the delays that it needs. It is None within a solver, which gets its start separately.
     lb, ub, cl, cu : ndarray
         Bounds of variables and of rows; -inf or inf where there is none, equal for an equality.
     variable_names, row_names : list of str
     has_hessian : bool
     samples : list of int
-        "margin": the sample of the blend at which each corner's error is bounded; empty else.
+        "margin": the sample of the blend at which each corner's error is bounded. Otherwise empty.
 
     Examples
     --------
@@ -164,14 +164,14 @@ def problem(task: TaskLike, question: str = "delay", *, order: int, delays: Opti
     ----------
     task : Task, path or dict
     question : {"delay", "margin"}
-        "delay": least weighted delay (samples), continuous delays and instants of closest approach; "margin": at given
-        delays the least (error/tolerance)^2 of the worst corner, 1 or less exactly where the delays can be had.
+        "delay": the least weighted delay (samples), with continuous delays and instants of closest approach. "margin":
+        the least (error/tolerance)^2 of the worst corner at given delays; it is at most 1 if the delays are possible.
     order : int
         N.
     delays : sequence of int, optional
-        "margin": d_j (default 0). "delay": those at which limits on the blends are imposed.
+        "margin": d_j (default 0). "delay": the delays at which limits on the blends are imposed.
     reduced : bool
-        Positions substituted into their bounds: fewer variables, no equality rows, dense rows, no Hessian.
+        Substitute positions into their bounds: fewer variables, no equality rows, dense rows, no Hessian.
 
     Returns
     -------
@@ -216,22 +216,22 @@ def _adapter(name: str, function: Function
 def solve(problem: Problem, solver: Union[str, Function] = "ipopt", *, x0: Optional[npt.ArrayLike] = None,
           tolerance: float = 1e-8, time_limit: float = 60.0, evaluation_limit: int = 1_000_000, seed: int = 1,
           options: Optional[Mapping[str, Any]] = None) -> Any:
-    """Solve a problem by one of the library's solvers, or by a function; what comes back is recomputed and judged.
+    """Solve a problem by one of the library's solvers or by a function. The answer is recomputed and judged.
 
     Parameters
     ----------
     problem : Problem
     solver : str or callable
-        A name of `solvers`, or function(problem, start, options) that gives x, or something with `x` (and `success`,
-        `message`), as scipy.optimize does. Its calls are counted; it is stopped at the limits and by Ctrl-C.
+        A name of `solvers`, or a function(problem, start, options). It returns x, or an object with `x` (and
+        `success`, `message`), as scipy.optimize does. Its calls are counted. The limits and Ctrl-C stop it.
     x0 : array_like, optional
-        The problem's own start unless given.
+        The default is the problem's own start.
     tolerance : float
-        Asked of the solver, relative.
+        Relative tolerance set in the solver.
     time_limit : float
         s.
     evaluation_limit : int
-        Of the objective.
+        Largest number of evaluations of the objective.
     seed : int
     options : dict, optional
         The solver's own.
@@ -278,7 +278,7 @@ def solvers() -> Any:
     Returns
     -------
     pandas.DataFrame
-        A row a solver: its name, version, what it takes and what it uses.
+        One row per solver: its name, version, what it accepts and what it uses.
 
     Examples
     --------
@@ -291,16 +291,16 @@ def solvers() -> Any:
 
 
 def register_solver(name: str, function: Function, *, equality_rows: bool = True) -> None:
-    """Give a solver written in Python a name, so that `design` and `solve` take it.
+    """Register a solver written in Python under a name, so that `design` and `solve` accept it.
 
     Parameters
     ----------
     name : str
-        Not taken yet.
+        A name that no solver has yet.
     function : callable
         As in `solve`.
     equality_rows : bool
-        Whether it takes rows whose bounds are equal; else it gets the reduced form.
+        Whether it accepts rows whose bounds are equal. Otherwise it gets the reduced form.
 
     Examples
     --------

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _arguments as arguments
 from . import _core
-from ._core import ProfileProgram, Program, Result
+from ._core import Program, Result
 
 PX = 1 / 100  # inch: figures are laid out in px
 _SYMBOLS = {1: "+", 2: "x", 3: "*", 4: "s", 5: "s", 6: "o", 7: "o", 8: "^", 9: "^", 10: "v", 11: "v", 12: "D", 13: "D",
@@ -25,9 +25,9 @@ class _Style:
     def __init__(self) -> None:
         self.raw = _core.figure_style()
 
-    def line(self, style: int) -> dict[str, Any]:
+    def line(self, style: int, solid: bool = False) -> dict[str, Any]:
         raw, i = self.raw, max(style, 0)
-        dash = raw["dashes"][i % len(raw["dashes"])]
+        dash = "solid" if solid else raw["dashes"][i % len(raw["dashes"])]
         width = float(raw["widths"][i // len(raw["dashes"]) % len(raw["widths"])])
         # matplotlib multiplies dashes by the line's width.
         return {"color": self.colour(style), "linewidth": 0.72 * width,
@@ -54,7 +54,7 @@ def _draw_series(axes: Any, series: dict[str, Any], style: _Style) -> None:
     if len(x) == 0:
         return
     look = {"label": series["label"] or None, "color": style.colour(series["style"])}
-    line = {**look, **style.line(series["style"])}
+    line = {**look, **style.line(series["style"], series.get("solid", False))}
     marks = {**style.marker(series["style"])}
     if mark == "points":
         axes.plot(x, y, **look, **marks, linestyle="none")
@@ -159,7 +159,7 @@ def draw(figure: dict[str, Any]) -> Any:
     return made
 
 
-def _motion_figure(plan: ProfileProgram) -> dict[str, Any]:
+def _motion_figure(plan: Program) -> dict[str, Any]:
     """The path in the colour of its speed, and the speed over time, from the samples; of long motions every k-th."""
     motion = plan.samples()
     every = max(1, len(motion["time"]) // 20_000)
@@ -187,23 +187,23 @@ def _motion_figure(plan: ProfileProgram) -> dict[str, Any]:
                         "series": [{"label": "", "x": time, "y": speed, "mark": "line", "style": 0}]}]}
 
 
-def plot(result: Union[Result, Program, ProfileProgram], corner: str = "",
+def plot(result: Union[Result, Program], corner: str = "",
          path: Optional[Union[str, "os.PathLike[str]"]] = None) -> Any:
     """Draw the motion, path, taps and frequency response of a result, or the path of a program.
 
     Parameters
     ----------
-    result : Result, Program or ProfileProgram
-        Programs by corner errors and delays, plan "profiles" by its speed.
+    result : Result or Program
+        A program is drawn with corner errors and delays; with plan "profiles", with its speed.
     corner : str
-        Of a result, its name; the first unless given.
+        Name of the result's corner to draw. The default is the first.
     path : path, optional
-        File to save it in too, of any format that matplotlib writes.
+        File to save the figure in, of any format that matplotlib writes.
 
     Returns
     -------
     matplotlib.figure.Figure
-        As the program draws it. Made without pyplot: it shows itself in notebooks; in a script save it.
+        The figure of `accdec plot`. It is made without pyplot: notebooks show it; in a script, save it.
 
     Examples
     --------
@@ -215,9 +215,7 @@ def plot(result: Union[Result, Program, ProfileProgram], corner: str = "",
     True
     """
     if isinstance(result, Program):
-        made = draw(_core.program_figure(result))
-    elif isinstance(result, ProfileProgram):
-        made = draw(_motion_figure(result))
+        made = draw(_motion_figure(result) if result.plan == "profiles" else _core.program_figure(result))
     elif isinstance(result, Result):
         made = draw(_core.result_figure(result, arguments.text("corner", corner)))
     else:
@@ -228,13 +226,14 @@ def plot(result: Union[Result, Program, ProfileProgram], corner: str = "",
 
 
 def export(result: Result, format: str, path: Optional[Union[str, "os.PathLike[str]"]] = None) -> Union[str, bytes]:
-    """A result's taps for a controller or another tool.
+    """A result's taps or settings, delays, title, limits and commit, for a controller or another tool.
 
     Parameters
     ----------
     result : Result
-    format : {"csv", "c", "json", "npy", "cascade"}
-        "cascade": lengths of moving averages.
+    format : {"csv", "c", "json", "npy", "cascade", "m", "st", "linuxcnc-comp", "klipper", "q15", "q31"}
+        "cascade": lengths of moving averages; "m": MATLAB and Octave; "st": Structured Text. `numpy.load` of a path reads
+        the taps of "npy"; of an open file, three times: taps, delays, and a JSON text with all else.
     path : path, optional
         File to write it to.
 
@@ -247,12 +246,14 @@ def export(result: Result, format: str, path: Optional[Union[str, "os.PathLike[s
     --------
     >>> import accdec
     >>> task = accdec.Task(sample_period=1e-3, corners={"angle_deg": 90, "feed_in": 0.1})
-    >>> print(accdec.export(accdec.evaluate(task, [1, 2, 1], [0]), "csv"))
+    >>> print(*accdec.export(accdec.evaluate(task, [1, 2, 1], [0]), "csv").splitlines()[:7], sep="\\n")
     i,b
     0,0.25
     1,0.5
     2,0.25
-    <BLANKLINE>
+    # title,
+    # status,feasible
+    # sample_period_s,0.001
     """
     if not isinstance(result, Result):
         raise arguments.wrong("result", "must be a Result", result, TypeError)

@@ -7,7 +7,7 @@ from typing import Optional, Union
 
 from . import _arguments as arguments
 from . import _core
-from ._core import ProfileProgram, Program
+from ._core import Program
 from ._design import Progress, TaskLike
 from ._fields import as_task
 
@@ -19,35 +19,36 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
             arc_tolerance: Optional[float] = None, time_limit: Optional[float] = None, rapid_stops: bool = False,
             dwells_before_filter: bool = False, filter_bound: bool = False, compensate_arcs: bool = False,
             tool_table: Union[str, "os.PathLike[str]"] = "", progress: Progress = None
-            ) -> Union[Program, ProfileProgram]:
-    """Plan a whole program: filter, feeds and the delay of every corner, verified by simulating every sample.
+            ) -> Program:
+    """Plan a whole program: choose filter, feeds and the delay of every corner, and verify every sample by simulation.
 
     Parameters
     ----------
     file : path
         RS-274, canonical calls (rs274 -g) or CSV of points and feeds.
     task : Task, path or dict
-        Sample period, axes, [program] error_max and, if given, the filter; else one is designed.
-    plan : {"fixed", "per-leg", "profiles"}
-        One filter for the whole program; its shape in the length that suits each leg, where that is faster; or every
-        corner its own filter and speed, for controllers that take a position every cycle: the others are made beside
-        it, and the fastest that holds all limits is the answer.
+        Sample period, axes, [program] error_max and the filter. Without a filter, one is designed.
+    plan : {"fixed", "profiles", "free"}
+        "fixed": one filter for the whole program. "profiles": a filter and a speed for every corner, for controllers
+        that take a position every cycle. "profiles" also makes the plan "fixed" and returns the faster one that keeps
+        all limits. "free": profiles, shortened by convex programmes over its samples as far as limits, feeds and
+        tolerances allow any motion; see the command line's page.
     feeds : {"choose", "keep"}
-        F is an upper bound, or every block at its programmed feed.
+        "choose": F is an upper bound. "keep": every block has its programmed feed; only with plan "fixed".
     arc_tolerance : float, optional
-        m, largest distance of a chord from its arc; by default that of the command line.
+        m, largest distance of a chord from its arc. The default is that of the command line.
     time_limit : float, optional
-        s, for the design of a filter; by default 2 s and 5 ms a block, at most 60.
+        s, for the design of a filter; by default 2 s plus 5 ms per block, at most 60. For plan "free", s for all.
     rapid_stops, dwells_before_filter, filter_bound, compensate_arcs : bool
-        As of the command line; the last, arcs on a radius larger by what the filter takes away, not with "keep".
+        As on the command line. The last one compensates the filter's radius error of arcs; not with "keep".
     tool_table : path, optional
-        LinuxCNC's, for programs that rs274 has to run.
+        LinuxCNC's tool table, for programs that rs274 must run.
     progress : bool or callable, optional
 
     Returns
     -------
-    Program or ProfileProgram
-        The latter with ``plan="profiles"`` where that is the fastest plan. Its `plan` says which it is.
+    Program
+        Its `plan` names the plan.
 
     Examples
     --------
@@ -58,10 +59,10 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
     >>> plan.success, len(plan.delays) >= 4, bool((plan.errors <= plan.tolerances * (1 + 1e-9)).all())
     (True, True, True)
     >>> faster = accdec.program(square, {"sample_period": 1e-3, "axes": {"acceleration_max": 5.0}}, plan="profiles")
-    >>> faster.plan, faster.cycle_time < plan.cycle_time, [other["plan"] for other in faster.candidates]
-    ('profiles', True, ['per-leg'])
+    >>> faster.plan, faster.cycle_time <= plan.cycle_time, [other["plan"] for other in faster.candidates]
+    ('profiles', True, ['fixed'])
     """
-    arguments.one_of("plan", plan, ("fixed", "per-leg", "profiles"))
+    arguments.one_of("plan", plan, ("fixed", "profiles", "free"))
     keep = arguments.one_of("feeds", feeds, ("choose", "keep")) == "keep"
     given = locals()
     flags = {name: arguments.flag(name, given[name]) for name in _FLAGS}

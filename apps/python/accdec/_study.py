@@ -80,20 +80,20 @@ def study(path: Path, *, out: Optional[Path] = None, workers: int = 0, large: bo
     path : path
         STUDY.toml: base task, what varies, what to compute.
     out : path, optional
-        Folder for rows, figures and report; an interrupted study goes on there. Without it only the table is kept.
+        Folder for rows, figures and report. An interrupted study continues there. Without it only the table is kept.
     workers : int
         Points computed at a time; 0: all cores.
     large : bool
         Allow more than 100 000 points.
     fresh : bool
-        Compute all points anew, whatever the folder has.
+        Compute all points again, even those in the folder.
     progress : bool or callable, optional
         True shows it; a callable gets (done, total, seconds).
 
     Returns
     -------
     pandas.DataFrame
-        A row a point, columns as in rows.csv (their names have the units); ``attrs["summary"]`` counts points.
+        One row per point, columns as in rows.csv (their names have the units). ``attrs["summary"]`` counts points.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def study(path: Path, *, out: Optional[Path] = None, workers: int = 0, large: bo
 
     Notes
     -----
-    It runs in a process of its own; Ctrl-C ends that at once, and with `out` the next call goes on.
+    The study runs in its own process. Ctrl-C ends it at once; with `out` the next call continues it.
 
     Examples
     --------
@@ -138,9 +138,9 @@ def compare(path: Path, *, solvers: Sequence[str] = (), out: Optional[Path] = No
     path : path
         SUITE.toml: problems, solvers, limits.
     solvers : sequence of str, optional
-        Instead of the suite's.
+        Solvers instead of the suite's.
     out : path, optional
-        Folder for raw data, tables, figures and report; an interrupted comparison goes on there.
+        Folder for raw data, tables, figures and report. An interrupted comparison continues there.
     workers : int
         Runs at a time; 0: all cores.
     progress : bool or callable, optional
@@ -149,7 +149,7 @@ def compare(path: Path, *, solvers: Sequence[str] = (), out: Optional[Path] = No
     Returns
     -------
     pandas.DataFrame
-        A row a run, as in runs.csv.
+        One row per run, as in runs.csv.
 
     Raises
     ------

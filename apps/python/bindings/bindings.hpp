@@ -6,11 +6,12 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-// What the files of the module share. One file a subject, each with one function that registers it.
+// Shared by the files of the module. There is one file per subject, each with one function that registers it.
 
 namespace accdec {
 struct Figure;
-}
+struct ChosenSettings;
+}  // namespace accdec
 
 namespace accdec::python {
 
@@ -30,6 +31,9 @@ void bind_study(py::module_& module);
 /// A figure of the library as dicts, lists and arrays.
 py::dict figure_dict(const Figure& figure);
 
+/// What to set in a controller, with the answer in words.
+py::dict settings_dict(const ChosenSettings& settings, const std::string& answer);
+
 /// What `make` makes of every item.
 template <class Item, class Make>
 py::list list_of(const std::vector<Item>& items, Make make) {
@@ -38,8 +42,8 @@ py::list list_of(const std::vector<Item>& items, Make make) {
   return list;
 }
 
-/// An argument of a method, checked as the functions of the package check theirs (accdec/_arguments.py): `check` is the
-/// name of a function there, of a name and a value.
+/// An argument of a method, checked like the arguments of the package's functions (accdec/_arguments.py). `check` names
+/// a function there that takes a name and a value.
 /// @throws TypeError or ValueError of Python that names the argument and what is allowed
 template <class Type>
 Type argument(const char* check, const char* name, const py::object& value) {

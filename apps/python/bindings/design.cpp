@@ -6,8 +6,8 @@
 
 #include <pybind11/stl.h>
 
-#include <accdec/design/design.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/design.hpp>
+#include <accdec/verify.hpp>
 
 #include "bindings.hpp"
 #include "interrupt.hpp"

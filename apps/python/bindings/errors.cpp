@@ -1,7 +1,7 @@
 #include <exception>
 
-#include <accdec/files/errors.hpp>
-#include <accdec/nlp/evaluator.hpp>
+#include <accdec/files.hpp>
+#include <accdec/problem.hpp>
 
 #include "bindings.hpp"
 

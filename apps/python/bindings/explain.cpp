@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <accdec/design/explain.hpp>
+#include <accdec/design.hpp>
 #include <accdec/formats/explanation.hpp>
 #include <accdec/study/baseline_table.hpp>
 
@@ -38,7 +38,7 @@ std::shared_ptr<DesignResult> shared(const DesignResult& result) {
 /// A row of the table; its name and, of a shape, what it was chosen to be are the caller's.
 py::dict row(const std::string& name, const DesignResult& result, const FilterSpec* spec) {
   return py::dict(py::arg("filter") = name, py::arg("kind") = spec != nullptr ? to_string(spec->kind) : "",
-                  py::arg("parameters") = spec != nullptr ? describe_parameters(*spec) : "",
+                  py::arg("parameters") = spec != nullptr ? describe_parameters(*spec, Digits::all) : "",
                   py::arg("exact_stop") = stops_exactly(result), py::arg("result") = shared(result));
 }
 
@@ -58,13 +58,13 @@ py::list baselines(const std::shared_ptr<Task>& task, int finer, double time_lim
   rows.append(row("designed", table->design, nullptr));
   if (table->own) rows.append(row("yours", *table->own, &*table->own->task.filter));
   for (std::size_t i = 0; i < table->families.size(); ++i) {
-    const BaselineResult& family = table->families[i];
-    rows.append(row(std::string(accdec::baselines()[i].title), family.result, family.spec ? &*family.spec : nullptr));
+    const FamilyResult& family = table->families[i];
+    rows.append(row(accdec::families()[i].title, family.result, family.spec ? &*family.spec : nullptr));
   }
   return rows;
 }
 
-/// Of the same explanation as JSON, which says everything in the words and units of a task file.
+/// A part of the same explanation as JSON, which has everything in the words and units of a task file.
 py::object part(const Explanation& explanation, const char* name) {
   const py::object all = py::module_::import("json").attr("loads")(explanation_to_json(explanation));
   return all.attr("get")(name, py::list());
@@ -106,7 +106,7 @@ void bind_explain(py::module_& module) {
       .def_property_readonly("remedies", [](const Explanation& e) { return part(e, "remedies"); })
       .def_property_readonly("complete", [](const Explanation& e) { return e.complete; })
       .def("to_json", &explanation_to_json, "to_json()\n\nAs `accdec explain --json` writes it.")
-      .def("__str__", &explanation_text);
+      .def("__str__", [](const Explanation& e) { return explanation_text(e); });
   module.def("explain", &explain, py::arg("task"), py::kw_only(), py::arg("share"), py::arg("time_limit"),
              py::arg("design_time_limit"), py::arg("progress"));
   module.def("baselines", &baselines, py::arg("task"), py::kw_only(), py::arg("finer"), py::arg("time_limit"),

@@ -35,7 +35,7 @@ py::dict scale(const Scale& s) {
 
 py::dict series(const Series& s) {
   return py::dict(py::arg("label") = s.label, py::arg("x") = array(s.x), py::arg("y") = array(s.y),
-                  py::arg("mark") = name_of(s.mark), py::arg("style") = s.style);
+                  py::arg("mark") = name_of(s.mark), py::arg("style") = s.style, py::arg("solid") = s.solid);
 }
 
 py::object heat_map(const Panel& panel) {

@@ -2,16 +2,17 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include <accdec/corner.hpp>
+#include <accdec/machine.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/machine/utilisation.hpp>
-#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/task.hpp>
 #include <accdec/task/simulation.hpp>
-#include <accdec/task/task.hpp>
 #include <accdec/task/verification_cost.hpp>
 
 #include "bindings.hpp"
@@ -37,16 +38,24 @@ py::array as_array(Eigen::MatrixXd&& matrix) {
   return py::array_t<double>({m.rows(), m.cols()}, {size, size * m.rows()}, m.data(), owner);
 }
 
-/// The motion of a corner, four matrices, with what it asks of every axis.
+/// The motion of a corner, four matrices, with what it asks of every axis. Behind a response: also the command.
 struct Simulation {
   SampledMotion motion;
+  std::optional<SampledMotion> command;
   Eigen::MatrixXd force, power;
   Eigen::VectorXd time;
 };
 
 Simulation simulate(const Task& task, const Filter& filter, std::size_t corner, int delay) {
   Simulation s;
-  s.motion = simulate_corner(filter, task.corners.at(corner).geometry(), delay, task.sample_period);
+  SampledResponse sampled =
+      simulate_response(filter, task.corners.at(corner).geometry(), delay, task.sample_period, task.machine);
+  if (sampled.moved) {
+    s.motion = std::move(*sampled.moved);
+    s.command = std::move(sampled.command);
+  } else {
+    s.motion = std::move(sampled.command);
+  }
   const Eigen::Index rows = s.motion.velocity.rows(), axes = s.motion.velocity.cols();
   s.force.resize(rows, axes), s.power.resize(rows, axes), s.time.resize(rows);
   std::vector<AxisSampler> samplers;
@@ -85,6 +94,12 @@ py::dict simulate(const std::shared_ptr<Task>& task, const Numbers& taps, std::s
   d["velocity"] = as_array(std::move(s->motion.velocity));
   d["acceleration"] = as_array(std::move(s->motion.acceleration));
   d["jerk"] = as_array(std::move(s->motion.jerk));
+  if (s->command) {
+    d["command_position"] = as_array(std::move(s->command->position));
+    d["command_velocity"] = as_array(std::move(s->command->velocity));
+    d["command_acceleration"] = as_array(std::move(s->command->acceleration));
+    d["command_jerk"] = as_array(std::move(s->command->jerk));
+  }
   d["force"] = as_array(std::move(s->force));
   d["power"] = as_array(std::move(s->power));
   d["start"] = s->motion.start, d["corner"] = s->motion.corner, d["stop"] = s->motion.stop;

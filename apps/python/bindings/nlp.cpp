@@ -10,7 +10,7 @@
 #include <pybind11/stl.h>
 
 #include <accdec/nlp/derivative_check.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 #include "bindings.hpp"
 #include "interrupt.hpp"

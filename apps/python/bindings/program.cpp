@@ -4,18 +4,20 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/free_plan.hpp>
+#include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/program_page.hpp>
-#include <accdec/program/write/fastest_plan.hpp>
-#include <accdec/program/write/program_file.hpp>
-#include <accdec/program/write/samples.hpp>
+#include <accdec/program.hpp>
 
 #include "bindings.hpp"
 #include "interrupt.hpp"
@@ -24,17 +26,13 @@ namespace accdec::python {
 namespace {
 
 /// A plan, and what its page is drawn from.
-template <class Result>
-struct Planned : Result {
-  Planned(Result result, Toolpath path, const Machine& limits)
-      : Result(std::move(result)), programmed(std::move(path)), machine(limits) {}
+struct Program : ProgramResult {
+  Program(ProgramResult result, Toolpath path, const Machine& limits)
+      : ProgramResult(std::move(result)), programmed(std::move(path)), machine(limits) {}
   Toolpath programmed;
   Machine machine;
 };
-using Program = Planned<ProgramResult>;
-using ProfileProgram = Planned<ProfileResult>;
 using Pointer = std::shared_ptr<Program>;
-using ProfilePointer = std::shared_ptr<ProfileProgram>;
 
 /// Planning has no flag for being cancelled but says, now and then, what it does.
 std::function<void(const std::string&)> teller(const Work& work) {
@@ -44,37 +42,32 @@ std::function<void(const std::string&)> teller(const Work& work) {
   };
 }
 
+FreeOptions free_options(const Work& work) {
+  FreeOptions free;
+  free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  free.cancel = &work.cancelled;
+  free.progress = [&work](double gained, double) { work.tell(fmt::format("{:.3f} s gained", gained)); };
+  return free;
+}
+
+/// @param how  "fixed"; "profiles": that or fixed, whichever is the faster; "free"
 Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const ProgramFileOptions& options,
-             const py::object& progress) {
+             const std::string& how, const py::object& progress) {
   const auto result = std::make_shared<Pointer>();
   run_interruptibly(
       [=](const Work& work) {
         ProgramFile read = read_program_file(file, *task, options, teller(work));
         Toolpath programmed = read.path;
-        *result = std::make_shared<Program>(run_program_file(file, read, *task, options, teller(work)),
-                                            std::move(programmed), task->machine);
+        ProgramResult found = how == "free"
+                                  ? run_free_plan(file, read, *task, options, free_options(work), teller(work))
+                              : how == "profiles" ? run_fastest_plan(file, read, *task, options, teller(work))
+                                                  : run_program_file(file, read, *task, options, teller(work));
+        if (!found.corner_bound && !found.plan.empty() && programmed.blocks() <= several_plans_max)
+          found.corner_bound = corner_bound_of(programmed, *task, options.deadline);
+        *result = std::make_shared<Program>(std::move(found), std::move(programmed), task->machine);
       },
       progress);
   return *result;
-}
-
-/// Whichever plan is the fastest that holds.
-py::object fastest(const std::string& file, const std::shared_ptr<Task>& task, const ProgramFileOptions& options,
-                   const py::object& progress) {
-  const auto result = std::make_shared<std::variant<ProfilePointer, Pointer>>();
-  run_interruptibly(
-      [=](const Work& work) {
-        ProgramFile read = read_program_file(file, *task, options, teller(work));
-        auto found = run_fastest_plan(file, read, *task, options, teller(work));
-        if (auto* profiles = std::get_if<ProfileResult>(&found)) {
-          *result = std::make_shared<ProfileProgram>(std::move(*profiles), std::move(read.path), task->machine);
-        } else {
-          *result =
-              std::make_shared<Program>(std::get<ProgramResult>(std::move(found)), std::move(read.path), task->machine);
-        }
-      },
-      progress);
-  return std::visit([](const auto& answer) { return py::cast(answer); }, *result);
 }
 
 /// A view of the result's own numbers.
@@ -84,12 +77,8 @@ py::array view(const std::vector<Number>& values, const py::object& owner) {
 }
 
 template <class Number>
-auto view_of(std::vector<Number> ProgramPlan::*member) {
-  return [member](const py::object& self) { return view(self.cast<const Program&>().plan.*member, self); };
-}
-template <class Result, class Number>
 auto view_of(std::vector<Number> Toolpath::*member) {
-  return [member](const py::object& self) { return view(self.cast<const Result&>().path.*member, self); };
+  return [member](const py::object& self) { return view(self.cast<const Program&>().plan.path.*member, self); };
 }
 
 py::list candidates(const std::vector<PlanTime>& plans) {
@@ -100,24 +89,61 @@ py::list candidates(const std::vector<PlanTime>& plans) {
   return list;
 }
 
+py::list bounds(const Program& r) {
+  py::list list;
+  for (const NamedBound& b : bounds_of(r))
+    list.append(py::dict(py::arg("name") = b.name, py::arg("time") = b.time, py::arg("motions") = b.motions));
+  return list;
+}
+
+std::string describe(const Program& r) {
+  std::string text =
+      fmt::format("<accdec.Program {}: {}, {:.6g} s", r.program,
+                  r.plan.empty() ? std::string("no plan") : fmt::format("plan {}", r.plan.name()), r.cycle_time);
+  if (!r.verification.feasible) text += ", not verified";
+  for (const NamedBound& b : bounds_of(r)) text += fmt::format("; at least {:.6g} s ({})", b.time, b.name);
+  return text + ">";
+}
+
 py::object taps(const py::object& self) {
   const auto& result = self.cast<const Program&>();
-  if (result.path.blocks() == 0) return py::none();
-  const auto taps = result.filter.taps();
+  if (result.plan.empty()) return py::none();
+  const auto taps = result.plan.filter().taps();
   return read_only(py::array_t<double>(static_cast<py::ssize_t>(taps.size()), taps.data(), self));
 }
 
+/// None where the plan has no delays.
+py::object delays(const py::object& self) {
+  const FilteredCommand* command = self.cast<const Program&>().plan.command();
+  return command != nullptr ? view(command->delays, self) : py::object(py::none());
+}
+
+/// None for a task without families.
+py::object settings(const Program& r) {
+  if (!r.settings) return py::none();
+  return settings_dict(r.settings->chosen, program_settings_answer(*r.settings, r.cycle_time, r.has_today));
+}
+
+constexpr const char* no_plan = "there is no plan: ";
+
+/// A trajectory that breaks a limit is not given to anyone.
+void require_motion(const Program& r) {
+  if (r.plan.empty() || (r.plan.trajectory() != nullptr && !r.verification.feasible))
+    throw std::runtime_error(no_plan + r.message);
+}
+
 /// Every sample of the motion, samples by axes; the first is at rest where the program begins.
-py::dict samples(const Toolpath& path, double period, std::int64_t expected,
-                 const std::function<void(const SampleVisitor&)>& visit) {
+py::dict samples(const Program& r) {
+  require_motion(r);
+  const Toolpath& path = r.plan.path;
   const auto n = static_cast<std::ptrdiff_t>(path.axes.size());
   std::vector<double> time, position, velocity;
   {
     const py::gil_scoped_release release;
     for (std::vector<double>* values : {&time, &position, &velocity})
-      values->reserve(static_cast<std::size_t>((expected + 2) * (values == &time ? 1 : n)));
-    visit([&](std::int64_t k, const double* at, const double* speed) {
-      time.push_back(static_cast<double>(k) * period);
+      values->reserve(static_cast<std::size_t>((r.check.samples + 2) * (values == &time ? 1 : n)));
+    visit_samples(r, [&](std::int64_t k, const double* at, const double* speed) {
+      time.push_back(static_cast<double>(k) * r.sample_period);
       position.insert(position.end(), at, at + n);
       velocity.insert(velocity.end(), speed, speed + n);
     });
@@ -130,23 +156,20 @@ py::dict samples(const Toolpath& path, double period, std::int64_t expected,
                   py::arg("velocity") = py::array_t<double>({rows, n}, velocity.data()), py::arg("axes") = axes);
 }
 
-constexpr const char* no_plan = "there is no plan: ";
-
-template <class Result>
-std::string page_of(const Result& r, bool planned) {
-  if (!planned) throw std::runtime_error(no_plan + r.message);
+std::string page_of(const Program& r) {
+  require_motion(r);
   return program_page(r.programmed, r.machine, r);
 }
 
 std::string emitted(const ProgramResult& r) {
+  if (r.plan.command() == nullptr)
+    throw std::runtime_error("only plan fixed has commands to write; this one is a motion, see samples()");
   std::ostringstream out;
   emit_program(r, out);
   return out.str();
 }
 
-/// The documentation of a class: both kinds of plan have the attributes in the middle.
-std::string plan_doc(const char* what, const char* plan, const char* more) {
-  return fmt::format(R"({}
+constexpr const char* program_doc = R"(The plan of a whole program, every sample checked. Made by `program`.
 
 Attributes
 ----------
@@ -154,39 +177,29 @@ success : bool
     Every corner holds its tolerance and every limit is held over the whole program.
 message : str
 plan : str
-    {}.
+    "fixed": commands with one filter; "profiles": a motion with own filters and speeds at every corner, for controllers
+    that take a position every cycle; "free": any motion of samples, for the same controllers.
 candidates : list of dict
-    With ``plan="profiles"`` the plans made beside it: plan, cycle_time (s), verified.
+    With ``plan="profiles"`` or ``"free"`` the plan made beside it: plan, cycle_time (s), verified.
 fun, cycle_time : float
     s.
 lower_bound : float
-    s; no continuous motion at the programmed feeds is shorter.
-{})",
-                     what, plan, more);
-}
-
-constexpr const char* profiles_doc =
-    R"(A program planned with own filters and speeds at every corner, for controllers that take a position every cycle.
-Made by `program` with ``plan="profiles"`` where that is the fastest plan; every sample is checked.)";
-
-constexpr const char* profiles_attributes = R"(x, taps : ndarray
-    The last filter, which all samples pass; a single tap: none.
+    s, way over feed; no motion that passes every corner within its tolerance is shorter, wherever it is between them.
+bounds : list of dict
+    Times that no motion of a class undercuts, the widest class first: name, time (s), motions (the class in words).
+x, taps : ndarray or None
+    The filter, b_0 .. b_N; of plan "profiles" the last, which all samples pass (a single tap: none).
+delays : ndarray of int or None
+    Samples, one a commanded move: the delay at its end. None of the other plans.
 errors, tolerances : ndarray
-    m, at the end of every block; the tolerance is inf where there is none.
+    m, at the end of every commanded move; the tolerance is inf where there is none.
 lines : ndarray of int
-    Line of the program of every block.
-)";
-
-constexpr const char* program_attributes = R"(x, taps : ndarray or None
-    The filter, b_0 .. b_N.
-delays : ndarray of int
-    Samples, one a commanded block: the delay at its end.
-errors, tolerances : ndarray
-    m, at the end of every commanded block; the tolerance is inf where there is none.
-lines : ndarray of int
-    Line of the program of every commanded block.
+    Line of the program of every commanded move.
 durations : ndarray
-    s, way over feed of every commanded block.
+    s, way over feed of every commanded move.
+settings : dict or None
+    What to set in the task's controller, if the task names families: family, values, delays (the kind at the end of
+    every commanded move), width, width_low, width_high (m, None if no corner is in-position), answer (in words).
 )";
 
 constexpr const char* json_doc = "to_json()\n\nThe text of a result file, as the command line's --json.";
@@ -197,72 +210,35 @@ constexpr const char* page_doc =
 constexpr const char* samples_doc =
     "samples()\n\nEvery sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes.";
 
-/// What both kinds of plan have.
-template <class Result>
-py::class_<Result, std::shared_ptr<Result>> bind_plan(py::module_& module, const char* name, const std::string& doc) {
-  return py::class_<Result, std::shared_ptr<Result>>(module, name, doc.c_str())
-      .def_property_readonly("message", [](const Result& r) { return r.message; })
-      .def_property_readonly("candidates", [](const Result& r) { return candidates(r.candidates); })
-      .def_property_readonly("fun", [](const Result& r) { return r.cycle_time; })
-      .def_property_readonly("cycle_time", [](const Result& r) { return r.cycle_time; })
-      .def_property_readonly("lower_bound", [](const Result& r) { return r.lower_bound; })
-      .def_property_readonly("tolerances", view_of<Result>(&Toolpath::tolerance))
-      .def_property_readonly("lines", view_of<Result>(&Toolpath::line));
-}
-
-void bind_profiles(py::module_& module) {
-  const auto last_filter = [](const py::object& self) {
-    const auto taps = self.cast<const ProfileProgram&>().plan.last.taps();
-    return read_only(py::array_t<double>(static_cast<py::ssize_t>(taps.size()), taps.data(), self));
-  };
-  bind_plan<ProfileProgram>(module, "ProfileProgram", plan_doc(profiles_doc, "\"profiles\"", profiles_attributes))
-      .def_property_readonly("success", [](const ProfileProgram& r) { return r.message.empty(); })
-      .def_property_readonly("plan", [](const ProfileProgram&) { return "profiles"; })
-      .def_property_readonly("x", last_filter)
-      .def_property_readonly("taps", last_filter)
-      .def_property_readonly(
-          "errors", [](const py::object& self) { return view(self.cast<const ProfileProgram&>().plan.errors, self); })
-      .def(
-          "to_json", [](const ProfileProgram& r) { return profiles_to_json(r); }, json_doc)
-      .def(
-          "page", [](const ProfileProgram& r) { return page_of(r, r.message.empty()); }, page_doc)
-      .def(
-          "samples",
-          [](const ProfileProgram& r) {
-            if (!r.message.empty()) throw std::runtime_error(no_plan + r.message);
-            return samples(r.path, r.sample_period, r.plan.check.samples,
-                           [&](const SampleVisitor& visit) { visit_profile_samples(r, visit); });
-          },
-          samples_doc)
-      .def("__str__", [](const ProfileProgram& r) { return profiles_summary(r); });
-}
-
-void bind_program_plan(py::module_& module) {
-  bind_plan<Program>(module, "Program",
-                     plan_doc("The plan of a whole program, every sample simulated. Made by `program`.",
-                              "\"fixed\" or \"per-leg\"", program_attributes))
+void bind_plan(py::module_& module) {
+  py::class_<Program, std::shared_ptr<Program>>(module, "Program", program_doc)
       .def_property_readonly("success", [](const Program& r) { return r.verification.feasible; })
-      .def_property_readonly("plan", [](const Program& r) { return r.legs.single() ? "fixed" : "per-leg"; })
+      .def_property_readonly("message", [](const Program& r) { return r.message; })
+      .def_property_readonly("plan", [](const Program& r) { return r.plan.name(); })
+      .def_property_readonly("candidates", [](const Program& r) { return candidates(r.candidates); })
+      .def_property_readonly("fun", [](const Program& r) { return r.cycle_time; })
+      .def_property_readonly("cycle_time", [](const Program& r) { return r.cycle_time; })
+      .def_property_readonly("lower_bound", [](const Program& r) { return r.lower_bound; })
+      .def_property_readonly("bounds", &bounds)
       .def_property_readonly("x", &taps)
       .def_property_readonly("taps", &taps)
-      .def_property_readonly("delays", view_of(&ProgramPlan::delays))
-      .def_property_readonly("errors", view_of(&ProgramPlan::errors))
-      .def_property_readonly("durations", view_of<Program>(&Toolpath::duration))
+      .def_property_readonly("delays", &delays)
+      .def_property_readonly("errors",
+                             [](const py::object& self) { return view(self.cast<const Program&>().errors, self); })
+      .def_property_readonly("tolerances", view_of(&Toolpath::tolerance))
+      .def_property_readonly("lines", view_of(&Toolpath::line))
+      .def_property_readonly("durations", view_of(&Toolpath::duration))
+      .def_property_readonly("settings", &settings)
       .def(
           "to_json", [](const Program& r) { return program_to_json(r); }, json_doc)
-      .def(
-          "page", [](const Program& r) { return page_of(r, r.path.blocks() > 0); }, page_doc)
+      .def("page", &page_of, page_doc)
       .def(
           "emit", [](const Program& r) { return emitted(r); },
-          "emit()\n\nThe program written back, with the feeds and delays of the plan, as the command line's --emit.")
-      .def(
-          "samples",
-          [](const Program& r) {
-            if (r.path.blocks() == 0) throw std::runtime_error(no_plan + r.message);
-            return samples(r.path, r.sample_period, r.plan.simulation.samples,
-                           [&](const SampleVisitor& visit) { visit_samples(r, visit); });
-          },
-          samples_doc)
+          "emit()\n\nThe program written back, with the feeds and delays of the plan, as the command line's --emit. "
+          "Plan "
+          "\"profiles\" cannot be written so.")
+      .def("samples", &samples, samples_doc)
+      .def("__repr__", &describe)
       .def("__str__", [](const Program& r) { return program_summary(r); });
 }
 
@@ -271,8 +247,7 @@ void bind_program_plan(py::module_& module) {
 void bind_program(py::module_& module) {
   py::options options;
   options.disable_function_signatures();
-  bind_program_plan(module);
-  bind_profiles(module);
+  bind_plan(module);
   module.def(
       "program",
       [](const std::string& file, const std::shared_ptr<Task>& task, const std::string& how, bool keep_feeds,
@@ -281,22 +256,26 @@ void bind_program(py::module_& module) {
          const py::object& progress) {
         ProgramFileOptions options;
         if (arc_tolerance) options.arc_tolerance = *arc_tolerance;
-        options.tool_table = tool_table;
+        options.tools.table = tool_table;
         options.rapid_stops = rapid_stops;
         options.dwells_before_filter = dwells_before_filter;
         options.feeds = keep_feeds ? Feeds::keep : Feeds::choose;
-        options.per_leg = how == "per-leg";
         options.filter_bound = filter_bound;
         options.compensate_arcs = compensate_arcs;
         options.time_limit = time_limit;
-        return how == "profiles" ? fastest(file, task, options, progress)
-                                 : py::cast(plan(file, task, options, progress));
+        if (time_limit) options.deadline = Deadline(*time_limit);
+        return plan(file, task, options, how, progress);
       },
       py::arg("file"), py::arg("task"), py::kw_only(), py::arg("plan"), py::arg("keep_feeds"), py::arg("arc_tolerance"),
       py::arg("time_limit"), py::arg("rapid_stops"), py::arg("dwells_before_filter"), py::arg("filter_bound"),
       py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("progress"));
   module.def(
-      "program_figure", [](const Program& result) { return figure_dict(plot_program(result)); }, py::arg("result"));
+      "program_figure",
+      [](const Program& result) {
+        require_motion(result);
+        return figure_dict(plot_program(result));
+      },
+      py::arg("result"));
 }
 
 }  // namespace accdec::python

@@ -5,16 +5,15 @@
 #include <string>
 
 #include <accdec/comparison/comparison_case.hpp>
-#include <accdec/nlp/evaluator.hpp>
-#include <accdec/nlp/problem.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/problem.hpp>
+#include <accdec/solver.hpp>
 
 #include "bindings.hpp"
 
 namespace accdec::python {
 
-/// A problem in the hands of Python code: a case's, which the handle keeps, or for the time of a run a solver's, whose
-/// evaluator counts every call and ends the run in time.
+/// A problem used by Python code. It is a problem of a case, which the handle keeps alive. Or it is the problem of a
+/// solver during a run; then the evaluator counts every call and enforces the limits.
 struct ProblemHandle {
   std::shared_ptr<const comparison::ComparisonCase> subject;  ///< null within a run
   const nlp::Problem* problem = nullptr;                      ///< null when the run is over

@@ -6,17 +6,30 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <accdec/design/verify_result.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/formats/certificate_json.hpp>
-#include <accdec/formats/design_report.hpp>
-#include <accdec/formats/result_json.hpp>
-#include <accdec/formats/taps_export.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task/settings_text.hpp>
+#include <accdec/verify.hpp>
 
 #include "bindings.hpp"
 #include "interrupt.hpp"
 
 namespace accdec::python {
+
+py::dict settings_dict(const ChosenSettings& settings, const std::string& answer) {
+  py::list values, kinds;
+  for (const Setting& s : settings.values)
+    values.append(py::dict(py::arg("name") = s.name, py::arg("value") = s.value, py::arg("unit") = s.unit));
+  for (const DelayKind kind : settings.delays) kinds.append(to_string(kind));
+  const auto& width = settings.width;
+  const auto or_none = [&](double value) { return width ? py::object(py::float_(value)) : py::object(py::none()); };
+  return py::dict(py::arg("family") = to_string(settings.family), py::arg("values") = values, py::arg("delays") = kinds,
+                  py::arg("width") = or_none(width ? width->middle() : 0.0),
+                  py::arg("width_low") = or_none(width ? width->low : 0.0),
+                  py::arg("width_high") = or_none(width ? width->high : 0.0), py::arg("answer") = answer);
+}
+
 namespace {
 
 bool success(const DesignResult& r) {
@@ -58,7 +71,7 @@ py::list corners(const DesignResult& r) {
     list.append(py::dict(py::arg("name") = c.name, py::arg("delay") = c.delay, py::arg("corner_error") = c.corner_error,
                          py::arg("polyline_error") = c.polyline_error,
                          py::arg("contour_deviation") = c.contour_deviation, py::arg("speed_min") = c.speed_min,
-                         py::arg("corner_time") = c.corner_time));
+                         py::arg("corner_time") = c.corner_time, py::arg("settling_time") = c.settling_time));
   }
   return list;
 }
@@ -87,18 +100,30 @@ py::dict solver(const SolverReport& s) {
                   py::arg("claimed") = s.claimed, py::arg("wall_time") = s.wall_time);
 }
 
+py::object quantisation(const DesignResult& r) {
+  if (!r.quantisation) return py::none();
+  return py::dict(py::arg("bits") = r.quantisation->bits, py::arg("coefficients") = r.quantisation->coefficients,
+                  py::arg("unquantised") = r.quantisation->unquantised);
+}
+
 py::object certificate(const DesignResult& r) {
   if (!r.certificate) return py::none();
   return py::module_::import("json").attr("loads")(certificate_to_json(*r.certificate));
 }
 
-/// What a dict of the result has, SciPy's names first.
+/// None for a task without families.
+py::object settings(const DesignResult& r) {
+  return r.settings ? py::object(settings_dict(*r.settings, settings_answer(r))) : py::object(py::none());
+}
+
+/// Keys of the result as a dict, SciPy's names first.
 py::list keys() {
   py::list list;
-  for (const char* const name :
-       {"message", "success", "status",       "fun",    "x",           "mip_gap",    "mip_dual_bound",
-        "nfev",    "outcome", "stop",         "order",  "delays",      "cycle_time", "corner_time",
-        "corners", "limits",  "verification", "solver", "certificate", "task"})
+  for (const char* const name : {"message", "success",        "status",       "fun",          "x",
+                                 "mip_gap", "mip_dual_bound", "nfev",         "outcome",      "stop",
+                                 "order",   "delays",         "cycle_time",   "corner_time",  "corners",
+                                 "limits",  "verification",   "solver",       "quantisation", "certificate",
+                                 "task",    "settings",       "family_bound", "free_taps"})
     list.append(name);
   return list;
 }
@@ -144,13 +169,22 @@ delays : ndarray of int
 cycle_time, corner_time : float or None
     s.
 corners : list of dict
-    name, delay, corner_error, polyline_error, contour_deviation (m), speed_min (m/s), corner_time (s).
+    name, delay, corner_error, polyline_error, contour_deviation (m), speed_min (m/s), corner_time, settling_time (s).
 limits : list of dict
     The worst use of every limit: kind, axis, corner, event, value, bound (SI), utilisation (1 is the bound), sample,
     frequency (Hz).
 verification, solver : dict
+quantisation : dict or None
+    With coefficient_bits: bits, coefficients (whole numbers of sum 2**bits), unquantised (s, with free taps).
 certificate : dict or None
     The proof, as `verify` rechecks it.
+settings : dict or None
+    For a task that names families of a controller: family, values (name, value, unit), delays (the kind at each
+    corner), width, width_low, width_high (m, in-position), answer (a sentence).
+family_bound : float or None
+    s; no member of the families is shorter, proved.
+free_taps : float or None
+    s; the best design known of free taps.
 nfev : int
 task : Task
 )";
@@ -257,7 +291,11 @@ void bind_result(py::module_& module) {
       .def_property_readonly("limits", &limits)
       .def_property_readonly("verification", [](const DesignResult& r) { return verification(r.verification); })
       .def_property_readonly("solver", [](const DesignResult& r) { return solver(r.solver); })
+      .def_property_readonly("quantisation", &quantisation)
       .def_property_readonly("certificate", &certificate)
+      .def_property_readonly("settings", &settings)
+      .def_property_readonly("family_bound", [](const DesignResult& r) { return r.family_bound; })
+      .def_property_readonly("free_taps", [](const DesignResult& r) { return r.free_taps; })
       .def_property_readonly("task", [](const DesignResult& r) { return std::make_shared<Task>(r.task); })
       .def("to_json", &result_to_json, "to_json()\n\nThe text of a result file.")
       .def(

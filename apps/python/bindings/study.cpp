@@ -11,15 +11,15 @@
 namespace accdec::python {
 namespace {
 
-std::function<void(const StudyProgress&)> listener(const py::object& progress) {
+std::function<void(const batch::Progress&)> listener(const py::object& progress) {
   if (progress.is_none()) return {};
-  return [progress](const StudyProgress& p) {
+  return [progress](const batch::Progress& p) {
     const py::gil_scoped_acquire gil;
     progress(p.done, p.total, p.seconds);
   };
 }
 
-/// What a study and a comparison are told alike.
+/// The options that studies and comparisons share.
 template <class Options>
 Options options_of(const std::string& out, int workers, const std::string& command, const py::object& progress) {
   Options options;

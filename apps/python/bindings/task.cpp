@@ -9,9 +9,9 @@
 
 #include <accdec/files/output_files.hpp>
 #include <accdec/formats/task_json.hpp>
-#include <accdec/formats/task_reader.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/task.hpp>
 #include <accdec/task/objective.hpp>
 
 #include "bindings.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 /// Tasks of whole programs have no corners, and a lone axis stands for all that a program may move.
 TaskOptions options_of(bool program, bool given) {
-  return {.require_corners = !program, .require_choices = given, .axes = program ? 9 : 2};
+  return {.require_corners = !program, .require_choices = given, .axes = program ? 9 : 2, .response = Considered::any};
 }
 
 py::module_ fields_module() {
@@ -76,6 +76,9 @@ py::dict axis_dict(const Axis& axis) {
   d["damping"] = axis.damping;
   for (const AxisLimit& limit : axis_limits)
     d[py::str(fmt::format("{}_max", limit_name(limit.kind).name))] = axis.*limit.bound;
+  d["servo_gain"] = axis.servo_gain;
+  d["velocity_feedforward"] = axis.velocity_feedforward;
+  d["response_taps"] = axis.response_taps;
   return d;
 }
 
@@ -104,8 +107,8 @@ title : str, optional
 sample_period : float
     s.
 axes : dict or list of dict, optional
-    velocity_max, acceleration_max, jerk_max, mass, damping, force_max, power_max, regeneration_max, name. One dict
-    stands for every axis.
+    velocity_max, acceleration_max, jerk_max, mass, damping, force_max, power_max, regeneration_max, name, servo_gain
+    (1/s) with velocity_feedforward, or response_taps. One dict stands for every axis.
 corners : dict or list of dict
     angle (or direction_in and direction_out), feed_in, feed_out, error_max, speed_min, delay, weight, heading, turn,
     name.
@@ -117,6 +120,14 @@ order_min, order_max : int, optional
 symmetric : bool, optional
 objective : {"cycle", "corner"}, optional
 runs : float, optional
+coefficient_bits : int, optional
+    Taps in whole numbers over 2^bits, 8 to 31; the result's `quantisation` has them.
+family : str or list of str, optional
+    "averages", "one-pole", "shaper": settings of a controller instead of free taps, with stages, shaper, and
+    length_step, length_max, length_set (s).
+controller : dict, optional
+    name or file: of a controller, see `accdec controllers`; delays: the kinds of delay that it has; prefilter_taps:
+    its own smoothing of every axis.
 
 Raises
 ------

@@ -49,28 +49,30 @@ void CheckedRows::add_row(const proof::Response& row, const Interval& weight, Ch
 
 void CheckedRows::add_row(const proof::EventPower& row, const Interval& weight, CheckedBox& box,
                           CheckedSum& sum) const {
+  response_.require_ideal();
   if (row.sample < 1 || row.sample > sum.order() + 1) return;
   const Axis& x = axis(row.axis);
   const auto u = static_cast<std::size_t>(row.axis);
-  const Speeds legs = row.stop ? Speeds{stop_[u], 0.0} : Speeds{0.0, start_[u]};
+  const CheckedSpeeds legs = row.stop ? CheckedSpeeds{stop_[u], 0.0} : CheckedSpeeds{0.0, start_[u]};
   if (legs.in.hi == 0.0 && legs.out.hi == 0.0) throw Rejected("a multiplier names an axis that stands still");
   if (need_tube(box)) add_power(x, row.stop, legs, 0, row.sample, 1, row.low, row.high, weight, *box.tube, sum);
 }
 
 void CheckedRows::add_row(const proof::BlendPower& row, const Interval& weight, CheckedBox& box,
                           CheckedSum& sum) const {
+  response_.require_ideal();
   const int d = single_delay(row.corner, box);
   const Axis& x = axis(row.axis);
   if (row.sample < 1 || row.sample > sum.order() + d + 1) return;
   const auto u = static_cast<std::size_t>(row.axis);
-  const Speeds legs{speed(corner(row.corner), u, true), speed(corner(row.corner), u, false)};
+  const CheckedSpeeds legs{speed(corner(row.corner), u, true), speed(corner(row.corner), u, false)};
   if (need_tube(box))
     add_power(x, row.regeneration, legs, d, row.sample, row.sign, row.low, row.high, weight, *box.tube, sum);
 }
 
-/// F <= P (1/l + 1/u - V/(l u)), times l/P, for V in [l, u]: the hyperbola lies below its chord; for V < l because the
-/// force is at most P/l there.
-void CheckedRows::add_power(const Axis& axis, bool regeneration, const Speeds& legs, int delay, int k, int sign,
+/// F <= P (1/l + 1/u - V/(l u)), times l/P. For V in [l, u] it holds because the hyperbola lies below its chord; for V
+/// < l because the force is at most P/l there.
+void CheckedRows::add_power(const Axis& axis, bool regeneration, const CheckedSpeeds& legs, int delay, int k, int sign,
                             double low, double high, const Interval& weight, const CheckedTube& tube,
                             CheckedSum& sum) const {
   const double bound = regeneration ? axis.regeneration_max : axis.power_max;
@@ -79,7 +81,7 @@ void CheckedRows::add_power(const Axis& axis, bool regeneration, const Speeds& l
   if (!(low > 0.0) || !(high > low)) throw Rejected("a chord's ends are not 0 < low < high");
   const Interval in = pick_sign(sign) * legs.in, out = pick_sign(sign) * legs.out;
   const Interval range = in * (Interval(1.0) - tube.at(k)) + out * tube.at(k - delay);
-  // What leg 2 has gained, leg 1 has lost before: the speed is between 0 and those of the legs.
+  // Leg 1 lost its speed before leg 2 gains its own: the speed is between 0 and the legs' speeds.
   const double fastest = std::max({in.hi, out.hi, 0.0});
   if (std::min(range.hi, fastest) > high) throw Rejected("a chord ends below speeds that are left in its box");
   const double top = std::max(legs.in.magnitude().hi, legs.out.magnitude().hi);
@@ -101,8 +103,10 @@ void CheckedRows::add_power(const Axis& axis, bool regeneration, const Speeds& l
 }
 
 /// |V'| >= v_min in the sector of directions [low, high] from leg 1's: n V' >= v_min cos((high - low)/2), n in the
-/// middle. Of several delays the least has the most of leg 2, which is all that counts if leg 2 points along n.
+/// middle. With several delays, the smallest has the largest share of leg 2. This is the largest n V' if leg 2 points
+/// along n.
 void CheckedRows::add_row(const proof::Speed& row, const Interval& weight, CheckedBox& whole, CheckedSum& sum) const {
+  response_.require_ideal();
   const int k = row.sample;
   const double low = row.low, high = row.high;
   const TaskCorner& c = corner(row.corner);
@@ -119,16 +123,21 @@ void CheckedRows::add_row(const proof::Speed& row, const Interval& weight, Check
   const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
                         std::nextafter(c.geometry().cos_interior(), 2.0));
   const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
-  // Of in (1, 0) + out (-cos, sin): not to the right of `low`, not to the left of `high`.
+  // The velocity is in (1, 0) + out (-cos, sin). It must not lie to the right of `low` or to the left of `high`.
   const auto left_of = [&](double angle) {
     const Interval ca = interval_cos(angle), sa = interval_sin(angle);
     return -1.0 * sa * in + (sine * ca + cosine * sa) * out;
   };
-  // Outside by as little as this counts as inside, and costs as little.
-  const double outside = 1e-12 * std::max(c.geometry().feed_in, c.geometry().feed_out);
-  if (left_of(low).lo < -outside || left_of(high).hi > outside)
-    throw Rejected("a sector does not hold all directions that are left in its box");
   const double middle = 0.5 * (low + high);
+  const auto ahead_of = [&](double angle) {
+    const Interval ca = interval_cos(angle), sa = interval_sin(angle);
+    return ca * in + (sine * sa - cosine * ca) * out;
+  };
+  // Outside by as little as this counts as inside, and costs as little. Both edges of a sector no wider than that also
+  // let directions behind it pass, so the middle is asked as well.
+  const double outside = 1e-12 * std::max(c.geometry().feed_in, c.geometry().feed_out);
+  if (left_of(low).lo < -outside || left_of(high).hi > outside || ahead_of(middle).lo < -outside)
+    throw Rejected("a sector does not hold all directions that are left in its box");
   const Interval half = Interval(std::max(high - middle, middle - low)) + Interval(0.0, 1e-15);
   const Interval ca = interval_cos(middle), sa = interval_sin(middle);
   const Interval along_in = ca * Interval(c.geometry().feed_in) / Interval(c.speed_min);

@@ -6,7 +6,7 @@
 namespace accdec {
 namespace {
 
-/// p_k or q_m touched at a sample, with the response B_e as slope, e = at or at + 1.
+/// Tangent of p_k or q_m at a sample, with the response B_e as slope, e = at or at + 1.
 struct Touch {
   int at, slope;
   bool high;
@@ -20,13 +20,14 @@ Touch touch(const proof::Tangent& tangent) {
 
 }  // namespace
 
-/// cos(alpha) p_k + cos(theta - alpha) q_m <= bound for the corner's own k and m = k - d, whatever they are in their
-/// ranges. Both are convex sequences of slopes -(1 - B) and B, so they lie above their tangents
-///   p_k >= p_a - z G,  z = k - a, G = 1 - B_e,    q_m >= q_a + y B_e,  y = m - a,
-/// and from (z - z0)(G - g) <= 0 or (y - y0)(B - g) >= 0, with z0, y0 an end of the range and g a bound of the
-/// response on the side that makes it so,  z G <= z0 G + g (z - z0),  y B >= y0 B + g (y - y0).
+/// cos(alpha) p_k + cos(theta - alpha) q_m <= bound for the corner's own k and m = k - d, for all values in their
+/// ranges. Both are convex sequences with the slopes -(1 - B) and B, so they lie above their tangents
+///   p_k >= p_a - z G,  z = k - a, G = 1 - B_e,    q_m >= q_a + y B_e,  y = m - a.
+/// The products are bounded by (z - z0)(G - g) <= 0 and (y - y0)(B - g) >= 0. Here z0 or y0 is an end of the range, and
+/// g is the bound of the response that gives this sign. So z G <= z0 G + g (z - z0) and y B >= y0 B + g (y - y0).
 void CheckedRows::add_row(const proof::RangeError& row, const Interval& weight, CheckedBox& box,
                           CheckedSum& sum) const {
+  response_.require_ideal();
   const TaskCorner& c = corner(row.corner);
   if (!c.error_max) throw Rejected("a multiplier names a limit that is not there");
   const auto u = static_cast<std::size_t>(row.corner);
@@ -41,7 +42,7 @@ void CheckedRows::add_row(const proof::RangeError& row, const Interval& weight, 
   Interval wp = weight * ca * Interval(c.geometry().feed_in) / Interval(fastest);
   Interval wq = weight * (cosine * ca + sine * sa) * Interval(c.geometry().feed_out) / Interval(fastest);
   if (wp.hi < 0.0 || wq.hi < 0.0) throw Rejected("a tangent cut does not apply to a whole box");
-  // Where rounding leaves the sign open, the most that a negative weight could take away: p <= N, q <= k - d.
+  // If rounding leaves the sign open, use the most that a negative weight could take away: p <= N, q <= k - d.
   const int n = sum.order();
   if (wp.lo < 0.0) sum.rhs = sum.rhs + Interval(-wp.lo) * static_cast<double>(n + 1), wp = Interval(0.0);
   if (wq.lo < 0.0)

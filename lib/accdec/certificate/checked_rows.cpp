@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <accdec/certificate/checked_rows.hpp>
+#include <accdec/machine/limits.hpp>
 
 namespace accdec {
 
@@ -12,8 +13,8 @@ void require_limit(double bound) {
 
 namespace {
 
-/// How often the acceleration is differenced over T to give what a limit bounds: the checker's own list. None: other
-/// limits.
+/// How often the acceleration is differenced over T to give the limited value: the checker's own list. None for other
+/// limits. None: other limits.
 std::optional<int> differences(LimitKind kind) {
   switch (kind) {
     case LimitKind::acceleration: return 0;
@@ -29,7 +30,7 @@ std::optional<int> differences(LimitKind kind) {
   return std::nullopt;
 }
 
-/// Adds the n-th difference at `at`, times c and `step` for every difference, of what `term` adds.
+/// Adds c times the n-th difference at `at` of the terms that `term` adds; every difference is multiplied by `step`.
 template <class Term>
 void add_difference(int n, int at, const Interval& c, const Interval& step, const Term& term) {
   if (n == 0) return term(at, c);
@@ -37,8 +38,8 @@ void add_difference(int n, int at, const Interval& c, const Interval& step, cons
   add_difference(n - 1, at - 1, -1.0 * c * step, step, term);
 }
 
-/// Sine of the interior angle. Of legs nearly in line its cosine does not tell it from some 1e-8: the part of leg 2
-/// across leg 1 does.
+/// Sine of the interior angle. For nearly collinear legs the cosine gives it only to some 1e-8. The part of leg 2
+/// across leg 1 is more precise.
 Interval sine_of(const Corner& corner, const Interval& cosine) {
   Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
   Interval across(0.0);
@@ -54,18 +55,20 @@ Interval sine_of(const Corner& corner, const Interval& cosine) {
 
 }  // namespace
 
-CheckedRows::CheckedRows(const Task& task) : task_(task) {
+CheckedRows::CheckedRows(const Task& task) : task_(task), response_(task) {
   const Interval t(task.sample_period);
   for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
     const Axis& axis = task.machine.axes[a];
     double start = 0.0, stop = 0.0;
     for (const TaskCorner& c : task.corners) {
-      // Lower ends: a slower leg asks for less.
+      // Lower ends: a slower leg needs less.
       const double in = speed(c, a, true).magnitude().lo, out = speed(c, a, false).magnitude().lo;
       start = std::max({start, in, in == 0.0 ? out : 0.0});
       stop = std::max({stop, out, out == 0.0 ? in : 0.0});
     }
+    // Behind a response, loads are not those of the taps themselves.
     for (const bool ends : {false, true}) {
+      if (!response_.ideal()) break;
       const Interval s(ends ? stop : start);
       if (s.lo == 0.0) continue;
       CheckedPlant p{Interval(axis.mass) / t, Interval(axis.damping), {}, {}, {}, ends};
@@ -80,7 +83,8 @@ CheckedRows::CheckedRows(const Task& task) : task_(task) {
     start_.push_back(start);
     stop_.push_back(stop);
     const double fastest = std::max(start, stop);
-    if (fastest == 0.0) continue;
+    // Behind the control's smoothing, no limit is on the taps themselves.
+    if (fastest == 0.0 || response_.smooths()) continue;
     if (axis.acceleration_max < unlimited)
       tap_max_ = std::min(tap_max_, (Interval(axis.acceleration_max) * t / fastest).hi);
     for (const AxisLimit& limit : axis_limits) {
@@ -91,7 +95,7 @@ CheckedRows::CheckedRows(const Task& task) : task_(task) {
       double& known = ramp_max_.try_emplace(limit.kind, unlimited).first->second;
       known = std::min(known, max.hi);
     }
-    if (axis.force_max < unlimited && axis.damping == 0.0 && axis.mass > 0.0) {
+    if (response_.ideal() && axis.force_max < unlimited && axis.damping == 0.0 && axis.mass > 0.0) {
       tap_max_ = std::min(tap_max_, (Interval(axis.force_max) * t / (Interval(axis.mass) * fastest)).hi);
     }
   }
@@ -128,8 +132,8 @@ void CheckedRows::add(const proof::Term& term, CheckedBox& box, CheckedSum& sum)
     const Interval before = sum.rhs;
     const long terms = sum.terms;
     add_row(row, Interval(y), box, sum);
-    // At a constant speed a limit says nothing of the taps. Where it holds the proof does without the row: multipliers
-    // serve several parts, in some of which some of their rows are of samples long past.
+    // At constant speed a limit says nothing about the taps. If it holds, the proof does without the row: multipliers
+    // serve several parts, and in some parts their rows are at samples past the end.
     if constexpr (std::is_same_v<Row, proof::Blend> || std::is_same_v<Row, proof::BlendPower> ||
                   std::is_same_v<Row, proof::EventForce> || std::is_same_v<Row, proof::EventPower>) {
       if (sum.terms == terms && (sum.rhs - before).lo > 0.0) sum.rhs = before;
@@ -154,6 +158,7 @@ void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) c
 }
 
 void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
+  response_.require_no_smoothing();
   const int n = differences(row.limit).value_or(0);
   if (n == 0) throw Rejected("a multiplier names a difference that no limit bounds");
   const double max = ramp_max(row.limit);
@@ -165,6 +170,7 @@ void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weigh
 }
 
 void CheckedRows::add_row(const proof::EventForce& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
+  response_.require_ideal();
   const int k = row.sample;
   if (k < 1 || k > static_cast<int>(sum.taps.size())) return;
   const Axis& x = axis(row.axis);
@@ -191,14 +197,14 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
   Interval p = wp, q = wq;
   if (box.window && (wp.lo < 0.0 || wq.lo < 0.0)) throw Rejected("a tangent cut does not apply to a whole window");
   if (r.k1 < r.k2 || r.d1 < r.d2) {
-    // Within a box p and q are only bounded below; a weight below zero by more than rounding would need an upper
-    // bound.
+    // Within a box p and q are only bounded below. A weight below zero by more than rounding would need an upper bound.
     if (wp.hi < 0.0 || wq.hi < 0.0) throw Rejected("a tangent cut does not apply to a whole box");
     p.lo = std::max(p.lo, 0.0), q.lo = std::max(q.lo, 0.0);
-    // Where rounding leaves the sign open, the most that a negative weight could take away: p <= N, q <= k - d.
+    // If rounding leaves the sign open, use the most that a negative weight could take away: p <= N, and as much more
+    // as the response is long; q <= k - d.
     if (wp.lo < 0.0) {
       p = Interval(0.0);
-      sum.rhs = sum.rhs + Interval(-wp.lo) * static_cast<double>(sum.taps.size());
+      sum.rhs = sum.rhs + Interval(-wp.lo) * static_cast<double>(sum.taps.size() + static_cast<std::size_t>(longer()));
     }
     if (wq.lo < 0.0) {
       q = Interval(0.0);
@@ -206,10 +212,12 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
     }
   }
   const int n = sum.order();
-  // Taps beyond a window's last one are in q less than that one is, from there on not at all.
+  // Taps beyond a window's last one have a smaller part in q than the last one, and from there on none.
   const int m = box.window ? std::min(r.k1 - r.d2, n) : r.k1 - r.d2;
-  for (int i = std::max(0, r.k2 + 1); i <= n; ++i) sum.tap(i, p * static_cast<double>(i - r.k2));
-  for (int i = 0; i <= std::min(n, m - 1); ++i) sum.tap(i, q * static_cast<double>(m - i));
+  // So do the taps before a window's first one: their part in p is at least nothing.
+  for (int i = box.window && !response_.ideal() ? 1 : std::max(0, r.k2 + 1 - longer()); i <= n; ++i)
+    sum.tap(i, p * response_.left(i - r.k2));
+  for (int i = 0; i <= std::min(n, m - 1); ++i) sum.tap(i, q * response_.gone(m - i));
   const Interval error(*c.error_max);
   sum.rhs = sum.rhs + weight * error / (period() * Interval(fastest));
 }
@@ -218,11 +226,12 @@ void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, C
   if (row.mode < 0 || row.mode >= static_cast<int>(task_.machine.modes.size()))
     throw Rejected("a multiplier names a mode that is not there");
   const Mode& mode = task_.machine.modes[static_cast<std::size_t>(row.mode)];
+  response_.require_no_smoothing();
   if (!(row.frequency >= mode.frequency_low && row.frequency <= mode.frequency_high))
     throw Rejected("a multiplier's frequency is outside its band");
   const Interval w = two_pi() * Interval(row.frequency) * period();
   for (std::size_t i = 0; i < sum.taps.size(); ++i) {
-    // The taps that the end of a window stands for have any phase.
+    // The taps that an end of the window stands for may have any phase.
     const bool end = box.window && (i == 0 || i + 1 == sum.taps.size());
     const Interval phase = end ? Interval(-1.0) : interval_cos(w * static_cast<double>(i) - Interval(row.angle));
     sum.taps[i] = sum.taps[i] + weight * phase;
@@ -235,6 +244,8 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
   const TaskCorner& c = corner(row.corner);
   const Axis& x = axis(row.axis);
   if (k < 1 || k > 100'000'000) throw Rejected("a multiplier names a sample that is not there");
+  response_.require_no_smoothing();
+  if (row.limit == LimitKind::force) response_.require_ideal();
   const int d = single_delay(row.corner, box);
   const auto a = static_cast<std::size_t>(row.axis);
   const Interval in = speed(c, a, true), out = speed(c, a, false);

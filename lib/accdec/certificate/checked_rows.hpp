@@ -4,12 +4,13 @@
 #include <stdexcept>
 #include <vector>
 
-#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate.hpp>
+#include <accdec/certificate/checked_response.hpp>
 #include <accdec/certificate/checked_tube.hpp>
 
 namespace accdec {
 
-/// Why a certificate is rejected.
+/// Reason for rejecting a certificate.
 struct Rejected : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -25,10 +26,10 @@ struct CheckedBox {
   std::vector<CheckedCut> cuts;
   int order = -1;
   int order_least = 0, order_most = -1;  ///< from splits on the order
-  std::optional<double> budget;          ///< at least what the target leaves of sum_j w_j (d_j - d1_j)
-  std::optional<CheckedTube> tube;       ///< only if a row asks for it
+  std::optional<double> budget;          ///< upper bound on what the target leaves of sum_j w_j (d_j - d1_j)
+  std::optional<CheckedTube> tube;       ///< only if a row needs it
   bool window = false;                   ///< filters of any order: the first and the last tap stand for many
-  bool nothing_left = false;             ///< the tube turned out empty: no filter is in the box
+  bool nothing_left = false;             ///< the tube is empty: no filter is in the box
 };
 
 /// sum_i c_i b_i + sum_k e_k B_k + sum_j (f_j (d_j - d1_j) + g_j (k_j - k1_j)) > rhs has to hold for every filter and
@@ -56,31 +57,36 @@ struct CheckedSum {
   }
 
  private:
-  /// The product of a leg that stands still is nothing but its rounding.
-  void count(const Interval& c) { terms += c.magnitude().hi > 1e-300 ? 1 : 0; }
+  /// The product of a leg that stands still is exactly zero (interval.hpp). However small, any other is a term: all
+  /// multipliers of a proof may be tiny.
+  void count(const Interval& c) { terms += c.lo != 0.0 || c.hi != 0.0 ? 1 : 0; }
 };
 
-/// Sets up the limits of a task again as rows, in interval arithmetic, from what a certificate names them by.
+/// Speeds of an axis' two legs.
+struct CheckedSpeeds {
+  Interval in, out;
+};
+
+/// Sets up the limits of a task as rows in interval arithmetic, from the names in a certificate.
 class CheckedRows {
  public:
   /// @param task  with the limits that verification grants (granted_limits.hpp); the reference is kept
   explicit CheckedRows(const Task& task);
   double tap_max() const { return tap_max_; }
+  /// Samples by which the machine's response lengthens the motion.
+  int longer() const { return response_.longer(); }
   /// Bounds on the responses in a box; none if no filter is left.
   std::optional<CheckedTube> tube(const CheckedBox& box) const;
   /// Adds a row times its multiplier.
-  /// @throws Rejected if there is no such limit or the row does not hold all over the box
+  /// @throws Rejected if there is no such limit, or the row does not hold in the whole box
   void add(const proof::Term& term, CheckedBox& box, CheckedSum& sum) const;
 
  private:
-  struct Speeds {
-    Interval in, out;
-  };
   Interval period() const { return Interval(task_.sample_period); }
   Interval speed(const TaskCorner& corner, std::size_t axis, bool in) const;
   const TaskCorner& corner(int j) const;
   const Axis& axis(int a) const;
-  // One a kind of rows; those over ranges are in checked_ranges.cpp, chords in checked_chords.cpp.
+  // One function per kind of rows; rows over ranges are in checked_ranges.cpp, chords in checked_chords.cpp.
   void add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::EventForce& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
@@ -92,12 +98,12 @@ class CheckedRows {
   void add_row(const proof::BlendPower& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Speed& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Response& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
-  void add_power(const Axis& axis, bool regeneration, const Speeds& legs, int delay, int sample, int sign, double low,
-                 double high, const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
+  void add_power(const Axis& axis, bool regeneration, const CheckedSpeeds& legs, int delay, int sample, int sign,
+                 double low, double high, const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
   /// Largest difference of taps that a limit on differences of the acceleration leaves; unlimited where there is none.
   double ramp_max(LimitKind kind) const;
   int single_delay(int corner, const CheckedBox& box) const;
-  /// @throws Rejected if a row says something of taps at or beyond the ends of a window
+  /// @throws Rejected if a row concerns taps at or beyond the ends of a window
   void require_inside(const proof::Row& row, const CheckedBox& box) const;
   /// False: nothing is left.
   bool need_tube(CheckedBox& box) const;
@@ -107,6 +113,7 @@ class CheckedRows {
   std::map<LimitKind, double> ramp_max_;  // of all axes at their fastest legs
   std::vector<double> start_, stop_;
   std::vector<CheckedPlant> plants_;
+  CheckedResponse response_;
 };
 
 /// @throws Rejected if a limit is not given

@@ -24,7 +24,7 @@ double highest_after(const CheckedPlant& p, double x, double high) {
     high = std::min(high, ((b + square_root(b * b + 4.0 * slope * p.power)) / (2.0 * slope)).hi);
   }
   if (p.stop && given(p.regeneration)) {
-    // With w = 1 - y left of the speed: slope w^2 - inertia (1 - x) w + regeneration >= 0, so w is outside the roots.
+    // With the remaining speed w = 1 - y: slope w^2 - inertia (1 - x) w + regeneration >= 0, so w is outside the roots.
     const Interval b = p.inertia * (Interval(1.0) - Interval(x)), square = b * b - 4.0 * slope * p.regeneration;
     if (square.lo > 0.0 && b.lo > 0.0) {
       const Interval root = square_root(square), small = (b - root) / (2.0 * slope), large = (b + root) / (2.0 * slope);

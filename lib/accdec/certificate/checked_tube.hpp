@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <accdec/certificate/interval.hpp>
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 
@@ -18,24 +18,24 @@ struct CheckedTube {
   }
 };
 
-/// What a split of the proof's tree says: B_sample <= level, or >= level.
+/// A split of the proof's tree: B_sample <= level, or >= level.
 struct CheckedCut {
   int sample;
   bool upper;
   double level;
 };
 
-/// Start or stop of one axis, with what its limits ask of s = its speed: F/s, P/s^2, P_regen/s^2. A limit that is not
-/// there is infinite.
+/// Start or stop of one axis, with its limits scaled by its speed s: F/s, P/s^2, P_regen/s^2. A missing limit is
+/// infinite.
 struct CheckedPlant {
   Interval inertia, drag;  ///< m/T, c
   Interval force, power, regeneration;
   bool stop = false;
 };
 
-/// Bounds that every filter of order N or less within the cuts obeys, by what one tap can add to the response: its
-/// largest value after the largest response before it, its smallest before the smallest after it. None if no filter is
-/// left.
+/// Bounds for every filter of order N or less within the cuts. They follow from how much one tap can add to the
+/// response. The largest value follows from the largest response before it, the smallest from the smallest response
+/// after it. None if no filter is left.
 /// @param jerk_max  bound on the difference of neighbouring taps, those before the first and after the last being 0
 std::optional<CheckedTube> checked_tube(const std::vector<CheckedPlant>& plants, double tap_max, double jerk_max,
                                         int order, const std::vector<CheckedCut>& cuts);

@@ -1,20 +1,21 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include <accdec/certificate.hpp>
 #include <accdec/certificate/checked_rows.hpp>
-#include <accdec/certificate/checker.hpp>
 #include <accdec/certificate/constant_feed.hpp>
 #include <accdec/certificate/corner_speed_check.hpp>
+#include <accdec/certificate/family_check.hpp>
 #include <accdec/certificate/merged_corners.hpp>
 #include <accdec/certificate/proof_claim.hpp>
-#include <accdec/task/granted_limits.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/objective.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
@@ -27,7 +28,7 @@ class Checker {
   std::size_t run() {
     const double target = target_;
     for (const proof::Lemma& l : proof_.lemmas) {
-      // Whatever it costs, and by no other lemma.
+      // A lemma holds whatever the cost, and its proof uses no other lemma.
       target_ = unlimited;
       lemma(l);
     }
@@ -43,10 +44,11 @@ class Checker {
     CheckedBox root;
     root.order_most = task_.design.order_max;
     for (const TaskCorner& c : task_.corners) {
-      // Nothing changes from d = N + 2 on while no limit is on more than a first difference, nor from k = N + d + 1 on.
+      // From d = N + 2 on nothing changes, as no limit is on more than a first difference; nor from k = N + d + 1 on.
       static_assert(most_differences == 1);
-      const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2);
-      root.corners.push_back({d1, d2, 0, d2 + task_.design.order_max + 1});
+      // A response delays both by its length.
+      const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2 + rows_.longer());
+      root.corners.push_back({d1, d2, 0, d2 + task_.design.order_max + 1 + rows_.longer()});
     }
     return root;
   }
@@ -67,7 +69,7 @@ class Checker {
       CheckedRange& r = box.corners[static_cast<std::size_t>(d.corner)];
       r.d2 = std::min(r.d2, d.delay);
       if (r.d2 < r.d1) throw Rejected("a lemma names a delay that its corner cannot have");
-      r.k2 = r.d2 + task_.design.order_max + 1;
+      r.k2 = r.d2 + task_.design.order_max + 1 + rows_.longer();
     }
     if (!l.window) {
       box.order_most = std::min(box.order_most, l.order);
@@ -79,9 +81,9 @@ class Checker {
       throw Rejected("a lemma's window is none");
     box.window = true;
     box.order = w.order;
-    // The anchor's sample is `at` once the filter is shifted. Of the others the first and the last sample stand for all
-    // before and after them: there p and q are no more than what they are at the ends.
-    for (CheckedRange& r : box.corners) r.k2 = r.d2 + w.order + 1;
+    // The anchor's sample is `at` once the filter is shifted. For the other corners, the first and the last sample
+    // stand for all samples before and after them. There p and q are at most their values at the ends.
+    for (CheckedRange& r : box.corners) r.k2 = r.d2 + w.order + 1 + rows_.longer();
     CheckedRange& anchor = box.corners[static_cast<std::size_t>(w.anchor)];
     if (!task_.corners[static_cast<std::size_t>(w.anchor)].error_max || w.at < 0 || w.at > anchor.k2)
       throw Rejected("a lemma's window has no anchor");
@@ -121,7 +123,7 @@ class Checker {
     const int least = std::max(least_order(), whole.order_least);
     if (std::isinf(target_)) return whole.order_most < least ? -1 : whole.order_most;
     const double limit = target_ * (1.0 - 1e-9);
-    // Machine time pays the filter once a run, the corners' own times once a corner.
+    // Machine time counts the filter once per run; the corners' own times count it once per corner.
     double filter = task_.design.objective == Objective::cycle ? task_.design.runs : 0.0, value = 0.0;
     for (std::size_t j = 0; j < box.size(); ++j) {
       if (task_.design.objective == Objective::corner) filter += task_.corners[j].weight;
@@ -134,7 +136,7 @@ class Checker {
       const double room = (limit - value - filter * (least + 1)) / task_.corners[j].weight;
       box[j].d2 = std::min(box[j].d2, box[j].d1 + static_cast<int>(std::clamp(room, 0.0, 1e8)));
     }
-    // A little more than rounding can have taken away.
+    // The margin is slightly larger than the possible rounding.
     whole.budget = (limit - value - filter * (least + 1)) + 1e-12 * limit;
     return order;
   }
@@ -151,7 +153,7 @@ class Checker {
     const CheckedBox whole = box;
     box.order = largest_order(box);
     if (box.order >= 0) {
-      for (CheckedRange& r : box.corners) r.k2 = std::min(r.k2, box.order + r.d2 + 1);
+      for (CheckedRange& r : box.corners) r.k2 = std::min(r.k2, box.order + r.d2 + 1 + rows_.longer());
     }
     const bool too_long = std::holds_alternative<proof::TooLong>(entry);
     const bool empty = box.order < 0 || std::any_of(box.corners.begin(), box.corners.end(),
@@ -162,7 +164,7 @@ class Checker {
     std::visit([&](const auto& n) { check(n, whole, box, depth); }, entry);
   }
 
-  // A node of each kind: `whole` is the part as splits have left it, `box` what the target leaves of it.
+  // One function per kind of node. `whole` is the part after the splits; `box` is what the target leaves of it.
 
   void check(const proof::TooLong&, const CheckedBox&, const CheckedBox&, int) {}
 
@@ -221,9 +223,9 @@ class Checker {
     if (--one.order >= least_order()) exact_order(one, depth + 1);
   }
 
-  /// A shorter symmetric filter becomes one of the box's order, or of one less, by as many zeros at either end, which
-  /// moves its sample k. That order must then not depend on how k was split: it comes from the delays, so they must be
-  /// down to one each.
+  /// A shorter symmetric filter becomes one of the box's order, or of one less, by equal numbers of zeros at both ends.
+  /// This moves its sample k. So that order must not depend on how k was split: it comes from the delays, and these
+  /// must be single values.
   void require_symmetric(const CheckedBox& box) const {
     if (!task_.design.symmetric) throw Rejected("the tree refutes symmetric filters only, the task allows any");
     const bool one =
@@ -249,7 +251,7 @@ class Checker {
     }
   }
 
-  /// B_k at most a level, and at least it.
+  /// The parts with B_k at most a level, and at least that level.
   static std::pair<CheckedBox, CheckedBox> parts(const proof::ResponseSplit& n, const CheckedBox& box, int order) {
     if (n.sample < 1 || n.sample > order) throw Rejected("the tree splits a response that is not there");
     if (!(n.level >= 0.0 && n.level <= 1.0)) throw Rejected("the tree splits a response outside 0 .. 1");
@@ -300,7 +302,7 @@ class Checker {
     }
     const double tap_max = rows_.tap_max();
     if (box.window) {
-      // The ends are not bounded by a tap's most: lambda is at most their coefficients.
+      // The ends are not bounded by the largest tap: lambda is at most their coefficients.
       at_ends = std::min(least.front(), least.back());
       least.front() = least.back() = at_ends;
     }
@@ -315,7 +317,7 @@ class Checker {
     const double lambda = std::min(at_ends, sorted[static_cast<std::size_t>(full)]);
     Interval bound(lambda);
     for (const double c : least) {
-      if (c < lambda) bound = bound + Interval(tap_max) * (Interval(c) - Interval(lambda));
+      if (!(c >= lambda)) bound = bound + Interval(tap_max) * (Interval(c) - Interval(lambda));
     }
     bound = bound - sum.rhs;
     for (std::size_t j = 0; j < box.corners.size(); ++j) {
@@ -360,12 +362,22 @@ std::string check(const proof::Enumeration&, const Task&, const DesignResult&, c
 std::string check(const proof::BranchAndBound& proof, const Task& task, const DesignResult& result,
                   const std::function<bool()>& stop) {
   const double target = claimed_samples(task, result, proof);
-  // What the verification would take for held must be refuted with the rest.
+  // Values that the verification accepts must be refuted too.
   const Task merged = granted_limits(merged_corners(task, proof.corner_of));
   const std::size_t leaves = Checker(merged, proof, target, stop).run();
   if (std::isinf(target)) return fmt::format("{} parts refuted: nothing holds all limits", leaves);
   return fmt::format("{} parts refuted: within what verification grants no {} time is shorter than {:.9g} s", leaves,
                      to_string(task.design.objective), target * task.sample_period);
+}
+
+std::string check(const proof::FamilyEnumeration& proof, const Task& task, const DesignResult& result,
+                  const std::function<bool()>& stop) {
+  std::string members = check_families(proof, task, result, stop);
+  if (!result.lower_bound) return members;
+  if (!proof.taps) throw Rejected("the certificate has no bound of free taps");
+  DesignResult taps;
+  taps.lower_bound = result.lower_bound, taps.status = Status::feasible;
+  return fmt::format("{}; free taps: {}", members, check(*proof.taps, task, taps, stop));
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include <accdec/certificate/constant_feed.hpp>
 #include <accdec/certificate/interval.hpp>
-#include <accdec/task/granted_limits.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
@@ -25,12 +25,12 @@ std::string broken_by_sampling(const Mode& mode, double period) {
                  high = Interval(mode.frequency_high) * Interval(period);
   const double cycles = std::max(1.0, std::round(high.lo - 0.5 * (high.lo - low.hi)));
   for (double n = std::max(1.0, cycles - 1.0); n <= cycles + 1.0; n += 1.0) {
-    // At the very edge of a band the product rounds: as much as that counts as inside.
+    // At the edge of a band the product is rounded: a difference as small as this counts as inside.
     if (low.lo <= n * (1.0 + 1e-12) && n * (1.0 - 1e-12) <= high.hi)
       return fmt::format("vibration: the band {:g} to {:g} Hz holds a multiple of the sample rate", mode.frequency_low,
                          mode.frequency_high);
   }
-  // A band wider than the sample rate holds one wherever it lies.
+  // A band wider than the sample rate always holds one.
   if (high.lo - low.hi > 1.0) return "vibration: a band is wider than the sample rate";
   return {};
 }

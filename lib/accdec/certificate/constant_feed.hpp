@@ -2,12 +2,12 @@
 
 #include <string>
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 
-/// A limit that is broken at constant feed already, whatever the filter, in words; empty if none surely is. In interval
-/// arithmetic and of its own: what claims such a limit (`contradictions`) is not asked.
+/// A limit that is broken at constant feed with any filter, in words. Empty if none is surely broken. It uses interval
+/// arithmetic and its own formulas, not those of `contradictions`, which claims such a limit.
 std::string broken_at_constant_feed(const Task& task);
 
 }  // namespace accdec

@@ -4,12 +4,12 @@
 
 #include <accdec/certificate/corner_speed_check.hpp>
 #include <accdec/certificate/interval.hpp>
-#include <accdec/task/granted_limits.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
-/// At least what any tap, and any difference of two next to each other or to the end, may be.
+/// Upper bounds on any tap, and on any difference of two neighbouring taps or of an end tap and 0.
 struct Largest {
   double tap = 1.0, difference = unlimited;
 };
@@ -37,9 +37,10 @@ Largest largest_taps(const Task& task) {
   return largest;
 }
 
-/// At most sum (i + 1) c_i over all c_0, c_1 .. >= 0 of this sum, none above `tap` nor more than `difference` below the
-/// one before it. The least is that of c_i = min(tap, max(0, top - i difference)): any other of the same sum is below
-/// it first and above it then. A top with too small a sum gives less still.
+/// A lower bound of sum (i + 1) c_i over all c_0, c_1 .. >= 0 with this sum. No c_i is above `tap` or more than
+/// `difference` below the one before it. The minimum has c_i = min(tap, max(0, top - i difference)): any other sequence
+/// with the same sum is first below it and later above it. A top with too small a sum gives a smaller value, so the
+/// bound stays safe.
 Interval distance(const Largest& largest, const Interval& sum) {
   const double goal = sum.lo;
   if (!(goal > 0.0)) return {};
@@ -71,8 +72,8 @@ Interval distance(const Largest& largest, const Interval& sum) {
   return total(low) <= goal ? moment : Interval{};
 }
 
-/// Both legs' speeds about the sample at which leg 1 is the faster one for the last time: alpha that of leg 1 right
-/// after it, beta that of leg 2 at it.
+/// Both legs' speeds near the last sample at which leg 1 is the faster one. The speed of leg 1 right after that sample
+/// is alpha; the speed of leg 2 at it is beta.
 class Crossing {
  public:
   Crossing(const Largest& largest, const Corner& corner, double speed)
@@ -83,7 +84,7 @@ class Crossing {
         cosine_(std::max(-1.0, corner.cos_interior() - 1e-15), std::min(1.0, corner.cos_interior() + 1e-15)),
         equal_(speed_ / square_root(Interval(2.0) * (Interval(1.0) - cosine_))) {}
 
-  /// Of both legs together from the corner point, in sample periods: every beta is in one of these cells.
+  /// Least sum of both legs' distances from the corner point, in sample periods: every beta is in one of these cells.
   double least_distance() const {
     constexpr int cells = 400;
     double least = unlimited;
@@ -95,12 +96,12 @@ class Crossing {
   }
 
  private:
-  /// The faster leg's speed at least, beside a slower one of this speed: alpha^2 + beta^2 - 2 alpha beta cos = s^2.
+  /// Least speed of the faster leg if the slower one has this speed: alpha^2 + beta^2 - 2 alpha beta cos = s^2.
   Interval faster(double slower) const {
     const Interval x(slower), sine2 = (Interval(1.0) - cosine_) * (Interval(1.0) + cosine_);
     return x * cosine_ + square_root(speed_ * speed_ - x * x * sine2);
   }
-  /// A concave function up to where both are equal; from there the slower leg itself is fast enough.
+  /// It is concave up to the point where both are equal; from there the slower leg itself is fast enough.
   double faster_least(double low, double high) const {
     if (low >= equal_.lo) return std::max(low, equal_.lo);
     return std::min(faster(low).lo, high < equal_.lo ? faster(high).lo : equal_.lo);

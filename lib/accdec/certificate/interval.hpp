@@ -48,7 +48,7 @@ inline Interval square_root(const Interval& a) {
 inline Interval two_pi() {
   return Interval::widened(2.0 * std::numbers::pi, 2.0 * std::numbers::pi);
 }
-/// The library's sine and cosine are good to an ulp; 4e-16 more than covers it. The slope is at most 1.
+/// The library's sine and cosine are accurate to an ulp; 4e-16 more than covers it. The slope is at most 1.
 inline Interval interval_cos(const Interval& x) {
   const double centre = 0.5 * (x.lo + x.hi), reach = (x.hi - x.lo) + 4e-16, c = std::cos(centre);
   return {std::max(-1.0, c - reach), std::min(1.0, c + reach)};

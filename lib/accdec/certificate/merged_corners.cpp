@@ -20,7 +20,7 @@ bool axes_alike(const Axis& a, const Axis& b) {
   return alike;
 }
 
-/// What a corner asks of one axis, whichever way that axis points.
+/// A corner's requirements on one axis, whichever way the axis points.
 struct Asked {
   const Axis* axis;
   double in, out;
@@ -40,8 +40,8 @@ std::vector<Asked> asked_of(const Machine& machine, const Corner& corner) {
   return asked;
 }
 
-/// Whether one corner asks what another does, its axes in another order and mirrored: by counting, not by matching as
-/// the search does.
+/// Whether two corners have the same requirements, up to the order and the direction of their axes. It counts; the
+/// search matches instead.
 bool one_question(const Machine& machine, const TaskCorner& a, const TaskCorner& b) {
   const Corner &g = a.geometry(), &h = b.geometry();
   if (a.error_max != b.error_max || a.speed_min != b.speed_min || a.delay != b.delay || g.feed_in != h.feed_in ||

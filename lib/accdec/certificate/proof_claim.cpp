@@ -2,13 +2,13 @@
 
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/certificate/proof_claim.hpp>
-#include <accdec/task/granted_limits.hpp>
 #include <accdec/task/objective.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
-/// What is wrong with the objective and the limits a proof is about; empty when they are the task's.
+/// The difference between the proof's objective and limits and the task's; empty if there is none.
 std::string other_question(const Task& task, const proof::BranchAndBound& proof) {
   if (proof.objective != task.design.objective)
     return fmt::format("the certificate is about the objective \"{}\", the task's is \"{}\"",

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <accdec/certificate/certificate.hpp>
-#include <accdec/task/result.hpp>
+#include <accdec/certificate.hpp>
+#include <accdec/result.hpp>
 
 namespace accdec {
 
-/// What a result claims and its certificate says it proves, in samples of the objective; infinite: that there is no
+/// The bound that a result claims and its certificate proves, in samples of the objective; infinite: there is no
 /// design.
-/// @throws Rejected if the two are not one, or the proof is about another objective or tighter limits than the task's
+/// @throws Rejected if the two differ, or the proof is about another objective or tighter limits than the task's
 double claimed_samples(const Task& task, const DesignResult& result, const proof::BranchAndBound& proof);
 
 }  // namespace accdec

@@ -16,7 +16,7 @@ using comparison::Judgement;
 struct Score {
   std::string solver;
   std::size_t reached = 0, problems = 0;  ///< problems: feasible ones, from every start
-  double ratio = NAN;                     ///< median of time to accuracy over the least, where it was reached
+  double ratio = NAN;                     ///< median of time to accuracy over the least one, where it was reached
   std::size_t claims = 0, wrong = 0;      ///< of a solution
   double share() const { return problems > 0 ? static_cast<double>(reached) / static_cast<double>(problems) : 0.0; }
 };
@@ -33,7 +33,7 @@ void count_claims(const ComparisonData& data, std::size_t s, Score& score) {
   }
 }
 
-/// The most reliable first, of equals the fastest.
+/// The most reliable first; among equals, the fastest first.
 std::vector<Score> scores_of(const ComparisonData& data) {
   std::vector<Score> scores(data.solvers.size());
   std::vector<std::vector<double>> ratios(data.solvers.size());
@@ -84,7 +84,7 @@ std::string most_reliable(const std::vector<Score>& scores) {
   return text + ".";
 }
 
-/// Whoever is fast on the few problems it solves is no answer: only solvers with half the best share count.
+/// A solver that is fast on only a few problems does not count: only solvers with half the best share do.
 std::string fastest(const std::vector<Score>& scores) {
   const Score* fastest = nullptr;
   for (const Score& s : scores) {

@@ -8,9 +8,8 @@
 #include <fmt/ranges.h>
 
 #include <accdec/comparison/comparison_case.hpp>
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec::comparison {
 namespace {

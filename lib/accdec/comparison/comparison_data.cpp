@@ -13,17 +13,17 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-double number_in(const study::Row& row, const char* key, double missing = nan) {
+double number_in(const batch::Row& row, const char* key, double missing = nan) {
   const auto found = row.find(key);
   return found != row.end() && found->is_number() ? found->get<double>() : missing;
 }
 
-std::string text(const study::Row& row, const char* key) {
+std::string text(const batch::Row& row, const char* key) {
   const auto found = row.find(key);
   return found != row.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-ComparedCase case_of(const study::Row& row) {
+ComparedCase case_of(const batch::Row& row) {
   ComparedCase c;
   c.problem = row.at("problem");
   c.family = row.at("family");
@@ -43,7 +43,7 @@ ComparedCase case_of(const study::Row& row) {
   return c;
 }
 
-bool found_feasible(const study::Row& run) {
+bool found_feasible(const batch::Row& run) {
   return run.at("verdict") == "optimal" || run.at("verdict") == "feasible";
 }
 
@@ -52,7 +52,7 @@ class Reader {
   explicit Reader(const std::vector<std::string>& lines) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
       try {
-        take(study::Row::parse(lines[i]));
+        take(batch::Row::parse(lines[i]));
       } catch (const nlohmann::json::exception& error) {
         throw std::invalid_argument(fmt::format("line {}: not a record of a comparison ({})", i + 1, error.what()));
       } catch (const std::invalid_argument& error) {
@@ -66,10 +66,10 @@ class Reader {
   ComparisonData read() {
     settle_references();
     data_.attempts.resize(data_.cases.size() * static_cast<std::size_t>(data_.starts) * data_.solvers.size());
-    std::vector<std::vector<const study::Row*>> repeats(data_.attempts.size());
-    for (const study::Row& run : runs_) repeats[index_of(run)].push_back(&run);
+    std::vector<std::vector<const batch::Row*>> repeats(data_.attempts.size());
+    for (const batch::Row& run : runs_) repeats[index_of(run)].push_back(&run);
     for (std::size_t i = 0; i < repeats.size(); ++i) {
-      std::sort(repeats[i].begin(), repeats[i].end(), [](const study::Row* a, const study::Row* b) {
+      std::sort(repeats[i].begin(), repeats[i].end(), [](const batch::Row* a, const batch::Row* b) {
         return a->at("repeat").get<int>() < b->at("repeat").get<int>();
       });
       fill(data_.attempts[i], repeats[i],
@@ -79,11 +79,11 @@ class Reader {
   }
 
  private:
-  void take(study::Row row) {
+  void take(batch::Row row) {
     const std::string record = row.at("record");
     if (record == "comparison") {
       if (row.at("schema") != "accdec.comparison/1") throw std::invalid_argument("unknown schema");
-      for (const study::Row& solver : row.at("solvers")) {
+      for (const batch::Row& solver : row.at("solvers")) {
         const std::string name = solver.at("name"), algorithm = solver.value("solver", name);
         if (name == algorithm || name.starts_with(algorithm + "/")) data_.plain.push_back(data_.solvers.size());
         solver_index_[name] = data_.solvers.size();
@@ -108,7 +108,7 @@ class Reader {
     }
   }
 
-  std::size_t index_of(const study::Row& run) const {
+  std::size_t index_of(const batch::Row& run) const {
     const std::size_t c = run.at("case"), start = run.at("start");
     const auto solver = solver_index_.find(run.at("solver").get<std::string>());
     if (c >= data_.cases.size() || static_cast<int>(start) >= data_.starts || solver == solver_index_.end()) {
@@ -119,12 +119,12 @@ class Reader {
 
   double allowed(double reference) const { return data_.accuracy * std::max(1.0, std::abs(reference)); }
 
-  /// Where nothing proves the optimum, the best verified answer of any solver is the reference. And no answer may
-  /// contradict a proof.
+  /// If the optimum is not proved, the best verified answer of any solver is the reference. No answer may contradict a
+  /// proof.
   void settle_references() {
     std::vector<double> best(data_.cases.size(), infinite);
     std::vector<std::string> by(data_.cases.size());
-    for (const study::Row& run : runs_) {
+    for (const batch::Row& run : runs_) {
       const std::size_t c = index_of(run) / data_.solvers.size() / static_cast<std::size_t>(data_.starts);
       if (!found_feasible(run) || !(number_in(run, "objective", infinite) < best[c])) continue;
       best[c] = number_in(run, "objective");
@@ -163,10 +163,10 @@ class Reader {
     double gap = nan;
   };
 
-  Outcome judged(const study::Row& row, const ComparedCase& c) const {
+  Outcome judged(const batch::Row& row, const ComparedCase& c) const {
     const std::string claim = row.at("claim"), verdict = row.at("verdict");
     if (c.infeasible)
-      return {Judgement::impossible, claim == "infeasible", nan};  // "no design" says only that none was found
+      return {Judgement::impossible, claim == "infeasible", nan};  // "no design" only means that none was found
     Outcome o;
     const bool feasible = found_feasible(row);
     if (feasible) o.gap = (number_in(row, "objective") - c.reference) / std::max(1.0, std::abs(c.reference));
@@ -179,7 +179,7 @@ class Reader {
     return o;
   }
 
-  void fill(Attempt& a, const std::vector<const study::Row*>& repeats, const ComparedCase& c) const {
+  void fill(Attempt& a, const std::vector<const batch::Row*>& repeats, const ComparedCase& c) const {
     a.objective = a.gap = a.violation = nan;
     a.target_time.assign(data_.targets.size(), infinite);
     a.target_evaluations.assign(data_.targets.size(), infinite);
@@ -187,7 +187,7 @@ class Reader {
     if (repeats.empty()) return;
     std::vector<Outcome> outcomes;
     std::vector<double> costs;
-    for (const study::Row* row : repeats) {
+    for (const batch::Row* row : repeats) {
       outcomes.push_back(judged(*row, c));
       const double t = number_in(*row, "wall_time_s");
       if (std::isfinite(t)) a.times.push_back(t);
@@ -210,12 +210,12 @@ class Reader {
     a.accuracy_cost = met(repeats, outcomes, c.reference, data_.accuracy, true).time;
   }
 
-  static double evaluations_of(const study::Row& row) {
+  static double evaluations_of(const batch::Row& row) {
     const auto n = row.find("evaluations");
     return n == row.end() ? 0.0 : std::max(number_in(*n, "objective", 0.0), number_in(*n, "rows", 0.0));
   }
 
-  static void take_single(Attempt& a, const study::Row& row, const Outcome& outcome) {
+  static void take_single(Attempt& a, const batch::Row& row, const Outcome& outcome) {
     a.judgement = outcome.judgement;
     a.gap = outcome.gap;
     a.claim = row.at("claim");
@@ -236,18 +236,18 @@ class Reader {
     double time = infinite, evaluations = infinite;
   };
 
-  /// When repeats came within `target` of the reference, medians over them.
-  /// @param to_the_end  whether a repeat that did not end with success counts as never having come there
-  static Meeting met(const std::vector<const study::Row*>& repeats, const std::vector<Outcome>& outcomes,
+  /// The time when repeats came within `target` of the reference, as medians over them.
+  /// @param to_the_end  whether a repeat that did not end with success counts as never reaching it
+  static Meeting met(const std::vector<const batch::Row*>& repeats, const std::vector<Outcome>& outcomes,
                      double reference, double target, bool to_the_end) {
     const double goal = reference + target * std::max(1.0, std::abs(reference));
     std::vector<double> times, evaluations;
     for (std::size_t r = 0; r < repeats.size(); ++r) {
-      const study::Row& row = *repeats[r];
+      const batch::Row& row = *repeats[r];
       const double wall = number_in(row, "wall_time_s");
       Meeting meeting;
       const auto history = row.find("history");
-      for (const study::Row& step : history != row.end() ? *history : study::Row::array()) {
+      for (const batch::Row& step : history != row.end() ? *history : batch::Row::array()) {
         if (!(step.at(2).get<double>() <= goal)) continue;
         meeting = {step.at(1), step.at(0)};
         break;
@@ -263,7 +263,7 @@ class Reader {
   }
 
   ComparisonData data_;
-  std::vector<study::Row> runs_;
+  std::vector<batch::Row> runs_;
   std::map<std::string, std::size_t> solver_index_;
 };
 

@@ -6,14 +6,14 @@
 #include <string_view>
 #include <vector>
 
+#include <accdec/batch/row_numbers.hpp>
 #include <accdec/comparison/performance_profile.hpp>
-#include <accdec/study/point_columns.hpp>
 
 namespace accdec::comparison {
 
-/// What the row of a run claims whose process was killed by the timer, or died.
+/// The claim in the row of a run whose process was killed by the timer, or died.
 inline constexpr std::string_view claim_killed = "killed", claim_crashed = "crashed";
-/// Whether a run gave no answer because its process did not live to give it.
+/// Whether a run gave no answer because its process ended first.
 inline bool lost(std::string_view claim) {
   return claim == claim_killed || claim == claim_crashed;
 }
@@ -31,14 +31,14 @@ struct ComparedCase {
   std::string proof;        ///< "proved", "best known", "infeasible proved", "unknown"
 };
 
-/// What a run came to, by recomputation.
+/// The outcome of a run, by recomputation.
 enum class Judgement {
   reached,     ///< feasible, and as good as the reference within the accuracy
   stationary,  ///< feasible and first-order optimal, but worse than the reference
   feasible,    ///< feasible only
   violates,    ///< breaks a row or bound
   none,        ///< no point to judge
-  impossible   ///< nothing to find: the problem is proved infeasible
+  impossible   ///< there is no solution: the problem is proved infeasible
 };
 inline constexpr Judgement judgements[] = {Judgement::reached,  Judgement::stationary, Judgement::feasible,
                                            Judgement::violates, Judgement::none,       Judgement::impossible};
@@ -46,56 +46,55 @@ std::string_view to_string(Judgement judgement);
 
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// A solver on a case from a start, all repeats together: what most of them came to, and the first of these for
-/// everything single.
+/// A solver on a case from a start, all repeats together. The outcome is that of most repeats; single values are from
+/// the first of these.
 struct Attempt {
   std::string claim = "missing", message;
   Judgement judgement = Judgement::none;
-  bool success =
-      false;  ///< reached; on an infeasible case: claimed "infeasible", and not merely that no design was found
-  bool accepted = true;                                ///< false: refused
+  bool success = false;  ///< reached; on an infeasible case: claimed "infeasible", not only that no design was found
+  bool accepted = true;  ///< false: refused
   double objective = 0.0, gap = 0.0, violation = 0.0;  ///< gap relative to max(1, reference); NaN where there is none
-  std::vector<double> times;                           ///< s, one a repeat
+  std::vector<double> times;                           ///< s, one per repeat
   std::size_t successes = 0;                           ///< repeats
   Quartiles time;
   double evaluations = 0.0, gradients = 0.0, jacobians = 0.0, hessians = 0.0;
   double evaluation_time = 0.0, verification_time = 0.0;  ///< s
   std::vector<double> target_time,
       target_evaluations;  ///< until within each target, medians over repeats, infinite if never
-  /// Costs of the performance profiles, s: medians over repeats, those without success infinite; so both are finite for
-  /// the same problems.
+  /// Costs of the performance profiles, s: medians over repeats, infinite for repeats without success. So both costs
+  /// are finite for the same problems.
   double end_cost = infinite;  ///< until the solver ended
-  /// Until the first feasible point within the accuracy of the reference. A repeat that met such a point but handed
-  /// back something else counts as infinite too: who does not know the reference has the answer alone to go by.
-  /// (Targets count whatever came after.)
+  /// Until the first feasible point within the accuracy of the reference. A repeat that met such a point but returned
+  /// another one counts as infinite too, because a user who does not know the reference has only the answer. (Targets
+  /// count even if the final answer is another.)
   double accuracy_cost = infinite;
 };
 
-/// Raw data, understood: everything the tables and figures are made from.
+/// The raw data as read: everything that tables and figures are made from.
 struct ComparisonData {
-  study::Row header;
+  batch::Row header;
   std::vector<std::string> solvers;
   std::vector<std::string> algorithms;  ///< registry name of each of them
   std::vector<std::size_t>
-      plain;  ///< those that are no variants: under the algorithm's own name, or in one of its forms
+      plain;  ///< those that are not variants: under the algorithm's own name, or in one of its forms
   std::vector<double> targets;
   int starts = 1, repeats = 1;
   double accuracy = 1e-4;
   std::vector<ComparedCase> cases;
   std::vector<Attempt> attempts;  ///< (case * starts + start) * solvers + solver
   std::vector<std::string>
-      contradictions;  ///< what must not be: a proof beaten, a feasible point of an infeasible problem, ...
-  study::Row session;  ///< the record of how time was spent; null without one
+      contradictions;  ///< impossible findings: a proof beaten, a feasible point of an infeasible problem, ...
+  batch::Row session;  ///< the record of how time was spent; null without one
 
-  /// Whether a run, known from its first repeat, is worth timing again: not if it was refused or failed to run; nor if
-  /// it used up its time and ended ten times farther from the reference than counts as reached, since that is no matter
-  /// of a noisy clock.
+  /// Whether a run is worth timing again, judged by its first repeat. It is not if it was refused or failed. It is also
+  /// not if it used up its time and ended ten times farther from the reference than the accuracy, because clock noise
+  /// does not explain that.
   bool worth_repeating(std::size_t c, int start, std::size_t solver) const;
 
   const Attempt& attempt(std::size_t c, int start, std::size_t solver) const {
     return attempts[(c * static_cast<std::size_t>(starts) + static_cast<std::size_t>(start)) * solvers.size() + solver];
   }
-  /// Cases that profiles are drawn over: of the integer design or of the nonlinear problems, not proved infeasible.
+  /// Cases for the profiles: those of the integer design or of the nonlinear problems, if not proved infeasible.
   std::vector<std::size_t> profiled(bool design) const;
   /// [solver][case x start] over `profiled`; what(attempt) is the cost.
   template <class What>
@@ -110,7 +109,7 @@ struct ComparisonData {
   }
   /// Variables of each entry of `costs`.
   std::vector<int> variables(bool design) const;
-  /// Whether the solver took any of the problems that `costs` has.
+  /// Whether the solver accepted any of the problems in `costs`.
   bool takes_part(bool design, std::size_t solver) const;
 };
 

@@ -23,8 +23,8 @@ bool one_panel_each(const ComparisonData& data) {
   return data.solvers.size() > most_lines;
 }
 
-/// What shares a panel: one algorithm with its variants where there are many, else what uses derivatives, or values
-/// only.
+/// The panel of a solver: one algorithm with its variants if there are many; else solvers with derivatives, or with
+/// values only.
 std::string group_of(const ComparisonData& data, std::size_t solver) {
   if (one_panel_each(data)) return data.algorithms[solver];
   return data.header.at("solvers").at(solver).value("uses", "") == "values" ? "Values only" : "With derivatives";
@@ -42,7 +42,7 @@ std::vector<Group> groups(const ComparisonData& data, bool design) {
   return all;
 }
 
-/// The same in every panel and figure, and no symbol twice among fifteen that share a panel.
+/// The style is the same in every panel and figure. Among fifteen solvers in a panel no symbol appears twice.
 int style_of(const ComparisonData& data, std::size_t solver) {
   int style = 0;
   for (std::size_t s = 0; s < solver; ++s) style += group_of(data, s) == group_of(data, solver) ? 1 : 0;
@@ -88,11 +88,11 @@ Panel panel_of(std::string title, std::string x, std::string y, std::pair<double
   panel.title = std::move(title);
   panel.x = {std::move(x), true, range.first, range.second};
   panel.y = {std::move(y), false, -0.03,
-             1.03};  // off the frame, where lines of solvers that solve none or all would be lost
+             1.03};  // away from the frame, where lines of solvers that solve none or all would be hidden
   return panel;
 }
 
-/// One panel a group, one line a solver: the share of `values[solver]` up to x.
+/// One panel per group, one line per solver: the share of `values[solver]` up to x.
 void add_panels(Figure& figure, const ComparisonData& data, bool design, const std::vector<std::vector<double>>& values,
                 const std::string& title, const std::string& x, const std::string& y, double least_low) {
   auto range = decades(values);
@@ -124,7 +124,7 @@ std::string to_accuracy(const ComparisonData& data) {
   return fmt::format("time until within {:g} of the reference", data.accuracy);
 }
 
-/// Over what the profiles' costs are.
+/// The value that the profiles' costs are divided by.
 std::string least_of(const ComparisonData& data) {
   return data.plain.size() == data.solvers.size() ? "least of all solvers" : "least of the plain solvers";
 }

@@ -9,31 +9,31 @@
 
 #include <fmt/format.h>
 
+#include <accdec/batch/journal.hpp>
+#include <accdec/batch/shards.hpp>
 #include <accdec/comparison/comparison_folder.hpp>
 #include <accdec/comparison/comparison_report.hpp>
 #include <accdec/comparison/comparison_reuse.hpp>
 #include <accdec/comparison/comparison_schedule.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
-#include <accdec/files/seconds_since.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/manifest.hpp>
-#include <accdec/study/journal.hpp>
-#include <accdec/study/shards.hpp>
 
 namespace accdec {
 namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
+using batch::Row;
 using comparison::Entries;
-using study::Row;
 
 const ResultsKind kind{"accdec.comparison/1", "suite_hash", "suite"};
-/// Where the time of one session went.
+/// How the time of one session was spent.
 struct Times {
   double solving = 0.0, evaluating = 0.0, judging = 0.0, references = 0.0;
-  void add(const study::Entry& entry) {
+  void add(const batch::Entry& entry) {
     const Row row = Row::parse(entry.row);
     const bool lost = comparison::lost(row.value("claim", ""));
     solving += lost ? entry.seconds : row.value("wall_time_s", 0.0);
@@ -49,8 +49,8 @@ std::string joined(const std::vector<std::string>& lines) {
   return text;
 }
 
-/// Whether a folder with the results of another hash is one of an earlier form of the suite: it was made from the same
-/// file, or some of its entries are of use, or there is nothing in it to lose.
+/// Whether a folder with the results of another hash belongs to an earlier form of the suite. It does if it was made
+/// from the same file, if some of its entries are usable, or if it has nothing to lose.
 bool is_earlier_form(const fs::path& folder, const Suite& suite, const EarlierEntries& earlier) {
   if (earlier.unknown) return false;
   if (!earlier.entries.empty() || earlier.others.empty()) return true;
@@ -60,7 +60,7 @@ bool is_earlier_form(const fs::path& folder, const Suite& suite, const EarlierEn
   return manifest.is_object() && manifest.value("suite", Row()) == Row(suite.path);
 }
 
-/// @param others  lines that the suite has no place for any more
+/// @param others  lines that the suite no longer has a place for
 void write_results(const Suite& suite, const std::vector<std::string>& lines, const std::vector<std::string>& others,
                    const Row& session, const ComparisonRunOptions& options) {
   const fs::path folder = options.out;
@@ -76,16 +76,12 @@ void write_results(const Suite& suite, const std::vector<std::string>& lines, co
   manifest["command"] = options.command;
   manifest["session"] = session;
   add_environment(manifest, options.version);
-  for (const auto& solver : solvers::registry()) {
-    const std::string library = solver->library_version();
-    manifest["libraries"][library.substr(0, library.find(' '))] = library.substr(library.find(' ') + 1);
-  }
   files.add((folder / "manifest.json").string(), manifest.dump(2) + "\n");
   files.commit();
   if (others.empty()) fs::remove(folder / comparison_earlier_name);
 }
 
-/// Whatever the journals hold stands in the results now.
+/// Removes the journals: the results now hold all their lines.
 void remove_journals(const fs::path& folder) {
   std::vector<fs::path> journals;
   for (const auto& item : fs::directory_iterator(folder)) {
@@ -94,25 +90,26 @@ void remove_journals(const fs::path& folder) {
   for (const fs::path& path : journals) fs::remove(path);
 }
 
-/// What a merge lacks: the problems' first numbers, and the shards they are in if all journals are of as many.
+/// The entries missing in a merge: the problems' first numbers, and their shards if all journals have the same number
+/// of shards.
 std::string missing_text(const comparison::Comparison& comparison, const std::vector<std::size_t>& missing,
                          const std::vector<std::string>& folders) {
   std::set<std::size_t> counts, without;
   for (const std::string& folder : folders) {
     for (const auto& item : fs::directory_iterator(folder)) {
-      const std::size_t count = study::shard_count(item.path().filename().string());
+      const std::size_t count = batch::shard_count(item.path().filename().string());
       if (count > 0) counts.insert(count);
     }
   }
   std::string text = fmt::format("{} runs are missing from the shards; nothing was written", missing.size());
   if (counts.size() != 1) return text;
-  const auto owners = study::shard_owners(comparison.cases().size(), *counts.begin());
+  const auto owners = batch::shard_owners(comparison.cases().size(), *counts.begin());
   for (const std::size_t i : missing) without.insert(owners[comparison.at(i).case_index]);
   return fmt::format("{}. Missing: shard {} of {}", text,
-                     study::ranges_text(std::vector<std::size_t>(without.begin(), without.end())), *counts.begin());
+                     batch::ranges_text(std::vector<std::size_t>(without.begin(), without.end())), *counts.begin());
 }
 
-/// One call of run_comparison: what is there, what is computed, what is written.
+/// One call of run_comparison: reads what exists, computes the rest, writes the results.
 class FolderRun {
  public:
   FolderRun(const Suite& suite, const ComparisonRunOptions& options)
@@ -130,9 +127,9 @@ class FolderRun {
     }
     if (whole_) earlier_ = earlier_entries(options.out, comparison_, results_hash(options.out, kind) == suite.hash);
     claim_results_folder(options.out, kind, suite.hash, whole_ && is_earlier_form(folder_, suite, earlier_));
-    const std::string name = whole_ ? comparison_journal_name : study::shard_journal(options.shard, options.shards);
-    study::set_aside_other((folder_ / name).string(), identity);
-    journal_ = std::make_unique<study::Journal>((folder_ / name).string(), identity);
+    const std::string name = whole_ ? comparison_journal_name : batch::shard_journal(options.shard, options.shards);
+    batch::set_aside_other((folder_ / name).string(), identity);
+    journal_ = std::make_unique<batch::Journal>((folder_ / name).string(), identity);
     entries_ = journal_->entries();
     entries_.merge(std::move(earlier_.entries));
     entries_.merge(std::move(merged));
@@ -143,13 +140,13 @@ class FolderRun {
     summary_.found = entries_.size();
     summary_.set_aside = earlier_.others.size();
     run_.workers = options.workers;
-    run_.isolation = study::Isolation::processes;
+    run_.isolation = batch::Isolation::processes;
     run_.kill_after_of = [this](std::size_t i) { return comparison_.kill_after(i); };
     run_.fresh_children = true;
   }
 
   ComparisonSummary go() {
-    StudyProgress progress{entries_.size(), comparison_.size(), 0.0};
+    batch::Progress progress{entries_.size(), comparison_.size(), 0.0};
     for (std::vector<std::size_t> next; !(next = comparison::next_entries(comparison_, entries_, cases_)).empty();) {
       progress.done = entries_.size();
       progress.total = entries_.size() + comparison::open_entries(comparison_, entries_, cases_, next);
@@ -164,11 +161,11 @@ class FolderRun {
   }
 
  private:
-  void compute(const std::vector<std::size_t>& indices, StudyProgress& progress) {
-    study::run_points(
+  void compute(const std::vector<std::size_t>& indices, batch::Progress& progress) {
+    batch::run_points(
         indices, [&](std::size_t i) { return comparison_.run(i).dump(-1, ' ', false, Row::error_handler_t::replace); },
         [&](std::size_t i, const std::string& why) { return comparison_.lost(i, why).dump(); },
-        [&](std::size_t i, const study::Entry& entry) {
+        [&](std::size_t i, const batch::Entry& entry) {
           journal_->append(i, entry);
           times_.add(entry);
           entries_[i] = entry;
@@ -180,13 +177,13 @@ class FolderRun {
         run_);
   }
 
-  /// Where this session's time went.
+  /// Records how this session's time was spent.
   void account() {
-    const double all = summary_.wall_time * study::workers_of(run_);
+    const double all = summary_.wall_time * batch::workers_of(run_);
     summary_.bookkeeping = 1.0 - (times_.solving + times_.judging + times_.references) / all;
     session_ = Row();
     session_["record"] = "session";
-    session_["workers"] = study::workers_of(run_);
+    session_["workers"] = batch::workers_of(run_);
     session_["entries"] = summary_.computed;
     session_["wall_time_s"] = summary_.wall_time;
     session_["solving_s"] = times_.solving;
@@ -217,10 +214,10 @@ class FolderRun {
   comparison::Comparison comparison_;
   std::vector<bool> cases_;
   EarlierEntries earlier_;
-  std::unique_ptr<study::Journal> journal_;
+  std::unique_ptr<batch::Journal> journal_;
   Entries entries_;
   Row session_, header_;
-  study::RunOptions run_;
+  batch::RunOptions run_;
   Times times_;
   ComparisonSummary summary_;
 };
@@ -237,7 +234,7 @@ bool comparison_finished(const Suite& suite, const std::string& folder) {
 
 ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions& options) try {
   return FolderRun(suite, options).go();
-} catch (const study::JournalError& error) {
+} catch (const batch::JournalError& error) {
   throw OutputError(error.what());
 } catch (const fs::filesystem_error& error) {
   throw OutputError(error.what());

@@ -14,7 +14,7 @@
 #include <accdec/design/limit_rows.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/files.hpp>
 #include <accdec/nlp/violation.hpp>
 #include <accdec/task/convexity.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -23,15 +23,15 @@ namespace accdec::comparison {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Relative to max(1, objective): where bisection stops.
+/// Width at which bisection stops, relative to max(1, objective).
 constexpr double accuracy = 1e-6;
 /// The widest bracket of a proved optimum; half of what solvers are granted.
 constexpr double closed = 5e-5;
-/// What a known point may break rows by, no more than solvers are granted: the linear programs' own tolerance, in units
-/// of a row.
+/// Largest amount by which a known point may break rows, in units of a row. It is the linear programs' own tolerance,
+/// and solvers may use as much.
 constexpr double held = 1e-7;
 
-/// The task with its bands as the frequencies the formulations impose them at.
+/// The task with its bands replaced by the frequencies at which the formulations impose them.
 Task with_frequencies(const CaseSpec& spec) {
   Task task = spec.task;
   task.machine.modes.clear();
@@ -91,7 +91,7 @@ Reference infeasible(std::string method) {
   return {Reference::Proof::infeasible, infinity, infinity, std::move(method)};
 }
 
-/// Proof of infeasibility that needs no tolerance, or a filter that holds the convex limits.
+/// A proof of infeasibility without any tolerance, or a filter that holds the convex limits.
 std::optional<Reference> no_filter_at_all(const Task& task, const CaseSpec& spec, const std::vector<int>& delays,
                                           const std::vector<int>& samples, std::optional<Filter>& filter) {
   if (order_lower_bound(spec.task, spec.order) > spec.order)
@@ -102,7 +102,7 @@ std::optional<Reference> no_filter_at_all(const Task& task, const CaseSpec& spec
   return std::nullopt;
 }
 
-/// Least error scale: value^2 is sigma.
+/// Search for the least error scale; value^2 is sigma.
 class MarginSearch : public ReferenceSearch {
  public:
   MarginSearch(Task& task, const CaseSpec& spec, const std::vector<int>& samples, std::function<bool()> late)
@@ -155,7 +155,7 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
   }
   const auto began = std::chrono::steady_clock::now();
   MarginSearch search(task, spec, subject.samples(), timer(time_limit));
-  // Enough to judge by, and as far as it goes soon.
+  // First the precision needed for judging, then as far as it is quick.
   for (const double wanted : {0.8 * closed, accuracy}) {
     search.run(std::max(trial, 1e-6), [wanted](double upper) {
       return wanted * std::max(1.0, upper * upper) / (2.0 * std::max(upper, 1e-9));
@@ -179,7 +179,7 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
   return reference;
 }
 
-/// The point of the reduced DelayProblem with a filter, its least delays and the instants they are had at.
+/// The point of the reduced DelayProblem for a filter, with its least delays and their instants.
 std::vector<double> delay_point(const ComparisonCase& subject, const Filter& filter,
                                 const std::vector<std::unique_ptr<DelaySearch>>& searches) {
   const Task& task = subject.spec().task;
@@ -197,8 +197,8 @@ std::vector<double> delay_point(const ComparisonCase& subject, const Filter& fil
   return x;
 }
 
-/// The sum of what each corner needs if the filter is made for it alone; proved the optimum where one filter serves all
-/// as well.
+/// The sum of what each corner needs with a filter made for it alone. It is the proved optimum if one filter is as good
+/// for all.
 Reference delay_reference(const ComparisonCase& subject, double time_limit) {
   const CaseSpec& spec = subject.spec();
   const Task task = with_frequencies(spec);

@@ -14,7 +14,7 @@ namespace {
 using comparison::ComparisonData;
 
 std::string settings_text(const ComparisonData& data) {
-  const study::Row& h = data.header;
+  const batch::Row& h = data.header;
   std::string longer;
   for (const comparison::ComparedCase& c : data.cases) {
     if (c.time_limit > 0.0 && c.time_limit != h.value("time_limit_s", 0.0))
@@ -53,7 +53,7 @@ std::string settings_text(const ComparisonData& data) {
 
 std::string session_text(const ComparisonData& data) {
   if (data.session.is_null()) return "";
-  const study::Row& s = data.session;
+  const batch::Row& s = data.session;
   const double all = s.value("wall_time_s", 0.0) * s.value("workers", 1);
   return fmt::format(
       "The last session computed {} entries in {:.1f} s with {} workers: {:.1f} s inside the solvers ({:.0f} % of that "
@@ -65,15 +65,15 @@ std::string session_text(const ComparisonData& data) {
       s.value("references_s", 0.0), all > 0.0 ? 100.0 * s.value("bookkeeping_share", 0.0) : 0.0);
 }
 
-/// Who was compared, with what was asked of the libraries beyond the settings that are the same for all.
+/// The solvers compared, with their settings beyond those that are the same for all.
 std::string solvers_html(const ComparisonData& data) {
-  const study::Row& solvers = data.header.at("solvers");
+  const batch::Row& solvers = data.header.at("solvers");
   const bool any_options =
-      std::any_of(solvers.begin(), solvers.end(), [](const study::Row& s) { return s.contains("options"); });
+      std::any_of(solvers.begin(), solvers.end(), [](const batch::Row& s) { return s.contains("options"); });
   std::vector<std::string> head{"solver", "library", "search", "uses", "form", "asked of the library"};
   if (any_options) head.emplace_back("and for this entry");
   std::vector<std::vector<std::string>> rows;
-  for (const study::Row& solver : solvers) {
+  for (const batch::Row& solver : solvers) {
     rows.emplace_back();
     for (const char* key : {"name", "library", "search", "uses", "form", "settings"})
       rows.back().push_back(solver.value(key, ""));
@@ -88,7 +88,7 @@ std::string solvers_html(const ComparisonData& data) {
   return html_table({head, rows});
 }
 
-/// That there is none.
+/// Says that there is no contradiction.
 std::string no_contradiction(const ComparisonData& data) {
   return html_paragraph(
       fmt::format("No verified answer lies below a proved bound by more than {:g} of max(1, bound), none is of a "
@@ -96,7 +96,7 @@ std::string no_contradiction(const ComparisonData& data) {
                   data.accuracy));
 }
 
-/// What must not be: nothing that is said on the page is to be believed then.
+/// Lists contradictions: then nothing on the page can be trusted.
 std::string contradictions_html(const ComparisonData& data) {
   if (data.contradictions.empty()) return "";
   std::string html = "<h2>Contradictions</h2>\n<ul>\n";
@@ -104,7 +104,7 @@ std::string contradictions_html(const ComparisonData& data) {
   return html + "</ul>\n";
 }
 
-/// What a figure does not say by itself.
+/// Notes that a figure needs.
 std::string figure_notes(const std::string& name) {
   const auto is = [&](const char* kind) { return name == kind || name == fmt::format("design-{}", kind); };
   if (is("performance")) {

@@ -10,9 +10,9 @@ namespace accdec {
 namespace {
 
 namespace fs = std::filesystem;
-using study::Row;
+using batch::Row;
 
-/// Puts lines where the comparison has their keys.
+/// Puts lines at the places where the comparison has their keys.
 class Places {
  public:
   Places(const comparison::Comparison& comparison, bool same_suite) : comparison_(comparison), same_suite_(same_suite) {
@@ -21,7 +21,7 @@ class Places {
     }
   }
 
-  void take(study::Entry entry) {
+  void take(batch::Entry entry) {
     Row row = Row::parse(entry.row, nullptr, false);
     if (!row.is_object()) return;
     const std::string record = row.value("record", "");
@@ -48,7 +48,7 @@ class Places {
   EarlierEntries found;
 
  private:
-  /// Names the row after its place; whether that changes it.
+  /// Names the row after its place. Returns whether that changes it.
   bool move_to(Row& row, std::size_t index) const {
     const comparison::ScheduledRun run = comparison_.at(index);
     const auto set = [&](const char* key, const Row& value) {
@@ -89,7 +89,7 @@ EarlierEntries earlier_entries(const std::string& folder, const comparison::Comp
     for (std::string& line : lines_of(read_text_file(path.string(), result_file_limit)))
       places.take({0.0, std::move(line)});
   }
-  // Of an interrupted run, and of those interrupted before the suite was changed.
+  // Journals of an interrupted run, and of runs interrupted before the suite was changed.
   std::vector<fs::path> journals;
   if (fs::is_directory(folder)) {
     for (const auto& item : fs::directory_iterator(folder)) {
@@ -99,7 +99,7 @@ EarlierEntries earlier_entries(const std::string& folder, const comparison::Comp
   }
   std::sort(journals.begin(), journals.end());
   for (const fs::path& path : journals) {
-    for (study::Entry& entry : study::read_any_journal(path.string())) places.take(std::move(entry));
+    for (batch::Entry& entry : batch::read_any_journal(path.string())) places.take(std::move(entry));
   }
   return std::move(places.found);
 }

@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
+#include <accdec/batch/row_numbers.hpp>
 #include <accdec/comparison/comparison_data.hpp>
 #include <accdec/comparison/comparison_run.hpp>
-#include <accdec/design/design.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/design.hpp>
+#include <accdec/files.hpp>
 #include <accdec/formats/toml_file.hpp>
-#include <accdec/study/row_numbers.hpp>
 
 namespace accdec::comparison {
 using Clock = std::chrono::steady_clock;
@@ -25,7 +25,7 @@ Comparison::Comparison(ComparisonSettings settings, std::vector<CaseSpec> cases)
     throw std::invalid_argument("a comparison needs at least one problem, solver, target, start and repeat");
   }
   for (const Competitor& competitor : settings_.solvers) competitor.registered();
-  for (const CaseSpec& spec : cases) ComparisonCase{spec};  // throws now, not in every run, what is wrong with it
+  for (const CaseSpec& spec : cases) ComparisonCase{spec};  // throws its errors now instead of in every run
   cases_ = std::move(cases);
   ::malloc_trim(0);
 }
@@ -66,7 +66,7 @@ std::vector<std::size_t> Comparison::order_of_solvers(std::size_t case_index, st
   std::mt19937_64 random(seed);
   std::vector<std::size_t> order(settings_.solvers.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  // Fisher-Yates; what std::shuffle does is left to the library, and the raw data are indexed by this order.
+  // Fisher-Yates: std::shuffle may differ between libraries, and the raw data are indexed by this order.
   for (std::size_t left = order.size(); left > 1; --left)
     std::swap(order[left - 1], order[static_cast<std::size_t>(random() % left)]);
   return order;
@@ -84,8 +84,8 @@ double Comparison::kill_after(std::size_t index) const {
   return run.reference ? 2.0 * limit + 5.0 : limit + settings_.kill_after - settings_.time_limit;
 }
 
-study::Row Comparison::header() const {
-  study::Row row;
+batch::Row Comparison::header() const {
+  batch::Row row;
   row["record"] = "comparison";
   row["schema"] = "accdec.comparison/1";
   row["title"] = settings_.title;
@@ -100,7 +100,7 @@ study::Row Comparison::header() const {
   row["feasibility"] = settings_.feasibility;
   row["accuracy"] = settings_.accuracy;
   row["targets"] = settings_.targets;
-  row["solvers"] = study::Row::array();
+  row["solvers"] = batch::Row::array();
   for (const Competitor& competitor : settings_.solvers) {
     const solvers::Solver& solver = competitor.registered();
     const solvers::Capabilities can = solver.capabilities();
@@ -110,7 +110,7 @@ study::Row Comparison::header() const {
                        : curvature                              ? "second derivatives"
                        : can.uses_gradient || can.uses_jacobian ? "first derivatives"
                                                                 : "values";
-    study::Row entry;
+    batch::Row entry;
     entry["name"] = competitor.name;
     entry["solver"] = competitor.solver;
     entry["library"] = solver.library_version();
@@ -124,7 +124,7 @@ study::Row Comparison::header() const {
   return row;
 }
 
-study::Row Comparison::run(std::size_t index) const {
+batch::Row Comparison::run(std::size_t index) const {
   const ScheduledRun entry = at(index);
   return entry.reference ? reference_row(entry) : run_row(entry);
 }
@@ -147,8 +147,8 @@ std::string Comparison::key(std::size_t index) const {
   return toml_input::hash_of(text);
 }
 
-study::Row Comparison::beginning_of_run(const ScheduledRun& entry) const {
-  study::Row row;
+batch::Row Comparison::beginning_of_run(const ScheduledRun& entry) const {
+  batch::Row row;
   row["record"] = "run";
   row["index"] = index_of(entry, entry.repeat);
   row["key"] = key(index_of(entry, entry.repeat));
@@ -159,9 +159,9 @@ study::Row Comparison::beginning_of_run(const ScheduledRun& entry) const {
   return row;
 }
 
-study::Row Comparison::beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const {
+batch::Row Comparison::beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const {
   const CaseSpec& spec = subject.spec();
-  study::Row row;
+  batch::Row row;
   row["record"] = "problem";
   row["index"] = case_index;
   row["key"] = key(case_index);
@@ -179,9 +179,9 @@ study::Row Comparison::beginning_of_reference(std::size_t case_index, const Comp
   return row;
 }
 
-study::Row Comparison::reference_row(const ScheduledRun& entry) const {
+batch::Row Comparison::reference_row(const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
-  study::Row row = beginning_of_reference(entry.case_index, subject);
+  batch::Row row = beginning_of_reference(entry.case_index, subject);
   const auto began = Clock::now();
   Reference reference;
   try {
@@ -190,15 +190,15 @@ study::Row Comparison::reference_row(const ScheduledRun& entry) const {
     reference = {Reference::Proof::bound, 0.0, nlp::infinity, fmt::format("error: {}", error.what())};
   }
   row["proof"] = to_string(reference.proof);
-  row["lower"] = study::number(reference.lower);
-  row["upper"] = study::number(reference.upper);
+  row["lower"] = batch::number(reference.lower);
+  row["upper"] = batch::number(reference.upper);
   row["method"] = reference.method;
-  row["reference_time_s"] = study::seconds(seconds_since(began));
+  row["reference_time_s"] = batch::seconds(seconds_since(began));
   return row;
 }
 
-study::Row Comparison::run_row(const ScheduledRun& entry) const {
-  study::Row row = beginning_of_run(entry);
+batch::Row Comparison::run_row(const ScheduledRun& entry) const {
+  batch::Row row = beginning_of_run(entry);
   row["claim"] = "error";
   row["verdict"] = "none";
   try {
@@ -210,17 +210,17 @@ study::Row Comparison::run_row(const ScheduledRun& entry) const {
   return row;
 }
 
-study::Row Comparison::lost(std::size_t index, const std::string& reason) const {
+batch::Row Comparison::lost(std::size_t index, const std::string& reason) const {
   const ScheduledRun entry = at(index);
   if (entry.reference) {
-    study::Row row = beginning_of_reference(entry.case_index, ComparisonCase(cases_[entry.case_index]));
+    batch::Row row = beginning_of_reference(entry.case_index, ComparisonCase(cases_[entry.case_index]));
     row["proof"] = to_string(Reference::Proof::bound);
     row["lower"] = 0.0;
     row["upper"] = nullptr;
     row["method"] = fmt::format("none: {}", reason);
     return row;
   }
-  study::Row row = beginning_of_run(entry);
+  batch::Row row = beginning_of_run(entry);
   row["claim"] = reason.starts_with("given up") ? claim_killed : claim_crashed;
   row["verdict"] = "none";
   row["message"] = reason;

@@ -5,27 +5,28 @@
 #include <string>
 #include <vector>
 
+#include <accdec/batch/row_numbers.hpp>
 #include <accdec/comparison/comparison_case.hpp>
 #include <accdec/comparison/competitor.hpp>
-#include <accdec/study/point_columns.hpp>
 
 namespace accdec::comparison {
 
-/// What is the same for every solver.
+/// Settings that are the same for every solver.
 struct ComparisonSettings {
   std::string title, notes;
   std::vector<Competitor> solvers;
   std::vector<std::string>
-      reduced;  ///< registry names of the ones that get the reduced form although they take equality rows
+      reduced;  ///< registry names of solvers that get the reduced form although they take equality rows
   int starts = 1, repeats = 5;
   std::uint64_t seed = 1;
-  double time_limit = 5.0;   ///< s a run, told to the library and enforced at every evaluation
+  double time_limit = 5.0;   ///< s per run, told to the library and enforced at every evaluation
   double kill_after = 10.0;  ///< s until a run's process is killed
   std::int64_t evaluation_limit = 1'000'000;
   double tolerance = 1e-8;    ///< asked of the libraries
-  double feasibility = 1e-7;  ///< absolute, on rows scaled to 1: what is judged by
-  double accuracy = 1e-4;     ///< of the objective, relative to max(1, reference): what counts as reaching it
-  std::vector<double> targets{1e-1, 1e-2, 1e-4};  ///< alike, for data profiles and runtime distributions
+  double feasibility = 1e-7;  ///< absolute, on rows scaled to 1: used for judging
+  double accuracy = 1e-4;     ///< of the objective, relative to max(1, reference): counts as reaching it
+  std::vector<double> targets{1e-1, 1e-2, 1e-4};  ///< relative in the same way, for data profiles and runtime
+                                                  ///< distributions
   double reference_time_limit = 30.0;             ///< s
 };
 
@@ -36,9 +37,9 @@ struct ScheduledRun {
   int start = 0, repeat = 0;
 };
 
-/// Cases x starts x solvers x repeats. References come first. Repeats are the outermost loop and the solvers are
-/// shuffled (seeded) anew for every case, start and repeat, so that slow drifts of the machine, and what runs beside a
-/// run, fall on all alike.
+/// Cases x starts x solvers x repeats. References come first. Repeats are the outermost loop, and for every case, start
+/// and repeat the solvers are shuffled again (seeded). So slow drifts of the machine, and other programs, affect all
+/// solvers alike.
 class Comparison {
  public:
   /// @throws std::invalid_argument for an unknown solver, no cases, no targets or counts below 1.
@@ -52,37 +53,37 @@ class Comparison {
   }
   /// @throws std::out_of_range
   ScheduledRun at(std::size_t index) const;
-  /// Limits of an entry, s: until its evaluator ends it, and until its process is killed (as much later as with the
-  /// suite's own limit).
+  /// Limits of an entry, s: until its evaluator ends it, and until its process is killed. The difference is that of the
+  /// suite's own limits.
   double time_limit(const ScheduledRun& run) const;
   double kill_after(std::size_t index) const;
-  /// Of everything an entry's line depends on but the program's version: equal keys, equal work. Empty for a case
-  /// without identity.
+  /// A key of everything that an entry's line depends on, except the program's version: equal keys mean equal work.
+  /// Empty for a case without identity.
   std::string key(std::size_t index) const;
   /// The same run's index in another repeat.
   std::size_t index_of(const ScheduledRun& run, int repeat) const;
 
-  /// First line of the raw data: settings, solvers with their versions and abilities.
-  study::Row header() const;
-  /// Carries out an entry: the line of the raw data. Exceptions do not pass but are recorded.
-  study::Row run(std::size_t index) const;
+  /// First line of the raw data: settings, and solvers with their versions and capabilities.
+  batch::Row header() const;
+  /// Runs an entry and returns its line of the raw data. Exceptions are recorded, not passed on.
+  batch::Row run(std::size_t index) const;
   /// The line of an entry whose process was killed by the timer or crashed.
-  study::Row lost(std::size_t index, const std::string& reason) const;
+  batch::Row lost(std::size_t index, const std::string& reason) const;
 
  private:
-  study::Row beginning_of_run(const ScheduledRun& entry) const;
-  study::Row beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const;
-  study::Row reference_row(const ScheduledRun& entry) const;
-  study::Row run_row(const ScheduledRun& entry) const;
-  /// Of a case, start and repeat.
+  batch::Row beginning_of_run(const ScheduledRun& entry) const;
+  batch::Row beginning_of_reference(std::size_t case_index, const ComparisonCase& subject) const;
+  batch::Row reference_row(const ScheduledRun& entry) const;
+  batch::Row run_row(const ScheduledRun& entry) const;
+  /// The order of the solvers for a case, start and repeat.
   std::vector<std::size_t> order_of_solvers(std::size_t case_index, std::size_t start, std::size_t repeat) const;
   /// These three in comparison_solve.cpp.
   solvers::Options solver_options(const ScheduledRun& entry) const;
-  void solve_into(study::Row& row, const ScheduledRun& entry) const;
-  void design_into(study::Row& row, const ScheduledRun& entry) const;
+  void solve_into(batch::Row& row, const ScheduledRun& entry) const;
+  void design_into(batch::Row& row, const ScheduledRun& entry) const;
 
   ComparisonSettings settings_;
-  /// Built anew by every entry: a process that holds all of them takes three times as long to fork.
+  /// Every entry builds its own case: a process that holds all cases takes three times as long to fork.
   std::vector<CaseSpec> cases_;
 };
 

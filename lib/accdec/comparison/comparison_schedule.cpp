@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <accdec/batch/shards.hpp>
 #include <accdec/comparison/comparison_data.hpp>
 #include <accdec/comparison/comparison_schedule.hpp>
-#include <accdec/study/shards.hpp>
 
 namespace accdec::comparison {
 namespace {
@@ -53,7 +53,7 @@ std::size_t open_entries(const Comparison& comparison, const Entries& entries, c
 
 std::vector<bool> cases_of_shard(std::size_t cases, std::size_t number, std::size_t count) {
   std::vector<bool> mine(cases);
-  for (const std::size_t c : study::shard(cases, number, count)) mine[c] = true;
+  for (const std::size_t c : batch::shard(cases, number, count)) mine[c] = true;
   return mine;
 }
 
@@ -67,25 +67,25 @@ Entries shard_entries(const std::vector<std::string>& folders, const std::string
     if (!fs::is_directory(folder)) throw OutputError(fmt::format("{}: no folder to merge", folder));
     for (const auto& item : fs::directory_iterator(folder)) {
       const std::string name = item.path().filename().string();
-      if (study::shard_count(name) > 0) all.merge(study::read_journal(item.path().string(), identity));
+      if (batch::shard_count(name) > 0) all.merge(batch::read_journal(item.path().string(), identity));
     }
   }
   return all;
 }
 
-std::vector<study::ShardState> comparison_shards(const Suite& suite, const std::string& folder,
+std::vector<batch::ShardState> comparison_shards(const Suite& suite, const std::string& folder,
                                                  std::size_t shards) try {
   const Comparison comparison(suite.settings, suite.cases);
-  std::vector<study::ShardState> states(shards);
+  std::vector<batch::ShardState> states(shards);
   for (std::size_t s = 0; s < shards; ++s) {
-    study::ShardState& state = states[s];
+    batch::ShardState& state = states[s];
     state.number = s + 1;
-    const std::string path = (fs::path(folder) / study::shard_journal(s + 1, shards)).string();
+    const std::string path = (fs::path(folder) / batch::shard_journal(s + 1, shards)).string();
     const std::vector<bool> cases = cases_of_shard(suite.cases.size(), s + 1, shards);
     Entries entries;
     if (fs::exists(path)) {
-      state.in_use = study::journal_in_use(path);
-      entries = study::read_journal(path, comparison_identity(comparison, suite.hash));
+      state.in_use = batch::journal_in_use(path);
+      entries = batch::read_journal(path, comparison_identity(comparison, suite.hash));
     }
     for (const auto& [index, entry] : entries) state.seconds += entry.seconds;
     state.done = entries.size();
@@ -93,7 +93,7 @@ std::vector<study::ShardState> comparison_shards(const Suite& suite, const std::
     state.points = state.done + open_entries(comparison, entries, cases, next);
   }
   return states;
-} catch (const study::JournalError& error) {
+} catch (const batch::JournalError& error) {
   throw OutputError(error.what());
 }
 

@@ -4,30 +4,31 @@
 
 #include <fmt/format.h>
 
+#include <accdec/batch/row_numbers.hpp>
 #include <accdec/comparison/comparison_run.hpp>
 #include <accdec/comparison/recorded_problem.hpp>
-#include <accdec/design/design.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/design.hpp>
+#include <accdec/files.hpp>
 #include <accdec/nlp/violation.hpp>
-#include <accdec/solvers/solver.hpp>
-#include <accdec/study/row_numbers.hpp>
+#include <accdec/solver.hpp>
 
 namespace accdec::comparison {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Improvements that matter: the first, the last, and those that leave at most 0.9 of the distance to the last that the
-/// one before left: a target is seen to be met no later than one a tenth nearer to the last was.
-study::Row thinned(const std::vector<nlp::Improvement>& history) {
-  study::Row list = study::Row::array();
+/// Keeps the improvements that matter: the first, the last, and those that leave at most 0.9 of the previous distance
+/// to the last one. So the time at which a target is met is at most that of a target a tenth nearer to the last
+/// improvement.
+batch::Row thinned(const std::vector<nlp::Improvement>& history) {
+  batch::Row list = batch::Row::array();
   double left = nlp::infinity;
   for (std::size_t i = 0; i < history.size(); ++i) {
     const double now = history[i].objective - history.back().objective;
     if (now > 0.9 * left && i + 1 < history.size()) continue;
     left = now;
-    list.push_back(study::Row::array(
-        {history[i].evaluations, study::seconds(history[i].time), study::number(history[i].objective)}));
+    list.push_back(batch::Row::array(
+        {history[i].evaluations, batch::seconds(history[i].time), batch::number(history[i].objective)}));
   }
   return list;
 }
@@ -38,7 +39,7 @@ double violation_of(const nlp::Problem& problem, const std::vector<double>& x, d
   return std::isfinite(objective) ? nlp::largest_violation(problem, x) : nlp::infinity;
 }
 
-study::Row counts_row(const nlp::Counts& n) {
+batch::Row counts_row(const nlp::Counts& n) {
   return {{"objective", n.objective},
           {"gradient", n.gradient},
           {"rows", n.rows},
@@ -60,14 +61,14 @@ solvers::Options Comparison::solver_options(const ScheduledRun& entry) const {
   return options;
 }
 
-void Comparison::solve_into(study::Row& row, const ScheduledRun& entry) const {
+void Comparison::solve_into(batch::Row& row, const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
   const Competitor& competitor = settings_.solvers[entry.solver];
   const bool reduced = competitor.wants_reduced(settings_.reduced);
   const solvers::Options options = solver_options(entry);
   const std::vector<double> start = subject.start(reduced, entry.start, settings_.seed);
-  // Rows of the reduced form are the limits themselves: whatever form a solver had, its answer and what it found on the
-  // way are judged by these. For a solver of the reduced form its evaluator does that as it goes.
+  // Rows of the reduced form are the limits themselves. For every form, the answer and the points met on the way are
+  // judged by these rows. For a solver of the reduced form, its evaluator does this during the run.
   const auto judged = [&](const std::vector<double>& x, double& objective) {
     return violation_of(*subject.problem(true), subject.to_reduced(reduced, x), objective);
   };
@@ -86,8 +87,8 @@ void Comparison::solve_into(study::Row& row, const ScheduledRun& entry) const {
   double objective = 0.0;
   double violation = judged(result.x, objective);
   solvers::Verdict verdict = result.verification.verdict;
-  // As for solvers of the reduced form: one that ends where a row is broken, or worse than where it was, answers with
-  // the best point it had.
+  // As for solvers of the reduced form: if the solver ends where a row is broken, or at a worse point than before, its
+  // answer is its best point.
   const bool ends_worse =
       !(violation <= settings_.feasibility) || nlp::materially_better(recorded.best_objective(), objective);
   if (!reduced && !recorded.best().empty() && ends_worse) {
@@ -101,23 +102,23 @@ void Comparison::solve_into(study::Row& row, const ScheduledRun& entry) const {
   else if (verdict != solvers::Verdict::optimal)
     verdict = solvers::Verdict::feasible;
   row["verdict"] = to_string(verdict);
-  row["objective"] = study::number(objective);
-  row["claimed_objective"] = study::number(result.claimed_objective);
-  row["violation"] = study::rounded(violation, 4);
+  row["objective"] = batch::number(objective);
+  row["claimed_objective"] = batch::number(result.claimed_objective);
+  row["violation"] = batch::rounded(violation, 4);
   row["worst"] = result.verification.worst;
-  row["stationarity"] = study::rounded(result.verification.stationarity, 4);
-  row["complementarity"] = study::rounded(result.verification.complementarity, 4);
+  row["stationarity"] = batch::rounded(result.verification.stationarity, 4);
+  row["complementarity"] = batch::rounded(result.verification.complementarity, 4);
   row["evaluations"] = counts_row(result.counts);
-  row["wall_time_s"] = study::seconds(result.wall_time);
-  row["evaluation_time_s"] = study::seconds(result.counts.evaluation_time);
-  row["verification_time_s"] = study::seconds(seconds_since(began) - result.wall_time);
+  row["wall_time_s"] = batch::seconds(result.wall_time);
+  row["evaluation_time_s"] = batch::seconds(result.counts.evaluation_time);
+  row["verification_time_s"] = batch::seconds(seconds_since(began) - result.wall_time);
   row["history"] = thinned(history);
-  if (entry.repeat > 0) {  // what the first says need not be said again
+  if (entry.repeat > 0) {  // this is recorded only for the first repeat
     for (const char* key : {"message", "claimed_objective", "worst", "stationarity", "complementarity"}) row.erase(key);
   }
 }
 
-void Comparison::design_into(study::Row& row, const ScheduledRun& entry) const {
+void Comparison::design_into(batch::Row& row, const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
   const CaseSpec& spec = subject.spec();
   const Competitor& competitor = settings_.solvers[entry.solver];
@@ -148,19 +149,19 @@ void Comparison::design_into(study::Row& row, const ScheduledRun& entry) const {
     row["message"] = refusal.what();
     return;
   }
-  // Solvers that give no multipliers take longer to check, as they do with single problems, where that is not in their
-  // time either.
+  // Checking takes longer for solvers that give no multipliers. As with single problems, this is not part of their
+  // time.
   const double judging = result.solver.counts.verification_time, wall = seconds_since(began) - judging;
   const bool found = result.status == Status::feasible || result.status == Status::optimal;
   const bool late = wall + judging > time_limit(entry);
   row["claim"] = late ? to_string(solvers::Claim::time_limit) : found ? to_string(solvers::Claim::solved) : "no design";
   if (entry.repeat == 0) row["message"] = result.message;
   row["verdict"] = found ? "feasible" : "none";
-  if (found) row["objective"] = study::number(result.objective() / task.sample_period);
+  if (found) row["objective"] = batch::number(result.objective() / task.sample_period);
   row["evaluations"] = counts_row(result.solver.counts);
-  row["wall_time_s"] = study::seconds(wall);
-  row["evaluation_time_s"] = study::seconds(result.solver.counts.evaluation_time);
-  row["verification_time_s"] = study::seconds(judging);
+  row["wall_time_s"] = batch::seconds(wall);
+  row["evaluation_time_s"] = batch::seconds(result.solver.counts.evaluation_time);
+  row["verification_time_s"] = batch::seconds(judging);
   row["history"] = thinned(history);
 }
 

@@ -36,7 +36,7 @@ void each_attempt(const ComparisonData& data, std::size_t solver, Visit visit) {
   }
 }
 
-std::string text(const study::Row& row, const char* key) {
+std::string text(const batch::Row& row, const char* key) {
   return row.value(key, std::string());
 }
 
@@ -57,14 +57,14 @@ ComparisonTable problems_table(const ComparisonData& data) {
 
 namespace {
 
-/// What all attempts of one solver add up to.
+/// Totals of all attempts of one solver.
 struct Tally {
   std::string solver;
-  const study::Row* about = nullptr;  ///< of the raw data's header
+  const batch::Row* about = nullptr;  ///< of the raw data's header
   std::array<std::size_t, judgement_count> judged{};
   std::size_t runs = 0, refused = 0, lost = 0, recognised = 0, none_found = 0, refuted = 0;
   std::vector<double> times, accuracy_times, polishing, evaluations;
-  double inside = 0.0, wall = 0.0;  ///< s, in the evaluator and in all
+  double inside = 0.0, wall = 0.0;  ///< s, in the evaluator and in total
 
   void add(const ComparedCase& c, const Attempt& a) {
     ++runs;
@@ -92,7 +92,7 @@ struct Tally {
   }
 };
 
-/// A column of the summary: its heading and what stands under it.
+/// A column of the summary: its heading and its cells.
 struct SummaryColumn {
   const char* heading;
   std::string (*cell)(const Tally&);

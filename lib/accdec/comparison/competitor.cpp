@@ -1,12 +1,12 @@
 #include <algorithm>
 
 #include <accdec/comparison/competitor.hpp>
-#include <accdec/nlp/problem.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec::comparison {
 namespace {
 
-/// minimise x over 0 <= x <= 1: what every solver takes.
+/// minimise x over 0 <= x <= 1: every solver accepts it.
 class Line final : public nlp::Problem {
  public:
   std::string name() const override { return "line"; }
@@ -32,7 +32,7 @@ class Line final : public nlp::Problem {
 void Competitor::warm_up() const {
   solvers::Options options;
   options.native = native;
-  options.time_limit = 0.01;  // random searches would go on for a second
+  options.time_limit = 0.01;  // random searches would run for a second
   options.evaluation_limit = 10;
   registered().solve(Line(), std::vector<double>{0.5}, options);
 }

@@ -4,12 +4,11 @@
 #include <string>
 #include <vector>
 
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 namespace accdec::comparison {
 
-/// A solver as it takes part in a comparison: which form of the problems it gets, and with which of its library's
-/// options.
+/// A solver in a comparison: the form of the problems it gets, and the options of its library.
 struct Competitor {
   enum class Form { suited, sparse, reduced };  ///< `suited`: the form the suite gives all entries of this solver
 
@@ -21,20 +20,20 @@ struct Competitor {
   /// @throws std::invalid_argument for a solver that is not registered.
   const solvers::Solver& registered() const { return solvers::find_solver(solver); }
 
-  /// Solves a problem of one variable, so that the run to be timed does not pay for loading the library.
+  /// Solves a problem of one variable, so that the timed run does not include loading the library.
   /// @throws std::invalid_argument for options that the library does not have.
   void warm_up() const;
 
-  /// Whether it gets the reduced form: because it asks for it, takes no equality rows or only finite bounds, or is
-  /// among `reduced`.
+  /// Whether it gets the reduced form: if it asks for it, takes no equality rows or only finite bounds, or is in
+  /// `reduced`.
   bool wants_reduced(const std::vector<std::string>& reduced) const;
 };
 
-/// An entry of a list of solvers: a registry name, or "NAME/sparse" or "NAME/reduced" for one that takes equality rows
-/// in that form.
+/// A competitor from an entry of a list of solvers: a registry name, or "NAME/sparse" or "NAME/reduced" for a solver
+/// that takes equality rows.
 Competitor competitor_from_entry(const std::string& entry);
 
-/// Whether both forms of a problem can be given to a solver.
+/// Whether a solver takes both forms of a problem.
 bool takes_both_forms(const solvers::Solver& solver);
 
 }  // namespace accdec::comparison

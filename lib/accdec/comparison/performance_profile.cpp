@@ -12,7 +12,7 @@ namespace {
 double between(const std::vector<double>& values, double position) {
   const auto low = static_cast<std::size_t>(position);
   const double t = position - static_cast<double>(low);
-  if (t == 0.0) return values[low];  // and so no 0 times infinity
+  if (t == 0.0) return values[low];  // avoids 0 times infinity
   return std::isinf(values[low + 1]) ? HUGE_VAL : values[low] + t * (values[low + 1] - values[low]);
 }
 

@@ -5,8 +5,8 @@
 
 namespace accdec::comparison {
 
-/// A distribution as its steps: from x[i] on (inclusive) the share is y[i]; 0 before x[0]. x increases strictly, y too,
-/// up to <= 1.
+/// A distribution as its steps: from x[i] on (inclusive) the share is y[i]; it is 0 before x[0]. x and y increase
+/// strictly, and y is at most 1.
 struct Distribution {
   std::vector<double> x, y;
 };
@@ -23,9 +23,8 @@ double at(const Distribution& d, double x);
 /// (infinite cost). The share of problems with r <= tau is the performance profile: E. Dolan, J. More, Math. Program.
 /// 91 (2002) 201-213.
 /// @param costs  [solver][problem], > 0 or infinite
-/// @param among  solvers whose least cost is divided by, so that others, say their own variants, take no wins from
-/// them; empty: all.
-///               Another's ratio may then be below 1, and 0 where it alone succeeds.
+/// @param among  solvers whose least cost is the divisor, so that others, for example their own variants, take no wins
+///               from them; empty: all. The ratio of another solver may then be below 1, and 0 if it alone succeeds.
 /// @throws std::invalid_argument if the solvers' lists differ in length or a cost is not positive.
 std::vector<std::vector<double>> performance_ratios(const std::vector<std::vector<double>>& costs,
                                                     const std::vector<std::size_t>& among = {});
@@ -40,8 +39,8 @@ std::vector<double> simplex_gradients(const std::vector<double>& evaluations, co
 struct Quartiles {
   double lower = 0.0, median = 0.0, upper = 0.0;
 };
-/// By linear interpolation between order statistics (Hyndman and Fan's type 7). Infinite values are values; of none,
-/// all are NaN.
+/// By linear interpolation between order statistics (Hyndman and Fan's type 7). Infinite values are allowed. Without
+/// values, all quartiles are NaN.
 Quartiles quartiles(std::vector<double> values);
 
 }  // namespace accdec::comparison

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include <accdec/comparison/recorded_problem.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/files.hpp>
 
 namespace accdec::comparison {
 

@@ -5,23 +5,22 @@
 #include <functional>
 #include <vector>
 
-#include <accdec/nlp/evaluator.hpp>
-#include <accdec/nlp/problem.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec::comparison {
 
-/// A problem that remembers the points at which its objective was asked for, so that they can be judged by another
-/// measure after the run instead of during it. Not thread-safe: for one run of one solver.
+/// A problem that records the points at which its objective was evaluated. They can then be judged by another measure
+/// after the run instead of during it. Not thread-safe: for one run of one solver.
 class RecordedProblem final : public nlp::Problem {
  public:
   /// Objective of a point if it holds everything, infinite otherwise.
   using Judge = std::function<double(const std::vector<double>&)>;
 
   /// The clock starts here. Keeps a reference: `problem` must outlive the object.
-  /// @param most_bytes  what points may take; once they do they are judged on the spot, at the run's expense
+  /// @param most_bytes  memory for points; when it is full they are judged at once, which costs time of the run
   RecordedProblem(const nlp::Problem& problem, Judge judge, std::size_t most_bytes = 64'000'000);
 
-  /// Every new best point by the judge, in order. Judges what has not been judged yet.
+  /// Every new best point by the judge, in order. Judges the points not judged yet.
   const std::vector<nlp::Improvement>& history();
   /// The last of these; empty if there is none.
   const std::vector<double>& best() const { return best_; }
@@ -64,7 +63,7 @@ class RecordedProblem final : public nlp::Problem {
   Judge judge_;
   std::size_t most_points_;
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-  // Problems are const to those who solve them; what is remembered is no part of the problem.
+  // Solvers see problems as const; the recorded points are not part of the problem.
   mutable std::int64_t objectives_ = 0, rows_ = 0;
   mutable std::vector<Point> points_;
   mutable std::vector<nlp::Improvement> history_;

@@ -23,7 +23,7 @@ DelaySearch::DelaySearch(const Task& task, std::size_t corner, int order, const 
                          std::function<bool()> late)
     : ReferenceSearch(task, order, delays, std::move(late)), corner_(corner) {}
 
-/// Tangents at `instant`, `shift` later.
+/// Tangents at `instant`, moved later by `shift`.
 exact::Distances DelaySearch::at(double instant, double shift) const {
   exact::Distances d;
   for (int i = 0; i <= order(); ++i) {
@@ -53,7 +53,7 @@ Part DelaySearch::around_best() const {
 }
 
 std::vector<Part> DelaySearch::left(const exact::Multipliers& y, const exact::Box& box, const Part& part) {
-  // The cut that the multipliers amount to.
+  // The combined cut of the multipliers.
   double in = 0.0, out = 0.0;
   for (const proof::Term& term : y) {
     const auto* error = std::get_if<proof::Error>(&term.row);
@@ -61,7 +61,7 @@ std::vector<Part> DelaySearch::left(const exact::Multipliers& y, const exact::Bo
     in += term.multiplier * model().weight_in(corner_, error->angle) / model().scale_in(corner_);
     out += term.multiplier * model().weight_out(corner_, error->angle) / model().scale_out(corner_);
   }
-  if (in == 0.0 && out == 0.0) return {};  // no part of the proof, so it holds at every instant
+  if (in == 0.0 && out == 0.0) return {};  // it has no part in the proof, so the proof holds at every instant
   const double theta = model().theta(corner_), right = 0.5 * std::numbers::pi - 1e-12;
   const double cosine = std::cos(theta), sine = std::sin(theta);
   exact::Box end = box;
@@ -69,7 +69,7 @@ std::vector<Part> DelaySearch::left(const exact::Multipliers& y, const exact::Bo
   const double middle = 0.5 * (part.low + part.high), half = part.high - middle;
   end.distances[corner_] = at(middle, 0.0);
   const exact::Outcome here = solve(end, true);
-  if (here.kind != exact::Outcome::refuted) {  // no single cut does it: only this instant is refuted
+  if (here.kind != exact::Outcome::refuted) {  // no single cut is enough: only this instant is refuted
     std::vector<Part> halves(2, part);
     halves[0].high = halves[1].low = middle;
     return halves;
@@ -82,7 +82,7 @@ std::vector<Part> DelaySearch::left(const exact::Multipliers& y, const exact::Bo
       const exact::Outcome o = solve(end, false);
       if (o.kind == exact::Outcome::refuted) return shift;
       if (o.kind != exact::Outcome::feasible) return 0.0;
-      // Concave in the shift: refuted on this side of the secant's zero.
+      // The excess is concave in the shift: this side of the secant's zero is refuted.
       shift *= 0.98 * here.excess / (here.excess - std::min(o.excess, 0.0));
     }
     return 0.0;

@@ -12,13 +12,15 @@ double left_of_tap_slope(double tap_minus_t);  ///< with respect to t, -1 .. 0
 double gone_of_tap(double m_minus_tap);
 double gone_of_tap_slope(double m_minus_tap);  ///< with respect to m, 0 .. 1
 
-/// Least delay of one corner, and the instant of closest approach, over the filters that hold a task's limits.
+/// Search for the least delay of one corner and its instant of closest approach, over the filters that hold a task's
+/// limits.
 ///
-/// At instant t and delay d both distances are linear in the taps, and cuts "alpha P(t) + beta Q(t - d) <= E" with
-/// alpha, beta >= 0 are convex in t and fall with d. So multipliers that refute (t, d) refute all smaller delays, and
-/// all instants where the tangents at t in place of P and Q leave them a proof: what that bound is at two instants it
-/// exceeds in between (a minimum of functions linear in the instant is concave). Cuts with a negative weight are not
-/// needed: a path that stays below the others passes the corner within E at some other instant.
+/// At instant t and delay d, both distances are linear in the taps. Cuts "alpha P(t) + beta Q(t - d) <= E" with alpha,
+/// beta >= 0 are convex in t and fall with d. So multipliers that refute (t, d) refute all smaller delays. They also
+/// refute all instants at which they still prove it with the tangents at t instead of P and Q. This bound is a minimum
+/// of functions linear in the instant, so it is concave: between two instants it is at least as large as at the smaller
+/// end. Cuts with a negative weight are not needed: a path that stays below the others passes the corner within E at
+/// some other instant.
 class DelaySearch : public ReferenceSearch {
  public:
   /// @param task  no corner but `corner` has a tolerance

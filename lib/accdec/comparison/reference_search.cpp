@@ -8,7 +8,7 @@ namespace {
 
 constexpr int deepest = 400;
 
-/// The widest response of a box, in the middle: where a linear program came to no conclusion, its parts may.
+/// The widest response of a box, split in the middle: if a linear program gave no answer, its parts may give one.
 exact::SumBound middle_of(const exact::Box& box) {
   exact::SumBound split;
   double widest = 1e-3;
@@ -51,7 +51,7 @@ void ReferenceSearch::run(double trial, const std::function<double(double)>& tol
     descend(0.3 * tolerance(upper));
     const double step = tolerance(upper);
     if (upper - lower <= step) return;
-    // First bounds from wider gaps, which are soon refuted, should time run out.
+    // First bounds from wider gaps, which are quickly refuted, in case time runs out.
     const double value = upper - std::max(0.9 * step, 0.03 * (upper - lower));
     if (below(value, upper - value) == Answer::unknown) return;
   }

@@ -58,7 +58,7 @@ class SuiteReader {
       for (const auto& [key, value] : c.native) text_ << fmt::format(" {}={}", key, value);
       text_ << '\n';
     }
-    // The first word stands for what an index of the raw data means.
+    // The first word stands for the meaning of an index of the raw data.
     text_ << fmt::format("shuffled {} {} {} {} {} {} {} {} {} {} {} {}\n", fmt::join(s.reduced, " "), s.starts,
                          s.repeats, s.seed, s.time_limit, s.kill_after, s.evaluation_limit, s.tolerance, s.feasibility,
                          s.accuracy, fmt::join(s.targets, " "), s.reference_time_limit);
@@ -85,7 +85,7 @@ class SuiteReader {
     try {
       spec.task = task_from_tree(tree, path, "", {});
     } catch (const InputError& error) {
-      // The file alone may be right: it is to be read whole, with what the suite sets anew.
+      // The file alone may be valid: it must be valid together with the keys that the suite sets.
       if (table.has("set")) table.fail_at("set", fmt::format("the task with these keys set: {}", error.what()));
       throw;
     }
@@ -135,7 +135,7 @@ class SuiteReader {
 
   std::string path_;
   toml::table tree_;
-  std::vector<std::string> solvers_;  // instead of the file's
+  std::vector<std::string> solvers_;  // used instead of the file's
   std::ostringstream text_;
 };
 

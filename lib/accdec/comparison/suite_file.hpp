@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <accdec/comparison/comparison_run.hpp>
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
 
 namespace accdec {
 
@@ -19,7 +19,7 @@ struct Suite {
 /// Reads SUITE.toml; problems/suite/full.toml explains every key. Paths of tasks in it are relative to it.
 /// @param solvers  instead of the suite's, if not empty
 /// @throws InputError with position: unknown keys with a suggestion, unknown solvers with the known ones, tasks that do
-/// not exist or do not fit the question asked of them; std::invalid_argument for an unknown name in `solvers`
+/// not exist or do not fit their question. For an unknown name in `solvers`: std::invalid_argument
 Suite read_suite(const std::string& path, const std::vector<std::string>& solvers = {});
 
 }  // namespace accdec

@@ -4,7 +4,7 @@
 #include <accdec/comparison/comparison_run.hpp>
 #include <accdec/comparison/suite_keys.hpp>
 #include <accdec/formats/task_edit.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 namespace accdec {
 namespace {
@@ -59,7 +59,7 @@ Key required(Key key) {
 Key sizes(std::string fallback) {
   return {.name = "sizes",
           .type = KeyType::numbers,
-          .meaning = "how many times finer than written each problem is sampled",
+          .meaning = "factors by which each problem is sampled finer than written",
           .range = {1.0, 1000.0},
           .most = 20,
           .fallback = std::move(fallback),
@@ -77,22 +77,24 @@ std::vector<Key> setting_keys() {
               .most = 8,
               .fallback = fmt::format("[{}]", fmt::join(s.targets, ", ")),
               .example = "[1e-1, 1e-2]"};
-  return {integer("starts", "starting points: a trapezoid and seeded perturbations of it", {1, 1000}, text_of(s.starts),
-                  "2"),
-          integer("seed", "of the perturbations and the order of runs", {0, 2e9}, text_of(static_cast<double>(s.seed)),
-                  "7"),
-          integer("repeats", "timings of each run", {1, 1000}, text_of(s.repeats), "9"),
-          number("time_limit_s", "of a run", "s", 1e6, text_of(s.time_limit), "1"),
-          number("kill_after_s", "until the process of a run is killed", "s", 1e7, "2 time_limit_s + 1", "10"),
-          integer("evaluation_limit", "of a run", {1, 2e9}, fmt::format("{}", s.evaluation_limit), "100000"),
-          number("tolerance", "asked of the libraries", "", 1.0, text_of(s.tolerance), "1e-9"),
-          number("feasibility", "by which rows, scaled to 1, are judged", "", 1.0, text_of(s.feasibility), "1e-6"),
-          number("accuracy", "relative, within which the reference counts as reached", "", 1.0, text_of(s.accuracy),
-                 "1e-3"),
-          targets,
-          number("reference_time_limit_s", "of the exact method, for a reference", "s", 1e6,
-                 text_of(s.reference_time_limit), "60"),
-          sizes("[1]")};
+  return {
+      integer("starts", "starting points: a trapezoid and seeded perturbations of it", {1, 1000}, text_of(s.starts),
+              "2"),
+      integer("seed", "seed of the perturbations and of the order of runs", {0, 2e9},
+              text_of(static_cast<double>(s.seed)), "7"),
+      integer("repeats", "number of timings of each run", {1, 1000}, text_of(s.repeats), "9"),
+      number("time_limit_s", "time limit of a run", "s", 1e6, text_of(s.time_limit), "1"),
+      number("kill_after_s", "time after which the process of a run is killed", "s", 1e7, "2 time_limit_s + 1", "10"),
+      integer("evaluation_limit", "largest number of evaluations in a run", {1, 2e9},
+              fmt::format("{}", s.evaluation_limit), "100000"),
+      number("tolerance", "tolerance set in the libraries", "", 1.0, text_of(s.tolerance), "1e-9"),
+      number("feasibility", "accepted violation of a row scaled to 1", "", 1.0, text_of(s.feasibility), "1e-6"),
+      number("accuracy", "relative distance within which the reference counts as reached", "", 1.0, text_of(s.accuracy),
+             "1e-3"),
+      targets,
+      number("reference_time_limit_s", "time limit of the exact method for a reference", "s", 1e6,
+             text_of(s.reference_time_limit), "60"),
+      sizes("[1]")};
 }
 
 std::vector<std::string> questions() {
@@ -103,7 +105,7 @@ std::vector<std::string> questions() {
 }
 
 std::vector<Key> problem_keys() {
-  Key set = free_table("set", "keys of the task set anew", "{ \"corner.*.error_max_um\" = 60 }");
+  Key set = free_table("set", "keys of the task to change", "{ \"corner.*.error_max_um\" = 60 }");
   set.conditions = fmt::format(R"({{"propertyNames": {{"pattern": {}}}}})", task_key_pattern());
   Key delays{.name = "delay_samples",
              .type = KeyType::numbers,
@@ -114,9 +116,9 @@ std::vector<Key> problem_keys() {
              .fallback = "chosen",
              .example = "12",
              .lone = true};
-  Key order = integer("order", "N at size 1", {1, most_taps}, "", "30");
+  Key order = integer("order", "order N at size 1", {1, most_taps}, "", "30");
   order.unit = "taps less 1";
-  return {required(text_key("name", "of the problem", "", "\"flat corner\"")),
+  return {required(text_key("name", "name of the problem", "", "\"flat corner\"")),
           text_key("family", "group of problems in tables", "other", "\"convex\""),
           required(text_key("task", "task file, relative to the suite", "", "\"../corner/flat-angle.toml\"")),
           set,
@@ -127,33 +129,33 @@ std::vector<Key> problem_keys() {
           required(order),
           sizes("those of the suite"),
           delays,
-          number("time_limit_s", "of a run of this problem", "s", 1e6, "that of the suite", "10"),
+          number("time_limit_s", "time limit of a run of this problem", "s", 1e6, "that of the suite", "10"),
           word("expected", "whether there is an answer", {"feasible", "infeasible"}, "feasible", "\"infeasible\"")};
 }
 
 std::vector<Key> variant_keys() {
-  Key solver = required(word("solver", "whose options these are", solver_names(), "", "\"ipopt\""));
+  Key solver = required(word("solver", "solver that the options belong to", solver_names(), "", "\"ipopt\""));
   solver.noun = "solver";
   solver.allowed = "allowed is a name of `accdec solvers`";
-  return {required(text_key("name", "in tables and figures", "", "\"ipopt, monotone\"")), solver,
+  return {required(text_key("name", "name in tables and figures", "", "\"ipopt, monotone\"")), solver,
           word("form", "positions as rows or substituted into their bounds", {"sparse", "reduced"},
                "what `reduced` says", "\"reduced\""),
-          free_table("options", "in the library's own words", "{ mu_strategy = \"monotone\" }")};
+          free_table("options", "options by the library's own names", "{ mu_strategy = \"monotone\" }")};
 }
 
 FileKind make_suite_file() {
   std::vector<std::string> entries = solver_names_with_forms();
   entries.emplace_back("all");
-  Key notes = text_key("notes", "below the title of the report", "", "\"Every algorithm.\"");
+  Key notes = text_key("notes", "text below the title of the report", "", "\"Every algorithm.\"");
   notes.empty_text = notes.long_text = true;
   FileKind file{.name = "suite", .title = "accdec suite"};
-  Key solvers = names("solvers", "who takes part; may be left out where there are variants", entries, "solver",
+  Key solvers = names("solvers", "solvers that take part; may be left out if there are variants", entries, "solver",
                       "[\"ipopt\", \"nlopt-slsqp/reduced\"]");
   solvers.allowed = "allowed are `all`, or names of `accdec solvers`, NAME/sparse and NAME/reduced";
-  Key reduced = names("reduced", "those that get the reduced form although they take equality rows", solver_names(),
+  Key reduced = names("reduced", "solvers that get the reduced form although they accept equality rows", solver_names(),
                       "solver", "[\"nlopt-cobyla\"]");
   reduced.allowed = "allowed are names of `accdec solvers`";
-  file.keys = {text_key("title", "of the report", "the file's name", "\"Solvers compared\""), notes, solvers};
+  file.keys = {text_key("title", "title of the report", "the file's name", "\"Solvers compared\""), notes, solvers};
   for (Key& key : setting_keys()) file.keys.push_back(std::move(key));
   file.keys.push_back(reduced);
   file.keys.push_back(list("variant", "a further entry: a solver with options of its own", variant_keys()));

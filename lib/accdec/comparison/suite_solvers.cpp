@@ -19,7 +19,7 @@ bool among(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// What is wrong with a list of solvers; nothing if all are known and each stands once.
+/// The error in a list of solvers; empty if all are known and none appears twice.
 std::string objection(const Names& wanted, const Names& known) {
   for (auto name = wanted.begin(); name != wanted.end(); ++name) {
     if (!among(known, *name)) return unknown_name("solver", *name, known);
@@ -65,7 +65,7 @@ Competitor read_variant(const Table& table) {
   if (const toml::table* options = table.raw()["options"].as_table()) {
     c.native = options_of(table, *options);
     try {
-      c.warm_up();  // whether it knows them, the library says itself
+      c.warm_up();  // the library itself reports unknown ones
     } catch (const std::invalid_argument& error) {
       table.fail_at("options", error.what());
     }

@@ -6,14 +6,14 @@
 #include <accdec/comparison/comparison_run.hpp>
 #include <accdec/files/toml_table.hpp>
 
-// Internal to the room, as toml_table.hpp.
+// Internal to this folder, as toml_table.hpp.
 
 namespace accdec::toml_input {
 
 /// Reads `solvers`, `reduced` and every [[variant]] of a suite into its settings.
 /// @param instead  names to take instead of the suite's solvers and variants, if not empty
-/// @throws InputError for unknown solvers, forms and options, with the known ones, and for names that stand twice;
-/// std::invalid_argument for unknown names, or twice the same, in `instead`
+/// @throws InputError for unknown solvers, forms and options, with the known ones, and for repeated names;
+/// std::invalid_argument for unknown or repeated names in `instead`
 void read_competitors(const Table& top, const std::vector<std::string>& instead,
                       comparison::ComparisonSettings& settings);
 

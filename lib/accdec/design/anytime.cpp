@@ -4,23 +4,25 @@
 
 #include <fmt/format.h>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/design/larger_order.hpp>
-#include <accdec/design/shape_search.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/families/quick_search.hpp>
+#include <accdec/files.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/convexity.hpp>
 #include <accdec/task/equal_corners.hpp>
+#include <accdec/task/limits_on_taps.hpp>
 #include <accdec/task/order_bound.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
-/// Orders up to which slsqp, which is dense, is faster than ipopt.
+/// Up to this order slsqp, which is dense, is faster than ipopt.
 constexpr int dense_order_max = 150;
 
 /// The task without the limits that make the set of filters non-convex.
@@ -28,6 +30,23 @@ Task convex_part(Task task) {
   for (Axis& axis : task.machine.axes) axis.power_max = axis.regeneration_max = unlimited;
   for (TaskCorner& corner : task.corners) corner.speed_min = 0.0;
   return task;
+}
+
+/// Whether the exact method knows all limits of the task. Behind a servo, loads and smallest speeds are not those of
+/// the taps themselves. Behind the control's smoothing, acceleration, jerk and vibration are not either.
+bool exact_covers(const Task& task) {
+  const Response response(task.machine, task.sample_period);
+  if (response.ideal()) return true;
+  const auto& axes = task.machine.axes;
+  return response.prefilter_order() == 0 && is_convex(task) &&
+         std::all_of(axes.begin(), axes.end(), [](const Axis& a) { return a.force_max == unlimited; });
+}
+
+/// The task without the limits that the exact method does not know.
+Task covered_part(const Task& task) {
+  Task part = *limits_on_taps(task);
+  for (std::size_t j = 0; j < task.corners.size(); ++j) part.corners[j].error_max = task.corners[j].error_max;
+  return part;
 }
 
 /// One design by all methods, each with its share of the time limit.
@@ -38,29 +57,40 @@ class Anytime {
   DesignResult run() {
     const bool convex = is_convex(task_);
     const bool several = task_.corners.size() > 1;
-    // Shares of the time limit, tried on the shipped and random tasks: a lone corner's proof seldom lasts, and what
-    // another method could add then is little; of several corners, or where limits are not convex, a good design
-    // shortens the proof that goes on from it.
+    // Shares of the time limit, tried on the shipped and random tasks. The proof of a single corner is usually short,
+    // and otherwise other methods add little. With several corners, or limits that are not convex, a good design
+    // shortens the proof that continues from it.
     exact(several ? 0.2 : convex ? 0.9 : 0.3);
     if (settled() || close_enough()) return *exact_;
     if (!convex && !has_bound()) bound_of_part(convex_part(task_), 0.1);
-    // A filter that must be very quiet is seldom found by anything but a window made for it, and that at once.
+    // A very quiet filter is usually found only by a window made for it, and then at once.
     if (!exact_->has_design()) shapes(0.1);
     const double share = several ? 0.35 : 0.2;
     const bool dense = several && task_.design.order_min <= dense_order_max;
     if (dense) local("nlopt-slsqp", 0.4 * share);
-    // A proof that has come this far soon finds what a second solver could.
+    // A proof this close to its end soon finds what a second solver could find.
     if (!dense || !exact_->gap || *exact_->gap > 0.05) local(options_.solver, share);
     if (several || !convex || !exact_->has_design()) exact(1.0);
     if (settled()) return *exact_;
     return finish();
   }
 
-  /// Where the exact method's linear programs are too large.
+  /// For tasks with limits that the exact method does not know.
+  DesignResult run_behind_response() {
+    exact_ = DesignResult();
+    exact_->message =
+        "the proof does not consider force, power, regeneration and smallest speeds behind a servo, nor the control's "
+        "smoothing";
+    shapes(0.4);
+    bound_of_part(covered_part(task_), 0.6);
+    return finish();
+  }
+
+  /// For tasks whose linear programs of the exact method are too large.
   DesignResult run_without_linear_programs(const std::string& why) {
     exact_ = DesignResult();
     exact_->message = why;
-    // Beyond these a single step of a local solver may last longer than the time limit leaves.
+    // Beyond these orders a single step of a local solver may take longer than the time limit leaves.
     const int most = task_.design.order_max;
     const int least = std::min(most, std::max(task_.design.order_min, order_lower_bound(task_, most)));
     const bool small = task_.corners.size() <= 100 && least <= 10'000;
@@ -83,16 +113,11 @@ class Anytime {
 
   void exact(double share) {
     if (exact_ && (over() || close_enough())) return;
-    ExactOptions exact;
-    exact.time_limit = std::min(share * options_.time_limit, left());
-    exact.gap = options_.gap;
-    exact.cancel = options_.cancel;
-    exact.certificate = options_.certificate;
-    exact.threads = options_.threads;
+    ExactOptions exact = exact_options(options_, std::min(share * options_.time_limit, left()));
     if (best_) exact.start = best_->filter;
     if (options_.progress) {
       exact.progress = [this](const ExactProgress& p) {
-        // Of parts that hold nothing the bound is infinite: no news before that is said.
+        // The bound of parts without designs is infinite: there is no news before it is finite.
         if (!(p.bound < unlimited)) return;
         const std::string bound = fmt::format("bound {:.3f} ms", p.bound * 1e3);
         tell(p.incumbent < unlimited
@@ -102,7 +127,7 @@ class Anytime {
     }
     DesignResult result = exact_run_.go_on(exact);
     if (options_.certificate && !result.certificate) {
-      // Stopped before anything was proved: a bound nobody can check is none.
+      // Stopped before anything was proved: a bound that nobody can check is no bound.
       result.lower_bound.reset();
       result.gap.reset();
     }
@@ -114,8 +139,9 @@ class Anytime {
   }
 
   void local(const std::string& solver, double share) {
+    if (!Response(task_.machine, task_.sample_period).ideal()) return;  // nonlinear solvers do not know it
     if (over() || close_enough()) return;
-    // In less they find nothing where corners share a filter, and the exact method would miss the time.
+    // In less time local solvers find nothing where corners share a filter, and the exact method needs the time.
     constexpr double least = 0.5;
     if (task_.corners.size() > 1 && exact_->has_design() && share * options_.time_limit < least) return;
     DesignOptions options = options_;
@@ -131,8 +157,8 @@ class Anytime {
       result.message = why.what();
     }
     if (!result.has_design()) {
-      // Nothing proved and nothing found: the local search at least knows which limits are in each other's way.
-      if (result.stop == StopReason::finished) local_message_ = result.message;  // a stop of its own is no news
+      // Nothing is proved and nothing found: but the local search knows which limits conflict.
+      if (result.stop == StopReason::finished) local_message_ = result.message;  // its own stop is no news
       return;
     }
     if (!exact_ || !exact_->has_design() || result.objective() < exact_->objective()) offer_design(std::move(result));
@@ -140,17 +166,23 @@ class Anytime {
 
   void shapes(double share) {
     if (over()) return;
-    if (auto result = best_shape(task_, std::min(share * options_.time_limit, left()), options_.cancel))
+    if (auto result = quick_member(task_, std::min(share * options_.time_limit, left()), options_.cancel))
       offer_design(std::move(*result));
   }
 
-  /// The bound without power, regeneration and smallest speed is one with them, too.
+  /// A bound without power, regeneration and smallest speed also holds with them.
   void bound_of_part(const Task& part, double share) {
     if (over() || !options_.certificate) return;
-    ExactOptions exact;
-    exact.time_limit = std::min(share * options_.time_limit, left());
-    exact.cancel = options_.cancel;
+    ExactOptions exact = exact_options(options_, std::min(share * options_.time_limit, left()));
+    exact.gap = 0.0;
     DesignResult found = design_exact(part, exact);
+    if (found.has_design() && !exact_covers(task_)) {
+      std::vector<int> delays;
+      for (const CornerResult& corner : found.corners) delays.push_back(corner.delay);
+      DesignResult whole = assess(task_, *found.filter, delays, false);
+      whole.solver = found.solver;
+      if (whole.has_design()) offer_design(std::move(whole));
+    }
     if (!found.certificate || !found.lower_bound) return;
     found.task = task_;
     found.status = Status::feasible;
@@ -168,7 +200,7 @@ class Anytime {
 
   /// The best design with the highest bound.
   DesignResult finish() {
-    // Of very many corners a copy takes as long as a search.
+    // With very many corners, copying takes as long as searching.
     DesignResult exact = std::move(*exact_), result;
     if (best_ && (!exact.has_design() || best_->objective() <= exact.objective())) {
       result = std::move(*best_);
@@ -203,15 +235,7 @@ class Anytime {
       if (!local_message_.empty()) result.message += "; " + local_message_;
       return result;
     }
-    result.gap.reset();
-    if (!result.lower_bound) return result;
-    result.gap = std::max(0.0, (result.objective() - *result.lower_bound) / result.objective());
-    if (*result.lower_bound < result.objective() * (1.0 - 1e-9)) return result;
-    result.status = Status::optimal;
-    result.lower_bound = result.objective();
-    result.gap = 0.0;
-    result.message.clear();
-    result.stop = StopReason::finished;
+    judge_gap(result);
     return result;
   }
 
@@ -219,20 +243,20 @@ class Anytime {
   const DesignOptions& options_;
   ExactRun exact_run_;
   Clock::time_point began_ = Clock::now();
-  std::optional<DesignResult> exact_;  ///< of the last run of the exact method
+  std::optional<DesignResult> exact_;  ///< result of the last run of the exact method
   std::optional<DesignResult> best_;   ///< a design from elsewhere that is shorter
   std::optional<DesignResult> bound_;  ///< a bound from elsewhere
   std::string local_message_;
 };
 
-/// The proof of a merged task as one of the whole.
+/// The proof of a merged task as a proof of the whole task.
 std::shared_ptr<const Certificate> of_whole(const Certificate& certificate, const MergedTask& merged) {
   Certificate whole = certificate;
   if (auto* proof = std::get_if<proof::BranchAndBound>(&whole.proof)) proof->corner_of = merged.of;
   return std::make_shared<Certificate>(std::move(whole));
 }
 
-/// The result of a merged task as one of the whole; none if rounding makes a difference.
+/// The result of a merged task as a result of the whole task; none if rounding makes a difference.
 std::optional<DesignResult> expand(const Task& task, const MergedTask& merged, const DesignResult& found) {
   DesignResult result = found;
   if (found.has_design()) {
@@ -255,7 +279,7 @@ DesignResult design_as_it_is(const Task& task, const DesignOptions& options) {
   try {
     const int most = task.design.order_max;
     exact::require_room(task, std::min(most, std::max(task.design.order_min, order_lower_bound(task, most))));
-    DesignResult result = anytime.run();
+    DesignResult result = exact_covers(task) ? anytime.run() : anytime.run_behind_response();
     if (result.status == Status::infeasible)
       result.message += larger_order_note(task, std::min(20.0, anytime.left()), options.cancel);
     return result;
@@ -265,6 +289,28 @@ DesignResult design_as_it_is(const Task& task, const DesignOptions& options) {
 }
 
 }  // namespace
+
+void judge_gap(DesignResult& result) {
+  result.gap.reset();
+  if (!result.lower_bound) return;
+  result.gap = std::max(0.0, (result.objective() - *result.lower_bound) / result.objective());
+  if (*result.lower_bound < result.objective() * (1.0 - 1e-9)) return;
+  result.status = Status::optimal;
+  result.lower_bound = result.objective();
+  result.gap = 0.0;
+  result.message.clear();
+  result.stop = StopReason::finished;
+}
+
+ExactOptions exact_options(const DesignOptions& options, double time_limit) {
+  ExactOptions exact;
+  exact.time_limit = time_limit;
+  exact.gap = options.gap;
+  exact.cancel = options.cancel;
+  exact.certificate = options.certificate;
+  exact.threads = options.threads;
+  return exact;
+}
 
 DesignResult design_anytime(const Task& task, const DesignOptions& options) {
   const MergedTask merged = merge_equal_corners(task);

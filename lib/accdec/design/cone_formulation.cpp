@@ -5,6 +5,8 @@
 
 #include <accdec/design/cone_formulation.hpp>
 #include <accdec/exact/limit_model.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/convexity.hpp>
 
 namespace accdec {
@@ -111,6 +113,7 @@ class ConeBuilder {
 }  // namespace
 
 nlp::ConeProblem cone_problem(const Task& task, int order, const std::vector<CornerPlace>& at) {
+  require_no_response(task.machine, "a cone problem");
   if (!is_convex(task))
     throw std::invalid_argument("power, regeneration and smallest speeds are not convex: no cone program holds them");
   if (at.size() != task.corners.size()) throw std::invalid_argument("a place is needed for every corner, and no more");

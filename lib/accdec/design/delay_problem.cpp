@@ -84,7 +84,8 @@ Affine DelayProblem::add_closest(const Task& task) {
     if (corner.delay) fixed_delays_[j] = *corner.delay;
     if (!corner.error_max) continue;
     if (*corner.error_max == 0.0) {
-      // Exact stop: no closest approach to seek, and its distance rows would lose their constraint qualification.
+      // Exact stop: there is no closest approach to find, and its distance rows would lose their constraint
+      // qualification.
       if (!corner.delay) fixed_delays_[j] = order_;
       continue;
     }
@@ -199,7 +200,7 @@ void DelayProblem::hessian(std::span<const double> x, double objective_factor, s
   for (const Closest& e : closest_) {
     const double t = x[at(e.instant)], m = t - x[at(e.delay)];
     const double p = multipliers[at(e.row_p)] * e.scale_in, q = multipliers[at(e.row_q)] * e.scale_out;
-    // Each hat is wide 2: only the two knots around t, and around t - d, contribute.
+    // Each hat has width 2: only the two knots around t, and around t - d, contribute.
     const auto around = [&](double y, auto add) {
       const int k = static_cast<int>(std::floor(std::clamp(y, -1.0, order_ + 2.0)));
       for (const int knot : {k, k + 1}) {
@@ -222,7 +223,7 @@ std::vector<double> DelayProblem::start_from(const Filter& filter, std::span<con
   for (int k = 1; k <= order_; ++k) x[at(k - 1)] = filter.cumulative(k);
   for (const Closest& e : closest_) {
     x[at(e.delay)] = delays[e.corner];
-    // Where the distances left and gone are equal: the apex for equal feeds, near it otherwise.
+    // Starts where the distances left and gone are equal: the apex for equal feeds, near it otherwise.
     const Interpolated b(x, order_);
     double low = 0.0, high = order_ + 1.0 + delays[e.corner];
     for (int i = 0; i < 60; ++i) {

@@ -1,30 +1,28 @@
 #include <algorithm>
 #include <chrono>
+#include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
+#include <accdec/design.hpp>
 #include <accdec/design/anytime.hpp>
-#include <accdec/design/design.hpp>
+#include <accdec/design/design_settings.hpp>
+#include <accdec/design/quantise.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/size.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/files.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/contradictions.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
-ExactOptions exact_options(const DesignOptions& options) {
-  ExactOptions exact;
-  exact.time_limit = options.time_limit;
-  exact.gap = options.gap;
-  exact.cancel = options.cancel;
-  exact.certificate = options.certificate;
-  return exact;
-}
-
-/// A local solver cannot prove that there is no design; the exact method may, and a fifth of the time is kept for it.
+/// A local solver cannot prove that there is no design. The exact method may, so it gets a fifth of the time.
 DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   const auto began = std::chrono::steady_clock::now();
   DesignOptions most = options;
@@ -32,8 +30,7 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   DesignResult nlp = design_nlp(task, most);
   const bool cancelled = options.cancel != nullptr && options.cancel->load();
   if (nlp.has_design() || cancelled) return nlp;
-  ExactOptions exact = exact_options(options);
-  exact.time_limit -= seconds_since(began);
+  const ExactOptions exact = exact_options(options, options.time_limit - seconds_since(began));
   if (exact.time_limit <= 0.0) return nlp;
   DesignResult proof;
   try {
@@ -43,7 +40,7 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   }
   if (proof.status == Status::infeasible) return proof;
   if (proof.has_design()) {
-    // Whatever limits the local search blamed, they are not in conflict.
+    // The limits that the local search named are not in conflict.
     nlp.message = fmt::format("{} found no design{}; there is one: the exact method has {:g} ms", options.solver,
                               nlp.solver.claimed.empty() ? fmt::format(" ({})", nlp.message)
                                                          : fmt::format(" (last claim: {})", nlp.solver.claimed),
@@ -52,10 +49,49 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   return nlp;
 }
 
+/// Searches that were cut off may leave a filter with longer delays than it needs; its own delays are found in a
+/// moment.
+DesignResult with_smallest_delays(DesignResult found, double seconds_left) {
+  constexpr double always = 0.05;  // s, whatever the time limit
+  if (found.status != Status::feasible || !found.filter) return found;
+  Task given = found.task;
+  const auto taps = found.filter->taps();
+  given.filter = FilterSpec{.kind = Shape::taps, .taps = {taps.begin(), taps.end()}};
+  DesignOptions options;
+  options.time_limit = std::max(always, seconds_left);
+  const DesignResult shorter = design_delays(given, options);
+  if (!shorter.has_design() || !(shorter.objective() < found.objective() * (1.0 - 1e-12))) return found;
+  std::vector<int> delays;
+  for (const CornerResult& corner : shorter.corners) delays.push_back(corner.delay);
+  DesignResult result = assess(found.task, *found.filter, delays, false);
+  if (!result.has_design()) return found;
+  result.message = found.message, result.stop = found.stop, result.solver = found.solver;
+  result.lower_bound = found.lower_bound, result.certificate = found.certificate;
+  judge_gap(result);
+  return result;
+}
+
+/// Refuses a response that no method considers, so that none is ignored silently.
+void require_designable(const Task& task, const DesignOptions& options) {
+  const Response response(task.machine, task.sample_period);
+  if (response.ideal()) return;
+  if (!response.common())
+    throw std::invalid_argument(
+        "a design needs one response of all axes without negative taps (servo_gain_1_s, velocity_feedforward, "
+        "response_taps); `accdec evaluate` judges a given filter with any");
+  if (options.method == Method::nlp && !task.filter)
+    throw std::invalid_argument(
+        "nonlinear solvers do not consider a response (servo_gain_1_s, response_taps, prefilter_taps); leave out "
+        "--solver and --method nlp");
+  if (task.settings && task.settings->names_family())
+    require_no_response(task.machine, "a design of settings (family)");
+  if (task.design.coefficient_bits > 0) require_no_response(task.machine, "a design of whole coefficients");
+}
+
 }  // namespace
 
 DesignResult design_task(const Task& task, const DesignOptions& options) {
-  // An unknown solver is bad usage whatever becomes of the task.
+  // An unknown solver is a usage error for every task.
   if (options.method == Method::nlp) solvers::find_solver(options.solver);
   const std::vector<std::string> conflicts = contradictions(task);
   if (!conflicts.empty()) {
@@ -66,8 +102,13 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
     result.certificate = certify_contradiction(task);
     return result;
   }
+  require_designable(task, options);
+  if (task.settings && task.settings->names_family()) return design_settings(task, options);
   if (task.filter) return design_delays(task, options);
-  return options.method == Method::exact ? design_anytime(task, options) : local_or_proof(task, options);
+  if (task.design.coefficient_bits > 0) return design_quantised(task, options);
+  const auto began = std::chrono::steady_clock::now();
+  DesignResult found = options.method == Method::exact ? design_anytime(task, options) : local_or_proof(task, options);
+  return with_smallest_delays(std::move(found), options.time_limit - seconds_since(began));
 }
 
 }  // namespace accdec

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <tuple>
 
-#include <accdec/design/explain.hpp>
+#include <accdec/design.hpp>
 #include <accdec/design/explain_solve.hpp>
 
 namespace accdec {
@@ -58,14 +58,14 @@ class GainSearch {
     return most;
   }
 
-  /// A room that was proved to gain nothing.
+  /// More room for some limits that was proved to gain nothing.
   struct WithoutGain {
     std::set<std::string> levers;  ///< by their names
     double at_most = 0.0;          ///< s
   };
 
-  /// A room for more limits that was proved to gain nothing: then neither does this one, for whatever holds the task
-  /// with less room holds it with more.
+  /// More room for a larger set of limits that was proved to gain nothing. Then this set gains nothing either, because
+  /// a design that holds with less room also holds with more.
   const WithoutGain* superset_without_gain(const Room& room) const {
     for (const WithoutGain& larger : without_gain_) {
       if (std::all_of(room.levers.begin(), room.levers.end(),
@@ -83,7 +83,7 @@ class GainSearch {
     const WithoutGain* nothing = superset_without_gain(room);
     Gain gain;
     gain.room = room;
-    // The design found holds with more room as well.
+    // The design found also holds with more room.
     const DesignResult& base = out_.base;
     const DesignResult* best = &base;
     Solved solved;
@@ -110,7 +110,8 @@ class GainSearch {
   ExplainSolver& solve_;
   Explanation& out_;
   std::vector<WithoutGain> without_gain_;
-  std::map<std::tuple<LimitKind, std::string_view, std::string_view>, double> most_used_;  // by axis and corner; "" all
+  std::map<std::tuple<LimitKind, std::string_view, std::string_view>, double> most_used_;  // by axis and corner; ""
+                                                                                           // means all
 };
 
 }  // namespace

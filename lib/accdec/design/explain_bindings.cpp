@@ -1,32 +1,34 @@
 #include <string_view>
 #include <unordered_map>
 
-#include <accdec/design/explain.hpp>
+#include <accdec/design.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/simulation.hpp>
 
 namespace accdec {
 namespace {
 
-/// A bound of 0 that holds is used to the full, whatever its utilisation is called.
+/// A bound of 0 that holds counts as used to the full, whatever its utilisation.
 bool full(const LimitUse& use) {
   return use.utilisation >= full_use || use.bound == 0.0;
 }
 
 struct Span {
   Event event;
-  int zero, last;  ///< rows: k = 0, and the last that belongs to the event
+  int zero, last;  ///< rows: k = 0, and the last row of the event
 };
 
-void axis_bindings(const SampledMotion& m, double period, const Axis& axis, Eigen::Index a, const std::string& corner,
-                   std::vector<Binding>& out) {
+void axis_bindings(const SampledResponse& sampled, double period, const Axis& axis, Eigen::Index a,
+                   const std::string& corner, std::vector<Binding>& out) {
+  const SampledMotion &m = sampled.command, &moved = sampled.motion();
   const Span spans[] = {{Event::start, m.start, m.cruise_in},
                         {Event::blend, m.corner, m.cruise_out},
                         {Event::stop, m.stop, static_cast<int>(m.velocity.rows()) - 1}};
   AxisSampler sampler(axis, period);
   std::vector<AxisState> states;
   for (Eigen::Index row = 0; row < m.velocity.rows(); ++row)
-    states.push_back(sampler.next(m.velocity(row, a), m.acceleration(row, a)));
+    states.push_back(with_load(sampler.next(m.velocity(row, a), m.acceleration(row, a)), axis, moved.velocity(row, a),
+                               moved.acceleration(row, a)));
   for (const AxisLimit& limit : axis_limits) {
     const double bound = axis.*limit.bound;
     if (bound >= unlimited) continue;
@@ -47,16 +49,17 @@ std::vector<Binding> find_bindings(const DesignResult& design) {
   std::vector<Binding> found;
   if (!design.filter) return found;
   const Task& task = design.task;
-  std::unordered_map<std::string_view, std::vector<const LimitUse*>> of_corner;  // without those of axes
+  std::unordered_map<std::string_view, std::vector<const LimitUse*>> of_corner;  // without limits of axes
   for (const LimitUse& use : design.limits) {
     if (use.axis.empty() && full(use)) of_corner[use.corner].push_back(&use);
   }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
-    const SampledMotion motion =
-        simulate_corner(*design.filter, corner.geometry(), design.corners[j].delay, task.sample_period);
+    const SampledResponse sampled =
+        simulate_response(*design.filter, corner.geometry(), design.corners[j].delay, task.sample_period, task.machine);
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a)
-      axis_bindings(motion, task.sample_period, task.machine.axes[a], static_cast<Eigen::Index>(a), corner.name, found);
+      axis_bindings(sampled, task.sample_period, task.machine.axes[a], static_cast<Eigen::Index>(a), corner.name,
+                    found);
     for (const LimitUse* use : of_corner[corner.name])
       found.push_back({use->kind, "", use->corner, use->event, {use->sample}, use->bound, 0.0});
   }

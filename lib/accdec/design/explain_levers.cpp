@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/explain_levers.hpp>
+#include <accdec/design.hpp>
 #include <accdec/machine/limits.hpp>
 
 namespace accdec {
@@ -70,7 +70,7 @@ Lever mode_lever(const Mode& mode, std::size_t i) {
   return lever;
 }
 
-/// A feed may only fall, to a hundredth.
+/// A feed may only fall, down to a hundredth.
 Lever feed_lever(const TaskCorner& corner, std::size_t j, bool in) {
   Lever lever;
   lever.name = fmt::format("feed {} {}", in ? "in" : "out", corner.name);
@@ -96,7 +96,7 @@ Lever delay_lever(const Task& task, std::size_t j) {
   lever.corner = task.corners[j].name;
   lever.value = *task.corners[j].delay;
   lever.scale = std::max(1.0, lever.value);
-  // From N + 2 on nothing changes any more.
+  // From N + 2 on nothing changes.
   lever.end = std::max(lever.value, 2.0 + (task.filter ? make_filter(*task.filter).order() : task.design.order_max));
   lever.whole = true;
   lever.set = [j](Task& t, double v) { t.corners[j].delay = static_cast<int>(std::lround(v)); };
@@ -189,7 +189,7 @@ std::vector<Room> rooms_of(const std::vector<Lever>& levers) {
     const auto last = std::find_if(first, levers.end(), [&](const Lever& l) { return l.kind != first->kind; });
     if (last - first > 1 && first->kind) {
       const bool by_axis = !first->axis.empty(), by_corner = !first->corner.empty();
-      // "axis.x.jerk_max_mm_s3" with a * for the name; names hold no dots in keys that matter here.
+      // "axis.x.jerk_max_mm_s3" with a * for the name; in the keys used here, names have no dots.
       const std::string last_part = first->key.substr(first->key.rfind('.'));
       rooms.push_back({fmt::format("{} {}", words(*first->kind),
                                    by_axis     ? "of all axes"

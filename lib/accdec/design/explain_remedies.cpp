@@ -6,13 +6,13 @@
 namespace accdec {
 namespace {
 
-/// The next number of four digits away from the value that the task has, so that what is printed is what was tried.
+/// The next number of four digits, away from the task's value, so that the printed number is the one that was tried.
 double outward(const Lever& lever, double value) {
   if (lever.whole || value == lever.value || value == lever.end) return value;
   const double printed = value * lever.per_si;
   if (printed == 0.0 || !std::isfinite(printed)) return value;
-  // A power of ten below 1 has no exact double: divided by 1000 rather than multiplied by 0.001, values stay those that
-  // reading the printed digits gives.
+  // A power of ten below 1 has no exact double. Dividing by 1000 instead of multiplying by 0.001 gives the value that
+  // is read from the printed digits.
   const int digits = 3 - static_cast<int>(std::floor(std::log10(std::abs(printed))));
   const double power = std::pow(10.0, std::abs(digits)), steps = digits >= 0 ? printed * power : printed / power;
   const double rounded = lever.upper ? std::ceil(steps - 1e-6) : std::floor(steps + 1e-6);
@@ -34,7 +34,7 @@ class RemedySearch {
     }
     double too_little = 0.0, enough = first_step(room);
     bool refuted = true;
-    // Ends: with every lever at its end the task has a design.
+    // The loop ends, because with every lever at its end the task has a design.
     while (!solve_.cancelled() && !at_end(room, enough) && !tried(room, enough, refuted)) {
       too_little = enough;
       enough *= 2.0;
@@ -43,7 +43,7 @@ class RemedySearch {
       const double middle = 0.5 * (too_little + enough);
       const bool found = tried(room, middle, refuted);
       (found ? enough : too_little) = middle;
-      // What is not settled in its time takes as long again nearby.
+      // A question not settled in its time would take as long again nearby.
       if (!found && !refuted) break;
     }
     if (solve_.cancelled()) return remedy;
@@ -56,7 +56,7 @@ class RemedySearch {
     return room.levers.front().whole ? 1.0 / room.levers.front().scale : 10.0 * remedy_tolerance;
   }
   static double precision(const Room& room, double enough) {
-    // Whole numbers: no step between two that follow each other.
+    // Whole numbers: there is no step between two neighbours.
     if (room.levers.size() == 1 && room.levers.front().whole) return 1.5 / room.levers.front().scale;
     return remedy_tolerance * (1.0 + enough);
   }
@@ -71,7 +71,7 @@ class RemedySearch {
     return solved.designed;
   }
 
-  /// Rounded values are tried again; should they not do, the unrounded ones count.
+  /// Rounded values are tried again; if they fail, the unrounded ones count.
   void finish(Remedy& remedy, double share, bool refuted) {
     Task rounded = task_;
     for (const Lever& lever : remedy.room.levers) {
@@ -102,7 +102,7 @@ void find_remedies(const Task& task, ExplainSolver& solve, Explanation& explanat
   std::vector<Room> rooms = rooms_of(limits);
   for (Room& room : other_rooms(task)) rooms.push_back(std::move(room));
   if (limits.size() > 1) rooms.push_back({"all limits together", "", limits});
-  // About twelve solves where a change helps, one where it does not.
+  // About twelve solves if a change helps, one if it does not.
   solve.expect(6 * static_cast<int>(rooms.size()));
   RemedySearch search(task, solve);
   for (const Room& room : rooms) {

@@ -4,22 +4,22 @@
 #include <chrono>
 #include <ctime>
 
-#include <accdec/design/explain.hpp>
-#include <accdec/design/verify_result.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/design.hpp>
+#include <accdec/files.hpp>
+#include <accdec/verify.hpp>
 
-// Internal to the room: single solves of an explanation, counted, none taken at its word.
+// Internal to this folder: the single solves of an explanation, counted and rechecked.
 
 namespace accdec {
 
 struct Solved {
   DesignResult result;
   bool designed = false;  ///< a design, verified by simulation
-  bool refuted = false;   ///< there is none; proof rechecked
-  double bound = 0.0;     ///< s, nothing is shorter; proof rechecked, 0 without one
+  bool refuted = false;   ///< there is no design; proof rechecked
+  double bound = 0.0;     ///< s, lower bound; proof rechecked, 0 without one
 };
 
-/// How much longer something takes by the clock than by the processor, 1 to 8: other programs have it in between.
+/// Ratio of wall time to processor time, 1 to 8: other programs take the rest.
 inline double slowdown(double wall_seconds, double processor_seconds) {
   constexpr double worth_measuring = 0.2, most = 8.0;
   if (wall_seconds < worth_measuring) return 1.0;
@@ -31,7 +31,7 @@ class ExplainSolver {
   ExplainSolver(const ExplainOptions& options, Explanation& explanation)
       : options_(options), explanation_(explanation) {}
 
-  /// @param any  the first design will do: whether there is one is asked, not how short it is
+  /// @param any  stop at the first design: only its existence is asked, not how short it is
   Solved operator()(const Task& task, bool any = false) {
     if (options_.progress && explanation_.solves > 0) options_.progress(explanation_.solves, std::max(total_, done()));
     ++explanation_.solves;
@@ -51,7 +51,7 @@ class ExplainSolver {
     return solved;
   }
 
-  /// By the user, or by the end of the time.
+  /// Cancelled by the user or by the end of the time.
   bool cancelled() const {
     return left() <= 0.0 || (options_.design.cancel != nullptr && options_.design.cancel->load());
   }
@@ -61,9 +61,8 @@ class ExplainSolver {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// The limit of a single design is processor time, so that what is settled depends little on what else the machine
-  /// does: the time given by the clock is longer by what was lost before, and a design that ended early for that is
-  /// made again.
+  /// The limit of a single design is processor time, so that its answer depends little on other programs. The wall time
+  /// limit is extended by the time lost so far. A design that ended early for this reason is repeated.
   DesignResult designed(const Task& task, DesignOptions design) {
     const double limit = design.time_limit;
     for (bool again = false;; again = true) {

@@ -4,29 +4,29 @@
 
 #include <fmt/format.h>
 
+#include <accdec/corner.hpp>
 #include <accdec/design/fixed_order.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/motion/shapes.hpp>
-#include <accdec/motion/smallest_delay.hpp>
 #include <accdec/task/objective.hpp>
 
 namespace accdec {
 namespace {
 
-/// A point that holds all rows, by the verifier.
+/// Whether the point holds all rows, by the verifier.
 bool held(const solvers::Result& result) {
   return result.verification.verdict == solvers::Verdict::optimal ||
          result.verification.verdict == solvers::Verdict::feasible;
 }
 
-/// The same, and of the solver's own making: the start handed back by one that did nothing is no design of its.
+/// The same, and found by the solver: a start that is returned unchanged does not count.
 bool own(const solvers::Result& result, const std::vector<double>& start) {
   if (result.verification.verdict == solvers::Verdict::optimal) return true;
   const bool claimed = result.claim == solvers::Claim::solved || result.claim == solvers::Claim::acceptable;
   return held(result) && (claimed || result.x != start);
 }
 
-/// A filter to start from: the trapezoid of this order, with a third of it for each ramp.
+/// The start: the trapezoid of this order, with a third of it for each ramp.
 Filter guess(int order) {
   return order < 2 ? boxcar(order) : trapezoid(order, order / 3);
 }
@@ -39,7 +39,7 @@ std::string step_too_long(const Task& task, int order, double time_limit) {
   for (const Axis& axis : task.machine.axes) {
     for (const AxisLimit& limit : axis_limits) limits += axis.*limit.bound < unlimited ? 1.0 : 0.0;
   }
-  // Of each corner two leg distances over all taps, and three neighbours a sample and limit of the blend.
+  // Each corner has two leg distances over all taps, and three neighbours per sample and limit of the blend.
   const double n = order + 1.0, corners = static_cast<double>(task.corners.size());
   const double entries = corners * (2.0 * n + 3.0 * 1.5 * n * limits);
   const double seconds = seconds_an_entry * entries;
@@ -113,7 +113,7 @@ FormulationOptions FixedOrderDesigner::formulation(int order, std::vector<int> b
   return f;
 }
 
-/// Adds the frequencies at which a filter breaks its bands. False when it breaks none.
+/// Adds the frequencies at which a filter breaks its bands. False if it breaks none.
 bool FixedOrderDesigner::refine_bands(const Filter& filter) {
   bool added = false;
   extra_frequencies_.resize(task_.machine.modes.size());
@@ -147,14 +147,14 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
   Filter start = options_.start && options_.start->order() == order ? *options_.start : guess(order);
   std::vector<double> delays = guess_delays(start);
   for (int pass = 0; pass < 8 && !stopped(); ++pass) {
-    // Once the legs part, a blend is a stop and a start: the loosest its limits get.
+    // When the legs do not overlap, a blend is a stop and a start: its limits cannot be looser.
     const std::vector<int> blend = parted ? parting_delays(order) : rounded_up(delays, order);
     const DelayProblem problem(task_, formulation(order, blend));
     const solvers::Result result = solve(problem, problem.start_from(start, delays));
-    // A relaxation only guides the search: there a start that holds is as good as any.
+    // A relaxation only guides the search, so a start that holds is good enough.
     if (!held(result)) {
-      // Delays that the errors alone need, found with parted legs, were a try; and what held before guides the search
-      // even so.
+      // The delays that the errors alone need, found with parted legs, were an attempt. The earlier point that held
+      // still guides the search.
       if (best && (best->parted || parted)) break;
       if (!coupled_ || parted) return std::nullopt;
       parted = true;
@@ -169,8 +169,8 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
     delays = next_relaxed.delays;
     const std::vector<int> next = rounded_up(delays, order);
     const bool moved = coupled_ && next != blend;
-    // A step of one between passes is rounding; more means that the smallest speed holds at one delay and the error at
-    // another.
+    // A step of one between passes is rounding. A larger one means that the smallest speed and the error hold at
+    // different delays.
     consistent = true;
     for (std::size_t j = 0; j < next.size(); ++j) {
       consistent = consistent && (task_.corners[j].speed_min <= 0.0 || std::abs(next[j] - blend[j]) <= 1);

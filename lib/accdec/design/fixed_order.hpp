@@ -8,25 +8,25 @@
 #include <string>
 #include <vector>
 
-#include <accdec/design/design.hpp>
+#include <accdec/design.hpp>
 #include <accdec/design/formulation.hpp>
-#include <accdec/files/seconds_since.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/files.hpp>
+#include <accdec/solver.hpp>
 
 namespace accdec {
 
-/// A solver does not take a problem: too many variables, say. The words are for the user.
+/// A solver does not accept a problem, for example because of too many variables. The text is for the user.
 class SolverRefuses : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// Why a step of a local solver on the problems of this order may take longer than the time limit leaves room for;
-/// empty if it need not. An estimate: about a microsecond for each number in the rows, as measured with ipopt.
+/// A message if a step of a local solver on the problems of this order may take longer than the time limit allows; else
+/// empty. It is estimated as about a microsecond for each number in the rows, as measured with ipopt.
 std::string step_too_long(const Task& task, int order, double time_limit);
 
-/// The two smooth problems at one order after another, solved by one solver: rows on vibration bands and on the blend's
-/// limits, which depend on the answer, are refined from solve to solve. Keeps the clock, the counts and the frequencies
-/// found.
+/// The two smooth problems, solved by one solver at one order after another. Rows on vibration bands and on the blend's
+/// limits depend on the answer, so they are refined from solve to solve. Keeps the clock, the counts and the
+/// frequencies found.
 class FixedOrderDesigner {
  public:
   /// Problem (b): delays, instants and filter at one order.
@@ -34,30 +34,30 @@ class FixedOrderDesigner {
     double cost = 0.0;                     ///< the task's objective, samples
     std::vector<double> delays, instants;  ///< per corner; instant -1 without an error bound
     std::optional<Filter> filter;
-    /// Limits on the blend held only at parted legs: `cost` then counts `parting_delays`, `delays` are what the errors
-    /// alone need.
+    /// The limits on the blend hold only with parted legs. Then `cost` counts `parting_delays`, and `delays` are those
+    /// that the errors alone need.
     bool parted = false;
   };
 
   /// Keeps references: both arguments must outlive the object.
   FixedOrderDesigner(const Task& task, const DesignOptions& options);
 
-  /// Problem (b); nothing when it has no feasible point, or the solver finds none. Solved once per order.
+  /// Problem (b); empty if it has no feasible point, or the solver finds none. Solved once per order.
   const std::optional<Relaxed>& relaxed(int order);
   /// Problem (a) at integer delays, the error of corner j first bounded at sample samples[j]: a filter, or nothing.
   std::optional<Filter> largest_margin(int order, const std::vector<int>& delays, const Filter& start,
                                        std::vector<int> samples);
 
   std::vector<double> guess_delays(const Filter& filter) const;
-  /// Continuous delays rounded up to integers, at most those that part the legs; given delays are kept.
+  /// Continuous delays rounded up to integers, at most those at which the legs part; given delays are kept.
   std::vector<int> rounded_up(const std::vector<double>& delays, int order) const;
-  /// Delays from which on nothing changes any more, since the legs ask nothing of each other; given delays are kept.
+  /// Delays from which on nothing changes, because the legs no longer overlap; given delays are kept.
   std::vector<int> parting_delays(int order) const;
 
   bool stopped() const {
     return elapsed() > options_.time_limit || (options_.cancel != nullptr && options_.cancel->load());
   }
-  /// Why the search ends if it ends now.
+  /// The stop reason if the search ends now.
   StopReason stop_reason() const {
     if (options_.cancel != nullptr && options_.cancel->load()) return StopReason::interrupted;
     return stopped() ? StopReason::time_limit : StopReason::finished;

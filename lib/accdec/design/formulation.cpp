@@ -23,7 +23,7 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
   set_name("least corner error");
   const CumulativeVariables b = add_cumulative_variables(*this, options.order);
   sigma_ = add_variable("sigma", {0.0, nlp::infinity});
-  // What sigma is at most when both legs' distances are largest and along one line: a finite box, which population
+  // The largest sigma, with both legs' distances largest and along one line. It makes the box finite, which population
   // methods need.
   double sigma_max = 1.0;
   bool any_bound = false;
@@ -31,7 +31,7 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     if (any_bound && !corner.error_max) continue;
-    // A tolerance of zero is an exact stop, which the delay alone ensures.
+    // A tolerance of zero is an exact stop, which the delay alone guarantees.
     const double unit = any_bound ? *corner.error_max : 100e-6;
     if (unit == 0.0) continue;
     const double in = corner.geometry().feed_in * task.sample_period / unit,

@@ -8,12 +8,12 @@
 
 namespace accdec {
 
-/// (a) Least corner error at given order and integer delays. Variables B_1 .. B_N, per bounded corner P, Q (leg
+/// (a) Smallest corner error at given order and integer delays. Variables B_1 .. B_N, per bounded corner P, Q (leg
 /// distances in units of its tolerance; absent when reduced), and sigma:
 ///   minimise sigma  subject to  |S_j[k_j]|^2 <= sigma E_j^2  and all limits.
-/// sigma = (error/tolerance)^2 of the worst corner, so the optimum is <= 1 exactly when the delays can be had, and the
-/// solution has the largest margin. Without any error bound, sigma bounds |S_j|^2 in units of 100 um. For fixed k_j
-/// everything but power, regeneration and smallest speed is convex.
+/// The variable sigma is (error/tolerance)^2 of the worst corner. So the optimum is <= 1 exactly if these delays are
+/// possible, and the solution has the largest margin. Without any error bound, sigma bounds |S_j|^2 in units of 100 um.
+/// For fixed k_j everything but power, regeneration and smallest speed is convex.
 class MarginProblem : public QuadraticProblem {
  public:
   /// @param options  blend_delays are the delays
@@ -30,8 +30,8 @@ class MarginProblem : public QuadraticProblem {
 /// (b) Least weighted delay at given order with continuous delays d_j and free instants t_j of closest approach:
 ///   minimise sum_j w_j d_j  subject to  |S_j(t_j; d_j)|^2 <= E_j^2  and all limits.
 /// B is interpolated linearly between samples, which makes S(t) the quadratic B-spline of the sampled path, C1 in t and
-/// d. Limits on the blend are imposed at the integer `blend_delays`; the caller moves them (only axes that both legs
-/// move depend on them). Corners with a given delay keep it; corners without an error bound get delay 0.
+/// d. Limits on the blend are imposed at the integer `blend_delays`, which the caller moves. Only axes that both legs
+/// move depend on them. Corners with a given delay keep it; corners without an error bound get delay 0.
 class DelayProblem : public QuadraticProblem {
  public:
   DelayProblem(const Task& task, const FormulationOptions& options);
@@ -58,10 +58,11 @@ class DelayProblem : public QuadraticProblem {
     std::vector<int> hessian_t, hessian_d;  // (t, B_i), (d, B_i)
     int hessian_tt = -1, hessian_td = -1, hessian_dd = -1;
   };
-  /// Variables of every corner that asks for a closest approach, and the weighted sum of its delays. @return that sum
+  /// Variables of every corner with a closest approach, and the weighted sum of its delays. @return that sum @return
+  /// that sum
   Affine add_closest(const Task& task);
   void add_error_rows(Closest& c, const std::string& name, double margin);
-  /// Where derivatives stand, once the problem is finished.
+  /// Positions of the derivatives, after the problem is finished.
   void find_slots(Closest& c) const;
   int order_ = 0;
   bool reduced_ = false;

@@ -4,15 +4,15 @@
 #include <fmt/format.h>
 
 #include <accdec/design/larger_order.hpp>
-#include <accdec/design/shape_search.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/exact/size.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/families/quick_search.hpp>
+#include <accdec/files.hpp>
 
 namespace accdec {
 namespace {
 
-/// Linear programs of longer filters take too long for a remark.
+/// Linear programs of longer filters would take too long for this note.
 constexpr int most_order = 3200;
 
 }  // namespace
@@ -38,7 +38,7 @@ std::string larger_order_note(const Task& task, double seconds, const std::atomi
     int order = search.best ? search.best->filter.order() : 0;
     if (!search.best) {
       longer.design.order_min = least;
-      const auto shape = best_shape(longer, 0.5 * seconds, cancel);
+      const auto shape = quick_member(longer, 0.5 * seconds, cancel);
       if (!shape) return unknown;
       cycle_time = shape->objective(), order = shape->filter->order();
     }

@@ -5,8 +5,9 @@
 #include <fmt/format.h>
 
 #include <accdec/design/limit_rows.hpp>
+#include <accdec/machine.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/machine/utilisation.hpp>
+#include <accdec/machine/response.hpp>
 
 namespace accdec {
 
@@ -46,8 +47,8 @@ CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int orde
 
 namespace {
 
-/// Largest speeds with which one axis starts, and stops, on its own in any event of the task. Start and stop rows grow
-/// with the speed, so the largest implies the rest.
+/// Largest speeds at which one axis starts and stops alone in any event of the task. Start and stop rows grow with the
+/// speed, so the largest implies the rest.
 struct AxisSpeeds {
   double start = 0.0, stop = 0.0;
 };
@@ -100,7 +101,7 @@ class RowBuilder {
         name = task_.machine.axes[a].name;
       }
     }
-    if (bound >= std::ldexp(1.0, n - 1)) return;  // beyond what any taps from 0 to 1 reach
+    if (bound >= std::ldexp(1.0, n - 1)) return;  // larger than any taps from 0 to 1 can give
     for (int i = 0; i <= b_.order() + n; ++i) {
       affine(fmt::format("{} {}, k = {}", to_string(limit.kind), name, i + 1),
              (1.0 / bound) * difference(n, [&](int j) { return b_.tap(i - j); }), {-one_, one_});
@@ -121,8 +122,8 @@ class RowBuilder {
       if (speeds.stop > 0.0) {
         const double s = speeds.stop;
         const Affine force = s * (-axis.mass / period_ * b_.tap(k - 1) + axis.damping * b_.remaining(k));
-        // Driving forces while stopping stay below friction at feed, which is no row; braking forces at or below the
-        // start's speed stay below the start's.
+        // Driving forces while stopping stay below friction at feed, which is no row. Braking forces at or below the
+        // start's speed stay below the forces of the start.
         if (speeds.stop > speeds.start) bounded(axis, "stop", k, LimitKind::force, force);
         if (k <= b_.order()) bounded(axis, "stop", k, LimitKind::regeneration, force, s * b_.remaining(k));
       }
@@ -223,15 +224,15 @@ class RowBuilder {
     problem_.add_to_row(problem_.add_row(std::move(name), bound), value);
   }
 
-  /// New variable equal to an affine form, so that dense forms stand in linear rows only.
+  /// A new variable equal to an affine form, so that dense forms appear only in linear rows.
   Affine defined_variable(const std::string& name, const Affine& value) {
     const int variable = problem_.add_variable(name, {-nlp::infinity, nlp::infinity});
     affine("definition of " + name, value + Affine{0.0, {{variable, -1.0}}}, {0.0, 0.0});
     return {0.0, {{variable, 1.0}}};
   }
 
-  /// Row for one limit of one axis at one sample, scaled to +-1; nothing where the axis has no such limit.
-  /// `quantity` is what is bounded, or the force of a power at the given speed.
+  /// Row for one limit of one axis at one sample, scaled to +-1. None if the axis has no such limit. `quantity` is the
+  /// bounded value, or the force of a power at the given speed.
   void bounded(const Axis& axis, const std::string& event, int k, LimitKind kind, const Affine& quantity,
                const Affine& speed = {1.0, {}}) {
     const auto add = [&](double bound, nlp::Bound scaled) {
@@ -258,6 +259,7 @@ class RowBuilder {
 
 void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
                     const FormulationOptions& options) {
+  require_no_response(task.machine, "a nonlinear problem");
   RowBuilder rows(problem, b, task, options);
   rows.taps();
   for (const AxisLimit& limit : axis_limits) {

@@ -3,15 +3,15 @@
 #include <vector>
 
 #include <accdec/design/quadratic_problem.hpp>
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 
-/// What a formulation at one order needs to know besides the task.
+/// The options of a formulation at one order, besides the task.
 struct FormulationOptions {
   int order = 0;                  ///< N >= 0
   std::vector<int> blend_delays;  ///< per corner: the integer delay at which limits on the blend are imposed, >= 0
-  /// Per mode: the frequencies (Hz) at which its bound is imposed. A band needs a grid, refined from outside.
+  /// Per mode: the frequencies (Hz) at which its bound is imposed. A band needs a grid, which the caller refines.
   std::vector<std::vector<double>> mode_frequencies;
   double margin = 1e-7;  ///< relative distance kept from every limit, so that a solver's tolerance does not break it
   bool reduced =
@@ -36,16 +36,16 @@ class CumulativeVariables {
 /// Adds B_1 .. B_N to an empty problem.
 CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int order);
 
-/// Adds every limit of the task but the corner errors: taps >= 0 and below the acceleration bound, jerk, force, power
-/// and regeneration of start, blend and stop, smallest tangential speed, residual vibration, symmetry. Rows are scaled
-/// to a bound of 1 and named like "force x, stop, k = 7". Rows implied by others for every filter are left out; O(N)
-/// rows of O(1) entries, and per vibration frequency two dense linear rows (or, when reduced, one dense quadratic one).
-/// Limits at constant speed are not rows: see `contradictions`.
+/// Adds every limit of the task except the corner errors. Taps are >= 0 and below the acceleration bound. Start, blend
+/// and stop have rows for jerk, force, power and regeneration. There are also rows for the smallest tangential speed,
+/// residual vibration and symmetry. Rows are scaled to a bound of 1 and named like "force x, stop, k = 7". Rows that
+/// others imply for every filter are left out. There are O(N) rows of O(1) entries, and two dense linear rows per
+/// vibration frequency (or, when reduced, one dense quadratic row). Limits at constant speed are not rows: see
+/// `contradictions`.
 void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
                     const FormulationOptions& options);
 
-/// A grid for each mode's band at which to impose its bound first: the ends and points a half of the response's
-/// shortest ripple apart.
+/// A first grid for the bound of each mode's band: the ends, and points half of the response's shortest ripple apart.
 std::vector<std::vector<double>> initial_frequencies(const Task& task, int order);
 
 }  // namespace accdec

@@ -7,14 +7,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/design/design.hpp>
+#include <accdec/design.hpp>
 #include <accdec/design/fixed_order.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/motion/shapes.hpp>
 #include <accdec/task/conflict.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
@@ -24,9 +24,9 @@ class Search {
  public:
   Search(const Task& task, const DesignOptions& options) : task_(task), options_(options), at_(task, options) {}
 
-  /// Whether some order up to a few times the shortest start has a relaxed design, or a plain shape holds all limits:
-  /// without limits on starting, the best filter passes the command through, which the relaxation's interpolation
-  /// cannot express.
+  /// Whether some order up to a few times the shortest start has a relaxed design, or a plain shape holds all limits.
+  /// Without limits on starting, the best filter passes the command through. The interpolation of the relaxation cannot
+  /// express this.
   bool has_relaxed_design() {
     for (const int order : {task_.design.order_min, task_.design.order_min + 1}) {
       if (order > task_.design.order_max) break;
@@ -51,7 +51,7 @@ class Search {
     const int low = first > last ? first : smallest_order(first, [&](int n) { return at_.relaxed(n).has_value(); });
     if (low <= last) {
       design_around(best_order(low), low);
-      // Where legs must part at the lowest orders, overlapping ones at a longer filter may be faster or slower.
+      // If legs must part at the lowest orders, overlapping legs with a longer filter may be faster or slower.
       if (!at_.stopped() && at_.relaxed(low)->parted) {
         const int longer =
             smallest_order(low, [&](int n) { return worth(n) && at_.relaxed(n) && !at_.relaxed(n)->parted; });
@@ -72,15 +72,15 @@ class Search {
   bool worth(int order) const { return !incumbent_ || at_.filter_cost() * (order + 1.0) < incumbent_->cost; }
 
   void design_around(int best, int low) {
-    // The relaxation differs from the integer problem by about a sample, so its neighbours get their chance too,
-    // nearest first.
+    // The relaxation differs from the integer problem by about a sample. So neighbouring orders are tried too, nearest
+    // first.
     for (const int step : {0, 1, -1, 2, -2, 3, 4}) {
       const int order = best + step;
       if (order < low || order > task_.design.order_max || at_.stopped()) continue;
       if (incumbent_ && optimistic_cost(order) >= incumbent_->cost) continue;
       integer_design(order);
     }
-    // A relaxation that held but could not be rounded at its best order may be at a larger one.
+    // If a relaxation held but could not be rounded at its best order, a larger order may work.
     const int last = std::min(task_.design.order_max, 2 * best + 20);
     for (int order = best + 5; !incumbent_ && order <= last && !at_.stopped(); order += 1 + order / 16)
       integer_design(order);
@@ -95,7 +95,7 @@ class Search {
     const auto& r = at_.relaxed(order);
     if (!r) return nlp::infinity;
     double cost = at_.filter_cost() * (order + 1.0);
-    // The B-spline path keeps up to an eighth of a second difference farther off than the samples: at most about one
+    // The B-spline path is farther off than the samples by up to an eighth of a second difference: at most about one
     // sample of delay.
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
       cost += task_.corners[j].weight * std::max(0.0, std::ceil(r->delays[j] - 1.0));
@@ -103,8 +103,8 @@ class Search {
     return cost;
   }
 
-  /// Smallest order from `first` on of which `holds` is true, order_max + 1 when of none: feasibility is monotone in N,
-  /// for a zero tap can be appended.
+  /// Smallest order from `first` on for which `holds` is true; order_max + 1 if there is none. Feasibility is monotone
+  /// in N, because a zero tap can be appended.
   template <class Predicate>
   int smallest_order(int first, Predicate holds) {
     const int last = task_.design.order_max;
@@ -123,7 +123,7 @@ class Search {
     return low;
   }
 
-  /// Order of least relaxed cost: N falls, the delays rise; the sum has one valley.
+  /// Order of least relaxed cost: with larger N the delays get shorter, so the sum has one minimum.
   int best_order(int low) {
     double least = nlp::infinity;
     int best = low;
@@ -247,11 +247,12 @@ class Search {
     return result;
   }
 
-  /// Why there is no design, as far as a local solver can tell: the limits without any one of which it finds one.
+  /// Why there is no design, as far as a local solver can tell: limits such that, without any one of them, it finds a
+  /// design.
   std::string no_design() const {
     std::string message =
         fmt::format("{} found no design up to order {} ([design] order_max)", options_.solver, task_.design.order_max);
-    // Asking which limits are in each other's way takes many small searches: they share what is left of the time.
+    // Finding the conflicting limits takes many small searches: they share the rest of the time.
     bool in_time = true;
     const auto has_design = [&](const Task& task) {
       DesignOptions quiet = options_;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <accdec/nlp/problem.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec {
 
@@ -23,9 +23,9 @@ struct Affine {
 Affine operator*(double factor, Affine a);
 Affine operator+(Affine a, const Affine& b);
 
-/// Problem whose objective is affine and whose rows are an affine form plus products of two affine forms. All limits of
-/// a corner motion at fixed delays are of this kind in the cumulative variables: taps, accelerations, jerks and forces
-/// are affine with a few neighbours each, power is one product, squared speeds and distances are sums of products.
+/// A problem with an affine objective. Its rows are an affine form plus products of two affine forms. In the cumulative
+/// variables, all limits of a corner motion at fixed delays have this form. Taps, accelerations, jerks and forces are
+/// affine with a few neighbours each. Power is one product; squared speeds and distances are sums of products.
 ///
 /// Built by add_* calls, then `finish`. Evaluations cost O(number of stored coefficients).
 class QuadraticProblem : public nlp::Problem {
@@ -38,7 +38,7 @@ class QuadraticProblem : public nlp::Problem {
   void add_product(int row, double coefficient, Affine left, Affine right);
   void set_objective(Affine a) { objective_ = std::move(a); }
   void set_name(std::string name) { name_ = std::move(name); }
-  /// Leaves second derivatives out: for dense products, whose Hessian would take O(n^2).
+  /// Leaves second derivatives out, for dense products, whose Hessian would take O(n^2).
   void omit_hessian() { with_hessian_ = false; }
   /// Compiles the sparsity patterns; call once, after the last add.
   void finish();
@@ -62,8 +62,8 @@ class QuadraticProblem : public nlp::Problem {
                std::span<double> values) const override;
 
  protected:
-  /// Structural nonzeros a derived class writes itself, behind the ones of the quadratic part: slots are returned by
-  /// `finish`.
+  /// Structural nonzeros that a derived class writes itself, after those of the quadratic part; `finish` returns their
+  /// slots.
   struct Product {
     double coefficient;
     Affine left, right;
@@ -82,7 +82,7 @@ class QuadraticProblem : public nlp::Problem {
     std::string name;
     nlp::Bound bound;
   };
-  /// For a derived class, before `finish`: the Jacobian entry (row, variable) exists. After `finish` its slot stands in
+  /// For a derived class, before `finish`: reserves the Jacobian entry (row, variable). After `finish` its slot is in
   /// Row::extra.
   void reserve_jacobian(int row, int variable) {
     rows_[static_cast<std::size_t>(row)].extra.emplace_back(variable, -1);

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <accdec/certificate/checker.hpp>
-#include <accdec/design/verify_result.hpp>
+#include <accdec/certificate.hpp>
+#include <accdec/design/verify_settings.hpp>
 #include <accdec/task/check_delays.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
@@ -17,7 +17,7 @@ class Comparison {
  public:
   explicit Comparison(std::vector<std::string>& reasons) : reasons_(reasons) {}
   void number(const std::string& what, double recorded, double found, double floor) {
-    if (recorded == found) return;  // infinities too
+    if (recorded == found) return;  // covers infinities too
     if (!(std::abs(recorded - found) <= tolerance * std::abs(found) + floor)) {
       reasons_.push_back(fmt::format("{} is recorded as {:.12g}, found {:.12g}", what, recorded, found));
     }
@@ -27,13 +27,33 @@ class Comparison {
   std::vector<std::string>& reasons_;
 };
 
-/// Units of task files round: not every bound in SI is that of some number in a file.
+/// Units of task files are rounded: not every bound in SI corresponds to a number in a file.
 bool same_bound(double a, double b) {
   return std::abs(a - b) <= 1e-15 * std::abs(b);
 }
 
 bool same_limit(const LimitUse& a, const LimitUse& b) {
   return a.kind == b.kind && a.axis == b.axis && a.corner == b.corner && same_bound(a.bound, b.bound);
+}
+
+/// The taps must be those that a control with whole coefficients has, to the last bit.
+void compare_coefficients(const DesignResult& result, std::vector<std::string>& reasons) {
+  const int bits = result.task.design.coefficient_bits;
+  const auto& recorded = result.quantisation;
+  if (bits == 0 || result.task.filter) {
+    if (recorded) reasons.push_back("coefficients are recorded, for which the task does not ask");
+    return;
+  }
+  std::vector<double> taps;
+  for (const double tap : result.filter->taps()) taps.push_back(std::ldexp(tap, bits));
+  if (std::any_of(taps.begin(), taps.end(), [](double tap) { return tap != std::floor(tap); }))
+    reasons.push_back(fmt::format("the taps are no whole numbers over 2^{}, for which the task asks", bits));
+  if (!recorded || recorded->bits != bits ||
+      !std::equal(taps.begin(), taps.end(), recorded->coefficients.begin(), recorded->coefficients.end(),
+                  [](double tap, std::int64_t c) { return tap == static_cast<double>(c); }))
+    reasons.push_back("quantisation: the coefficients recorded are not those of the taps");
+  else if (!(recorded->unquantised > 0.0 && recorded->unquantised <= result.objective() * (1.0 + tolerance)))
+    reasons.push_back("quantisation.unquantised_s must be above 0 and at most the time of the design");
 }
 
 void compare_choice(const DesignResult& result, std::vector<std::string>& reasons) {
@@ -55,6 +75,7 @@ void compare_choice(const DesignResult& result, std::vector<std::string>& reason
       break;
     }
   }
+  compare_coefficients(result, reasons);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].delay && *task.corners[j].delay != result.corners[j].delay) {
       reasons.push_back(fmt::format("corner {}: the task gives delay {}, the result has {}", task.corners[j].name,
@@ -76,8 +97,8 @@ bool in_band(const Task& task, const LimitUse& use) {
   });
 }
 
-/// Whether a limit is recorded at a place of its kind: vibration at a frequency, all else at a sample; corner errors
-/// and speeds of the blend, limits of axes of any event.
+/// Whether a limit is recorded at a place of its kind. Vibration has a frequency, all others have a sample. Corner
+/// errors and speeds belong to the blend, limits of axes to any event.
 bool names_a_place(const Task& task, const LimitUse& use, const LimitUse& found) {
   if (use.kind == LimitKind::vibration)
     return use.sample == found.sample && use.event == found.event && in_band(task, use);
@@ -85,8 +106,8 @@ bool names_a_place(const Task& task, const LimitUse& use, const LimitUse& found)
   return use.frequency == found.frequency && (!of_the_blend || use.event == found.event);
 }
 
-/// A limit as it is recorded, against the one found now. The value counts; where it was reached may differ among
-/// samples at which it is the same but for rounding.
+/// Compares a recorded limit with the one found now. Only the value counts: its place may differ among samples with the
+/// same value up to rounding.
 void compare_limit(const DesignResult& recorded, std::size_t i, const LimitUse& found,
                    std::vector<std::string>& reasons) {
   Comparison compare(reasons);
@@ -118,7 +139,7 @@ void compare_limit(const DesignResult& recorded, std::size_t i, const LimitUse& 
                         use.sample, to_string(use.event), describe(found)));
 }
 
-/// The worst limit in words: of several that are used alike but for rounding, any.
+/// The worst limit in words; any of several that are equal up to rounding.
 void compare_worst(const DesignResult& recorded, const DesignResult& found, std::vector<std::string>& reasons) {
   const std::string& worst = recorded.verification.worst;
   if (worst == found.verification.worst) return;
@@ -153,17 +174,18 @@ void compare_numbers(const DesignResult& recorded, const DesignResult& found, st
     compare.number(named("contour_deviation_m"), a.contour_deviation, b.contour_deviation, position_floor);
     compare.number(named("speed_min_m_s"), a.speed_min, b.speed_min, 1e-12);
     compare.number(named("corner_time_s"), a.corner_time, b.corner_time, 0.0);
+    compare.number(named("settling_time_s"), a.settling_time, b.settling_time, 0.0);
   }
   if (recorded.limits.size() != found.limits.size()) {
     reasons.push_back(
         fmt::format("{} limits are recorded, the task has {}", recorded.limits.size(), found.limits.size()));
   }
-  // Both lists are in the order of the task: modes with equal bounds can be told apart by nothing else.
+  // Both lists are in the order of the task: nothing else distinguishes modes with equal bounds.
   for (std::size_t i = 0; i < found.limits.size() && i < recorded.limits.size(); ++i)
     compare_limit(recorded, i, found.limits[i], reasons);
 }
 
-/// What an infeasible result must not carry: nobody could say what it means.
+/// An infeasible result must not carry these members: they would have no meaning.
 void check_nothing_besides(const DesignResult& result, std::vector<std::string>& reasons) {
   const auto refuse = [&](bool there, const char* what) {
     if (there) reasons.push_back(fmt::format("the result is infeasible, but records {}", what));
@@ -171,6 +193,7 @@ void check_nothing_besides(const DesignResult& result, std::vector<std::string>&
   refuse(result.lower_bound.has_value(), "a lower bound");
   refuse(result.gap.has_value(), "a gap");
   refuse(result.filter.has_value(), "a filter");
+  refuse(result.settings || result.family_bound || result.free_taps, "settings");
   refuse(!result.corners.empty(), "corners");
   refuse(!result.limits.empty(), "limits");
   refuse(result.cycle_time != 0.0 || result.corner_time != 0.0, "a time");
@@ -180,7 +203,7 @@ void check_nothing_besides(const DesignResult& result, std::vector<std::string>&
   refuse(v.max_violation != 0.0 || v.tolerance != 0.0 || !v.worst.empty(), "what a simulation found");
 }
 
-/// What is recorded of a check of the certificate is what this one finds: that it was checked goes with what was found.
+/// The recorded check of the certificate must agree with the check made now.
 void check_certificate_words(const DesignResult& result, ResultCheck& report) {
   const VerificationReport& v = result.verification;
   if (v.certificate_checked && !result.certificate)
@@ -214,7 +237,7 @@ bool check_infeasible(const DesignResult& result, ResultCheck& report, const std
   return true;
 }
 
-/// Status, stop, lower bound and gap say the same: `optimal` is a gap of 0, and a search that was finished.
+/// Status, stop, lower bound and gap must agree: `optimal` means a gap of 0 and a finished search.
 void check_claims(const DesignResult& result, std::vector<std::string>& reasons) {
   const auto reject = [&](std::string reason) { reasons.push_back(std::move(reason)); };
   const bool optimal = result.status == Status::optimal;
@@ -229,20 +252,24 @@ void check_claims(const DesignResult& result, std::vector<std::string>& reasons)
     if (gap < -tolerance) reject("the lower bound exceeds the cycle time");
     if (result.gap && std::abs(*result.gap - gap) > tolerance)
       reject(fmt::format("gap is recorded as {:.12g}, found {:.12g}", *result.gap, gap));
-    if (optimal && gap > tolerance) reject("claims optimal with a lower bound below the cycle time");
-    // A hair less, as design and this recheck round differently.
+    if (optimal && !result.settings && gap > tolerance)
+      reject("claims optimal with a lower bound below the cycle time");
+    // Slightly less, as the design and this recheck round differently.
     if (!optimal && gap < tolerance * (1.0 - 1e-6))
       reject("the status is feasible, but the lower bound is the cycle time: that is optimal");
   }
+  if (optimal && result.settings && !result.family_bound) reject("claims optimal without a bound of the family");
+  if (!optimal && result.family_bound) reject("records a bound of the family, but not that the settings are optimal");
   if (!result.certificate) {
     if (optimal) reject("claims optimal without a certificate");
     if (!optimal && result.lower_bound) reject("records a lower bound without a certificate");
-  } else if (!result.lower_bound) {
+  } else if (!result.lower_bound && !result.settings) {
     reject("a certificate is recorded without a lower bound");
   }
 }
 
-/// The bound that a certificate says it proves is the one recorded; of a given filter it proves its delays smallest.
+/// The bound in the certificate must be the recorded one. For a given filter it proves that the delays are the
+/// smallest.
 void check_bound_of_certificate(const DesignResult& result, std::vector<std::string>& reasons) {
   if (result.task.filter && result.status != Status::optimal)
     reasons.push_back("the certificate proves the delays to be the smallest, but the status is feasible");
@@ -265,6 +292,8 @@ void check_proof(const DesignResult& result, ResultCheck& report, const std::fun
     report.proof = check.reason;
     return;
   }
+  if (!std::holds_alternative<proof::Enumeration>(result.certificate->proof))
+    reject("the task gives the filter, but the certificate is not about its delays");
   std::vector<int> delays;
   for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
   if (const std::string reason = check_smallest_delays(result.task, *result.filter, delays, stop); !reason.empty())
@@ -301,6 +330,7 @@ ResultCheck verify_result(const DesignResult& result, const std::function<bool()
   report.verification = found.verification;
   if (!found.verification.feasible) report.reasons.push_back("a limit is broken: " + found.verification.worst);
   compare_choice(result, report.reasons);
+  compare_settings(result, report.reasons);
   compare_numbers(result, found, report.reasons);
   check_proof(result, report, stop);
   check_certificate_words(result, report);

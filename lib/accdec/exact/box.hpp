@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include <accdec/task/task.hpp>
+#include <accdec/exact/servo_ramps.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec::exact {
 
@@ -44,7 +45,8 @@ struct Box {
   std::vector<Distances> distances{};
   std::optional<double> only_angle{};                                 ///< rad: the one cut that stands for each cone
   int order_least = 0, order_most = std::numeric_limits<int>::max();  ///< from splits on the order
-  bool window = false;  ///< filters of any order by their taps 0 .. order, see window.hpp
+  bool window = false;                ///< filters of any order by their taps 0 .. order, see window.hpp
+  const ServoRamps* servo = nullptr;  ///< of the task's response; null: there is none
 
   const CornerBox& corner(int j) const { return corners[static_cast<std::size_t>(j)]; }
   /// The least k - d of corner j. The last column of a window stands for all taps after it, too, and they are not in q.
@@ -54,15 +56,25 @@ struct Box {
   }
   /// Weights of tap i in the least leg distances of corner j.
   double weight_in(std::size_t j, int i) const {
-    return distances.empty() ? std::max(0, i - corners[j].k2) : distances[j].in[static_cast<std::size_t>(i)];
+    if (!distances.empty()) return distances[j].in[static_cast<std::size_t>(i)];
+    if (servo == nullptr) return std::max(0, i - corners[j].k2);
+    // The first column of a window stands for all taps before it, too, and the last of them is all but gone.
+    return window && i == 0 ? 0.0 : servo->in(i - corners[j].k2);
   }
   double weight_out(std::size_t j, int i) const {
-    return distances.empty() ? std::max(0, first_out(j) - i) : distances[j].out[static_cast<std::size_t>(i)];
+    if (!distances.empty()) return distances[j].out[static_cast<std::size_t>(i)];
+    return servo == nullptr ? std::max(0, first_out(j) - i) : servo->out(first_out(j) - i);
   }
   /// Whether more than one delay or sample is in it, or distances in place of both.
   bool ranges(std::size_t j) const { return corners[j].k1 < corners[j].k2 || corners[j].d1 < corners[j].d2; }
   /// Whether any tap is far enough out to be in a corner's least distances.
-  bool bounds_error(std::size_t j) const { return !distances.empty() || order > corners[j].k2 || first_out(j) > 0; }
+  bool bounds_error(std::size_t j) const {
+    return !distances.empty() || order + longer() > corners[j].k2 || first_out(j) > 0;
+  }
+  /// Samples by which the task's response lengthens the motion.
+  int longer() const { return servo == nullptr ? 0 : servo->longer(); }
+  /// The last sample of a blend that still changes anything, for the longest filter and delay.
+  int last_sample(std::size_t j) const { return order + corners[j].d2 + 1 + longer(); }
   bool loose(std::size_t j) const { return window || !distances.empty() || ranges(j); }
 };
 

@@ -6,8 +6,9 @@
 #include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/search.hpp>
 
-// Where a box of several corners is split. With one corner the widest range will do; with several most ranges do not
-// matter, and trying a few splits before choosing one ("strong branching") saves more boxes than it costs.
+// Chooses where a box of several corners is split. With one corner the widest range will do. With several corners most
+// ranges do not matter. Then trying a few splits before choosing one ("strong branching") saves more boxes than it
+// costs.
 
 namespace accdec::exact {
 namespace {
@@ -15,16 +16,12 @@ namespace {
 constexpr std::size_t most_tried = 8;
 constexpr double refuted_gain = 1e3;
 
-/// The delay and sample that a filter needs of a corner within its ranges: d2 + 1 if none will do.
+/// The delay that a filter needs at a corner within its ranges; d2 + 1 if none will do.
 int needed_delay(const LimitModel& model, const Filter& filter, std::size_t j, const CornerBox& c, int order) {
   if (!model.cone(j)) return c.d1;
-  const double cosine = std::cos(model.theta(j)), bound = model.error_bound(j) * (1.0 + 1e-9) + 1e-12;
+  const CornerError error(model, filter, j);
   for (int d = c.d1; d <= c.d2; ++d) {
-    for (int k = c.k1; k <= std::min(c.k2, order + d + 1); ++k) {
-      const double p = model.scale_in(j) * filter.remaining_moment(k),
-                   q = model.scale_out(j) * filter.elapsed_moment(k - d);
-      if (p * p + q * q + 2.0 * p * q * cosine <= bound * bound) return d;
-    }
+    if (error.holds(d, c, order)) return d;
   }
   return c.d2 + 1;
 }
@@ -63,7 +60,7 @@ std::vector<Scored> candidates(const LimitModel& model, const Box& box, const Ou
       found.push_back({split_node(j, false, within(c.k1 + outcome.samples[j], c.k1, c.k2)), 1.01 * lacking});
   }
   if (!found.empty()) return found;
-  // Errors hold, other limits of the blend do not: they ask for single delays.
+  // The errors hold, but other limits of the blend do not: these need single delays.
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const CornerBox& c = box.corners[j];
     if (c.d1 < c.d2) found.push_back({split_node(j, true, c.d1 + (c.d2 - c.d1) / 2), 2.0 * (c.d2 - c.d1)});
@@ -125,10 +122,10 @@ std::optional<proof::Node> Search::split_of_long_orders(const Box& box) const {
 
 std::optional<double> Search::try_part(Box box) {
   if (!narrow(box, nullptr) || stop_()) return std::nullopt;
-  if (refuted_before(box) >= 0) return std::nullopt;
+  if (draft_.refuted_before(box) >= 0) return std::nullopt;
   Outcome outcome = relaxation_->solve(box, false);
   if (outcome.kind == Outcome::refuted) {
-    remember(keep(std::move(outcome.multipliers)));
+    draft_.remember(draft_.keep(std::move(outcome.multipliers)));
     return std::nullopt;
   }
   if (outcome.filter) offer(*outcome.filter);
@@ -141,7 +138,7 @@ proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
   if (least < box.order)
     tried.push_back({proof::OrderSplit{least + (box.order - least) / 2}, std::numeric_limits<double>::infinity()});
   std::sort(tried.begin(), tried.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
-  // Long filters' linear programs cost most and refute much the same wherever they are split.
+  // Linear programs of long filters cost most, and they refute about the same wherever they are split.
   const std::size_t most = 3 * box.order > 4 * smallest_order_ + 12 ? 2 : most_tried;
   if (tried.size() > most) tried.resize(most);
   std::size_t chosen = 0;
@@ -161,8 +158,8 @@ proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
   return tried[chosen].node;
 }
 
-/// The error by what the filter misses. Where the filter holds it, other limits of the blend are in the way, which bind
-/// only a single delay, or the order that a longer delay leaves.
+/// Splits to reduce the error that the filter misses most. If the filter holds all errors, other limits of the blend
+/// are broken. These bind only a single delay, or the order that a longer delay leaves.
 proof::Node Search::split_alone(const Filter& filter, const Box& box) const {
   const CornerBox& c = box.corners.front();
   const CornerError error(model_, filter, 0);

@@ -108,7 +108,7 @@ double Chords::bound(const ChordFamily& family) const {
   return family.kind == ChordFamily::power ? axis(family).power_max : axis(family).regeneration_max;
 }
 
-/// The most that force can be by the force and acceleration limits.
+/// Largest force that the force and acceleration limits allow.
 double Chords::force_cap(const ChordFamily& family) const {
   const Axis& x = axis(family);
   const Legs v = event_legs(family);
@@ -126,7 +126,7 @@ bool Chords::single_delay(const ChordFamily& family, const Box& box) const {
   return c.d1 == c.d2;
 }
 
-/// Of sign V_k.
+/// Range of sign V_k.
 Chords::Range Chords::speed_range(const ChordFamily& family, int k, const Box& box) const {
   const Legs v = event_legs(family);
   const int m = k - event_delay(family, box);
@@ -138,7 +138,7 @@ Chords::Range Chords::speed_range(const ChordFamily& family, int k, const Box& b
           std::min(most(in, stay_low, stay_high) + most(out, go_low, go_high), std::max({in, out, 0.0}))};
 }
 
-/// Of the direction of V'_k, in rad from leg 1's.
+/// Range of the direction of V'_k, in rad from leg 1's direction.
 Chords::Range Chords::direction_range(const ChordFamily& family, int k, const Box& box) const {
   const CornerBox& c = box.corner(*family.corner);
   const Legs v = event_legs(family);
@@ -171,7 +171,8 @@ std::optional<Chord> Chords::draw(const ChordFamily& family, int sample, const B
     const Range r = direction_range(family, sample, box);
     const Chord chord{family, sample, r.low - reach, r.high + reach};
     if (!(chord.high - chord.low < std::numbers::pi)) return std::nullopt;
-    // With several delays the least is the fastest, as long as leg 2 points the sector's way.
+    // With several delays, the smallest one gives the fastest speed, as long as leg 2 points into the sector's half
+    // plane.
     const CornerBox& c = box.corner(*family.corner);
     if (c.d1 < c.d2 && std::cos(turn(family) - 0.5 * (chord.low + chord.high)) < 1e-9) return std::nullopt;
     return chord;

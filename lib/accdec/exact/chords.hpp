@@ -7,8 +7,8 @@
 
 namespace accdec::exact {
 
-/// A limit outside the convex class at all its samples: power at the start or of a blend, regeneration at the stop or
-/// of a blend, the smallest speed of a blend.
+/// A limit outside the convex class, at all its samples. It is power at the start or of a blend, regeneration at the
+/// stop or of a blend, or the smallest speed of a blend.
 struct ChordFamily {
   enum Kind { power, regeneration, speed } kind = power;
   std::optional<int> corner;  ///< none: start or stop
@@ -23,15 +23,15 @@ struct Chord {
   double low = 0.0, high = 0.0;
 };
 proof::Row row_of(const Chord& chord);
-/// None of a row that is no chord.
+/// The chord of a row; none if the row is no chord.
 std::optional<Chord> chord_of(const proof::Row& row);
 
 /// The limits outside the convex class as chords over a box's tube.
 ///
-/// Power F V <= P bounds the force by the hyperbola P/V, and what lies below it over V in [l, u] has as its hull what
-/// lies below its chord: F <= P (1/l + 1/u - V/(l u)). A chord from l = P/F_max on holds for all smaller speeds too, by
-/// the force limit. Regeneration is the same with the force turned; the smallest speed cuts a sector of directions by
-/// the chord of its circle. F and V are linear in the cumulative responses.
+/// Power F V <= P bounds the force by the hyperbola P/V. Over V in [l, u], the region below the hyperbola has the
+/// region below its chord as convex hull: F <= P (1/l + 1/u - V/(l u)). A chord from l = P/F_max on also holds for all
+/// smaller speeds, by the force limit. Regeneration is the same with the force's sign turned. The smallest speed cuts
+/// off a sector of directions by the chord of its circle. F and V are linear in the cumulative responses.
 class Chords {
  public:
   /// Keeps the reference.
@@ -40,20 +40,21 @@ class Chords {
   const std::vector<ChordFamily>& families() const { return families_; }
   /// Last sample of a family at which its limit can matter.
   int last_sample(const ChordFamily& family, const Box& box) const;
-  /// Whether such a limit says something of the box: limits of the blend but the smallest speed need a single delay.
+  /// Whether such a limit can be used in the box: limits of the blend, except the smallest speed, need a single delay.
   bool single_delay(const ChordFamily& family, const Box& box) const;
   /// Use of a limit at a sample, value/bound (bound/value for the smallest speed).
   double use(const ChordFamily& family, int sample, const Filter& filter, const Box& box) const;
 
-  /// The chord over the box's tube; none if the limit holds throughout or nothing can be said.
+  /// The chord over the box's tube. None if the limit holds throughout or no chord is possible.
   std::optional<Chord> draw(const ChordFamily& family, int sample, const Box& box) const;
-  /// Whether a chord was drawn over all that the box's tube leaves.
+  /// Whether the chord covers all speeds (or directions) that the box's tube leaves.
   bool covers(const Chord& chord, const Box& box) const;
   SparseRow row(const Chord& chord, const Box& box) const;
   /// Chords over the box's tube that the filter breaks by more than `slack`.
   std::vector<Chord> broken(const Filter& filter, const Box& box, double slack) const;
 
-  /// The chord shrunk to the filter's own speed: whatever holds it holds the limit. None where the limit is far.
+  /// The chord shrunk to the filter's own speed: a filter that holds it also holds the limit. None where the limit is
+  /// far.
   /// @param least_use  of the limit, where it still counts as near
   std::optional<Chord> tangent(const Chord& at, const Filter& filter, const Box& box, double least_use) const;
   /// Adds the limits that the filter comes close to or breaks; returns the worst use.

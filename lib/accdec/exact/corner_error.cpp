@@ -18,7 +18,8 @@ double least_distance(double cosine, double p, double q) {
 }  // namespace
 
 CornerError::CornerError(const LimitModel& model, const Filter& filter, std::size_t j)
-    : filter_(filter),
+    : behind_(filter, model.task().machine, model.task().sample_period),
+      filter_(behind_.motion()),
       cosine_(std::cos(model.theta(j))),
       in_(model.scale_in(j)),
       out_(model.scale_out(j)),
@@ -36,10 +37,19 @@ double CornerError::relaxed(const CornerBox& c) const {
 }
 
 bool CornerError::holds(int delay, const CornerBox& c, int order) const {
-  for (int k = c.k1; k <= std::min(c.k2, order + delay + 1); ++k) {
+  for (int k = c.k1; k <= std::min(c.k2, order + behind_.longer() + delay + 1); ++k) {
     if (at(delay, k) <= bound_ * (1.0 + 1e-9) + 1e-12) return true;
   }
   return false;
+}
+
+int CornerError::closest_sample(int delay) const {
+  double least = std::numeric_limits<double>::infinity();
+  int closest = 0;
+  for (int k = 0; k <= filter_.order() + delay + 1; ++k) {
+    if (const double e = at(delay, k); e < least) least = e, closest = k;
+  }
+  return closest;
 }
 
 void consider_splits(const CornerError& error, std::size_t j, const CornerBox& c, bool delays_too, ErrorSplit& chosen) {
@@ -56,7 +66,7 @@ void consider_splits(const CornerError& error, std::size_t j, const CornerBox& c
     second.k1 = at + 1;
     return error.relaxed(second);
   };
-  // The first part's miss falls, the second's rises: the least of both is greatest where they cross.
+  // The first part's miss falls, the second's rises. The smaller of both is largest where they cross.
   int low = c.k1, high = c.k2 - 1;
   while (low < high) {
     const int at = low + (high - low) / 2;

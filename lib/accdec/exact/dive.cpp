@@ -1,33 +1,16 @@
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/task/objective.hpp>
 
-// A good design of one corner before its proof: what is longer than it need not be refuted.
+// Finds a good design of one corner before its proof: designs longer than it need not be refuted.
 
 namespace accdec::exact {
-namespace {
-
-/// The sample at which a filter comes closest to the corner.
-int sample_closest(const LimitModel& model, const Filter& filter, int delay) {
-  const CornerError error(model, filter, 0);
-  double least = std::numeric_limits<double>::infinity();
-  int at = 0;
-  for (int k = 0; k <= filter.order() + delay + 1; ++k) {
-    if (const double e = error.at(delay, k); e < least) least = e, at = k;
-  }
-  return at;
-}
-
-}  // namespace
-
 /// The longest delay with which a filter of this order is shorter than the best design.
 int Search::longest_shorter(int order) const {
   const LinearCost cost = cost_of(task_);
-  int delay = std::min(order, task_.design.order_max) + 1;
+  int delay = std::min(order, task_.design.order_max) + 1 + model_.ramps.longer();
   while (delay >= 0 && cost(order, {delay}) >= best->value * (1.0 - 1e-9)) --delay;
   return delay;
 }
@@ -35,7 +18,8 @@ int Search::longest_shorter(int order) const {
 bool Search::holds_alone(int order, int delay) {
   Box box;
   box.order = order;
-  const int k = sample_closest(model_, best->filter, delay);
+  box.servo = model_.servo();
+  const int k = CornerError(model_, best->filter, 0).closest_sample(delay);
   box.corners = {CornerBox{delay, delay, k, k}};
   const Outcome outcome = relaxation_->solve(box, false);
   const double before = best->value;

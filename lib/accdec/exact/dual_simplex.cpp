@@ -86,13 +86,13 @@ int DualSimplex::append_tableau_row(int basic) {
   return slot_[at(basic)] = static_cast<int>(basic_.size()) - 1;
 }
 
-/// Of a row in no place yet.
+/// Makes the value of a row basic that has no place yet.
 void DualSimplex::make_basic(int row) {
   slot_[at(columns_ + row)] = unstored;
   if (is_stored(columns_ + row)) express(row, tableau_row(append_tableau_row(columns_ + row)));
 }
 
-/// In terms of the nonbasic variables; the row is no part of what it is made of.
+/// Writes a row's value in terms of the nonbasic variables.
 void DualSimplex::express(int row, double* in_nonbasics) const {
   std::fill(in_nonbasics, in_nonbasics + stride_, 0.0);
   const Row& r = rows_[at(row)];
@@ -114,7 +114,7 @@ const double* DualSimplex::in_nonbasics(int basic) {
   return expressed_.data();
 }
 
-/// Of a basic variable's row, at the position of a row.
+/// Entry of a basic variable's row at the position of a nonbasic row.
 double DualSimplex::entry(int basic, int position) const {
   const int i = slot_[at(basic)];
   if (i != unstored) return tableau_row(i)[position];
@@ -126,7 +126,7 @@ double DualSimplex::entry(int basic, int position) const {
   return sum;
 }
 
-/// An active row becomes basic in exchange for another variable, if possible for one that costs: what is left then
+/// Makes an active row basic in exchange for another variable, if possible one with a cost: the remaining row then
 /// costs nothing.
 bool DualSimplex::free_row(int row) {
   const int position = -1 - slot_[at(columns_ + row)];
@@ -207,7 +207,7 @@ void DualSimplex::start_cold() {
   for (int r = 0; r < rows(); ++r) make_basic(r);
 }
 
-/// Sets the tableau up again from the rows as given, for the same basis or, where that is singular, one near it.
+/// Rebuilds the tableau from the rows as given, for the same basis or, if that is singular, one near it.
 void DualSimplex::refactor() {
   std::vector<int> active_rows;
   std::vector<char> wanted(at(columns_), 0);

@@ -8,21 +8,23 @@
 #include <utility>
 #include <vector>
 
+#include <accdec/exact/ratio_test.hpp>
+
 namespace accdec::exact {
 
 /// Linear program
 ///
 ///   minimise cost x   subject to   low <= x <= high,   row_low <= A x <= row_high
 ///
-/// solved by the bounded dual simplex method on a dense tableau, for the linear programs of the exact method: 20 to 300
-/// columns, nearly all of them bounded, many of the rows dense or of a few entries, and a hundred near relatives to
-/// solve one after another. The tableau has no rows for inactive rows of few entries: columns say as much. Rows can be
-/// added, replaced and removed and bounds changed at any time; the next solve starts from the basis of the last. Bounds
-/// may be infinite or equal.
+/// solved by the bounded dual simplex method on a dense tableau. It is made for the linear programs of the exact
+/// method: they have 20 to 300 columns, nearly all bounded. Many of their rows are dense or have few entries, and about
+/// a hundred similar programs follow one another. The tableau has no rows for inactive rows of few entries, as the
+/// columns hold the same information. Rows can be added, replaced and removed, and bounds changed, at any time. The
+/// next solve starts from the basis of the last. Bounds may be infinite or equal.
 ///
-/// Leaving rows are chosen by steepest edge (Forrest and Goldfarb, Math. Program. 57, 1992; the weights are norms of
-/// tableau rows and computed afresh), entering columns by the bound flipping ratio test (Maros, Eur. J. Oper. Res. 149,
-/// 2003). A point or a ray is only returned after it was checked against the rows as they were given.
+/// Leaving rows are chosen by steepest edge (Forrest and Goldfarb, Math. Program. 57, 1992). The weights are norms of
+/// tableau rows and are computed each time. Entering columns are chosen by the bound flipping ratio test (RatioTest). A
+/// point or a ray is returned only after it was checked against the rows as given.
 class DualSimplex {
  public:
   enum class Status {
@@ -45,9 +47,9 @@ class DualSimplex {
   void set_row_bounds(int row, double low, double high);
   /// @param columns  each at most once
   void add_row(std::span<const int> columns, std::span<const double> values, double low, double high);
-  /// Gives a row other coefficients and bounds; one that is active stays so where that is safe.
+  /// Gives a row other coefficients and bounds; an active row stays active where that is safe.
   void replace_row(int row, std::span<const int> columns, std::span<const double> values, double low, double high);
-  /// The last row takes its number.
+  /// Removes a row. The last row takes its number.
   void remove_row(int row);
   /// Polled every few pivots; true ends a solve with `stopped`.
   void set_stop(std::function<bool()> stop) { stop_ = std::move(stop); }
@@ -59,9 +61,9 @@ class DualSimplex {
   double objective() const { return objective_; }
   /// optimal: the point.
   std::span<const double> point() const { return point_; }
-  /// One per row, y_r > 0 for the lower side and < 0 for the upper. optimal: derivative of the objective by the row's
-  /// bound. infeasible: the sum y_r (A x)_r stays below the sum of y_r times the sides meant for all x within their
-  /// bounds.
+  /// One per row, y_r > 0 for the lower side and < 0 for the upper. Optimal: derivative of the objective by the row's
+  /// bound. Infeasible: for all x within their bounds, the sum y_r (A x)_r stays below the sum of y_r times the
+  /// matching sides.
   std::span<const double> multipliers() const { return multipliers_; }
   /// Whether the row holds with equality in the basis.
   bool active(int row) const { return slot_[static_cast<std::size_t>(columns_ + row)] < 0; }
@@ -69,7 +71,7 @@ class DualSimplex {
   bool refutes(std::vector<double>& ray) const;
   long pivots() const { return pivots_; }
 
-  // As given, for a second solver.
+  // The program as given, for a second solver.
   double cost(int column) const { return cost_[static_cast<std::size_t>(column)]; }
   double low(int variable) const { return low_[static_cast<std::size_t>(variable)]; }  ///< columns, then rows
   double high(int variable) const { return high_[static_cast<std::size_t>(variable)]; }
@@ -90,11 +92,6 @@ class DualSimplex {
     std::array<int, most_short> columns{};
     std::array<double, most_short> values{};
     std::size_t size = 0;
-  };
-  struct Candidate {
-    int position;
-    double dual, size;  ///< |reduced cost| and |entry of the pivot row|
-    double drop;        ///< of the leaving variable's infeasibility where it goes to its other bound
   };
   double* tableau_row(int i) { return tableau_.data() + static_cast<std::size_t>(i) * stride_; }
   const double* tableau_row(int i) const { return tableau_.data() + static_cast<std::size_t>(i) * stride_; }
@@ -122,10 +119,6 @@ class DualSimplex {
   bool dual_feasible();
   int leaving_variable();
   int entering_position(const double* row, double sigma, double infeasibility);
-  bool group_candidates(double infeasibility, bool in_one_go);
-  std::size_t pass_over(std::size_t begin, double& slope);
-  int best_of_last_groups() const;
-  int best_of_group(std::size_t begin, std::size_t end) const;
   void flip();
   void step(int leaving, const double* row, int position, double sigma);
   void perturb();
@@ -149,8 +142,7 @@ class DualSimplex {
   std::vector<double> is_row_;  ///< by position: 1 for a row, 0 for a column
   bool moved_ = false;          ///< reduced costs were moved from their own values
 
-  std::vector<Candidate> candidates_;
-  std::vector<std::size_t> group_end_;
+  RatioTest ratio_test_{primal_tolerance};
   std::vector<int> flips_;
   std::vector<double> scratch_values_, expressed_, pivot_row_;
   std::vector<std::pair<int, double>> scratch_;

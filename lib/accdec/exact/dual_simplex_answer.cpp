@@ -14,7 +14,8 @@ std::size_t number(int i) {
 
 }  // namespace
 
-/// The point from its basis, refined once against the rows as given. False: it does not hold them.
+/// Computes the point from its basis and refines it once against the rows as given. False: the point does not hold
+/// them.
 bool DualSimplex::take_point() {
   constexpr double tolerance = 2.0 * primal_tolerance;
   std::copy_n(value_.begin(), columns_, point_.begin());
@@ -71,7 +72,7 @@ bool DualSimplex::refutes(std::vector<double>& ray) const {
     if (y == 0.0) continue;
     const double side = y > 0.0 ? low_[number(columns_ + r)] : high_[number(columns_ + r)];
     if (std::isinf(side)) {
-      // Without it the columns' bounds say as much.
+      // The columns' bounds imply as much without this row.
       y = 0.0;
       continue;
     }

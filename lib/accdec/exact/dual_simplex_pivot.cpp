@@ -11,7 +11,8 @@ namespace {
 
 constexpr double dual_tolerance = 1e-9;
 constexpr double smallest_pivot = 1e-8;
-constexpr double far = 1e7;  ///< stands for an infinite bound until the basis is dual feasible
+constexpr double smallest_entry = 1e-11;  ///< entries of a pivot row below this are rounding
+constexpr double far = 1e7;               ///< stands for an infinite bound until the basis is dual feasible
 
 std::size_t nth(int i) {
   return static_cast<std::size_t>(i);
@@ -45,7 +46,7 @@ DualSimplex::Status DualSimplex::attempt() {
     const Status status = iterate();
     if (status != Status::optimal) return status;
     if (!moved_) break;
-    // Reduced costs that were moved out of the way are put back; bounded variables flip where their sign is wrong.
+    // Moved reduced costs are reset. Bounded variables with a wrong sign go to their other bound.
     moved_ = false;
     compute_duals();
     if (dual_feasible()) break;
@@ -83,13 +84,13 @@ bool DualSimplex::dual_feasible() {
   return true;
 }
 
-/// Every nonbasic variable to the bound its reduced cost asks for.
+/// Puts every nonbasic variable at the bound its reduced cost asks for.
 void DualSimplex::settle_nonbasics() {
   for (int j = 0; j < columns_; ++j) {
     const auto v = nth(nonbasic_[nth(j)]);
     const double d = dual_[nth(j)], low = low_[v], high = high_[v];
     const bool has_low = low > -infinity, has_high = high < infinity;
-    // Without the bound it asks for, a reduced cost this small is taken for rounding.
+    // If the bound that it asks for is missing, a reduced cost this small counts as rounding.
     const bool rounding = std::abs(d) < 1e-7;
     if (has_low && (d > dual_tolerance || !has_high || (d >= -dual_tolerance && value_[v] - low <= high - value_[v])) &&
         (d >= -dual_tolerance || rounding || has_high)) {
@@ -111,7 +112,7 @@ void DualSimplex::settle_nonbasics() {
   }
 }
 
-/// What the columns' bounds imply, and a little less: no solution is there.
+/// A bound slightly below the least value that the columns' bounds allow; no solution lies there.
 double DualSimplex::least_activity(int variable) const {
   double sum = 0.0;
   if (variable < columns_) return std::min(high_[nth(variable)], 0.0) - far;
@@ -143,7 +144,7 @@ void DualSimplex::compute_basics() {
   compute_unstored();
 }
 
-/// The values of basic rows that the tableau does not hold, from the columns'.
+/// Computes the values of basic rows that the tableau does not hold, from the columns' values.
 void DualSimplex::compute_unstored() {
   const int* const slots = slot_.data() + columns_;
   double* const values = value_.data() + columns_;
@@ -160,7 +161,7 @@ DualSimplex::Status DualSimplex::iterate() {
   const int most = 200 + 30 * (columns_ + rows());
   for (int count = 1; count <= most; ++count) {
     if (count % 16 == 0 && stop_ && stop_()) return Status::stopped;
-    // Long without an end: perhaps in circles.
+    // After this many pivots the method may be cycling.
     if (count % (5 * (columns_ + rows()) + 50) == 0) perturb();
     const int v = leaving_variable();
     if (v < 0) return Status::optimal;
@@ -194,7 +195,27 @@ int DualSimplex::leaving_variable() {
   return best;
 }
 
-/// Nonbasic variables to their other bounds.
+/// The column that enters; sets `flips_`. @return -1: there is none
+int DualSimplex::entering_position(const double* row, double sigma, double infeasibility) {
+  ratio_test_.begin();
+  for (int j = 0; j < columns_; ++j) {
+    const double a = sigma * row[j];
+    if (std::abs(a) < smallest_entry) continue;
+    const auto v = nth(nonbasic_[nth(j)]);
+    if (low_[v] == high_[v]) continue;
+    const At state = at_[v];
+    const bool rises = state == lower || state == far_below || state == free;
+    const bool falls = state == upper || state == far_above || state == free;
+    if ((a < 0.0 && rises) || (a > 0.0 && falls)) {
+      const double d = state == free ? 0.0 : std::max(0.0, falls ? -dual_[nth(j)] : dual_[nth(j)]);
+      const double size = std::abs(a);
+      ratio_test_.add({j, d, size, state >= free ? infinity : size * (high_[v] - low_[v])});
+    }
+  }
+  return ratio_test_.choose(infeasibility, flips_);
+}
+
+/// Moves the nonbasic variables in `flips_` to their other bounds.
 void DualSimplex::flip() {
   if (flips_.empty()) return;
   std::vector<double>& moves = scratch_values_;
@@ -229,7 +250,7 @@ void DualSimplex::step(int leaving, const double* row, int position, double sigm
   at_[nth(leaving)] = sigma > 0.0 ? upper : lower;
   exchange(leaving, row, position);
   compute_unstored();
-  // What the tolerance let pass on the wrong side.
+  // Reduced costs on the wrong side by less than the tolerance.
   for (int j = 0; j < columns_; ++j) {
     const At state = at_[nth(nonbasic_[nth(j)])];
     double& d = dual_[nth(j)];
@@ -241,7 +262,7 @@ void DualSimplex::step(int leaving, const double* row, int position, double sigm
   }
 }
 
-/// Moves the reduced costs away from zero, each by another amount, so that ties end.
+/// Moves the reduced costs away from zero, each by a different amount, to break ties.
 void DualSimplex::perturb() {
   moved_ = true;
   for (int j = 0; j < columns_; ++j) {

@@ -2,9 +2,9 @@
 
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/minimal_conflict.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
-// What the search came to, as a result.
+// Turns the outcome of the search into a result.
 
 namespace accdec {
 

@@ -4,8 +4,8 @@
 #include <functional>
 #include <optional>
 
-#include <accdec/task/result.hpp>
-#include <accdec/task/task.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 
@@ -22,23 +22,23 @@ struct ExactOptions {
   std::function<void(const ExactProgress&)> progress;
   const std::atomic<bool>* cancel = nullptr;
   bool certificate = true;        ///< keep the proof in the result
-  int threads = 1;                ///< for proofs of several corners; design and proof do not depend on it
-  std::optional<Filter> start{};  ///< a design known from elsewhere: only what is shorter is looked for
+  int threads = 1;                ///< used for proofs of several corners; the design and the proof do not depend on it
+  std::optional<Filter> start{};  ///< a design known from elsewhere: only shorter ones are looked for
 };
 
-/// Shortest weighted cycle time over filter, order and delays by branch and bound on the delays d_j and the samples k_j
-/// at which the corner errors are bounded. In a box of delays and samples the leg distances are at least those at the
-/// last k for leg 1 and at the first k and last d for leg 2, and the order at most what the target leaves; so one
-/// linear program with tangent cuts for the cones refutes a whole box, and its dual multipliers, kept in the
-/// certificate, are the proof.
+/// Finds the shortest weighted cycle time over filter, order and delays. It branches and bounds on the delays d_j and
+/// the samples k_j at which the corner errors are bounded. In a box of delays and samples, the distance along leg 1 is
+/// smallest at the last k. The distance along leg 2 is smallest at the first k and the last d. The order is at most
+/// what the target leaves. So one linear program with tangent cuts for the cones refutes a whole box. Its dual
+/// multipliers are kept in the certificate and are the proof.
 ///
-/// Power, regeneration and smallest speed are not convex: each is relaxed to its chord over the speeds or directions
-/// that the box leaves, and where the linear program's filter breaks the limit itself, the box is split on a
-/// cumulative response B_k, which bounds the speed. What the limits on starts and stops can reach from there narrows
-/// all other responses. Designs come from the linear programs' filters by a convex-concave procedure.
+/// Power, regeneration and smallest speed are not convex. Each is relaxed to its chord over the speeds or directions
+/// that the box leaves. If the linear program's filter breaks such a limit, the box is split on a cumulative response
+/// B_k, which bounds the speed. The limits on starts and stops then narrow all other responses. Designs come from the
+/// linear programs' filters by a convex-concave procedure.
 ///
-/// Several corners are proved jointly, see joint.hpp; symmetric filters of several corners, and tasks of which no first
-/// design is known, by boxes that hold the delays of all corners.
+/// Several corners are proved jointly, see joint.hpp. Symmetric filters of several corners, and tasks without a known
+/// first design, are proved by boxes that hold the delays of all corners.
 /// @param task  without a filter; delays given or not
 DesignResult design_exact(const Task& task, const ExactOptions& options = {});
 

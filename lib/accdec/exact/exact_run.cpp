@@ -3,12 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <accdec/certificate/checker.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/family.hpp>
+#include <accdec/files.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/motion/shapes.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/convexity.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -16,13 +17,13 @@
 namespace accdec {
 namespace {
 
-/// As many linear programs make a short proof; fewer where they are long.
+/// Number of linear programs of a short proof; fewer where each is long.
 long shortly(int order) {
   const double length = std::max(1.0, order / 50.0);
   return static_cast<long>(2000.0 / (length * length));
 }
 
-/// The next target between a bound and what is known to be open or found above it.
+/// The next target between a bound and the smallest value known to be open or found above it.
 double large_step(double low, double high) {
   for (const double part : {0.8, 0.9, 0.95, 0.97, 0.985}) {
     if (part * high > low * (1.0 + 1e-3)) return part * high;
@@ -37,12 +38,12 @@ ExactRun::ExactRun(const Task& task)
       cost_(cost_of(task)),
       convex_(is_convex(task)),
       several_(task.corners.size() > 1),
-      // Symmetric filters are no part of the joint proof.
+      // The joint proof does not cover symmetric filters.
       jointly_(several_ && !task.design.symmetric),
       minimises_(convex_ && !several_ && !task.design.symmetric),
       fixed_(cost_.given_delays(task)),
       search_(task, [this] { return stopped(); }),
-      // Proved by nothing but the task's bounds.
+      // This bound follows from the task's bounds on the order alone.
       low_(cost_.filter * (std::max(task.design.order_min, 0) + 1) + fixed_) {
   for (const double w : cost_.delay) step_ += 1.5 * w;
 }
@@ -51,7 +52,7 @@ bool ExactRun::stopped() const {
   return Clock::now() > until_ || cancelled();
 }
 
-/// A task that no search is needed for, or that would not fit into memory.
+/// Returns a result for a task that needs no search. Throws for a task that would not fit into memory.
 std::optional<DesignResult> ExactRun::refusal() const {
   DesignResult result;
   result.task = task_;
@@ -64,7 +65,7 @@ std::optional<DesignResult> ExactRun::refusal() const {
     return result;
   }
   try {
-    // No order below is allowed or fast enough.
+    // Smaller orders are not allowed or not fast enough.
     exact::require_room(task_, std::max(task_.design.order_min, order_lower_bound(task_, task_.design.order_max)));
     return std::nullopt;
   } catch (const exact::TooLarge& reason) {
@@ -74,15 +75,19 @@ std::optional<DesignResult> ExactRun::refusal() const {
   return result;
 }
 
-/// Designs that hold limits outside the convex class, where the search itself has none to offer.
+/// Offers standard shapes, for tasks where the search itself may find no first design.
 void ExactRun::offer_shapes() {
   if (const auto taps = saturating_start(task_, task_.design.order_max); !taps.empty()) search_.offer(Filter(taps));
   for (int n = std::max(least_, 2); n <= task_.design.order_max && !stopped(); ++n) {
     const double shortest = cost_(n, std::vector<int>(task_.corners.size(), 0));
     if (search_.best && shortest >= search_.best->value) break;
-    search_.offer(boxcar(n));
-    for (int ramp = 1; ramp <= n / 2; ramp += std::max(1, n / 16)) search_.offer(trapezoid(n, ramp));
-    search_.offer(hann(n));
+    // About sixteen second averages, beginning with none.
+    for (const char* name : {"trapezoid", "hann"}) {
+      visit_members(*find_family(name), n, std::max(1, n / 16), [&](const FilterSpec& spec, std::span<const int>) {
+        search_.offer(make_filter(spec));
+        return true;
+      });
+    }
   }
 }
 
@@ -98,8 +103,7 @@ void ExactRun::first_designs() {
   if (stopped()) least_ = -1;  // once more when there is time
 }
 
-/// Each order's linear program is a large one where corners are many: no more than a tenth of the time is spent on
-/// them.
+/// With many corners the linear program of each order is large: this step takes at most a tenth of the time.
 void ExactRun::sweep_orders() {
   const auto enough = Clock::now() + (until_ - Clock::now()) / 10;
   search_.sweep_orders(least_, [&] { return Clock::now() > enough; });
@@ -109,7 +113,7 @@ void ExactRun::sweep_orders() {
 DesignResult ExactRun::go_on(const ExactOptions& options) {
   const auto began = Clock::now();
   options_ = options;
-  // As long as no clock lasts counts as for ever.
+  // A time limit longer than the clock's range means no limit.
   until_ = began + std::chrono::duration_cast<Clock::duration>(
                        std::chrono::duration<double>(std::clamp(options.time_limit, 0.0, 1e8)));
   auto result = refusal();
@@ -132,8 +136,8 @@ DesignResult ExactRun::go_on(const ExactOptions& options) {
   return std::move(*result);
 }
 
-/// One corner: what its orders say, and then, for a proof that is short, the best design at once; a long proof moves
-/// its bound target by target.
+/// One corner. First bounds by orders; then, if the proof is short, the best design at once. A long proof raises its
+/// bound target by target.
 void ExactRun::at_once() {
   if (tried_at_once_ || proved_) return;
   tried_at_once_ = true;
@@ -143,12 +147,12 @@ void ExactRun::at_once() {
   if (!minimises_) climb_ = step_ / 1.5;
   for (Answer answer = Answer::found; answer == Answer::found && !stopped() && !proved_;) {
     answer = search_.minimise(high_, budget - search_.linear_programs());
-    if (!minimises_ && answer != Answer::proved) break;  // of what the chords do not refute nothing is known
+    if (!minimises_ && answer != Answer::proved) break;  // nothing is known of parts that the chords do not refute
     take(answer, answer == Answer::proved ? search_.proof.target : high_);
   }
 }
 
-/// What a search below a target came to.
+/// Takes over the answer of a search below a target.
 void ExactRun::take(Answer answer, double target) {
   if (answer == Answer::open) open_ = std::min(open_, target);
   if (search_.best) high_ = std::min(high_, search_.best->value);
@@ -160,7 +164,7 @@ void ExactRun::take(Answer answer, double target) {
   tell();
 }
 
-/// Several corners of which a design is known: the joint proof.
+/// The joint proof: several corners with a known design.
 void ExactRun::together() {
   if (!joint_) joint_ = std::make_unique<exact::Joint>(task_, search_, least_, [this] { return stopped(); });
   joint_->use_threads(options_.threads);
@@ -175,16 +179,16 @@ void ExactRun::together() {
     if (low_ > before || high_ < found) tell();
     if (options_.gap > 0.0 && high_ - low_ <= options_.gap * high_) break;
   }
-  // What is said in the end is what the certificate shows.
+  // The reported bound is the one the certificate proves.
   low_ = at_least;
   if (auto proof = joint_->proof()) search_.proof = std::move(*proof), low_ = std::max(low_, search_.proof.target);
   proved_ = low_ >= high_;
 }
 
-/// None: nothing is left to try.
+/// The next target; none if nothing is left to try.
 std::optional<double> ExactRun::next_target() {
   if (open_ <= high_ && high_ < unlimited) {
-    // The bound can still rise to where the open part begins.
+    // The bound can still rise to the start of the open part.
     double target = 0.5 * (low_ + open_);
     if (cost_.whole()) target = std::floor(target);
     if (target <= low_ || open_ - low_ <= 1e-3 * open_) return std::nullopt;
@@ -196,20 +200,22 @@ std::optional<double> ExactRun::next_target() {
     return cost_.whole() ? std::ceil(target) : target;
   }
   if (high_ == unlimited) {
-    const double longest = cost_.filter * (task_.design.order_max + 1.0) +
-                           step_ / 1.5 * (task_.design.order_max + static_cast<double>(settling)) + fixed_;
+    const double longest =
+        cost_.filter * (task_.design.order_max + 1.0) +
+        step_ / 1.5 * (task_.design.order_max + static_cast<double>(settling) + exact::ServoRamps(task_).longer()) +
+        fixed_;
     trial_ = std::max(trial_ + step_, 1.3 * trial_);
     return trial_ >= longest ? unlimited : trial_;
   }
   if (high_ - low_ <= step_) return target;
   if (climb_ > 0.0 && low_ >= climbed_) {
-    // Each proof goes on from the one before. What the chords say is mostly nearly all.
+    // Each proof continues the one before. The bound from the chords is usually close to the best one.
     climbed_ = std::min(low_ + climb_, high_);
     climb_ *= 2.0;
     return climbed_;
   }
   target = trial_ > low_ && trial_ < high_ && low_ < 0.9 * trial_ ? trial_ : 0.5 * (low_ + high_);
-  // With several corners a proof grows fast with its target, and a better design ends it: in large steps.
+  // With several corners a proof grows fast with its target, and a better design ends it. So take large steps.
   if (several_) target = large_step(low_, high_);
   if (cost_.whole()) target = std::floor(target) + 0.0;
   return target <= low_ || target >= high_ ? high_ : target;

@@ -12,7 +12,7 @@
 
 namespace accdec {
 
-/// The exact method as a search that goes on where it was stopped. Keeps the reference to the task.
+/// The exact method as a search that can be stopped and continued. Keeps the reference to the task.
 class ExactRun {
  public:
   explicit ExactRun(const Task& task);

@@ -11,8 +11,8 @@ namespace accdec::exact {
 
 namespace {
 
-/// Nodes worked on at a time, and so the most threads there is work for: a number of its own, so that the proof is the
-/// same however many there are. Fewer where their linear programs are large.
+/// Number of nodes worked on at a time, and so the largest useful number of threads. It does not depend on the threads
+/// there are, so that the proof is always the same. It is smaller where the linear programs are large.
 constexpr int most_provers = 4;
 constexpr double bytes_of_provers = 2e9;
 
@@ -32,8 +32,10 @@ Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()>
       short_(std::min(task.design.order_max, std::max(least_ + least_ / 4 + 2, designs.best->filter.order()))),
       undecided_(infinity) {
   window_.order = 2 * least_ + 2;
+  const int later = static_cast<int>(std::lround(ServoRamps(task).in(0)));
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
-    window_.at.push_back((window_.order + designs.best->delays[j] + 1) / 2);
+    // Behind a response, as much later as its mean delay.
+    window_.at.push_back((window_.order + designs.best->delays[j] + 1) / 2 + later);
     if (task.corners[j].error_max) window_.anchors.push_back(static_cast<int>(j));
   }
   const LimitModel model(task);
@@ -57,7 +59,7 @@ Joint::Node Joint::root_node(const Task& task) {
   Node root;
   for (const TaskCorner& c : task.corners) {
     root.d1.push_back(c.delay.value_or(0));
-    root.d2.push_back(c.delay.value_or(task.design.order_max + settling));
+    root.d2.push_back(c.delay.value_or(task.design.order_max + settling + ServoRamps(task).longer()));
   }
   root.n1 = std::max(task.design.order_min, 0);
   root.n2 = task.design.order_max;
@@ -68,7 +70,8 @@ double Joint::cost(const Node& node) const {
   return cost_(node.n1, node.d1);
 }
 
-/// The largest order with which a design of the node can be shorter than the target, -1: none; cuts delays that cannot.
+/// The largest order of a design in the node that is shorter than the target; -1: none. Cuts delays that no such design
+/// can have.
 int Joint::order_left(Node& node, double target) const {
   Box box;
   for (std::size_t j = 0; j < node.d1.size(); ++j) box.corners.push_back({node.d1[j], node.d2[j], 0, 0});
@@ -85,7 +88,7 @@ Joint::Verdict Joint::judge(const Lemma& lemma, const Node& node, int* open_corn
   for (const auto& [j, delay] : lemma.delays) {
     const auto i = static_cast<std::size_t>(j);
     if (node.d1[i] > delay) return Verdict::satisfied;
-    // The most that the target leaves of this delay.
+    // The largest delay that the target allows here.
     const double more = cost_.delay[i] * (delay + 1 - node.d1[i]);
     if (node.d2[i] <= delay) continue;
     ++open;
@@ -136,7 +139,7 @@ void Joint::add(Lemma lemma) {
   fails_.push_back(std::numeric_limits<int>::max());
 }
 
-/// Hands the best design to all.
+/// Gives the best design to all provers.
 void Joint::share() {
   for (const auto& prover : provers_) {
     for (const bool wide : {false, true}) {
@@ -147,7 +150,8 @@ void Joint::share() {
   for (const auto& prover : provers_) prover->some.best = prover->any.best = designs_.best;
 }
 
-/// Short filters first, for what is learned there mostly holds for long ones, too; but not for ever.
+/// Short filters come first, because lemmas learned there usually hold for long filters too. But long ones also get a
+/// share.
 std::priority_queue<Joint::Open>* Joint::next() {
   const double enough = target() * (1.0 - 1e-9);
   const auto open = [&](const std::priority_queue<Open>& group) {
@@ -179,7 +183,7 @@ Joint::State Joint::step() {
   return stop_() ? State::stopped : State::going_on;
 }
 
-/// Nodes that no lemma settles, one for every prover.
+/// Picks nodes that no lemma settles, one for every prover.
 std::vector<Joint::Work> Joint::next_works() {
   std::vector<Work> works;
   while (works.size() < provers_.size() && !stop_()) {
@@ -195,8 +199,8 @@ std::vector<Joint::Work> Joint::next_works() {
   return works;
 }
 
-/// What lemmas say of a node; none: it is settled, split or put back. Else what they leave of it, for filters up to an
-/// order.
+/// Applies the lemmas to a node. None: the node is settled, split or put back. Otherwise: the part that they leave, for
+/// filters up to an order.
 std::optional<Joint::Work> Joint::settle(int at, double before) {
   for (;;) {
     Node cut = node(at);
@@ -255,7 +259,7 @@ void Joint::work_on(Prover& prover, Work& work) const {
   const long before = prover.linear_programs();
   const std::size_t some = prover.some.multipliers().size(), any = prover.any.multipliers().size();
   if (!extend(prover, work)) check(prover, work);
-  // What attempts left that came to nothing would grow with the time.
+  // Without this, what failed attempts leave behind would grow with time.
   const std::vector<proof::Node> nothing;
   const auto found = [&](bool wide) -> const auto& {
     return work.lemma && work.lemma->wide == wide ? work.lemma->tree : nothing;
@@ -265,7 +269,7 @@ void Joint::work_on(Prover& prover, Work& work) const {
   work.spent = prover.linear_programs() - before;
 }
 
-/// Takes over what came of a node. @param known  lemmas there were before this step
+/// Takes over the result of a node. @param known  lemmas there were before this step
 void Joint::join(Work& work, std::size_t known) {
   spent_[work.group] += work.spent;
   for (const auto& [lemma, order] : work.failed) fails_[lemma] = order;
@@ -275,7 +279,7 @@ void Joint::join(Work& work, std::size_t known) {
       Lemma& old = lemmas_[static_cast<std::size_t>(work.extended)];
       if (old.order < found.order) old = std::move(*work.lemma);
     } else {
-      // Another prover may have come to the same.
+      // Another prover may have found the same.
       const auto says_it = [&](const Lemma& other) {
         return other.order >= found.order &&
                std::all_of(other.delays.begin(), other.delays.end(), [&](const proof::CornerDelay& d) {
@@ -294,7 +298,7 @@ void Joint::join(Work& work, std::size_t known) {
     push(work.node, 0.0);
 }
 
-/// A lemma that would say something of the node if it held for longer filters: most do.
+/// Extends a lemma that would settle something in the node if it held for longer filters; most lemmas do.
 bool Joint::extend(Prover& prover, Work& work) const {
   const bool wide = work.order > short_;
   std::vector<char> failed(lemmas_.size(), 0);
@@ -323,7 +327,7 @@ bool Joint::extend(Prover& prover, Work& work) const {
   }
 }
 
-/// Whether the node's least delays hold together; a lemma or a better design comes of it.
+/// Asks whether the node's smallest delays hold together; the result is a lemma or a better design.
 void Joint::check(Prover& prover, Work& work) const {
   const Node& at = node(work.node);
   const std::vector<int>& d1 = at.d1;

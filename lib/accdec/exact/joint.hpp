@@ -12,15 +12,15 @@
 
 namespace accdec::exact {
 
-/// The proof for several corners that share a filter: branch and check. A master tree over the delays takes the
-/// cheapest delays that nothing known forbids. A search over the samples ("together", Search::refute_together) either
-/// finds a filter for them, which is a better design, or a proof that there is none. Such a proof is cut down to the
-/// corners it needs and its delays are raised as far as it goes; what is left is a lemma, "no filter up to this order
-/// has these corners' delays at most so", that holds everywhere else in the tree, too. The target leaves dear delays
-/// only short filters, so nodes late in the tree are refuted by lemmas of small orders.
+/// The proof for several corners that share a filter, by branch and check. A master tree over the delays takes the
+/// cheapest delays that no lemma forbids. A search over the samples ("together", Search::refute_together) then looks
+/// for a filter with these delays. It finds one, which is a better design, or it proves that there is none. Such a
+/// proof is reduced to the corners it needs, and its delays are raised as far as it still holds. The result is a lemma:
+/// "no filter up to this order has delays up to these at these corners". A lemma holds everywhere in the tree. For
+/// expensive delays the target leaves only short filters, so lemmas of small orders refute nodes late in the tree.
 ///
-/// A few nodes are worked on at a time, each by a prover of its own, and what they found is joined in their order: so
-/// design and proof are the same whatever the number of threads.
+/// A few nodes are worked on at a time, each by its own prover. Their results are joined in the order of the nodes, so
+/// design and proof do not depend on the number of threads.
 class Joint {
  public:
   /// @param designs  holds the best design known, finite; better ones are put there
@@ -31,14 +31,14 @@ class Joint {
   void use_threads(int threads) { threads_ = threads; }
 
   enum class State { proved, going_on, stopped, open };
-  /// One step: a few corners by themselves, or a few nodes of the tree. @return proved: nothing is shorter than the
-  /// best design
+  /// Does one step: a few single corners, or a few nodes of the tree. @return proved: nothing is shorter than the best
+  /// design
   State step();
-  /// Whether `bound` knows what each corner asks for by itself.
+  /// Whether `bound` includes the bound of every single corner.
   bool has_first_bound() const { return next_corner_ == task_.corners.size(); }
-  /// Nothing is shorter, samples.
+  /// Lower bound on all designs, in samples.
   double bound() const;
-  /// That nothing is shorter than `bound()`; none if that is not proved yet.
+  /// Proof that nothing is shorter than `bound()`; none if that is not proved yet.
   std::optional<Proof> proof() const;
   long lemmas() const { return static_cast<long>(lemmas_.size()); }
   long linear_programs() const;
@@ -56,7 +56,7 @@ class Joint {
     int node;
     bool operator<(const Open& other) const { return bound != other.bound ? bound > other.bound : node < other.node; }
   };
-  /// What is proved, and for which orders.
+  /// A proved statement and the orders it holds for.
   struct Lemma {
     int order = 0;
     bool wide = false;  ///< of any order, through a window
@@ -66,7 +66,7 @@ class Joint {
   };
   enum class Verdict { satisfied, closed, unit, violated };
   struct Prover;
-  /// What a prover makes of one node.
+  /// A node given to a prover, and what the prover found.
   struct Work {
     int node = 0, order = 0, group = 0;
     State state = State::going_on;
@@ -120,7 +120,7 @@ class Joint {
   int least_;
   int short_;  ///< largest order of the first group
   std::vector<Lemma> lemmas_;
-  std::vector<int> fails_;  ///< by lemma: order from which on no attempt to extend it is worth it
+  std::vector<int> fails_;  ///< by lemma: from this order on, attempts to extend it do not pay
   std::vector<Node> nodes_;
   std::priority_queue<Open> open_[2];  ///< short filters, long filters
   long spent_[2] = {0, 0};             ///< linear programs

@@ -3,11 +3,11 @@
 #include <accdec/exact/joint_prover.hpp>
 #include <accdec/files/side_by_side.hpp>
 
-// What the joint proof begins with: the least order, and lemmas of single corners.
+// The start of the joint proof: the least order, and lemmas of single corners.
 
 namespace accdec::exact {
 
-/// The orders that no filter has.
+/// Excludes the orders that no filter has.
 void Joint::begin() {
   std::vector<proof::Node> tree;
   const std::vector<int> all(task_.corners.size(), -1);
@@ -22,7 +22,7 @@ void Joint::begin() {
   begun_ = tip_ != 0 || !stop_();
 }
 
-/// From here on there are nodes of short and of long filters.
+/// From here on, nodes of short and of long filters are separate.
 void Joint::branch() {
   branched_ = true;
   if (short_ >= task_.design.order_max || node(tip_).n1 > short_) return push(tip_, 0.0);
@@ -32,12 +32,12 @@ void Joint::branch() {
   push(second, 0.0);
 }
 
-/// A lemma of one corner: the longest delay above `low` that it cannot have, by bisection.
+/// A lemma of one corner: the longest delay above `low` that no filter has, by bisection.
 std::optional<Joint::Lemma> Joint::longest_refuted(Prover& prover, std::size_t j, bool wide, int low) const {
   const int shorter = std::min(task_.design.order_max, least_ + least_ / 4 + 2);
   std::vector<int> most(task_.corners.size(), -1);
   std::vector<proof::Node> tree, best;
-  // The best design's delay holds, if not with this order then with its own.
+  // The best design's delay holds, perhaps with another order only.
   int high = std::min(designs_.best->delays[j], shorter + 2);
   const long budget = wide ? 200 : std::numeric_limits<long>::max() / 2;
   while (high - low > 1 && !stop_()) {
@@ -54,8 +54,9 @@ std::optional<Joint::Lemma> Joint::longest_refuted(Prover& prover, std::size_t j
   return lemma(prover, wide, shorter, most, std::move(best));
 }
 
-/// Lemmas of one corner through a window, where a few linear programs show as much of filters of any order as many do
-/// of short ones. Together they are a first bound. What a window does not see is asked of short filters.
+/// Lemmas of one corner. A few linear programs through a window show as much for filters of any order as many linear
+/// programs do for short ones. Together these lemmas are a first bound. Limits that a window does not see are examined
+/// with short filters.
 std::vector<Joint::Lemma> Joint::single_corner(Prover& prover, std::size_t j) const {
   std::vector<Lemma> lemmas;
   if (task_.corners[j].delay) return lemmas;
@@ -72,7 +73,7 @@ std::vector<Joint::Lemma> Joint::single_corner(Prover& prover, std::size_t j) co
   return lemmas;
 }
 
-/// Those of the next few corners.
+/// Finds the first lemmas of the next few corners.
 void Joint::first_lemmas() {
   const std::size_t count = std::min(provers_.size(), task_.corners.size() - next_corner_);
   std::vector<std::vector<Lemma>> found(count);
@@ -91,7 +92,7 @@ void Joint::first_lemmas() {
   next_corner_ += count;
 }
 
-/// Splits the open node at a delay that a lemma says no filter has.
+/// Splits the open node at a delay that a lemma forbids.
 void Joint::close_first(int lemma, const proof::CornerDelay& at) {
   const Node& open = node(tip_);
   const auto j = static_cast<std::size_t>(at.corner);

@@ -3,12 +3,13 @@
 
 #include <accdec/exact/joint_prover.hpp>
 
-// How the joint proof comes to its lemmas.
+// How the joint proof finds its lemmas.
 
 namespace accdec::exact {
 namespace {
 
-/// Linear programs that one attempt at a stronger lemma may take, beside as many as twice the lemma's own proof took.
+/// Linear programs that one attempt at a stronger lemma may use, in addition to twice the number of the lemma's own
+/// proof.
 constexpr long attempt = 40;
 
 }  // namespace
@@ -33,7 +34,8 @@ Joint::Lemma Joint::lemma(const Prover& prover, bool wide, int order, const std:
   return lemma;
 }
 
-/// Of a proof that these delays do not hold together: the fewest corners and the largest delays it holds for.
+/// Generalises a proof that these delays do not hold together: to the fewest corners and the largest delays it holds
+/// for.
 Joint::Lemma Joint::learn(Prover& prover, const Node& node, bool wide, int order, std::vector<proof::Node> tree) const {
   const std::vector<int>& d1 = node.d1;
   std::vector<int> most = d1;
@@ -46,7 +48,7 @@ Joint::Lemma Joint::learn(Prover& prover, const Node& node, bool wide, int order
       most[j] = -1;
   }
   const long budget = attempt + static_cast<long>(tree.size());
-  // Those that are cheap to raise are worth leaving out most.
+  // Corners whose delays are cheap to raise are tried first for leaving out.
   std::sort(corners.begin(), corners.end(),
             [&](std::size_t a, std::size_t b) { return cost_.delay[a] < cost_.delay[b]; });
   for (std::size_t i = 0; i < corners.size() && corners.size() > 1;) {

@@ -2,11 +2,11 @@
 
 #include <accdec/exact/joint_prover.hpp>
 
-// The joint proof as a certificate has it: a tree in preorder, and the lemmas it needs.
+// Writes the joint proof in the form of a certificate: a tree in preorder, and the lemmas it needs.
 
 namespace accdec::exact {
 
-/// Where a prover's multipliers begin among all.
+/// Index of a prover's first multipliers among all provers' multipliers.
 int Joint::first_multipliers(int number, bool wide) const {
   std::size_t before = 0;
   for (const auto& prover : provers_) {
@@ -16,7 +16,7 @@ int Joint::first_multipliers(int number, bool wide) const {
   return static_cast<int>(before);
 }
 
-/// By a lemma, which gets its number in the proof with its first use.
+/// Closes a node by a lemma; the lemma gets its number in the proof at its first use.
 bool Joint::write_by(int lemma, Proof& proof, std::vector<int>& number) const {
   int& n = number[static_cast<std::size_t>(lemma)];
   if (n < 0) {
@@ -42,7 +42,7 @@ bool Joint::write_by(int lemma, Proof& proof, std::vector<int>& number) const {
   return true;
 }
 
-/// @param index  -1: of the tree there is no more; lemmas have to do
+/// @param index  -1: the tree ends here; lemmas must close the part
 bool Joint::write(int index, Node part, Proof& proof, std::vector<int>& number) const {
   Node cut = part;
   const int order = order_left(cut, proof.target);

@@ -4,8 +4,7 @@
 
 namespace accdec::exact {
 
-/// What asks for lemmas: linear programs of its own, so that what comes of them depends on nothing but what this prover
-/// was asked before.
+/// Proves lemmas with linear programs of its own, so its results depend only on its own earlier questions.
 struct Joint::Prover {
   Prover(const Task& task, const std::function<bool()>& stop, const Window& window, int number)
       : number(number), some(task, stop, BoxKind::together), any(task, stop, BoxKind::window) {
@@ -16,7 +15,7 @@ struct Joint::Prover {
   long linear_programs() const { return some.linear_programs() + any.linear_programs(); }
 
   int number;
-  Search some, any;  ///< filters up to an order, and of any
+  Search some, any;  ///< for filters up to an order, and for filters of any order
 };
 
 }  // namespace accdec::exact

@@ -3,8 +3,7 @@
 #include <stdexcept>
 
 #include <accdec/exact/limit_model.hpp>
-#include <accdec/task/granted_limits.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec::exact {
 
@@ -15,9 +14,14 @@ struct LimitModel::Granted {
 };
 
 LimitModel::LimitModel(const Task& task)
-    : granted_(std::make_unique<Granted>(task)), rows(task), chords(task), tube(granted_->model.tube), task_(task) {}
+    : granted_(std::make_unique<Granted>(task)),
+      rows(task),
+      chords(task),
+      tube(granted_->model.tube),
+      ramps(task),
+      task_(task) {}
 LimitModel::LimitModel(const Task& granted, std::nullptr_t)
-    : rows(granted), chords(granted), tube(granted, rows), task_(granted) {}
+    : rows(granted), chords(granted), tube(granted, rows), ramps(granted), task_(granted) {}
 LimitModel::~LimitModel() = default;
 
 const LimitModel& LimitModel::granted() const {
@@ -31,7 +35,7 @@ void LimitModel::follow_tolerances() {
 
 double LimitModel::error_bound(std::size_t corner) const {
   const TaskCorner& c = task_.corners[corner];
-  // A little less than what simulation takes for zero, so that its own rounding does not matter.
+  // Slightly less than what the simulation counts as zero, so that its rounding does not matter.
   return std::max(*c.error_max, 0.999 * position_floor) /
          (task_.sample_period * std::max(c.geometry().feed_in, c.geometry().feed_out));
 }
@@ -59,7 +63,7 @@ double LimitModel::weight_out(std::size_t corner, double angle) const {
 
 namespace {
 
-/// A bound of the box itself on B_sample.
+/// The box's own bound on B_sample, as a row.
 SparseRow response_row(const proof::Response& id, const Box& box) {
   SparseRow row;
   const auto k = static_cast<std::size_t>(id.sample);

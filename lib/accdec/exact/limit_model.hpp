@@ -10,10 +10,9 @@ namespace accdec::exact {
 
 using Multipliers = proof::Multipliers;
 
-/// The limits of a task as rows in the taps: those that are linear, those outside the convex class as chords over a
-/// box, and the corner errors as cones, of which cuts are drawn. Designs are asked for under the limits as written;
-/// what is refuted, and the tube, are under those that verification grants (task/granted_limits.hpp). Keeps the
-/// reference to the task.
+/// The limits of a task as rows in the taps. Linear limits are rows; limits outside the convex class are chords over a
+/// box; corner errors are cones, drawn as cuts. Designs must hold the limits as written. Refutations and the tube use
+/// the limits that verification grants (verify.hpp). Keeps the reference to the task.
 class LimitModel {
   struct Granted;
   std::unique_ptr<Granted> granted_;  ///< null: these are the granted limits
@@ -25,11 +24,15 @@ class LimitModel {
   const ConvexRows rows;
   const Chords chords;
   const TubeLimits tube;
+  const ServoRamps ramps;
+
+  /// The task's response as boxes need it; null if there is none.
+  const ServoRamps* servo() const { return ramps.ideal() ? nullptr : &ramps; }
 
   const Task& task() const { return task_; }
   /// The model of the limits that a refutation has to hold for.
   const LimitModel& granted() const;
-  /// After tolerances of the task have changed, which designs follow at once.
+  /// Call after tolerances of the task have changed; designs follow them at once.
   void follow_tolerances();
   std::size_t corners() const { return task_.corners.size(); }
   bool convex() const { return chords.families().empty(); }
@@ -53,9 +56,9 @@ class LimitModel {
   const Task& task_;
 };
 
-/// Lower bound of sum y (form(b) - bound) over all filters in the box, b <= tap_max, sum 1, with the bounds and tap_max
-/// that verification grants: positive refutes the box.
-/// Minus infinity if a multiplier does not apply to the box. In refutation.cpp.
+/// Lower bound of sum y (form(b) - bound) over all filters in the box with b <= tap_max and sum 1. Bounds and tap_max
+/// are those that verification grants. A positive result refutes the box. Minus infinity if a multiplier does not apply
+/// to the box. In refutation.cpp.
 /// @param symmetric_order  >= 0: over symmetric filters of exactly this order
 double refutation(const LimitModel& model, const Multipliers& y, const Box& box, int symmetric_order = -1);
 

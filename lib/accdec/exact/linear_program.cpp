@@ -8,7 +8,7 @@
 namespace accdec::exact {
 namespace {
 
-/// Inactive vibration cuts are kept up to this many: they hold for every box.
+/// At most this many inactive vibration cuts are kept: they hold for every box.
 constexpr int most_vibration_rows = 60;
 
 }  // namespace
@@ -32,7 +32,7 @@ LinearProgram::LinearProgram(const LimitModel& model, int order, const std::func
   base_rows_ = lp_.rows();
 }
 
-/// The ends of a window stand for many taps.
+/// The end columns of a window stand for many taps.
 double LinearProgram::tap_bound(int column) const {
   return window_ && (column == 0 || column == largest_) ? 1.0 : model_.rows.tap_max() * (1.0 + slack_);
 }
@@ -97,7 +97,7 @@ void LinearProgram::add_base_rows() {
   all.order = largest_;
   all.corners.resize(model_.corners());
   all.window = window_;
-  // Differences in units of a tap, others of their bound: entries of the order of 1.
+  // Rows of differences are in units of a tap, others in units of their bound, so that entries are of the order of 1.
   for (const RampLimit& ramp : model_.rows.ramps()) {
     const double reach = std::ldexp(1.0, ramp.differences - 1);  // of any taps from 0 to 1
     for (int i = 0; ramp.max < reach && i <= largest_ + ramp.differences; ++i) {
@@ -157,7 +157,7 @@ void LinearProgram::add_cone(std::size_t j, double angle, const Box& box) {
   add(id);
 }
 
-/// Vibration rows in units of their bound, so that the linear program's tolerance is one relative to it.
+/// Scales vibration rows to units of their bound, so that the linear program's tolerance is relative to it.
 double LinearProgram::vibration_scale(const proof::Vibration& id) const {
   const double bound = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
   return bound > 0.01 ? 1.0 / bound : 1.0;

@@ -4,7 +4,7 @@
 
 #include <accdec/exact/linear_program.hpp>
 #include <accdec/exact/window.hpp>
-#include <accdec/machine/utilisation.hpp>
+#include <accdec/machine.hpp>
 
 // Rows that a solution of the linear program breaks.
 

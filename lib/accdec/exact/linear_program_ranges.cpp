@@ -5,8 +5,8 @@
 #include <accdec/exact/linear_program.hpp>
 #include <accdec/exact/range_cut.hpp>
 
-// The part of the linear program that several corners share: their delays and samples as columns, and what the target
-// leaves of the delays together.
+// The part of the linear program that several corners share: their delays and samples as columns, and the bound that
+// the target puts on all delays together.
 
 namespace accdec::exact {
 
@@ -19,7 +19,7 @@ void LinearProgram::draft_budget(const Box& box) {
   draft_.high = *box.budget;
 }
 
-/// Bounds of the columns, and the rows that no earlier box left.
+/// Sets the bounds of the columns and adds the rows that are not there yet.
 void LinearProgram::prepare_ranges(const Box& box) {
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const CornerBox& c = box.corners[j];

@@ -9,7 +9,7 @@ std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBound
   out.runs = design.runs;
   if (std::isfinite(proof.target)) out.bound_samples = proof.target;
   out.conflict = proof.conflict;
-  // Splits that were tried and not taken leave multipliers behind that no leaf uses.
+  // Splits that were tried but not taken leave multipliers that no leaf uses.
   std::vector<int> number(proof.multipliers.size(), -1);
   const auto use = [&](int& index) {
     if (index < 0) return;

@@ -29,7 +29,8 @@ class Pruner {
       to_.tree.push_back(proof::TooLong{});
       return;
     }
-    for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
+    for (std::size_t j = 0; j < box.corners.size(); ++j)
+      box.corners[j].k2 = std::min(box.corners[j].k2, box.last_sample(j));
     if (!model_.convex() && !model_.shrink(box)) {
       skip();
       to_.tree.push_back(proof::Unreachable{});
@@ -42,7 +43,7 @@ class Pruner {
     }
     to_.tree.push_back(node);
     if (!std::holds_alternative<proof::Split>(node)) {
-      // Its part was narrowed away under the longer target, so it is under the shorter.
+      // The part was narrowed away under the longer target, so it is empty under the shorter one.
       holds_ = false;
       return;
     }
@@ -53,8 +54,11 @@ class Pruner {
 
   /// Whether the orders left end before the samples begin.
   static bool no_sample(const Box& box) {
-    return std::any_of(box.corners.begin(), box.corners.end(),
-                       [&](const CornerBox& c) { return c.k1 > std::min(c.k2, box.order + c.d2 + 1); });
+    for (std::size_t j = 0; j < box.corners.size(); ++j) {
+      const CornerBox& c = box.corners[j];
+      if (c.k1 > std::min(c.k2, box.last_sample(j))) return true;
+    }
+    return false;
   }
 
   void leaf(int multipliers, const Box& box) {
@@ -62,14 +66,14 @@ class Pruner {
     to_.tree.push_back(proof::Refuted{kept(multipliers, box)});
   }
 
-  /// Past one node and all below it.
+  /// Skips one node and all nodes below it.
   void skip() {
     if (!std::holds_alternative<proof::Split>(from_.tree[next_++])) return;
     skip();
     skip();
   }
 
-  /// Its number in the new proof; marks the rows that say something in the box.
+  /// Number of these multipliers in the new proof; marks the rows that matter in the box.
   int kept(int index, const Box& box) {
     const Multipliers& y = from_.multipliers[static_cast<std::size_t>(index)];
     const auto [at, added] = index_.emplace(index, static_cast<int>(to_.multipliers.size()));
@@ -81,7 +85,7 @@ class Pruner {
     return at->second;
   }
 
-  /// Rows at samples past the end of a shorter filter have none left.
+  /// Rows at samples past the end of a shorter filter have no terms.
   bool has_terms(const proof::Row& id, const Box& box) const {
     if (std::holds_alternative<proof::Error>(id) || std::holds_alternative<proof::Vibration>(id)) return true;
     if (const auto* response = std::get_if<proof::Response>(&id); response && response->sample > box.order)

@@ -6,7 +6,7 @@
 namespace accdec::exact {
 namespace {
 
-/// One of the two factors of a product (k - a) G or (m - a) B: where it is exact, and the other one's bound there.
+/// Bounds a product (k - a) G or (m - a) B: where it is exact in one factor, and the other factor's bound there.
 struct Side {
   double at;     ///< of k - a or m - a
   double bound;  ///< of 1 - B_e or B_e

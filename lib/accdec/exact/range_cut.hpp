@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <vector>
 
-#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/exact/box.hpp>
-#include <accdec/motion/filter.hpp>
+#include <accdec/filter.hpp>
 
 // Internal to the exact method: cuts for a corner whose delay and sample are still ranges.
 
@@ -13,12 +13,12 @@ namespace accdec::exact {
 
 using proof::Tangent;
 
-/// A cut wp p + wq q <= bound over all delays and samples of a corner's ranges, linear in the taps and in the delay d
-/// and the sample k themselves, which the linear program has as continuous variables. p_k and q_m, m = k - d, are
-/// convex in k and m with the responses as slopes, so each lies above its tangent at any sample a:
+/// A cut wp p + wq q <= bound over all delays and samples of a corner's ranges. It is linear in the taps, the delay d
+/// and the sample k; the linear program has d and k as continuous variables. The sequences p_k and q_m, with m = k - d,
+/// are convex in k and m, and their slopes are the responses. So each lies above its tangent at any sample a:
 ///   p_k >= p_a - (k - a)(1 - B_e),  q_m >= q_a + (m - a) B_e,  e = a or a + 1,
-/// and the products are bounded by the tube's bounds on B_e (McCormick, Math. Program. 10, 1976). What the target
-/// leaves of the delays of all corners together then decides which of them may be long, without a split.
+/// and the products are bounded by the tube's bounds on B_e (McCormick, Math. Program. 10, 1976). The target's bound on
+/// all delays together then decides which of them may be long, without a split.
 struct RangeRow {
   std::vector<double> taps;
   double on_sample = 0.0;  ///< of k - k1

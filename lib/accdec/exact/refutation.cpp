@@ -9,7 +9,7 @@
 namespace accdec::exact {
 namespace {
 
-/// sum y (form - bound) as it is added up: coefficients of taps, cumulative responses, delays and samples.
+/// The sum y (form - bound): coefficients of taps, cumulative responses, delays and samples.
 class WeightedSum {
  public:
   WeightedSum(const LimitModel& model, const Box& box, int order)
@@ -29,7 +29,7 @@ class WeightedSum {
     return std::visit([&](const auto& row) { return add(row, term.multiplier); }, term.row);
   }
 
-  /// The least over all filters, delays and samples, less what rounding may have added.
+  /// The minimum over all filters, delays and samples, less the largest rounding.
   double least(bool symmetric) {
     double suffix = 0.0;
     for (std::size_t i = taps_.size(); i-- > 0;) {
@@ -75,7 +75,7 @@ class WeightedSum {
   }
 
   void add_distances(std::size_t j, double wp, double wq) {
-    if (!box_.distances.empty()) {
+    if (!box_.distances.empty() || box_.servo != nullptr) {
       for (int i = 0; i <= exact_box_.order; ++i)
         taps_[static_cast<std::size_t>(i)] += wp * box_.weight_in(j, i) + wq * box_.weight_out(j, i);
       return;
@@ -123,7 +123,7 @@ class WeightedSum {
 
   bool add(const Chord& chord, double y) {
     if (!model_.chords.single_delay(chord.family, box_)) return false;
-    // Of a longer filter or delay: at constant speed by now.
+    // This chord is of a longer filter or delay: here the speed is already constant.
     if (chord.sample > model_.chords.last_sample(chord.family, exact_box_)) return true;
     if (!has_tube() || !model_.chords.covers(chord, exact_box_)) return false;
     return add(model_.chords.row(chord, exact_box_), y);

@@ -21,7 +21,7 @@ class Relaxation::Impl {
     program_->prepare(box, symmetric);
     Outcome outcome = cut(box, symmetric, true, strongest);
     if (outcome.kind != Outcome::unresolved) return outcome;
-    // Once more from the start, and then by another's arithmetic.
+    // Try again from a cold start, and then with Clp.
     for (const bool clp : {false, true}) {
       if (outcome.kind != Outcome::unresolved || (stop_ && stop_())) break;
       program_->start_cold();
@@ -35,8 +35,8 @@ class Relaxation::Impl {
     return outcome;
   }
 
-  /// A limit outside the convex class holds where its tangent at a known point holds; from point to point the excess
-  /// over these limits and the cones falls (convex-concave procedure).
+  /// A limit outside the convex class holds if its tangent at a known point holds. The excess over these limits and the
+  /// cones falls from point to point (convex-concave procedure).
   std::optional<Filter> repair(const Box& box, bool symmetric, Filter at) {
     std::vector<Chord> close;
     double before = DualSimplex::infinity;
@@ -54,8 +54,7 @@ class Relaxation::Impl {
     return std::nullopt;
   }
 
-  /// As `repair`, but only the cones may be broken; tangents hold limits by themselves, so every step stays inside
-  /// them.
+  /// As `repair`, but only the cones may be broken. Tangents imply their limits, so every step stays within the limits.
   std::optional<Filter> approach(const Box& box, bool symmetric, Filter at) {
     std::vector<Chord> close;
     model_.chords.gather_close(at, box, close);
@@ -93,8 +92,8 @@ class Relaxation::Impl {
     return outcome;
   }
 
-  /// @param refuting  stop as soon as the box is refuted (strongest: no further cut adds to that), else minimise the
-  /// excess
+  /// @param refuting  stop as soon as the box is refuted (strongest: when no further cut improves that), else minimise
+  /// the excess
   Outcome cut(const Box& box, bool symmetric, bool refuting, bool strongest) {
     Outcome outcome;
     double by = 0.0;

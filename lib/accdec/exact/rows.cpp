@@ -9,7 +9,7 @@
 namespace accdec::exact {
 namespace {
 
-/// A row on its way: terms beyond the order are dropped, responses there are 1.
+/// A row under construction: terms beyond the order are dropped, as responses there are 1.
 struct RowBuilder {
   int order;
   SparseRow row{};
@@ -170,7 +170,8 @@ double ConvexRows::vibration_coefficient(const proof::Vibration& id, int i) cons
 }
 
 void ConvexRows::add_vibration(const proof::Vibration& id, double y, std::span<double> taps) const {
-  // A cosine costs more than all else here. Turned on from one to the next, and set afresh before rounding piles up.
+  // The cosine is the expensive part. So it is advanced by rotation and computed directly now and then, before rounding
+  // adds up.
   constexpr std::size_t afresh = 16;
   const double turn = 2.0 * std::numbers::pi * id.frequency * task_.sample_period, c = std::cos(turn),
                s = std::sin(turn);

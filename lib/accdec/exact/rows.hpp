@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include <accdec/certificate/certificate.hpp>
+#include <accdec/certificate.hpp>
 #include <accdec/exact/box.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/motion/filter.hpp>
 
 namespace accdec::exact {
 
-/// Numbers with their coefficients, of which a row has few: kept in place, for rows are made by the thousand.
+/// Indices with their coefficients. A row has few of them, and thousands of rows are made, so they are kept in place.
 class FewTerms {
  public:
   using Term = std::pair<int, double>;
@@ -33,7 +33,7 @@ class FewTerms {
 struct SparseRow {
   FewTerms taps, sums;
   double constant = 0.0;
-  /// No tap of the box's filters is in it: past the end of a shorter filter.
+  /// No tap of the box's filters is in the row: it lies past the end of a shorter filter.
   bool no_terms() const { return taps.empty() && sums.empty(); }
 };
 
@@ -49,7 +49,8 @@ struct EventSpeeds {
 };
 std::vector<EventSpeeds> event_speeds(const Task& task);
 
-/// A limit on differences of the acceleration, at start and stop of the fastest leg: one on those of the taps.
+/// A limit on differences of the acceleration at start and stop of the fastest leg, as a limit on differences of the
+/// taps.
 struct RampLimit {
   LimitKind kind;
   int differences;  ///< >= 1
@@ -64,7 +65,7 @@ class ConvexRows {
 
   double tap_max() const { return tap_max_; }  ///< from accelerations, <= 1
   const std::vector<RampLimit>& ramps() const { return ramps_; }
-  /// The bound of one of these; infinite if there is none.
+  /// The bound of one of these limits; infinite if there is none.
   double ramp_max(LimitKind kind) const;
 
   /// Force rows of start and stop for orders up to `order`.
@@ -77,7 +78,7 @@ class ConvexRows {
   std::vector<proof::Row> broken_blend_rows(const Filter& filter, const Box& box, double slack) const;
   /// Dense coefficient of tap i in a vibration row.
   double vibration_coefficient(const proof::Vibration& id, int i) const;
-  /// Adds y times those of the first taps.
+  /// Adds y times the coefficients of the first taps.
   void add_vibration(const proof::Vibration& id, double y, std::span<double> taps) const;
 
  private:

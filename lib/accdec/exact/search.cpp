@@ -4,12 +4,11 @@
 
 #include <accdec/exact/search.hpp>
 #include <accdec/exact/size.hpp>
-#include <accdec/exact/window.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec::exact {
 namespace {
@@ -60,12 +59,14 @@ Filter trimmed(const Filter& filter, const DesignBounds& bounds) {
 Box Search::root() const {
   Box box;
   box.order = task_.design.order_max;
+  box.servo = model_.servo();
   for (const TaskCorner& corner : task_.corners) {
     CornerBox b;
-    // From d = N + 1 on the legs are apart; their last and first changes a sample later for every difference limited.
+    // From d = N + 1 on, the legs do not overlap. Every limited difference of the acceleration adds one sample to this,
+    // and a response as many as it has.
     b.d1 = corner.delay.value_or(0);
-    b.d2 = corner.delay.value_or(task_.design.order_max + settling);
-    b.k2 = b.d2 + task_.design.order_max + 1;
+    b.d2 = corner.delay.value_or(task_.design.order_max + settling + box.longer());
+    b.k2 = b.d2 + task_.design.order_max + 1 + box.longer();
     box.corners.push_back(b);
   }
   return box;
@@ -92,7 +93,7 @@ Filter Search::mended(const Filter& filter, const Box& box, bool symmetric, cons
   for (int attempt = 0; attempt < 5; ++attempt) {
     const VerificationReport report = verify_by_simulation(task_, trimmed(tried, task_.design), delays);
     if (report.feasible) return tried;
-    // More than this is no rounding.
+    // A larger violation is not rounding.
     if (report.max_violation > 1e-6 || margin < 0.0) break;
     margin = std::max(2.0 * margin, 2.0 * report.max_violation);
     const auto asked_for = [&](double by) {
@@ -102,7 +103,7 @@ Filter Search::mended(const Filter& filter, const Box& box, bool symmetric, cons
       return outcome.filter;
     };
     auto next = attempt < 3 ? asked_for(margin) : std::nullopt;
-    // No such margin is left, but perhaps part of what verification grants.
+    // The limits leave no such margin, but perhaps part of what verification grants.
     if (!next) next = asked_for(margin = almost_granted);
     if (!next) break;
     tried = std::move(*next);
@@ -125,15 +126,15 @@ void Search::offer(Filter filter) {
 
 int Search::smallest_order() {
   const int most = task_.design.order_max;
-  // Without tolerances: every delay free and every sample.
+  // Without tolerances every delay and every sample is free.
   const auto holds = [&](int order) {
     size_for(order);
     Box box = root();
     box.order = order;
     for (std::size_t j = 0; j < box.corners.size(); ++j) {
       CornerBox& b = box.corners[j];
-      if (!task_.corners[j].delay) b.d1 = 0, b.d2 = std::max(order, most) + settling;
-      b.k1 = 0, b.k2 = b.d2 + order + 1;
+      if (!task_.corners[j].delay) b.d1 = 0, b.d2 = std::max(order, most) + settling + box.longer();
+      b.k1 = 0, b.k2 = b.d2 + order + 1 + box.longer();
     }
     if (!model_.convex() && !model_.shrink(box)) return false;
     const Outcome outcome = relaxation_->solve(box, false);
@@ -157,50 +158,21 @@ int Search::smallest_order() {
 }
 
 Search::State Search::leave(proof::Node leaf) {
-  current_.tree.push_back(std::move(leaf));
+  draft_.add(std::move(leaf));
   return State::closed;
 }
 
-int Search::keep(Multipliers y, CornerBox of) {
-  current_.multipliers.push_back(std::move(y));
-  in_tree_.push_back(false);
-  refuted_corner_.push_back(of);
-  return static_cast<int>(current_.multipliers.size()) - 1;
-}
-
-void Search::remember(int multipliers) {
-  const std::size_t most = task_.corners.size() > 1 ? 60 : 8;
-  const auto old = std::find(recent_.begin(), recent_.end(), multipliers);
-  if (old != recent_.end()) recent_.erase(old);
-  recent_.insert(recent_.begin(), multipliers);
-  if (recent_.size() <= most) return;
-  // Of a split that was tried and not taken: nobody will ask for it again.
-  const auto last = static_cast<std::size_t>(recent_.back());
-  if (!in_tree_[last]) current_.multipliers[last] = {};
-  recent_.pop_back();
-}
-
-bool Search::refutes(int multipliers, const Box& box) const {
-  const Multipliers& y = current_.multipliers[static_cast<std::size_t>(multipliers)];
-  return (box.window ? window_refutation(model_, y, box) : refutation(model_, y, box)) > 0.0;
-}
-
-int Search::refuted_before(const Box& box) {
-  const auto found = std::find_if(recent_.begin(), recent_.end(), [&](int y) { return refutes(y, box); });
-  return found == recent_.end() ? -1 : *found;
-}
-
 Search::State Search::close_by(int multipliers) {
-  in_tree_[static_cast<std::size_t>(multipliers)] = true;
-  remember(multipliers);
-  return leave(proof::Refuted{multipliers});
+  draft_.close_by(multipliers);
+  return State::closed;
 }
 
 bool Search::narrow(Box& box, proof::Node* why) {
   if (why) *why = proof::TooLong{};
   if (box.window) return true;
   if (!tighten(task_, target_, box)) return false;
-  for (CornerBox& b : box.corners) b.k2 = std::min(b.k2, box.order + b.d2 + 1);
+  for (std::size_t j = 0; j < box.corners.size(); ++j)
+    box.corners[j].k2 = std::min(box.corners[j].k2, box.last_sample(j));
   for (const CornerBox& b : box.corners) {
     if (b.k1 > b.k2) return false;
   }
@@ -208,7 +180,7 @@ bool Search::narrow(Box& box, proof::Node* why) {
   return (model_.convex() && !box.budget) || model_.shrink(box);
 }
 
-/// With the delay of the box; of several delays, the linear program has no limits of the blend, and the filter breaks
+/// Uses the delay of the box. With several delays, the linear program has no limits of the blend, so the filter breaks
 /// them.
 bool Search::may_be_shorter(const Filter& filter, const Box& box) const {
   if (model_.convex() && box.corners.front().d1 < box.corners.front().d2) return false;
@@ -225,23 +197,23 @@ Search::State Search::refute(Box box) {
   proof::Node why;
   if (!narrow(box, &why)) return leave(why);
   if (const auto node = split_of_long_orders(box)) {
-    current_.tree.push_back(*node);
+    draft_.add(*node);
     const auto [shorter, longer] = parts(whole, *node);
     const State state = refute(shorter);
     return state == State::closed ? refute(longer) : state;
   }
-  if (const int y = refuted_before(box); y >= 0) return close_by(y);
+  if (const int y = draft_.refuted_before(box); y >= 0) return close_by(y);
   const bool one = box.corners.size() == 1 && model_.cone(0);
-  if (const auto beginning = one ? refuted_beginning(box) : std::nullopt) {
+  if (const auto beginning = one ? draft_.refuted_beginning(box) : std::nullopt) {
     if (beginning->last == box.corners.front().k2) return close_by(beginning->multipliers);
-    current_.tree.push_back(proof::Split{0, false, beginning->last});
+    draft_.add(proof::Split{0, false, beginning->last});
     close_by(beginning->multipliers);
     return refute(parts(whole, proof::Split{0, false, beginning->last}).second);
   }
 
   Outcome outcome = relaxation_->solve(box, false);
   if (outcome.kind == Outcome::refuted)
-    return close_by(keep(std::move(outcome.multipliers), one ? box.corners.front() : CornerBox{.k1 = 1}));
+    return close_by(draft_.keep(std::move(outcome.multipliers), one ? box.corners.front() : CornerBox{.k1 = 1}));
   if (single(model_, box)) return go_on(refute_single(std::move(box), std::move(outcome)), whole);
   if (outcome.filter && (!one || may_be_shorter(*outcome.filter, box))) offer(*outcome.filter);
   const auto found = [&] { return best && best->value < target_ * (1.0 - 1e-9); };
@@ -250,12 +222,12 @@ Search::State Search::refute(Box box) {
                            : one && outcome.filter ? split_alone(*outcome.filter, box)
                                                    : widest_split(model_, box);
   if (found()) return State::found;
-  current_.tree.push_back(node);
+  draft_.add(node);
   const auto [first, second] = parts(whole, node);
   return both(refute(first), [&, part = &second] { return refute(*part); });
 }
 
-/// A box of one delay and one sample for every corner.
+/// Refutes a box of one delay and one sample for every corner.
 Search::State Search::refute_single(Box box, Outcome outcome) {
   if (by_chords_) return reach_by_chords(box, outcome);
   if (!model_.convex()) {
@@ -284,7 +256,7 @@ Search::State Search::refute_single(Box box, Outcome outcome) {
     outcome = relaxation_->solve(exact_order, true);
     if (outcome.kind == Outcome::feasible) return found(*outcome.filter, exact_order);
     if (outcome.kind != Outcome::refuted) return undecided();
-    leaf[less] = keep(std::move(outcome.multipliers));
+    leaf[less] = draft_.keep(std::move(outcome.multipliers));
   }
   return leave(proof::RefutedSymmetric{leaf[0], leaf[1] >= 0 ? leaf[1] : -2});
 }

@@ -6,7 +6,7 @@
 namespace accdec::exact {
 namespace {
 
-/// A tube this narrow says that rounding decides.
+/// In a tube this narrow, rounding decides.
 constexpr double narrowest = 1e-9;
 constexpr int deepest = 300;
 
@@ -31,7 +31,7 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
       for (const int k : {sample, sample - d, sample - 1, sample - 1 - d}) {
         if (k < 1 || k > box.order) continue;
         const double low = box.tube.low[static_cast<std::size_t>(k)], high = box.tube.high[static_cast<std::size_t>(k)];
-        // The speed before counts less: chords are exact in it.
+        // The speed one sample before counts less: chords are exact in it.
         const double width = (high - low) * (k == sample || k == sample - d ? 1.0 : 1e-3);
         if (width <= widest) continue;
         widest = width;
@@ -46,12 +46,12 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
 }
 
 Search::State Search::close(Multipliers y) {
-  return leave(proof::Refuted{keep(std::move(y))});
+  return leave(proof::Refuted{draft_.keep(std::move(y))});
 }
 
 Search::State Search::split_sum(const Box& box, const SumBound& at, bool symmetric, int depth) {
   if (at.sample == 0) return undecided();
-  current_.tree.push_back(proof::ResponseSplit{at.sample, at.level});
+  draft_.add(proof::ResponseSplit{at.sample, at.level});
   Box first = box, second = box;
   first.path.push_back({at.sample, true, at.level});
   second.path.push_back({at.sample, false, at.level});
@@ -59,14 +59,14 @@ Search::State Search::split_sum(const Box& box, const SumBound& at, bool symmetr
               [&] { return refute_sums(std::move(second), symmetric, depth + 1); });
 }
 
-/// A box of single delays and samples, of symmetric filters of exactly its order or of all up to it.
+/// Refutes a box of single delays and samples, for symmetric filters of exactly its order or for all filters up to it.
 Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
   if (stopped() || depth > deepest) return undecided();
   if (!model_.shrink(box)) return leave(proof::Unreachable{});
   Outcome outcome = relaxation_->solve(box, symmetric);
   if (outcome.kind == Outcome::refuted) return close(std::move(outcome.multipliers));
   if (outcome.kind != Outcome::feasible) {
-    // The linear program came to no conclusion; its parts may.
+    // The linear program gave no answer; its parts may give one.
     SumBound middle;
     double widest = 1e-3;
     for (int k = 1; k <= box.order; ++k) {

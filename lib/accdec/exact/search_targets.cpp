@@ -4,7 +4,7 @@
 #include <accdec/exact/search.hpp>
 #include <accdec/task/objective.hpp>
 
-// From target to target: what one proof leaves to the next.
+// What one proof passes on to the proof of the next target.
 
 namespace accdec::exact {
 namespace {
@@ -13,7 +13,7 @@ double value_of_one(const Task& task, int order, int delay) {
   return cost_of(task)(order, {delay});
 }
 
-/// How many nodes stand for the parts of this one.
+/// Number of nodes for the parts of this node.
 int parts_of(const proof::Node& node) {
   const bool two = std::holds_alternative<proof::Split>(node) || std::holds_alternative<proof::OrderSplit>(node) ||
                    std::holds_alternative<proof::ResponseSplit>(node) ||
@@ -41,26 +41,23 @@ Search::Answer Search::minimise(double target, long budget) {
 
 Search::Answer Search::search(double target) {
   target_ = target;
-  current_ = Proof{};
-  recent_.clear();
-  in_tree_.clear();
-  refuted_corner_.clear();
+  draft_.begin();
   Box box = root();
   if (tighten(task_, target, box)) size_for(box.order);
   std::size_t next = 0;
-  // Of several corners, splits that were right for one target are not for the next: their budget differs.
+  // With several corners, splits that were right for one target are wrong for the next: their budget differs.
   const bool again = task_.corners.size() == 1 && !going_on_ && !proof.tree.empty() && proof.target <= target;
   const State state = again ? refute_again(root(), next) : refute(root());
   if (state == State::found) return Answer::found;
   if (state == State::open) return Answer::open;
   if (state == State::stopped) return Answer::unknown;
-  current_.target = target_;
+  Proof written = draft_.take(target_);
   if (target_ < target) {
-    auto shorter = pruned(model_, root(), current_);
+    auto shorter = pruned(model_, root(), written);
     if (!shorter) return going_on_ && by_chords_ ? Answer::unknown : below(target_);
-    current_ = std::move(*shorter);
+    written = std::move(*shorter);
   }
-  proof = std::move(current_);
+  proof = std::move(written);
   return Answer::proved;
 }
 
@@ -73,7 +70,7 @@ Search::State Search::go_on(State state, const Box& box) {
   return refute(box);
 }
 
-/// A single delay and sample that the chords do not refute: what is shortest there is as far as they reach.
+/// A single delay and sample that the chords do not refute: the shortest value there limits what the chords can prove.
 Search::State Search::reach_by_chords(const Box& box, const Outcome& outcome) {
   if (outcome.kind != Outcome::feasible) return undecided();
   const Filter filter = trimmed(*outcome.filter, task_.design);
@@ -81,7 +78,7 @@ Search::State Search::reach_by_chords(const Box& box, const Outcome& outcome) {
   return State::found;
 }
 
-/// The last proof's splits once more for a longer target: its multipliers refute most of their boxes still.
+/// Repeats the last proof's splits for a longer target: its multipliers still refute most of the boxes.
 /// @param next  of its nodes
 Search::State Search::refute_again(const Box& whole, std::size_t& next) {
   if (stopped()) return State::stopped;
@@ -98,14 +95,14 @@ Search::State Search::refute_again(const Box& whole, std::size_t& next) {
     return leave(why);
   }
   if (split != nullptr) {
-    current_.tree.push_back(node);
+    draft_.add(node);
     const auto [first, second] = parts(whole, *split);
     return both(refute_again(first, next), [&, part = &second] { return refute_again(*part, next); });
   }
   skip();
   if (refuted == nullptr) return refute(whole);
   const Multipliers& y = proof.multipliers[static_cast<std::size_t>(refuted->multipliers)];
-  if (refutation(model_, y, box) > 0.0) return close_by(keep(y));
+  if (refutation(model_, y, box) > 0.0) return close_by(draft_.keep(y));
   return refute(whole);
 }
 

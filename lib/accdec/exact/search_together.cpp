@@ -6,9 +6,9 @@
 #include <accdec/exact/window.hpp>
 #include <accdec/machine/limits.hpp>
 
-// Boxes of several corners whose delays are bounded above and whose orders are bounded, whatever they cost: what the
-// joint proof asks, see joint.hpp. There only the samples are open, and the linear program's own filter says which of
-// them to split.
+// Refutes boxes of several corners with upper bounds on the delays and the order, whatever they cost. The joint proof
+// asks this, see joint.hpp. Only the samples are open here, and the linear program's own filter tells which of them to
+// split.
 
 namespace accdec::exact {
 namespace {
@@ -53,15 +53,17 @@ std::optional<proof::Node> Search::split_together(const Filter& filter, const Bo
     const CornerBox& c = box.corners[j];
     if (!among_[j]) continue;
     bool error_holds = !model_.cone(j), limits_hold = false;
+    std::optional<CornerError> error;
+    if (model_.cone(j)) error.emplace(model_, filter, j);
     for (int d = c.d1; d <= c.d2 && !limits_hold; ++d) {
-      if (model_.cone(j) && !CornerError(model_, filter, j).holds(d, c, box.order)) continue;
+      if (error && !error->holds(d, c, box.order)) continue;
       error_holds = true;
       limits_hold = blend_holds(filter, box, j, d);
     }
     if (!error_holds) {
-      consider_splits(CornerError(model_, filter, j), j, c, false, chosen);
+      consider_splits(*error, j, c, false, chosen);
     } else if (!limits_hold && c.d1 < c.d2 && chosen.gain < -1e9) {
-      // Other limits of the blend ask for single delays; the longest is the one most likely to hold.
+      // Other limits of the blend need single delays; the longest delay is the most likely to hold.
       chosen.gain = -1e9;
       chosen.split = {static_cast<int>(j), true, c.d2 - 1};
     }
@@ -70,7 +72,7 @@ std::optional<proof::Node> Search::split_together(const Filter& filter, const Bo
   if (model_.convex() || box.window) return std::nullopt;
   const auto broken = widest_break(model_, filter, box, &among_);
   if (!broken) return std::nullopt;
-  // Nothing is left to split where rounding decides.
+  // Rounding decides here: nothing is left to split.
   if (broken->sample == 0) return proof::TooLong{};
   return proof::ResponseSplit{broken->sample, broken->level};
 }
@@ -81,9 +83,9 @@ Search::State Search::refute_together(Box box, int depth) {
   const Box whole = box;
   proof::Node why;
   if (!narrow(box, &why)) return leave(why);
-  if (const int y = refuted_before(box); y >= 0) return close_by(y);
+  if (const int y = draft_.refuted_before(box); y >= 0) return close_by(y);
   Outcome outcome = relaxation_->solve(box, false);
-  if (outcome.kind == Outcome::refuted) return close_by(keep(std::move(outcome.multipliers)));
+  if (outcome.kind == Outcome::refuted) return close_by(draft_.keep(std::move(outcome.multipliers)));
   if (!outcome.filter) return undecided();
   offer(*outcome.filter);
   const auto node = split_together(*outcome.filter, box);
@@ -92,25 +94,25 @@ Search::State Search::refute_together(Box box, int depth) {
     return State::found;
   }
   if (std::holds_alternative<proof::TooLong>(*node)) return State::open;
-  current_.tree.push_back(*node);
+  draft_.add(*node);
   std::pair<Box, Box> both_parts = parts(whole, *node);
   const State state = refute_together(std::move(both_parts.first), depth + 1);
   return state == State::closed ? refute_together(std::move(both_parts.second), depth + 1) : state;
 }
 
-/// A proof's splits once more, for a box of other delays: its multipliers refute most parts still.
+/// Repeats a proof's splits for a box of other delays: its multipliers still refute most parts.
 Search::State Search::refute_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole, int depth) {
   if (stopped()) return State::stopped;
   Box box = whole;
   proof::Node why;
   if (!narrow(box, &why)) return leave(why);
   if (const auto* refuted = std::get_if<proof::Refuted>(&tree[node])) {
-    if (refutes(refuted->multipliers, box)) return close_by(refuted->multipliers);
+    if (draft_.refutes(refuted->multipliers, box)) return close_by(refuted->multipliers);
   } else if (const auto* split = std::get_if<proof::Split>(&tree[node])) {
     const CornerBox& c = whole.corner(split->corner);
     const std::size_t first = node + 1, second = after(tree, first);
     const bool counts = among_[static_cast<std::size_t>(split->corner)] != 0;
-    // The part that the range is in whole; of a corner that does not count any more the one known best.
+    // The part that contains the whole range. For a corner that does not count any more: the part with more nodes.
     if (counts ? split->at >= (split->on_delay ? c.d2 : c.k2) : second - first >= after(tree, second) - second)
       return refute_like(tree, first, whole, depth);
     if (!counts || split->at < (split->on_delay ? c.d1 : c.k1)) return refute_like(tree, second, whole, depth);
@@ -122,7 +124,7 @@ Search::State Search::refute_like(const std::vector<proof::Node>& tree, std::siz
 }
 
 Search::State Search::both_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole, int depth) {
-  current_.tree.push_back(tree[node]);
+  draft_.add(tree[node]);
   const auto [a, b] = parts(whole, tree[node]);
   const State state = refute_like(tree, node + 1, a, depth + 1);
   return state == State::closed ? refute_like(tree, after(tree, node + 1), b, depth + 1) : state;
@@ -131,20 +133,20 @@ Search::State Search::both_like(const std::vector<proof::Node>& tree, std::size_
 Search::Together Search::refute_together(int order, const std::vector<int>& most, long budget,
                                          const std::vector<proof::Node>& like) {
   target_ = std::numeric_limits<double>::infinity();
-  current_.tree.clear();
+  draft_.take_tree();
   if (window_.order > 0) order = window_.order;
   Box box = root();
   box.order_most = order;
   among_.assign(box.corners.size(), 0);
   for (std::size_t j = 0; j < most.size(); ++j) {
     if (most[j] < 0) {
-      if (!task_.corners[j].delay) box.corners[j].d2 = order + settling;
-      box.corners[j].k2 = box.corners[j].d2 + order + 1;
+      if (!task_.corners[j].delay) box.corners[j].d2 = order + settling + box.longer();
+      box.corners[j].k2 = box.corners[j].d2 + order + 1 + box.longer();
       continue;
     }
     among_[j] = 1;
     box.corners[j].d2 = std::min(box.corners[j].d2, most[j]);
-    box.corners[j].k2 = box.corners[j].d2 + order + 1;
+    box.corners[j].k2 = box.corners[j].d2 + order + 1 + box.longer();
   }
   if (window_.order > 0) {
     const int anchor = window_.anchor(most);
@@ -162,20 +164,8 @@ Search::Together Search::refute_together(int order, const std::vector<int>& most
   budget_end_ = std::numeric_limits<long>::max();
   answer.refuted = state == State::closed;
   answer.holds = state == State::found;
-  answer.tree = std::move(current_.tree);
-  current_.tree.clear();
+  answer.tree = draft_.take_tree();
   return answer;
-}
-
-void Search::forget(std::size_t from, const std::vector<proof::Node>& tree) {
-  std::fill(in_tree_.begin() + static_cast<std::ptrdiff_t>(from), in_tree_.end(), false);
-  for (const proof::Node& node : tree)
-    if (const auto* refuted = std::get_if<proof::Refuted>(&node))
-      in_tree_[static_cast<std::size_t>(refuted->multipliers)] = true;
-  for (std::size_t i = from; i < in_tree_.size(); ++i) {
-    const bool lately = std::find(recent_.begin(), recent_.end(), static_cast<int>(i)) != recent_.end();
-    if (!in_tree_[i] && !lately) current_.multipliers[i] = {};
-  }
 }
 
 std::vector<char> Search::corners_used(const std::vector<proof::Node>& tree) const {
@@ -184,8 +174,8 @@ std::vector<char> Search::corners_used(const std::vector<proof::Node>& tree) con
     if (const auto* split = std::get_if<proof::Split>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
     const auto* refuted = std::get_if<proof::Refuted>(&node);
     if (refuted == nullptr) continue;
-    for (const auto& [id, y] : current_.multipliers[static_cast<std::size_t>(refuted->multipliers)]) {
-      // The error of a corner that does not count is in some linear programs, but bounds nothing there.
+    for (const auto& [id, y] : multipliers()[static_cast<std::size_t>(refuted->multipliers)]) {
+      // The error of a corner that does not count is in some linear programs, but it bounds nothing there.
       const int corner = corner_of(id);
       if (corner >= 0 && among_[static_cast<std::size_t>(corner)]) used[static_cast<std::size_t>(corner)] = 1;
     }

@@ -9,9 +9,9 @@
 namespace accdec::exact {
 namespace {
 
-/// A pivot passes over the whole tableau: beyond this, each takes about a second.
+/// A pivot reads the whole tableau: beyond this size each takes about a second.
 constexpr double bytes_max = 4e9;
-/// This little is always there: asking the system how much is takes longer than a small task.
+/// This much memory is always there; asking the system takes longer than a small task.
 constexpr double bytes_always = 1e7;
 
 }  // namespace
@@ -26,7 +26,7 @@ double linear_program_bytes(const Task& task, int order) {
     if (axis.force_max < unlimited && axis.damping > 0.0) sums += n;
   }
   if (!is_convex(task)) sums += n;
-  // Cuts of the cones and the blends come as they are needed: about one a corner and a tenth as many as taps.
+  // Cuts of the cones and the blends are added as needed: about one per corner and a tenth of the number of taps.
   const double rows = 1.0 + (jerk ? n : 0.0) + sums + corners + 0.1 * n;
   const double tableau = 2.0 * sizeof(double) * rows * columns;
   const double kept = (sizeof(double) + sizeof(int)) * (0.5 * sums * n + corners * n);

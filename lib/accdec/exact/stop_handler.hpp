@@ -7,8 +7,8 @@
 
 namespace accdec::exact {
 
-/// Ends a linear program (status 5) between two iterations once `stop` says so: a single large one can take longer
-/// than the whole time limit.
+/// Ends a linear program (status 5) between two iterations when `stop` returns true. A single large program can take
+/// longer than the whole time limit.
 class StopHandler : public ClpEventHandler {
  public:
   explicit StopHandler(std::function<bool()> stop) : stop_(std::move(stop)) {}

@@ -5,14 +5,14 @@
 namespace accdec::exact {
 namespace {
 
-// One source, compiled for every processor and for those with AVX2.
+// The same source is compiled twice: for every processor, and for those with AVX2.
 #define ACCDEC_INLINE [[gnu::always_inline]] inline
 
 ACCDEC_INLINE void add(double* __restrict to, const double* __restrict from, double factor, std::size_t size) {
   for (std::size_t j = 0; j < size; ++j) to[j] += factor * from[j];
 }
 
-/// Of four sums side by side.
+/// Adds up in four parallel sums.
 template <class Term>
 ACCDEC_INLINE double sum(std::size_t size, Term term) {
   double sums[4] = {0.0, 0.0, 0.0, 0.0};

@@ -16,8 +16,8 @@ double TubeLimits::Plant::most_after(double x, double high) const {
     return y;
   }
   if (force < unlimited) y = std::min(y, (force + drag + inertia * x) / slope);
-  // What is left of the speed, w, is at most the smaller or at least the larger root of slope w^2 - inertia (1 - x) w
-  // + regeneration = 0.
+  // The remaining speed w is at most the smaller root of slope w^2 - inertia (1 - x) w + regeneration = 0, or at least
+  // the larger root.
   const double b = inertia * (1.0 - x), square = b * b - 4.0 * slope * regeneration;
   if (regeneration < unlimited && square > 0.0) {
     const double small = (b - std::sqrt(square)) / (2.0 * slope), large = (b + std::sqrt(square)) / (2.0 * slope);
@@ -57,7 +57,7 @@ TubeLimits::TubeLimits(const Task& task, const ConvexRows& rows)
   }
 }
 
-/// What splits and jerk leave.
+/// Starts with the range that splits and jerk leave.
 void TubeLimits::begin(Box& box) const {
   Tube& tube = box.tube;
   const int n = box.order;

@@ -7,7 +7,7 @@
 
 namespace accdec::exact {
 
-/// Bounds on the cumulative responses of a box, by what the limits on starts and stops can reach.
+/// Bounds on the cumulative responses of a box: the values that the limits on starts and stops can reach.
 class TubeLimits {
  public:
   TubeLimits(const Task& task, const ConvexRows& rows);

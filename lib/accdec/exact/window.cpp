@@ -3,12 +3,13 @@
 #include <limits>
 
 #include <accdec/exact/window.hpp>
+#include <accdec/machine/limits.hpp>
 
 namespace accdec::exact {
 
 namespace {
 
-/// What a row says of the taps inside.
+/// The part of a row that concerns the taps inside.
 struct Inside {
   const Box& box;
   bool inner(int tap) const { return tap >= 1 && tap <= box.order - 1; }
@@ -74,7 +75,7 @@ double window_refutation(const LimitModel& written, const Multipliers& y, const 
     suffix += on_sum[i + 1];
     c[i] += suffix;
   }
-  // Least sum c_i b_i: the cheapest taps inside are full, the rest is in the cheaper end.
+  // Least sum c_i b_i: the cheapest taps inside are full, and the cheaper end takes the rest.
   const double end = std::min(c.front(), c.back()), most = 1.0 / model.rows.tap_max();
   const auto dear = std::partition(c.begin() + 1, c.end() - 1, [&](double x) { return x < end; });
   const auto full = c.begin() + 1 + std::min(dear - c.begin() - 1, static_cast<std::ptrdiff_t>(most));

@@ -14,16 +14,16 @@
 #include <accdec/files/keys.hpp>
 #include <accdec/files/suggestion.hpp>
 
-// Internal: whether the tables of a file hold what their keys allow. One check for TOML and JSON.
+// Internal: checks that the tables of a file hold what their keys allow. One check for TOML and JSON.
 
 namespace accdec {
 
-/// Checks trees of nodes, which are TOML's or JSON's. A node knows what it is and where it stands, and the words of its
-/// format: see TomlNode.
+/// Checks trees of nodes, which are TOML's or JSON's. A node knows its type, its place and the words of its format: see
+/// TomlNode.
 template <class Node>
 class KeyCheck {
  public:
-  /// @param top  of the whole file, where keys may belong that are unknown in a table
+  /// @param top  keys of the whole file, where keys may belong that are unknown in a table
   KeyCheck(const std::vector<Key>& top, Faults& faults) : top_(top), faults_(faults) {}
 
   /// @param label  how messages call the table
@@ -39,7 +39,7 @@ class KeyCheck {
       if (faults_.full()) return;
       if (const auto member = node.find(key.name)) {
         value(*member, key, pointer + "/" + key.name);
-      } else if (key.required && all_known) {  // what is missing may be what is misspelt
+      } else if (key.required && all_known) {  // the missing key may be the misspelt one
         faults_.add(node.fault(pointer, Node::missing(label, key)));
       }
     }
@@ -77,15 +77,15 @@ class KeyCheck {
     }
     const double x = node.number();
     if (!std::isfinite(x)) {
-      faults_.add(node.fault(at, fmt::format("{}must be finite, got {}; {}", what, x, key.range.text(key.name))));
+      faults_.add(node.fault(at, fmt::format("{}must be finite, got {}; {}", what, x, allowed(key))));
     } else if (!key.range.holds(x)) {
-      faults_.add(
-          node.fault(at, fmt::format("{}{} is out of range; {}", Node::equals(what), x, key.range.text(key.name))));
+      faults_.add(node.fault(at, fmt::format("{}{} is out of range; {}", Node::equals(what), x, allowed(key))));
     } else if (key.whole && x != std::floor(x)) {
       faults_.add(node.fault(at, fmt::format("{}{} must be a whole number", Node::equals(what), x)));
     }
   }
 
+  static std::string allowed(const Key& key) { return key.allowed.empty() ? key.range.text(key.name) : key.allowed; }
   /// "0 <= key <= 9"
   static std::string range(const Key& key) {
     return key.range.text(key.name).substr(std::string_view("allowed is ").size());
@@ -105,7 +105,7 @@ class KeyCheck {
     }
     const Key element = one_of(key);
     const std::size_t before = faults_.size();
-    for (std::size_t i = 0; i < n && faults_.size() == before; ++i) {  // the first that is wrong will do
+    for (std::size_t i = 0; i < n && faults_.size() == before; ++i) {  // the first wrong one is enough
       const Node one = node.element(i);
       if (one.is_number() && std::isfinite(one.number()) && key.range.holds(one.number()) && !key.whole) continue;
       number(one, element, Node::subject(key.name, i), fmt::format("{}/{}", at, i));
@@ -186,7 +186,7 @@ class KeyCheck {
     }
   }
 
-  /// What an unknown key may have been meant to be.
+  /// A suggestion for an unknown key.
   std::string hint(std::string_view name, const std::vector<Key>& keys) const {
     const auto known = names_of(keys);
     if (Node::is_toml && nearest(name, known).empty()) {
@@ -196,7 +196,7 @@ class KeyCheck {
     return suggest(name, known);
   }
 
-  /// Where a key would be right: "in [[corner]] or [program]", "at the top, before any table"; may be empty.
+  /// The place where a key is allowed: "in [[corner]] or [program]", "at the top, before any table"; may be empty.
   static std::string home_of(std::string_view name, const std::vector<Key>& top) {
     if (const Key* key = find_key(top, name); key && key->type != KeyType::table && key->type != KeyType::tables)
       return "at the top, before any table";

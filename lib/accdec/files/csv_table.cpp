@@ -1,8 +1,23 @@
+#include <cstdlib>
+#include <string_view>
+
 #include <accdec/files/csv_table.hpp>
 
 namespace accdec {
+namespace {
 
-std::string csv_field(const std::string& text) {
+/// Spreadsheets would compute it: it begins as a formula does and is no number.
+bool looks_like_formula(const std::string& text) {
+  if (text.empty() || std::string_view("=@+-\t\r").find(text.front()) == std::string_view::npos) return false;
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return *end != '\0';
+}
+
+}  // namespace
+
+std::string csv_field(const std::string& plain) {
+  std::string text = (looks_like_formula(plain) ? "'" : "") + plain;
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string out(1, '"');
   for (const char c : text) {

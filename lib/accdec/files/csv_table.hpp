@@ -5,7 +5,8 @@
 
 namespace accdec {
 
-/// RFC 4180.
+/// A field quoted as RFC 4180 says. A text that a spreadsheet would take for a formula gets an apostrophe in front;
+/// numbers stay.
 std::string csv_field(const std::string& text);
 std::string csv_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
 
 namespace accdec {
 

@@ -5,12 +5,12 @@
 #include <utility>
 #include <vector>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
 
 namespace accdec {
 
-/// Several errors of one file at once: file, position and message are those of the first; what() has a line for each of
-/// the first ten and says how many more there are.
+/// Several errors of one file. File, position and message are those of the first. what() has a line for each of the
+/// first ten and gives the number of the others.
 class InputErrors : public InputError {
  public:
   /// @param all        at least one
@@ -33,10 +33,10 @@ class InputErrors : public InputError {
 /// The errors in the order of a file.
 void sort_by_position(std::vector<InputError>& errors);
 
-/// What is wrong with one file, collected so that it can be said at once.
+/// The errors of one file, collected to be reported together.
 class Faults {
  public:
-  /// Of very many only the first `most` are kept.
+  /// Only the first `most` errors are kept.
   static constexpr std::size_t most = 100;
 
   void add(InputError error) {
@@ -48,7 +48,7 @@ class Faults {
   /// Whether nothing is wrong at or below a JSON pointer.
   bool none_below(const std::string& pointer) const;
 
-  /// Reads a part of the file unless something in it is wrong already; keeps the error if it throws one.
+  /// Reads a part of the file unless it already has an error; keeps an error that it throws.
   template <class Read>
   void attempt(const std::string& pointer, Read read) {
     if (!none_below(pointer)) return;

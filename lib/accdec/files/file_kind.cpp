@@ -13,7 +13,7 @@ namespace {
 
 struct Kind {
   std::string_view noun, takers;
-  std::vector<std::string_view> words;  ///< one of them begins a line of every such file and of no other
+  std::vector<std::string_view> words;  ///< every such file, and no other, has a line that begins with one of them
 };
 
 const Kind& kind_of(InputKind kind) {
@@ -27,13 +27,13 @@ const Kind& kind_of(InputKind kind) {
   return kinds[static_cast<std::size_t>(kind)];
 }
 
-/// A letter and a number, as blocks of RS-274 begin.
+/// Whether a line begins with a letter and a number, as blocks of RS-274 do.
 bool begins_a_block(std::string_view line) {
   const auto is = [&](std::size_t i, std::string_view of) { return i < line.size() && of.find(line[i]) != of.npos; };
   return line == "%" || (is(0, "GMNOSTXYZFgmnostxyzf") && is(1, "0123456789.-"));
 }
 
-/// Calls visit with every line that says anything, without blanks around it, until it returns true.
+/// Calls visit with every line that is not blank, without blanks around it, until it returns true.
 template <class Visit>
 void each_line(std::string_view text, Visit visit) {
   while (!text.empty()) {

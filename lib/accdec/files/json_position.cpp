@@ -10,7 +10,7 @@
 namespace accdec {
 namespace {
 
-/// Walks over valid JSON; every function leaves `at` behind what it read.
+/// Walks over valid JSON; every function moves `at` past the text it read.
 struct Walker {
   std::string_view text;
   std::size_t at = 0;
@@ -58,9 +58,9 @@ struct Walker {
   }
 };
 
-using Keys = std::vector<std::pair<std::string_view, std::size_t>>;  // as in the file, and where
+using Keys = std::vector<std::pair<std::string_view, std::size_t>>;  // keys as in the file, and their offsets
 
-/// The first key of one object, in the order of the file, that stands in it before.
+/// The first key of one object, in the order of the file, that already stood in it.
 std::optional<std::size_t> repeated(Keys& keys) {
   std::sort(keys.begin(), keys.end());
   std::optional<std::size_t> first;
@@ -95,7 +95,7 @@ std::size_t locate(std::string_view json, std::string_view pointer) {
 
 std::optional<std::size_t> duplicate_key(std::string_view json) {
   Walker walker{json};
-  std::vector<Keys> open;  // of every bracket that is open; lists have none
+  std::vector<Keys> open;  // for every open bracket; lists have no keys
   std::vector<char> brackets;
   std::deque<std::string> decoded;  // keys written with escapes
   bool key = false;                 // whether the next string is one
@@ -122,6 +122,26 @@ std::optional<std::size_t> duplicate_key(std::string_view json) {
     }
     if (c == '{' || c == ',') key = !brackets.empty() && brackets.back() == '{';
     ++walker.at;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> json_too_deep(std::string_view text) {
+  constexpr int deepest = 64;
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      if (c == '\\') ++i;
+      quoted = c != '"';
+    } else if (c == '"') {
+      quoted = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > deepest) return i;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
   }
   return std::nullopt;
 }

@@ -60,8 +60,8 @@ double to_si(const Key& key, double value) {
 
 double from_si(const Key& key, double si) {
   const double about = si / to_si(key, 1.0);
-  // A number of at most 15 digits is nearer to its quotient than any other of so few: rounding to 15 finds it, and an
-  // ulp or two that the division was off are gone.
+  // At most one number of 15 digits is that close to the quotient. So rounding to 15 digits finds it and removes the
+  // division's error of an ulp or two.
   for (const int digits : {15, 16, 17}) {
     char text[32];
     const std::to_chars_result end = std::to_chars(text, text + sizeof text, about, std::chars_format::general, digits);
@@ -77,7 +77,7 @@ double from_si(const Key& key, double si) {
     if (to_si(key, up) == si) return up;
     if (to_si(key, down) == si) return down;
   }
-  return about;  // no number converts to it, so it was not read from a file; next best
+  return about;  // no number converts to it, so it was not read from a file: return the nearest
 }
 
 std::optional<double> default_number(const Key& key) {

@@ -30,7 +30,7 @@ enum class KeyType {
   tables  ///< a list of tables
 };
 
-/// One key of a table in a file. What is known of it stands here once: the readers' checks and messages, defaults,
+/// One key of a table in a file. All knowledge about it stands here once. The readers' checks and messages, defaults,
 /// conversions to SI, the documentation and the JSON Schema are made from it.
 struct Key {
   std::string name{};
@@ -41,18 +41,18 @@ struct Key {
   std::vector<std::string> words{};  ///< KeyType::word, words
   std::string noun{};                ///< what a word names ("solver"), for messages; may be empty
   std::size_t least = 1, most = 0;   ///< elements of a list; most = 0: any number
-  std::string fallback{};            ///< what holds without the key: as it would be written, or in words; may be empty
+  std::string fallback{};            ///< the value without the key: as it would be written, or in words; may be empty
   std::string example{};             ///< as it would be written
-  std::string allowed{};             ///< in words, where range and words do not say it
+  std::string allowed{};             ///< in words, if range and words do not say it
   bool required = false;
   bool whole = false;        ///< numbers: without a fraction
-  bool lone = false;         ///< numbers: one without brackets is a list of one
+  bool lone = false;         ///< numbers: one number without brackets is a list of one
   bool nullable = false;     ///< JSON: null stands for "none"
   bool empty_text = false;   ///< texts may be empty
   bool long_text = false;    ///< 2000 bytes instead of 200
   bool free = false;         ///< tables: what is in it is checked elsewhere
   std::vector<Key> keys{};   ///< of a table, or of each in a list of tables
-  std::string conditions{};  ///< what only keys together can break, as further keywords of the table's JSON Schema
+  std::string conditions{};  ///< conditions on several keys together, as further keywords of the table's JSON Schema
 };
 
 /// A key that holds a text.
@@ -69,8 +69,8 @@ std::vector<std::string_view> names_of(const std::vector<Key>& keys);
 /// Division by a power of ten rounds once, so that 100 um is the double nearest 1e-4 m.
 double to_si(const Key& key, double value);
 
-/// The number in a key's unit that reads back as exactly `si`, with as few digits as that takes; the nearest where none
-/// does.
+/// The number in a key's unit that reads back as exactly `si`, with as few digits as possible. If none does: the
+/// nearest.
 double from_si(const Key& key, double si);
 
 /// `fallback` where it is a number. In the key's unit.

@@ -23,7 +23,7 @@ double system_available() {
   return unknown;
 }
 
-/// A number in a file of its own; "max" and what is not there are no limit.
+/// The number that a file holds; "max" or a missing file means no limit.
 double number_in(const char* path) {
   std::ifstream in(path);
   double value = 0.0;

@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/output_file.hpp>
 #include <accdec/files/temporaries.hpp>
 
@@ -50,7 +50,7 @@ class DescriptorBuffer : public std::streambuf {
   int file_ = -1, error_ = 0;
 };
 
-/// A rename is on the disk when its folder is. File systems that cannot tell answer with an error, and that is no
+/// A rename is on the disk once its folder is synced. Some file systems cannot do this and return an error, which is no
 /// failure.
 void sync_folder_of(const std::string& path) {
   const std::size_t slash = path.rfind('/');
@@ -90,7 +90,7 @@ bool is_special_file(const std::string& path) {
 std::string link_target(const std::string& path) {
   std::filesystem::path place = path;
   std::error_code code;
-  // As many links in a row as the system follows; more are a circle.
+  // The system follows at most as many links in a row; more are a circle.
   for (int links = 0; links < 40 && std::filesystem::is_symlink(place, code); ++links) {
     place = place.parent_path() / std::filesystem::read_symlink(place, code);
   }
@@ -138,7 +138,7 @@ void OutputFile::close() {
   if (!s.stream) s.fail("cannot be written", s.buffer.error() != 0 ? s.buffer.error() : EIO);
   const int file = std::exchange(s.file, -1);
   if (file == STDOUT_FILENO) return;
-  // File systems, pipes and devices without fsync answer EINVAL; a full disk answers here or above.
+  // File systems, pipes and devices without fsync return EINVAL. A full disk is reported here or above.
   if (::fsync(file) != 0 && errno != EINVAL && errno != EROFS) {
     const int error = errno;
     ::close(file);

@@ -7,11 +7,11 @@
 
 namespace accdec {
 
-/// One output, written whole or not at all: into a temporary of a random name beside its target, opened exclusively and
-/// never through a link, flushed to the disk, then renamed over the target. An existing file stays as it was until
-/// `commit`, and for good if anything fails; its permissions are kept.
+/// One output, written completely or not at all. It is written to a temporary with a random name beside its target,
+/// opened exclusively and never through a link. The temporary is flushed to the disk and then renamed to the target. An
+/// existing file stays unchanged until `commit`, and for good if anything fails. Its permissions are kept.
 ///
-/// What a name stands for is the same for every output of every command:
+/// A name means the same for every output of every command:
 ///   "-", /dev/stdout      standard output
 ///   a pipe or a device    written directly, for replacing it would reach nobody who listens
 ///   a symbolic link       the file it leads to is replaced (or made), the link stays
@@ -25,11 +25,11 @@ class OutputFile {
   ~OutputFile();
 
   void write(std::string_view text);
-  /// The same as a stream; what it could not write is told by `close`.
+  /// The same as a stream; `close` reports what could not be written.
   std::ostream& stream();
-  /// All that was written is on the disk (or with whoever reads the pipe).
+  /// Makes sure that all data is on the disk, or with the reader of the pipe.
   void close();
-  /// Gives the file its name. Closes first if that was not done.
+  /// Gives the file its name; calls `close` first if needed.
   void commit();
 
  private:
@@ -42,7 +42,7 @@ bool is_standard_output(const std::string& path);
 /// Whether a name stands for a pipe or a device.
 bool is_special_file(const std::string& path);
 
-/// Where a name leads through symbolic links, whether anything is there or not.
+/// The path a name leads to through symbolic links, whether the file exists or not.
 std::string link_target(const std::string& path);
 
 }  // namespace accdec

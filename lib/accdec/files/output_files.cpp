@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
 
 namespace accdec {
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Folder and name of a file that need not be there, links resolved.
+/// Folder and name of a file with links resolved; the file need not exist.
 fs::path place_of(const std::string& path) {
   std::error_code code;
   const fs::path place = fs::weakly_canonical(fs::absolute(link_target(path), code), code);
@@ -25,7 +25,7 @@ bool direct(const std::string& path) {
   return is_standard_output(path) || is_special_file(path);
 }
 
-/// The file that standard output was redirected to, which must not be replaced under it.
+/// Whether standard output was redirected to this file, which then must not be replaced.
 bool is_redirected_output(const std::string& path) {
   struct stat a {
   }, b{};
@@ -57,7 +57,7 @@ void OutputFiles::add(const std::string& path, std::string content) {
 }
 
 void OutputFiles::commit() {
-  // Files first: what went to a pipe cannot be taken back.
+  // Files first, because output to a pipe cannot be undone.
   std::stable_partition(files_.begin(), files_.end(), [](const auto& f) { return !direct(f.first); });
   std::vector<OutputFile> written;
   for (const auto& [path, content] : files_) {

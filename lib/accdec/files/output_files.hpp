@@ -12,8 +12,8 @@ namespace accdec {
 /// Writes a whole file or nothing, as `OutputFile` describes. @throws OutputError naming the path
 void write_file(const std::string& path, std::string_view content);
 
-/// Several outputs of one command, written all or none: `commit` first writes every file beside its target, and only
-/// when all are on the disk gives them their names. Standard output, pipes and devices come last.
+/// Several outputs of one command: all are written or none. `commit` first writes every file beside its target. Only
+/// when all are on the disk it gives them their names. Standard output, pipes and devices come last.
 class OutputFiles {
  public:
   OutputFiles() = default;
@@ -29,12 +29,13 @@ class OutputFiles {
   std::vector<std::pair<std::string, std::string>> files_;
 };
 
-/// For the beginning of a command, before it computes: throws OutputError unless every output could be written now, is
-/// none of the inputs and no other output; and if standard output goes to an input. Files are compared by what they
-/// are, not by their names: links and other spellings are found out. Empty names stand for outputs that are not wanted.
+/// Call at the beginning of a command, before it computes. Throws OutputError unless every output can be written now
+/// and differs from all inputs and other outputs. Also throws if standard output goes to an input. Files themselves are
+/// compared, not their names, so links and other spellings are found. Empty names stand for outputs that are not
+/// wanted.
 void require_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
-/// Whether two names lead to one file: one that is there, or one that would be made.
+/// Whether two names lead to the same file, existing or not.
 bool same_file(const std::string& a, const std::string& b);
 
 }  // namespace accdec

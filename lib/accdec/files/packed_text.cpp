@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr int gzip_header = 16 + MAX_WBITS;
-constexpr std::size_t block = std::size_t{1} << 20;  // what zlib is given at a time
+constexpr std::size_t block = std::size_t{1} << 20;  // bytes given to zlib at a time
 
 std::string to_base64(std::string_view bytes) {
   std::string text;
@@ -51,7 +51,7 @@ std::string from_base64(std::string_view text) {
   return bytes;
 }
 
-/// Hands all of `in` through zlib in blocks; `step` gets what came out and says whether to go on.
+/// Passes `in` through zlib in blocks; `step` takes the output and returns whether to continue.
 template <class Run, class Take>
 int run(z_stream& stream, std::string_view in, const Run& run_zlib, const Take& take) {
   std::string out(block, '\0');
@@ -70,7 +70,7 @@ int run(z_stream& stream, std::string_view in, const Run& run_zlib, const Take& 
     status = run_zlib(at == in.size());
     take(std::string_view(out).substr(0, out.size() - stream.avail_out));
   }
-  // What is behind the end of the stream.
+  // Data after the end of the stream.
   stream.avail_in += static_cast<uInt>(std::min<std::size_t>(in.size() - at, 1));
   return status;
 }

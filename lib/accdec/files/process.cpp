@@ -64,7 +64,7 @@ class PipeSignalBlock {
   sigset_t before_{};
 };
 
-/// Feeds and drains until both outputs are at their end.
+/// Writes the input and reads both outputs to their end.
 void converse(Pipe& in, Pipe& out, Pipe& err, std::string_view input, ProcessOutput& result) {
   ::fcntl(in.ends[1], F_SETFL, O_NONBLOCK);
   std::array<char, 65536> buffer{};
@@ -121,7 +121,7 @@ ProcessOutput run_process(const std::vector<std::string>& arguments, std::string
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   if (error == ENOENT) {
-    throw std::runtime_error(fmt::format("{} is not installed (Debian package {})", arguments[0], package));
+    throw MissingProgram(fmt::format("{} is not installed (Debian package {})", arguments[0], package));
   }
   if (error != 0) throw std::runtime_error(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(error)));
   in.close(0);

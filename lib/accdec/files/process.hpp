@@ -1,12 +1,18 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace accdec {
 
-/// What a child process left behind.
+/// A program that is needed is not installed; what() names it and its package.
+class MissingProgram : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Exit code and output of a child process.
 struct ProcessOutput {
   int exit_code = 0;   ///< 128 + signal if one ended it
   std::string output;  ///< standard output
@@ -16,8 +22,8 @@ struct ProcessOutput {
 /// Runs a program found on PATH, without a shell, feeding it `input` and collecting what it writes.
 /// @param arguments  the program's name, then its arguments
 /// @param package    Debian package to name if the program is missing
-/// @throws std::runtime_error if the program is missing ("gnuplot is not installed (Debian package gnuplot-nox)") or
-/// cannot be started.
+/// @throws MissingProgram ("gnuplot is not installed (Debian package gnuplot-nox)"), std::runtime_error if it cannot be
+/// started.
 ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input,
                           const std::string& package);
 

@@ -1,10 +1,11 @@
 #include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
 
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Which study or suite a manifest or marker names; empty if it is not there, "?" if it is of another kind.
+/// The study or suite that a manifest or marker names; empty if the file is missing, "?" if it is of another kind.
 std::string hash_in(const fs::path& path, const ResultsKind& kind) {
   if (!fs::exists(path)) return "";
   std::ifstream in(path, std::ios::binary);
@@ -27,12 +28,12 @@ std::string hash_in(const fs::path& path, const ResultsKind& kind) {
 
 constexpr const char* marker_name = "accdec-folder.json";
 
-/// Whose a folder is by its marker; empty without one, "?" if the marker is of another kind.
+/// The owner of a folder by its marker; empty without one, "?" if the marker is of another kind.
 std::string marked_hash(const fs::path& folder, const ResultsKind& kind) {
   return hash_in(folder / marker_name, kind);
 }
 
-/// Whether anything is in a folder but what a kill left of the making of its marker.
+/// Whether a folder holds anything except the remains of an interrupted marker.
 bool holds_anything(const fs::path& folder) {
   for (const auto& item : fs::directory_iterator(folder)) {
     const std::string name = item.path().filename().string();
@@ -52,6 +53,16 @@ void require_folder(const std::string& path) {
   if (!fs::is_directory(path)) throw OutputError(fmt::format("{}: not a folder", path));
 }
 
+/// Makes a folder and removes it again, with the parents that it needed.
+void require_creatable(const std::string& folder) {
+  std::vector<fs::path> missing;
+  for (fs::path at = fs::absolute(folder).lexically_normal(); !at.empty() && !fs::exists(at); at = at.parent_path())
+    missing.push_back(at);
+  create_results_folder(folder);
+  std::error_code ignored;
+  for (const fs::path& made : missing) fs::remove(made, ignored);
+}
+
 }  // namespace
 
 std::string results_hash(const std::string& folder, const ResultsKind& kind) {
@@ -62,14 +73,14 @@ void claim_results_folder(const std::string& folder, const ResultsKind& kind, co
   if (fs::exists(folder)) {
     require_folder(folder);
     const std::string finished = results_hash(folder, kind), marked = marked_hash(folder, kind);
-    // The marker is the younger of the two: results are replaced when their successors are whole.
+    // The marker is newer than the manifest: results are replaced when the new ones are complete.
     const std::string& owner = marked.empty() ? finished : marked;
     const bool foreign = finished == "?" || marked == "?";
     if (foreign || !(owner.empty() || owner == hash || changed)) {
       throw OutputError(
           fmt::format("{}: holds the results of another {}, or of an earlier form of this one; nothing was changed. "
-                      "Choose another --out or remove it",
-                      folder, kind.what));
+                      "Choose another --out, or {}",
+                      folder, kind.what, foreign ? "remove the folder" : "replace them with --fresh"));
     }
     if (!marked.empty() && marked == hash) return;
     if (finished.empty() && marked.empty() && holds_anything(folder)) throw no_results_of(folder, kind);
@@ -84,7 +95,7 @@ void claim_results_folder(const std::string& folder, const ResultsKind& kind, co
 }
 
 void require_results_folder(const std::string& folder, const ResultsKind& kind) {
-  if (!fs::exists(folder)) return;
+  if (!fs::exists(folder)) return require_creatable(folder);
   require_folder(folder);
   const std::string finished = results_hash(folder, kind);
   const bool foreign = finished == "?" || fs::exists(fs::path(folder) / marker_name);

@@ -27,7 +27,7 @@ void side_by_side(std::size_t count, int threads, const std::function<void(std::
       while (others.size() + 1 < std::min(count, static_cast<std::size_t>(std::max(threads, 1))))
         others.emplace_back(take);
     } catch (const std::system_error&) {
-      // No more threads to be had: those there are do all.
+      // No more threads are available: the existing ones do all the work.
     }
     take();
   }

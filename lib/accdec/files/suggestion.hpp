@@ -10,9 +10,9 @@ namespace accdec {
 /// Optimal string alignment distance: insertions, deletions, substitutions and swaps of neighbours, each 1.
 int edit_distance(std::string_view a, std::string_view b);
 
-/// The one of `allowed` that `word` was most likely meant to be: the same quantity in another unit ("error_max_mm" for
-/// "error_max_um"), the same word in other case or with other separators, or a few typing errors away. Empty if none is
-/// near.
+/// The most likely intended word of `allowed`. It may be the same quantity in another unit ("error_max_mm" for
+/// "error_max_um"), or the same word in other case or with other separators. Otherwise it is a few typing errors away.
+/// Empty if none is near.
 std::string nearest(std::string_view word, std::span<const std::string_view> allowed);
 
 /// "did you mean `error_max_um`?" or, if none is near, "known here: a, b, c".

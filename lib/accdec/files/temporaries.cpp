@@ -2,10 +2,16 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <mutex>
 #include <random>
+#include <regex>
+#include <set>
+#include <system_error>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -18,7 +24,8 @@
 namespace accdec {
 namespace {
 
-/// Names a signal handler can read at any moment. More temporaries at a time than this are not noted, only opened.
+/// Names that a signal handler can read at any moment. If there are more temporaries at a time, the others are opened
+/// but not noted.
 std::array<std::atomic<char*>, 256> noted{};
 
 void note(const std::string& name) {
@@ -39,8 +46,14 @@ void forget(const std::string& name) {
   }
 }
 
+/// Last words when a signal ends this process, and the process: children it forks inherit the handler.
+std::atomic<const char*> last_words{nullptr};
+std::atomic<pid_t> speaker{0};
+
 extern "C" void remove_and_end(int signal) {
-  // Only what may be called in a handler: unlink, signal, raise.
+  // Only functions allowed in a handler: getpid, write, unlink, signal, raise.
+  if (const char* const words = last_words.load(); words != nullptr && ::getpid() == speaker.load())
+    (void)!::write(STDERR_FILENO, words, std::strlen(words));
   for (auto& slot : noted) {
     if (const char* const name = slot.exchange(nullptr)) ::unlink(name);
   }
@@ -50,14 +63,50 @@ extern "C" void remove_and_end(int signal) {
 
 }  // namespace
 
+namespace {
+
+/// The name of a host: in folders that several hosts share, only a host's own processes can be recognised as dead.
+std::uint32_t host_mark() {
+  std::array<char, 256> name{};
+  (void)::gethostname(name.data(), name.size() - 1);
+  std::uint32_t hash = 2166136261U;
+  for (const char* c = name.data(); *c != '\0'; ++c) hash = (hash ^ static_cast<unsigned char>(*c)) * 16777619U;
+  return hash;
+}
+
+/// The process of a temporary "NAME.hhhhhhhh.PID.rrrrrrrr.part" of this host; 0 of anything else.
+pid_t owner_of(const std::string& name) {
+  static const std::regex pattern(R"(.*\.([0-9a-f]{8})\.([1-9][0-9]{0,8})\.[0-9a-f]{8}\.part)", std::regex::optimize);
+  std::smatch match;
+  if (!name.ends_with(".part") || !std::regex_match(name, match, pattern)) return 0;
+  return match[1] == fmt::format("{:08x}", host_mark()) ? std::stoi(match[2]) : 0;
+}
+
+/// Once a process and folder: what killed processes left there.
+void remove_remains(const std::string& folder) {
+  static std::mutex mutex;
+  static std::set<std::string> done;
+  const std::lock_guard lock(mutex);
+  if (!done.insert(folder).second) return;
+  std::error_code unreadable;
+  std::filesystem::directory_iterator item(folder.empty() ? "." : folder, unreadable);
+  for (; !unreadable && item != std::filesystem::directory_iterator(); item.increment(unreadable)) {
+    const pid_t owner = owner_of(item->path().filename().string());
+    if (owner > 0 && ::kill(owner, 0) != 0 && errno == ESRCH) ::unlink(item->path().c_str());
+  }
+}
+
+}  // namespace
+
 int open_temporary(const std::string& target, std::string& name) {
   thread_local std::random_device random;
   const std::size_t slash = target.rfind('/');
   const std::string folder = slash == std::string::npos ? "" : target.substr(0, slash + 1);
-  // Names may be 255 bytes long in most file systems; the ending is to fit.
+  // In most file systems a name has at most 255 bytes, and the ending must fit.
   const std::string stem = target.substr(folder.size()).substr(0, 200);
+  remove_remains(folder);
   for (int tries = 0; tries < 100; ++tries) {
-    name = fmt::format("{}{}.{:08x}.part", folder, stem, random());
+    name = fmt::format("{}{}.{:08x}.{}.{:08x}.part", folder, stem, host_mark(), ::getpid(), random());
     note(name);
     const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (file >= 0) {
@@ -86,9 +135,16 @@ bool rename_temporary(const std::string& name, const std::string& target) {
   return true;
 }
 
+void say_on_signals(const std::string& words) {
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  speaker.store(::getpid());
+  std::free(const_cast<char*>(last_words.exchange(words.empty() ? nullptr : ::strdup(words.c_str()))));
+}
+
 void remove_temporaries_on_signals() {
   for (const int signal : {SIGHUP, SIGINT, SIGTERM}) {
-    // Whoever started the process may have it ignore a signal (nohup): that stays.
+    // The caller of the process may have set a signal to be ignored (nohup): that stays.
     if (std::signal(signal, remove_and_end) == SIG_IGN) std::signal(signal, SIG_IGN);
   }
 }

@@ -4,8 +4,10 @@
 
 namespace accdec {
 
-/// A new file beside `target` under a random name that ends in ".part", opened for writing: exclusively, so that it is
-/// nobody else's, and not through a link. It is noted, so that a signal can remove it.
+/// Opens a new file for writing beside `target`, with a random name that ends in ".part". It is opened exclusively and
+/// not through a link, so nobody else owns it. It is noted, so that a signal can remove it. The name also holds the
+/// host and the process: the first temporary of a process in a folder removes those that dead processes of its host
+/// left there.
 /// @param name  receives the temporary's path
 /// @return the file descriptor, or -1 with errno set
 int open_temporary(const std::string& target, std::string& name);
@@ -17,8 +19,12 @@ void remove_temporary(const std::string& name);
 /// there
 bool rename_temporary(const std::string& name, const std::string& target);
 
-/// From now on SIGHUP, SIGINT and SIGTERM remove what temporaries there are before they end the process. For programs;
-/// a library leaves signals to whom they belong.
+/// Last words of this process, but none of its children, on standard error when one of the signals below ends it. ""
+/// takes them back.
+void say_on_signals(const std::string& words);
+
+/// From now on SIGHUP, SIGINT and SIGTERM remove existing temporaries before they end the process. This is for
+/// programs: a library must leave signals alone.
 void remove_temporaries_on_signals();
 
 }  // namespace accdec

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/text_file.hpp>
 
 namespace accdec {
@@ -23,7 +23,7 @@ std::string read_text_file(const std::string& path, std::size_t limit) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) throw fail(fmt::format("cannot be opened for reading: {}", std::strerror(errno)));
 
-  // Read in blocks; the size the file claims only saves copies: pipes have none.
+  // Read in blocks. The file's size only saves copies, as pipes have none.
   std::string text;
   std::error_code no_size;
   if (const auto size = std::filesystem::file_size(path, no_size); !no_size) text.reserve(std::min(size, limit) + 1);

@@ -14,15 +14,14 @@
 
 namespace accdec::toml_input {
 
-/// What in a tree is not as its keys allow: unknown keys with a suggestion, missing ones, wrong types, numbers out of
-/// range.
+/// Errors of a tree against its keys: unknown keys with a suggestion, missing keys, wrong types, numbers out of range.
 /// @param label    how messages call the top level: "the task (top level)"
 /// @param pointer  where the tree stands in its file, "" for the top
 Faults check_keys(const toml::table& tree, const std::string& file, const std::string& label,
                   const std::string& pointer, const std::vector<Key>& keys);
 
-/// One table of an input tree that was checked, with where it stands. Of a value that is not as its key allows
-/// accessors know nothing, or its default. Asking for a key that the table does not have is std::logic_error.
+/// One table of a checked input tree, with its place in the file. For a value that its key does not allow, accessors
+/// return nothing or the default. Asking for a key that the table does not have is std::logic_error.
 class Table {
  public:
   /// @param keys  must outlive the table
@@ -32,7 +31,7 @@ class Table {
   /// Whether it was given.
   bool has(std::string_view key) const { return table_->contains(key); }
 
-  // What was given or holds without, if anything does.
+  // The given value, or the default if there is one.
   std::optional<double> number(std::string_view key) const;  ///< SI
   std::optional<int> integer(std::string_view key) const;
   std::optional<std::string> text(std::string_view key) const;
@@ -41,7 +40,7 @@ class Table {
   std::vector<double> numbers(std::string_view key) const;     ///< SI; none if not given
   std::vector<std::string> texts(std::string_view key) const;  ///< also of KeyType::words; none if not given
 
-  // The same, for keys that are needed here: throw InputError at the table if there is none.
+  // The same, for keys required here. Throw InputError at the table if there is none.
   double required_number(std::string_view key) const;
   int required_integer(std::string_view key) const;
   std::vector<double> required_numbers(std::string_view key) const;
@@ -58,7 +57,7 @@ class Table {
   [[noreturn]] void fail_at(std::string_view key, const std::string& message) const;
   [[noreturn]] void fail_at(std::string_view key, std::size_t element, const std::string& message) const;
   [[noreturn]] void fail_missing(std::string_view key) const;
-  /// "line 12" or the pointer: for mentioning another place in a message.
+  /// "line 12" or the pointer, to mention another place in a message.
   std::string place(std::string_view key) const;
 
  private:

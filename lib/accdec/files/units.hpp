@@ -10,11 +10,13 @@ struct Unit {
   std::string_view suffix;   ///< of names of keys and columns: "_mm_s3" of "jerk_mm_s3"
   std::string_view name;     ///< in tables of keys: "mm/s^3"
   std::string_view printed;  ///< on figures: "mm/s³"
-  double divisor = 1.0;      ///< a number in this unit over it is the number in SI; of degrees, in `to_si`, apart
+  double divisor = 1.0;      ///< a number in this unit divided by this is the number in SI; degrees are handled in
+                             ///< `to_si`
 };
 
-/// Those of our files, and others that people write into names. A suffix stands before those it ends with.
-constexpr std::array<Unit, 31> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
+/// Units of our files, and others that people write into names. A suffix stands before any shorter suffix that it ends
+/// with.
+constexpr std::array<Unit, 32> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
                                       {"_mm_s3", "mm/s^3", "mm/s³", 1e3},
                                       {"_mm_s2", "mm/s^2", "mm/s²", 1e3},
                                       {"_mm_s", "mm/s", "mm/s", 1e3},
@@ -40,13 +42,14 @@ constexpr std::array<Unit, 31> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
                                       {"_hz", "Hz", "Hz"},
                                       {"_kN", "kN", "kN", 1e-3},
                                       {"_kW", "kW", "kW", 1e-3},
+                                      {"_1_s", "1/s", "1/s"},
                                       {"_s", "s", "s"},
                                       {"_m", "m", "m"},
                                       {"_N", "N", "N"},
                                       {"_W", "W", "W"},
                                       {"_g", "g", "g", 1e3}}};
 
-/// By its name in tables of keys; null where there is none.
+/// The unit with this name in tables of keys; null if there is none.
 constexpr const Unit* find_unit(std::string_view name) {
   for (const Unit& unit : units) {
     if (unit.name == name) return &unit;
@@ -54,7 +57,7 @@ constexpr const Unit* find_unit(std::string_view name) {
   return nullptr;
 }
 
-/// Whose suffix a name of a key or column ends in; null where it has none, or nothing before it.
+/// The unit whose suffix ends the name of a key or column. Null if there is none, or nothing before it.
 constexpr const Unit* unit_in_name(std::string_view key) {
   for (const Unit& unit : units) {
     if (key.size() > unit.suffix.size() && key.ends_with(unit.suffix)) return &unit;

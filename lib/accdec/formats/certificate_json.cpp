@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t packed_above = 1'000'000;  // bytes
 
-// What stands in a row before its multiplier.
+// The entries of a row before its multiplier.
 
 using Name = std::string_view;
 
@@ -55,7 +55,7 @@ auto parts(const proof::Response& r) {
   return std::tuple(Name("response"), r.sample, r.sign);
 }
 
-/// A certificate written as text at once: as a tree of values that takes longer than many a proof.
+/// Writes a certificate directly as text: writing it as a tree of values takes longer than many proofs.
 class Writer {
  public:
   std::string text;
@@ -88,8 +88,21 @@ class Writer {
     member("tree", proof.tree);
     text += '}';
   }
+  void put(const proof::FamilyEnumeration& proof) {
+    text += '{';
+    if (proof.bound_samples)
+      member("bound_samples", *proof.bound_samples);
+    else
+      member("bound_samples", nullptr);
+    member("kind", Name("families"));
+    member("refuted", proof.refuted);
+    member("schema", Name("accdec.certificate/1"));
+    if (proof.taps) member("taps", *proof.taps);
+    text += '}';
+  }
 
  private:
+  void put(const proof::RefutedMembers& r) { put(std::tuple(r.family, r.rule, r.members)); }
   void kind_alone(Name kind) {
     text += '{';
     member("schema", Name("accdec.certificate/1"));
@@ -101,7 +114,7 @@ class Writer {
   void put(bool value) { text += value ? "true" : "false"; }
   void put(int value) { fmt::format_to(std::back_inserter(text), "{}", value); }
   void put(double value) { append_number(text, value); }
-  /// Of letters and blanks.
+  /// A name of letters and blanks, which needs no escapes.
   void put(Name name) {
     text += '"';
     text += name;

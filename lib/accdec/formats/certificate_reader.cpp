@@ -8,6 +8,7 @@
 #include <accdec/files/packed_text.hpp>
 #include <accdec/formats/certificate_json.hpp>
 #include <accdec/formats/json_value.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/objective.hpp>
 
 namespace accdec {
@@ -15,8 +16,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// One node or row: an array of known length, read by index. Its place is put into words only for an error, because
-/// certificates have hundreds of thousands of them.
+/// One node or row: an array of known length, read by index. Its place is written as text only for an error, because
+/// certificates have hundreds of thousands of entries.
 class Entry {
  public:
   Entry(const Json& json, const std::string& list, std::size_t index) : json_(json), list_(list), index_(index) {}
@@ -37,7 +38,7 @@ class Entry {
     if (!fits(json_[i])) fail(i, "is out of range");
     return json_[i].get<int>();
   }
-  /// Of the entry itself, a whole number.
+  /// The entry itself as a whole number.
   int integer() const {
     if (!fits(json_)) fail("is out of range");
     return json_.get<int>();
@@ -50,7 +51,7 @@ class Entry {
     if (!json_[i].is_boolean()) fail(i, fmt::format("must be true or false, got {}", json_[i].type_name()));
     return json_[i].get<bool>();
   }
-  /// With a name before and the multiplier after what a row names.
+  /// Checks the length: a row has its name first, then the things it names, then the multiplier.
   void needs(std::size_t named) const {
     if (size() != named + 2) fail(fmt::format("has {} entries; such a row has {}", size(), named + 2));
   }
@@ -58,7 +59,7 @@ class Entry {
   std::size_t index() const { return index_; }
 
  private:
-  /// No wrap-around for numbers beyond 64 bits.
+  /// Numbers beyond 64 bits must not wrap around.
   static bool fits(const Json& json) {
     return std::abs(json.get<double>()) <= static_cast<double>(std::numeric_limits<int>::max());
   }
@@ -167,7 +168,7 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
     if (!value.has("runs")) value.fail("lacks the member `runs`");
     proof.runs = value["runs"].number();
   }
-  // Those that do not say are checked as if they did.
+  // A certificate without a tolerance is checked with the usual one.
   if (value.has("tolerance")) proof.tolerance = value["tolerance"].number();
   proof.bound_samples = value["bound_samples"].optional_number();
   if (value.has("conflict")) {
@@ -193,11 +194,25 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
   return proof;
 }
 
+proof::FamilyEnumeration read_families(const Value& value) {
+  value.members({"schema", "kind", "bound_samples", "refuted"}, {"taps"});
+  proof::FamilyEnumeration proof;
+  proof.bound_samples = value["bound_samples"].optional_number();
+  for (const Value& entry : value["refuted"].elements()) {
+    const std::vector<Value> parts = entry.elements();
+    if (parts.size() != 3) entry.fail(fmt::format("has {} entries: family, rule and members are 3", parts.size()));
+    proof.refuted.push_back(
+        {parts[0].text(), parts[1].text(), static_cast<int>(parts[2].integer(0, std::numeric_limits<int>::max()))});
+  }
+  if (value.has("taps")) proof.taps = read_branch_and_bound(value["taps"]);
+  return proof;
+}
+
 }  // namespace
 
 namespace {
 
-/// A packed one, with errors at the place of what it is packed in.
+/// A packed certificate, with errors at the place of its packed text.
 Certificate read_packed(const Value& value) {
   value.members({"kind", "schema", "gzip"});
   const Value packed = value["gzip"];
@@ -206,6 +221,7 @@ Certificate read_packed(const Value& value) {
     const std::string text = unpack_text(letters, most_unpacked(letters.size()));
     if (text.find('\0') != std::string::npos) packed.fail("unpacks to what is no text: there is a zero byte in it");
     const Json json = Json::parse(text);
+    if (json_too_deep(text)) packed.fail("unpacked: brackets nest more than 64 deep");
     if (duplicate_key(text)) packed.fail("unpacked: a key stands twice in its object");
     if (json.is_object() && json.contains("gzip")) packed.fail("is packed more than once");
     return read_certificate(Value(json, ""));
@@ -223,14 +239,14 @@ Certificate read_packed(const Value& value) {
 
 Certificate read_certificate(const Value& value) {
   value.members({"kind"}, {"gzip", "schema", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
-                           "multipliers", "tolerance", "tree"});
+                           "multipliers", "tolerance", "tree", "refuted", "taps"});
   const std::string kind = value["kind"].text();
   if (kind == "enumeration") {
     value.members({"kind"}, {"schema"});
     return {proof::Enumeration{}};
   }
   value.members({"kind", "schema"}, {"gzip", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
-                                     "multipliers", "tolerance", "tree"});
+                                     "multipliers", "tolerance", "tree", "refuted", "taps"});
   if (value["schema"].text() != "accdec.certificate/1")
     value["schema"].fail("the certificate's schema is unknown; known is accdec.certificate/1");
   if (kind == "packed") return read_packed(value);
@@ -243,8 +259,10 @@ Certificate read_certificate(const Value& value) {
     return {proof::CornerSpeed{}};
   }
   if (kind == "branch and bound") return {read_branch_and_bound(value)};
+  if (kind == "families") return {read_families(value)};
   value["kind"].fail(fmt::format(
-      "\"{}\" is unknown; allowed are constant feed, corner speed, enumeration, branch and bound, packed", kind));
+      "\"{}\" is unknown; allowed are constant feed, corner speed, enumeration, branch and bound, families, packed",
+      kind));
 }
 
 }  // namespace accdec

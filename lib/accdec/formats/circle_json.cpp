@@ -48,7 +48,7 @@ std::vector<std::string> check_circle(const CircleRecord& circle, const DesignRe
     const CircleError found = circle_error(*result.filter, circle.radius, circle.feed, result.task.sample_period);
     for (const Member& member : members) {
       const double recorded = circle.error.*member.value, right = found.*member.value;
-      // A simulated distance is known to the rounding of positions.
+      // A simulated distance is precise only to the rounding of positions.
       const double rounding =
           1e-9 * std::abs(right) + (member.value == &CircleError::deviation ? 0.0 : 1e-14 * circle.radius);
       if (!(std::abs(recorded - right) <= rounding))

@@ -6,21 +6,21 @@
 #include <vector>
 
 #include <accdec/motion/circle.hpp>
-#include <accdec/task/result.hpp>
+#include <accdec/result.hpp>
 
 namespace accdec {
 
-/// What `evaluate` found of a circle: the optional member `circle` of a result.
+/// The result of `evaluate` for a circle: the optional member `circle` of a result.
 struct CircleRecord {
   double radius = 0.0, feed = 0.0;  ///< m, m/s
   CircleError error;
 };
 
-/// @param json  of result_to_json; the member becomes its last
+/// @param json  from result_to_json; the member is added at its end
 void add_circle(std::string& json, const CircleRecord& circle);
-/// @param json  of a result that parse_result takes
+/// @param json  of a result that parse_result accepts
 std::optional<CircleRecord> circle_of(std::string_view json);
-/// What differs from what the result's filter does, as reasons to reject it; none where all agrees.
+/// Differences from the effect of the result's filter, as reasons to reject it; empty if all agrees.
 std::vector<std::string> check_circle(const CircleRecord& circle, const DesignResult& result);
 
 }  // namespace accdec

@@ -1,16 +1,23 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <initializer_list>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <accdec/files/shown_text.hpp>
 #include <accdec/formats/design_report.hpp>
+#include <accdec/task/not_considered.hpp>
+#include <accdec/task/settings_text.hpp>
 
 namespace accdec {
 namespace {
 
-/// Columns a UTF-8 text takes, near enough: its code points.
+/// Width of a UTF-8 text in columns: approximately its number of code points.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
@@ -23,6 +30,23 @@ std::string text_of(const ReportTable& report, std::initializer_list<std::size_t
 }
 
 }  // namespace
+
+std::string legend(std::initializer_list<std::string_view> words) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 6> meanings{
+      {{"N", "order of the filter: its number of taps minus 1"},
+       {"d", "delay of each corner, samples, by which the next block starts later"},
+       {"cycle", "time of the whole task; the filter counts once in a run from rest to rest"},
+       {"corners", "sum of the times of all corners; the filter counts at each corner"},
+       {"polyline", "smallest distance of the corner from the straight lines between samples"},
+       {"contour", "largest distance of the path from the programmed legs"}}};
+  std::string text;
+  for (const std::string_view word : words) {
+    const auto found = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == word; });
+    if (found == meanings.end()) throw std::invalid_argument(fmt::format("the legend has no \"{}\"", word));
+    text += fmt::format("{:<8}  {}\n", found->first, found->second);
+  }
+  return text;
+}
 
 ReportTable corner_report(const DesignResult& result) {
   ReportTable table{
@@ -41,7 +65,7 @@ ReportTable corner_report(const DesignResult& result) {
 }
 
 ReportTable limit_report(const DesignResult& result) {
-  // One line for each kind and axis: the corner in which it is used most.
+  // One line for each kind and axis: the corner with the highest use.
   std::vector<const LimitUse*> worst;
   for (const LimitUse& use : result.limits) {
     const bool by_mode = use.kind == LimitKind::vibration;
@@ -101,6 +125,7 @@ std::string TextTable::str() const {
 std::string result_text(const DesignResult& result) {
   std::string text;
   if (!result.task.title.empty()) text += result.task.title + "\n";
+  text += settings_answer(result);
   text +=
       fmt::format("status      {}{}{}\n", to_string(result.status), result.message.empty() ? "" : ": ", result.message);
   if (result.filter) {
@@ -118,6 +143,11 @@ std::string result_text(const DesignResult& result) {
       text += ", nothing proved about shorter ones";
     text += "\n";
   }
+  if (result.quantisation) {
+    const Quantisation& q = *result.quantisation;
+    text += fmt::format("taps        whole numbers over 2^{}; free taps take {:.6g} ms ({:.3g} % less)\n", q.bits,
+                        1e3 * q.unquantised, 100.0 * (1.0 - q.unquantised / result.objective()));
+  }
   if (const SolverReport& s = result.solver; !s.name.empty()) {
     text += fmt::format("solver      {}{}{} ({}){}, {} evaluations, {:.3g} ms\n", s.name, s.version.empty() ? "" : " ",
                         s.version, s.method, s.claimed.empty() ? "" : fmt::format(", claims \"{}\"", s.claimed),
@@ -128,7 +158,16 @@ std::string result_text(const DesignResult& result) {
                                                            : v.feasible    ? "all limits hold; worst " + v.worst
                                                                            : "NOT all limits hold; worst " + v.worst);
   }
-  return text + text_of(corner_report(result), {}) + text_of(limit_report(result), {1, 5, 6});
+  const auto slowest = std::max_element(result.corners.begin(), result.corners.end(),
+                                        [](const auto& a, const auto& b) { return a.settling_time < b.settling_time; });
+  if (slowest != result.corners.end() && slowest->settling_time > 0.0) {
+    text += fmt::format("settled     {:.6g} ms after the end of the command within the tolerance (corner {})\n",
+                        1e3 * slowest->settling_time, slowest->name);
+  }
+  if (result.filter) text += fmt::format("ignored     {}\n", not_considered_text(result.task.machine));
+  text += text_of(corner_report(result), {});
+  if (!result.corners.empty()) text += legend({"polyline", "contour"});
+  return printable(text + text_of(limit_report(result), {1, 5, 6}));
 }
 
 void print_result(const DesignResult& result) {

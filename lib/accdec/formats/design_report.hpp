@@ -1,18 +1,20 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include <accdec/task/result.hpp>
+#include <accdec/result.hpp>
 
 namespace accdec {
 
-/// A table in plain text: columns as wide as they need, the first left-aligned, the others right unless `left` names
-/// them.
+/// A table in plain text with columns as wide as needed. The first column is left-aligned; the others are right-aligned
+/// unless `left` names them.
 class TextTable {
  public:
   explicit TextTable(std::vector<std::string> header) : header_(std::move(header)) {}
-  /// @throws std::invalid_argument unless there is one cell a column.
+  /// @throws std::invalid_argument unless there is one cell per column.
   void add(std::vector<std::string> row);
   /// Aligns a column left. @param column from 0
   void left(std::size_t column) { left_.push_back(column); }
@@ -26,21 +28,18 @@ class TextTable {
   std::vector<std::size_t> left_{0};
 };
 
+/// Meanings of words in the heads of tables, a line each: N, d, cycle, corners, polyline, contour.
+/// @throws std::invalid_argument for another word
+std::string legend(std::initializer_list<std::string_view> words);
+
 /// A table of a result, in um, mm/s, ms and %.
 struct ReportTable {
   std::vector<std::string> head;
   std::vector<std::vector<std::string>> rows;
 };
-/// One row a corner.
+/// One row per corner.
 ReportTable corner_report(const DesignResult& result);
 /// One row for the worst use of every limit, over all corners.
 ReportTable limit_report(const DesignResult& result);
-
-/// A result for people, in um, mm/s, ms and %: status, filter, cycle time, one line a corner, one line for the worst
-/// use of every limit (over all corners). Everything else stands in the result file.
-std::string result_text(const DesignResult& result);
-
-/// That on standard output.
-void print_result(const DesignResult& result);
 
 }  // namespace accdec

@@ -6,11 +6,12 @@
 
 #include <accdec/formats/design_report.hpp>
 #include <accdec/formats/explanation.hpp>
+#include <accdec/task/not_considered.hpp>
 
 namespace accdec {
 namespace {
 
-/// Without the last digits that rounding leaves.
+/// The time in ms without the last digits, which are rounding.
 std::string ms(double seconds) {
   return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6);
 }
@@ -23,7 +24,7 @@ std::string number(const Lever& lever, double si) {
   return fmt::format("{:.9g}{}{}", lever.per_si * si, lever.unit.empty() ? "" : " ", lever.unit);
 }
 
-/// One value where all levers have the same, else a value each.
+/// One value if all levers have the same, else one value each.
 template <class Value>
 std::string numbers(const Room& room, Value value) {
   std::vector<std::string> texts;
@@ -49,7 +50,7 @@ std::string ranges(const std::vector<int>& samples) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// Of many only the smallest and the largest.
+/// With many corners, only the smallest and the largest delay.
 std::string delays_text(const std::vector<int>& delays) {
   if (delays.size() > 40) {
     const auto [least, most] = std::minmax_element(delays.begin(), delays.end());
@@ -58,15 +59,16 @@ std::string delays_text(const std::vector<int>& delays) {
   return fmt::format("{}", fmt::join(delays, " "));
 }
 
-/// Limits of more than one kind.
+/// Whether the room has limits of more than one kind.
 bool all_limits(const Room& room) {
   return std::any_of(room.levers.begin(), room.levers.end(),
                      [&](const Lever& lever) { return lever.kind != room.levers.front().kind; });
 }
 
-std::string binding_text(const Explanation& e) {
+std::string binding_text(const Explanation& e, bool samples) {
   if (e.bindings.empty()) return "No limit is used to the full.\n";
-  std::string text = fmt::format("Used to the full ({} or more):\n", percent(full_use));
+  std::string text = fmt::format("Used to the full ({} or more{}):\n", percent(full_use),
+                                 samples ? "" : "; --verbose: at which samples");
   const Binding* before = nullptr;
   for (const Binding& b : e.bindings) {
     const LimitName& name = limit_name(b.kind);
@@ -74,11 +76,11 @@ std::string binding_text(const Explanation& e) {
     std::replace(what.begin(), what.end(), '_', ' ');
     const bool same =
         before != nullptr && before->kind == b.kind && before->axis == b.axis && before->corner == b.corner;
-    const std::string where = b.kind == LimitKind::vibration
-                                  ? fmt::format("at {:.6g} Hz", b.frequency)
-                                  : fmt::format("k = {} of the {}", ranges(b.samples), to_string(b.event));
+    const std::string where = b.kind == LimitKind::vibration ? fmt::format("at {:.6g} Hz", b.frequency)
+                              : samples ? fmt::format("k = {} of the {}", ranges(b.samples), to_string(b.event))
+                                        : std::string(to_string(b.event));
     if (same) {
-      text.back() = ';';
+      text.back() = samples ? ';' : ',';
       text += fmt::format(" {}\n", where);
     } else {
       text += fmt::format("  {}{}{}{} ({:.9g} {}): {}\n", b.corner.empty() ? "" : fmt::format("corner {}, ", b.corner),
@@ -107,7 +109,8 @@ std::string gain_table(const Explanation& e) {
 std::string gain_text(const Explanation& e) {
   std::string text;
   if (!e.gains.empty()) {
-    text += fmt::format("\nWith {} more room, the task designed anew:\n{}\n", percent(e.share), gain_table(e));
+    text += fmt::format("\nWith {} more room, the task designed again:\n{}\n{}\n", percent(e.share), gain_table(e),
+                        legend({"N", "d"}));
     // All together is no answer to the question which one. Where one [[axis]] stands for all, "of all axes" is one key.
     const auto best = std::find_if(e.gains.begin(), e.gains.end(), [](const Gain& g) { return !all_limits(g.room); });
     if (best != e.gains.end() && best->gain > 0.0) {
@@ -120,10 +123,12 @@ std::string gain_text(const Explanation& e) {
     } else {
       text += "None saves anything.\n";
     }
-    text += fmt::format("Orders and delays are whole samples of {:g} ms: a saving of 0 may be a part of one.\n",
-                        1e3 * e.base.task.sample_period);
+    text += fmt::format(
+        "Orders and delays are whole samples of {:g} ms, so a saving of less than a sample is shown as 0.\n",
+        1e3 * e.base.task.sample_period);
   }
-  for (const Lever& lever : e.not_moved) text += fmt::format("{} is 0, of which there is no share.\n", lever.name);
+  for (const Lever& lever : e.not_moved)
+    text += fmt::format("{} is 0, so it cannot be relaxed by a share.\n", lever.name);
   return text;
 }
 
@@ -164,7 +169,7 @@ std::string remedy_text(const Explanation& e) {
 
 }  // namespace
 
-std::string explanation_text(const Explanation& e) {
+std::string explanation_text(const Explanation& e, bool samples) {
   std::string text = e.base.task.title.empty() ? "" : e.base.task.title + "\n";
   if (e.base.filter) {
     std::vector<int> delays;
@@ -176,7 +181,7 @@ std::string explanation_text(const Explanation& e) {
                     e.base_proved        ? "proved to be the shortest"
                     : e.base.lower_bound ? fmt::format("not below {} ms is proved", ms(*e.base.lower_bound))
                                          : "nothing is proved");
-    text += "\n" + binding_text(e) + gain_text(e);
+    text += gain_text(e) + "\n" + binding_text(e, samples);
   } else {
     text += fmt::format("No design{}: {}\n", e.base_proved ? ", proved" : "", e.base.message);
     text += remedy_text(e);
@@ -185,6 +190,7 @@ std::string explanation_text(const Explanation& e) {
     text += fmt::format("\nEach of more than {} corners by itself was not asked about, only all together.\n",
                         corners_apart_max);
   if (!e.complete) text += "\nStopped early: what is missing was not tried.\n";
+  text += fmt::format("\nIgnored: {}.\n", not_considered_text(e.base.task.machine));
   return text;
 }
 

@@ -2,12 +2,14 @@
 
 #include <string>
 
-#include <accdec/design/explain.hpp>
+#include <accdec/design.hpp>
 
 namespace accdec {
 
-/// An explanation in sentences and one table, for people.
-std::string explanation_text(const Explanation& explanation);
+/// An explanation in sentences and one table, for people: first what more room saves, then where limits are used to the
+/// full.
+/// @param samples  name them for every limit that is used to the full
+std::string explanation_text(const Explanation& explanation, bool samples = false);
 
 /// The same as `accdec.explanation/1`: times in s, values of limits in the unit of their task key. Ends with a line
 /// feed.

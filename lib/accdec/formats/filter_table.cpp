@@ -12,7 +12,7 @@ namespace {
 
 using toml_input::Table;
 
-/// Reads one parameter into a spec, by the type of the member that keeps it.
+/// Reads one parameter into a spec, by the type of its member.
 void read_parameter(const Table& table, const ShapeParameter& parameter, FilterSpec& spec) {
   const auto list = [&](const char* what) {
     if (!table.has(parameter.key)) {
@@ -32,7 +32,7 @@ void read_parameter(const Table& table, const ShapeParameter& parameter, FilterS
   }
 }
 
-/// The order that a shape's own parameter says.
+/// The order that follows from a shape's parameter.
 int own_order(const FilterSpec& spec) {
   double order = spec.kind == Shape::taps ? static_cast<double>(spec.taps.size()) - 1.0 : 0.0;
   for (const int length : spec.lengths) order += length - 1.0;
@@ -77,7 +77,7 @@ FilterSpec read_filter(const Table& table) {
   try {
     make_filter(spec);
   } catch (const std::invalid_argument& error) {
-    // An order too small for the shape is no fault of its parameter.
+    // If the order is too small for the shape, the error is at the order, not at the parameter.
     const bool by_order = !shape.parameter || (shape.has_order && spec.order < 2 && spec.kind != Shape::trapezoid);
     table.fail_at(by_order ? "order" : shape.parameter->key, error.what());
   }

@@ -3,11 +3,11 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/files/toml_table.hpp>
-#include <accdec/motion/filter_spec.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec {
 
-// Internal to the room: a filter in a file, [filter] or [baseline], read and written by what `shape_list` says of each
+// Internal to this folder: reads and writes a filter in a file, [filter] or [baseline]. `shape_list` describes each
 // kind.
 
 /// @param table  checked, with the keys `filter_keys`

@@ -12,17 +12,17 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/files/suggestion.hpp>
-#include <accdec/machine/machine.hpp>
+#include <accdec/machine.hpp>
 
 namespace accdec {
 
-/// What is wrong and where, before the file's text is searched for the position.
+/// An error and its place, before its position in the text is known.
 struct Mistake {
   std::string pointer, message;
 };
 
-/// A member or element with its path: reading with errors that name the place. Of the ordered kind: members stand in
-/// the order of the file, so what is written again looks the same.
+/// A member or element with its path, for errors that name the place. The JSON kind is ordered: members keep the order
+/// of the file, so text that is written again looks the same.
 class Value {
  public:
   using Json = nlohmann::ordered_json;
@@ -75,7 +75,7 @@ class Value {
   std::optional<double> optional_number() const { return json_.is_null() ? std::nullopt : std::optional(number()); }
   long integer(long low, long high) const {
     if (!json_.is_number_integer()) wrong_type("a whole number");
-    const double x = json_.get<double>();  // no wrap-around for numbers beyond 64 bits
+    const double x = json_.get<double>();  // numbers beyond 64 bits must not wrap around
     if (x < static_cast<double>(low) || x > static_cast<double>(high))
       fail(fmt::format("{} is out of range; allowed is {} .. {}", x, low, high));
     return json_.get<long>();

@@ -10,14 +10,12 @@
 #include <zlib.h>
 
 #include <Eigen/Core>
-#include <coin/ClpConfig.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <oneapi/tbb/version.h>
 #include <toml++/impl/version.h>
 
 #include <accdec/formats/manifest.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 #include "accdec_commit.hpp"
 
@@ -32,7 +30,7 @@ std::string processor() {
   return "unknown";
 }
 
-/// Files of the linear algebra this process runs with (BLAS, LAPACK, MUMPS and its orderings): Debian's alternatives
+/// Files of the linear algebra libraries of this process (BLAS, LAPACK, MUMPS and its orderings). Debian's alternatives
 /// choose them, and large problems spend their time in them.
 std::set<std::string> linear_algebra() {
   std::set<std::string> files;
@@ -52,20 +50,15 @@ std::set<std::string> linear_algebra() {
 
 std::vector<std::pair<std::string, std::string>> libraries() {
   std::map<std::string, std::string> found{
-      {"Clp", CLP_VERSION},
       {"Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
       {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
       {"nlohmann-json",
        fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH)},
-      {"oneTBB", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)},
+      {"oneTBB", ACCDEC_TBB_VERSION},
       {"zlib", ZLIB_VERSION},
       {"toml++", fmt::format("{}.{}.{}", TOML_LIB_MAJOR, TOML_LIB_MINOR, TOML_LIB_PATCH)}};
-  // "NLopt 2.7.1"
-  for (const auto& solver : solvers::registry()) {
-    const std::string version = solver->library_version();
-    if (const std::size_t space = version.rfind(' '); space != std::string::npos)
-      found.emplace(version.substr(0, space), version.substr(space + 1));
-  }
+  for (const auto& [name, version] : solvers::libraries()) found.emplace(name, version);
+  std::erase_if(found, [](const auto& library) { return library.second.empty(); });  // not built in
   return {found.begin(), found.end()};
 }
 
@@ -81,6 +74,12 @@ void add_environment(nlohmann::ordered_json& manifest, const std::string& versio
   manifest["accdec"] = version;
   manifest["commit"] = source_commit();
   for (const auto& [name, number] : libraries()) manifest["libraries"][name] = number;
+  // At run time another version may be installed. "NLopt 2.7.1"
+  for (const auto& solver : solvers::registry()) {
+    const std::string library = solver->library_version();
+    if (const std::size_t space = library.rfind(' '); space != std::string::npos)
+      manifest["libraries"][library.substr(0, space)] = library.substr(space + 1);
+  }
   manifest["linear_algebra"] = linear_algebra();
   manifest["compiler"] = __VERSION__;
 #ifdef NDEBUG

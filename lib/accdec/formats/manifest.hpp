@@ -8,15 +8,15 @@
 
 namespace accdec {
 
-/// Libraries this was built with and their versions, in alphabetical order; of solvers those that run.
+/// Libraries that this was built with and their versions, in alphabetical order.
 std::vector<std::pair<std::string, std::string>> libraries();
 
-/// The commit of the sources, with ", changed" where they differ from it; "unknown" outside of a checkout.
+/// The commit of the sources, with ", changed" if they differ from it; "unknown" outside of a checkout.
 std::string source_commit();
 
-/// Adds what a result was made with to a manifest: `accdec` (version), `commit` (with ", changed" where sources differ
-/// from it), `libraries`, `linear_algebra` (files), `compiler`, `machine` {processor, cores, memory_GiB, system} and
-/// `finished` (UTC).
+/// Adds the environment of a result to a manifest. The members are `accdec` (version), `commit` (with ", changed" if
+/// sources differ from it), `libraries`, `linear_algebra` (files) and `compiler`. There are also `machine` {processor,
+/// cores, memory_GiB, system} and `finished` (UTC).
 void add_environment(nlohmann::ordered_json& manifest, const std::string& version);
 
 }  // namespace accdec

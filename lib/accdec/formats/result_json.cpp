@@ -9,8 +9,10 @@
 
 #include <accdec/formats/certificate_json.hpp>
 #include <accdec/formats/json_number.hpp>
-#include <accdec/formats/result_json.hpp>
+#include <accdec/formats/settings_json.hpp>
 #include <accdec/formats/task_writer.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task/not_considered.hpp>
 
 namespace accdec {
 namespace {
@@ -24,8 +26,8 @@ Json number(const std::optional<double>& x) {
   return x ? number(*x) : Json(nullptr);
 }
 
-/// The elements of lists of a hundred thousand corners, and several times as many limits, are written directly: as a
-/// tree they take ten times the memory and most of the time.
+/// Writes the elements of long lists directly. There may be a hundred thousand corners and several times as many
+/// limits: as a tree they take ten times the memory and most of the time.
 class ListWriter {
  public:
   explicit ListWriter(std::string& out) : out_(out) {}
@@ -95,6 +97,7 @@ void write_corner(ListWriter& writer, const CornerResult& c) {
       .member("contour_deviation_m", c.contour_deviation)
       .member("speed_min_m_s", c.speed_min)
       .member("corner_time_s", c.corner_time);
+  if (c.settling_time > 0.0) writer.member("settling_time_s", c.settling_time);
 }
 
 void write_limit(ListWriter& writer, const LimitUse& use) {
@@ -115,6 +118,36 @@ std::string members_text(const Json& object) {
   return text.substr(1, text.size() - 3);
 }
 
+/// The members behind the lists, but for the certificate.
+Json tail_of(const DesignResult& result) {
+  Json tail;
+  const VerificationReport& v = result.verification;
+  tail["verification"] = {
+      {"performed", v.performed},    {"feasible", v.feasible}, {"max_violation", number(v.max_violation)},
+      {"tolerance", v.tolerance},    {"worst", v.worst},       {"certificate_checked", v.certificate_checked},
+      {"certificate", v.certificate}};
+  const SolverReport& s = result.solver;
+  tail["solver"] = {{"method", s.method},           {"name", s.name},
+                    {"version", s.version},         {"claimed", s.claimed},
+                    {"evaluations", s.evaluations}, {"wall_time_s", number(s.wall_time)}};
+  if (result.quantisation) {
+    const Quantisation& q = *result.quantisation;
+    tail["quantisation"] = {
+        {"bits", q.bits}, {"coefficients", q.coefficients}, {"unquantised_s", number(q.unquantised)}};
+  }
+  if (result.savings) {
+    const Savings& saved = *result.savings;
+    tail["savings"] = {{"today_s", saved.today},
+                       {"total_s", saved.total},
+                       {"by_retuning_s", number(saved.by_retuning)},
+                       {"by_family_s", number(saved.by_family)},
+                       {"by_free_taps_s", number(saved.by_taps)},
+                       {"family", saved.family},
+                       {"complete", saved.complete}};
+  }
+  return tail;
+}
+
 }  // namespace
 
 std::size_t proof_size(const DesignResult& result) {
@@ -129,6 +162,9 @@ std::string result_to_json(const DesignResult& result) {
   head["message"] = result.message;
   head["stop"] = to_string(result.stop);
   head["task"] = task_to_json(result.task);
+  Json left_out = Json::array();
+  for (const NotConsidered what : not_considered(result.task.machine)) left_out.push_back(to_string(what));
+  head["not_considered"] = std::move(left_out);
   head["sample_period_s"] = result.task.sample_period;
   head["filter"] = nullptr;
   if (result.filter) {
@@ -139,25 +175,22 @@ std::string result_to_json(const DesignResult& result) {
                    {"corner_time_s", number(result.corner_time)},
                    {"lower_bound_s", number(result.lower_bound)},
                    {"gap", number(result.gap)}};
-  Json tail;
-  const VerificationReport& v = result.verification;
-  tail["verification"] = {
-      {"performed", v.performed},    {"feasible", v.feasible}, {"max_violation", number(v.max_violation)},
-      {"tolerance", v.tolerance},    {"worst", v.worst},       {"certificate_checked", v.certificate_checked},
-      {"certificate", v.certificate}};
-  const SolverReport& s = result.solver;
-  tail["solver"] = {{"method", s.method},           {"name", s.name},
-                    {"version", s.version},         {"claimed", s.claimed},
-                    {"evaluations", s.evaluations}, {"wall_time_s", number(s.wall_time)}};
+  Json settings;
+  if (result.settings) {
+    settings["settings"] = settings_to_json(*result.settings);
+    settings["family_bound_s"] = number(result.family_bound);
+    settings["free_taps_s"] = number(result.free_taps);
+  }
   std::string text;
-  // Of a hundred thousand corners it is some hundred megabytes: growing step by step would copy them once more.
+  // For a hundred thousand corners the text has some hundred megabytes: growing step by step would copy it once more.
   text.reserve(1000 + 320 * (result.task.corners.size() + result.corners.size()) + 280 * result.limits.size());
   text += "{";
   text += members_text(head);
   append_list(text, "corners", result.corners, write_corner);
   text += "," + members_text(times);
+  if (!settings.is_null()) text += "," + members_text(settings);
   append_list(text, "limits", result.limits, write_limit);
-  text += "," + members_text(tail);
+  text += "," + members_text(tail_of(result));
   if (result.certificate) text += ",\n  \"certificate\": " + stored_certificate(*result.certificate);
   text += "\n}\n";
   return text;

@@ -15,17 +15,19 @@
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/certificate_json.hpp>
 #include <accdec/formats/json_value.hpp>
-#include <accdec/formats/result_json.hpp>
 #include <accdec/formats/result_keys.hpp>
+#include <accdec/formats/settings_json.hpp>
 #include <accdec/formats/task_tree.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task/not_considered.hpp>
 
 namespace accdec {
 namespace {
 
-// The ordered kind: members stand in the order of the file, so what is written again looks the same.
+// The ordered kind: members keep the order of the file, so text that is written again looks the same.
 using Json = nlohmann::ordered_json;
 
-/// What is wrong and where, before the file's text is searched for the position.
+/// An error and its place, before its position in the text is known.
 InputError mistake(const std::string& pointer, const std::string& message) {
   return InputError("", 0, 0, message, pointer);
 }
@@ -61,7 +63,7 @@ class JsonNode {
     return mistake(pointer, message);
   }
 
-  // The words of the format; the path stands before them.
+  // The words of the format; the path comes before them.
   static constexpr bool is_toml = false;
   static std::string subject(std::string_view, std::size_t = 0) { return ""; }
   static std::string equals(const std::string&) { return ""; }
@@ -83,7 +85,7 @@ class JsonNode {
   const Json& json_;
 };
 
-/// TOML tree of a JSON value, for the one reader of tasks there is. Depth is bounded: a task has three levels.
+/// TOML tree of a JSON value, for the single reader of tasks. Depth is bounded: a task has three levels.
 toml::array to_toml_array(const Json& json, const std::string& at, int depth);
 
 toml::table to_toml_table(const Json& json, const std::string& at, int depth = 0) {
@@ -125,7 +127,7 @@ toml::array to_toml_array(const Json& json, const std::string& at, int depth) {
   return array;
 }
 
-/// The enumerator of a name that was checked.
+/// The enumerator of a checked name.
 template <class Enum, std::size_t N>
 Enum named(const Json& name, const std::array<Enum, N>& all) {
   return *std::find_if(all.begin(), all.end(),
@@ -148,7 +150,8 @@ CornerResult read_corner(const Json& json) {
           json["polyline_error_m"],
           json["contour_deviation_m"],
           json["speed_min_m_s"],
-          json["corner_time_s"]};
+          json["corner_time_s"],
+          optional_number(json, "settling_time_s").value_or(0.0)};
 }
 
 LimitUse read_limit(const Json& json) {
@@ -167,7 +170,7 @@ LimitUse read_limit(const Json& json) {
   return use;
 }
 
-/// Up to 10^6 taps, each rounded, summed plainly.
+/// Rounding of a plain sum of up to 10^6 rounded taps.
 constexpr double taps_rounding = 1e-9;
 
 Filter filter_from(const Json& json) {
@@ -179,7 +182,7 @@ Filter filter_from(const Json& json) {
   const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
   try {
     Filter filter(std::move(taps));
-    // A filter is made of any taps, by scaling them; what is recorded is to be what was checked.
+    // A filter scales any taps to sum 1. But the recorded taps must be the checked ones.
     if (!(std::abs(sum - 1.0) <= taps_rounding))
       throw std::invalid_argument(fmt::format("have the sum {:.15g}; it must be 1", sum));
     return filter;
@@ -223,10 +226,20 @@ void check_members(const Json& json) {
   faults.raise();
 }
 
+/// The list follows from the task; a result that hides what it leaves out is none of ours.
+void check_not_considered(const Json& json, const Task& task) {
+  const auto given = json.find("not_considered");
+  if (given == json.end()) return;  // older results have none
+  Json found = Json::array();
+  for (const NotConsidered what : not_considered(task.machine)) found.push_back(to_string(what));
+  if (*given != found) throw mistake("/not_considered", fmt::format("must be {} for this task", found.dump()));
+}
+
 DesignResult read_members(const Json& json, const std::string& name) {
   check_members(json);
   DesignResult result;
-  result.task = task_from_tree(to_toml_table(json["task"], "/task"), name, "/task", {});
+  result.task = task_from_tree(to_toml_table(json["task"], "/task"), name, "/task", {.response = Considered::any});
+  check_not_considered(json, result.task);
   result.status =
       named(json["status"], std::array{Status::optimal, Status::feasible, Status::infeasible, Status::failed});
   if (json["sample_period_s"] != result.task.sample_period) {
@@ -239,6 +252,11 @@ DesignResult read_members(const Json& json, const std::string& name) {
   result.corner_time = json["corner_time_s"];
   result.lower_bound = optional_number(json, "lower_bound_s");
   result.gap = optional_number(json, "gap");
+  if (const auto found = json.find("settings"); found != json.end()) {
+    result.settings = settings_from_json(*found, to_toml_table((*found)["filter"], "/settings/filter"), name);
+  }
+  result.family_bound = optional_number(json, "family_bound_s");
+  result.free_taps = optional_number(json, "free_taps_s");
   for (const Json& limit : json["limits"]) result.limits.push_back(read_limit(limit));
   const Json &v = json["verification"], &s = json["solver"];
   const auto given = [&](const char* key) { return v.contains(key) && !v[key].is_null(); };
@@ -251,6 +269,18 @@ DesignResult read_members(const Json& json, const std::string& name) {
                          given("certificate") ? v["certificate"].get<std::string>() : ""};
   result.solver = {s["method"], s["name"], s["version"], s["claimed"], s["evaluations"], s["wall_time_s"], {}};
   if (!(result.solver.wall_time >= 0.0)) throw mistake("/solver/wall_time_s", "must not be negative");
+  if (const auto found = json.find("quantisation"); found != json.end())
+    result.quantisation = {(*found)["bits"], (*found)["coefficients"], (*found)["unquantised_s"]};
+  if (const auto found = json.find("savings"); found != json.end()) {
+    const Json& saved = *found;
+    result.savings = {saved["today_s"],
+                      saved["total_s"],
+                      optional_number(saved, "by_retuning_s"),
+                      optional_number(saved, "by_family_s"),
+                      optional_number(saved, "by_free_taps_s"),
+                      saved["family"],
+                      saved["complete"]};
+  }
   result.message = json["message"].get<std::string>();
   if (const auto proof = json.find("certificate"); proof != json.end() && !proof->is_null())
     result.certificate = std::make_shared<Certificate>(certificate_of(*proof));
@@ -276,29 +306,7 @@ std::string readable(const std::string& pointer) {
   return text.empty() ? "the result" : text;
 }
 
-/// Where brackets nest deeper than any result's; the JSON library recurses when it writes, and would overflow the
-/// stack.
-std::optional<std::size_t> too_deep(std::string_view text) {
-  constexpr int deepest = 64;
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      quoted = c != '"';
-    } else if (c == '"') {
-      quoted = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > deepest) return i;
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return std::nullopt;
-}
-
-/// The same errors with their places in the file. Few enough are shown that looking for them costs little.
+/// The same errors with their places in the file. Only a few are shown, so finding the places is quick.
 InputErrors positioned(const std::vector<InputError>& errors, bool at_least, std::string_view text,
                        const std::string& name) {
   constexpr std::size_t most = 10;
@@ -321,7 +329,7 @@ DesignResult parse_result(std::string_view text, const std::string& name) {
     throw InputError(name, 1, 1, "the file is empty; a result is JSON with schema \"accdec.result/1\"");
   if (const std::string wrong = wrong_kind(text, InputKind::result); !wrong.empty())
     throw InputError(name, 1, 1, wrong);
-  // The parser takes it for the end of the file and what follows for nothing.
+  // The parser takes it as the end of the file and ignores the rest.
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
     const auto [line, column] = line_and_column(text, zero);
     throw InputError(name, line, column, "a zero byte; a result is text");
@@ -339,7 +347,7 @@ DesignResult parse_result(std::string_view text, const std::string& name) {
     throw InputError(name, 1, 1,
                      fmt::format("a number is beyond double precision ({}); all must be finite", error.what()));
   }
-  if (const auto at = too_deep(text)) {
+  if (const auto at = json_too_deep(text)) {
     const auto [line, column] = line_and_column(text, *at);
     throw InputError(name, line, column, "brackets nest more than 64 deep; no result does");
   }

@@ -28,7 +28,7 @@ Json text(const Key& key) {
   return json;
 }
 
-/// One of it, or a list.
+/// A single value, or a list.
 Json one_or_list(const Json& one, std::size_t least) {
   return {{"anyOf", {one, {{"type", "array"}, {"items", one}, {"minItems", least}}}}};
 }
@@ -53,7 +53,7 @@ Json type_of(const Key& key) {
   return Json::object();
 }
 
-/// The default where it is a value and not only words.
+/// The default if it is a value, not only words.
 Json default_of(const Key& key) {
   if (const auto value = default_number(key))
     return key.type == KeyType::integer ? Json(std::lround(*value)) : Json(*value);
@@ -69,7 +69,7 @@ Json property(const Key& key) {
   if (key.nullable) json = {{"anyOf", {json, {{"type", "null"}}}}};
   json["description"] = key.unit.empty() ? key.meaning : fmt::format("{}; {}", key.meaning, key.unit);
   if (const Json value = default_of(key); !value.is_null()) json["default"] = value;
-  // Those of tables stand with their members.
+  // The conditions of tables stand with their members.
   if (!key.conditions.empty() && key.keys.empty()) json.update(Json::parse(key.conditions));
   return json;
 }
@@ -138,7 +138,7 @@ void tables(std::string& out, const std::vector<Key>& keys, const std::string& p
     const std::string name = prefix + key.name;
     const std::string title = key.type == KeyType::table ? "`[" + name + "]`" : "`[[" + name + "]]`";
     out += fmt::format("| {} | | | | {} | {} | |\n", title, key.required ? "**needed**" : "", cell(key.meaning));
-    // Tables of the same keys, as [filter] and [baseline], are told once.
+    // Tables with the same keys, as [filter] and [baseline], are described once.
     const auto same = std::find_if(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(i),
                                    [&](const Key& other) { return names_of(other.keys) == names_of(key.keys); });
     if (key.free || same != keys.begin() + static_cast<std::ptrdiff_t>(i)) {

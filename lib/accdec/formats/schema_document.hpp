@@ -6,8 +6,8 @@
 
 namespace accdec {
 
-/// A JSON Schema (draft 2020-12) of a kind of file; a TOML file is meant as the JSON of the same tree. It says all that
-/// one key alone can break and, where keys exclude or need each other, most of that.
+/// A JSON Schema (draft 2020-12) of a kind of file. A TOML file counts as the JSON of the same tree. It covers all
+/// conditions on single keys, and most conditions between keys that exclude or need each other.
 std::string json_schema(const FileKind& file);
 
 /// A table in Markdown with a line for every key.

@@ -15,14 +15,14 @@
 namespace accdec {
 namespace {
 
-/// Keys of a table of a task that have a value of their own; "" is the top. Null if there is no such table.
+/// Keys with a value in a table of a task; "" is the top. Null if there is no such table.
 const std::vector<Key>* keys_of(std::string_view table) {
   if (table.empty()) return &task_file().keys;
   const Key* found = find_key(task_file().keys, table);
   return found && !found->keys.empty() ? &found->keys : nullptr;
 }
 
-/// What a study may set anew: not what only names things.
+/// Whether a study may set a key: not keys that only name things.
 bool settable(const Key& key) {
   return key.keys.empty() && key.name != "title" && key.name != "name";
 }
@@ -54,7 +54,7 @@ std::string place_of(std::string_view table, std::string_view key) {
   return fmt::format("{}.{}{}", table, is_list(table) ? "*." : "", key);
 }
 
-/// Where else in a task a key stands; may be empty.
+/// Another place in a task where a key is allowed; may be empty.
 std::string other_place(std::string_view key) {
   if (const Key* top = find_key(task_file().keys, key); top && settable(*top)) return std::string(key);
   for (const std::string_view table : table_names()) {
@@ -70,8 +70,8 @@ std::optional<std::size_t> as_index(std::string_view text) {
   return value;
 }
 
-/// Names as the task reader gives them: corners A, B, ...; of several axes x, y, z, ...; a lone axis table stands for
-/// all.
+/// Names as the task reader gives them: corners A, B, ..., and with several axes x, y, z, ... A single axis table
+/// stands for all axes.
 std::string name_of(const toml::table& element, std::string_view list, std::size_t index, std::size_t count) {
   if (const auto name = element["name"].value<std::string>()) return *name;
   if (list == "corner" && index < 26) return std::string(1, static_cast<char>('A' + index));
@@ -164,7 +164,7 @@ void TaskKey::set(toml::table& task, const toml::node& value) const {
 
 namespace {
 
-/// A copy of what stands at a pointer, in a list of one; empty if nothing does.
+/// A copy of the value at a pointer, in a list of one; empty if there is none.
 toml::array value_at(const toml::table& task, const std::string& pointer) {
   const toml::node* node = &task;
   for (std::size_t from = 1; node && from <= pointer.size();) {

@@ -7,7 +7,7 @@
 
 #include <toml++/toml.h>
 
-// Internal to the room: setting values of a task tree by dotted key, for studies.
+// Internal to this folder: setting values of a task tree by dotted key, for studies.
 
 namespace accdec {
 
@@ -16,11 +16,11 @@ namespace accdec {
 /// for all.
 class TaskKey {
  public:
-  /// @throws std::invalid_argument if the key is none of a task file, with a suggestion
+  /// @throws std::invalid_argument if a task file has no such key, with a suggestion
   explicit TaskKey(const std::string& dotted);
 
-  /// Sets it; a missing [filter], [design], [program], a first [[axis]] and the [[mode]] behind the last are made.
-  /// Numbers of keys that take whole numbers are written as such.
+  /// Sets the value. Creates a missing [filter], [design], [program], a first [[axis]] and the [[mode]] after the last.
+  /// Keys that take whole numbers get whole numbers.
   /// @throws std::invalid_argument if the tree has no such axis, corner or mode
   void set(toml::table& task, const toml::node& value) const;
   void set(toml::table& task, double value) const;
@@ -33,12 +33,12 @@ class TaskKey {
   bool whole_ = false;  ///< takes whole numbers
 };
 
-/// A regular expression that matches the keys which TaskKey takes, as a string of JSON, quoted.
+/// A regular expression that matches the keys of TaskKey, as a quoted JSON string.
 std::string task_key_pattern();
 
-/// The first of some lists of keys that sets the value, or anything in the table, at a JSON pointer of a task
-/// ("/corner/0/angle_deg"). None for the whole task, "".
-/// @param lists  keys that the task has places for
+/// The first of several lists of keys that sets the value at a JSON pointer of a task, or anything in that table None
+/// for the whole task, "".
+/// @param lists  keys that the task has
 std::optional<std::size_t> setter_of(const toml::table& task, const std::vector<std::vector<TaskKey>>& lists,
                                      const std::string& pointer);
 

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/files/json_position.hpp>
 #include <accdec/files/units.hpp>
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/formats/task_json.hpp>
@@ -24,7 +26,7 @@ std::string si_name(const Key& key) {
   return unit && unit->name == key.unit ? key.name.substr(0, key.name.size() - unit->suffix.size()) : key.name;
 }
 
-/// Of a table of a task, "" is the top, the key that has this name in SI and another in files.
+/// The key that has this name in SI and another in files, in a table of a task; "" is the top.
 const Key* key_in_si(std::string_view table, std::string_view name) {
   const Key* found = table.empty() ? nullptr : find_key(task_file().keys, table);
   if (!table.empty() && !found) return nullptr;
@@ -34,13 +36,34 @@ const Key* key_in_si(std::string_view table, std::string_view name) {
   return nullptr;
 }
 
-/// A value in SI in the unit of its key.
+/// A value in SI converted to the unit of its key.
 PlainJson in_unit_of(const Key& key, const PlainJson& value) {
-  if (key.type == KeyType::number && value.is_number()) return from_si(key, value.get<double>());
-  return value;
+  if (key.type != KeyType::number && key.type != KeyType::numbers) return value;
+  if (value.is_number()) return from_si(key, value.get<double>());
+  if (!value.is_array()) return value;
+  PlainJson list = PlainJson::array();
+  for (const PlainJson& element : value) list.push_back(in_unit_of(key, element));
+  return list;
 }
 
-/// Renames and converts what a table gives in SI.
+/// A number in SI is judged before it is converted, so that the message has the name and unit it was given in.
+void require_allowed(const Key& key, const std::string& name, const PlainJson& value, const std::string& file) {
+  if (key.type != KeyType::number && key.type != KeyType::numbers) return;
+  if (value.is_array() && key.type == KeyType::numbers) {
+    for (const PlainJson& element : value) require_allowed(key, name, element, file);
+    return;
+  }
+  if (!value.is_number())
+    throw InputError(file, 0, 0, fmt::format("`{}` must be a number, got {}", name, value.dump()));
+  const double given = value.get<double>();
+  if (key.range.holds(from_si(key, given))) return;
+  Range allowed = key.range;
+  for (double* bound : {&allowed.low, &allowed.high})  // without the last digits of the conversion
+    *bound = std::stod(fmt::format("{:.9g}", to_si(key, *bound)));
+  throw InputError(file, 0, 0, fmt::format("`{}` = {} is out of range; {}", name, given, allowed.text(name)));
+}
+
+/// Renames and converts the SI keys of a table.
 void to_file_keys(PlainJson& table, std::string_view which, const std::string& file) {
   if (!table.is_object()) return;
   PlainJson renamed = PlainJson::object();
@@ -48,6 +71,7 @@ void to_file_keys(PlainJson& table, std::string_view which, const std::string& f
     const Key* key = key_in_si(which, name);
     if (key && table.contains(key->name))
       throw InputError(file, 0, 0, fmt::format("`{}` and `{}` are both given; allowed is either", name, key->name));
+    if (key) require_allowed(*key, name, value, file);
     renamed[key ? key->name : name] = key ? in_unit_of(*key, value) : value;
   }
   table = std::move(renamed);
@@ -55,7 +79,7 @@ void to_file_keys(PlainJson& table, std::string_view which, const std::string& f
 
 void to_file_keys(PlainJson& task, const std::string& file) {
   to_file_keys(task, "", file);
-  for (const char* const table : {"axis", "corner", "mode", "program"}) {
+  for (const char* const table : {"design", "axis", "corner", "mode", "program"}) {
     const auto found = task.find(table);
     if (found == task.end()) continue;
     if (found->is_array()) {
@@ -68,7 +92,7 @@ void to_file_keys(PlainJson& task, const std::string& file) {
 
 toml::table to_table(const PlainJson& object, const std::string& file, int depth);
 
-/// Adds a value, as the reader's own kind, to a list.
+/// Adds a value to a list, as the reader's own type.
 void put(toml::array& list, const PlainJson& value, const std::string& key, const std::string& file, int depth) {
   if (depth > 4) throw InputError(file, 0, 0, fmt::format("`{}` is nested too deeply for a task", key));
   if (value.is_object()) {
@@ -100,8 +124,8 @@ toml::table to_table(const PlainJson& object, const std::string& file, int depth
   return table;
 }
 
-/// "corner.A.error_max_um" of "corner.A.error_max", and the value in its unit; both unchanged where the key is none in
-/// SI.
+/// "corner.A.error_max_um" for "corner.A.error_max", and the value in its unit; both unchanged if the key is not an SI
+/// key.
 std::pair<std::string, double> in_file_unit(const std::string& key, double value) {
   const std::size_t dot = key.rfind('.');
   const std::string table = key.substr(0, std::min(key.find('.'), key.size()));
@@ -114,6 +138,10 @@ std::pair<std::string, double> in_file_unit(const std::string& key, double value
 }  // namespace
 
 Task parse_task_json(std::string_view text, const std::string& name, const TaskOptions& options) {
+  if (const auto at = json_too_deep(text)) {
+    const auto [line, column] = line_and_column(text, *at);
+    throw InputError(name, line, column, "brackets nest more than 64 deep; no task does");
+  }
   PlainJson json;
   try {
     json = PlainJson::parse(text);
@@ -129,7 +157,7 @@ Task with_setting(const Task& task, const std::string& key, double value) {
   const auto [file_key, number] = in_file_unit(key, value);
   toml::table tree = to_table(PlainJson::parse(task_to_json(task).dump()), key, 0);
   TaskKey(file_key).set(tree, number);
-  return task_from_tree(tree, key, "", {.require_corners = !task.corners.empty()});
+  return task_from_tree(tree, key, "", {.require_corners = !task.corners.empty(), .response = Considered::any});
 }
 
 }  // namespace accdec

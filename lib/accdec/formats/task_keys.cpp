@@ -1,12 +1,15 @@
+#include <algorithm>
 #include <variant>
 
 #include <fmt/format.h>
 
+#include <accdec/filter.hpp>
+#include <accdec/formats/settings_table.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/motion/filter_spec.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/task.hpp>
 #include <accdec/task/objective.hpp>
-#include <accdec/task/task.hpp>
 
 namespace accdec {
 namespace {
@@ -28,25 +31,27 @@ Key parameter_key(const ShapeInfo& shape) {
     key.whole = whole_list;
   }
   switch (shape.shape) {
-    case Shape::trapezoid: key.unit = "taps", key.meaning = "taps in a ramp", key.example = "8"; break;
+    case Shape::trapezoid: key.unit = "taps", key.meaning = "number of taps in each ramp", key.example = "8"; break;
     case Shape::averages:
       key.unit = "taps", key.meaning = "length of each moving average", key.example = "[20, 8]";
       break;
     case Shape::blackman_sinc:
       key.unit = "of Nyquist", key.meaning = "cutoff frequency; at most 2 / order", key.example = "0.049";
       break;
-    case Shape::gaussian: key.meaning = "half width over standard deviation", key.example = "2.5"; break;
-    case Shape::exponential: key.meaning = "each tap to the one before, above 1 rising", key.example = "0.9"; break;
-    case Shape::taps:
-      key.meaning = "N + 1 numbers of any positive sum, which is made 1", key.example = "[1, 2, 1]";
+    case Shape::gaussian:
+      key.meaning = "half width of the filter over its standard deviation", key.example = "2.5";
       break;
+    case Shape::exponential:
+      key.meaning = "each tap divided by the one before; above 1 the taps rise", key.example = "0.9";
+      break;
+    case Shape::taps: key.meaning = "N + 1 numbers; they are scaled to sum 1", key.example = "[1, 2, 1]"; break;
     default: key.meaning = "parameter of this kind";
   }
   key.meaning = fmt::format("{}: {}", shape.name, key.meaning);
   return key;
 }
 
-/// What each kind of filter needs and does not take, for the JSON Schema.
+/// The keys that each kind of filter needs and those it does not take, for the JSON Schema.
 std::string filter_conditions() {
   std::string text;
   for (const ShapeInfo& shape : shape_list()) {
@@ -76,7 +81,7 @@ std::vector<Key> make_filter_keys() {
                          .required = true},
                         {.name = "order",
                          .type = KeyType::integer,
-                         .meaning = "N; of averages and taps it follows from these",
+                         .meaning = "order N; for averages and taps it follows from their parameters",
                          .unit = "taps less 1",
                          .range = orders,
                          .example = "40"}};
@@ -85,13 +90,13 @@ std::vector<Key> make_filter_keys() {
   }
   keys.push_back({.name = "shaper",
                   .type = KeyType::word,
-                  .meaning = "pairs of impulses behind the taps that cancel a vibration",
+                  .meaning = "input shaper after the taps: one (`zv`) or two (`zvd`) pairs of impulses",
                   .words = {"zv", "zvd"},
                   .fallback = "no shaper",
                   .example = "\"zv\""});
   keys.push_back({.name = "shaper_delay",
                   .type = KeyType::integer,
-                  .meaning = "between the impulses of a pair; needed with `shaper`",
+                  .meaning = "delay between the impulses of a pair; needed with `shaper`",
                   .unit = "samples",
                   .range = {1, order_limit},
                   .example = "12"});
@@ -100,42 +105,52 @@ std::vector<Key> make_filter_keys() {
 
 std::vector<Key> design_keys() {
   const DesignBounds bounds;
-  return {{.name = "order_min",
-           .type = KeyType::integer,
-           .meaning = "smallest N to look at",
-           .unit = "taps less 1",
-           .range = orders,
-           .fallback = fmt::format("{}", bounds.order_min),
-           .example = "10"},
-          {.name = "order_max",
-           .type = KeyType::integer,
-           .meaning = "largest N to look at",
-           .unit = "taps less 1",
-           .range = orders,
-           .fallback = fmt::format("{}", bounds.order_max),
-           .example = "1000"},
-          {.name = "symmetric",
-           .type = KeyType::boolean,
-           .meaning = "symmetric taps only",
-           .fallback = bounds.symmetric ? "true" : "false",
-           .example = "true"},
-          {.name = "objective",
-           .type = KeyType::word,
-           .meaning = "`cycle`: sum of weight * d * T + runs (N + 1) T, what a machine spends; `corner`: sum of weight "
-                      "* (N + 1 + d) T",
-           .words = {std::string(to_string(Objective::cycle)), std::string(to_string(Objective::corner))},
-           .fallback = std::string(to_string(bounds.objective)),
-           .example = "\"corner\""},
-          {.name = "runs",
-           .meaning = "runs from rest to rest that pass the corners with their weights",
-           .range = {0.0, 1e9, true},
-           .fallback = fmt::format("{}", bounds.runs),
-           .example = "5"}};
+  std::vector<Key> keys{
+      {.name = "order_min",
+       .type = KeyType::integer,
+       .meaning = "smallest order N to consider",
+       .unit = "taps less 1",
+       .range = orders,
+       .fallback = fmt::format("{}", bounds.order_min),
+       .example = "10"},
+      {.name = "order_max",
+       .type = KeyType::integer,
+       .meaning = "largest order N to consider",
+       .unit = "taps less 1",
+       .range = orders,
+       .fallback = fmt::format("{}", bounds.order_max),
+       .example = "1000"},
+      {.name = "symmetric",
+       .type = KeyType::boolean,
+       .meaning = "symmetric taps only",
+       .fallback = bounds.symmetric ? "true" : "false",
+       .example = "true"},
+      {.name = "objective",
+       .type = KeyType::word,
+       .meaning = "`cycle`: sum of weight * d * T + runs (N + 1) T, what a machine spends; `corner`: sum of weight "
+                  "* (N + 1 + d) T",
+       .words = {std::string(to_string(Objective::cycle)), std::string(to_string(Objective::corner))},
+       .fallback = std::string(to_string(bounds.objective)),
+       .example = "\"corner\""},
+      {.name = "runs",
+       .meaning = "number of runs from rest to rest in which the corners are passed",
+       .range = {0.0, 1e9, true},
+       .fallback = fmt::format("{}", bounds.runs),
+       .example = "5"},
+      {.name = "coefficient_bits",
+       .type = KeyType::integer,
+       .meaning = "taps as a control stores them: whole numbers over 2^bits, rounded under all limits",
+       .unit = "bits",
+       .range = {8, 31},
+       .fallback = "any taps",
+       .example = "16"}};
+  for (Key& key : setting_keys()) keys.push_back(std::move(key));
+  return keys;
 }
 
 std::string limit_meaning(LimitKind kind) {
   switch (kind) {
-    case LimitKind::jerk: return "largest first difference of the acceleration over T";
+    case LimitKind::jerk: return "largest jerk: change of the acceleration from sample to sample, over T";
     case LimitKind::force: return "largest force m a + c v; needs mass or damping";
     case LimitKind::power: return "largest motoring power F v; needs mass or damping";
     case LimitKind::regeneration: return "largest braking power -F v; needs mass or damping";
@@ -143,7 +158,7 @@ std::string limit_meaning(LimitKind kind) {
   }
 }
 
-/// The limits of the one table, with the plant between those that need it and those that do not.
+/// The limits of the table of limits; the plant stands between those that need it and those that do not.
 std::vector<Key> axis_keys() {
   std::vector<Key> keys{{.name = "name",
                          .type = KeyType::text,
@@ -163,18 +178,38 @@ std::vector<Key> axis_keys() {
   };
   add_limits(false);
   keys.push_back({.name = "mass_kg",
-                  .meaning = "m of F = m a + c v",
+                  .meaning = "moved mass m in F = m a + c v",
                   .unit = "kg",
                   .range = {0.0, 1e6},
                   .fallback = "0",
                   .example = "50"});
   keys.push_back({.name = "damping_N_s_m",
-                  .meaning = "c of F = m a + c v",
+                  .meaning = "viscous friction c in F = m a + c v",
                   .unit = "N s/m",
                   .range = {0.0, 1e8},
                   .fallback = "0",
                   .example = "800"});
   add_limits(true);
+  keys.push_back({.name = "servo_gain_1_s",
+                  .meaning = "gain Kv of the position control, for the following error v (1 - feedforward) / Kv",
+                  .unit = "1/s",
+                  .range = {1.0, 1e4},
+                  .fallback = "no following error",
+                  .example = "200",
+                  .allowed = "allowed is 1 <= servo_gain_1_s <= 10000; 1 (m/min)/mm is 16.67 1/s, 1 1/ms is 1000 1/s"});
+  keys.push_back({.name = "velocity_feedforward",
+                  .meaning = "with `servo_gain_1_s`: part of the velocity that is fed forward",
+                  .range = {0.0, 1.0},
+                  .fallback = "0",
+                  .example = "0.9",
+                  .allowed = "allowed is 0 <= velocity_feedforward <= 1; 95 % is 0.95"});
+  keys.push_back({.name = "response_taps",
+                  .type = KeyType::numbers,
+                  .meaning = "instead of `servo_gain_1_s`: measured response to a velocity of one sample, of sum 1",
+                  .range = {-10.0, 10.0},
+                  .most = response_taps_max,
+                  .fallback = "none",
+                  .example = "[0.1, 0.5, 0.3, 0.1]"});
   return keys;
 }
 
@@ -209,7 +244,7 @@ std::vector<Key> corner_keys() {
   std::vector<Key> keys{
       {.name = "name",
        .type = KeyType::text,
-       .meaning = "name of the corner; no two alike",
+       .meaning = "unique name of the corner",
        .fallback = "A, B, ..",
        .example = "\"A\""},
       {.name = "angle_deg",
@@ -230,9 +265,9 @@ std::vector<Key> corner_keys() {
        .words = {"left", "right"},
        .fallback = "left",
        .example = "\"right\""},
-      direction("direction_in", "instead of angle, heading and turn: direction of leg 1, one number an axis",
+      direction("direction_in", "direction of leg 1, one number per axis; instead of angle, heading and turn",
                 "[1, 0, 0]"),
-      direction("direction_out", "with `direction_in`: direction of leg 2, one number an axis", "[0, 1, 1]"),
+      direction("direction_out", "direction of leg 2, one number per axis; with `direction_in`", "[0, 1, 1]"),
       feed("feed_in_mm_min", "feed on leg 1", ""),
       feed("feed_out_mm_min", "feed on leg 2", "that of leg 1"),
       error_max("tolerance of the corner"),
@@ -261,7 +296,7 @@ std::vector<Key> corner_keys() {
 std::vector<Key> mode_keys() {
   return {{.name = "frequency_Hz",
            .type = KeyType::numbers,
-           .meaning = "one number or a band",
+           .meaning = "one frequency or a band [low, high]",
            .unit = "Hz",
            .range = {0.0, 1e6, true},
            .most = 2,
@@ -270,7 +305,7 @@ std::vector<Key> mode_keys() {
            .required = true,
            .lone = true},
           {.name = "residual_max",
-           .meaning = "residual vibration allowed; 1 is that of an unfiltered step",
+           .meaning = "allowed residual vibration; 1 is that of an unfiltered step",
            .range = {0.0, 1.0},
            .example = "0.05",
            .required = true}};
@@ -302,20 +337,24 @@ FileKind make_task_file() {
                 .range = {1e-4, 1e3},
                 .example = "1",
                 .required = true},
-               filter_table("filter", "the filter; left out, its taps are designed"),
-               filter_table("baseline", "the filter the machine has now, for `accdec design --baselines`"),
+               filter_table("filter", "the filter; without it, taps are designed"),
+               filter_table("baseline", "the filter that the machine has today, to compare the design with"),
                {.name = "design",
                 .type = KeyType::table,
                 .meaning = "bounds on what the design may choose",
                 .keys = design_keys()},
+               {.name = "controller",
+                .type = KeyType::table,
+                .meaning = "the control that runs the design",
+                .keys = controller_keys()},
                list("axis", "limits and load of an axis; without any, axes x and y have no limits", axis_keys()),
                list("corner", "a corner of the path", corner_keys()),
                list("mode", "a vibration that the filter must not excite", mode_keys()),
                {.name = "program",
                 .type = KeyType::table,
-                .meaning = "what a whole program does not say",
-                .keys = {error_max("tolerance where a program gives none")}}};
-  Key& corner = file.keys[6];
+                .meaning = "values that a program does not give",
+                .keys = {error_max("tolerance of corners for which the program gives none")}}};
+  Key& corner = *std::find_if(file.keys.begin(), file.keys.end(), [](const Key& key) { return key.name == "corner"; });
   corner.conditions =
       R"({"oneOf": [{"required": ["angle_deg"], "properties": {"direction_in": false, "direction_out": false}}, )"
       R"({"required": ["direction_in", "direction_out"], )"

@@ -7,14 +7,18 @@
 #include <fmt/format.h>
 
 #include <accdec/files/file_kind.hpp>
+#include <accdec/files/parse_toml.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/files/toml_table.hpp>
 #include <accdec/formats/filter_table.hpp>
+#include <accdec/formats/response_table.hpp>
+#include <accdec/formats/settings_table.hpp>
 #include <accdec/formats/task_keys.hpp>
-#include <accdec/formats/task_reader.hpp>
 #include <accdec/formats/task_tree.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/task.hpp>
 #include <accdec/task/objective.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
@@ -28,6 +32,7 @@ DesignBounds read_design(const Table& table) {
   bounds.symmetric = table.boolean("symmetric");
   bounds.objective = table.word("objective") == to_string(Objective::cycle) ? Objective::cycle : Objective::corner;
   bounds.runs = table.required_number("runs");
+  bounds.coefficient_bits = table.integer("coefficient_bits").value_or(0);
   if (bounds.order_min > bounds.order_max) {
     table.fail_at(
         table.has("order_min") ? "order_min" : "order_max",
@@ -50,10 +55,11 @@ Axis read_axis(const Table& table) {
                                            limit.key));
     }
   }
+  read_servo(table, axis);
   return axis;
 }
 
-/// Gives the first two names taken alike as an error.
+/// Reports the first name that is used twice.
 class Names {
  public:
   void add(const Table& table, const std::string& name) {
@@ -131,22 +137,32 @@ TaskCorner make_task_corner(const Table& table, const std::string& name, const C
   }
 }
 
+/// An error bound, m. Between 0 and what rounding does to a simulated path it could only be loosened silently.
+std::optional<double> read_error_max(const Table& table) {
+  const std::optional<double> error = table.number("error_max_um");
+  if (error && *error > 0.0 && *error < position_floor)
+    table.fail_at("error_max_um", fmt::format("error_max_um = {:g} is less than a simulation can tell from 0; allowed "
+                                              "is 0 or {:g} and more",
+                                              1e6 * *error, 1e6 * position_floor));
+  return error;
+}
+
 TaskCorner read_corner(const Table& table, const std::string& name, const CornerLegs& legs, std::size_t axes) {
   TaskCorner corner = make_task_corner(table, name, legs, axes);
-  corner.error_max = table.number("error_max_um");
+  corner.error_max = read_error_max(table);
   corner.speed_min = table.required_number("speed_min_mm_s");
   corner.delay = table.integer("delay_samples");
   corner.weight = table.required_number("weight");
   return corner;
 }
 
-/// How many numbers a leg direction has; 0 for legs in the plane.
+/// Number of components of a leg direction; 0 for legs in the plane.
 std::size_t components(const CornerLegs& legs) {
   const auto* directed = std::get_if<DirectedLegs>(&legs);
   return directed ? directed->in.size() : 0;
 }
 
-/// How many axes there are, when not one table an axis says so: as many as the leg directions have.
+/// Number of axes if there is not one table per axis: as many as the leg directions have components.
 std::size_t count_axes(const std::vector<CornerLegs>& corners, const std::vector<Table>& tables,
                        const TaskOptions& options) {
   std::size_t count = 0, from = 0;
@@ -163,9 +179,9 @@ std::size_t count_axes(const std::vector<CornerLegs>& corners, const std::vector
   return count != 0 ? count : static_cast<std::size_t>(options.axes);
 }
 
-/// Axes with names. One table stands for all axes, so its name names none, unless there is only one. Where
-/// it stands for all axes of a program, rotary ones, whose limits are degrees instead of millimetres, are left out but
-/// for the one it names.
+/// Axes with names. One table stands for all axes, so its name is ignored unless there is only one axis. If it stands
+/// for all axes of a program, rotary axes are left out except the one it names, because their limits are in degrees
+/// instead of millimetres.
 std::vector<Axis> name_axes(const std::vector<Axis>& given, std::size_t count, bool program) {
   std::vector<Axis> axes(given);
   if (given.size() < 2) axes.assign(count, given.empty() ? Axis{} : given.front());
@@ -180,13 +196,13 @@ std::vector<Axis> name_axes(const std::vector<Axis>& given, std::size_t count, b
   return axes;
 }
 
-/// A leg that asks an axis for more than its velocity.
+/// Reports a leg that needs more than an axis's velocity limit.
 void check_feeds(const TaskCorner& corner, const Table& table, const Machine& machine) {
   const Corner& legs = corner.geometry();
   for (Eigen::Index a = 0; a < legs.axes(); ++a) {
     const Axis& axis = machine.axes[static_cast<std::size_t>(a)];
     const auto check = [&](std::string_view key, double feed, double part) {
-      // The last factor leaves room for the rounding of sqrt(1/2) and its like.
+      // The last factor allows for rounding, for example of sqrt(1/2).
       if (feed * std::abs(part) <= axis.velocity_max * (1.0 + 1e-12)) return;
       table.fail_at(table.has(key) ? key : "feed_in_mm_min",
                     fmt::format("corner {}: {} asks axis {} for {:.6g} mm/s; allowed is velocity_max_mm_s = {:.10g} (a "
@@ -199,8 +215,7 @@ void check_feeds(const TaskCorner& corner, const Table& table, const Machine& ma
   }
 }
 
-/// For commands that design nothing. Comes last: what is wrong in itself is told before what is missing for one
-/// command.
+/// A check for commands that design nothing. This check is last: errors in the file itself come first.
 void require_choices(const Task& task, const Table& top, const std::vector<Table>& corners) {
   if (!task.filter) top.fail("the task has no [filter], which is needed here; `accdec design` chooses one");
   for (std::size_t j = 0; j < corners.size(); ++j) {
@@ -210,7 +225,7 @@ void require_choices(const Task& task, const Table& top, const std::vector<Table
   }
 }
 
-/// Reads one task; a class for the state its steps share. What is wrong is collected, so that it is said at once.
+/// Reads one task; a class for the state its steps share. It collects errors, so that they are reported together.
 class TaskReader {
  public:
   TaskReader(const toml::table& tree, const std::string& file, const std::string& pointer, const TaskOptions& options)
@@ -225,17 +240,18 @@ class TaskReader {
     read_axes();
     read_legs_of_corners();
     faults_.raise();
-    // From here on every table is right in itself.
+    // From here on every table by itself is correct.
     if (corners_.empty() && options_.require_corners)
       top_.fail("the task has no corner; at least one [[corner]] with angle_deg and feed_in_mm_min is needed");
     place_corners();
     faults_.raise();
+    check_response(top_, task_, options_.response);
     if (options_.require_choices) require_choices(task_, top_, corners_);
     return std::move(task_);
   }
 
  private:
-  /// Reads [name] unless something in it is wrong already.
+  /// Reads [name] unless it already has an error.
   template <class Read>
   void read_table(std::string_view name, Read read) {
     if (const auto table = top_.table(name)) faults_.attempt(table->pointer(), [&] { read(*table); });
@@ -245,9 +261,25 @@ class TaskReader {
     read_table("filter", [&](const Table& table) { task_.filter = read_filter(table); });
     read_table("baseline", [&](const Table& table) { task_.baseline = read_filter(table); });
     read_table("design", [&](const Table& table) { task_.design = read_design(table); });
-    read_table("program", [&](const Table& table) { task_.program_error_max = table.number("error_max_um"); });
+    faults_.attempt("/design", [&] {
+      if (!faults_.none_below("/controller")) return;
+      task_.settings = read_settings(top_.table("design"), top_.table("controller"), task_.sample_period);
+    });
+    read_table("design", [&](const Table& table) { check_coefficients(table); });
+    read_table("controller",
+               [&](const Table& table) { task_.machine.prefilter_taps = read_response(table, "prefilter_taps"); });
+    read_table("program", [&](const Table& table) { task_.program_error_max = read_error_max(table); });
     for (const Table& mode : top_.tables("mode"))
       faults_.attempt(mode.pointer(), [&] { task_.machine.modes.push_back(read_mode(mode)); });
+  }
+
+  void check_coefficients(const Table& table) const {
+    if (!table.has("coefficient_bits")) return;
+    if (task_.filter)
+      table.fail_at("coefficient_bits", "`coefficient_bits` is about taps that are designed; leave [filter] out");
+    if (task_.settings)
+      table.fail_at("coefficient_bits",
+                    "`coefficient_bits` is about free taps and delays; leave `family` and [controller] out");
   }
 
   void read_axes() {
@@ -290,6 +322,10 @@ class TaskReader {
       faults_.attempt(corners_[j].pointer(), [&] {
         task_.corners.push_back(read_corner(corners_[j], name_of(corners_[j], j), legs_[j], axes.size()));
         check_feeds(task_.corners.back(), corners_[j], task_.machine);
+        if (task_.settings && task_.corners.back().delay && !any_delay(task_.settings->delays))
+          corners_[j].fail_at("delay_samples",
+                              "`delay_samples` contradicts [controller] delays: a delay can be given only to a control "
+                              "with \"dwell\" or \"timed-axis\"");
       });
     }
   }
@@ -321,14 +357,7 @@ Task parse_task(std::string_view text, const std::string& name, const TaskOption
     throw InputError(name, 1, 1, "the file is empty; a task needs at least sample_period_ms and one [[corner]]");
   }
   if (const std::string wrong = wrong_kind(text, InputKind::task); !wrong.empty()) throw InputError(name, 1, 1, wrong);
-  toml::table tree;
-  try {
-    tree = toml::parse(text, name);
-  } catch (const toml::parse_error& error) {
-    throw InputError(name, error.source().begin.line, error.source().begin.column,
-                     fmt::format("not valid TOML: {}", error.description()));
-  }
-  return task_from_tree(tree, name, "", options);
+  return task_from_tree(toml_input::parse_toml(text, name), name, "", options);
 }
 
 Task read_task(const std::string& path, const TaskOptions& options) {

@@ -4,13 +4,13 @@
 
 #include <toml++/toml.h>
 
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/task.hpp>
 
-// Internal to the room: the reader behind parse_task, for trees that come from elsewhere (the `task` of a result file).
+// Internal to this folder: the reader behind parse_task, for trees from other sources (the `task` of a result file).
 
 namespace accdec {
 
-/// @param file     stands in messages
+/// @param file  named in messages
 /// @param pointer  where the tree stands in its file, "" for the top
 Task task_from_tree(const toml::table& tree, const std::string& file, const std::string& pointer,
                     const TaskOptions& options);

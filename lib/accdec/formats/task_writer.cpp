@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/filter_table.hpp>
+#include <accdec/formats/settings_table.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/machine/limits.hpp>
@@ -15,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A table of a task in the making. Knows the keys it may have, and their units and order.
+/// A table of a task under construction. It knows its possible keys, their units and their order.
 class Written {
  public:
   explicit Written(const std::vector<Key>& keys) : keys_(keys), values_(keys.size()) {}
@@ -25,7 +26,7 @@ class Written {
   void number(std::string_view name, double si) { at(name) = from_si(key(name), si); }
   void value(std::string_view name, Json json) { at(name) = std::move(json); }
 
-  /// In the order of the keys. Leaves nothing behind.
+  /// The table in the order of the keys. It is empty afterwards.
   Json json() {
     Json::object_t table;
     for (std::size_t i = 0; i < keys_.size(); ++i) {
@@ -42,7 +43,7 @@ class Written {
   Json& at(std::string_view name) { return values_[static_cast<std::size_t>(&key(name) - keys_.data())]; }
 
   const std::vector<Key>& keys_;
-  std::vector<Json> values_;  // as keys_; null where there is none
+  std::vector<Json> values_;  // as keys_; null if there is no value
 };
 
 Json axis_json(const Axis& axis) {
@@ -53,6 +54,11 @@ Json axis_json(const Axis& axis) {
   for (const AxisLimit& limit : axis_limits) {
     if (axis.*limit.bound < unlimited) table.number(limit.key, axis.*limit.bound);
   }
+  if (axis.servo_gain < unlimited) {
+    table.number("servo_gain_1_s", axis.servo_gain);
+    if (axis.velocity_feedforward > 0.0) table.number("velocity_feedforward", axis.velocity_feedforward);
+  }
+  if (!axis.response_taps.empty()) table.value("response_taps", axis.response_taps);
   return table.json();
 }
 
@@ -94,12 +100,13 @@ Json design_json(const DesignBounds& design) {
   table.value("symmetric", design.symmetric);
   table.value("objective", to_string(design.objective));
   table.number("runs", design.runs);
+  if (design.coefficient_bits > 0) table.value("coefficient_bits", design.coefficient_bits);
   return table.json();
 }
 
 void write_table(std::string& out, const std::string& header, const Json& table) {
   out += "\n" + header + "\n";
-  // JSON scalars, strings and arrays of numbers are TOML as they stand.
+  // JSON scalars, strings and arrays of numbers are valid TOML without change.
   for (const auto& [key, value] : table.items()) out += fmt::format("{} = {}\n", key, value.dump());
 }
 
@@ -116,7 +123,11 @@ nlohmann::ordered_json task_to_json(const Task& task) {
   top.number("sample_period_ms", task.sample_period);
   if (task.filter) top.value("filter", filter_to_json(*task.filter));
   if (task.baseline) top.value("baseline", filter_to_json(*task.baseline));
-  top.value("design", design_json(task.design));
+  Json design = design_json(task.design), controller;
+  if (task.settings) write_settings(*task.settings, design, controller);
+  if (!task.machine.prefilter_taps.empty()) controller["prefilter_taps"] = task.machine.prefilter_taps;
+  top.value("design", std::move(design));
+  if (!controller.is_null()) top.value("controller", std::move(controller));
   list("axis", task.machine.axes, axis_json);
   list("corner", task.corners, task_corner_json);
   list("mode", task.machine.modes, mode_json);

@@ -4,7 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <accdec/files/errors.hpp>
+#include <accdec/files.hpp>
+#include <accdec/files/parse_toml.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/formats/toml_file.hpp>
@@ -15,12 +16,7 @@ toml::table parse_file(const std::string& path, std::optional<InputKind> expecte
   const std::string text = read_text_file(path);
   if (const std::string wrong = expected ? wrong_kind(text, *expected) : ""; !wrong.empty())
     throw InputError(path, 1, 1, wrong);
-  try {
-    return toml::parse(text, path);
-  } catch (const toml::parse_error& error) {
-    throw InputError(path, error.source().begin.line, error.source().begin.column,
-                     fmt::format("not valid TOML: {}", error.description()));
-  }
+  return parse_toml(text, path);
 }
 
 std::vector<std::string> strings(const Table& table, const toml::table& raw, std::string_view key) {

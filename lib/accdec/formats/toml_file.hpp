@@ -10,12 +10,12 @@
 #include <accdec/files/file_kind.hpp>
 #include <accdec/files/toml_table.hpp>
 
-// Internal to the room: what the readers of studies and suites share. Not for inclusion from other rooms (it needs
-// toml++).
+// Internal to this folder: shared by the readers of studies and suites. Do not include it in other folders, as it needs
+// toml++.
 
 namespace accdec::toml_input {
 
-/// @param expected  a file of another kind is refused as such
+/// @param expected  a file of another kind is refused with that reason
 /// @throws InputError with position
 toml::table parse_file(const std::string& path, std::optional<InputKind> expected = {});
 
@@ -28,7 +28,7 @@ toml::table parse_task_beside(const Table& table, std::string_view key, const st
 /// Sets every dotted task key of a [set] table. @throws InputError at the value
 void apply_settings(const toml::table& settings, const std::string& file, toml::table& task);
 
-/// 16 hexadecimal digits over a text (FNV-1a): tells files apart, protects against nothing.
+/// Hash of a text, 16 hexadecimal digits (FNV-1a). It distinguishes files, but it gives no security.
 std::string hash_of(std::string_view text);
 
 }  // namespace accdec::toml_input

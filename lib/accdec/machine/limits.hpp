@@ -9,36 +9,9 @@
 #include <utility>
 
 #include <accdec/files/units.hpp>
-#include <accdec/machine/machine.hpp>
+#include <accdec/machine.hpp>
 
 namespace accdec {
-
-enum class LimitKind { velocity, acceleration, jerk, force, power, regeneration, vibration, corner_error, speed_min };
-
-/// What every kind of limit is called and measured in. Tasks, results and tables all take it from here.
-struct LimitName {
-  LimitKind kind;
-  std::string_view name;  ///< in result files
-  std::string_view unit;  ///< for people
-  double per_si;          ///< value in `unit` = per_si * value in SI
-};
-inline constexpr std::array<LimitName, 9> limit_names{{
-    {LimitKind::velocity, "velocity", "mm/s", 1e3},
-    {LimitKind::acceleration, "acceleration", "mm/s^2", 1e3},
-    {LimitKind::jerk, "jerk", "mm/s^3", 1e3},
-    {LimitKind::force, "force", "N", 1.0},
-    {LimitKind::power, "power", "W", 1.0},                ///< motoring
-    {LimitKind::regeneration, "regeneration", "W", 1.0},  ///< braking
-    {LimitKind::vibration, "vibration", "%", 1e2},        ///< residual amplitude, 0 .. 1
-    {LimitKind::corner_error, "corner_error", "um", 1e6},
-    {LimitKind::speed_min, "speed_min", "mm/s", 1e3},  ///< a lower bound
-}};
-constexpr const LimitName& limit_name(LimitKind kind) {
-  return limit_names[static_cast<std::size_t>(kind)];
-}
-constexpr std::string_view to_string(LimitKind kind) {
-  return limit_name(kind).name;
-}
 
 /// What one axis does at one sample, SI.
 struct AxisState {
@@ -51,11 +24,18 @@ inline AxisState axis_state(const Axis& axis, double velocity, double accelerati
   return {velocity, acceleration, jerk, force, power, -power};
 }
 
-/// The states of an axis one sample after the other, from steady motion on: what a limit needs to know of the samples
-/// before is kept here and nowhere else.
+/// The same with the load of another motion, that behind the servo (response.hpp).
+inline AxisState with_load(AxisState command, const Axis& axis, double velocity, double acceleration) {
+  const AxisState motion = axis_state(axis, velocity, acceleration, 0.0);
+  command.force = motion.force, command.motoring = motion.motoring, command.braking = motion.braking;
+  return command;
+}
+
+/// The states of an axis, one sample after another, starting from steady motion. Only this class keeps what a limit
+/// needs from earlier samples.
 class AxisSampler {
  public:
-  /// Samples before the one asked for that its state depends on.
+  /// Number of earlier samples that a state depends on.
   static constexpr int memory = 1;
 
   /// @param period  sample period T, s, > 0  @param axis  the reference is kept
@@ -66,7 +46,7 @@ class AxisSampler {
     acceleration_ = acceleration;
     return axis_state(*axis_, velocity, acceleration, jerk);
   }
-  /// A sample whose state nobody asks for.
+  /// Skips a sample whose state is not needed.
   void skip(double acceleration) { acceleration_ = acceleration; }
 
  private:
@@ -74,8 +54,8 @@ class AxisSampler {
   double period_, acceleration_ = 0.0;
 };
 
-/// A limit of an axis: where its bound stands and what is compared with it. To add one, add a line here; see the recipe
-/// in lib/accdec/README.md for who repeats the formula on purpose.
+/// A limit of an axis: where its bound is kept and which value is compared with it. To add one, add a line here. The
+/// recipe in lib/accdec/README.md names the code that repeats the formula on purpose.
 struct AxisLimit {
   LimitKind kind;
   std::string_view key;                 ///< of task files, in the unit of `limit_name`
@@ -84,7 +64,8 @@ struct AxisLimit {
   double (*value)(const AxisState& s);  ///< what must not exceed the bound
   bool load;                            ///< depends on mass and damping
   int degree;                           ///< a motion at c times the speed has c^degree times the value
-  int differences = -1;  ///< how often the acceleration is differenced over T to give the value; -1: it is none such
+  int differences = -1;  ///< how often the acceleration is differenced over T to give the value; -1: the value is no
+                         ///< such difference
 };
 // clang-format off
 inline constexpr std::array<AxisLimit, 6> axis_limits{{
@@ -102,7 +83,7 @@ inline constexpr std::array<AxisLimit, 6> axis_limits{{
      [](const AxisState& s) { return s.braking; }, true, 2},
 }};
 // clang-format on
-/// Names, factors and keys say the same as files/units.hpp.
+/// Names, factors and keys agree with files/units.hpp.
 static_assert([] {
   for (const LimitName& name : limit_names) {
     const Unit* unit = find_unit(name.unit);
@@ -136,8 +117,8 @@ inline constexpr int most_differences = [] {
   return most;
 }();
 
-/// Samples past the order of a filter at which a change of the command has left every limited value: one a difference,
-/// that of the velocity included. Delays longer than the order by so many change nothing.
+/// Number of samples past a filter's order after which a change of the command no longer affects any limited value. It
+/// is one for the velocity and one for each difference. Delays longer than the order plus this number change nothing.
 inline constexpr int settling = 1 + most_differences;
 
 /// Whether a sample holds every limit of its axis. @param slack  factor on all bounds

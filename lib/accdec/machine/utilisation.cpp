@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include <accdec/machine/utilisation.hpp>
+#include <accdec/machine.hpp>
+#include <accdec/machine/limits.hpp>
 
 namespace accdec {
 
@@ -30,8 +31,8 @@ double utilisation_of(LimitKind kind, double value, double bound) {
 
 namespace {
 
-/// Speeds and taps of one axis during one event. The start is a blend out of rest, the stop a blend into rest, so all
-/// three are v = in (1 - B_k) + out B_{k-d}, with in or out zero.
+/// Speeds and taps of one axis during one event. The start is a blend from rest, the stop a blend to rest. So all three
+/// are v = in (1 - B_k) + out B_{k-d}, with in or out zero.
 struct AxisEvent {
   Event event;
   double in, out;  ///< axis components of the two leg velocities, m/s
@@ -44,7 +45,7 @@ void require_period(double sample_period) {
   }
 }
 
-/// Keeps the worst of a limit as samples come in.
+/// Keeps the worst use of a limit over the samples seen.
 class Worst {
  public:
   Worst(LimitKind kind, double bound) : use_{} {
@@ -142,9 +143,10 @@ Response response(const Filter& filter, double frequency, double sample_period) 
   return {hr * hr + hi * hi, hr * gr + hi * gi};
 }
 
-/// Where |H|^2 is largest on a mode's band: branch and bound over intervals. Between two points at which value and
-/// slope are known, the cubic through them is off by at most h^4/384 times the fourth derivative, and that of a
-/// trigonometric polynomial of degree N with values up to 1 is at most (2 pi N T)^4 (Bernstein's inequality).
+/// Finds the frequency with the largest |H|^2 on a mode's band, by branch and bound over intervals. Between two points
+/// with known value and slope, the cubic through them is off by at most h^4/384 times the fourth derivative. For a
+/// trigonometric polynomial of degree N with values up to 1, that derivative is at most (2 pi N T)^4 (Bernstein's
+/// inequality).
 double worst_frequency(const Filter& filter, const Mode& mode, double sample_period,
                        const std::function<bool()>& stop) {
   struct Point {
@@ -183,8 +185,8 @@ double worst_frequency(const Filter& filter, const Mode& mode, double sample_per
     open.emplace_back(last, next);
     last = next;
   }
-  // Far below the bound nobody needs the last digits; nor anywhere a part in 1e12 of the square. The error term knows
-  // only that |H| <= 1 somewhere, so bounds of 1e-5 and less end at the count.
+  // Far below the bound the last digits do not matter; elsewhere 1e-12 of the square is precise enough. The error term
+  // uses only |H| <= 1, so for bounds of 1e-5 and less the loop ends by its count.
   const double floor = 1e-10 * mode.residual_max * mode.residual_max;
   for (int left = 4096 + 64 * cells; !open.empty() && left > 0 && !(stop && stop()); --left) {
     const auto [a, b] = open.back();

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/motion/blend.hpp>
+#include <accdec/corner.hpp>
 #include <accdec/motion/leg_distance.hpp>
 
 namespace accdec {
@@ -88,8 +88,8 @@ CornerMeasures measure(const Blend& blend) {
       m.speed_min_sample = k;
     }
     m.polyline_error = std::min(m.polyline_error, segment_distance(p0, q0, p1, q1, c));
-    // Inside the wedge the nearer leg is min(p, q) sin(theta) away; p falls and q rises, so the largest
-    // such distance lies where the polyline crosses p = q.
+    // Inside the wedge the nearer leg is min(p, q) sin(theta) away. As p falls and q rises, this distance is largest
+    // where the polyline crosses p = q.
     deviation = std::max(deviation, std::min(p1, q1));
     if (p0 > q0 && p1 < q1) {
       const double t = (p0 - q0) / ((p0 - q0) + (q1 - p1));
@@ -103,8 +103,8 @@ CornerMeasures measure(const Blend& blend) {
 }
 
 double corner_error(const Blend& blend) {
-  // The smallest k whose successor is no nearer. Equal neighbours occur only where the motion rests (exact stop), and
-  // there the distance is the minimum, 0.
+  // Find the smallest k whose successor is not nearer. Equal neighbours occur only where the motion rests (exact stop),
+  // and there the distance is the minimum, 0.
   int low = blend.first_sample(), high = blend.last_sample();
   while (low < high) {
     const int middle = low + (high - low) / 2;

@@ -19,7 +19,7 @@ double simulate(const Filter& filter, double radius, double step) {
   };
   double worst = 0.0;
   for (long n = 0; n <= turn + filter.order(); ++n) {
-    // While the filter sees the turn alone, all samples are as far from the circle.
+    // While the filter sees only the turn, all samples have the same distance from the circle.
     if (n == 2L * filter.order() + 2) n = std::max(n, turn - filter.order() - 2);
     Complex point = 0.0;
     for (int i = 0; i <= filter.order(); ++i) point += filter.tap(i) * command(n - i);

@@ -1,10 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include <accdec/motion/controller_shapes.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec {
 namespace {
@@ -16,9 +17,37 @@ void add_pairs(std::vector<double>& taps, int pairs, int delay) {
     if (delay < 1) throw std::invalid_argument(fmt::format("impulses need a delay >= 1 sample, got {}", delay));
     const std::size_t n = taps.size(), by = static_cast<std::size_t>(delay);
     taps.resize(n + by, 0.0);
-    // From the end, so that what is added is still the tap before the pair.
+    // Goes from the end, so that the added tap is still the one before the pair.
     for (std::size_t i = n + by; i-- > by;) taps[i] += taps[i - by];
   }
+}
+
+/// The sums of up to `length` neighbours of symmetric taps. Only sums of numbers >= 0 from both ends of blocks, nothing
+/// is subtracted: the smallest sum is as accurate as the largest (van Herk, Pattern Recognition Letters 13, 1992).
+/// Whole numbers are exact up to 2^53.
+std::vector<double> moving_sums(const std::vector<double>& taps, std::size_t length) {
+  if (length == 1) return taps;
+  const std::size_t size = taps.size() + length - 1, half = (size + 1) / 2;
+  std::vector<double> sums(size, 0.0), from_right(length);
+  std::copy_n(taps.begin(), std::min(half, taps.size()), sums.begin());
+  for (std::size_t block = 0; block < half; block += length) {
+    const std::size_t end = std::min(half, block + length);
+    double left = 0.0;
+    for (std::size_t i = block; i < end; ++i) {
+      left += sums[i];
+      // The window of sum i begins `length` - 1 before it, in the block before.
+      const std::size_t begin = i - block + 1;
+      sums[i] = left + (block > 0 && begin < length ? from_right[begin] : 0.0);
+    }
+    if (block + length >= half) break;
+    double right = 0.0;
+    for (std::size_t i = length; i-- > 0;) {
+      right += block + i < taps.size() ? taps[block + i] : 0.0;
+      from_right[i] = right;
+    }
+  }
+  for (std::size_t i = half; i < size; ++i) sums[i] = sums[size - 1 - i];
+  return sums;
 }
 
 }  // namespace
@@ -30,7 +59,7 @@ Filter exponential(int order, double ratio) {
         fmt::format("exponential needs 0 < ratio <= {:g}, got {}", exponential_ratio_max, ratio));
   }
   std::vector<double> taps;
-  // From the largest tap, so that none overflows.
+  // Powers are relative to the largest tap, so that none overflows.
   for (int i = 0; i <= order; ++i) taps.push_back(std::pow(ratio, ratio > 1.0 ? i - order : i));
   return Filter(std::move(taps));
 }
@@ -41,7 +70,7 @@ Filter gaussian(int order, double alpha) {
     throw std::invalid_argument(fmt::format("gaussian needs 0 <= alpha <= 6, got {}", alpha));
   std::vector<double> taps;
   for (int i = 0; i <= order; ++i) {
-    // From the end that is nearer, so that the taps are symmetric to the last bit.
+    // Measured from the nearer end, so that the taps are symmetric to the last bit.
     const double x = alpha * (1.0 - 2.0 * std::min(i, order - i) / static_cast<double>(order));
     taps.push_back(std::exp(-0.5 * x * x));
   }
@@ -50,19 +79,28 @@ Filter gaussian(int order, double alpha) {
 
 std::vector<double> cascade_taps(std::span<const int> lengths, int pairs, int delay) {
   if (lengths.empty()) throw std::invalid_argument("a cascade of averages needs at least one length");
-  // Whole numbers: sums of products of lengths, exact up to 2^53, so that the taps are symmetric.
-  std::vector<double> taps{1.0}, next;
+  if (lengths.size() > averages_max) {
+    throw std::invalid_argument(
+        fmt::format("a cascade has at most {} averages, got {} lengths", averages_max, lengths.size()));
+  }
+  double order = 0.0;
   for (const int length : lengths) {
     if (length < 1) throw std::invalid_argument(fmt::format("an average needs a length >= 1, got {}", length));
-    const std::size_t n = taps.size(), m = static_cast<std::size_t>(length);
-    next.resize(n + m - 1);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < next.size(); ++i) {
-      if (i < n) sum += taps[i];
-      if (i >= m) sum -= taps[i - m];
-      next[i] = sum;
+    order += length - 1.0;
+  }
+  if (order * static_cast<double>(lengths.size()) > averages_work_max) {
+    throw std::invalid_argument(
+        fmt::format("a cascade of {} averages has at most order {:.0f}, got {:.0f}", lengths.size(),
+                    std::floor(averages_work_max / static_cast<double>(lengths.size())), order));
+  }
+  std::vector<double> taps{1.0};
+  for (const int length : lengths) {
+    taps = moving_sums(taps, static_cast<std::size_t>(length));
+    // A power of two changes no digit; the middle tap is the largest.
+    constexpr double large = 0x1p500;
+    if (taps[taps.size() / 2] > large) {
+      for (double& b : taps) b /= large;
     }
-    taps.swap(next);
   }
   add_pairs(taps, pairs, delay);
   return taps;

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/motion/corner.hpp>
+#include <accdec/corner.hpp>
 
 namespace accdec {
 namespace {
@@ -28,7 +28,8 @@ Eigen::VectorXd unit(const Eigen::VectorXd& v) {
 
 double Corner::cos_interior() const {
   const double along = direction_in.dot(direction_out);
-  // Of legs in line the product's last digit would pass for a turn of 1e-8: their difference tells.
+  // For nearly collinear legs, the last digit of the product would look like a turn of 1e-8. Their difference is more
+  // precise.
   if (along > 0.5) return std::clamp(0.5 * (direction_out - direction_in).squaredNorm() - 1.0, -1.0, 1.0);
   return std::clamp(-along, -1.0, 1.0);
 }
@@ -50,8 +51,8 @@ Corner planar_corner(double interior_angle, double heading, Turn turn, double fe
   }
   if (!std::isfinite(heading)) throw std::invalid_argument("heading must be finite");
   if (axes < 2) throw std::invalid_argument(fmt::format("a planar corner needs at least 2 axes, got {}", axes));
-  // The heading changes by pi - theta. A straight pass must be exactly straight: sin(pi) in floating point is not 0,
-  // and a sideways component of 1e-16 would make an axis move that does not.
+  // The heading changes by pi - theta. A straight pass must be exactly straight. In floating point sin(pi) is not 0,
+  // and a sideways component of 1e-16 would move an axis that stands still.
   const double change = std::numbers::pi - interior_angle;
   const double sign = turn == Turn::left ? 1.0 : -1.0;
   const auto snap = [](double x) { return std::abs(x) < 1e-15 ? 0.0 : x; };

@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <accdec/motion/filter.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec {
 namespace {
 
-/// Sum with the rounding of every addition added up beside it (Neumaier): exact but for the last bit.
+/// Sum that also adds up the rounding of every addition (Neumaier): exact except for the last bit.
 double sum_of(const std::vector<double>& terms) {
   double sum = 0.0, lost = 0.0;
   for (const double term : terms) {
@@ -19,8 +19,8 @@ double sum_of(const std::vector<double>& terms) {
   return sum + lost;
 }
 
-/// To sum 1. Taps that were normalised before stay as they are to the last bit, so that a filter written and read again
-/// is the same.
+/// Scales the taps to sum 1. Taps that were normalised before do not change, not even in the last bit: a filter that is
+/// written and read again is the same.
 void normalise(std::vector<double>& taps, double largest) {
   constexpr double rounding = 4.5e-16;  // each tap was rounded once, by half of 2.2e-16 of itself, and so was the sum
   if (largest <= 1.0 && std::abs(sum_of(taps) - 1.0) <= rounding) return;
@@ -55,7 +55,7 @@ Filter::Filter(std::vector<double> taps) : taps_(std::move(taps)) {
 
   cumulative_[0] = 0.0;
   for (std::size_t k = 1; k <= n; ++k) cumulative_[k] = cumulative_[k - 1] + taps_[k - 1];
-  // Rounding can leave the running sum an ulp above 1, which a velocity limit at exactly the feed would notice.
+  // Rounding can leave the running sum an ulp above 1; a velocity limit equal to the feed would be broken.
   for (std::size_t k = 1; k <= n; ++k) cumulative_[k] = std::min(cumulative_[k], 1.0);
   cumulative_[n] = 1.0;
 

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/motion/controller_shapes.hpp>
-#include <accdec/motion/filter_spec.hpp>
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec {
 namespace {
@@ -15,21 +14,23 @@ namespace {
 using Spec = FilterSpec;
 
 const std::array<ShapeInfo, 10> shapes{{
-    {Shape::boxcar, "boxcar", true, {}, [](const Spec& s) { return boxcar(s.order); }},
-    {Shape::trapezoid, "trapezoid", true, ShapeParameter{"ramp", &Spec::ramp, 0.0, 1e6, false},
-     [](const Spec& s) { return trapezoid(s.order, s.ramp); }},
-    {Shape::averages, "averages", false, ShapeParameter{"lengths", &Spec::lengths, 1.0, 1e6, false},
-     [](const Spec& s) { return averages(s.lengths); }},
-    {Shape::s_curve, "s-curve", true, {}, [](const Spec& s) { return s_curve(s.order); }},
-    {Shape::hann, "hann", true, {}, [](const Spec& s) { return hann(s.order); }},
-    {Shape::blackman, "blackman", true, {}, [](const Spec& s) { return blackman(s.order); }},
-    {Shape::blackman_sinc, "blackman-sinc", true, ShapeParameter{"cutoff", &Spec::cutoff, 0.0, 1.0, true},
+    {Shape::boxcar, "boxcar", "average", true, {}, [](const Spec& s) { return boxcar(s.order); }},
+    {Shape::trapezoid, "trapezoid", "two averages (trapezoidal acceleration, the industry's S-curve)", true,
+     ShapeParameter{"ramp", &Spec::ramp, 0.0, 1e6, false}, [](const Spec& s) { return trapezoid(s.order, s.ramp); }},
+    {Shape::averages, "averages", "averages in cascade", false,
+     ShapeParameter{"lengths", &Spec::lengths, 1.0, 1e6, false}, [](const Spec& s) { return averages(s.lengths); }},
+    {Shape::s_curve, "s-curve", "quintic S-curve (paper)", true, {}, [](const Spec& s) { return s_curve(s.order); }},
+    {Shape::hann, "hann", "Hann", true, {}, [](const Spec& s) { return hann(s.order); }},
+    {Shape::blackman, "blackman", "Blackman", true, {}, [](const Spec& s) { return blackman(s.order); }},
+    {Shape::blackman_sinc, "blackman-sinc", "Blackman sinc", true,
+     ShapeParameter{"cutoff", &Spec::cutoff, 0.0, 1.0, true},
      [](const Spec& s) { return blackman_sinc(s.order, s.cutoff); }},
-    {Shape::gaussian, "gaussian", true, ShapeParameter{"alpha", &Spec::alpha, 0.0, 6.0, false},
+    {Shape::gaussian, "gaussian", "Gaussian", true, ShapeParameter{"alpha", &Spec::alpha, 0.0, 6.0, false},
      [](const Spec& s) { return gaussian(s.order, s.alpha); }},
-    {Shape::exponential, "exponential", true, ShapeParameter{"ratio", &Spec::ratio, 0.0, exponential_ratio_max, true},
+    {Shape::exponential, "exponential", "exponential", true,
+     ShapeParameter{"ratio", &Spec::ratio, 0.0, exponential_ratio_max, true},
      [](const Spec& s) { return exponential(s.order, s.ratio); }},
-    {Shape::taps, "taps", false, ShapeParameter{"taps", &Spec::taps, 0.0, 1e300, false},
+    {Shape::taps, "taps", "free taps", false, ShapeParameter{"taps", &Spec::taps, 0.0, 1e300, false},
      [](const Spec& s) { return Filter(s.taps); }},
 }};
 
@@ -59,12 +60,23 @@ Filter make_filter(const FilterSpec& spec) {
   return spec.pairs == 0 ? filter : with_pairs(filter, spec.pairs, spec.pair_delay);
 }
 
-std::string describe_parameters(const FilterSpec& spec) {
+std::string shape_title(Shape shape, int pairs) {
+  const std::string_view title = info(shape).title;
+  if (pairs == 0) return std::string(title);
+  return fmt::format("{}, {}", title.substr(0, title.find(" (")), pairs == 1 ? "ZV" : "ZVD");
+}
+
+std::string describe_parameters(const FilterSpec& spec, Digits digits) {
   std::string text;
   const auto& parameter = info(spec.kind).parameter;
   if (parameter && spec.kind != Shape::taps) {
-    text = std::visit([&](auto member) { return fmt::format("{} = {}", parameter->key, spec.*member); },
-                      parameter->member);
+    const auto value = [&](auto member) {
+      if constexpr (std::is_same_v<decltype(member), double FilterSpec::*>) {
+        if (digits == Digits::four) return fmt::format("{:.4g}", spec.*member);
+      }
+      return fmt::format("{}", spec.*member);
+    };
+    text = fmt::format("{} = {}", parameter->key, std::visit(value, parameter->member));
   }
   if (spec.pairs > 0)
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", spec.pairs == 1 ? "ZV" : "ZVD", spec.pair_delay);

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/motion/linear.hpp>
+#include <accdec/corner.hpp>
 
 namespace accdec {
 namespace {
@@ -16,8 +16,7 @@ void require(bool good, const char* name, const char* range, double value) {
   }
 }
 
-/// The positive root of s^3 - a s^2 + b s - 1, given that there is one only: Newton's method inside a shrinking
-/// bracket.
+/// The positive root of s^3 - a s^2 + b s - 1, if there is only one: Newton's method inside a shrinking bracket.
 double positive_root(double a, double b) {
   const double bound =
       1.0 + std::max({std::abs(a), std::abs(b), 1.0});  // Cauchy's; 1/s obeys the same cubic with a, b swapped
@@ -88,8 +87,7 @@ double LinearCorner::closest_time() const {
 
 double LinearCorner::sampled_corner_error(double sample_period) const {
   require(sample_period > 0.0, "sample period", "positive", sample_period);
-  // The distance falls up to the closest instant and rises after it, so one of the two samples beside it is the
-  // nearest.
+  // The distance falls up to the closest instant and rises after it. So the nearest sample is one of the two beside it.
   const double k = std::floor(closest_time() / sample_period);
   return std::min(distance(k * sample_period), distance((k + 1.0) * sample_period));
 }

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
 
 namespace accdec {
 namespace {
@@ -22,7 +22,7 @@ template <class Shape>
 Filter symmetric_filter(int order, Shape shape) {
   std::vector<double> taps(static_cast<std::size_t>(order) + 1);
   for (int i = 0; i <= order / 2; ++i) {
-    // Cosine windows miss their exact zeros by an ulp, on either side; a negative tap of 1e-17 is a zero.
+    // Cosine windows miss their exact zeros by an ulp to either side: a tap of -1e-17 is a zero.
     const double b = shape(i);
     taps[static_cast<std::size_t>(i)] = taps[static_cast<std::size_t>(order - i)] = std::abs(b) < 1e-15 ? 0.0 : b;
   }

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include <accdec/corner.hpp>
 #include <accdec/motion/leg_distance.hpp>
-#include <accdec/motion/smallest_delay.hpp>
 
 namespace accdec {
 namespace {
@@ -17,7 +17,7 @@ struct Minimum {
 /// section narrows it: O(log |guess - minimum|) values of f.
 template <class Function>
 Minimum minimise(const Function& f, int guess, int lo, int hi) {
-  // All three at once: they do not wait for each other, and mostly the guess is the answer.
+  // Compute all three at once: they do not depend on each other, and the guess is usually the answer.
   const double above = guess < hi ? f(guess + 1) : std::numeric_limits<double>::infinity();
   const double below = guess > lo ? f(guess - 1) : std::numeric_limits<double>::infinity();
   int best = guess;
@@ -78,7 +78,7 @@ DelayFinder::Ramp::Ramp(const std::vector<double>& values) {
     const double step = m + 1 < values.size() ? values[m + 1] - values[m] : 1.0;
     points_.push_back({values[m], std::min(1.0 / step, 1e300)});  // finite for taps near the smallest double
   }
-  // With four cells a sample most hold no point or one; the last cell belongs to the top itself.
+  // With four cells per sample, most hold no point or one. The last cell belongs to the top itself.
   const int cells = 4 * (last() + 1);
   scale_ = top() > 0.0 ? cells / std::sqrt(top()) : 0.0;
   cell_.resize(static_cast<std::size_t>(cells) + 3);
@@ -117,7 +117,8 @@ DelayFinder::DelayFinder(const Filter& filter_in, const Filter& filter_out)
       first_(filter_out.first_nonzero_tap()),
       stop_delay_(std::max(0, last_ - first_)),
       mean_delay_out_(filter_out.mean_delay()) {
-  // The mean power of leg 1's last stretch, where tolerances usually put the apex; it serves the first guess only.
+  // The mean exponent of leg 1's last stretch, where tolerances usually put the apex. It is used only for the first
+  // guess.
   if (last_ > 1) {
     const int m = std::clamp(in_.floor(in_.top() / 256.0), 1, last_ - 1);
     exponent_ = std::clamp(std::log(in_.top() / in_[m]) / std::log(static_cast<double>(last_) / m), 2.0, 8.0);
@@ -128,7 +129,7 @@ int DelayFinder::operator()(double cos_interior, double step_in, double step_out
   const double error = std::max(0.0, error_max);
   if (stop_delay_ == 0 || in_.top() * step_in <= error) return 0;
 
-  // In samples of leg 2 at full speed from here on.
+  // From here on distances are in full-speed samples of leg 2.
   const double ratio = step_in / step_out, e = error / step_out;
   const double e2 = e * e, sine2 = (1.0 - cos_interior) * (1.0 + cos_interior);
   const auto real_delay = [&](int k) {
@@ -138,15 +139,17 @@ int DelayFinder::operator()(double cos_interior, double step_in, double step_out
     const double q = std::sqrt(root2) - p * cos_interior;
     return k - first_ - out_.inverse(std::max(q, 0.0));
   };
-  // Were both ramps the same power n of time, k would be least where Q/P = g solves z (1 + g cos) = g (g + cos) with
-  // g = z^n / ratio; to first order in log(ratio) that is log g = log(ratio) / (n - 1 + n tan^2(theta/2)).
+  // If both ramps were the same power n of time, the smallest k would have a ratio g = Q/P that solves z (1 + g cos) =
+  // g (g + cos). Here z is defined by g = z^n / ratio. To first order in log(ratio), log g = log(ratio) / (n - 1 + n
+  // tan^2(theta/2)).
   const double a = (ratio - 1.0) * (1.0 + cos_interior);
   const double b = (ratio + 1.0) * ((exponent_ - 1.0) * (1.0 + cos_interior) + exponent_ * (1.0 - cos_interior));
   const double g = (b + a) / (b - a);
   const double apex = error / (step_in * std::sqrt(1.0 + g * (g + 2.0 * cos_interior)));
   const int guess = apex < in_.top() ? last_ - in_.floor(apex) : 0;
   const Minimum least = minimise(real_delay, guess, 0, last_);
-  // Rounding of an inverse may cost a delay that touches the bound; the error itself, compared below, decides.
+  // Rounding of an inverse may exclude a delay that just meets the bound. The comparison of the error itself, below,
+  // decides.
   const double lower = std::ceil(least.value - 1e-9);
 
   int k = least.at;

@@ -28,7 +28,7 @@ ConeProblem::ConeProblem(ConeData data) : data_(std::move(data)) {
   require(data_.linear + in_cones == static_cast<int>(data_.h.size()), "the cones' rows are not those of h");
   require(all_inside(data_.a, data_.b.size(), data_.c.size()) && all_inside(data_.g, data_.h.size(), data_.c.size()),
           "a coefficient is outside its matrix");
-  // By row of G: the problem's row of |u|^2 - t^2 <= 0, and that of t >= 0 where it is a t.
+  // For each row of G: the problem's row of |u|^2 - t^2 <= 0, and the row of t >= 0 if it is a t.
   std::vector<std::pair<int, int>> rows_of(data_.h.size(), {-1, -1});
   int next = data_.linear, row = first_cone_row();
   for (const int n : data_.cones) {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <accdec/nlp/problem.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec::nlp {
 
@@ -20,21 +20,21 @@ struct ConeData {
   std::vector<int> cones;         ///< n1, n2, .. >= 2: the rows after those
 };
 
-/// Such a program as a problem any solver of the registry takes: a cone is |u|^2 - t^2 <= 0 and t >= 0. One that takes
-/// cones finds the data itself by `dynamic_cast<const ConeProblem*>(&problem)`, and needs nothing else than its own
+/// Such a program as a problem for any solver of the registry: a cone becomes |u|^2 - t^2 <= 0 and t >= 0. A solver
+/// that takes cones gets the data by `dynamic_cast<const ConeProblem*>(&problem)`. It needs nothing else but its own
 /// file.
 class ConeProblem : public Problem {
  public:
-  /// @throws std::invalid_argument if sizes do not fit each other
+  /// @throws std::invalid_argument if the sizes do not match
   explicit ConeProblem(ConeData data);
   const ConeData& data() const { return data_; }
 
-  /// h - G x, of which the part of each cone has to be in it.
+  /// h - G x; the part of each cone must lie in the cone.
   std::vector<double> slacks(std::span<const double> x) const;
 
   std::string name() const override { return "second-order cone program"; }
   int num_variables() const override { return static_cast<int>(data_.c.size()); }
-  /// Those of A, the linear ones of G, and two a cone.
+  /// The rows of A, the linear rows of G, and two per cone.
   int num_rows() const override;
   Bound variable_bound(int) const override { return {}; }
   Bound row_bound(int i) const override;

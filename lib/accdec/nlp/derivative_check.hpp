@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include <accdec/nlp/problem.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec::nlp {
 
-/// One derivative that differs from what finite differences say.
+/// One derivative that differs from finite differences.
 struct WrongDerivative {
   enum class Kind { gradient, jacobian, hessian, residual_jacobian };
   Kind kind = Kind::gradient;
@@ -20,11 +20,11 @@ struct WrongDerivative {
   std::string text;
 };
 
-/// Compares every first and second derivative of a problem, entries outside the sparsity patterns included, with
-/// central differences extrapolated from two steps (error O(h^4)); Hessians with differences of the given first
-/// derivatives, at fixed pseudo-random multipliers. O(n) evaluations of everything. Where a derivative jumps within a
-/// step of x, as second derivatives of interpolated functions do at the knots, that of either side is right: an entry
-/// that differs is compared with one-sided differences, too.
+/// Compares every first and second derivative of a problem, also outside the sparsity patterns, with central
+/// differences. These are extrapolated from two steps (error O(h^4)). Hessians are compared with differences of the
+/// given first derivatives, at fixed pseudo-random multipliers. O(n) evaluations of everything. A derivative may jump
+/// within a step of x: second derivatives of interpolated functions jump at the knots. Then the derivative of either
+/// side is right, so an entry that differs is also compared with one-sided differences.
 /// @param x          size n, in the interior of the domain by more than `step`
 /// @param tolerance  relative to the larger of 1, the entry, and the largest value of the function differentiated
 /// @param step       relative to max(1, |x_i|)

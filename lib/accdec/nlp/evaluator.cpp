@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/files/seconds_since.hpp>
-#include <accdec/nlp/evaluator.hpp>
+#include <accdec/files.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec::nlp {
 

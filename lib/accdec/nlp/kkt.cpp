@@ -26,8 +26,8 @@ bool near(double a, double b, double tolerance) {
   return std::isfinite(b) && std::abs(a - b) <= tolerance * std::max(1.0, std::abs(b));
 }
 
-/// What of the Lagrangian gradient no bound multiplier can take up. Off its bound by s a variable has a multiplier r
-/// with the complementarity |r| s, which interior-point methods leave at about their barrier parameter.
+/// The part of the Lagrangian gradient that no bound multiplier can cancel. A variable at distance s from its bound has
+/// a multiplier r with the complementarity |r| s. Interior-point methods leave this at about their barrier parameter.
 double projected(double r, double x, Bound b, double tolerance, double scale) {
   if (b.lower == b.upper) return 0.0;
   if (near(x, b.lower, tolerance) || x < b.lower) return std::max(0.0, -r);
@@ -38,8 +38,8 @@ double projected(double r, double x, Bound b, double tolerance, double scale) {
 
 void measure(const Problem& problem, const KktPoint& p, const Vector& y, double tolerance, KktReport& report) {
   const Vector residual = p.gradient + p.jacobian.transpose() * y;
-  // Not by the multipliers: where two rows all but pinch the feasible set, huge ones of opposite sides would make any
-  // point stationary.
+  // The scale does not use the multipliers: where two rows nearly pinch the feasible set, huge opposite multipliers
+  // would make any point stationary.
   const double scale = std::max(1.0, p.gradient.size() > 0 ? p.gradient.cwiseAbs().maxCoeff() : 0.0);
   double stationarity = 0.0, complementarity = 0.0;
   for (Eigen::Index i = 0; i < residual.size(); ++i) {
@@ -60,8 +60,8 @@ void measure(const Problem& problem, const KktPoint& p, const Vector& y, double 
   report.multipliers.assign(y.data(), y.data() + y.size());
 }
 
-/// min |g + J_A^T y| over active rows A and variables off their bounds, with the signs of active sides: least squares,
-/// then rows whose sign came out wrong are let go and the rest solved again.
+/// Minimises |g + J_A^T y| over active rows A and variables off their bounds, with the signs of active sides. It solves
+/// the least squares problem, drops rows with a wrong sign, and solves again for the others.
 Vector estimate(const Problem& problem, const KktPoint& p, double tolerance) {
   const Eigen::Index n = p.gradient.size(), m = p.rows.size();
   std::vector<char> active(static_cast<std::size_t>(m), 0), open(static_cast<std::size_t>(n), 1);
@@ -122,9 +122,9 @@ Vector estimate(const Problem& problem, const KktPoint& p, double tolerance) {
   return y;
 }
 
-/// The same with the multipliers of active bounds as unknowns of their own, exactly: a degenerate vertex has many
-/// multipliers of rows, and the least ones need not be those that leave the bounds their signs. Dense, for small
-/// problems.
+/// The same, exactly, with the multipliers of active bounds as separate unknowns. A degenerate vertex has many
+/// multipliers of rows. The smallest of them need not leave the bounds' multipliers with the right signs. Dense, for
+/// small problems.
 Vector estimate_exactly(const Problem& problem, const KktPoint& p, double tolerance) {
   const Eigen::Index n = p.gradient.size(), m = p.rows.size();
   std::vector<Vector> columns;

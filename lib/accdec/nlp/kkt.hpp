@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include <accdec/nlp/problem.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec::nlp {
 
-/// First-order (Karush-Kuhn-Tucker) conditions at a point, recomputed from the problem's functions alone.
-/// Multipliers are of L = f + sum_i y_i c_i: y_i >= 0 where the upper side of a row is active, <= 0 at the lower side.
+/// First-order (Karush-Kuhn-Tucker) conditions at a point, recomputed from the problem's functions only. Multipliers
+/// are of L = f + sum_i y_i c_i: y_i >= 0 where the upper side of a row is active, <= 0 at the lower side.
 struct KktReport {
   bool finite = false;  ///< the point and everything evaluated at it are finite; otherwise the rest is meaningless
   double objective = 0.0;

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include <accdec/nlp/problem.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec::nlp {
 

@@ -2,11 +2,10 @@
 
 #include <numbers>
 
-#include <accdec/motion/filter.hpp>
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
 
-/// The conditions of the paper (Shih, Chen, Lee, "Path Planning for CNC Contouring around a Corner"). Those it does not
-/// print were recovered by recomputing its tables: with them every entry is met. 1 BLU = 1 um.
+/// The conditions of the paper (Shih, Chen, Lee, "Path Planning for CNC Contouring around a Corner"). Conditions that
+/// it does not print were recovered by recomputing its tables: with them every entry agrees. 1 BLU = 1 um.
 namespace accdec::paper {
 
 inline constexpr double sample_period = 1e-3;                          ///< T, s; printed with Table 1

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <accdec/motion/shapes.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/paper/paper_case.hpp>
 #include <accdec/paper/paper_circle.hpp>
 #include <accdec/paper/paper_figures.hpp>
@@ -13,7 +13,7 @@ std::vector<CircleRow> circle_rows() {
     rows.push_back({name, filter.order(), circle_error(filter, circle_radius, circle_feed, sample_period)});
   };
   add("linear", linear());
-  add("S-curve", quintic());
+  add(shape_title(Shape::s_curve), quintic());
   add("Blackman FIR of the paper", fir());
   const EqualLimits equal = equal_limits();
   add(fmt::format("trapezoid within the FIR's own limits ({} taps a ramp)", equal.trapezoid_ramp),
@@ -25,10 +25,10 @@ std::vector<CircleRow> circle_rows() {
 std::string circle_text() {
   const std::vector<CircleRow> rows = circle_rows();
   std::string text = fmt::format(
-      "*\"The circular contour error caused by the FIR Acc/Dec scheme is also smaller.\"* The paper prints no circle; "
-      "here one of R = {:g} mm is passed at v = {:g} mm/s. A filter averages points of the circle, so the path is a "
-      "circle too small by R (1 - |H|), H = sum b_i exp(-j i v T/R), about v² σ²/(2R) with σ the standard deviation of "
-      "the taps:\n\n"
+      "*\"The circular contour error caused by the FIR Acc/Dec scheme is also smaller.\"* The paper prints no circle. "
+      "Here a circle of R = {:g} mm is passed at v = {:g} mm/s. A filter averages points of the circle, so the radius "
+      "of the path is too small by R (1 - |H|) with H = sum b_i exp(-j i v T/R). This is about v² σ²/(2R), where σ is "
+      "the standard deviation of the taps:\n\n"
       "| processor | order | σ / ms | v² σ²/(2R) / µm | R (1 - \\|H\\|) / µm | simulated / µm |\n"
       "|---|--:|--:|--:|--:|--:|\n",
       circle_radius * 1e3, circle_feed * 1e3);

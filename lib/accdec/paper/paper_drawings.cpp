@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/filter.hpp>
 #include <accdec/paper/paper_case.hpp>
 #include <accdec/paper/paper_drawings.hpp>
 
@@ -97,15 +98,16 @@ Drawing draw11() {
 
 Drawing draw12() {
   FigureData paths = figure12_paths(), errors = figure12_errors();
+  const std::string quintic = shape_title(Shape::s_curve);
   Panel path;
   path.title = "paths in the a-b frame; corner at (0, 0)";
   path.x.label = "a / mm";
   path.y.label = "b / mm";
   const std::vector<Curve> curves{{"linear_d0", "1 linear"},
-                                  {"scurve_d0", "2 S-curve"},
+                                  {"scurve_d0", "2 " + quintic},
                                   {"fir_d0", "3 Blackman FIR"},
                                   {"linear_d12", "4 linear, dT = 12 T"},
-                                  {"scurve_d4", "5 S-curve, dT = 4 T"}};
+                                  {"scurve_d4", "5 " + quintic + ", dT = 4 T"}};
   const double reach = 1.3, slope = std::cos(0.5 * angle) / std::sin(0.5 * angle);
   for (const Curve& curve : curves) {
     path.series.push_back({curve.label, paths[curve.column + "_a_mm"], paths[curve.column + "_b_mm"], Mark::line,
@@ -118,14 +120,14 @@ Drawing draw12() {
   path.equal_aspect = true;
   Panel error =
       panel_of(errors, "error at samples over the delay", "delay_samples", "delay dT / T", "corner error / µm",
-               {{"linear_um", "linear"}, {"scurve_um", "S-curve"}, {"fir_um", "Blackman FIR"}});
+               {{"linear_um", "linear"}, {"scurve_um", quintic}, {"fir_um", "Blackman FIR"}});
   error.limits.push_back({figure12_error(Processor::fir, 0) * 1e6, "FIR without delay"});
   error.series.push_back({"linear: 12 T printed, 14 T needed",
                           {12.0, 14.0},
                           {figure12_error(Processor::linear, 12) * 1e6, figure12_error(Processor::linear, 14) * 1e6},
                           Mark::points,
                           1});
-  error.series.push_back({"S-curve: 4 T", {4.0}, {figure12_error(Processor::s_curve, 4) * 1e6}, Mark::points, 2});
+  error.series.push_back({quintic + ": 4 T", {4.0}, {figure12_error(Processor::s_curve, 4) * 1e6}, Mark::points, 2});
   error.x.max = 24.0, error.y.min = 0.0;
   Drawing drawing = make_drawing("fig12", std::move(paths),
                                  "Fig. 12: Acc/Dec processors at v₁ = 100 mm/s, c = 2, θ = 95°", {path, error}, 1);

@@ -6,8 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/linear.hpp>
+#include <accdec/corner.hpp>
 #include <accdec/paper/paper_case.hpp>
 #include <accdec/paper/paper_figures.hpp>
 #include <accdec/task/simulation.hpp>
@@ -210,7 +209,7 @@ EqualLimits equal_limits() {
   };
   e.tap_max = largest(reference);
   e.step_max = steepest(reference);
-  // No tap can exceed this envelope, so an order whose envelope sums to less than 1 admits no filter.
+  // No tap can exceed this envelope. So no filter has an order whose envelope sums to less than 1.
   for (;; ++e.least_order) {
     std::vector<double> envelope;
     e.least_sum = 0.0;

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <accdec/motion/filter.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/paper/paper_case.hpp>
 
 namespace accdec::paper {
@@ -33,8 +33,8 @@ FigureData figure4();
 FigureData figure5();
 /// Fig. 6: speed around the corner without delay and with dT = 10 T.
 FigureData figure6();
-/// Fig. 7, 8 and 10: components of both legs and their sums along a and b around the corner; linear without delay,
-/// linear with dT = 10 T, FIR without and with dT = 10 T.
+/// Fig. 7, 8 and 10: components of both legs and their sums along a and b around the corner. They are linear without
+/// delay, linear with dT = 10 T, and FIR without and with dT = 10 T.
 FigureData figure7();
 FigureData figure8();
 FigureData figure10();
@@ -74,9 +74,8 @@ struct EqualLimits {
   int boxcar_order = 0;                         ///< the shortest boxcar with no larger tap (jerk not limited)
   double boxcar_mad = 0.0;                      ///< samples
 };
-/// What "the FIR has the smallest corner error" becomes when acceleration and jerk, not the order, are equal. With
-/// equal feeds and a symmetric filter eps = v0 T cos(theta/2) MAD (Eq. 24), so that the MAD orders the errors at every
-/// corner.
+/// Checks "the FIR has the smallest corner error" at equal acceleration and jerk instead of equal order. With equal
+/// feeds and a symmetric filter, eps = v0 T cos(theta/2) MAD (Eq. 24). So the MAD ranks the errors at every corner.
 EqualLimits equal_limits();
 
 /// sum_i b_i |i - M|, samples.

@@ -5,7 +5,8 @@
 #include <accdec/paper/paper_figures.hpp>
 #include <accdec/task/simulation.hpp>
 
-/// Fig. 1 to 4 explain the scheme and print no numbers: drawn here from the model, at the conditions of Fig. 5 to 8.
+/// Fig. 1 to 4 explain the scheme and print no numbers. They are drawn here from the model, at the conditions of Fig. 5
+/// to 8.
 namespace accdec::paper {
 namespace {
 
@@ -78,7 +79,7 @@ FigureData figure3() {
 FigureData figure4() {
   FigureData data{4, {{"k", {}}, {"x_mm", {}}, {"y_mm", {}}, {"a_mm", {}}, {"b_mm", {}}}};
   const Corner corner = drawn_corner();
-  // b halves the angle between the legs, seen from the corner; a is perpendicular to it, along the motion.
+  // b bisects the angle between the legs, seen from the corner. a is perpendicular to it, along the motion.
   const Eigen::VectorXd along = (corner.direction_in + corner.direction_out).normalized();
   const Eigen::VectorXd halving = (corner.direction_out - corner.direction_in).normalized();
   const SampledMotion motion = simulate_corner(linear(), corner, 0, sample_period);

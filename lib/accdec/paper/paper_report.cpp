@@ -6,8 +6,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/corner.hpp>
 #include <accdec/files/process.hpp>
-#include <accdec/motion/linear.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/paper/paper_case.hpp>
 #include <accdec/paper/paper_circle.hpp>
 #include <accdec/paper/paper_drawings.hpp>
@@ -109,10 +110,11 @@ std::string figure12_angles() {
 
 std::string figure12_text() {
   const auto um = [](Processor p, int d) { return figure12_error(p, d) * 1e6; };
+  const std::string quintic = shape_title(Shape::s_curve);
   return fmt::format(
       "## Fig. 12\n\n"
       "| processor | delay | corner error / µm |\n|---|--:|--:|\n"
-      "| Blackman FIR | 0 | {:.1f} |\n| S-curve | 0 | {:.1f} |\n| S-curve | 4 T | {:.1f} |\n"
+      "| Blackman FIR | 0 | {:.1f} |\n| {} | 0 | {:.1f} |\n| {} | 4 T | {:.1f} |\n"
       "| linear | 0 | {:.1f} |\n| linear | 12 T (printed) | {:.1f} |\n| linear | 14 T | {:.1f} |\n\n"
       "The paper delays the linear processor by 12 T and the S-curve by 4 T \"to achieve the same corner error\" as "
       "the FIR. For the S-curve "
@@ -121,9 +123,10 @@ std::string figure12_text() {
       "the smallest sufficient delay is {} T. The discrepancy is the paper's; the figure shows the printed delays and "
       "marks both.\n\n"
       "{}",
-      um(Processor::fir, 0), um(Processor::s_curve, 0), um(Processor::s_curve, 4), um(Processor::linear, 0),
-      um(Processor::linear, 12), um(Processor::linear, 14), figure12_delay(Processor::s_curve),
-      um(Processor::linear, 12), um(Processor::fir, 0), figure12_delay(Processor::linear), figure12_angles());
+      um(Processor::fir, 0), quintic, um(Processor::s_curve, 0), quintic, um(Processor::s_curve, 4),
+      um(Processor::linear, 0), um(Processor::linear, 12), um(Processor::linear, 14),
+      figure12_delay(Processor::s_curve), um(Processor::linear, 12), um(Processor::fir, 0),
+      figure12_delay(Processor::linear), figure12_angles());
 }
 
 std::string claims_text() {
@@ -134,9 +137,7 @@ std::string claims_text() {
              "does not "
              "hold at equal limits. For equal "
              "feeds and symmetric taps the error is v0 T cos(theta/2) times the mean absolute deviation (MAD) of the "
-             "taps "
-             "(Eq. 24), so the MAD "
-             "ranks filters at every corner:\n\n"
+             "taps (Eq. 24). So the MAD ranks filters at every corner:\n\n"
              "| filter | order | MAD / samples |\n|---|--:|--:|\n"
              "| Blackman FIR of the paper | {} | {:.3f} |\n"
              "| trapezoid with both limits used up (ramps not a whole number of samples) | {} | {:.3f} |\n"
@@ -144,21 +145,18 @@ std::string claims_text() {
              "| boxcar with the same peak acceleration, jerk not limited | {} | {:.3f} |\n\n"
              "The limits are the FIR's own: largest tap {:.5f} (peak acceleration a T/v) and largest difference of "
              "neighbouring taps, both ends included, "
-             "{:.5f} (peak jerk j T²/v). No tap of any filter within them can exceed min({:.5f}, (i + 1) {:.5f}, (N + "
+             "{:.5f} (peak jerk j T²/v). Within these limits tap i of any filter is at most min({:.5f}, (i + 1) "
+             "{:.5f}, (N + "
              "1 - i) "
-             "{:.5f}), and these add up to 1 "
-             "only from N = {} on (sum {:.4f}): no shorter filter exists, and scaled to sum 1 they are the trapezoid "
-             "of the "
-             "table. So at equal peak "
+             "{:.5f}). These bounds add up to 1 only from N = {} on (sum {:.4f}), so no shorter filter exists. Scaled "
+             "to sum 1 they are the trapezoid of the table. So at equal peak "
              "acceleration and jerk a filter of order {} beats the FIR of order {} both in time and in corner error "
              "({:.1f} % "
-             "less). The Blackman shape pays "
-             "where vibration, or a force or power limit that depends on speed, binds; comparisons belong at equal "
-             "limits.\n\n"
-             "*\"It also provides the shortest machining time for the same accuracy.\"* Among the three processors of "
-             "Fig. "
-             "12, with one and the same N, "
-             "yes: they need 0, {} and {} samples of delay. With the order free, no: see the table.\n\n"
+             "less). The Blackman shape is faster only if vibration, or a force or power limit that depends on speed, "
+             "binds. Filters should be compared at equal limits.\n\n"
+             "*\"It also provides the shortest machining time for the same accuracy.\"* It holds for the three "
+             "processors of Fig. 12, which have the same N. They need 0, {} and {} samples of delay. It does not hold "
+             "if the order is free: see the table.\n\n"
              "*\"Corner error is less affected with increasing c.\"* Holds (Fig. 9): the factor c/(c + 1) of Eq. (9) "
              "saturates.\n\n"
              "*\"The corner error is proportional to the velocity.\"* Holds exactly for a fixed ratio c: all rows of "

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/linear.hpp>
+#include <accdec/corner.hpp>
 #include <accdec/paper/paper_case.hpp>
 #include <accdec/paper/paper_tables.hpp>
 #include <accdec/task/simulation.hpp>

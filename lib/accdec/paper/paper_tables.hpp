@@ -15,7 +15,7 @@ struct Entry {
   double simulated = 0.0;  ///< the same by plain convolution of the command stream, BLU
   /// Both ways round to the printed number. Halves round up.
   bool agrees() const;
-  /// Distance of the formula's value from the nearest half BLU, where rounding would be a matter of taste; 0 .. 0.5.
+  /// Distance of the formula's value from the nearest half BLU, where rounding could go either way; 0 .. 0.5.
   double tie_distance() const;
 };
 
@@ -27,7 +27,7 @@ struct Table {
   int disagreements() const;
 };
 
-/// Table 1: linear Acc/Dec. The error is the minimum over t = kT of the exact continuous motion; by simulation, 41
+/// Table 1: linear Acc/Dec. The error is the minimum over t = kT of the exact continuous motion. The simulation uses 41
 /// equal taps and the trapezoidal rule, which is exact for a speed that is linear between samples.
 Table table1();
 /// Table 2: FIR Acc/Dec, the minimum over samples of the right-rectangle sum (Eq. 29). The delays of its header are not

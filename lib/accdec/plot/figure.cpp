@@ -33,9 +33,23 @@ std::size_t utf8_length(const std::string& text, std::size_t i) {
   const unsigned second = byte(i + 1);
   const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
   const bool outside = (first == 0xED && second >= 0xA0) || (first == 0xF4 && second >= 0x90);
-  // U+FFFE and U+FFFF are characters in no XML document.
+  // U+FFFE and U+FFFF are not allowed in XML.
   const bool forbidden = first == 0xEF && second == 0xBF && byte(i + 2) >= 0xBE;
   return overlong || outside || forbidden ? 0 : length;
+}
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+/// gnuplot names the drawing "Gnuplot" and curves without a title "gnuplot_plot_1a", which browsers show at the
+/// pointer.
+void name_drawing(std::string& svg, const std::string& title) {
+  constexpr std::string_view own = "<title>Gnuplot</title>", begin = "<title>gnuplot_plot_", end = "</title>";
+  replace_all(svg, own, title.empty() ? "" : "<title>" + html_escaped(clean_title(title)) + "</title>");
+  for (std::size_t at = 0; (at = svg.find(begin, at)) != std::string::npos;)
+    svg.erase(at, svg.find(end, at) + end.size() - at);
 }
 
 }  // namespace
@@ -60,10 +74,11 @@ std::string clean_title(const std::string& text) {
 }
 
 std::string render_svg(const Figure& figure) {
-  // -d: no start-up files; numbers, fonts and terminal come from the script alone.
+  // -d: no start-up files, so that numbers, fonts and terminal come only from the script.
   std::string svg = run({"gnuplot", "-d", "-"}, gnuplot_script(figure), "gnuplot-nox");
   // gnuplot escapes "<" and "&" but not the ">" that XML forbids after "]]".
-  for (std::size_t at = 0; (at = svg.find("]]>", at)) != std::string::npos;) svg.replace(at, 3, "]]&gt;");
+  replace_all(svg, "]]>", "]]&gt;");
+  name_drawing(svg, figure.title);
   return svg;
 }
 
@@ -80,6 +95,11 @@ std::string convert_svg(const std::string& svg, const std::string& format, const
       "<style>body {{ margin: 1em; font-family: sans-serif; }} svg {{ max-width: 100%; height: auto; }}</style>\n"
       "</head>\n<body>\n{}</body>\n</html>\n",
       html_escaped(clean_title(title)), svg.substr(start));
+}
+
+void require_drawing(const std::string& format) {
+  run({"gnuplot", "--version"}, "", "gnuplot-nox");
+  if (format == "png" || format == "pdf") run({"rsvg-convert", "--version"}, "", "librsvg2-bin");
 }
 
 std::string figure_format(const std::string& path) {

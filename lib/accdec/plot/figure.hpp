@@ -7,18 +7,18 @@
 
 namespace accdec {
 
-/// How many lines of a panel differ in style: more cannot be told apart.
+/// Number of lines of a panel with different styles: more cannot be distinguished.
 inline constexpr std::size_t most_lines = 24;
 
-/// How a series is drawn. Styles count up from 0 and differ in dash or symbol as well as in colour, so that they can be
-/// told apart in grey: the first 8 of plain lines, the first 15 of symbols, the first 16 (and many more) of marked
-/// lines. `steps` holds each value over the interval that ends at its x; `bars` stand on the axis, as wide as the x are
-/// apart; `marked_line` is a line with a few symbols evenly spaced across the panel, each style's at places of its own;
-/// its x must not decrease.
+/// How a series is drawn. Styles count up from 0. They differ in dash or symbol as well as in colour, so that they can
+/// be distinguished in grey. This holds for the first 8 plain lines, the first 15 symbols, and the first 16 (and many
+/// more) marked lines. `steps` holds each value over the interval that ends at its x. `bars` stand on the axis, as wide
+/// as the distance of the x. `marked_line` is a line with a few symbols evenly spaced across the panel, at different
+/// places for each style; its x must not decrease.
 enum class Mark { line, points, line_points, steps, impulses, bars, marked_line };
 
 struct Series {
-  std::string label;  ///< for the legend; empty: not in it
+  std::string label;  ///< for the legend; empty: not in the legend
   std::vector<double> x, y;
   Mark mark = Mark::line;
   int style = 0;
@@ -38,15 +38,15 @@ struct Circle {
   double x = 0.0, y = 0.0, radius = 0.0;
   std::string label;
 };
-/// A value at each (x[i], y[j]), values[j * x.size() + i]; x and y rising, at least one each, positive where the
-/// panel's scale is logarithmic. A cell reaches half-way to its neighbours, as the scale measures; where a value is not
-/// finite the paper shows. Values of both signs are drawn in two colours that meet at 0.
+/// A value at each (x[i], y[j]), values[j * x.size() + i]. x and y rise and have at least one value each; they are
+/// positive if the panel's scale is logarithmic. On the scale, a cell reaches half-way to its neighbours. A value that
+/// is not finite leaves the paper blank. Values of both signs are drawn in two colours that meet at 0.
 struct HeatMap {
   std::vector<double> x, y, values;
   std::string label;
   bool with_sign = false;  ///< colours meet at 0 even where no value lies on its other side
 };
-/// Lines in the colours of a value, later pieces over earlier ones; the colour bar stands for the legend.
+/// Lines in the colours of a value, with later pieces over earlier ones. The colour bar replaces the legend.
 struct ColouredLines {
   struct Piece {
     std::vector<double> x, y;
@@ -62,6 +62,7 @@ struct Scale {
   bool log = false;
   std::optional<double> min, max;
   std::vector<std::string> names = {};  ///< of the values 1, 2, ..., in place of numbers
+  bool whole = false;                   ///< values are counts: ticks stand at whole numbers only
 };
 struct Panel {
   std::string title;
@@ -72,12 +73,12 @@ struct Panel {
   std::vector<Circle> circles;
   std::optional<HeatMap> heat_map;
   std::optional<ColouredLines> coloured;  ///< not beside a heat map
-  bool equal_aspect = false;  ///< one unit of x as long as one of y; needs ranges or series to take them from
+  bool equal_aspect = false;  ///< one unit of x is as long as one of y; needs ranges or series to take them from
   double taller = 1.0;        ///< its row is this many times the figure's panel height; the largest of a row counts
 };
 
 /// A page of panels, filled row by row. Legends stand to the right of each panel, outside its data, in one column.
-/// Panels grow beyond the size given where the legend needs it; titles are wrapped, labels too long for their place
+/// Panels grow beyond the given size where the legend needs it. Titles are wrapped. Labels too long for their place are
 /// shortened in the middle.
 struct Figure {
   std::string title;
@@ -87,12 +88,12 @@ struct Figure {
   int panel_height = 300;  ///< px, at least
 };
 
-/// Whether there is anything to draw: of series, heat map, coloured lines and circles, a point that is finite, and
-/// positive where the scale is logarithmic. A panel that has none is drawn with the words "no data".
+/// Whether there is anything to draw: a series, heat map, coloured line or circle with a finite point, positive if the
+/// scale is logarithmic. A panel without such a point is drawn with the words "no data".
 bool has_data(const Panel& panel);
 
-/// The figure as a gnuplot script for its SVG terminal. Titles are data: whatever they hold, gnuplot draws it and
-/// executes nothing. In gnuplot_script.cpp.
+/// The figure as a gnuplot script for its SVG terminal. Titles are data: gnuplot draws any text in them and executes
+/// nothing. In gnuplot_script.cpp.
 /// @throws std::invalid_argument if a series' or piece's x and y differ in length, a heat map has wrong sizes x or y
 /// that do not rise
 ///         or stands beside coloured lines, or there is no panel.
@@ -106,10 +107,13 @@ std::string render_svg(const Figure& figure);
 /// @throws std::invalid_argument on another format, std::runtime_error if rsvg-convert is missing or fails.
 std::string convert_svg(const std::string& svg, const std::string& format, const std::string& title = "");
 
+/// Asks for the tools that draw a format before anything long is computed. @throws MissingProgram
+void require_drawing(const std::string& format);
+
 /// Format of a file by its extension: "svg", "png", "pdf" or "html". @throws std::invalid_argument naming these.
 std::string figure_format(const std::string& path);
 
-/// A title as one line of valid UTF-8: control characters become spaces, what is not UTF-8 becomes '?'.
+/// A title as one line of valid UTF-8: control characters become spaces, invalid bytes become '?'.
 std::string clean_title(const std::string& text);
 
 }  // namespace accdec

@@ -13,7 +13,7 @@ void Range::add(double x) {
 
 namespace {
 
-/// Ranges of the data with a little air, or as given.
+/// Ranges of the data with a small margin, or as given.
 std::pair<Range, Range> ranges(const Panel& panel) {
   Range x, y;
   for (const Series& s : panel.series) {
@@ -41,7 +41,7 @@ std::pair<Range, Range> ranges(const Panel& panel) {
       if (!(range.high > range.low)) range.high = range.low * 10.0;
     } else {
       if (!(range.high >= range.low)) range = {0.0, 1.0};
-      // Flat data: as wide as its value, so that rounding is not blown up to a picture.
+      // Flat data: the range is as wide as the value, so that rounding is not magnified.
       const double size = std::max(std::abs(range.low), std::abs(range.high));
       double width = range.high - range.low;
       if (width <= 1e-9 * size || width == 0.0)

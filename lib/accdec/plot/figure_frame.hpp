@@ -5,7 +5,7 @@
 
 #include <accdec/plot/figure.hpp>
 
-// Internal to the room: what a panel's axes reach over.
+// Internal to this folder: the ranges of a panel's axes.
 
 namespace accdec {
 
@@ -14,8 +14,8 @@ struct Range {
   void add(double x);
 };
 
-/// Ranges of x and y of a panel that is drawn `width` by `height` px: of its data with a little air, or as its scales
-/// say; with an equal aspect the one that has room is widened.
+/// Ranges of x and y of a panel that is drawn `width` by `height` px. They follow its data with a small margin, or its
+/// scales. With an equal aspect, the axis that has room is widened.
 std::pair<Range, Range> panel_frame(const Panel& panel, double width, double height);
 
 }  // namespace accdec

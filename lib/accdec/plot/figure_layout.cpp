@@ -42,7 +42,7 @@ double legend_width(const Panel& panel) {
   return widest > 0.0 ? widest + (has_marked_lines(panel) ? long_legend_sample : legend_sample) + legend_air : 0.0;
 }
 
-/// Room that tick labels of the y axis need beyond the four characters the margin is made for.
+/// Width that tick labels of the y axis need beyond the margin for four characters.
 double tick_overhang(const Panel& panel) {
   if (!panel.y.names.empty()) {
     double widest = 0.0;
@@ -277,7 +277,7 @@ PageLayout layout(const Figure& figure) {
       p.height = heights[row];
       p.plot_top = p.y + top + titles;
       p.plot_height = p.height - top - titles - bottom;
-      // Closer where there are many, so that they end with the panel.
+      // Closer if there are many, so that they end with the panel.
       const double lines = static_cast<double>(std::max<std::size_t>(legend_labels(figure.panels[i]).size(), 1));
       p.key_spacing = std::clamp((p.plot_height - 4.0) / (line_height * lines), closest_lines / line_height, 1.15);
     }

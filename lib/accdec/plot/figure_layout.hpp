@@ -35,15 +35,15 @@ struct Tick {
   std::string label;  ///< empty: no label
 };
 
-/// Ticks of a logarithmic axis from `low` to `high` (0 < low < high) that is `pixels` long and whose labels need `room`
-/// px each at most along it (0: as wide as they are). None: gnuplot's, at every decade, fit.
+/// Ticks of a logarithmic axis from `low` to `high` (0 < low < high). The axis is `pixels` long, and each label needs
+/// at most `room` px along it (0: its own width). Empty if gnuplot's own ticks, at every decade, fit.
 std::vector<Tick> log_ticks(double low, double high, double pixels, double room);
 
-/// Edges of the cells around rising values: half-way between neighbours, in the logarithm if asked (then all > 0), and
-/// as far beyond the first and the last. One more than values, of which there is at least one.
+/// Edges of the cells around rising values: half-way between neighbours (in the logarithm if `log`; then all > 0), and
+/// as far beyond the first and the last. There is one edge more than values, and at least one value.
 std::vector<double> cell_edges(const std::vector<double>& values, bool log);
 
-/// Where a panel's parts are, px from the page's top left corner.
+/// Places of a panel's parts, px from the page's top left corner.
 struct PanelLayout {
   double x = 0.0, y = 0.0, width = 0.0, height = 0.0;  ///< panel with legend and labels
   double plot_left = 0.0, plot_top = 0.0, plot_width = 0.0, plot_height = 0.0;
@@ -56,9 +56,9 @@ struct PageLayout {
   std::vector<PanelLayout> panels;
 };
 
-/// Room for everything: columns widen and rows grow beyond the figure's panel size where legends need it, so that a
-/// legend of any size stands in one column beside its panel's data and ends before the next panel. @throws
-/// std::invalid_argument without panel or column
+/// Room for everything. Columns and rows grow beyond the figure's panel size where legends need it. So a legend of any
+/// size stands in one column beside its panel's data and ends before the next panel. @throws std::invalid_argument
+/// without panel or column
 PageLayout layout(const Figure& figure);
 
 }  // namespace accdec

@@ -6,11 +6,14 @@
 
 namespace accdec::figure_style {
 
-// How figures look, whoever draws them: gnuplot here, matplotlib in the Python module.
+// Style of figures, drawn by gnuplot, by the scripts of pages, by the explorer and by matplotlib in the Python module.
 
-/// Of styles 0, 1, ... of series, counted round.
-inline constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#2e7d32",
-                                                    "#7b3f98", "#8a6d00", "#b01060", "#00808a"};
+/// Colours of styles 0, 1, ... of series, repeated cyclically. With the white of the paper they are at least 31 apart
+/// in CIE L*a*b*, also for people who see no red or no green. Two that differ by 2 can just be told apart side by side.
+inline constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#021bd0",
+                                                    "#ff9a00", "#57b8eb", "#4e442e", "#8a8a8a"};
+/// Styles with a meaning: the design, the limit that binds, the filter of today, a thin line for what is given.
+inline constexpr int design_style = 1, binding_style = 2, baseline_style = 7, thin_style = 16;
 /// px on and off.
 inline constexpr std::array<const char*, 8> dashes{"solid",  "(9,4)",          "(9,3,2,3)", "(2,3)",
                                                    "(16,4)", "(12,3,2,3,2,3)", "(4,2)",     "(1,4)"};
@@ -24,12 +27,12 @@ inline constexpr const char* limit_colour = "#b00020";
 inline constexpr const char* circle_colour = "#606060";
 inline constexpr const char* band_colour = "#d4d4d4";
 
-/// Light to dark, so that lightness alone carries the value, and at its lightest well off the paper, which means no
-/// value.
+/// Light to dark, so that lightness alone shows the value. The lightest colour differs clearly from the paper, which
+/// means no value.
 inline constexpr const char* heat_palette = "0 '#e6bd72', 0.35 '#dd8a4a', 0.65 '#a9443a', 1 '#2b0f3a'";
-/// Two colours that darken away from 0, which is off the paper, too.
+/// Two colours that get darker away from 0; the colour at 0 also differs from the paper.
 inline constexpr const char* signed_palette = "-1 '#123f73', -0.5 '#5f93c4', 0 '#d9d9d2', 0.5 '#d9824a', 1 '#7a1f1f'";
-/// As heat maps, but nothing so light that a line would be lost on the page.
+/// As for heat maps, but without colours so light that a line would be invisible on the page.
 inline constexpr const char* line_palette = "0 '#c9d3d8', 0.35 '#f2b26b', 0.65 '#b5523a', 1 '#2b0f3a'";
 
 }  // namespace accdec::figure_style

@@ -16,8 +16,8 @@ namespace {
 
 using namespace figure_style;
 
-/// A double-quoted gnuplot string with everything it might act on (quotes, backslashes, backticks, ...) as octal codes.
-/// Single quotes would not do: gnuplot 5.4 ends ''''...' early.
+/// A double-quoted gnuplot string; all characters with a meaning (quotes, backslashes, backticks, ...) are octal codes.
+/// Single quotes do not work: gnuplot 5.4 ends ''''...' early.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : clean_title(text)) {
@@ -43,7 +43,7 @@ std::size_t style_index(int style) {
   return static_cast<std::size_t>(std::max(style, 0));
 }
 
-/// Ten significant digits: more than can be seen, fewer than rounding disturbs from one machine to the next.
+/// Ten significant digits: more than visible, but fewer than those that differ between machines by rounding.
 std::string number(double x) {
   return std::isfinite(x) ? fmt::format("{:.10g}", x == 0.0 ? 0.0 : x) : "NaN";
 }
@@ -108,8 +108,8 @@ std::string sample_with(const Series& s) {
   return fmt::format("{} pt {} ps 0.8 pi -1", line_of(s), symbol_of(s));
 }
 
-/// Places of the symbols of a marked line: as far apart for every style, but shifted, so that of lines that coincide
-/// each shows its own.
+/// Places of the symbols of a marked line: equally far apart for every style but shifted, so that coinciding lines show
+/// their own symbols.
 std::pair<std::vector<double>, std::vector<double>> marks(const Series& s, const Scale& x_scale, const Range& x,
                                                           const Scale& y_scale) {
   constexpr int count = 6;
@@ -185,7 +185,8 @@ class Writer {
     for (std::size_t i = 0; i < scale.names.size(); ++i) {
       ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(axis_name(scale.names[i])), i + 1);
     }
-    line("set {}tics {}", axis, ticks.empty() ? "autofreq" : fmt::format("({})", ticks));
+    const bool few = scale.whole && !scale.log && range.high - range.low < 8.0;
+    line("set {}tics {}", axis, !ticks.empty() ? fmt::format("({})", ticks) : few ? "1" : "autofreq");
   }
 
   void plot(const Panel& panel, const Range& x, const Range& y) {
@@ -252,7 +253,7 @@ class Writer {
                        title(circle.label));
   }
 
-  /// Rectangles rather than an image, which gnuplot would put into a file of its own.
+  /// Uses rectangles instead of an image, which gnuplot would put into a separate file.
   std::string heat(const HeatMap& map, bool log_x, bool log_y) {
     const std::string name = fmt::format("$d{}", ++block_);
     text += name + " << END_OF_DATA\n";

@@ -6,15 +6,15 @@
 
 #include <accdec/plot/figure.hpp>
 
-// Internal to the library: pieces of a page that stands alone. A page names nothing outside itself: style, script,
-// drawings and their numbers are in it.
+// Internal to the library: pieces of a self-contained page. A page has no links to other files: it contains style,
+// script, drawings and their numbers.
 
 namespace accdec {
 
 std::string html_escaped(std::string_view text);
-/// Up to and with <body> and the heading, as escaped text.
+/// The page up to <body> and the heading, as escaped text.
 std::string html_head(const std::string& title);
-/// What ends a page: its script (values under the pointer, tables that sort, all unfolded for print) and </html>.
+/// The end of a page: its script (values under the pointer, sortable tables, all unfolded for print) and </html>.
 std::string html_foot();
 /// A paragraph of escaped text.
 std::string html_paragraph(const std::string& text);
@@ -31,8 +31,8 @@ struct HtmlTable {
   std::string id = {};    ///< of the element; none if empty
   bool sortable = false;  ///< by a click on a heading
 };
-/// A table that scrolls by itself where the page is too narrow; cells that are numbers stand to the right. All texts
-/// are escaped.
+/// A table that scrolls by itself if the page is too narrow. Cells with numbers are right-aligned. All texts are
+/// escaped.
 std::string html_table(const HtmlTable& table);
 
 }  // namespace accdec

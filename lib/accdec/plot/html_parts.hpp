@@ -5,7 +5,7 @@
 
 #include <accdec/plot/figure.hpp>
 
-// Internal to the room: what every page holds.
+// Internal to this folder: the parts of every page.
 
 namespace accdec {
 
@@ -14,12 +14,11 @@ extern const std::string_view html_script;  ///< JavaScript
 /// JavaScript of a program's page: draws the arrays D into #path and #speed, and tells what is under the pointer.
 extern const std::string_view program_script;
 
-/// Points beyond which a figure tells no values: a page must stay small.
+/// Figures with more points show no values: a page must stay small.
 inline constexpr std::size_t most_hover_points = 50'000;
 
-/// Where the panels of a figure's drawing are, over what they reach, and their points, as JSON that may stand inside
-/// <script>; without panels for a figure of too many points. Numbers are written so that they read back to the bit. In
-/// html_hover.cpp.
+/// The places, ranges and points of the panels of a figure's drawing, as JSON that may stand inside <script>. A figure
+/// of too many points has no panels there. Numbers are written so that they read back to the bit. In html_hover.cpp.
 std::string hover_json(const Figure& figure);
 
 }  // namespace accdec

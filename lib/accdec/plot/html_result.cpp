@@ -4,14 +4,18 @@
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/plot/html.hpp>
 #include <accdec/plot/html_result.hpp>
+#include <accdec/task/settings_text.hpp>
 
 namespace accdec {
 namespace {
 
-/// What the design comes to, in one or two sentences.
+/// The result of the design, in one or two sentences.
 std::string answer(const DesignResult& result) {
-  std::string text = fmt::format("{:.6g} ms", 1e3 * result.cycle_time);
-  if (result.status == Status::optimal)
+  std::string text = settings_answer(result);
+  if (text.empty()) text = fmt::format("{:.6g} ms", 1e3 * result.cycle_time);
+  if (result.settings)
+    text.pop_back();  // its line feed
+  else if (result.status == Status::optimal)
     text += ", proved: no filter and delays within the limits are shorter.";
   else if (result.lower_bound)
     text += fmt::format("; proved not below {:.6g} ms{}.", 1e3 * *result.lower_bound,
@@ -32,6 +36,9 @@ std::string numbers(const DesignResult& result) {
   add("status", std::string(to_string(result.status)), "");
   add("cycle time", fmt::format("{:.9g}", 1e3 * result.cycle_time), "ms");
   add("corners by themselves", fmt::format("{:.9g}", 1e3 * result.corner_time), "ms");
+  if (result.family_bound)
+    add("proved lower bound of the family", fmt::format("{:.9g}", 1e3 * *result.family_bound), "ms");
+  if (result.free_taps) add("free taps, best known", fmt::format("{:.9g}", 1e3 * *result.free_taps), "ms");
   if (result.lower_bound) add("proved lower bound", fmt::format("{:.9g}", 1e3 * *result.lower_bound), "ms");
   add("filter order", fmt::format("{}", result.filter->order()), "");
   add("taps", fmt::format("{}", result.filter->order() + 1), "");

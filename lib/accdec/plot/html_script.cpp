@@ -8,7 +8,7 @@ body{font:16px/1.45 system-ui,sans-serif;max-width:76rem;margin:2rem auto;paddin
 p,ul,summary{max-width:46rem}
 h1{font-size:1.6rem}
 table{border-collapse:collapse;margin:1rem 0}
-td,th{border:1px solid #bbb;padding:.25rem .6rem;text-align:left;overflow-wrap:normal}
+td,th{border:1px solid #bbb;padding:.25rem .6rem;text-align:left;white-space:nowrap}
 td.n{text-align:right;font-variant-numeric:tabular-nums}
 .sorts th{cursor:pointer;position:sticky;top:0;background:#eee;white-space:nowrap}
 .sorts th[aria-sort=ascending]::after{content:" \25b2"}
@@ -29,9 +29,9 @@ canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #c
   white-space:pre;z-index:2}
 @media (max-width:60rem){.beside{display:block}}
 @media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}figure svg{max-width:none;width:44rem}
-#limits td,#corners th{white-space:nowrap}}
+}
 @media print{body{margin:0;max-width:none}.wide,.tall,pre{overflow:visible;max-height:none}pre{white-space:pre-wrap}
-figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem}.sorts th{white-space:normal;position:static}
+figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem;white-space:normal}.sorts th{white-space:normal;position:static}
 .beside{display:block}.tip,.unprinted{display:none}}
 )css";
 

@@ -5,22 +5,19 @@
 
 #include <fmt/format.h>
 
+#include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/program_drawing.hpp>
 #include <accdec/plot/program_motion_panels.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
 constexpr int page_width = 860, panel_height = 250;
 constexpr double around_plot = 86.0;  // px of a panel above and below its plot
-/// From so many corners on a part is drawn again, enlarged.
+/// With this many corners or more, a part is drawn again, enlarged.
 constexpr std::size_t many_corners = 60;
-
-bool rotary(std::size_t axis) {
-  return axis >= 3 && axis < 6;
-}
 
 /// Error (m) over tolerance of a joint, %; 0 where it stops or has no tolerance.
 double use_of(const Toolpath& path, std::size_t joint, double error) {
@@ -37,31 +34,31 @@ struct DrawnCorners {
   double worst_in_arc = 0.0;  ///< %
 };
 
-/// @param errors  m, one a block  @param delays  samples, one a block; empty: none
-DrawnCorners corners_of(const Toolpath& path, const std::vector<double>& errors, const std::vector<int>& delays,
-                        const ProgramView& view) {
+DrawnCorners corners_of(const ProgramResult& result, const ProgramView& view) {
+  const Toolpath& path = result.plan.path;
   DrawnCorners corners;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (path.inside_arc[b] != 0) {
       corners.arcs = true;
-      corners.worst_in_arc = std::max(corners.worst_in_arc, use_of(path, b, errors[b]));
-    } else if (path.joint[b] != Joint::straight || (!delays.empty() && delays[b] != 0)) {
-      corners.places.push_back({view.at(path, b + 1), use_of(path, b, errors[b])});
+      corners.worst_in_arc = std::max(corners.worst_in_arc, use_of(path, b, result.errors[b]));
+    } else if (path.joint[b] != Joint::straight || result.plan.delay(b) != 0) {
+      corners.places.push_back({view.at(path.point(b + 1)), use_of(path, b, result.errors[b])});
     }
   }
   return corners;
 }
 
 /// An empty drawing of a view.
-Panel view_panel(const Toolpath& path, const ProgramView& view) {
+Panel view_panel(const ProgramView& view) {
   Panel panel;
-  const auto label = [&](std::size_t dimension) {
+  const auto label = [&](std::size_t row) {
     const bool long_path = view.scale == 1.0;
-    return fmt::format("{} / {}", path.axis_name(dimension),
-                       rotary(path.axes[dimension]) ? (long_path ? "1000 deg" : "deg") : (long_path ? "m" : "mm"));
+    if (view.names[row].empty()) return std::string();
+    return fmt::format("{} / {}", view.names[row],
+                       view.rotary[row] ? (long_path ? "1000 deg" : "deg") : (long_path ? "m" : "mm"));
   };
-  panel.x.label = label(view.across);
-  if (path.dimensions() > 1) panel.y.label = label(view.up);
+  panel.x.label = label(0);
+  panel.y.label = label(1);
   panel.equal_aspect = true;
   panel.taller = std::max(1.0, (view.height + around_plot) / panel_height);
   const double air = 8.0 * view.pixel;
@@ -76,7 +73,7 @@ void add_strokes(Panel& panel, const std::vector<Stroke>& strokes, const Program
 }
 
 Panel corner_panel(const Toolpath& path, const DrawnCorners& corners, const ProgramView& view, std::string title) {
-  Panel panel = view_panel(path, view);
+  Panel panel = view_panel(view);
   panel.title = std::move(title);
   const std::vector<Stroke> strokes = strokes_of(path, view);
   add_strokes(panel, strokes, view, false);
@@ -91,7 +88,7 @@ Panel corner_panel(const Toolpath& path, const DrawnCorners& corners, const Prog
 
 Panel speed_panel(const Toolpath& path, const std::vector<Stroke>& strokes, const ProgramView& view,
                   const char* speed) {
-  Panel panel = view_panel(path, view);
+  Panel panel = view_panel(view);
   add_strokes(panel, strokes, view, true);
   panel.title =
       fmt::format("{} of {} blocks{}", speed, path.blocks(), panel.series.empty() ? "" : ", rapid moves dashed");
@@ -100,18 +97,22 @@ Panel speed_panel(const Toolpath& path, const std::vector<Stroke>& strokes, cons
 }
 
 Panel delay_panel(const ProgramResult& result) {
-  const Toolpath& path = result.path;
+  const Toolpath& path = result.plan.path;
   std::map<int, std::int64_t> counts;
+  std::int64_t joints = 0;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-    const int delay = result.plan.delays[b];
-    if (path.joint[b] != Joint::straight || delay != 0) ++counts[delay];
+    const int delay = result.plan.delay(b);
+    if (path.joint[b] == Joint::straight && delay == 0) continue;
+    ++counts[delay];
+    ++joints;
   }
   Panel panel;
-  panel.title = fmt::format("delays of {} joints, {:.6g} s of the {:.6g} s", result.corners, result.delay_total,
-                            result.cycle_time);
+  panel.title = fmt::format("delays of {} joint{}, {:.6g} s of the {:.6g} s", joints, joints == 1 ? "" : "s",
+                            result.delay_total, result.cycle_time);
   panel.x.label = fmt::format("delay / samples of {:.6g} ms", result.sample_period * 1e3);
   panel.y.label = "joints";
-  const int first = counts.empty() ? 0 : counts.begin()->first, last = counts.empty() ? 1 : counts.rbegin()->first;
+  panel.x.whole = panel.y.whole = true;
+  const int first = counts.empty() ? 0 : counts.begin()->first, last = counts.empty() ? -1 : counts.rbegin()->first;
   const int width = (last - first) / 200 + 1;  // delays in a bar
   Series bars{"", {}, {}, Mark::bars, 1};
   double most = 1.0;
@@ -140,8 +141,18 @@ Figure program_page_frame(const std::string& program) {
   return figure;
 }
 
+/// "; at least 1.2 s (any motion), 1.3 s (monotone legs)": the bound by the way alone only where there is no other.
+std::string bounds_in_title(const ProgramResult& result) {
+  const std::vector<NamedBound> bounds = bounds_of(result);
+  std::string text;
+  for (std::size_t i = bounds.size() > 1 ? 1 : 0; i < bounds.size(); ++i)
+    text += fmt::format("{}{:.5g} s ({})", text.empty() ? "; at least " : ", ", bounds[i].time, bounds[i].name);
+  return text;
+}
+
 void add_corner_panels(Figure& figure, const Toolpath& path, const DrawnCorners& corners, const ProgramView& whole) {
-  std::string title = fmt::format("{} corners by their errors", corners.places.size());
+  std::string title = corners.places.size() == 1 ? "1 corner by its error"
+                                                 : fmt::format("{} corners by their errors", corners.places.size());
   if (corners.arcs) title += fmt::format("; inside arcs at most {:.3g} % of the tolerance", corners.worst_in_arc);
   figure.panels.push_back(corner_panel(path, corners, whole, title));
   if (corners.places.size() < many_corners) return;
@@ -158,31 +169,31 @@ void add_motion_panels(Figure& figure, const Toolpath& programmed, const Machine
 
 }  // namespace
 
-Figure plot_program(const ProgramResult& result) {
-  const ProgramView whole = whole_view(result.path);
+Figure plot_program(const ProgramResult& result, ViewFrom from) {
+  const Plan& plan = result.plan;
+  const bool command = plan.command() != nullptr;
+  const ProgramView whole = whole_view(plan.path, from);
   Figure figure = program_page_frame(result.program);
-  figure.title += fmt::format(": {:.6g} s, {} taps{}", result.cycle_time, result.filter.order() + 1,
-                              result.legs.single() ? "" : ", length by leg");
-  add_corner_panels(figure, result.path, corners_of(result.path, result.plan.errors, result.plan.delays, whole), whole);
-  figure.panels.push_back(speed_panel(result.path, strokes_of(result.path, whole), whole, "commanded speed"));
-  figure.panels.push_back(delay_panel(result));
+  figure.title += command ? fmt::format(": {:.6g} s, {} taps", result.cycle_time, plan.filter().order() + 1)
+                          : fmt::format(": {:.6g} s, plan {}", result.cycle_time, plan.name());
+  figure.title += bounds_in_title(result);
+  add_corner_panels(figure, plan.path, corners_of(result, whole), whole);
+  if (whole.over_time) {
+    figure.panels.push_back(place_over_time_panel(plan.path, *whole.over_time, motion_of(result)));
+  } else {
+    const std::vector<Stroke> strokes =
+        command ? strokes_of(plan.path, whole) : strokes_of(plan.path, motion_of(result), whole);
+    figure.panels.push_back(speed_panel(plan.path, strokes, whole, command ? "commanded speed" : "speed"));
+  }
+  if (!command) return figure;
+  Panel delays = delay_panel(result);
+  if (!delays.series[0].x.empty()) figure.panels.push_back(std::move(delays));
   return figure;
 }
 
-Figure plot_program(const ProgramResult& result, const Toolpath& programmed, const Machine& machine) {
-  Figure figure = plot_program(result);
+Figure plot_program(const ProgramResult& result, const Toolpath& programmed, const Machine& machine, ViewFrom from) {
+  Figure figure = plot_program(result, from);
   add_motion_panels(figure, programmed, machine, motion_of(result));
-  return figure;
-}
-
-Figure plot_program(const ProfileResult& result, const Toolpath& programmed, const Machine& machine) {
-  const ProgramView whole = whole_view(result.path);
-  const ProgramMotion motion = motion_of(result);
-  Figure figure = program_page_frame(result.program);
-  figure.title += fmt::format(": {:.6g} s, plan profiles", result.cycle_time);
-  add_corner_panels(figure, result.path, corners_of(result.path, result.plan.errors, {}, whole), whole);
-  figure.panels.push_back(speed_panel(result.path, strokes_of(result.path, motion, whole), whole, "speed"));
-  add_motion_panels(figure, programmed, machine, motion);
   return figure;
 }
 

@@ -1,28 +1,35 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include <accdec/design.hpp>
+#include <accdec/machine.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/machine/utilisation.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/machine/signed_value.hpp>
+#include <accdec/plot/figure_style.hpp>
+#include <accdec/plot/path_panels.hpp>
 #include <accdec/plot/plot_result.hpp>
-#include <accdec/task/simulation.hpp>
 
 namespace accdec {
 namespace {
 
+using namespace figure_style;
+
 constexpr double binding = 0.99;  ///< share of a limit from which a drawing calls it binding
 
-/// What an axis does, with the bounds on it; both in SI.
+/// A quantity of an axis with the bounds on it; both in SI.
 struct Quantity {
   LimitKind kind;
   double low, high;
 };
 
-/// What to draw of an axis: velocity and acceleration always, the others where they are limited. Regeneration is the
-/// lower bound of power.
+/// Quantities to draw for an axis: always velocity and acceleration, the others if they are limited. Regeneration is
+/// the lower bound of power.
 std::vector<Quantity> quantities_of(const Axis& axis) {
   std::vector<Quantity> drawn;
   for (const AxisLimit& limit : axis_limits) {
@@ -43,21 +50,6 @@ std::vector<Quantity> quantities_of(const Axis& axis) {
   return drawn;
 }
 
-/// The quantity with its sign, where its limit is on the size.
-double signed_value(const AxisState& state, LimitKind kind) {
-  switch (kind) {
-    case LimitKind::velocity: return state.velocity;
-    case LimitKind::acceleration: return state.acceleration;
-    case LimitKind::jerk: return state.jerk;
-    case LimitKind::force: return state.force;
-    default: break;
-  }
-  for (const AxisLimit& limit : axis_limits) {
-    if (limit.kind == kind) return limit.value(state);
-  }
-  return 0.0;
-}
-
 /// "mm/s^3" as it is printed: "(mm/s³)".
 std::string printed_unit(std::string_view unit) {
   std::string text(unit);
@@ -67,31 +59,59 @@ std::string printed_unit(std::string_view unit) {
   return text.find('/') == std::string::npos ? text : "(" + text + ")";
 }
 
-/// One quantity of one axis over time, its worst sample marked; limits far beyond the curve are said in the title
-/// instead of flattening it.
-Panel motion_panel(const Quantity& quantity, const std::string& axis, const std::vector<double>& time,
-                   const std::vector<double>& values) {
+/// A quantity of an axis over time, in the unit it is drawn in: velocity, acceleration and jerk of the command, loads
+/// of the motion.
+Series curve_of(const Quantity& quantity, const CornerMotion& at, std::size_t axis) {
+  const auto column = static_cast<Eigen::Index>(axis);
+  AxisSampler sampler(at.result.task.machine.axes[axis], at.result.task.sample_period);
+  Series curve{"", at.time, {}, quantity.kind == LimitKind::velocity ? Mark::line : Mark::steps, design_style, true};
+  for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n) {
+    const SampledMotion& command = at.sampled.command;
+    const AxisState state =
+        with_load(sampler.next(command.velocity(n, column), command.acceleration(n, column)),
+                  at.result.task.machine.axes[axis], at.motion.velocity(n, column), at.motion.acceleration(n, column));
+    curve.y.push_back(signed_value(state, quantity.kind) * limit_name(quantity.kind).per_si);
+  }
+  return curve;
+}
+
+/// The limit itself, drawn over every sample that reaches it.
+Series binding_bars(const Series& curve, double low, double high) {
+  Series bars{"binds", curve.x, {}, Mark::steps, binding_style + most_lines / 3, true};
+  bars.y.assign(curve.y.size(), std::nan(""));
+  for (std::size_t n = 0; n < curve.y.size(); ++n) {
+    const double y = curve.y[n];
+    if (!(y >= binding * high) && !(y <= binding * low)) continue;
+    bars.y[n] = y > 0.0 ? high : low;
+    if (n > 0 && std::isnan(bars.y[n - 1])) bars.y[n - 1] = bars.y[n];  // a step ends at its sample
+  }
+  return bars;
+}
+
+/// One quantity of one axis over time, with every sample marked that binds, or else the worst. Limits far beyond the
+/// curve are named in the title instead of flattening the curve.
+Panel motion_panel(const Quantity& quantity, const CornerMotion& now, const CornerMotion* before, std::size_t index) {
+  const std::string& axis = now.result.task.machine.axes[index].name;
   const LimitName& name = limit_name(quantity.kind);
   Panel panel;
   panel.title = fmt::format("{} {}", name.name, axis);
   panel.x.label = "time from the corner command / ms";
-  panel.x.min = time.front(), panel.x.max = time.back();
+  panel.x.min = now.time.front(), panel.x.max = now.time.back();
   panel.y.label = fmt::format("{} / {}", name.name, printed_unit(name.unit));
-  Series curve{"", time, {}, quantity.kind == LimitKind::velocity ? Mark::line : Mark::steps, 0};
+  Series curve = curve_of(quantity, now, index);
+  const double high = quantity.high * name.per_si, low = quantity.low * name.per_si;
   double peak = 0.0, use = 0.0;
   std::size_t worst = 0;
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    const double used = std::max(values[n] / quantity.high, values[n] / quantity.low);
+  for (std::size_t n = 0; n < curve.y.size(); ++n) {
+    const double used = std::max(curve.y[n] / high, curve.y[n] / low);
     if (used > use) use = used, worst = n;
-    curve.y.push_back(values[n] * name.per_si);
-    peak = std::max(peak, std::abs(curve.y.back()));
+    peak = std::max(peak, std::abs(curve.y[n]));
   }
-  constexpr double off_scale = 3.0;
+  constexpr double off_scale = 2.0;
   std::string beyond;
   bool labelled = false;
-  for (const double bound : {quantity.high, quantity.low}) {
-    if (!std::isfinite(bound)) continue;
-    const double limit = bound * name.per_si;
+  for (const double limit : {high, low}) {
+    if (!std::isfinite(limit)) continue;
     if (std::abs(limit) <= off_scale * peak) {
       panel.limits.push_back({limit, labelled ? "" : "limit"});
       labelled = true;
@@ -101,24 +121,29 @@ Panel motion_panel(const Quantity& quantity, const std::string& axis, const std:
   }
   if (use > 0.0) {
     panel.title += fmt::format(": {:.1f} % used{}", 100.0 * use, use > binding ? ", binding" : "");
-    panel.series.push_back({"largest use", {time[worst]}, {curve.y[worst]}, Mark::points, 3});
+    panel.series.push_back(use > binding ? binding_bars(curve, low, high)
+                                         : Series{"largest use", {curve.x[worst]}, {curve.y[worst]}, Mark::points, 0});
   }
   panel.series.insert(panel.series.begin(), std::move(curve));
+  if (before) {
+    Series old = curve_of(quantity, *before, index);
+    old.label = "today", old.style = baseline_style;
+    panel.x.min = std::min(*panel.x.min, old.x.front()), panel.x.max = std::max(*panel.x.max, old.x.back());
+    panel.series.insert(panel.series.begin(), std::move(old));
+  }
+  if (now.sampled.moved && quantity.kind == LimitKind::velocity) {
+    Series moved{"motion", now.time, {}, Mark::line, thin_style};
+    for (const double v : now.motion.velocity.col(static_cast<Eigen::Index>(index))) moved.y.push_back(v * name.per_si);
+    panel.series.push_back(std::move(moved));
+  }
   if (!beyond.empty()) panel.title += fmt::format(" (limit {} {} off scale)", beyond, printed_unit(name.unit));
   return panel;
 }
 
-std::vector<Panel> axis_panels(const SampledMotion& motion, double period, Eigen::Index index, const Axis& axis,
-                               const std::vector<double>& time) {
+std::vector<Panel> axis_panels(const CornerMotion& now, const CornerMotion* before, std::size_t axis) {
   std::vector<Panel> panels;
-  for (const Quantity& quantity : quantities_of(axis)) {
-    AxisSampler sampler(axis, period);
-    std::vector<double> values;
-    for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
-      values.push_back(
-          signed_value(sampler.next(motion.velocity(n, index), motion.acceleration(n, index)), quantity.kind));
-    panels.push_back(motion_panel(quantity, axis.name, time, values));
-  }
+  for (const Quantity& quantity : quantities_of(now.result.task.machine.axes[axis]))
+    panels.push_back(motion_panel(quantity, now, before, axis));
   return panels;
 }
 
@@ -134,73 +159,27 @@ void add_side_by_side(std::vector<Panel>& panels, std::vector<std::vector<Panel>
   }
 }
 
-/// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, a along the motion, b
-/// halving the angle.
-struct Plane {
-  Eigen::VectorXd across, up;
-  std::string across_name, up_name;
-};
-
-Plane plane_of(const Corner& corner, const Machine& machine) {
-  if (corner.axes() == 2) {
-    return {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1), machine.axes[0].name, machine.axes[1].name};
-  }
-  const auto unit = [](Eigen::VectorXd v) {
-    const double length = v.norm();
-    return length > 1e-9 ? Eigen::VectorXd(v / length) : Eigen::VectorXd(Eigen::VectorXd::Zero(v.size()));
-  };
-  return {unit(corner.direction_in + corner.direction_out), unit(corner.direction_out - corner.direction_in), "a", "b"};
+/// The task with the filter of today, its delays as small as they can be; nothing if that filter breaks a limit.
+std::optional<DesignResult> today(const DesignResult& result) {
+  // The delays of a given filter are known for one response of all axes.
+  if (!result.task.baseline || !Response(result.task.machine, result.task.sample_period).common()) return {};
+  Task task = result.task;
+  task.filter = std::exchange(task.baseline, {});
+  task.settings.reset();
+  DesignResult made = design_task(task);
+  if (made.status != Status::optimal && made.status != Status::feasible) return {};
+  return made;
 }
 
-/// The path around the corner. @param whole  the whole blend instead of a few errors around the corner
-Panel path_panel(const TaskCorner& task, const CornerResult& measures, const SampledMotion& motion,
-                 const Machine& machine, bool whole) {
-  const Corner& corner = task.geometry();
-  const Plane plane = plane_of(corner, machine);
-  // The window: a few errors around the corner, but no more than the blend itself.
-  const double blend = std::max(motion.position.row(motion.corner).norm(), 1e-6);
-  const double error = std::max(measures.corner_error, task.error_max.value_or(0.0));
-  const double reach = whole ? 1.2 * blend : error > 0.0 ? std::min(3.0 * error, blend) : 0.3 * blend;
-  const double scale = reach < 2e-3 ? 1e6 : 1e3;
-  const char* const unit = reach < 2e-3 ? "µm" : "mm";
-  Series path{"path", {}, {}, whole ? Mark::line : Mark::line_points, 0},
-      programmed{"programmed", {}, {}, Mark::line, 5};
-  for (Eigen::Index n = 0; n < motion.position.rows(); ++n) {
-    const Eigen::VectorXd s = motion.position.row(n).transpose() * scale;
-    if (s.norm() > 8.0 * reach * scale && std::abs(n - motion.corner) > 0 && s.norm() > 3.0 * blend * scale) continue;
-    path.x.push_back(s.dot(plane.across));
-    path.y.push_back(s.dot(plane.up));
+/// Time, what it saves against today, and the corner.
+std::string title_of(const DesignResult& result, const DesignResult* before, const CornerResult& corner) {
+  std::string title =
+      fmt::format("{}: {:.6g} ms", result.task.title.empty() ? "accdec" : result.task.title, 1e3 * result.objective());
+  if (before) {
+    const double saved = before->objective() - result.objective();
+    title += fmt::format(", {:.4g} ms {} than today", 1e3 * std::abs(saved), saved < 0.0 ? "more" : "less");
   }
-  const double leg = 8.0 * reach * scale;
-  for (const Eigen::VectorXd& end :
-       {Eigen::VectorXd(-leg * corner.direction_in), Eigen::VectorXd(0.0 * corner.direction_in),
-        Eigen::VectorXd(leg * corner.direction_out)}) {
-    programmed.x.push_back(end.dot(plane.across));
-    programmed.y.push_back(end.dot(plane.up));
-  }
-  Panel panel;
-  panel.title = whole ? "the whole blend" : fmt::format("path around corner {}", task.name);
-  panel.taller = 1.6;
-  panel.x.label = fmt::format("{} / {}", plane.across_name, unit);
-  panel.y.label = fmt::format("{} / {}", plane.up_name, unit);
-  panel.series = {path, programmed};
-  panel.equal_aspect = true;
-  panel.x.min = panel.y.min = -reach * scale;
-  panel.x.max = panel.y.max = reach * scale;
-  if (measures.corner_error > 0.0) {
-    panel.circles.push_back(
-        {0.0, 0.0, measures.corner_error * scale, fmt::format("error {:.4g} {}", measures.corner_error * scale, unit)});
-  }
-  if (task.error_max && *task.error_max > 0.0) {
-    Series tolerance{fmt::format("bound {:.4g} {}", *task.error_max * scale, unit), {}, {}, Mark::line, 2};
-    for (int i = 0; i <= 120; ++i) {
-      const double turn = 2.0 * std::numbers::pi * i / 120;
-      tolerance.x.push_back(*task.error_max * scale * std::cos(turn));
-      tolerance.y.push_back(*task.error_max * scale * std::sin(turn));
-    }
-    panel.series.push_back(tolerance);
-  }
-  return panel;
+  return title + fmt::format("; corner {}, delay {} samples", corner.name, corner.delay);
 }
 
 Panel taps_panel(const Filter& filter) {
@@ -208,7 +187,7 @@ Panel taps_panel(const Filter& filter) {
   panel.title = fmt::format("filter taps, order {}", filter.order());
   panel.x.label = "tap";
   panel.y.label = "weight";
-  Series taps{"", {}, {}, filter.order() <= 200 ? Mark::impulses : Mark::line, 1};
+  Series taps{"", {}, {}, filter.order() <= 200 ? Mark::impulses : Mark::line, design_style, true};
   for (int i = 0; i <= filter.order(); ++i) {
     taps.x.push_back(i);
     taps.y.push_back(filter.tap(i));
@@ -235,10 +214,14 @@ Panel response_panel(const Filter& filter, double sample_period, const std::vect
     const double half =
         std::max(0.0, 0.004 * top - 0.5 * (mode.frequency_high - mode.frequency_low));  // a line has to be seen
     panel.bands.back().from -= half, panel.bands.back().to += half;
-    panel.series.push_back(
-        {first ? "bound" : "", {mode.frequency_low - half, mode.frequency_high + half}, {level, level}, Mark::line, 2});
+    panel.series.push_back({first ? "bound" : "",
+                            {mode.frequency_low - half, mode.frequency_high + half},
+                            {level, level},
+                            Mark::line,
+                            binding_style,
+                            true});
   }
-  Series response{"", {}, {}, Mark::line, 0};
+  Series response{"", {}, {}, Mark::line, design_style, true};
   // Each takes a pass over all taps.
   const int points = static_cast<int>(std::clamp(1e8 / (filter.order() + 1.0), 100.0, 800.0));
   for (int i = 0; i <= points; ++i) {
@@ -251,7 +234,7 @@ Panel response_panel(const Filter& filter, double sample_period, const std::vect
   return panel;
 }
 
-/// Leaves of a long curve the ends and the extremes of as many pieces as a drawing can show.
+/// Reduces a long curve to its ends and the extremes of as many pieces as a drawing can show.
 void thin_out(Series& series) {
   constexpr std::size_t pieces = 2000;
   const std::size_t count = series.x.size();
@@ -296,30 +279,27 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
         fmt::format("the result holds no filter to draw ({}): {}", to_string(result.status), result.message));
   }
   const Filter& filter = *result.filter;
-  const TaskCorner& task = result.task.corners[index];
-  const CornerResult& measures = result.corners[index];
   const double period = result.task.sample_period;
-  const SampledMotion motion = simulate_corner(filter, task.geometry(), measures.delay, period);
-  std::vector<double> time;
-  for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
-    time.push_back(static_cast<double>(n - motion.corner) * period * 1e3);
+  const std::optional<DesignResult> old = today(result);
+  const CornerMotion now(result, index);
+  std::optional<CornerMotion> then;
+  if (old) then.emplace(*old, index);
+  const CornerMotion* const before = then ? &*then : nullptr;
 
   Figure figure;
-  figure.title = fmt::format("{}: corner {}, delay {} samples",
-                             result.task.title.empty() ? "accdec" : result.task.title, task.name, measures.delay);
+  figure.title = title_of(result, old ? &*old : nullptr, now.measures);
   figure.columns = 2;
-  for (const bool whole : {false, true}) {
-    figure.panels.push_back(path_panel(task, measures, motion, result.task.machine, whole));
-  }
+  figure.panels = {path_panel(now, before), distance_panel(now, before)};
   std::vector<std::vector<Panel>> axes;
   for (std::size_t axis = 0; axis < result.task.machine.axes.size(); ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
-    const bool moves =
-        std::abs(task.geometry().direction_in[a]) > 1e-12 || std::abs(task.geometry().direction_out[a]) > 1e-12;
-    if (moves) axes.push_back(axis_panels(motion, period, a, result.task.machine.axes[axis], time));
+    const Corner& legs = now.task.geometry();
+    const bool moves = std::abs(legs.direction_in[a]) > 1e-12 || std::abs(legs.direction_out[a]) > 1e-12;
+    if (moves) axes.push_back(axis_panels(now, before, axis));
   }
   add_side_by_side(figure.panels, std::move(axes));
-  figure.panels.push_back(response_panel(filter, period, result.task.machine.modes));
+  figure.panels.push_back(
+      response_panel(Response(result.task.machine, period).command(filter), period, result.task.machine.modes));
   figure.panels.push_back(taps_panel(filter));
   for (Panel& panel : figure.panels) {
     for (Series& series : panel.series) thin_out(series);

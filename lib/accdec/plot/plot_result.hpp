@@ -3,14 +3,16 @@
 #include <string>
 
 #include <accdec/plot/figure.hpp>
-#include <accdec/task/result.hpp>
+#include <accdec/result.hpp>
 
 namespace accdec {
 
-/// One corner of a result: the path around the programmed corner with its error circle, enlarged and whole; velocity,
-/// acceleration and every limited quantity of each moving axis from rest to rest, its limits and its worst sample; the
-/// taps, and the frequency response with the mode bands. Motion is simulated from the result's taps and delay by plain
-/// convolution.
+/// One corner of a result. It shows the path where it leaves the programmed corner, with its error circle, and the
+/// distance from the legs over time. For each moving axis, from rest to rest, it shows velocity, acceleration and every
+/// limited quantity, with its limits and every sample that binds, or else the worst. It also shows the taps, and the
+/// frequency response with the mode bands. Motion is simulated from the result's taps and delay by plain convolution.
+/// The task's filter of today ([baseline]) is drawn in grey, with its smallest delays, if it holds the limits. The
+/// title says what the design saves against it.
 /// @param corner  name; empty: the first
 /// @throws std::invalid_argument if there is no such corner (naming those there are), std::runtime_error if the result
 /// holds no filter.

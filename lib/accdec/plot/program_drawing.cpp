@@ -3,6 +3,7 @@
 #include <map>
 #include <utility>
 
+#include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_drawing.hpp>
 
 namespace accdec {
@@ -10,19 +11,12 @@ namespace {
 
 using Point = std::array<double, 2>;
 
-// Of the plot on its page; a little less than it is, for the air around the path.
-constexpr double plot_width = 640.0, highest_plot = 390.0, lowest_plot = 160.0;
-constexpr double least_extent = 1e-9;  ///< m a pixel
-constexpr double seen = 1.5;           ///< px, shorter moves are put together
+constexpr double seen = 1.5;  ///< px, shorter moves are put together
 constexpr std::size_t strokes_max = 20000, squares_max = 5000;
 constexpr double cell_pixels = 3.0;
 constexpr int speeds = 20;  ///< colours
 
-bool is_rotary(std::size_t axis) {
-  return axis >= 3 && axis < 6;
-}
-
-/// Rows of cells that strokes pass, by the value that counts where several do: the lowest.
+/// Rows of cells that strokes pass, each with its lowest value.
 class Cells {
  public:
   explicit Cells(const ProgramView& view)
@@ -67,7 +61,8 @@ class Cells {
   std::vector<double> values_;
 };
 
-/// Puts moves together that follow one another until they can be seen.
+/// Puts moves together that follow one another until they can be seen. One that can be seen by itself stands alone:
+/// behind a short slow move it would take its speed.
 class StrokeMaker {
  public:
   explicit StrokeMaker(const ProgramView& view) : view_(view) {}
@@ -76,7 +71,8 @@ class StrokeMaker {
       open_ = false;
       return;
     }
-    if (!open_ || strokes.back().rapid != rapid) strokes.push_back({from, from, INFINITY, rapid});
+    const bool alone = std::hypot(to[0] - from[0], to[1] - from[1]) >= seen * view_.pixel;
+    if (!open_ || alone || strokes.back().rapid != rapid) strokes.push_back({from, from, INFINITY, rapid});
     Stroke& stroke = strokes.back();
     stroke.to = to;
     stroke.speed = std::min(stroke.speed, speed);
@@ -89,85 +85,12 @@ class StrokeMaker {
   bool open_ = false;
 };
 
-void fit(ProgramView& view) {
-  const double width = view.high[0] - view.low[0], height = view.high[1] - view.low[1];
-  view.height = width > 0.0 ? std::clamp(plot_width * height / width, lowest_plot, highest_plot) : highest_plot;
-  view.pixel = std::max({width / plot_width, height / view.height, least_extent});
-}
-
 }  // namespace
-
-Point ProgramView::at(const Toolpath& path, std::size_t point) const {
-  return {path.point(point)[across], path.dimensions() > 1 ? path.point(point)[up] : 0.0};
-}
-
-bool ProgramView::shows(const Point& p, const Point& q) const {
-  for (std::size_t a = 0; a < 2; ++a) {
-    const double air = 40.0 * pixel;  // more than any plot is larger than its window
-    if (std::max(p[a], q[a]) < low[a] - air || std::min(p[a], q[a]) > high[a] + air) return false;
-  }
-  return true;
-}
-
-ProgramView whole_view(const Toolpath& path) {
-  const std::size_t n = path.dimensions();
-  std::vector<double> low(n, INFINITY), high(n, -INFINITY);
-  for (std::size_t i = 0; i <= path.blocks(); ++i) {
-    for (std::size_t a = 0; a < n; ++a) {
-      low[a] = std::min(low[a], path.point(i)[a]);
-      high[a] = std::max(high[a], path.point(i)[a]);
-    }
-  }
-  std::vector<std::size_t> order(n);
-  for (std::size_t a = 0; a < n; ++a) order[a] = a;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    if (is_rotary(path.axes[a]) != is_rotary(path.axes[b])) return !is_rotary(path.axes[a]);
-    return high[a] - low[a] > high[b] - low[b];
-  });
-  ProgramView view;
-  view.across = n > 1 ? std::min(order[0], order[1]) : order[0];
-  view.up = n > 1 ? std::max(order[0], order[1]) : order[0];
-  view.low = {low[view.across], n > 1 ? low[view.up] : 0.0};
-  view.high = {high[view.across], n > 1 ? high[view.up] : 0.0};
-  fit(view);
-  if (std::max({-view.low[0], view.high[0], -view.low[1], view.high[1]}) > 50.0)
-    view.scale = 1.0;  // tics of six digits do not fit
-  return view;
-}
-
-ProgramView enlarged(const ProgramView& view, const std::vector<Point>& places) {
-  constexpr double part = 0.25;
-  constexpr int steps = 13;  // windows that overlap
-  ProgramView window = view, best = view;
-  std::size_t most = 0;
-  for (int j = 0; j < steps; ++j) {
-    for (int i = 0; i < steps; ++i) {
-      const std::array<int, 2> step{i, j};
-      for (std::size_t a = 0; a < 2; ++a) {
-        const double extent = view.high[a] - view.low[a];
-        window.low[a] = view.low[a] + (1.0 - part) * extent * step[a] / (steps - 1);
-        window.high[a] = window.low[a] + part * extent;
-      }
-      const auto inside = static_cast<std::size_t>(std::count_if(places.begin(), places.end(), [&](const Point& p) {
-        return p[0] >= window.low[0] && p[0] <= window.high[0] && p[1] >= window.low[1] && p[1] <= window.high[1];
-      }));
-      if (inside > most) most = inside, best = window;
-    }
-  }
-  fit(best);
-  // As much as the plot has room for.
-  const std::array<double, 2> room{plot_width * best.pixel, best.height * best.pixel};
-  for (std::size_t a = 0; a < 2; ++a) {
-    const double middle = 0.5 * (best.low[a] + best.high[a]);
-    best.low[a] = middle - 0.5 * room[a], best.high[a] = middle + 0.5 * room[a];
-  }
-  return best;
-}
 
 std::vector<Stroke> strokes_of(const Toolpath& path, const ProgramView& view) {
   StrokeMaker maker(view);
   for (std::size_t b = 0; b < path.blocks(); ++b)
-    maker.add(view.at(path, b), view.at(path, b + 1), block_feed(path, b), path.rapid[b] != 0);
+    maker.add(view.at(path.point(b)), view.at(path.point(b + 1)), block_feed(path, b), path.rapid[b] != 0);
   return maker.strokes;
 }
 
@@ -175,9 +98,10 @@ std::vector<Stroke> strokes_of(const Toolpath& path, const ProgramMotion& motion
   StrokeMaker maker(view);
   PathFollower follower(path);
   Point before{};
-  visit_speeds(path, Machine{}, motion, [&](std::int64_t k, const double* position, double speed, int) {
-    const Point now{position[view.across], path.dimensions() > 1 ? position[view.up] : 0.0};
-    follower.follow(position);
+  motion.samples([&](std::int64_t k, const double* position, const double* velocity) {
+    const Point now = view.at(position);
+    follower.follow(position, velocity);
+    const double speed = speed_of(velocity, path.dimensions());
     if (k > 0) maker.add(before, now, speed, path.rapid[follower.block()] != 0);
     before = now;
   });
@@ -188,7 +112,7 @@ double stroke_width(const std::vector<Stroke>& strokes, const ProgramView& view)
   double length = 0.0;
   for (const Stroke& s : strokes) length += std::hypot(s.to[0] - s.from[0], s.to[1] - s.from[1]) / view.pixel;
   const double share = 0.35;  // of the plot's pixels at most that may be inked
-  return length > 0.0 ? std::clamp(share * plot_width * view.height / length, 0.6, 2.2) : 2.2;
+  return length > 0.0 ? std::clamp(share * view_width * view.height / length, 0.6, 2.2) : 2.2;
 }
 
 Series stroke_series(const std::vector<Stroke>& strokes, const ProgramView& view, bool rapid) {

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_motion.hpp>
 
 namespace accdec {
@@ -26,19 +28,13 @@ double turn_at(const Toolpath& path, std::size_t b) {
   return std::acos(std::clamp(dot / std::sqrt(in2 * out2), -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-double norm(const double* v, std::size_t n) {
-  double sum = 0.0;
-  for (std::size_t a = 0; a < n; ++a) sum += v[a] * v[a];
-  return std::sqrt(sum);
-}
-
 /// The limits of one machine, and how much of each a sample uses.
 class Uses {
  public:
   Uses(const Machine& machine, double period) : period_(period) {
     for (const Axis& axis : machine.axes) axes_.push_back({&axis, AxisSampler(axis, period)});
   }
-  /// Index in `axis_limits` of the limit most used by the next sample; -1 if none by 98 %.
+  /// Index in `axis_limits` of the limit that the next sample uses most; -1 if none is used to 98 %.
   int next(const double* v) {
     int binding = -1;
     double most = 0.98;
@@ -63,52 +59,37 @@ class Uses {
   std::vector<Followed> axes_;
 };
 
-std::string title_of(const std::string& program, double cycle_time, const char* plan) {
-  return fmt::format("{}: {:.6g} s, plan {}", program, cycle_time, plan);
-}
-
 }  // namespace
+
+double speed_of(const double* velocity, std::size_t axes) {
+  double sum = 0.0;
+  for (std::size_t a = 0; a < axes; ++a) sum += velocity[a] * velocity[a];
+  return std::sqrt(sum);
+}
 
 double block_feed(const Toolpath& path, std::size_t block) {
   std::array<double, program_axis_count> way{};
   const double *p = path.point(block), *q = path.point(block + 1);
   for (std::size_t a = 0; a < path.dimensions(); ++a) way[a] = q[a] - p[a];
-  return norm(way.data(), path.dimensions()) / path.duration[block];
+  return speed_of(way.data(), path.dimensions()) / path.duration[block];
 }
 
 ProgramMotion motion_of(const ProgramResult& result) {
-  return {title_of(result.program, result.cycle_time, result.legs.single() ? "fixed" : "per-leg"), result.sample_period,
-          result.cycle_time, [&result](const SampleVisitor& visit) { visit_samples(result, visit); }};
-}
-
-ProgramMotion motion_of(const ProfileResult& result) {
-  return {title_of(result.program, result.cycle_time, "profiles"), result.sample_period, result.cycle_time,
-          [&result](const SampleVisitor& visit) { visit_profile_samples(result, visit); }};
-}
-
-void PathFollower::follow(const double* x) {
-  for (;; ++block_) {
-    const bool last = block_ + 1 == path_.blocks();
-    double along = 0.0, length2 = 0.0, from_next = 0.0;
-    const double* p = path_.point(block_);
-    for (std::size_t a = 0; a < n_; ++a) {
-      const double u = p[n_ + a] - p[a];
-      along += (x[a] - p[a]) * u;
-      length2 += u * u;
-      if (!last) from_next += (x[a] - p[n_ + a]) * (p[2 * n_ + a] - p[n_ + a]);
-    }
-    part_ = std::clamp(along / length2, 0.0, 1.0);
-    // On this block until past its end or, where the corner is cut, on the way along the next.
-    const bool leaving = part_ > 0.5 && from_next > 0.0;
-    if (last || (along < length2 && !leaving)) return;
-  }
+  return {fmt::format("{}: {:.6g} s, plan {}", result.program, result.cycle_time, result.plan.name()),
+          result.sample_period,
+          result.cycle_time,
+          [&result](const SampleVisitor& visit) { visit_samples(result, visit, Rests::passed); },
+          bounds_of(result),
+          result.settings && result.verification.feasible
+              ? program_settings_answer(*result.settings, result.cycle_time, result.has_today)
+              : ""};
 }
 
 void visit_speeds(const Toolpath& path, const Machine& machine, const ProgramMotion& motion,
                   const SpeedVisitor& visit) {
   Uses uses(machine, motion.sample_period);
   motion.samples([&](std::int64_t k, const double* position, const double* velocity) {
-    visit(k, position, norm(velocity, path.dimensions()), uses.next(velocity));
+    visit(k, position, speed_of(velocity, path.dimensions()), uses.next(velocity));
   });
 }
 
@@ -133,13 +114,15 @@ std::vector<CornerLoss> time_lost(const Toolpath& path, const ProgramMotion& mot
     ++classes[i].count;
   }
   PathFollower follower(path);
+  std::int64_t before = 0;
   motion.samples([&](std::int64_t k, const double* x, const double* v) {
+    const std::int64_t passed = k - std::exchange(before, k);
     if (k == 0) return;
-    follower.follow(x);
-    const double slower = 1.0 - norm(v, path.dimensions()) / block_feed(path, follower.block());
+    follower.follow(x, v);
+    const double slower = 1.0 - speed_of(v, path.dimensions()) / block_feed(path, follower.block());
     const std::ptrdiff_t joint = follower.joint();
     const std::size_t i = joint < 0 ? classes.size() - 1 : of_joint[static_cast<std::size_t>(joint)];
-    classes[i].time += slower * motion.sample_period;
+    classes[i].time += slower * static_cast<double>(passed) * motion.sample_period;
   });
   return classes;
 }

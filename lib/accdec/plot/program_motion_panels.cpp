@@ -1,10 +1,13 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include <accdec/plot/figure_style.hpp>
+#include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_motion_panels.hpp>
 
 namespace accdec {
@@ -12,20 +15,21 @@ namespace {
 
 constexpr double columns_drawn = 600.0;  ///< about as many as a plot has pixels
 constexpr std::size_t classes_drawn = 5;
-constexpr int thin_solid = 16, bar_style = 1;  // styles of series
+constexpr int thin_solid = figure_style::thin_style, thin_dashed = thin_solid + 1,
+              bar_style = figure_style::design_style;
 
-struct SpeedPoint {
-  double t = 0.0, v = 0.0;  ///< s, mm/s
+struct TimePoint {
+  double t = 0.0, v = 0.0;  ///< s, mm/s or mm
 };
 
-/// The speed where one limit binds: of every column of pixels the first, lowest, highest and last point, which draw the
-/// same as all of them.
-class SpeedTrace {
+/// A speed or a place over time. For every column of pixels it keeps the first, lowest, highest and last point, which
+/// draw the same as all points.
+class TimeTrace {
  public:
-  explicit SpeedTrace(double column) : column_(column) {}
+  explicit TimeTrace(double column) : column_(column) {}
 
   /// The motion from one sample to the next, in the order of time.
-  void add(const SpeedPoint& from, const SpeedPoint& to) {
+  void add(const TimePoint& from, const TimePoint& to) {
     const double column = std::floor(to.t / column_);
     if (points_.empty() || column != at_) {
       end_column();
@@ -39,7 +43,7 @@ class SpeedTrace {
   }
   void end_column() {
     std::stable_sort(points_.begin(), points_.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
-    for (const SpeedPoint& point : points_) {
+    for (const TimePoint& point : points_) {
       if (x.empty() || !(point.t <= x.back())) put(point);
     }
     points_.clear();
@@ -47,29 +51,29 @@ class SpeedTrace {
   std::vector<double> x, y;
 
  private:
-  void put(const SpeedPoint& point) {
+  void put(const TimePoint& point) {
     x.push_back(point.t);
     y.push_back(point.v);
   }
   double column_, at_ = 0.0;
-  std::vector<SpeedPoint> points_;  ///< first, lowest, highest and last of this column
+  std::vector<TimePoint> points_;  ///< first, lowest, highest and last of this column
 };
 
 }  // namespace
 
 Panel speed_over_time_panel(const Toolpath& programmed, const Machine& machine, const ProgramMotion& motion) {
-  std::map<int, SpeedTrace> traces;  // by what binds
-  SpeedPoint before;
+  std::map<int, TimeTrace> traces;  // by what binds
+  TimePoint before;
   double highest = 0.0;
   visit_speeds(programmed, machine, motion, [&](std::int64_t k, const double*, double speed, int binding) {
-    const SpeedPoint now{static_cast<double>(k) * motion.sample_period, 1e3 * speed};
+    const TimePoint now{static_cast<double>(k) * motion.sample_period, 1e3 * speed};
     highest = std::max(highest, now.v);
     if (k > 0) traces.try_emplace(binding, motion.cycle_time / columns_drawn).first->second.add(before, now);
     before = now;
   });
   Panel panel;
   panel.title = "speed by the limit that binds";
-  // The scale is for cutting: of rapid moves that are far faster only that is said.
+  // The scale is for cutting: if rapid moves are far faster, the title says so.
   double feed = 0.0;
   for (std::size_t b = 0; b < programmed.blocks(); ++b)
     if (programmed.rapid[b] == 0) feed = std::max(feed, 1e3 * block_feed(programmed, b));
@@ -87,6 +91,31 @@ Panel speed_over_time_panel(const Toolpath& programmed, const Machine& machine, 
     // Dashes would look like gaps between the limits.
     if (binding >= 0) series.style = 1 + binding, series.solid = true;
     panel.series.push_back(std::move(series));
+  }
+  return panel;
+}
+
+Panel place_over_time_panel(const Toolpath& path, std::size_t column, const ProgramMotion& motion) {
+  std::array<TimeTrace, 2> traces{TimeTrace(motion.cycle_time / columns_drawn),
+                                  TimeTrace(motion.cycle_time / columns_drawn)};
+  PathFollower follower(path);
+  TimePoint before;
+  motion.samples([&](std::int64_t k, const double* position, const double* velocity) {
+    const TimePoint now{static_cast<double>(k) * motion.sample_period, 1e3 * position[column]};
+    follower.follow(position, velocity);
+    if (k > 0) traces.at(path.rapid[follower.block()]).add(before, now);
+    before = now;
+  });
+  Panel panel;
+  panel.title = fmt::format("{} over time", path.axis_name(column));
+  panel.x.label = "time / s";
+  panel.y.label = fmt::format("{} / {}", path.axis_name(column), rotary_axis(path.axes[column]) ? "deg" : "mm");
+  panel.x.min = 0.0, panel.x.max = motion.cycle_time;
+  for (std::size_t rapid = 0; rapid < traces.size(); ++rapid) {
+    traces[rapid].end_column();
+    if (traces[rapid].x.empty()) continue;
+    panel.series.push_back({rapid == 0 ? "feed moves" : "rapid moves", std::move(traces[rapid].x),
+                            std::move(traces[rapid].y), Mark::line, rapid == 0 ? thin_solid : thin_dashed});
   }
   return panel;
 }

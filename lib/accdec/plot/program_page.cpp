@@ -1,12 +1,13 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/html.hpp>
 #include <accdec/plot/html_parts.hpp>
+#include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_page.hpp>
 
 namespace accdec {
@@ -14,48 +15,84 @@ namespace {
 
 constexpr std::int64_t page_points_max = 40'000;
 
-/// The two axes of the largest extent.
-std::array<std::size_t, 2> page_view_of(const Toolpath& path) {
-  const std::size_t n = path.dimensions();
-  std::vector<std::pair<double, std::size_t>> extent;
-  for (std::size_t a = 0; a < n; ++a) {
-    double low = INFINITY, high = -INFINITY;
-    for (std::size_t i = 0; i <= path.blocks(); ++i) {
-      low = std::min(low, path.point(i)[a]);
-      high = std::max(high, path.point(i)[a]);
+/// The path as the script draws it, across and upwards: coefficients of the path's columns.
+std::string rows_of(const ProgramView& view) {
+  std::string rows;
+  for (std::size_t row = 0; row < 2; ++row) {
+    rows += '[';
+    for (std::size_t a = 0; a < view.dimensions; ++a) {
+      const bool shown = view.over_time ? row == 1 && a == *view.over_time : true;
+      rows += fmt::format("{:.6g},", !shown ? 0.0 : view.over_time ? 1.0 : view.rows[row][a]);
     }
-    extent.emplace_back(low - high, a);
+    rows += "],";
   }
-  std::stable_sort(extent.begin(), extent.end());
-  if (n == 1) return {0, 0};
-  return {std::min(extent[0].second, extent[1].second), std::max(extent[0].second, extent[1].second)};
+  return rows;
 }
 
-std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMotion& motion, std::int64_t count) {
-  const std::array<std::size_t, 2> view = page_view_of(path);
+/// m/s; 0 where there are rapid moves only. Where a feed move blends with a rapid one, its feed counts.
+double fastest_feed_move(const Toolpath& path, const ProgramMotion& motion) {
+  PathFollower follower(path);
+  double fastest = 0.0;
+  motion.samples([&](std::int64_t, const double* position, const double* velocity) {
+    follower.follow(position, velocity);
+    if (path.rapid[follower.block()] != 0) return;
+    const double speed = speed_of(velocity, path.dimensions());
+    fastest = std::max(fastest, std::min(speed, block_feed(path, follower.block())));
+  });
+  return fastest;
+}
+
+std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMotion& motion, std::int64_t count,
+                   ViewFrom from) {
+  const ProgramView view = whole_view(path, from);
   const std::int64_t every = std::max<std::int64_t>(1, (count + page_points_max - 1) / page_points_max);
-  std::string t, x, y, v, l;
+  std::string t, v, l;
+  std::vector<std::string> places(path.dimensions());
   int binding = -1;
+  std::int64_t seen = 0;
   visit_speeds(path, machine, motion, [&](std::int64_t k, const double* at, double speed, int binds) {
     binding = std::max(binding, binds);
-    if (k % every != 0 && k + 1 != count) return;
+    if (seen++ % every != 0 && seen != count) return;
     t += fmt::format("{:.6g},", static_cast<double>(k) * motion.sample_period);
-    x += fmt::format("{:.4f},", at[view[0]] * 1e3);
-    y += fmt::format("{:.4f},", path.dimensions() > 1 ? at[view[1]] * 1e3 : 0.0);
+    for (std::size_t a = 0; a < places.size(); ++a) places[a] += fmt::format("{:.4f},", at[a] * 1e3);
     v += fmt::format("{:.5g},", speed * 1e3);
     l += fmt::format("{},", binding);
     binding = -1;
   });
-  std::string names;
-  for (std::size_t i = 0; i < axis_limits.size(); ++i)
+  const double feed = 1e3 * fastest_feed_move(path, motion);
+  std::string names, axes, colours;
+  for (std::size_t i = 0; i < axis_limits.size(); ++i) {
     names += fmt::format("\"{}\",", binding_name(static_cast<int>(i)));
-  return fmt::format("const D={{t:[{}],x:[{}],y:[{}],v:[{}],l:[{}],names:[{}],other:\"{}\",ax:[\"{}\",\"{}\"]}};\n", t,
-                     x, y, v, l, names, binding_name(-1), path.axis_name(view[0]), path.axis_name(view[1]));
+    colours += fmt::format("\"{}\",", figure_style::colours.at(1 + i));
+  }
+  for (std::size_t a = 0; a < places.size(); ++a) {
+    axes += fmt::format("\"{}\",", path.axis_name(a));
+    places[a] = "[" + places[a] + "]";
+  }
+  return fmt::format(
+      "const "
+      "D={{t:[{}],p:[{}],rows:[{}],over:{},v:[{}],l:[{}],names:[{}],other:\"{}\",ax:[{}],feed:{:.5g},colours:[{}],grey:"
+      "\"{}\","
+      "palette:\"{}\"}};\n",
+      t, fmt::join(places, ","), rows_of(view), view.over_time.has_value(), v, l, names, binding_name(-1), axes, feed,
+      colours, figure_style::colours[figure_style::baseline_style], figure_style::line_palette);
+}
+
+/// Times that no motion of a class undercuts.
+std::string bounds_table(const ProgramMotion& motion) {
+  if (motion.bounds.empty()) return "";
+  std::vector<std::vector<std::string>> rows;
+  for (const NamedBound& bound : motion.bounds) {
+    rows.push_back({bound.name, fmt::format("{:.4f}", bound.time),
+                    fmt::format("{:.2f}", 100.0 * bound.time / motion.cycle_time), bound.motions});
+  }
+  return "<h2>Lower bounds of the time</h2>\n" + html_table({{"bound", "s", "% of the plan", "holds for"}, rows});
 }
 
 }  // namespace
 
-std::string program_page(const Toolpath& programmed, const Machine& machine, const ProgramMotion& motion) {
+std::string program_page(const Toolpath& programmed, const Machine& machine, const ProgramMotion& motion,
+                         ViewFrom from) {
   std::int64_t count = 0;
   motion.samples([&](std::int64_t, const double*, const double*) { ++count; });
   std::vector<std::vector<std::string>> rows;
@@ -65,6 +102,7 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
                     fmt::format("{:.3f}", 1e3 * loss.time / static_cast<double>(loss.count))});
   }
   std::string page = html_head(motion.title);
+  if (!motion.answer.empty()) page += html_paragraph(motion.answer);
   page +=
       "<p>The path has the colour of its speed; the speed over time that of the limit that binds. Wheel or two "
       "fingers: "
@@ -72,17 +110,15 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
       "<canvas id=\"path\"></canvas>\n<p id=\"info\">&nbsp;</p>\n<canvas id=\"speed\"></canvas>\n"
       "<p id=\"legend\"></p>\n<h2>Time lost against the programmed feed</h2>\n";
   page += html_table({{"turn", "joints", "lost, s", "lost by each, ms"}, rows});
-  page += "<script>\n" + arrays(programmed, machine, motion, count) + std::string(program_script) + "</script>\n" +
-          html_foot();
+  page += bounds_table(motion);
+  page += "<script>\n" + arrays(programmed, machine, motion, count, from) + std::string(program_script) +
+          "</script>\n" + html_foot();
   return page;
 }
 
-std::string program_page(const Toolpath& programmed, const Machine& machine, const ProgramResult& result) {
-  return program_page(programmed, program_machine(machine, programmed), motion_of(result));
-}
-
-std::string program_page(const Toolpath& programmed, const Machine& machine, const ProfileResult& result) {
-  return program_page(programmed, program_machine(machine, programmed), motion_of(result));
+std::string program_page(const Toolpath& programmed, const Machine& machine, const ProgramResult& result,
+                         ViewFrom from) {
+  return program_page(programmed, program_machine(machine, programmed), motion_of(result), from);
 }
 
 }  // namespace accdec

@@ -6,25 +6,35 @@ namespace accdec {
 const std::string_view program_script = R"js("use strict";
 const P = document.getElementById("path"), S = document.getElementById("speed"), info = document.getElementById("info");
 const N = D.t.length, end = D.t[N - 1];
-// Colours and the scale of speeds are for cutting: of moves that are far faster for short times they say only that.
-const speeds = D.v.filter(isFinite).sort((a, b) => a - b), fastest = Math.max(1e-9, speeds[speeds.length - 1]);
-const usual = 1.05 * speeds[Math.floor(0.95 * speeds.length)];
-const top_ = usual > 0 && usual < 0.5 * fastest ? usual : fastest;
+// Colours and the scale of speeds are for cutting: of rapid moves that are faster they say only that.
+const fastest = D.v.filter(isFinite).reduce((a, b) => Math.max(a, b), 1e-9);
+const top_ = D.feed > 0 ? Math.min(D.feed, fastest) : fastest;
 const speed = v => Number(v.toPrecision(3));
-const lim = ["#1f77b4", "#d62728", "#9467bd", "#ff7f0e", "#8c564b", "#e377c2"];
-const stops = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+// Colours come with the data: of limits, and of speeds as "0 '#rrggbb', .., 1 '#rrggbb'".
+const stops = [...D.palette.matchAll(/([\d.]+) '#(..)(..)(..)'/g)].map(
+  ([, at, ...hex]) => [Number(at), hex.map(h => parseInt(h, 16))]);
 function hue(q) {
-  q = Math.min(0.999, Math.max(0, q)) * 4;
-  const i = Math.floor(q), a = stops[i], b = stops[i + 1];
-  return `rgb(${a.map((c, n) => Math.round(c + (q - i) * (b[n] - c)))})`;
+  q = Math.min(1, Math.max(0, q));
+  const i = Math.max(1, stops.findIndex(s => s[0] >= q)), [from, a] = stops[i - 1], [to, b] = stops[i];
+  return `rgb(${a.map((c, n) => Math.round(c + (q - from) / (to - from) * (b[n] - c)))})`;
 }
-let x0 = Infinity, x1 = -Infinity, y0 = Infinity, y1 = -Infinity;
-for (let i = 0; i < N; i++) {
-  x0 = Math.min(x0, D.x[i]); x1 = Math.max(x1, D.x[i]); y0 = Math.min(y0, D.y[i]); y1 = Math.max(y1, D.y[i]);
-}
+// The path as drawn, mm. A program that only drills shows its depth over a time that makes it half as high as wide.
+const seen = row => D.t.map((_, i) => D.rows[row].reduce((sum, c, a) => sum + (c ? c * D.p[a][i] : 0), 0));
+const Y = seen(1);
+let y0 = Infinity, y1 = -Infinity;
+for (const y of Y) { y0 = Math.min(y0, y); y1 = Math.max(y1, y); }
+const second = D.over ? 2 * Math.max(1e-6, y1 - y0) / end : 0;  // mm
+const X = D.over ? D.t.map(t => t * second) : seen(0);
+let x0 = Infinity, x1 = -Infinity;
+for (const x of X) { x0 = Math.min(x0, x); x1 = Math.max(x1, x); }
+// 1, 2 or 5 times a power of ten: the largest that is no larger.
+const round = x => {
+  const ten = Math.pow(10, Math.floor(Math.log10(x) + 1e-9));
+  return [5, 2, 1].map(m => m * ten).find(m => m <= x * (1 + 1e-9));
+};
 // Scale (px a mm), the point in the middle, the times at both ends, the sample that is told.
 let k = 1, cx = (x0 + x1) / 2, cy = (y0 + y1) / 2, ta = 0, tb = end, mark = -1;
-const px = i => P.clientWidth / 2 + (D.x[i] - cx) * k, py = i => P.clientHeight / 2 - (D.y[i] - cy) * k;
+const px = i => P.clientWidth / 2 + (X[i] - cx) * k, py = i => P.clientHeight / 2 - (Y[i] - cy) * k;
 const left = 64, low = 34;
 const sx = i => left + (D.t[i] - ta) / (tb - ta) * (S.clientWidth - left - 12);
 const sy = v => S.clientHeight - low - v / top_ * (S.clientHeight - low - 14);
@@ -50,12 +60,17 @@ function drawPath() {
     stroke(g, hue(D.v[i] / top_), 2, a, b, c, d);
   }
   if (mark >= 0) { g.fillStyle = "#d00000"; g.beginPath(); g.arc(px(mark), py(mark), 5, 0, 7); g.fill(); }
-  const ten = Math.pow(10, Math.floor(Math.log10(150 / k))), mm = [5, 2, 1].map(m => m * ten).find(m => m * k <= 150);
+  const bar = round(150 / k / (second || 1)), wide = bar * (second || 1) * k;
   g.fillStyle = "#ffffffcc";
-  g.fillRect(6, h - 34, mm * k + 12, 28); g.fillRect(w - 178, 6, 172, top_ < fastest ? 52 : 36);
+  g.fillRect(6, h - 34, wide + 12, 28); g.fillRect(w - 178, 6, 172, top_ < fastest ? 52 : 36);
   g.fillStyle = "#000";
-  g.fillText(`${Number(mm.toPrecision(3))} mm`, 12, h - 18);
-  stroke(g, "#000", 1, 12, h - 12, 12 + mm * k, h - 12);
+  g.fillText(`${Number(bar.toPrecision(3))} ${D.over ? "s" : "mm"}`, 12, h - 18);
+  stroke(g, "#000", 1, 12, h - 12, 12 + wide, h - 12);
+  if (D.over) {
+    const mm = round(100 / k);
+    stroke(g, "#000", 1, 12, h - 40, 12, h - 40 - mm * k);
+    g.fillText(`${Number(mm.toPrecision(3))} mm`, 18, h - 40 - mm * k / 2);
+  }
   for (let i = 0; i < 160; i++) { g.fillStyle = hue(i / 160); g.fillRect(w - 172 + i, 12, 1, 10); }
   g.fillStyle = "#000"; g.fillText("0", w - 172, 36);
   g.textAlign = "right"; g.fillText(`${speed(top_)} mm/s`, w - 12, 36);
@@ -66,7 +81,7 @@ function drawSpeed() {
   g.save(); g.beginPath(); g.rect(left, 8, w - left - 12, h - low - 7); g.clip();
   for (let i = 1; i < N; i++) {
     if (D.t[i] < ta || D.t[i - 1] > tb) continue;
-    stroke(g, D.l[i] < 0 ? "#999" : lim[D.l[i]], 1.5, sx(i - 1), sy(D.v[i - 1]), sx(i), sy(D.v[i]));
+    stroke(g, D.l[i] < 0 ? D.grey : D.colours[D.l[i]], 1.5, sx(i - 1), sy(D.v[i - 1]), sx(i), sy(D.v[i]));
   }
   if (mark >= 0) stroke(g, "#d00000", 1, sx(mark), 8, sx(mark), h - low);
   g.restore();
@@ -77,14 +92,17 @@ function drawSpeed() {
   const ten = Math.pow(10, Math.floor(Math.log10(top_ / 4)));
   const step = [1, 2, 5, 10].map(m => m * ten).find(m => 5 * m >= top_);
   for (let v = 0; v <= top_; v += step) g.fillText(speed(v), left - 6, Math.max(26, sy(v) + 4));
-  for (let q = 0; q <= parts; q++) {
-    g.textAlign = q === 0 ? "left" : q === parts ? "right" : "center";
-    const t = ta + (tb - ta) * q / parts;
-    g.fillText(`${Number(t.toPrecision(5))} s`, left + q * (w - left - 12) / parts, h - 14);
+  const tick = round(2 * (tb - ta) / parts);
+  g.textAlign = "center";
+  for (let n = Math.ceil(ta / tick - 1e-9); n * tick <= tb * (1 + 1e-9); n++) {
+    const x = left + (n * tick - ta) / (tb - ta) * (w - left - 12), text = `${Number((n * tick).toPrecision(12))} s`;
+    stroke(g, "#000", 1, x, h - low, x, h - low + 4);
+    g.fillText(text, Math.min(x, w - 4 - g.measureText(text).width / 2), h - 14);
   }
 }
 function tell() {
-  info.textContent = mark < 0 ? "\u00a0" : `${D.t[mark]} s: ${D.ax[0]} ${D.x[mark]}, ${D.ax[1]} ${D.y[mark]} mm, ` +
+  const places = D.ax.map((a, i) => `${a} ${D.p[i][mark]}`).join(", ");
+  info.textContent = mark < 0 ? "\u00a0" : `${D.t[mark]} s: ${places} mm, ` +
     `${D.v[mark]} mm/s, ` + (D.l[mark] < 0 ? D.other : D.names[D.l[mark]]) + " binds";
 }
 let asked = false;
@@ -161,8 +179,8 @@ S.addEventListener("pointerdown", nearTime);
 P.ondblclick = S.ondblclick = home;
 addEventListener("resize", draw);
 document.getElementById("legend").innerHTML = D.names.map((n, i) => D.l.includes(i)
-  ? `<b style="color:${lim[i]}">&#9632;</b> ${n} ` : "").join("") +
-  `<b style="color:#999">&#9632;</b> ${D.other}`;
+  ? `<b style="color:${D.colours[i]}">&#9632;</b> ${n} ` : "").join("") +
+  `<b style="color:${D.grey}">&#9632;</b> ${D.other}`;
 home();
 )js";
 

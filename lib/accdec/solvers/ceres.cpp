@@ -1,10 +1,10 @@
 // Ceres 2.1: trust-region least squares within bounds, driven to constrained problems by an augmented Lagrangian.
 //
-// Rows enter as residuals sqrt(rho) (s - clamp(s, lower, upper)), s = c + y / rho, the usual augmented Lagrangian for
-// equality and inequality rows alike (Nocedal and Wright, Numerical Optimization, 2nd ed., section 17.4), multipliers y
-// <- rho (s - clamp(s)). An objective that is a sum of squares enters by its residuals. Any other enters as one
-// residual f - target with a target below the optimum: the square grows with f wherever f > target, and a run that
-// comes down to its target starts again with a lower one.
+// Rows enter as residuals sqrt(rho) (s - clamp(s, lower, upper)) with s = c + y / rho. This is the usual augmented
+// Lagrangian for equality and inequality rows (Nocedal and Wright, Numerical Optimization, 2nd ed., section 17.4). Its
+// multipliers become y <- rho (s - clamp(s)). If the objective is a sum of squares, its residuals enter. Any other
+// objective enters as one residual f - target, with a target below the optimum. The square grows with f wherever f >
+// target. A run that reaches its target starts again with a lower one.
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ struct Shape {
   double penalty = 1.0, target = 0.0;
   std::vector<double> multipliers;
 
-  /// How far row r at value c, shifted by its multiplier, sticks out of its bounds.
+  /// How far row r, at value c and shifted by its multiplier, lies outside its bounds.
   double shifted(const nlp::Bound& b, double c, std::size_t r) const {
     const double s = c + multipliers[r] / penalty;
     return s - std::clamp(s, b.lower, b.upper);
@@ -50,7 +50,7 @@ class Cost final : public ceres::CostFunction {
     gradient_.resize(static_cast<std::size_t>(objective_) * static_cast<std::size_t>(problem.num_variables()));
   }
 
-  // Ceres reports a failed evaluation on standard error however silent it is asked to be: after a stop every call
+  // Ceres reports a failed evaluation on standard error, even when told to be silent. So after a stop every call
   // succeeds at once with zeros, and the callback below ends the run.
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     try {
@@ -68,7 +68,7 @@ class Cost final : public ceres::CostFunction {
  private:
   void evaluate(const std::vector<double>& x, double* residuals, double* jacobian) const {
     const nlp::Problem& problem = evaluator_.problem();
-    // The objective is always evaluated: it is what limits count, and what the best feasible point is judged by.
+    // The objective is always evaluated: limits count its evaluations, and it ranks the feasible points.
     const double f = evaluator_.objective(x);
     if (squares_ > 0) {
       evaluator_.residuals(x, {residuals, static_cast<std::size_t>(squares_)});
@@ -117,7 +117,7 @@ class StopWatch final : public ceres::IterationCallback {
   const Evaluator& evaluator_;
 };
 
-/// The outer iteration.
+/// The outer iteration of the augmented Lagrangian.
 class Run {
  public:
   Run(Evaluator& evaluator, FreeVariables& free, const NativeOptions& native, const Options& options, Result& result)
@@ -171,13 +171,13 @@ class Run {
     const double f = evaluator_.objective(result_.x);
     result_.claimed_objective = f;
     if (!squares_ && f - shape_.target < 0.1 * depth_) {
-      // Down at its target, or below: there may be more to gain.
+      // The target is reached: a lower value may be possible.
       depth_ *= 4.0;
       shape_.target = f - depth_;
       stuck_ = 0;
       return depth_ > 1e18 && end(Claim::unbounded, "objective falls without end");
     }
-    // Multipliers of an unfinished minimisation would lead astray: go on from where it is.
+    // Multipliers of an unfinished minimisation would mislead: continue from the current point.
     if (summary.termination_type == ceres::NO_CONVERGENCE) return false;
     const double moved = update();
     const double scale =
@@ -220,7 +220,7 @@ class Run {
     return s;
   }
 
-  /// New multipliers; the largest change.
+  /// Updates the multipliers and returns the largest change.
   double update() {
     violation_ = 0.0;
     double moved = 0.0;
@@ -250,7 +250,7 @@ class Run {
   Shape shape_;
   std::vector<double> rows_;
   double violation_ = 0.0, last_violation_ = nlp::infinity;
-  bool squares_ = false;  ///< of residuals
+  bool squares_ = false;  ///< the objective is a sum of squares of residuals
   double depth_ = 1.0;    ///< how far below the objective its target is set
   int stuck_ = 0;         ///< rounds that changed no violation
 };
@@ -295,7 +295,7 @@ class CeresSolver final : public Solver {
   }
 
  private:
-  /// Nothing stops a dense factorisation once it has begun.
+  /// A dense factorisation cannot be stopped once it has begun.
   static std::string too_large(const nlp::Problem& problem, double n, double time_limit) {
     constexpr double operations_a_second = 2e9;  // of DENSE_QR, measured
     const double rows = problem.num_rows() + std::max(1.0, static_cast<double>(problem.num_residuals())) + n;
@@ -310,9 +310,9 @@ class CeresSolver final : public Solver {
 };
 
 }  // namespace
+}  // namespace accdec::solvers
 
-void add_ceres(SolverList& list) {
+void accdec_add_solvers(accdec::solvers::SolverList& list) {
+  using namespace accdec::solvers;
   list.push_back(std::make_unique<CeresSolver>());
 }
-
-}  // namespace accdec::solvers

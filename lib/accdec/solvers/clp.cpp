@@ -1,4 +1,4 @@
-// Clp 1.17: simplex for linear problems. The only one here that proves infeasibility.
+// Clp 1.17: simplex for linear problems. It is the only solver here that proves infeasibility.
 
 #include <cmath>
 #include <limits>
@@ -23,7 +23,7 @@ namespace {
 
 using nlp::Evaluator;
 
-/// Ends the run when the evaluator says so; Clp knows limits of its own but no cancellation.
+/// Ends the run when the evaluator says so. Clp has limits of its own but cannot be cancelled.
 class Watch : public ClpEventHandler {
  public:
   explicit Watch(Evaluator& evaluator) : evaluator_(&evaluator) {}
@@ -77,9 +77,9 @@ Linear read(Evaluator& evaluator, std::span<const double> at) {
   return p;
 }
 
-/// Whether weights on the rows show that no point holds them all (Farkas): the weighted sum of the rows cannot reach,
-/// within the variables' bounds, any value the weighted row bounds allow. Recomputed here; Clp's word is not taken for
-/// it.
+/// Whether weights on the rows show that no point holds them all (Farkas). They do if the weighted sum of the rows,
+/// within the variables' bounds, cannot reach any value that the weighted row bounds allow. This is recomputed here
+/// instead of trusting Clp.
 bool refutes(const Linear& p, const std::vector<double>& weights) {
   const auto extend = [](double w, double lower, double upper, double& least, double& most) {
     if (w == 0.0) return;
@@ -101,7 +101,7 @@ bool refutes(const Linear& p, const std::vector<double>& weights) {
     scale = std::max(scale, std::abs(weights[r]));
   }
   for (std::size_t i = 0; i < combined.size(); ++i) {
-    // What is left of a cancelled sum is rounding.
+    // The rest of a cancelled sum is rounding.
     if (std::abs(combined[i]) <= 1e-12 * size[i]) continue;
     extend(combined[i], p.column_lower[i], p.column_upper[i], reach_least, reach_most);
   }
@@ -147,7 +147,7 @@ class ClpSolver final : public Solver {
     ClpSimplex model;
     model.passInMessageHandler(&quiet);
     CoinPackedMatrix matrix(true, p.rows.data(), p.columns.data(), p.values.data(), static_cast<int>(p.values.size()));
-    // Rows and columns behind the last nonzero exist too.
+    // Rows and columns after the last nonzero exist too.
     matrix.setDimensions(problem.num_rows(), problem.num_variables());
     model.loadProblem(matrix, p.column_lower.data(), p.column_upper.data(), p.cost.data(), p.row_lower.data(),
                       p.row_upper.data());
@@ -199,9 +199,9 @@ class ClpSolver final : public Solver {
 };
 
 }  // namespace
+}  // namespace accdec::solvers
 
-void add_clp(SolverList& list) {
+void accdec_add_solvers(accdec::solvers::SolverList& list) {
+  using namespace accdec::solvers;
   list.push_back(std::make_unique<ClpSolver>());
 }
-
-}  // namespace accdec::solvers

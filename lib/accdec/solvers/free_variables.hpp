@@ -3,12 +3,12 @@
 #include <span>
 #include <vector>
 
-#include <accdec/nlp/problem.hpp>
+#include <accdec/problem.hpp>
 
 namespace accdec::solvers {
 
-/// The variables whose bounds leave a choice. Several libraries mishandle or refuse lower == upper, so fixed variables
-/// never reach them.
+/// The variables that are not fixed by their bounds. Several libraries mishandle or refuse lower == upper, so fixed
+/// variables never reach them.
 class FreeVariables {
  public:
   FreeVariables(const nlp::Problem& problem, std::span<const double> start) : full_(start.begin(), start.end()) {

@@ -25,8 +25,8 @@ std::size_t at(Ipopt::Index i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Ipopt's view of a problem. StopRun never crosses Ipopt: a callback reports failure and the next intermediate
-/// callback ends the run.
+/// Ipopt's view of a problem. The exception StopRun never passes through Ipopt: a callback reports failure, and the
+/// next intermediate callback ends the run.
 class Adapter : public Ipopt::TNLP {
  public:
   Adapter(Evaluator& evaluator, std::span<const double> start)
@@ -125,7 +125,7 @@ class Adapter : public Ipopt::TNLP {
   bool finished_ = false;
 };
 
-/// Ipopt has some 300 options: the ones that share a word with `name`, or all when none does.
+/// Names of options that share a word with `name`, or all names if there are none. Ipopt has about 300.
 std::vector<std::string> names_like(Ipopt::IpoptApplication& app, const std::string& name) {
   std::vector<std::string> all, like;
   for (const auto& [known, option] : app.RegOptions()->RegisteredOptionsList()) {
@@ -194,19 +194,19 @@ std::mutex& one_at_a_time() {
   return mutex;
 }
 
-/// Other than Ipopt's defaults.
+/// Settings that differ from Ipopt's defaults.
 constexpr std::pair<const char*, const char*> own_settings[] = {
     {"bound_relax_factor", "0"},
-    // The formulations' rows are scaled to a bound of 1 and dense in orders of magnitude only through second
-    // differences: dividing those by 1e6 and more, as the default does, leaves them below the arithmetic's precision.
-    // Measured at N = 4000: 3 s instead of 12 s.
+    // The rows of the formulations are scaled to a bound of 1. Only second differences make their entries very
+    // different in size. The default would divide these by 1e6 and more, which is below the precision of the
+    // arithmetic. Measured at N = 4000: 3 s instead of 12 s.
     {"nlp_scaling_max_gradient", "1e8"},
-    // Measured at N = 1000: 40 iterations to the optimum, 184 to an acceptable point with the monotone barrier.
+    // Measured at N = 1000: 40 iterations to the optimum; the monotone barrier takes 184 to an acceptable point.
     {"mu_strategy", "adaptive"},
-    // A search over orders and delays asks about many points that do not exist: heuristics that end those runs early.
+    // A search over orders and delays asks about many infeasible points; these heuristics end such runs early.
     {"expect_infeasible_problem", "yes"},
-    // Approximate minimum degree orders the few dense rows of position sums last; the automatic choice fills the
-    // factors in.
+    // Approximate minimum degree puts the few dense rows of position sums last. The automatic choice fills the factors
+    // in.
     {"mumps_pivot_order", "0"},
 };
 
@@ -235,7 +235,7 @@ class IpoptSolver final : public Solver {
     app->Options()->SetIntegerValue("print_level", 0);
     app->Options()->SetStringValue("sb", "yes");
     app->Options()->SetNumericValue("tol", options.tolerance);
-    // A tenth, as of every library: the verifier computes the rows anew.
+    // A tenth of the tolerance, as for every library, because the verifier recomputes the rows.
     app->Options()->SetNumericValue("constr_viol_tol", 0.1 * options.feasibility_tolerance);
     app->Options()->SetIntegerValue("max_iter", options.own_budget ? 3000 : 1'000'000'000);
     for (const auto& [key, value] : own_settings) set_native(*app, key, value);
@@ -243,12 +243,12 @@ class IpoptSolver final : public Solver {
     for (const auto& [key, value] : options.native) set_native(*app, key, value);
 
     Result result;
-    // An empty name: no stray ipopt.opt in the working directory is read.
+    // An empty name, so that no stray ipopt.opt in the working directory is read.
     Ipopt::ApplicationReturnStatus status = app->Initialize("");
     if (status == Ipopt::Solve_Succeeded)
       status = app->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(adapter)));
     result.x = adapter->x();
-    // A multiplier of a stopped run belongs to no point of interest.
+    // Multipliers of a stopped run do not belong to the returned point.
     if (adapter->finished()) result.row_multipliers = adapter->multipliers();
     result.claimed_objective = adapter->objective();
     result.claim = claim_of(status);
@@ -262,10 +262,10 @@ class IpoptSolver final : public Solver {
 };
 
 }  // namespace
+}  // namespace accdec::solvers
 
-void add_ipopt(SolverList& list) {
+void accdec_add_solvers(accdec::solvers::SolverList& list) {
+  using namespace accdec::solvers;
   list.push_back(std::make_unique<IpoptSolver>(true));
   list.push_back(std::make_unique<IpoptSolver>(false));
 }
-
-}  // namespace accdec::solvers

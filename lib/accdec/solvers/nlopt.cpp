@@ -43,7 +43,7 @@ Capabilities without_gradient() {
   return can;
 }
 
-/// Searches in a box. Equality rows are out of reach: chance does not hit them within a tolerance of 1e-8.
+/// A search in a box. Equality rows are impossible: random points do not hold them within a tolerance of 1e-8.
 Capabilities global_search(bool rows, bool seeded) {
   Capabilities can = without_gradient();
   can.global = can.needs_finite_bounds = true;
@@ -85,8 +85,8 @@ Claim claim_of(nlopt_result code) {
   }
 }
 
-/// Takes the one option that is a word from the others, which are numbers: which algorithm, say "LD_CCSAQ", solves the
-/// dual of MMA's and CCSAQ's steps.
+/// Removes the one option that is a word from the others, which are numbers. It names the algorithm, for example
+/// "LD_CCSAQ", that solves the dual of MMA's and CCSAQ's steps.
 std::optional<nlopt_algorithm> take_dual_algorithm(std::map<std::string, std::string>& native) {
   const auto given = native.extract("dual_algorithm");
   if (!given) return std::nullopt;
@@ -153,13 +153,13 @@ class NloptSolver final : public Solver {
       return result;
     }
     const auto n = static_cast<unsigned>(free.size());
-    // Its dense workspace grows with the square, is counted in ints, and would be written past its end.
+    // The dense workspace of SLSQP grows with n^2 and is counted in ints: NLopt would write past its end.
     if (algorithm_.method == NLOPT_LD_SLSQP && n > slsqp_most) {
       result.claim = Claim::refused;
       result.message = fmt::format("{} takes at most {} variables, this problem has {}", name(), slsqp_most, n);
       return result;
     }
-    // Its rows are dense, once here and once inside; populations are of twenty points a variable.
+    // Rows are dense, once here and once in NLopt. ISRES has a population of twenty points per variable.
     const double points = algorithm_.method == NLOPT_GN_ISRES ? 20.0 * (n + 1.0) : 0.0;
     const double size = static_cast<double>(n) + problem.num_rows();
     result.message = tables_too_large(2.0 * n * problem.num_rows() + points * size);
@@ -169,12 +169,12 @@ class NloptSolver final : public Solver {
     }
     const Handle opt = optimizer(n, native, options);
     if (dual) nlopt_set_param(opt.get(), "dual_algorithm", *dual);
-    // A tenth of the tolerance, for the verifier's sake: it computes the rows anew.
+    // A tenth of the tolerance, because the verifier recomputes the rows.
     NloptProblem callbacks(evaluator, free, opt.get(), algorithm_.rows, 0.1 * options.feasibility_tolerance);
     nlopt_result code = callbacks.attach();
     std::vector<double> x = free.restrict(start);
     const auto optimize = [&] {
-      // The generator is the thread's own and starts from the clock.
+      // Each thread has its own generator, which starts from the clock.
       nlopt_srand(static_cast<unsigned long>(options.seed));
       code = nlopt_optimize(opt.get(), x.data(), &result.claimed_objective);
     };
@@ -198,7 +198,7 @@ class NloptSolver final : public Solver {
  private:
   static constexpr unsigned slsqp_most = 4000;
 
-  /// Of n variables, with all its settings but the problem.
+  /// An optimizer of n variables with all its settings, without the problem.
   Handle optimizer(unsigned n, const NativeOptions& native, const Options& options) const {
     Handle opt(nlopt_create(algorithm_.method, n));
     if (conservative()) nlopt_set_param(opt.get(), "dual_maxeval", dual_maxeval);
@@ -209,8 +209,9 @@ class NloptSolver final : public Solver {
       configure(inner.get(), native, options.tolerance, step_in_f(options.tolerance));
       nlopt_set_local_optimizer(opt.get(), inner.get());
     }
-    // Searches of the whole box would use up any limit: a budget of their own, and what they have by then is their
-    // answer. Multistart compares each new point with all before it: a tenth of that.
+    // Searches of the whole box would use up any time limit. So they have a budget of evaluations, and the best point
+    // by then is their answer. Multistart compares each new point with all earlier ones: it gets a tenth of that
+    // budget.
     const bool limited = algorithm_.can.global && options.own_budget;
     const double budget = !limited ? 0.0 : algorithm_.inner == no_inner ? 10'000.0 * (n + 1.0) : 1000.0 * (n + 1.0);
     nlopt_set_maxeval(opt.get(), static_cast<int>(std::min(2e9, native.get("maxeval", budget))));
@@ -220,25 +221,24 @@ class NloptSolver final : public Solver {
 
   bool conservative() const { return algorithm_.method == NLOPT_LD_MMA || algorithm_.method == NLOPT_LD_CCSAQ; }
 
-  /// Of MMA and CCSAQ: at NLopt's default of 100 000 the dual of a linear problem, which has no curvature, takes
-  /// seconds a step.
+  /// For MMA and CCSAQ. At NLopt's default of 100 000, the dual of a linear problem takes seconds per step, because it
+  /// has no curvature.
   static constexpr double dual_maxeval = 2000.0;
 
-  /// Relative steps in x decide, but small ones do not mean arrival for methods whose steps shrink by themselves.
-  /// SLSQP's, and those of L-BFGS in the augmented Lagrangian, too become small before they arrive where many rows are
-  /// active; but with steps at rounding
-  /// (`xtol_rel` 1e-15) whole designs take SLSQP half as long again, and one of twelve shipped tasks is not designed
-  /// within ten seconds.
+  /// Relative steps in x decide. But for methods whose steps shrink by themselves, small steps do not mean convergence.
+  /// The steps of SLSQP, and of L-BFGS in the augmented Lagrangian, also become small too early where many rows are
+  /// active. But with steps at rounding (`xtol_rel` 1e-15), whole designs take SLSQP half as long again, and one of
+  /// twelve shipped tasks is not designed within ten seconds.
   double xtol(double tolerance) const { return algorithm_.can.global || conservative() ? 1e-2 * tolerance : tolerance; }
 
-  /// Steps in f reach rounding long before a first-order method has arrived.
+  /// Steps in f reach rounding long before a first-order method has converged.
   static double step_in_f(double xtol) { return std::max(1e-15, 1e-6 * xtol); }
 
-  /// MMA and CCSAQ would stop where f did not change although rows are still broken.
+  /// MMA and CCSAQ would stop when f does not change, even while rows are still broken.
   double ftol(double tolerance) const { return conservative() ? 0.0 : step_in_f(xtol(tolerance)); }
 
-  /// COBYLA may loop for ever; at a thousand variables and more SLSQP's dense subproblems take seconds, and so does
-  /// ISRES' sorting of its population of twenty times as many.
+  /// COBYLA may loop for ever. At a thousand variables and more, SLSQP's dense subproblems take seconds, and so does
+  /// sorting the population of ISRES, which has twenty points per variable.
   static bool may_compute_on(nlopt_algorithm method) {
     return method == NLOPT_LN_COBYLA || method == NLOPT_LD_SLSQP || method == NLOPT_GN_ISRES;
   }
@@ -253,7 +253,7 @@ class NloptSolver final : public Solver {
     conclude(evaluator, result);
   }
 
-  /// To have converged at points that break rows, which a ranking also orders, is no success.
+  /// A ranking also orders points that break rows: convergence at such points is no success.
   static void undo_ranking(Result& result) {
     const std::optional<double> objective = NloptProblem::objective_of(result.claimed_objective);
     result.claimed_objective = objective.value_or(std::numeric_limits<double>::quiet_NaN());
@@ -263,7 +263,7 @@ class NloptSolver final : public Solver {
     }
   }
 
-  /// What to say of a run that had to be ended from outside: the best feasible point seen, else the start.
+  /// The result of a run that was ended from outside: the best feasible point seen, else the start.
   static Result abandoned(const nlp::Evaluator& evaluator, const Options& options, Result result) {
     const bool cancelled = options.cancel != nullptr && options.cancel->load();
     result.claim = cancelled ? Claim::cancelled : Claim::time_limit;
@@ -278,9 +278,9 @@ class NloptSolver final : public Solver {
 };
 
 }  // namespace
+}  // namespace accdec::solvers
 
-void add_nlopt(SolverList& list) {
+void accdec_add_solvers(accdec::solvers::SolverList& list) {
+  using namespace accdec::solvers;
   for (const Algorithm& algorithm : algorithms()) list.push_back(std::make_unique<NloptSolver>(algorithm));
 }
-
-}  // namespace accdec::solvers

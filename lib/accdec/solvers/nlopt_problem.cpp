@@ -90,7 +90,7 @@ double NloptProblem::evaluate(const double* x, double* grad) {
 }
 
 void NloptProblem::evaluate_rows(const std::vector<Side>& sides, double* result, const double* x, double* grad) {
-  // Inequalities and equalities come in two calls at the same point: the rows are evaluated once.
+  // Inequalities and equalities are asked in two calls at the same point: the rows are evaluated once.
   const std::vector<double>& full = free_.expand(x);
   if (values_point_ != full) {
     evaluator_.rows(full, values_);
@@ -126,7 +126,7 @@ double NloptProblem::ranked(double f, const std::vector<double>& x) {
   }
   for (const Side& s : equalities_)
     violation = std::max(violation, std::abs(values_[static_cast<std::size_t>(s.row)] - s.bound));
-  // Monotone in f and within (-1, 1), so that every violation ranks behind without drowning in a large offset.
+  // Monotone in f and within (-1, 1), so every violation ranks behind it without loss of digits in a large offset.
   return violation > tolerance_ ? 2.0 + violation : f / (1.0 + std::abs(f));
 }
 

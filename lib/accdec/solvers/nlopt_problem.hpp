@@ -6,35 +6,35 @@
 
 #include <nlopt.h>
 
-#include <accdec/nlp/evaluator.hpp>
+#include <accdec/problem.hpp>
 #include <accdec/solvers/free_variables.hpp>
 #include <accdec/solvers/watched_call.hpp>
 
 namespace accdec::solvers {
 
-/// A problem as NLopt's C callbacks see it. StopRun never crosses NLopt: the callback asks NLopt to stop and returns a
-/// harmless number (COBYLA loops for ever on NaN, and an exception would be lost in C).
+/// A problem as NLopt's C callbacks see it. The exception StopRun never passes through NLopt: the callback asks NLopt
+/// to stop and returns a harmless number. COBYLA loops for ever on NaN, and an exception would be lost in C.
 class NloptProblem {
  public:
   /// How rows reach the algorithm.
   enum class Rows {
     constraints,  ///< as NLopt constraints c <= 0 and c = 0
-    ranking  ///< inside the objective, for algorithms that only compare its values: any point that holds all rows is
-             ///< better than any that breaks one, the former ordered by the objective, the latter by the violation
+    ranking  ///< inside the objective, for algorithms that only compare values: points that hold all rows are better
+             ///< than all others and ordered by the objective, the others by their violation
   };
 
   NloptProblem(nlp::Evaluator& evaluator, FreeVariables& free, nlopt_opt opt, Rows rows, double row_tolerance);
 
-  /// For algorithms run as a watched call: every callback reports to it.
+  /// Every callback reports to this call, for algorithms run as a watched call.
   void report_to(WatchedCall* call) { call_ = call; }
 
-  /// Hands objective, bounds and rows to the nlopt_opt.
+  /// Passes objective, bounds and rows to the nlopt_opt.
   nlopt_result attach();
 
-  /// Whether the objective NLopt sees is a ranking: only where there are rows to rank by.
+  /// Whether the objective that NLopt sees is a ranking; it is one only if there are rows.
   bool ranks() const { return rows_ == Rows::ranking && !values_.empty(); }
 
-  /// The objective of a point that has this rank; empty where the rank says that the point breaks a row.
+  /// The objective of a point with this rank; empty if the point breaks a row.
   static std::optional<double> objective_of(double rank);
 
  private:

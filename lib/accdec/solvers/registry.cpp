@@ -1,39 +1,64 @@
+#include <algorithm>
+#include <map>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <accdec/files/suggestion.hpp>
+#include <accdec/solvers/module.hpp>
 #include <accdec/solvers/registration.hpp>
 
 namespace accdec::solvers {
 
 namespace {
 
-SolverList& solvers() {
-  static SolverList list = [] {
-    SolverList all;
-    add_ipopt(all);
-    add_nlopt(all);
-    add_ceres(all);
-    add_clp(all);
-    return all;
+/// The modules, in the order of the registry. The names of a module's solvers begin with the module's.
+constexpr const char* modules[] = {"ipopt", "nlopt", "ceres", "clp"};
+
+struct Registry {
+  SolverList list;
+  std::map<std::string, std::string> missing;  // why a module was not loaded
+};
+
+Registry& loaded() {
+  static Registry all = [] {
+    Registry found;
+    for (const char* module : modules) {
+      try {
+        module_function<decltype(accdec_add_solvers)>(module, "accdec_add_solvers")(found.list);
+      } catch (const std::runtime_error& e) {
+        found.missing[module] = e.what();
+      }
+    }
+    return found;
   }();
-  return list;
+  return all;
 }
 
 }  // namespace
 
 const SolverList& registry() {
-  return solvers();
+  return loaded().list;
+}
+
+const std::map<std::string, std::string>& missing_modules() {
+  return loaded().missing;
+}
+
+std::vector<std::pair<std::string, std::string>> libraries() {
+  return {{"Ipopt", ACCDEC_IPOPT_VERSION},
+          {"NLopt", ACCDEC_NLOPT_VERSION},
+          {"Ceres", ACCDEC_CERES_VERSION},
+          {"Clp", ACCDEC_CLP_VERSION}};
 }
 
 void register_solver(std::unique_ptr<Solver> solver) {
-  for (const auto& known : solvers()) {
+  for (const auto& known : registry()) {
     if (known->name() == solver->name())
       throw std::invalid_argument(fmt::format("a solver \"{}\" exists already", solver->name()));
   }
-  solvers().push_back(std::move(solver));
+  loaded().list.push_back(std::move(solver));
 }
 
 const Solver& find_solver(std::string_view name) {
@@ -41,6 +66,9 @@ const Solver& find_solver(std::string_view name) {
   for (const auto& solver : registry()) {
     if (solver->name() == name) return *solver;
     known.push_back(solver->name());
+  }
+  for (const auto& [module, reason] : missing_modules()) {
+    if (name.starts_with(module)) throw std::runtime_error(fmt::format("solver \"{}\": {}", name, reason));
   }
   throw std::invalid_argument(unknown_name("solver", name, known));
 }

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include <accdec/files/memory.hpp>
-#include <accdec/nlp/evaluator.hpp>
 #include <accdec/nlp/violation.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/problem.hpp>
+#include <accdec/solver.hpp>
 
 namespace accdec::solvers {
 
@@ -16,17 +16,17 @@ inline nlp::Evaluator::Limits limits_of(const Options& options) {
   return {options.evaluation_limit, options.time_limit, options.cancel, options.feasibility_tolerance};
 }
 
-/// Why tables of as many numbers would not fit into half of the memory there is; empty if they do.
+/// A message if tables of this many numbers do not fit into half of the available memory; else empty.
 inline std::string tables_too_large(double numbers) {
   const double bytes = sizeof(double) * numbers, there = available_memory();
   if (bytes <= 0.5 * there) return "";
   return fmt::format("its dense tables would take {:.3g} GB, {:.3g} GB are free", 1e-9 * bytes, 1e-9 * there);
 }
 
-/// Where the library ended on its own at a point that breaks a row or bound although it had seen one that holds all, or
-/// at one that is worse than the best seen by more than rounding and tolerances explain: returns that. (NLopt remembers
-/// the best point by rows held to a tenth of the tolerance, and may hand back the start although it went on to points
-/// that hold within the tolerance.)
+/// Returns the best feasible point seen, if the library ended on its own at a worse one. Worse means that it breaks a
+/// row or bound although a feasible point was seen, or that its objective is worse by more than rounding and tolerances
+/// explain. NLopt remembers the best point that holds rows to a tenth of the tolerance. So it may return the start even
+/// though later points hold within the tolerance.
 inline void prefer_best(const nlp::Evaluator& evaluator, Result& result) {
   if (evaluator.best_feasible().empty() || result.x == evaluator.best_feasible()) return;
   const bool broken = nlp::largest_violation(evaluator.problem(), result.x) > evaluator.feasibility_tolerance();
@@ -37,9 +37,9 @@ inline void prefer_best(const nlp::Evaluator& evaluator, Result& result) {
                            : "; ended at a worse point than the best feasible one seen, which is returned instead";
 }
 
-/// What every adapter does after its library returned: rethrows the problem's exception, turns the evaluator's stop
-/// into the claim, takes over the counts, and replaces the point by the best feasible one seen after a stop, if there
-/// is one, or if the library's is worse.
+/// Every adapter calls this after its library returned. It rethrows the problem's exception, turns the evaluator's stop
+/// into the claim and takes over the counts. After a stop, or if the library's point is worse, it takes the best
+/// feasible point seen.
 inline void conclude(const nlp::Evaluator& evaluator, Result& result) {
   result.counts = evaluator.counts();
   result.history = evaluator.history();

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/files.hpp>
 #include <accdec/nlp/kkt.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 
 namespace accdec::solvers {
 

@@ -6,8 +6,8 @@ namespace accdec::solvers {
 
 void* WatchedCall::enter(void* self) {
   auto& watched = *static_cast<WatchedCall*>(self);
-  // A loop without a callback has no cancellation point either. Cancelled is only who has been silent for a while, so
-  // no allocation is cut in two.
+  // A loop without callbacks has no cancellation point. Only a thread that was silent for a while is cancelled, so no
+  // allocation is interrupted.
   pthread_setcanceltype(PTHREAD_CANCEL_ASYNCHRONOUS, nullptr);
   (*watched.call_)();
   pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);
@@ -28,7 +28,7 @@ bool WatchedCall::run(const std::function<void()>& call, double time_limit, cons
   Clock::time_point heard = began;
   std::int64_t callbacks = 0;
   std::unique_lock lock(mutex_);
-  // The end is heard at once: how often the clock is looked at is no part of a solve's time.
+  // The end is noticed at once, so the polling interval adds nothing to the time of a solve.
   while (!ended_.wait_for(lock, std::chrono::milliseconds(5), [this] { return done_; })) {
     const Clock::time_point now = Clock::now();
     if (const std::int64_t count = callbacks_.load(std::memory_order_relaxed); count != callbacks) {

@@ -11,16 +11,16 @@
 
 namespace accdec::solvers {
 
-/// Runs a library call that may loop for ever between two callbacks, where neither its own limits nor the evaluator's
-/// can reach it (COBYLA does, on rounding). The call gets a thread of its own, which is cancelled when the time limit
-/// has passed, or cancellation was asked for, and no callback has come for `patience`. What the library had allocated
-/// by then is lost.
+/// Runs a library call that may loop for ever between two callbacks, as COBYLA does because of rounding. There, neither
+/// the library's own limits nor the evaluator can stop it. The call runs in its own thread. The thread is cancelled
+/// when the time limit has passed, or cancellation was requested, and no callback has come for `patience`. Memory that
+/// the library had allocated by then is lost.
 class WatchedCall {
  public:
   static constexpr std::chrono::milliseconds patience{500};
 
-  /// While one lives on the call's thread, the thread is not cancelled: to stand in every callback, around code that is
-  /// ours.
+  /// While an object of this class lives on the call's thread, the thread is not cancelled. Every callback needs one,
+  /// around our own code.
   class Callback {
    public:
     explicit Callback(WatchedCall* call) : call_(call) {
@@ -39,7 +39,7 @@ class WatchedCall {
     int before_ = PTHREAD_CANCEL_ENABLE;
   };
 
-  /// @param call        plain C underneath: its frames are unwound wherever they stand. Must not throw.
+  /// @param call  plain C below: its frames are unwound wherever they are. Must not throw.
   /// @param time_limit  s
   /// @return whether the call ended by itself
   /// @throws std::system_error if no thread can be had

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/files.hpp>
 #include <accdec/formats/design_report.hpp>
 #include <accdec/study/baseline_table.hpp>
 
@@ -42,19 +42,19 @@ std::string rows(const BaselineTable& t) {
           t.design.status == Status::optimal ? "proved" : t.design.message);
   if (t.own) {
     const Task& task = t.own->task;
-    add_row(table, "yours: " + std::string(to_string(task.filter->kind)), describe_parameters(*task.filter), *t.own,
-            t.design);
+    add_row(table, "yours: " + shape_title(task.filter->kind, task.filter->pairs), describe_parameters(*task.filter),
+            *t.own, t.design);
   }
-  // Families without a filter, by why they have none.
+  // Families without a filter, grouped by the reason.
   std::vector<std::pair<std::string, std::string>> without;
   for (std::size_t i = 0; i < t.families.size(); ++i) {
-    const BaselineResult& family = t.families[i];
-    const std::string title(baselines()[i].title);
+    const FamilyResult& family = t.families[i];
+    const std::string& title = families()[i].title;
     if (family.spec) {
       add_row(table, title, describe_parameters(*family.spec), family.result, t.design);
       continue;
     }
-    if (baselines()[i].pairs > 0 && t.design.task.machine.modes.empty()) continue;  // nothing to cancel
+    if (families()[i].pairs > 0 && t.design.task.machine.modes.empty()) continue;  // nothing to cancel
     const auto same = std::find_if(without.begin(), without.end(),
                                    [&](const auto& other) { return other.first == family.result.message; });
     if (same == without.end())
@@ -67,16 +67,36 @@ std::string rows(const BaselineTable& t) {
   return text;
 }
 
+const Family& baseline_of(const BaselineTable& table, const FamilyResult& family) {
+  return families()[static_cast<std::size_t>(&family - table.families.data())];
+}
+
+std::string symbols() {
+  return "\n" + legend({"N", "d", "cycle", "corners"});
+}
+
 }  // namespace
 
-const BaselineResult* BaselineTable::best() const {
-  const BaselineResult* least = nullptr;
-  for (const BaselineResult& family : families) {
+const FamilyResult* BaselineTable::best() const {
+  const FamilyResult* least = nullptr;
+  for (const FamilyResult& family : families) {
     if (family.result.filter && (least == nullptr || family.result.objective() < least->result.objective())) {
       least = &family;
     }
   }
   return least;
+}
+
+const FamilyResult* BaselineTable::best_of_own() const {
+  const Family* family = own ? family_of(*own->task.filter) : nullptr;
+  if (family == nullptr || families.empty()) return nullptr;
+  const FamilyResult& result = families[static_cast<std::size_t>(family - accdec::families().data())];
+  return result.result.filter ? &result : nullptr;
+}
+
+bool BaselineTable::complete() const {
+  return std::none_of(families.begin(), families.end(),
+                      [](const FamilyResult& f) { return f.result.status == Status::failed; });
 }
 
 std::optional<double> BaselineTable::saving() const {
@@ -104,12 +124,19 @@ BaselineTable compare_with_baselines(const DesignResult& design, const Task& tas
     given.filter = own;
     table.own = design_delays(given, options);
   }
-  table.families = best_baselines(design.task, options.time_limit - seconds_since(began), options.cancel);
+  table.families = best_members(design.task, options.time_limit - seconds_since(began), options.cancel);
   return table;
 }
 
 BaselineTable compare_with_baselines(const DesignResult& design, double seconds) {
-  return {design, best_baselines(design.task, seconds), std::nullopt};
+  BaselineTable table{design, {}, std::nullopt};
+  if (design.task.baseline) {
+    Task given = design.task;
+    given.filter = design.task.baseline;
+    table.own = design_delays(given);
+  }
+  if (seconds > 0.0) table.families = best_members(design.task, seconds);
+  return table;
 }
 
 Task at_shorter_period(Task task, int times) {
@@ -126,21 +153,15 @@ Task at_shorter_period(Task task, int times) {
 }
 
 std::string baseline_text(const BaselineTable& table, const BaselineTable& quarter) {
-  std::string text = rows(table) + rows(quarter);
+  std::string text = rows(table) + rows(quarter) + symbols();
   if (!table.saving() || !quarter.saving())
     return text + "\nno saving can be stated: a design or every family is missing\n";
   const auto percent = [](double share) { return std::round(1000.0 * share) / 10.0 + 0.0; };
   const double here = percent(*table.saving()), there = percent(*quarter.saving());
-  const auto name = [](const BaselineTable& t) {
-    return baselines()[static_cast<std::size_t>(t.best() - t.families.data())].title;
-  };
+  const auto name = [](const BaselineTable& t) -> const std::string& { return baseline_of(t, *t.best()).title; };
   if (here < 0.0 || there < 0.0)
     return text + "\nno saving can be stated: a search was stopped before it was as good\n";
-  const auto ended = [](const BaselineTable& t) {
-    return std::none_of(t.families.begin(), t.families.end(),
-                        [](const auto& f) { return f.result.status == Status::failed; });
-  };
-  const bool all = ended(table) && ended(quarter);
+  const bool all = table.complete() && quarter.complete();
   text += fmt::format("\nsaved against the best family{}: {:.1f} % at {:g} ms ({}), {:.1f} % at {:g} ms ({})\n",
                       all ? "" : " of those searched to the end", here, 1e3 * table.design.task.sample_period,
                       name(table), there, 1e3 * quarter.design.task.sample_period, name(quarter));
@@ -153,23 +174,64 @@ std::string baseline_text(const BaselineTable& table, const BaselineTable& quart
 }
 
 std::string baseline_text(const BaselineTable& table) {
-  return rows(table);
+  return rows(table) + symbols();
 }
 
-std::string saving_text(const FilterSpec& today, const DesignResult& design) {
-  Task task = design.task;
-  task.filter = today;
-  const DesignResult own = design_delays(task);
+std::optional<Savings> savings(const BaselineTable& table) {
+  if (!table.own || !table.own->filter || !table.design.filter) return std::nullopt;
+  Savings saved;
+  saved.today = table.own->objective();
+  saved.total = saved.today - table.design.objective();
+  saved.complete = !table.families.empty() && table.complete();
+  double before = saved.today;
+  const auto step = [&](double time) {
+    const double gained = before - time;
+    before = time;
+    return gained;
+  };
+  if (const FamilyResult* retuned = table.best_of_own()) saved.by_retuning = step(retuned->result.objective());
+  if (const FamilyResult* best = table.best()) {
+    saved.family = baseline_of(table, *best).name;
+    saved.by_family = step(best->result.objective());
+    saved.by_taps = step(table.design.objective());
+  }
+  return saved;
+}
+
+std::string savings_text(const BaselineTable& table) {
+  if (!table.own) return "";
+  const FilterSpec& today = *table.own->task.filter;
   const std::string parameters = describe_parameters(today);
-  std::string text = fmt::format("\ntoday: {}, order {}{}: ", to_string(today.kind), make_filter(today).order(),
-                                 parameters.empty() ? "" : ", " + parameters);
-  if (!own.filter) return text + own.message + "\n";
+  std::string text = fmt::format("\ntoday: {}, order {}{}: ", shape_title(today.kind, today.pairs),
+                                 make_filter(today).order(), parameters.empty() ? "" : ", " + parameters);
+  const std::optional<Savings> saved = savings(table);
+  if (!saved) return text + table.own->message + "\n";
   std::vector<int> delays;
-  for (const CornerResult& corner : own.corners) delays.push_back(corner.delay);
-  const double saved = own.objective() - design.objective();
-  return text + fmt::format("{} ms with delay{} {}; the design saves {} ms ({:.1f} %)\n", milliseconds(own.objective()),
-                            delays.size() == 1 ? "" : "s", fmt::join(delays, " "), milliseconds(saved),
-                            100.0 * saved / own.objective());
+  for (const CornerResult& corner : table.own->corners) delays.push_back(corner.delay);
+  text += fmt::format("{} ms with delay{} {}; the design saves {} ms ({:.1f} %)\n", milliseconds(saved->today),
+                      delays.size() == 1 ? "" : "s", fmt::join(delays, " "), milliseconds(saved->total),
+                      100.0 * saved->total / saved->today);
+  if (!saved->by_family) return text;
+  const auto add = [&](const char* limit, const std::string& how, double saving) {
+    text +=
+        fmt::format("  {}{} ms ({:.1f} %) by {}\n", limit, milliseconds(saving), 100.0 * saving / saved->today, how);
+  };
+  // A family that was not searched to the end may be better still.
+  const char *at_least = saved->complete ? "" : "at least ", *at_most = saved->complete ? "" : "at most ";
+  const auto member = [](const FamilyResult& family) {
+    const std::string own = describe_parameters(*family.spec);
+    return fmt::format("order {}{}{}", family.result.filter->order(), own.empty() ? "" : ", ", own);
+  };
+  if (saved->by_retuning) add("", "retuning what you have: " + member(*table.best_of_own()), *saved->by_retuning);
+  if (table.best() != table.best_of_own()) {
+    add(at_least,
+        fmt::format("a{} family: {}, {}", saved->by_retuning ? " further" : "nother",
+                    baseline_of(table, *table.best()).title, member(*table.best())),
+        *saved->by_family);
+  }
+  add(at_most, "free taps", *saved->by_taps);
+  if (!saved->complete) text += "  (not every family was searched to the end; --baselines searches longer)\n";
+  return text;
 }
 
 }  // namespace accdec::study

@@ -14,7 +14,23 @@ std::string last_part(const std::string& column) {
   return column.substr(column.rfind('.') + 1);
 }
 
+bool all_alike(const std::vector<std::string>& columns) {
+  return std::all_of(columns.begin(), columns.end(),
+                     [&](const std::string& c) { return last_part(c) == last_part(columns.front()); });
+}
+
 }  // namespace
+
+std::vector<std::string> curve_titles(const std::vector<std::string>& columns) {
+  std::vector<std::string> titles;
+  for (const std::string& column : columns) {
+    const std::size_t dot = column.rfind('.');
+    std::string title = study::computation_title(column.substr(0, dot));
+    if (dot != std::string::npos && !all_alike(columns)) title += ": " + last_part(column);
+    titles.push_back(std::move(title));
+  }
+  return titles;
+}
 
 std::string unit_of(const std::string& column) {
   if (const study::PointColumn* of_points = study::find_point_column(column)) return std::string(of_points->unit);
@@ -42,9 +58,7 @@ std::string unit_in(const std::string& column, const Study& study) {
 
 std::string axis_title(const std::vector<std::string>& columns, const Study& study) {
   if (columns.empty()) return "";
-  const bool alike = std::all_of(columns.begin(), columns.end(),
-                                 [&](const std::string& c) { return last_part(c) == last_part(columns.front()); });
-  return axis_title(alike && columns.size() > 1 ? last_part(columns.front()) : columns.front(),
+  return axis_title(all_alike(columns) && columns.size() > 1 ? last_part(columns.front()) : columns.front(),
                     unit_in(columns.front(), study));
 }
 

@@ -6,6 +6,7 @@
 
 #include <accdec/plot/figure_layout.hpp>
 #include <accdec/study/column_titles.hpp>
+#include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_figure_completion.hpp>
 #include <accdec/study/study_report.hpp>
 
@@ -24,12 +25,12 @@ std::vector<std::size_t> rows_of(const StudyFigure& figure, const StudyTable& ta
   return rows;
 }
 
-/// Values on an axis of a map, and points on a line, beyond which nobody sees one and drawings grow to hundreds of
-/// megabytes.
+/// Largest numbers of values on an axis of a map and of points on a line. More would not be visible, and drawings would
+/// grow to hundreds of megabytes.
 constexpr std::size_t most_heat_values = 400, most_line_points = 8000;
 
-/// Of a line's points too many to see, in order of x: of every part the lowest and the highest, so that the picture is
-/// the same. Of a cloud every k-th, which the title says.
+/// Reduces points that are too many to see, in order of x. For a line it keeps the lowest and the highest of every
+/// part, so that the picture is the same. For a cloud it keeps every k-th point, and the title says so.
 void thin_out(Series& s, std::string& title) {
   const std::size_t count = s.x.size();
   if (count <= most_line_points) return;
@@ -75,10 +76,11 @@ std::string label_of(const StudyFigure& figure, std::size_t curve, const std::st
 
 void add_curves(Panel& panel, const StudyFigure& figure, const StudyTable& table,
                 const std::vector<std::size_t>& rows) {
+  const std::vector<std::string> titles = curve_titles(figure.y);
   for (std::size_t c = 0; c < figure.y.size(); ++c) {
     std::vector<std::pair<double, double>> points;
     for (const std::size_t i : rows) points.emplace_back(table.numbers(figure.x)[i], table.numbers(figure.y[c])[i]);
-    panel.series.push_back(sorted_series(std::move(points), label_of(figure, c, figure.y.size() > 1 ? figure.y[c] : ""),
+    panel.series.push_back(sorted_series(std::move(points), label_of(figure, c, figure.y.size() > 1 ? titles[c] : ""),
                                          static_cast<int>(c)));
   }
 }
@@ -133,13 +135,14 @@ void add_family(Panel& panel, const StudyFigure& figure, const StudyTable& table
 
 void add_fronts(Panel& panel, const StudyFigure& figure, const StudyTable& table,
                 const std::vector<std::size_t>& rows) {
+  const std::vector<std::string> titles = curve_titles(figure.y);
   for (std::size_t c = 0; c < figure.y.size(); ++c) {
     std::vector<std::pair<double, double>> points;
     for (const std::size_t i : rows) {
       points.emplace_back(table.numbers(figure.y[c] + ".error_um")[i],
                           table.numbers(figure.y[c] + ".cycle_time_ms")[i]);
     }
-    Series all = sorted_series(std::move(points), label_of(figure, c, figure.y[c]), static_cast<int>(c));
+    Series all = sorted_series(std::move(points), label_of(figure, c, titles[c]), static_cast<int>(c));
     Series front = all;
     front.x.clear();
     front.y.clear();
@@ -153,12 +156,12 @@ void add_fronts(Panel& panel, const StudyFigure& figure, const StudyTable& table
   }
 }
 
-/// What a word counts as: of names that tie ("a=b=c") the first, or there would be more classes than symbols.
+/// The class of a word: for tied names ("a=b=c") the first one, else there would be more classes than symbols.
 std::string class_of(const std::string& word) {
   return word.substr(0, word.find('='));
 }
 
-/// Words over a plane: a symbol a class, at the true positions, so that uneven and logarithmic axes are no matter.
+/// Draws words over a plane: one symbol per class, at the true positions, so uneven and logarithmic axes work too.
 void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& table,
                  const std::vector<std::size_t>& rows) {
   std::set<std::string> classes;
@@ -167,7 +170,7 @@ void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& tabl
   }
   for (const std::string& name : classes) {
     Series s;
-    s.label = name;
+    s.label = study::computation_title(name);
     s.mark = Mark::points;
     s.style = static_cast<int>(panel.series.size());
     for (const std::size_t i : rows) {
@@ -177,7 +180,7 @@ void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& tabl
     }
     panel.series.push_back(std::move(s));
   }
-  // Half a step around them, so that no symbol lies on the frame.
+  // A frame half a step wider, so that no symbol lies on it.
   const auto frame = [&](Scale& scale, const std::string& column) {
     std::set<double> values;
     for (const std::size_t i : rows) {
@@ -193,7 +196,7 @@ void add_classes(Panel& panel, const StudyFigure& figure, const StudyTable& tabl
   frame(panel.y, figure.y.front());
 }
 
-/// Of values closer together than a map can show every k-th, the same for all.
+/// Keeps every k-th of values that are too close together for a map, the same ones for all.
 std::vector<double> shown_values(const std::set<double>& values) {
   const std::size_t every = (values.size() + most_heat_values - 1) / most_heat_values;
   std::vector<double> shown;

@@ -16,7 +16,7 @@ struct Compared {
   const DesignResult* result;
 };
 
-/// The axis limit that a design uses most at its first corner; null where none of an axis is limited.
+/// The axis limit that a design uses most at its first corner; null if no axis has a limit.
 const LimitUse* tightest(const DesignResult& design) {
   const LimitUse* most = nullptr;
   for (const LimitUse& use : design.limits) {
@@ -41,8 +41,8 @@ std::vector<Compared> compared(const study::Optimum& optimum) {
   };
   add("optimum", optimum.design);
   for (const char* name : {"trapezoid", "exponential"}) {
-    const Baseline* family = find_baseline(name);
-    const auto index = static_cast<std::size_t>(family - baselines().data());
+    const Family* family = find_family(name);
+    const auto index = static_cast<std::size_t>(family - families().data());
     if (index < optimum.families.size()) add(family->title, optimum.families[index].result);
   }
   return filters;
@@ -71,7 +71,9 @@ std::optional<Figure> filters_figure(const study::Optimum& optimum) {
       b.x.push_back(1e3 * period * i);
       b.y.push_back(result->filter->tap(i));
     }
-    const SampledMotion motion = simulate_corner(*result->filter, corner, result->corners.front().delay, period);
+    const SampledResponse sampled =
+        simulate_response(*result->filter, corner, result->corners.front().delay, period, task.machine);
+    const SampledMotion &motion = sampled.motion(), &command = sampled.command;
     std::optional<AxisSampler> sampler;
     const auto column = static_cast<Eigen::Index>(axis - task.machine.axes.begin());
     if (axis != task.machine.axes.end()) sampler.emplace(*axis, period);
@@ -80,7 +82,8 @@ std::optional<Figure> filters_figure(const study::Optimum& optimum) {
       v.y.push_back(1e3 * motion.velocity.row(n).norm());
       if (!sampler) continue;
       const AxisLimit& bound = axis_limit(limit->kind);
-      const AxisState state = sampler->next(motion.velocity(n, column), motion.acceleration(n, column));
+      const AxisState state = with_load(sampler->next(command.velocity(n, column), command.acceleration(n, column)),
+                                        *axis, motion.velocity(n, column), motion.acceleration(n, column));
       u.x.push_back(v.x.back());
       u.y.push_back(100.0 * bound.value(state) / ((*axis).*bound.bound));
     }
@@ -89,7 +92,7 @@ std::optional<Figure> filters_figure(const study::Optimum& optimum) {
     use.series.push_back(std::move(u));
   }
   Figure figure;
-  figure.title = fmt::format("{}: the optimum beside a trapezoid and an exponential", optimum.name);
+  figure.title = fmt::format("{}: the optimum beside two averages and an exponential", optimum.name);
   figure.panel_width = 820;
   figure.panel_height = 240;
   figure.panels = {taps, speed};

@@ -1,10 +1,10 @@
 #include <chrono>
 #include <utility>
 
-#include <accdec/design/verify_result.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/files.hpp>
 #include <accdec/formats/certificate_json.hpp>
 #include <accdec/study/optima.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec::study {
 
@@ -18,9 +18,9 @@ double Optimum::samples() const {
   return design.filter->order() + (weights > 0.0 ? weighted / weights : 0.0);
 }
 
-const BaselineResult* Optimum::best_family() const {
-  const BaselineResult* best = nullptr;
-  for (const BaselineResult& family : families) {
+const FamilyResult* Optimum::best_family() const {
+  const FamilyResult* best = nullptr;
+  for (const FamilyResult& family : families) {
     if (!family.result.filter) continue;
     if (best == nullptr || family.result.objective() < best->result.objective()) best = &family;
   }
@@ -28,7 +28,7 @@ const BaselineResult* Optimum::best_family() const {
 }
 
 std::optional<double> Optimum::saving() const {
-  const BaselineResult* best = best_family();
+  const FamilyResult* best = best_family();
   if (best == nullptr || !design.filter) return std::nullopt;
   return 1.0 - design.objective() / best->result.objective();
 }
@@ -45,7 +45,7 @@ Optimum find_optimum(std::string name, Task task, const DesignOptions& options, 
   if (!check.reasons.empty()) found.objection = check.reasons.front();
   if (found.design.certificate) found.certificate_bytes = certificate_to_json(*found.design.certificate).size();
   found.design.certificate.reset();
-  if (with_families) found.families = best_baselines(task);
+  if (with_families) found.families = best_members(task);
   return found;
 }
 

@@ -5,33 +5,30 @@
 #include <string>
 #include <vector>
 
-#include <accdec/design/baselines.hpp>
-#include <accdec/design/design.hpp>
+#include <accdec/design.hpp>
+#include <accdec/family.hpp>
 
 namespace accdec::study {
 
-/// A task's proved optimum beside the best that every family of filters that controllers have can do under the same
-/// limits.
+/// A task's proved optimum, and the best filter of every controller family under the same limits.
 struct Optimum {
-  std::string name;         ///< as the table shall call the task
+  std::string name;         ///< the task's name in the table
   DesignResult design;      ///< of the exact method, without its certificate
   bool accepted = false;    ///< by the independent recheck: limits in simulation, recorded numbers, proof
-  std::string objection;    ///< the first reason when not
+  std::string objection;    ///< the first reason if not accepted
   double check_time = 0.0;  ///< s, the recheck alone
   std::size_t certificate_bytes = 0;
-  std::vector<BaselineResult>
-      families;  ///< the families' best, in the order of `baselines()`; empty when not asked for
+  std::vector<FamilyResult> families;  ///< the families' best, in the order of `families()`; empty when not asked for
 
-  /// N + d of a single corner's design; for several, the mean over the weights. 0 without a design.
+  /// N + d of a single corner's design; for several corners, the weighted mean. 0 without a design.
   double samples() const;
   /// The family of the least objective; null when none holds.
-  const BaselineResult* best_family() const;
+  const FamilyResult* best_family() const;
   /// Share of the best family's objective that the design saves, 0 .. 1; nothing without both.
   std::optional<double> saving() const;
 };
 
-/// Designs a task by the exact method (its own filter, if any, is left aside), has the answer rechecked, and finds
-/// every family's best.
+/// Designs a task by the exact method, without its own filter. Then rechecks the answer and finds every family's best.
 Optimum find_optimum(std::string name, Task task, const DesignOptions& options, bool with_families = true);
 
 }  // namespace accdec::study

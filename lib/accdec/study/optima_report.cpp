@@ -35,8 +35,14 @@ std::string delays_of(const DesignResult& design) {
   return fmt::format("{}", fmt::join(delays, " "));
 }
 
-std::string name_of(const Optimum& o, const BaselineResult& family) {
-  return std::string(baselines()[static_cast<std::size_t>(&family - o.families.data())].name);
+const Family& baseline_of(const Optimum& o, const FamilyResult& family) {
+  return families()[static_cast<std::size_t>(&family - o.families.data())];
+}
+std::string name_of(const Optimum& o, const FamilyResult& family) {
+  return std::string(baseline_of(o, family).name);
+}
+std::string title_of(const Optimum& o, const FamilyResult& family) {
+  return baseline_of(o, family).title;
 }
 
 const char* stop_note(const DesignResult& result) {
@@ -45,8 +51,8 @@ const char* stop_note(const DesignResult& result) {
 
 /// A column of the table in the report, of the CSV, or of both. Empty cells are shown as "-" in the report.
 struct OptimaColumn {
-  const char* heading;  ///< in the report; null: not there
-  const char* csv;      ///< in the CSV, with its unit; null: not there
+  const char* heading;  ///< in the report; null: not in it
+  const char* csv;      ///< in the CSV, with its unit; null: not in it
   std::string (*cell)(const Optimum& o);
 };
 
@@ -70,29 +76,31 @@ const OptimaColumn of_design[] = {
     {"proof", "proof", proof_of},
 };
 
-/// Of the best family; empty where none holds.
+/// A value of the best family; empty if no family holds the limits.
 template <auto value>
 std::string of_best(const Optimum& o) {
-  const BaselineResult* best = o.best_family();
+  const FamilyResult* best = o.best_family();
   return best == nullptr ? "" : value(o, *best);
 }
 
 const OptimaColumn of_family[] = {
-    {"best family", "best_family", of_best<name_of>},
-    {"its filter", "its_parameters",
-     of_best<[](const Optimum&, const BaselineResult& best) { return describe_parameters(*best.spec); }>},
+    {"best family", nullptr, of_best<title_of>},
+    {nullptr, "best_family", of_best<name_of>},
+    {"its filter", nullptr,
+     of_best<[](const Optimum&, const FamilyResult& best) { return describe_parameters(*best.spec); }>},
+    {nullptr, "its_parameters",
+     of_best<[](const Optimum&, const FamilyResult& best) { return describe_parameters(*best.spec, Digits::all); }>},
     {"N", nullptr,
-     of_best<[](const Optimum&, const BaselineResult& best) { return std::to_string(best.result.filter->order()); }>},
-    {"d", nullptr, of_best<[](const Optimum&, const BaselineResult& best) {
-       return delays_of(best.result) + stop_note(best.result);
-     }>},
+     of_best<[](const Optimum&, const FamilyResult& best) { return std::to_string(best.result.filter->order()); }>},
+    {"d", nullptr,
+     of_best<[](const Optimum&, const FamilyResult& best) { return delays_of(best.result) + stop_note(best.result); }>},
     {"cycle ms", nullptr,
-     of_best<[](const Optimum&, const BaselineResult& best) { return milliseconds(best.result.cycle_time); }>},
+     of_best<[](const Optimum&, const FamilyResult& best) { return milliseconds(best.result.cycle_time); }>},
     {"saved %", nullptr, [](const Optimum& o) { return o.saving() ? fmt::format("{:.1f}", 100.0 * *o.saving()) : ""; }},
     {nullptr, "saving", [](const Optimum& o) { return o.saving() ? fmt::format("{:.6f}", *o.saving()) : ""; }},
 };
 
-/// The heading and a row each, without what is for the CSV only.
+/// The heading and one row each, without columns that only the CSV has.
 std::vector<Cells> shown(const std::vector<Optimum>& optima) {
   std::vector<Cells> lines(optima.size() + 1);
   for (const std::span<const OptimaColumn> part :
@@ -128,8 +136,8 @@ std::string csv(const std::vector<Optimum>& optima) {
   for (const OptimaColumn& column : of_design) {
     if (column.csv != nullptr) add(column.csv, column.cell);
   }
-  for (std::size_t f = 0; f < baselines().size(); ++f) {
-    add(fmt::format("{}_ms", baselines()[f].name), [f](const Optimum& o) {
+  for (std::size_t f = 0; f < families().size(); ++f) {
+    add(fmt::format("{}_ms", families()[f].name), [f](const Optimum& o) {
       const bool held = f < o.families.size() && o.families[f].result.filter;
       return held ? milliseconds(o.families[f].result.cycle_time) : "";
     });
@@ -155,20 +163,19 @@ Figure shapes_figure(const std::vector<Optimum>& optima) {
     series.style = static_cast<int>(panel.series.size());
     for (std::size_t row = 0; row < optima.size(); ++row) {
       const Optimum& o = optima[row];
-      const BaselineResult* family = o.design.filter ? family_of(o) : nullptr;
+      const FamilyResult* family = o.design.filter ? family_of(o) : nullptr;
       if (family == nullptr || !family->result.filter) continue;
-      // Side by side within the row: families often tie.
+      // Markers stand side by side within the row, because families often tie.
       series.y.push_back(static_cast<double>(row) + 1.0 + 0.12 * (static_cast<double>(series.style) - 2.0));
       series.x.push_back(family->result.objective() / o.design.objective());
     }
     panel.series.push_back(std::move(series));
   };
-  // More would hide each other; the table has them all.
+  // More markers would hide each other; the table has them all.
   for (const char* name : {"trapezoid", "s-curve", "blackman-sinc", "exponential"}) {
-    const Baseline* family = find_baseline(name);
-    const auto index = static_cast<std::size_t>(family - baselines().data());
-    add(std::string(family->title),
-        [=](const Optimum& o) { return index < o.families.size() ? &o.families[index] : nullptr; });
+    const Family* family = find_family(name);
+    const auto index = static_cast<std::size_t>(family - families().data());
+    add(family->title, [=](const Optimum& o) { return index < o.families.size() ? &o.families[index] : nullptr; });
   }
   add("best of all families", [](const Optimum& o) { return o.best_family(); });
   double largest = 1.0;

@@ -8,10 +8,10 @@
 
 namespace accdec {
 
-/// What `accdec optima` writes but its manifest: optima.csv and optima.md (a row a task), optima.svg and .png (every
-/// standard shape's cycle time over the optimum's), TASK-filters.svg and .png of every design (see filters_figure.hpp),
-/// and, unless `growth` is empty, growth.csv, growth.svg and .png
-/// (time, linear programs and proof size against N + d).
+/// The files of `accdec optima` except its manifest. optima.csv and optima.md have a row per task. optima.svg and .png
+/// show every standard shape's cycle time over the optimum's. TASK-filters.svg and .png show every design (see
+/// filters_figure.hpp). Unless `growth` is empty, growth.csv, growth.svg and .png show time, linear programs and proof
+/// size against N + d.
 /// @param growth  one task at ever shorter sample periods
 /// @return file name and content
 std::vector<std::pair<std::string, std::string>> optima_documents(const std::vector<study::Optimum>& optima,

@@ -5,26 +5,29 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/baselines.hpp>
-#include <accdec/motion/smallest_delay.hpp>
+#include <accdec/batch/row_numbers.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/family.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/study/point_columns.hpp>
-#include <accdec/study/row_numbers.hpp>
 #include <accdec/study/slow_down.hpp>
 #include <accdec/task/objective.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec::study {
+
+using batch::number;
 namespace {
 
 constexpr std::string_view of_the_filter[] = {"delays", "given", "exact-stop", "slow-down"};
 
-/// A filter whose name a study file gives must be in the task.
+/// A computation that uses the task's filter needs one in the task.
 const FilterSpec& filter_of(const Task& task) {
   if (!task.filter) throw std::invalid_argument("the task has no [filter], which this computation needs");
   return *task.filter;
 }
 
-/// Delay of a lone corner as a number, several as "3 0 5".
+/// Delay of a single corner as a number, several delays as "3 0 5".
 Row delays_of(const DesignResult& result) {
   if (result.corners.empty()) return nullptr;
   if (result.corners.size() == 1) return result.corners.front().delay;
@@ -33,11 +36,11 @@ Row delays_of(const DesignResult& result) {
   return text;
 }
 
-/// What a computation found at one point.
+/// Result of a computation at one point.
 struct PointOutcome {
   DesignResult result;
-  std::optional<FilterSpec> family_member;  ///< of a family of filters
-  double slowed_to = 1.0;                   ///< of the feed, where corners are slowed down
+  std::optional<FilterSpec> family_member;  ///< for a family of filters
+  double slowed_to = 1.0;                   ///< part of the feed, if corners are slowed down
   double peak_acceleration = 0.0;           ///< m/s^2, of a given filter
   double peak_jerk = 0.0;                   ///< m/s^3
 };
@@ -74,7 +77,7 @@ Row tightest(const PointOutcome& o) {
 
 struct ColumnDefinition {
   PointColumn column;
-  bool needs_design;  ///< null where no filter was found
+  bool needs_design;  ///< null if no filter was found
   bool (*has)(std::string_view computation);
   Row (*value)(const PointOutcome& o);
 };
@@ -103,8 +106,10 @@ const ColumnDefinition definitions[] = {
      [](const PointOutcome& o) { return number(o.slowed_to); }},
     {{"parameters", "", true},
      false,
-     [](std::string_view name) { return find_baseline(name) != nullptr; },
-     [](const PointOutcome& o) { return o.family_member ? Row(describe_parameters(*o.family_member)) : Row(nullptr); }},
+     [](std::string_view name) { return find_family(name) != nullptr; },
+     [](const PointOutcome& o) {
+       return o.family_member ? Row(describe_parameters(*o.family_member, Digits::all)) : Row(nullptr);
+     }},
     {{"peak_acceleration_mm_s2", "mm/s^2"},
      true,
      [](std::string_view name) { return name == "given"; },
@@ -132,13 +137,14 @@ std::string column_name(std::string_view computation, std::string_view column) {
   return fmt::format("{}.{}", computation, column);
 }
 
-/// Peaks that the task sets no limit for are of interest too, so they are measured against limits nobody reaches.
+/// Peaks without a limit in the task are measured too, against limits that nothing reaches.
 void find_peaks(PointOutcome& o, const Task& task, const Filter& filter, const std::vector<int>& delays) {
   Machine machine = task.machine;
   for (Axis& axis : machine.axes) axis.acceleration_max = axis.jerk_max = 1e12;
+  const FilterBehind behind(filter, machine, task.sample_period);
   for (std::size_t j = 0; j < delays.size(); ++j) {
     for (const LimitUse& use :
-         axis_utilisation(filter, task.corners[j].geometry(), delays[j], task.sample_period, machine)) {
+         axis_utilisation(behind.command(), task.corners[j].geometry(), delays[j], task.sample_period, machine)) {
       if (use.kind == LimitKind::acceleration) o.peak_acceleration = std::max(o.peak_acceleration, use.value);
       if (use.kind == LimitKind::jerk) o.peak_jerk = std::max(o.peak_jerk, use.value);
     }
@@ -146,6 +152,7 @@ void find_peaks(PointOutcome& o, const Task& task, const Filter& filter, const s
 }
 
 PointOutcome slowed_down(const Task& task) {
+  require_no_response(task.machine, "slow-down");
   PointOutcome o;
   o.result.filter = make_filter(filter_of(task));
   double lost = 0.0;
@@ -162,10 +169,12 @@ PointOutcome slowed_down(const Task& task) {
   return o;
 }
 
-/// With the same delay at every corner: the least from which on legs do not overlap, or where the last tap of one leg
-/// and the first of the next together break a limit a sample or two more, which part their forces and jerks, too.
+/// With the same delay at every corner: the smallest delay at which legs do not overlap. If the last tap of one leg and
+/// the first tap of the next together break a limit, it is a sample or two larger. Then their forces and jerks do not
+/// overlap either. Behind a servo the command stops exactly, not the motion.
 DesignResult exact_stop(const Task& task, const Filter& filter) {
-  const int apart = DelayFinder(filter).exact_stop_delay();
+  const FilterBehind behind(filter, task.machine, task.sample_period);
+  const int apart = DelayFinder(behind.command()).exact_stop_delay();
   DesignResult result;
   for (int d = apart; d <= apart + 2 && !result.filter; ++d) {
     result = assess(task, filter, std::vector<int>(task.corners.size(), d), false);
@@ -175,8 +184,8 @@ DesignResult exact_stop(const Task& task, const Filter& filter) {
 
 PointOutcome compute(const Task& task, std::string_view name, const DesignOptions& options) {
   PointOutcome o;
-  if (const Baseline* family = find_baseline(name)) {
-    BaselineResult best = best_baseline(task, *family);
+  if (const Family* family = find_family(name)) {
+    FamilyResult best = best_member(task, *family);
     o.result = std::move(best.result);
     o.family_member = best.spec;
   } else if (name == "optimum") {
@@ -208,9 +217,15 @@ PointOutcome compute(const Task& task, std::string_view name, const DesignOption
 
 std::vector<std::string_view> computations() {
   std::vector<std::string_view> names{"optimum"};
-  for (const Baseline& family : baselines()) names.push_back(family.name);
+  for (const Family& family : families()) names.push_back(family.name);
   names.insert(names.end(), std::begin(of_the_filter), std::end(of_the_filter));
   return names;
+}
+
+std::string computation_title(std::string_view computation) {
+  if (computation == "optimum") return "designed";
+  const Family* family = find_family(computation);
+  return family == nullptr ? std::string(computation) : family->title;
 }
 
 bool needs_filter(std::string_view computation) {
@@ -257,7 +272,7 @@ Row error_of(const Row& row, const std::vector<std::string>& computations) {
 Row best_shape_of(const Row& row) {
   double best = unlimited;
   std::string names;
-  for (const Baseline& family : baselines()) {
+  for (const Family& family : families()) {
     const auto time = row.find(fmt::format("{}.cycle_time_ms", family.name));
     if (time == row.end() || !time->is_number()) continue;
     const double t = time->get<double>();

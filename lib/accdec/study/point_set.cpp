@@ -6,10 +6,13 @@
 
 #include <fmt/format.h>
 
+#include <accdec/batch/portable_random.hpp>
 #include <accdec/study/point_set.hpp>
-#include <accdec/study/portable_random.hpp>
 
 namespace accdec::study {
+
+using batch::shuffle;
+using batch::uniform;
 namespace {
 
 double between(const Variation& v, double t) {

@@ -10,11 +10,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/batch/journal.hpp>
 #include <accdec/files/json_position.hpp>
-#include <accdec/study/journal.hpp>
 #include <accdec/study/row_store.hpp>
 
 namespace accdec::study {
+
+using batch::JournalError;
 
 namespace {
 

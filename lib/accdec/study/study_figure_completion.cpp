@@ -20,9 +20,9 @@ using Kind = StudyFigure::Kind;
 /// A varied quantity: the cases, or a variation.
 struct Varied {
   std::string name;
-  std::vector<double> numbers;     ///< of a variation, distinct, in order
+  std::vector<double> numbers;     ///< of a variation: distinct values in order
   std::vector<std::string> texts;  ///< as in the table
-  bool drawn = false;              ///< from a range at random: the values are those at its ends only
+  bool drawn = false;              ///< drawn at random from a range: the values are only those at its ends
 
   bool varies() const { return drawn || texts.size() > 1; }
 };
@@ -35,7 +35,7 @@ std::vector<Varied> axes_of(const Study& study, bool grid) {
     for (const double value : v.values) {
       if (std::find(axis.numbers.begin(), axis.numbers.end(), value) != axis.numbers.end()) continue;
       axis.numbers.push_back(value);
-      axis.texts.push_back(study::Row(value).dump());
+      axis.texts.push_back(batch::Row(value).dump());
     }
     axes.push_back(std::move(axis));
   }
@@ -47,7 +47,7 @@ const Varied* find_varied(const std::vector<Varied>& axes, const std::string& na
   return found == axes.end() ? nullptr : &*found;
 }
 
-/// Of the columns of points, and those that every study has.
+/// Whether a column of points, or one that every study has, is a text.
 bool is_text(const std::string& column) {
   constexpr std::array<std::string_view, 4> of_all{"case", "point", "reason", "best_shape"};
   if (std::find(of_all.begin(), of_all.end(), column) != of_all.end()) return true;
@@ -74,7 +74,7 @@ std::optional<FigureFault> check_condition(std::pair<std::string, std::string>& 
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), wanted);
   if (error == std::errc() && end == text.data() + text.size()) {
     for (std::size_t i = 0; i < axis.numbers.size(); ++i) {
-      // Values of a range are seldom the decimals that one writes.
+      // Values of a range are seldom equal to the decimals that a user writes.
       if (std::abs(axis.numbers[i] - wanted) > 1e-9 * std::abs(wanted)) continue;
       text = axis.texts[i];
       return {};
@@ -158,7 +158,7 @@ std::optional<FigureFault> complete_study_figure(StudyFigure& figure, const Stud
                        (heat && axis.name == figure.y.front());
     if (axis.varies() && !shown && !fixed(figure, axis.name) && (grid || axis.name == "case")) open.push_back(&axis);
   }
-  // No two rows have the same index. A computed column can stand for one variation: y over x, both as it goes.
+  // No two rows have the same index. A computed column can stand for one variation, as in y over x.
   if (figure.x == "index") open.clear();
   if (across == nullptr && grid && !open.empty() && open.back()->name != "case") open.pop_back();
   if (!open.empty()) {

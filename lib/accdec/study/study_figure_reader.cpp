@@ -50,7 +50,7 @@ std::vector<std::pair<std::string, std::string>> read_where(const Table& table, 
     if (const auto word = value.value_exact<std::string>())
       text = *word;
     else if (const auto number = value.value<double>())
-      text = study::Row(*number).dump();
+      text = batch::Row(*number).dump();
     else
       throw InputError(table.file(), value.source().begin.line, value.source().begin.column,
                        "a condition is a number or a string");

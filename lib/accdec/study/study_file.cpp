@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/baselines.hpp>
-#include <accdec/files/seconds_since.hpp>
+#include <accdec/family.hpp>
+#include <accdec/files.hpp>
 #include <accdec/formats/task_tree.hpp>
 #include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_file.hpp>
@@ -14,7 +14,7 @@
 namespace accdec {
 namespace {
 
-study::Row ratio(const study::Row& row, const StudyRatio& r) {
+batch::Row ratio(const batch::Row& row, const StudyRatio& r) {
   const auto of = row.find(r.of), to = row.find(r.to);
   if (of == row.end() || to == row.end() || !of->is_number() || !to->is_number() || to->get<double>() == 0.0)
     return nullptr;
@@ -24,23 +24,23 @@ study::Row ratio(const study::Row& row, const StudyRatio& r) {
 
 bool has_shapes(const Study& study) {
   return std::count_if(study.computations.begin(), study.computations.end(),
-                       [](const std::string& name) { return find_baseline(name) != nullptr; }) > 1;
+                       [](const std::string& name) { return find_family(name) != nullptr; }) > 1;
 }
 
-/// What every row begins with: index, case, values.
-study::Row beginning(const Study& study, const study::Point& point) {
-  study::Row row;
+/// The beginning of every row: index, case, values.
+batch::Row beginning(const Study& study, const study::Point& point) {
+  batch::Row row;
   row["index"] = point.index;
   if (study.points().cases().size() > 1) row["case"] = study.points().cases()[point.case_index];
   for (std::size_t v = 0; v < point.values.size(); ++v) row[study.points().variations()[v].name] = point.values[v];
   return row;
 }
 
-std::string finished(const Study& study, study::Row row) {
+std::string finished(const Study& study, batch::Row row) {
   for (const std::string& column : study.columns()) {
     if (!row.contains(column)) row[column] = nullptr;
   }
-  return row.dump(-1, ' ', false, study::Row::error_handler_t::replace);
+  return row.dump(-1, ' ', false, batch::Row::error_handler_t::replace);
 }
 
 }  // namespace
@@ -66,7 +66,7 @@ Task Study::task(std::size_t index) const {
   for (std::size_t v = 0; v < point.values.size(); ++v) {
     for (const TaskKey& key : tasks_->keys[v]) key.set(tree, point.values[v]);
   }
-  return task_from_tree(tree, source.path, "", {});
+  return task_from_tree(tree, source.path, "", {.response = Considered::common});
 }
 
 std::vector<std::string> Study::task_paths() const {
@@ -77,7 +77,7 @@ std::vector<std::string> Study::task_paths() const {
 
 std::string Study::row(std::size_t index, double* method_seconds) const {
   if (method_seconds) *method_seconds = 0.0;
-  study::Row row = beginning(*this, points_->point(index));
+  batch::Row row = beginning(*this, points_->point(index));
   try {
     const Task point_task = task(index);
     row["point"] = "ok";
@@ -87,12 +87,12 @@ std::string Study::row(std::size_t index, double* method_seconds) const {
     if (method_seconds) *method_seconds = seconds_since(began);
     if (has_shapes(*this)) row["best_shape"] = study::best_shape_of(row);
     for (const StudyRatio& r : ratios) row[r.name] = ratio(row, r);
-    if (const study::Row error = study::error_of(row, computations); !error.is_null()) {
+    if (const batch::Row error = study::error_of(row, computations); !error.is_null()) {
       row["point"] = "error";
       row["reason"] = error;
     }
   } catch (const InputError& error) {
-    // Line numbers would be those of the base task, which is not at fault.
+    // Line numbers would point into the base task, which is correct.
     row["point"] = "bad";
     row["reason"] = error.message();
   } catch (const std::exception& error) {
@@ -103,7 +103,7 @@ std::string Study::row(std::size_t index, double* method_seconds) const {
 }
 
 std::string Study::lost_row(std::size_t index, const std::string& reason) const {
-  study::Row row = beginning(*this, points_->point(index));
+  batch::Row row = beginning(*this, points_->point(index));
   row["point"] = "lost";
   row["reason"] = reason;
   return finished(*this, std::move(row));

@@ -8,14 +8,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/batch/journal.hpp>
+#include <accdec/batch/shards.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/memory.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
-#include <accdec/files/seconds_since.hpp>
 #include <accdec/formats/manifest.hpp>
-#include <accdec/study/journal.hpp>
 #include <accdec/study/row_store.hpp>
-#include <accdec/study/shards.hpp>
 #include <accdec/study/study_folder.hpp>
 #include <accdec/study/study_report.hpp>
 
@@ -28,20 +28,20 @@ using Clock = std::chrono::steady_clock;
 
 const ResultsKind kind{"accdec.study/1", "study_hash", "study"};
 
-/// What a point takes: 16 bytes for the place of its row, the lists of points to compute, and what figures keep of it.
-/// The rows themselves stay on the disk.
+/// Memory per point: 16 bytes for the place of its row, the lists of points to compute, and the data for figures. The
+/// rows themselves stay on the disk.
 constexpr double bytes_a_point = 200;
 
-/// A row with the time its computations took in front, "0.25{...}": all that comes back from a child is text.
+/// A row with the time of its computations in front, "0.25{...}", because a child returns only text.
 std::string timed_row(const Study& study, std::size_t index) {
   double seconds = 0.0;
   std::string row = study.row(index, &seconds);
   return fmt::format("{}{}", seconds, row);
 }
 
-study::Entry without_time(const study::Entry& entry) {
+batch::Entry without_time(const batch::Entry& entry) {
   const std::size_t row = entry.row.find('{');
-  // The row of a point that was lost has none: nothing of what it took is known to be the computations'.
+  // The row of a lost point has no time: it is not known how much of its time the computations took.
   return {row == 0 ? 0.0 : std::stod(entry.row.substr(0, row)), entry.row.substr(row)};
 }
 
@@ -49,13 +49,13 @@ std::string identity(const Study& study) {
   return fmt::format("{} {}", study.hash(), study.points().size());
 }
 
-/// Notes every row of a journal, under the number of its file.
-study::JournalVisitor noting(RowStore& rows, std::size_t file) {
-  return {[&rows, file](const study::JournalLine& line) { rows.put(line.index, file, line.offset, line.row); },
+/// Records every row of a journal, under the number of its file.
+batch::JournalVisitor noting(RowStore& rows, std::size_t file) {
+  return {[&rows, file](const batch::JournalLine& line) { rows.put(line.index, file, line.offset, line.row); },
           [&rows] { rows.clear(); }};
 }
 
-/// Notes the rows of finished results.
+/// Records the rows of finished results.
 void note_finished(RowStore& rows, const fs::path& folder, const Study& study) {
   const fs::path path = folder / "rows.jsonl";
   if (results_hash(folder.string(), kind) != study.hash() || !fs::is_regular_file(path)) return;
@@ -69,7 +69,7 @@ void note_finished(RowStore& rows, const fs::path& folder, const Study& study) {
   }
 }
 
-/// @param summary  receives the wall time up to here but for the writing itself
+/// @param summary  receives the wall time up to here, without the writing itself
 void write_results(const Study& study, RowStore& rows, const StudyRunOptions& options, Clock::time_point began,
                    StudySummary& summary) {
   std::vector<OutputFile> files = write_study(study, rows, options.out, &summary.empty_figures);
@@ -91,29 +91,29 @@ void write_results(const Study& study, RowStore& rows, const StudyRunOptions& op
   for (OutputFile& file : files) file.commit();
 }
 
-/// The number of shards that the journals of a merge are of; 0 unless they agree.
+/// The number of shards of the journals of a merge; 0 unless they agree.
 std::size_t common_count(const std::vector<std::string>& names) {
   std::set<std::size_t> counts;
-  for (const std::string& name : names) counts.insert(study::shard_count(name));
+  for (const std::string& name : names) counts.insert(batch::shard_count(name));
   return counts.size() == 1 ? *counts.begin() : 0;
 }
 
-/// What a merge lacks, and of which shards.
+/// The points missing in a merge, and their shards.
 std::string missing_text(const RowStore& rows, std::size_t count) {
   std::size_t first = 0;
   while (rows.has(first)) ++first;
   std::string text = fmt::format("{} of {} points are missing from the shards, the first is {}; nothing was written",
                                  rows.size() - rows.count(), rows.size(), first);
   if (count < 2 || count > rows.size()) return text;
-  std::vector<study::ShardState> shards(count);
-  const std::vector<std::uint32_t> owners = study::shard_owners(rows.size(), count);
+  std::vector<batch::ShardState> shards(count);
+  const std::vector<std::uint32_t> owners = batch::shard_owners(rows.size(), count);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    study::ShardState& shard = shards[owners[i] - 1];
+    batch::ShardState& shard = shards[owners[i] - 1];
     shard.number = owners[i];
     ++shard.points;
     shard.done += rows.has(i) ? 1 : 0;
   }
-  return fmt::format("{}. Missing: shard {}", text, study::incomplete_text(shards));
+  return fmt::format("{}. Missing: shard {}", text, batch::incomplete_text(shards));
 }
 
 void collect_shards(const Study& study, const std::vector<std::string>& folders, RowStore& rows) {
@@ -124,10 +124,10 @@ void collect_shards(const Study& study, const std::vector<std::string>& folders,
       if (item.path().extension() != ".journal") continue;
       names.push_back(item.path().filename().string());
       const std::size_t file = rows.add_file(item.path().string());
-      study::JournalVisitor visit = noting(rows, file);
-      // A mark voids what stands before it in this journal, not the other shards.
+      batch::JournalVisitor visit = noting(rows, file);
+      // A mark makes the earlier entries of this journal void, not those of other shards.
       visit.anew = [&rows, file] { rows.clear(file); };
-      study::scan_journal(item.path().string(), identity(study), visit);
+      batch::scan_journal(item.path().string(), identity(study), visit);
     }
   }
   if (rows.count() != rows.size()) throw std::invalid_argument(missing_text(rows, common_count(names)));
@@ -174,21 +174,21 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   const auto began = Clock::now();
   const std::size_t size = study.points().size();
   check_study_size(study, options.large);
-  const std::vector<std::size_t> share = study::shard(size, options.shard, options.shards);
+  const std::vector<std::size_t> share = batch::shard(size, options.shard, options.shards);
   if (!options.merge.empty()) return merge(study, options, began);
-  // Whoever asks for a fresh run knows that what the folder has will be replaced, of an earlier form of the study, too.
+  // A fresh run replaces all results in the folder, also those of an earlier form of the study.
   claim_results_folder(options.out, kind, study.hash(), options.fresh);
 
   const bool whole = options.shards == 1;
   const fs::path folder = options.out;
   const std::string journal_path =
-      (folder / (whole ? "study.journal" : study::shard_journal(options.shard, options.shards))).string();
+      (folder / (whole ? "study.journal" : batch::shard_journal(options.shard, options.shards))).string();
   RowStore rows(size);
   if (whole) note_finished(rows, folder, study);
   const std::size_t file = rows.add_file(journal_path);
-  const study::JournalVisitor found = noting(rows, file);
-  if (options.fresh) study::set_aside_other(journal_path, identity(study));
-  study::Journal journal(journal_path, identity(study), &found);
+  const batch::JournalVisitor found = noting(rows, file);
+  if (options.fresh) batch::set_aside_other(journal_path, identity(study));
+  batch::Journal journal(journal_path, identity(study), &found);
   if (options.fresh) journal.begin_anew();
   if (options.fresh) rows.clear();
   rows.drop_lost();
@@ -198,16 +198,16 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
     if (!rows.has(i)) missing.push_back(i);
   }
   StudySummary summary{.points = share.size(), .found = share.size() - missing.size(), .computed = missing.size()};
-  study::RunOptions run{options.workers, study.isolation, 0.0};
-  // Twice what the design may take by its own limit, and time for everything beside it.
+  batch::RunOptions run{options.workers, study.isolation, 0.0};
+  // Twice the time limit of the design, and time for everything else.
   run.kill_after = 2.0 * study.design.time_limit + 30.0;
-  summary.workers = std::min(study::workers_of(run), std::max(1, static_cast<int>(missing.size())));
-  StudyProgress progress{0, missing.size(), 0.0};
-  study::run_points(
+  summary.workers = std::min(batch::workers_of(run), std::max(1, static_cast<int>(missing.size())));
+  batch::Progress progress{0, missing.size(), 0.0};
+  batch::run_points(
       missing, [&](std::size_t i) { return timed_row(study, i); },
       [&](std::size_t i, const std::string& why) { return study.lost_row(i, why); },
-      [&](std::size_t i, const study::Entry& timed) {
-        const study::Entry entry = without_time(timed);
+      [&](std::size_t i, const batch::Entry& timed) {
+        const batch::Entry entry = without_time(timed);
         rows.put(i, file, journal.append(i, entry), entry.row);
         summary.method_time += entry.seconds;
         ++progress.done;
@@ -220,30 +220,30 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   summary.lost = rows.count_lost();
   if (!whole) return summary;
   write_results(study, rows, options, began, summary);
-  // The rows are safe now; a kill just before this line costs nothing but the reading of a journal that says the same.
+  // The rows are safe now. A kill just before this line only means that the journal is read again.
   fs::remove(journal_path);
   summary.finished = true;
   return summary;
-} catch (const study::JournalError& error) {
+} catch (const batch::JournalError& error) {
   throw OutputError(error.what());
 } catch (const fs::filesystem_error& error) {
   throw OutputError(error.what());
 }
 
-std::vector<study::ShardState> study_shards(const Study& study, const std::string& folder, std::size_t shards) try {
+std::vector<batch::ShardState> study_shards(const Study& study, const std::string& folder, std::size_t shards) try {
   const std::size_t size = study.points().size();
-  std::vector<study::ShardState> states(shards);
+  std::vector<batch::ShardState> states(shards);
   std::vector<bool> done(size), lost(size);
   for (std::size_t s = 0; s < shards; ++s) {
-    study::ShardState& state = states[s];
+    batch::ShardState& state = states[s];
     state.number = s + 1;
     state.points = size / shards + (s < size % shards ? 1 : 0);
-    const std::string path = (fs::path(folder) / study::shard_journal(s + 1, shards)).string();
+    const std::string path = (fs::path(folder) / batch::shard_journal(s + 1, shards)).string();
     if (!fs::exists(path)) continue;
-    state.in_use = study::journal_in_use(path);
+    state.in_use = batch::journal_in_use(path);
     std::vector<std::size_t> seen;
-    study::JournalVisitor visit;
-    visit.entry = [&](const study::JournalLine& line) {
+    batch::JournalVisitor visit;
+    visit.entry = [&](const batch::JournalLine& line) {
       if (line.index >= size || done[line.index]) return;
       if (!lost[line.index]) seen.push_back(line.index);
       lost[line.index] = study::is_lost(line.row);
@@ -255,11 +255,11 @@ std::vector<study::ShardState> study_shards(const Study& study, const std::strin
       seen.clear();
       state.seconds = 0.0;
     };
-    study::scan_journal(path, identity(study), visit);
+    batch::scan_journal(path, identity(study), visit);
     for (const std::size_t i : seen) done[i] ? ++state.done : ++state.lost;
   }
   return states;
-} catch (const study::JournalError& error) {
+} catch (const batch::JournalError& error) {
   throw OutputError(error.what());
 }
 

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <accdec/design/design.hpp>
+#include <accdec/design.hpp>
 #include <accdec/formats/task_edit.hpp>
-#include <accdec/solvers/solver.hpp>
+#include <accdec/solver.hpp>
 #include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_keys.hpp>
 
@@ -64,39 +64,40 @@ std::vector<Key> method_keys() {
               .noun = "computation",
               .example = "[\"optimum\", \"shapes\"]",
               .required = true};
-  Key solver = word("solver", "of method nlp", solver_names, DesignOptions().solver);
+  Key solver = word("solver", "solver of method nlp", solver_names, DesignOptions().solver);
   solver.noun = "solver";
   solver.allowed = "allowed is a name of `accdec solvers`";
   return {compute,
           word("method", "how optima are found", {"exact", "nlp"}, "exact"),
           solver,
           {.name = "time_limit_s",
-           .meaning = "of every optimum",
+           .meaning = "time limit of every optimum",
            .unit = "s",
            .range = {0.0, 1e6, true},
            .fallback = "60",
            .example = "10"},
-          word("isolation", "what a point runs in", {"threads", "processes"}, "processes if optima are computed"),
+          word("isolation", "whether points run in threads or in processes of their own", {"threads", "processes"},
+               "processes if optima are computed"),
           word("sampling", "how points are chosen", {"grid", "latin-hypercube"}, "grid"),
           {.name = "samples",
            .type = KeyType::integer,
-           .meaning = "points of a Latin hypercube, which needs it",
+           .meaning = "number of points of a Latin hypercube; needed there",
            .range = {1, most_points},
            .example = "1000"},
           {.name = "seed",
            .type = KeyType::integer,
-           .meaning = "of a Latin hypercube",
+           .meaning = "seed of a Latin hypercube",
            .range = {0, 2e9},
            .fallback = "1",
            .example = "7"}};
 }
 
 Key case_key() {
-  Key set = free_table("set", "keys of the task that the case has otherwise", "{ \"filter.order\" = 20 }");
+  Key set = free_table("set", "keys of the task that the case changes", "{ \"filter.order\" = 20 }");
   set.conditions = fmt::format(R"({{"propertyNames": {{"pattern": {}}}}})", task_key_pattern());
   return list(
-      "case", "a task of its own, or the study's with some keys set anew",
-      {required(text_key("name", "of the case, in the column `case`", "", "\"heavy\"")),
+      "case", "a task of its own, or the study's with some keys changed",
+      {required(text_key("name", "name of the case in the column `case`", "", "\"heavy\"")),
        text_key("task", "task file, relative to the study", "that of the study", "\"../corner/power.toml\""), set});
 }
 
@@ -125,45 +126,46 @@ Key vary_key() {
                       .example = "20"},
                      boolean("log", "equal ratios instead of equal steps")}};
   Key vary = list("vary", "a quantity that varies",
-                  {text_key("name", "of its column", "the first key", "\"tolerance\""), key, values, range});
+                  {text_key("name", "name of its column", "the first key", "\"tolerance\""), key, values, range});
   vary.conditions = R"({"oneOf": [{"required": ["values"]}, {"required": ["range"]}]})";
   return vary;
 }
 
 Key ratio_key() {
-  return list("ratio", "a column made of two others",
-              {required(text_key("name", "of the column", "", "\"gain\"")),
-               required(text_key("of", "column above the line", "", "\"boxcar.cycle_time_ms\"")),
-               required(text_key("to", "column below the line", "", "\"optimum.cycle_time_ms\"")),
-               boolean("excess", "the ratio less 1")});
+  return list("ratio", "a column that divides one column by another",
+              {required(text_key("name", "name of the column", "", "\"gain\"")),
+               required(text_key("of", "column of the numerator", "", "\"boxcar.cycle_time_ms\"")),
+               required(text_key("to", "column of the denominator", "", "\"optimum.cycle_time_ms\"")),
+               boolean("excess", "ratio minus 1")});
 }
 
 Key figure_key() {
-  Key title = text_key("title", "above the figure", "", "\"What a tolerance costs\"");
+  Key title = text_key("title", "title above the figure", "", "\"What a tolerance costs\"");
   title.empty_text = true;
-  Key name = text_key("name", "of its file: small letters, digits, - and _", "figure-1, ..", "\"pareto\"");
+  Key name = text_key("name", "name of its file: small letters, digits, - and _", "figure-1, ..", "\"pareto\"");
   name.conditions = R"({"pattern": "^[a-z0-9_-]+$"})";
   return list(
       "figure", "a figure of the report",
       {name, title,
        word("kind", "`pareto`: cycle time against corner error", {"curve", "family", "heat", "pareto"}, "curve"),
-       text_key("x", "column of the x axis; not of pareto", "", "\"corner.*.error_max_um\""),
-       required(texts("y", "columns, one a curve; of pareto computations", "", "[\"optimum.cycle_time_ms\"]")),
+       text_key("x", "column of the x axis; not for `pareto`", "", "\"corner.*.error_max_um\""),
+       required(
+           texts("y", "columns, one for each curve; for `pareto`, computations", "", "[\"optimum.cycle_time_ms\"]")),
        text_key("z", "heat: column of the colour", "", "\"best_shape\""),
-       text_key("family", "family: column with one curve a value", "", "\"corner.A.angle_deg\""),
-       texts("labels", "of the curves", "names of the columns", "[\"optimum\", \"boxcar\"]"),
-       text_key("x_label", "of the axis", "from the column", "\"Tolerance / um\""),
-       text_key("y_label", "of the axis", "from the column", "\"Cycle time / ms\""),
-       text_key("z_label", "of the colours", "from the column", "\"Gain\""), boolean("log_x", "logarithmic x axis"),
-       boolean("log_y", "logarithmic y axis"),
-       free_table("where", "column = value: rows that count", "{ case = \"heavy\" }")});
+       text_key("family", "family: column that has one curve for each value", "", "\"corner.A.angle_deg\""),
+       texts("labels", "labels of the curves", "titles of the computations", "[\"optimum\", \"boxcar\"]"),
+       text_key("x_label", "label of the axis", "from the column", "\"Tolerance / um\""),
+       text_key("y_label", "label of the axis", "from the column", "\"Cycle time / ms\""),
+       text_key("z_label", "label of the colours", "from the column", "\"Gain\""),
+       boolean("log_x", "logarithmic x axis"), boolean("log_y", "logarithmic y axis"),
+       free_table("where", "column = value: only these rows are drawn", "{ case = \"heavy\" }")});
 }
 
 FileKind make_study_file() {
   FileKind file{.name = "study", .title = "accdec study"};
-  Key notes = text_key("notes", "below the title of the report", "", "\"All at 6 m/min.\"");
+  Key notes = text_key("notes", "text below the title of the report", "", "\"All at 6 m/min.\"");
   notes.empty_text = notes.long_text = true;
-  file.keys = {text_key("title", "of the report", "the file's name", "\"Price of smoothness\""), notes,
+  file.keys = {text_key("title", "title of the report", "the file's name", "\"Price of smoothness\""), notes,
                text_key("task", "task file, relative to the study; or [[case]]", "", "\"../corner/power.toml\"")};
   for (Key& key : method_keys()) file.keys.push_back(std::move(key));
   for (Key key : {case_key(), vary_key(), ratio_key(), figure_key()}) file.keys.push_back(std::move(key));

@@ -59,7 +59,7 @@ std::string sentence_on(const std::string& computation, const StudyTable& table)
   return text + ".";
 }
 
-/// A limit's value, or that it is varied: by a variation of the key of this axis, of all axes, or of a mode.
+/// A limit's value, or "varied" if a variation sets its key for this axis, for all axes, or for a mode.
 std::string value_or_varied(const Study& study, std::string_view table, std::string_view key, double value) {
   for (const study::Variation& v : study.points().variations()) {
     for (const std::string& k : v.keys) {
@@ -96,7 +96,7 @@ std::string limits_html(const Study& study, const Task& task) {
   return html_table(axes) + html_table(corners) + (modes.rows.empty() ? "" : html_table(modes));
 }
 
-/// The first point of a case that makes a task, of a few.
+/// The first of a few points of a case that makes a task.
 std::optional<Task> sample_task(const Study& study, std::size_t c) {
   const std::size_t per_case = study.points().size() / study.points().cases().size();
   for (const std::size_t i : {std::size_t{0}, per_case / 2, per_case - 1}) {

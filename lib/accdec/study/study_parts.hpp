@@ -9,15 +9,15 @@
 #include <accdec/files/toml_table.hpp>
 #include <accdec/study/study_file.hpp>
 
-// Internal to the room: the steps of reading a study, one file each.
+// Internal to this folder: the steps of reading a study, one file each.
 
 namespace accdec {
 
-/// Where the things of a study stand in its file, for errors that show only when points are made.
+/// Places in the file of a study, for errors that show only when points are made.
 struct StudyPlaces {
   std::string path;
   std::vector<std::string> names;               ///< of the cases
-  std::vector<toml::table> bases;               ///< their tasks before anything is varied
+  std::vector<toml::table> bases;               ///< their tasks before variations
   std::vector<toml::source_position> settings;  ///< where their `set` stands
   std::vector<study::Variation> variations;
   std::vector<toml::source_position> keys;  ///< where the variations' `key` stands
@@ -29,8 +29,7 @@ void check_column(const toml_input::Table& table, std::string_view key, const st
 /// Reads every [[figure]] into a study whose columns are known. In study_figure_reader.cpp.
 void read_figures(const toml_input::Table& top, Study& study, bool grid);
 
-/// A mistake that makes every point bad is better said now, at its place; see read_study for the rule. In
-/// study_points.cpp.
+/// Reports a mistake that makes every point bad now, at its place; see read_study for the rule. In study_points.cpp.
 /// @throws InputError
 void check_points(const Study& study, const Study::Tasks& tasks, const StudyPlaces& places);
 

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/batch/shards.hpp>
 #include <accdec/formats/task_tree.hpp>
 #include <accdec/formats/toml_file.hpp>
-#include <accdec/study/shards.hpp>
 #include <accdec/study/study_parts.hpp>
 #include <accdec/study/study_tasks.hpp>
 
@@ -28,7 +28,7 @@ std::optional<InputError> fault_of(const std::function<void()>& make) {
 void refuse_file(const std::string& path, const InputError& error) {
   const auto same = [&](const InputError& one) { return one.message() == error.message(); };
   try {
-    task_from_tree(toml_input::parse_file(path), path, "", {});
+    task_from_tree(toml_input::parse_file(path), path, "", {.response = Considered::common});
   } catch (const InputErrors& errors) {
     if (std::any_of(errors.all().begin(), errors.all().end(), same)) throw;
   } catch (const InputError& one) {
@@ -44,9 +44,10 @@ void refuse_case(const Study::Tasks& tasks, const StudyPlaces& places, std::size
   const auto same = [&](const std::optional<InputError>& other) {
     return other && other->message() == first.message();
   };
-  // Read once more, for copies of a tree know no line numbers.
+  // Read again, because copies of a tree have no line numbers.
   refuse_file(source.path, first);
-  const auto with_settings = fault_of([&] { task_from_tree(places.bases[c], source.path, "", {}); });
+  const auto with_settings =
+      fault_of([&] { task_from_tree(places.bases[c], source.path, "", {.response = Considered::common}); });
   if (same(with_settings))
     throw InputError(places.path, places.settings[c].line, places.settings[c].column,
                      fmt::format("`set` of case \"{}\" makes no task: {}", places.names[c], first.message()));
@@ -71,10 +72,10 @@ void check_points(const Study& study, const Study::Tasks& tasks, const StudyPlac
   const std::size_t per_case = study.points().size() / study.points().cases().size();
   for (std::size_t c = 0; c < study.points().cases().size(); ++c) {
     const auto fault = [&](std::size_t i) { return fault_of([&] { study.task(c * per_case + i); }); };
-    // Nearly always the first will do, and the others need not even be listed.
+    // Usually the first point is enough, and the others need not even be listed.
     if (!fault(0) || !fault(per_case / 2) || !fault(per_case - 1)) continue;
     std::vector<InputError> faults;
-    for (const std::size_t i : study::shard(per_case, 1, (per_case + most_probed - 1) / most_probed)) {
+    for (const std::size_t i : batch::shard(per_case, 1, (per_case + most_probed - 1) / most_probed)) {
       auto found = fault(i);
       if (!found) break;
       faults.push_back(std::move(*found));

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/design/baselines.hpp>
+#include <accdec/family.hpp>
 #include <accdec/formats/toml_file.hpp>
 #include <accdec/study/point_columns.hpp>
 #include <accdec/study/study_folder.hpp>
@@ -54,7 +54,7 @@ class StudyReader {
       std::vector<std::string> wanted{name};
       if (name == "shapes") {
         wanted.clear();
-        for (const Baseline& family : baselines()) wanted.emplace_back(family.name);
+        for (const Family& family : families()) wanted.emplace_back(family.name);
       }
       for (std::string& w : wanted) {
         if (std::find(study.computations.begin(), study.computations.end(), w) == study.computations.end())
@@ -69,10 +69,10 @@ class StudyReader {
     const bool designs =
         std::find(study.computations.begin(), study.computations.end(), "optimum") != study.computations.end();
     const bool processes = top.has("isolation") ? top.word("isolation") == "processes" : designs;
-    study.isolation = processes ? study::Isolation::processes : study::Isolation::threads;
+    study.isolation = processes ? batch::Isolation::processes : batch::Isolation::threads;
   }
 
-  /// Computations of a given filter need one in at least one case, by its task, its `set` or a variation.
+  /// Computations of a given filter need one in at least one case: in its task, its `set` or a variation.
   static void check_filters(const Table& top, const Study& study, const Study::Tasks& tasks) {
     if (std::any_of(tasks.cases.begin(), tasks.cases.end(),
                     [](const auto& source) { return source.tree.contains("filter"); }))
@@ -170,7 +170,7 @@ class StudyReader {
     }
   }
 
-  /// Whether an earlier variation and the last one set the same place of any case: then their order matters.
+  /// Whether an earlier variation and the last one set the same key in any case: then their order matters.
   static bool collide(const Study::Tasks& tasks, std::size_t before) {
     const auto set = [](toml::table& tree, const std::vector<TaskKey>& keys, double value) {
       for (const TaskKey& key : keys) key.set(tree, value);
@@ -244,7 +244,7 @@ class StudyReader {
     }
   }
 
-  /// As many values as take long to write are told by what their range makes them from.
+  /// Long lists of values are written as the range that makes them.
   static std::string values_text(const study::Variation& v) {
     constexpr std::size_t written = 100'000;
     if (!v.range || v.values.size() <= written) return fmt::format("{}", fmt::join(v.values, " "));

@@ -9,7 +9,7 @@
 namespace accdec {
 namespace {
 
-/// Both tables in one pass over the rows, which nobody holds in memory.
+/// Writes both tables in one pass over the rows, without all rows in memory.
 void write_rows(StudyTable& table, study::RowStore& rows, const std::string& folder, std::vector<OutputFile>& files) {
   const std::filesystem::path path = folder;
   OutputFile jsonl((path / "rows.jsonl").string()), csv((path / "rows.csv").string());

@@ -14,11 +14,12 @@ namespace accdec {
 /// One figure of a study as something to draw. In draw_study_figure.cpp.
 Figure make_study_figure(const StudyFigure& figure, const StudyTable& table);
 
-/// Writes every file of a finished study but its manifest: rows.jsonl, rows.csv, NAME.svg and NAME.png of each figure,
-/// and report.html with the figures inside and nothing linked. What they hold is a function of study and rows alone.
-/// @param rows   one of every point
-/// @param empty  receives the names of figures that have nothing to draw, unless null
-/// @return the files, closed but not yet under their names
+/// Writes every file of a finished study except its manifest. These are rows.jsonl, rows.csv, NAME.svg and NAME.png of
+/// each figure, and report.html, which contains the figures and has no links. Their content depends only on the study
+/// and the rows.
+/// @param rows  one row per point
+/// @param empty  if not null, receives the names of figures that have nothing to draw
+/// @return the files, closed but not yet renamed to their names
 std::vector<OutputFile> write_study(const Study& study, study::RowStore& rows, const std::string& folder,
                                     std::vector<std::string>* empty = nullptr);
 

@@ -11,7 +11,7 @@
 namespace accdec {
 namespace {
 
-std::string plain(const study::Row& value) {
+std::string plain(const batch::Row& value) {
   if (value.is_null()) return "";
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
@@ -61,10 +61,10 @@ std::string StudyTable::csv_head() const {
 }
 
 std::string StudyTable::take(std::string_view line) {
-  const study::Row row = study::Row::parse(line);
+  const batch::Row row = batch::Row::parse(line);
   std::string csv;
   std::vector<std::string> shown;
-  auto next = row.begin();  // rows have their columns in this order, nearly always
+  auto next = row.begin();  // rows nearly always have their columns in this order
   for (std::size_t c = 0; c < names_.size(); ++c) {
     const auto found = next != row.end() && next.key() == names_[c] ? next : row.find(names_[c]);
     if (found != row.end()) next = std::next(found);
@@ -75,14 +75,14 @@ std::string StudyTable::take(std::string_view line) {
     const Column& column = columns_[c];
     if (column.numbers)
       column.numbers->push_back(number ? found->get<double>() : std::numeric_limits<double>::quiet_NaN());
-    // Values of a heat map may all differ; only its classes are kept as words.
+    // Values of a heat map may all differ, so only its classes are kept as words.
     if (column.words) column.words->push(number && column.only_words ? "" : text);
     if (column.stop && text == to_string(StopReason::time_limit)) ++cut_off_;
     if (size_ < rows_shown) shown.push_back(text);
   }
   if (size_ < rows_shown) first_rows_.push_back(std::move(shown));
   ++size_;
-  for (auto& [name, column] : numbers_)  // computed names such as a Pareto figure's, which are no columns
+  for (auto& [name, column] : numbers_)  // computed names, such as a Pareto figure's, are no columns
     column.resize(size_, std::numeric_limits<double>::quiet_NaN());
   for (auto& [name, column] : texts_) {
     if (column.ids.size() < size_) column.push("");

@@ -12,8 +12,8 @@
 
 namespace accdec {
 
-/// A study's rows as columns of words and numbers, as far as figures and the summary need them: 8 bytes a number, 4 a
-/// word, so that ten million rows pass through it.
+/// A study's rows as columns of words and numbers, as far as figures and the summary need them. A number takes 8 bytes
+/// and a word 4, so ten million rows are possible.
 class StudyTable {
  public:
   /// Rows kept whole, for the page.
@@ -25,11 +25,11 @@ class StudyTable {
 
   /// First line of the CSV.
   std::string csv_head() const;
-  /// Takes the next row, a line of rows.jsonl, and gives its line of the CSV.
+  /// Takes the next row, a line of rows.jsonl, and returns its line of the CSV.
   std::string take(std::string_view line);
 
   std::size_t size() const { return size_; }
-  /// NaN where a row has no number. @throws std::out_of_range for a column no figure asked for
+  /// NaN if a row has no number. @throws std::out_of_range for a column no figure asked for
   const std::vector<double>& numbers(const std::string& column) const { return numbers_.at(column); }
   /// As in the CSV, without quotes; empty for null, and for the numbers of a heat map.
   const std::string& text(const std::string& column, std::size_t row) const {

@@ -8,7 +8,7 @@
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/study/study_file.hpp>
 
-// Internal to the room: what a Study keeps of its base tasks.
+// Internal to this folder: the data that a Study keeps of its base tasks.
 
 namespace accdec {
 
@@ -17,8 +17,8 @@ struct Study::Tasks {
     std::string path;
     toml::table tree;  ///< the case's own settings already in it
   };
-  std::vector<Source> cases;               ///< one a case of the plan
-  std::vector<std::vector<TaskKey>> keys;  ///< one list a variation
+  std::vector<Source> cases;               ///< one per case of the plan
+  std::vector<std::vector<TaskKey>> keys;  ///< one list per variation
 };
 
 }  // namespace accdec

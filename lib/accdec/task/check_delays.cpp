@@ -5,28 +5,39 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/check_delays.hpp>
 #include <accdec/task/simulation.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
-/// Velocity and position of the two legs on their own, rows k = 0 .. N + 2 from their command edges.
+/// Velocity and position of the two legs on their own, rows k = 0 .. N + 2 from their command edges, and as many more
+/// as the machine's response takes. Positions are of the motion.
 struct Legs {
-  Eigen::MatrixXd stop_velocity, stop_position, start_velocity, start_position;
+  struct Velocity {
+    Eigen::MatrixXd stop, start;
+    Eigen::VectorXd at(Eigen::Index in, Eigen::Index out) const { return (stop.row(in) + start.row(out)).transpose(); }
+  };
+  Velocity command, motion;
+  Eigen::MatrixXd stop_position, start_position;
 };
 
-Legs simulate_legs(const Filter& filter, const Corner& corner, double period) {
-  const int n = filter.order(), apart = n + 3;
-  const SampledMotion m = simulate_corner(filter, corner, apart, period);
-  return {m.velocity.middleRows(m.corner, n + 3), m.position.middleRows(m.corner, n + 3),
-          m.velocity.middleRows(m.corner + apart, n + 3), m.position.middleRows(m.corner + apart, n + 3)};
+Legs simulate_legs(const Task& task, const Filter& filter, const Corner& corner) {
+  const int rows = filter.order() + Response(task.machine, task.sample_period).order() + 3;
+  const SampledResponse r = simulate_response(filter, corner, rows, task.sample_period, task.machine);
+  const auto velocity = [&](const SampledMotion& m) {
+    return Legs::Velocity{m.velocity.middleRows(m.corner, rows), m.velocity.middleRows(m.corner + rows, rows)};
+  };
+  const SampledMotion& m = r.motion();
+  return {velocity(r.command), velocity(m), m.position.middleRows(m.corner, rows),
+          m.position.middleRows(m.corner + rows, rows)};
 }
 
-/// The delays below a given one at which the error of a corner exceeds its bound. Of a filter of a million taps they
-/// are not tried one by one: in a range of delays and samples leg 1 has at least the least way left of any of them, and
-/// leg 2 has gone at least the least way, and mostly that alone is too far from the corner.
+/// The delays below a given one at which the error of a corner exceeds its bound. For a filter of a million taps,
+/// delays are not tried one by one. In a range of delays and samples, the distances of both legs from the corner have
+/// lower bounds. Usually these bounds alone are too far from the corner.
 class ErrorRanges {
  public:
   ErrorRanges(const Corner& corner, const Legs& legs, double bound, const std::function<bool()>& stop)
@@ -47,7 +58,7 @@ class ErrorRanges {
     }
   }
 
-  /// Delays below `end` of which that is not shown, in rising order.
+  /// Delays below `end` for which this is not shown, in rising order.
   std::vector<int> open(int end) {
     open_.assign(static_cast<std::size_t>(end), 0);
     if (end > 0) visit({0, end - 1, 0, tail_ + end - 1});
@@ -75,7 +86,7 @@ class ErrorRanges {
     if (r.d1 == r.d2 && open_[index(r.d1)] != 0) return;
     if (stop_ && stop_()) return mark(r);
     const double p = left_[index(std::min(r.k2, tail_))], q = gone_[index(std::clamp(r.k1 - r.d2, 0, tail_))];
-    // Less what rounding may have added to the sum of both.
+    // Less the possible rounding of the sum of both.
     if (least(p, q) - 1e-15 * (p + q) > bound_) return;
     if (r.k1 == r.k2 && r.d1 == r.d2) return mark(r);
     if (r.d2 - r.d1 > r.k2 - r.k1) {
@@ -92,20 +103,20 @@ class ErrorRanges {
 
   double cosine_, sine_, bound_;
   int tail_;
-  std::vector<double> left_, gone_;  // m: the least up to a sample of the way left, from a sample on of the way gone
+  std::vector<double> left_, gone_;  // m: least way left up to a sample, least way gone from a sample on
   const std::function<bool()>& stop_;
   std::vector<char> open_;
 };
 
-/// What a limit bounds at a sample: this check's own list.
-double sampled(LimitKind kind, double velocity, double acceleration, double jerk, double force) {
+/// The value that a limit bounds at a sample: this check's own list.
+double sampled(LimitKind kind, double velocity, double acceleration, double jerk, double force, double power) {
   switch (kind) {
     case LimitKind::velocity: return std::abs(velocity);
     case LimitKind::acceleration: return std::abs(acceleration);
     case LimitKind::jerk: return std::abs(jerk);
     case LimitKind::force: return std::abs(force);
-    case LimitKind::power: return force * velocity;
-    case LimitKind::regeneration: return -force * velocity;
+    case LimitKind::power: return power;
+    case LimitKind::regeneration: return -power;
     case LimitKind::vibration:
     case LimitKind::corner_error:
     case LimitKind::speed_min: break;  // not of an axis
@@ -113,33 +124,35 @@ double sampled(LimitKind kind, double velocity, double acceleration, double jerk
   return 0.0;
 }
 
-/// Whether the blend at a delay breaks any limit of a corner.
+/// Whether the blend at a delay breaks any limit of a corner whatever rounding does.
 bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int delay) {
-  const double period = task.sample_period, allowed = 1.0 + verification_tolerance;
-  const Eigen::Index tail = legs.stop_velocity.rows() - 1, axes = legs.stop_velocity.cols();
+  const double period = task.sample_period, allowed = 1.0 + granted_tolerance;
+  const Eigen::Index tail = legs.stop_position.rows() - 1, axes = legs.stop_position.cols();
   const Eigen::Index last = tail + delay;
   double nearest = unlimited, slowest = unlimited;
-  Eigen::VectorXd before_velocity, before_acceleration = Eigen::VectorXd::Zero(axes);
+  Eigen::VectorXd before_velocity, before_moved, before_acceleration = Eigen::VectorXd::Zero(axes);
   for (Eigen::Index k = 0; k <= last; ++k) {
     const Eigen::Index m = std::clamp<Eigen::Index>(k - delay, 0, tail), in = std::min(k, tail);
-    const Eigen::VectorXd v = (legs.stop_velocity.row(in) + legs.start_velocity.row(m)).transpose();
+    const Eigen::VectorXd v = legs.command.at(in, m), moved = legs.motion.at(in, m);
     const Eigen::VectorXd s = (legs.stop_position.row(in) + legs.start_position.row(m)).transpose();
     nearest = std::min(nearest, s.norm());
-    if (k <= last - 1) slowest = std::min(slowest, v.norm());
+    if (k <= last - 1) slowest = std::min(slowest, moved.norm());
     const Eigen::VectorXd acceleration =
         k == 0 ? Eigen::VectorXd::Zero(axes).eval() : ((v - before_velocity) / period).eval();
     for (Eigen::Index a = 0; a < axes; ++a) {
       const Axis& axis = task.machine.axes[static_cast<std::size_t>(a)];
-      const double force = axis.mass * acceleration[a] + axis.damping * v[a];
+      const double moved_by = k == 0 ? 0.0 : (moved[a] - before_moved[a]) / period;
+      const double force = axis.mass * moved_by + axis.damping * moved[a];
       const double jerk = (acceleration[a] - before_acceleration[a]) / period;
       for (const AxisLimit& limit : axis_limits) {
-        if (sampled(limit.kind, v[a], acceleration[a], jerk, force) > axis.*limit.bound * allowed) return true;
+        if (sampled(limit.kind, v[a], acceleration[a], jerk, force, force * moved[a]) > axis.*limit.bound * allowed)
+          return true;
       }
     }
-    before_velocity = v;
+    before_velocity = v, before_moved = moved;
     before_acceleration = acceleration;
   }
-  if (corner.error_max && nearest > position_floor && nearest > *corner.error_max * allowed) return true;
+  if (corner.error_max && nearest > granted_error(*corner.error_max)) return true;
   return corner.speed_min > slowest * allowed;
 }
 
@@ -148,20 +161,17 @@ constexpr const char* late = "not checked in time";
 /// Delays below the claimed one that the error alone does not exclude.
 std::vector<int> delays_to_try(const TaskCorner& corner, const Legs& legs, int claimed,
                                const std::function<bool()>& stop) {
-  if (corner.error_max) {
-    const double bound = std::max(position_floor, *corner.error_max * (1.0 + verification_tolerance));
-    return ErrorRanges(corner.geometry(), legs, bound, stop).open(claimed);
-  }
+  if (corner.error_max)
+    return ErrorRanges(corner.geometry(), legs, granted_error(*corner.error_max), stop).open(claimed);
   std::vector<int> all(static_cast<std::size_t>(claimed));
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
 
-/// Whether a leg by itself breaks a limit: whatever the delay, then.
+/// Whether a leg by itself breaks a limit, with any delay.
 bool leg_breaks(const std::vector<LimitUse>& limits) {
   return std::any_of(limits.begin(), limits.end(), [](const LimitUse& use) {
-    return (use.event == Event::start || use.event == Event::stop) && !use.axis.empty() &&
-           use.utilisation > 1.0 + verification_tolerance;
+    return (use.event == Event::start || use.event == Event::stop) && !use.axis.empty() && !granted(use.utilisation);
   });
 }
 
@@ -172,10 +182,11 @@ std::string check_smallest_delays(const Task& task, const Filter& filter, const 
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     if (corner.delay || delays[j] == 0) continue;
-    const Legs legs = simulate_legs(filter, corner.geometry(), task.sample_period);
+    const Legs legs = simulate_legs(task, filter, corner.geometry());
     for (const int d : delays_to_try(corner, legs, delays[j], stop)) {
       if (stop && stop()) return late;
-      if (!breaks(task, corner, legs, d)) {
+      // Next to a bound the sums of legs and the simulation may round to different sides of it.
+      if (!breaks(task, corner, legs, d) && verify_by_simulation(corner_alone(task, corner), filter, {d}).feasible) {
         return fmt::format("corner {}: delay {} is claimed to be the smallest, but {} holds every limit too",
                            corner.name, delays[j], d);
       }
@@ -186,15 +197,16 @@ std::string check_smallest_delays(const Task& task, const Filter& filter, const 
 }
 
 std::string check_no_delays(const Task& task, const Filter& filter, const std::function<bool()>& stop) {
-  Task part = task;
-  part.corners.clear();
-  if (!verify_by_simulation(part, filter, {}).feasible) return {};  // vibration, in which delays have no part
-  part.machine.modes.clear();
-  // With d = N + 1 the legs no longer overlap, but the jerk spans both; from N + 2 on nothing changes any more.
-  const auto holds = [&](int delay) { return verify_by_simulation(part, filter, {delay}).feasible; };
+  Task filter_alone = task;
+  filter_alone.corners.clear();
+  if (!verify_by_simulation(filter_alone, filter, {}).feasible) return {};  // vibration: delays do not matter
+  // From d = N + 1 on, the legs do not overlap, but the jerk spans both; from N + 2 on nothing changes, and as much
+  // later as the machine's response takes.
+  const int longer = Response(task.machine, task.sample_period).order();
   for (const TaskCorner& corner : task.corners) {
-    part.corners = {corner};
-    const int last = corner.delay.value_or(filter.order() + 2);
+    const Task part = corner_alone(task, corner);
+    const auto holds = [&](int delay) { return verify_by_simulation(part, filter, {delay}).feasible; };
+    const int last = corner.delay.value_or(filter.order() + longer + 2);
     std::vector<LimitUse> limits;
     verify_by_simulation(part, filter, {last}, &limits);
     if (leg_breaks(limits)) return {};

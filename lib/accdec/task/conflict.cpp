@@ -23,7 +23,8 @@ std::vector<Limit> limits_of(const Task& task, bool each_axis) {
                       }});
   };
   for (const AxisLimit& limit : axis_limits) {
-    // A blend is never faster than its faster leg: a velocity limit that cannot be held is a contradiction by itself.
+    // A blend is never faster than its faster leg, so a velocity limit that cannot be held is a contradiction by
+    // itself.
     if (limit.kind == LimitKind::velocity) continue;
     const std::string kind(to_string(limit.kind));
     if (!each_axis) axis_limit(limit, 0, axes, kind);

@@ -5,7 +5,7 @@
 
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/corner_speed.hpp>
-#include <accdec/task/granted_limits.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 
@@ -44,7 +44,7 @@ std::vector<std::string> contradictions(const Task& task) {
                       corner.name, *corner.error_max, fastest, corner.speed_min));
   }
   for (const Mode& mode : task.machine.modes) {
-    // Sampled, a whole number of cycles per period cannot be told from 0 Hz, where every filter passes everything.
+    // After sampling, a whole number of cycles per period looks like 0 Hz, which every filter passes fully.
     const double alias = std::ceil(mode.frequency_low * task.sample_period - 1e-12);
     if (mode.residual_max * (1.0 + granted_tolerance) < 1.0 && alias >= 1.0 &&
         alias <= mode.frequency_high * task.sample_period + 1e-12) {

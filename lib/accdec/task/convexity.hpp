@@ -1,11 +1,11 @@
 #pragma once
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 
-/// Whether for a given order, delays and samples the filters that hold all limits are a convex set: no axis bounds
-/// power or regeneration, no corner asks for a smallest speed.
+/// Whether the filters that hold all limits, for a given order, delays and samples, are a convex set. They are if no
+/// axis bounds power or regeneration and no corner has a smallest speed.
 bool is_convex(const Task& task);
 
 }  // namespace accdec

@@ -2,14 +2,14 @@
 #include <cmath>
 
 #include <accdec/task/corner_speed.hpp>
-#include <accdec/task/granted_limits.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
-/// The last taps of a filter, or the first backwards: as large as they can be and still end.
+/// The last taps of a filter, or the first ones backwards, as large as they can be and still end.
 struct Ramp {
-  double mass = 0.0, moment = 0.0;  ///< sums of taps, and of taps by their distance, the first's being 1
+  double mass = 0.0, moment = 0.0;  ///< sums of taps, and of taps times their distance (1 for the first)
 
   Ramp(const TapBounds& bounds, double top, double at_most) {
     for (int i = 0; mass < at_most; ++i) {
@@ -21,7 +21,7 @@ struct Ramp {
   }
 };
 
-/// The least moment of taps of this sum.
+/// The least moment of taps with this sum.
 double least_moment(const TapBounds& bounds, double mass) {
   if (mass <= 0.0) return 0.0;
   if (mass > 1.0 + 1e-9) return unlimited;
@@ -45,11 +45,11 @@ class SlowestPoint {
         equal_(speed / std::sqrt(2.0 * (1.0 - cosine_))),
         to_error_(period * std::sqrt(0.5 * (1.0 + cosine_))) {}
 
-  /// Whether everything of this speed has a larger error.
+  /// Whether every motion with this speed has a larger error.
   bool beyond(double error) const {
     constexpr int cells = 200;
     const double width = 2.0 * equal_ / cells;
-    // Where both are equal the error is least, nearly: what is no contradiction mostly shows there.
+    // The error is nearly smallest where both are equal: a speed that is no contradiction usually shows this there.
     const int middle = cells / 2;
     for (int i = 0; i <= cells; ++i) {
       const int cell = (middle + cells - i) % (cells + 1);
@@ -59,12 +59,13 @@ class SlowestPoint {
   }
 
  private:
-  /// What the other leg, the faster one, needs beside a speed of this one up to `equal_`.
+  /// The speed the other leg, the faster one, needs if this one has a speed up to `equal_`.
   double beside(double slower) const {
     const double sine2 = (1.0 - cosine_) * (1.0 + cosine_);
     return slower * cosine_ + std::sqrt(std::max(0.0, speed_ * speed_ - slower * slower * sine2));
   }
-  /// The least of it over a range: concave up to `equal_`, and no less than this leg's own from there.
+  /// The minimum of this over a range. The function is concave up to `equal_`, and from there at least this leg's own
+  /// speed.
   double beside(double low, double high) const {
     if (low >= equal_) return low;
     return std::min(beside(low), high < equal_ ? beside(high) : equal_);

@@ -16,7 +16,8 @@ bool same(double a, double b) {
 }
 
 bool same_limits(const Axis& a, const Axis& b) {
-  return a.mass == b.mass && a.damping == b.damping &&
+  return a.mass == b.mass && a.damping == b.damping && a.servo_gain == b.servo_gain &&
+         a.velocity_feedforward == b.velocity_feedforward && a.response_taps == b.response_taps &&
          std::all_of(axis_limits.begin(), axis_limits.end(),
                      [&](const AxisLimit& limit) { return a.*limit.bound == b.*limit.bound; });
 }
@@ -27,7 +28,7 @@ bool ask_the_same(const Machine& machine, const TaskCorner& a, const TaskCorner&
   if (a.error_max != b.error_max || a.speed_min != b.speed_min || a.delay != b.delay) return false;
   const Corner &g = a.geometry(), &h = b.geometry();
   if (g.feed_in != h.feed_in || g.feed_out != h.feed_out || g.axes() != h.axes()) return false;
-  // The error is |p - q| and what the turn adds to it: of legs nearly in line the turn's own digits count.
+  // The error is |p - q| plus a part from the turn: for nearly collinear legs the digits of the turn itself count.
   if (!same(1.0 + g.cos_interior(), 1.0 + h.cos_interior())) return false;
   std::vector<char> taken(static_cast<std::size_t>(h.axes()), 0);
   const auto matches = [&](Eigen::Index x, Eigen::Index y) {

@@ -1,18 +1,22 @@
 #include <algorithm>
 
 #include <accdec/machine/limits.hpp>
-#include <accdec/task/granted_limits.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
 constexpr double wider = 1.0 + granted_tolerance;
-/// m and 1, what rounding may take off a simulated distance or residual amplitude whatever its bound is.
+/// m and 1: largest effect of rounding on a simulated distance or residual amplitude, whatever its bound is.
 constexpr double rounding_of_distance = 1e-3 * position_floor, rounding_of_residual = 1e-13;
-/// Up to this the verifier takes a residual for nothing.
+/// The verifier takes a residual up to this as zero.
 constexpr double residual_floor = 1e-12;
 
 }  // namespace
+
+double granted_error(double error_max) {
+  return std::max(error_max * wider, position_floor) + rounding_of_distance;
+}
 
 Task granted_limits(Task task) {
   for (Axis& axis : task.machine.axes) {
@@ -21,7 +25,7 @@ Task granted_limits(Task task) {
   for (Mode& mode : task.machine.modes)
     mode.residual_max = std::max(mode.residual_max * wider, residual_floor) + rounding_of_residual;
   for (TaskCorner& corner : task.corners) {
-    if (corner.error_max) corner.error_max = std::max(*corner.error_max * wider, position_floor) + rounding_of_distance;
+    if (corner.error_max) corner.error_max = granted_error(*corner.error_max);
     corner.speed_min /= wider;
   }
   return task;

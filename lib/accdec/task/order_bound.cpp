@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/task/limits_on_taps.hpp>
 #include <accdec/task/order_bound.hpp>
 
 namespace accdec {
@@ -28,7 +29,9 @@ double next_cumulative(const Plant& plant, double before, double period) {
 
 }  // namespace
 
-std::vector<double> saturating_start(const Task& task, int limit) {
+std::vector<double> saturating_start(const Task& whole, int limit) {
+  const std::shared_ptr<const Task> on_taps = limits_on_taps(whole);
+  const Task& task = *on_taps;
   std::vector<Plant> plants;
   for (const TaskCorner& corner : task.corners) {
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 
 /// A lower bound on the order of any filter that starts every leg of the task from rest within the acceleration, force
-/// and power limits: a start limited by speed-dependent bounds alone is fastest when it saturates the tightest one at
-/// every sample.
+/// and power limits. If only speed-dependent bounds limit a start, it is fastest when every sample saturates the
+/// tightest of them.
 /// @return at least 0; `limit` + 1 if not even `limit` is enough.
 int order_lower_bound(const Task& task, int limit);
 

@@ -1,4 +1,4 @@
-#include <accdec/task/result.hpp>
+#include <accdec/result.hpp>
 
 namespace accdec {
 

@@ -1,11 +1,15 @@
 #include <array>
+#include <cmath>
+#include <span>
+#include <utility>
 
+#include <accdec/machine/response.hpp>
 #include <accdec/task/simulation.hpp>
 
 namespace accdec {
 namespace {
 
-/// Where the command changes, and by how much: it is constant everywhere else.
+/// A sample at which the command changes, and the change; elsewhere the command is constant.
 struct Step {
   int at;
   double size;
@@ -22,54 +26,158 @@ struct Command {
   }
 };
 
+/// The servo of one axis.
+class Servo {
+ public:
+  Servo(const Axis& axis, double period) : taps_(axis.response_taps.begin(), axis.response_taps.end()) {
+    long double sum = 0.0L;
+    for (const long double tap : taps_) sum += tap;
+    for (long double& tap : taps_) tap /= sum;
+    if (!taps_.empty() || !(axis.servo_gain < unlimited)) return;
+    const long double gain = axis.servo_gain;
+    keeps_ = std::exp(-gain * period);
+    takes_ = (1.0L - axis.velocity_feedforward) * (1.0L - keeps_) / gain;
+  }
+  /// The mean velocity in the next sample, from the command's.
+  long double follow(long double velocity, double period) {
+    if (!taps_.empty()) {
+      past_.insert(past_.begin(), velocity);
+      if (past_.size() > taps_.size()) past_.pop_back();
+      long double sum = 0.0L;
+      for (std::size_t i = 0; i < past_.size(); ++i) sum += taps_[i] * past_[i];
+      return sum;
+    }
+    const long double before = error_;
+    error_ = keeps_ * error_ + takes_ * velocity;
+    return velocity - (error_ - before) / period;
+  }
+
+ private:
+  std::vector<long double> taps_, past_;
+  long double keeps_ = 0.0L, takes_ = 0.0L, error_ = 0.0L;
+};
+
+/// Where the samples of one axis go.
+class Column {
+ public:
+  Column(SampledMotion& motion, Eigen::Index axis, double period, long double start)
+      : motion_(motion), axis_(axis), period_(period), position_(start) {}
+  void add(int k, long double velocity) {
+    position_ += velocity * period_;
+    motion_.velocity(k, axis_) = static_cast<double>(velocity);
+    motion_.position(k, axis_) = static_cast<double>(position_);
+    if (k == 0) return;
+    motion_.acceleration(k, axis_) = (motion_.velocity(k, axis_) - motion_.velocity(k - 1, axis_)) / period_;
+    motion_.jerk(k, axis_) = (motion_.acceleration(k, axis_) - motion_.acceleration(k - 1, axis_)) / period_;
+  }
+
+ private:
+  SampledMotion& motion_;
+  Eigen::Index axis_;
+  double period_;
+  long double position_;
+};
+
+/// Rest, leg 1, gap, leg 2, rest: where they are, and room for the samples.
+struct Stretches {
+  int rest, leg, delay;
+  Stretches(int order, int settling, int gap) : rest(order + settling + 3), leg(order + settling + 4), delay(gap) {}
+  SampledMotion motion(Eigen::Index axes) const {
+    SampledMotion motion;
+    motion.start = rest - 1;
+    motion.corner = rest + leg - 1;
+    motion.stop = motion.corner + delay + leg;
+    motion.cruise_in = motion.corner - 1;
+    motion.cruise_out = motion.stop - 1;
+    motion.velocity = Eigen::MatrixXd::Zero(total(), axes);
+    motion.acceleration = motion.jerk = motion.position = motion.velocity;
+    return motion;
+  }
+  int total() const { return rest + leg + delay + leg + rest; }
+  Command command(double in, double out) const {
+    return {{{{rest, in}, {rest + leg, -in}, {rest + leg + delay, out}, {rest + leg + delay + leg, -out}}}};
+  }
+};
+
+/// The filtered command of one axis, m/s, sample by sample. The convolution of the command with the taps changes only
+/// if the command changed within the last n samples. Otherwise it is the sum of all taps, and no rounding of earlier
+/// samples is carried on.
+class Filtered {
+ public:
+  Filtered(const Filter& filter, const Command& command) : taps_(filter.taps()), command_(command) {
+    for (const double tap : taps_) whole_ += tap;
+  }
+  long double at(int k) {
+    bool changing = false;
+    for (const Step& step : command_.steps) {
+      if (k < step.at || k - step.at >= static_cast<int>(taps_.size())) continue;
+      velocity_ += static_cast<long double>(taps_[static_cast<std::size_t>(k - step.at)]) * step.size;
+      changing = true;
+    }
+    if (!changing) velocity_ = whole_ * command_.at(k);
+    return velocity_;
+  }
+
+ private:
+  std::span<const double> taps_;
+  const Command& command_;
+  long double whole_ = 0.0L, velocity_ = 0.0L;
+};
+
+/// Taps of the filter behind the control's smoothing.
+Filter smoothed(const Filter& filter, const std::vector<double>& smoothing) {
+  if (smoothing.empty()) return filter;
+  std::vector<double> taps(static_cast<std::size_t>(filter.order()) + smoothing.size(), 0.0);
+  for (std::size_t i = 0; i < taps.size(); ++i) {
+    for (std::size_t j = 0; j < smoothing.size(); ++j)
+      taps[i] += filter.tap(static_cast<int>(i) - static_cast<int>(j)) * smoothing[j];
+  }
+  return Filter(std::move(taps));
+}
+
 }  // namespace
 
 SampledMotion simulate_corner(const Filter& filter, const Corner& corner, int delay, double sample_period) {
-  const int n = filter.order();
-  const int rest = n + 3, leg = n + 4;
-  const int total = rest + leg + delay + leg + rest;
-  const Eigen::Index axes = corner.axes();
-
-  SampledMotion motion;
-  motion.start = rest - 1;
-  motion.corner = rest + leg - 1;
-  motion.stop = motion.corner + delay + leg;
-  motion.cruise_in = motion.corner - 1;
-  motion.cruise_out = motion.stop - 1;
-  motion.velocity = Eigen::MatrixXd::Zero(total, axes);
-  motion.acceleration = motion.jerk = motion.position = motion.velocity;
-
-  const auto taps = filter.taps();
-  long double whole = 0.0L;
-  for (const double tap : taps) whole += tap;
-  for (Eigen::Index a = 0; a < axes; ++a) {
+  const Stretches stretches(filter.order(), 0, delay);
+  SampledMotion motion = stretches.motion(corner.axes());
+  for (Eigen::Index a = 0; a < corner.axes(); ++a) {
     const double in = corner.feed_in * corner.direction_in[a], out = corner.feed_out * corner.direction_out[a];
-    const Command command{
-        {{{rest, in}, {rest + leg, -in}, {rest + leg + delay, out}, {rest + leg + delay + leg, -out}}}};
-    // Extended precision: the path is metres long, the corner error micrometres. Starting from minus the commanded
-    // length of leg 1 makes the position relative to the corner point.
-    long double position = -static_cast<long double>(in) * leg * sample_period, velocity = 0.0L;
-    for (int k = 0; k < total; ++k) {
-      // The convolution of the command with the taps, as its change from sample to sample: only where the command
-      // changed within the last n samples does it change. Where it did not, the sum is that of all taps, and no
-      // rounding of earlier samples is carried on.
-      bool changing = false;
-      for (const Step& step : command.steps) {
-        if (k < step.at || k - step.at > n) continue;
-        velocity += static_cast<long double>(taps[static_cast<std::size_t>(k - step.at)]) * step.size;
-        changing = true;
-      }
-      if (!changing) velocity = whole * command.at(k);
-      position += velocity * sample_period;
-      motion.velocity(k, a) = static_cast<double>(velocity);
-      motion.position(k, a) = static_cast<double>(position);
-    }
-    for (int k = 1; k < total; ++k) {
-      motion.acceleration(k, a) = (motion.velocity(k, a) - motion.velocity(k - 1, a)) / sample_period;
-      motion.jerk(k, a) = (motion.acceleration(k, a) - motion.acceleration(k - 1, a)) / sample_period;
-    }
+    const Command command = stretches.command(in, out);
+    Filtered filtered(filter, command);
+    // Extended precision, because the path is metres long and the corner error micrometres. Starting from minus the
+    // commanded length of leg 1 makes the position relative to the corner point.
+    Column column(motion, a, sample_period, -static_cast<long double>(in) * stretches.leg * sample_period);
+    for (int k = 0; k < stretches.total(); ++k) column.add(k, filtered.at(k));
   }
   return motion;
+}
+
+SampledResponse simulate_response(const Filter& filter, const Corner& corner, int delay, double sample_period,
+                                  const Machine& machine) {
+  const Response response(machine, sample_period);
+  SampledResponse sampled;
+  if (response.ideal()) {
+    sampled.command = simulate_corner(filter, corner, delay, sample_period);
+    return sampled;
+  }
+  const Filter behind = smoothed(filter, response.prefilter_order() > 0 ? response.prefilter() : std::vector<double>{});
+  sampled.longer = response.order();
+  const Stretches stretches(behind.order(), response.servo_order(), delay);
+  sampled.command = sampled.moved.emplace(stretches.motion(corner.axes()));
+  for (Eigen::Index a = 0; a < corner.axes(); ++a) {
+    const double in = corner.feed_in * corner.direction_in[a], out = corner.feed_out * corner.direction_out[a];
+    const Command command = stretches.command(in, out);
+    Filtered filtered(behind, command);
+    const long double start = -static_cast<long double>(in) * stretches.leg * sample_period;
+    Column commanded(sampled.command, a, sample_period, start), moved(*sampled.moved, a, sample_period, start);
+    Servo servo(machine.axes[static_cast<std::size_t>(a)], sample_period);
+    for (int k = 0; k < stretches.total(); ++k) {
+      const long double velocity = filtered.at(k);
+      commanded.add(k, velocity);
+      moved.add(k, servo.follow(velocity, sample_period));
+    }
+  }
+  return sampled;
 }
 
 }  // namespace accdec

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include <accdec/motion/corner.hpp>
-#include <accdec/motion/filter.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
 
 namespace accdec {
 
@@ -25,5 +27,19 @@ struct SampledMotion {
 /// Plain convolution of the command stream (rest, leg 1, gap, leg 2, rest) with the taps; both legs long enough to
 /// reach full speed.
 SampledMotion simulate_corner(const Filter& filter, const Corner& corner, int delay, double sample_period);
+
+/// One corner's command and its motion behind the machine's response (machine/response.hpp). Both have the same rows.
+struct SampledResponse {
+  SampledMotion command;               ///< behind the control's own smoothing
+  std::optional<SampledMotion> moved;  ///< behind the servos of the axes; none if all are ideal
+  int longer = 0;                      ///< samples by which the response lengthens the motion
+  const SampledMotion& motion() const { return moved ? *moved : command; }
+};
+
+/// The same with the machine's response. The smoothing, and taps of a servo that were measured, are convolved. The
+/// following error e of a servo of gain Kv is integrated exactly: e' = (1 - g) V' - Kv e, with V' constant in a sample.
+/// Axes may differ.
+SampledResponse simulate_response(const Filter& filter, const Corner& corner, int delay, double sample_period,
+                                  const Machine& machine);
 
 }  // namespace accdec

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 
-/// What starts and stops allow of any tap: acceleration and force (of the mass alone, which friction only adds to at a
-/// start) bound every tap, jerk the difference of two neighbours and so the first and the last.
+/// Bounds on taps from starts and stops. Acceleration and force bound every tap. Force counts the mass only, because
+/// friction only adds to it at a start. Jerk bounds the difference of two neighbours, and so the first and the last
+/// tap.
 struct TapBounds {
   double most = 1.0, step = unlimited;
 };

@@ -1,6 +1,6 @@
 #include <utility>
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 namespace {

@@ -2,15 +2,15 @@
 
 #include <vector>
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec {
 
-/// What verify_by_simulation costs, before it costs anything: near enough to refuse what nobody would wait for.
+/// Cost of verify_by_simulation, estimated before it runs: precise enough to refuse tasks that would take too long.
 struct VerificationCost {
   double samples = 0.0;  ///< of all axes of all corners together
-  double bytes = 0.0;    ///< of the corner that takes most
-  /// About, on one core of 2.6 GHz: 0.05 us a sample of an axis.
+  double bytes = 0.0;    ///< of the corner that needs most
+  /// Estimate for one core of 2.6 GHz: 0.05 us per sample of an axis.
   double seconds() const { return 5e-8 * samples; }
 };
 /// @param delays  one per corner

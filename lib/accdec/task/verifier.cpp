@@ -16,7 +16,7 @@
 #include <accdec/task/objective.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verification_cost.hpp>
-#include <accdec/task/verifier.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 
@@ -40,7 +40,7 @@ Peak peak_over_events(const SampledMotion& m, Quantity quantity) {
     for (int row = rows.first; row <= rows.second; ++row) {
       const double value = quantity(row);
       if (any && value <= peak.value) continue;
-      // Among samples equal but for rounding the first is the one a reader expects.
+      // Among samples that differ only by rounding, readers expect the first.
       const bool clearly = !any || value > peak.value + 1e-12 * std::abs(peak.value);
       peak = clearly ? Peak{value, event, row - zero} : Peak{value, peak.event, peak.sample};
       any = true;
@@ -65,31 +65,34 @@ LimitUse make_use(LimitKind kind, const std::string& axis, const std::string& co
   return use;
 }
 
-/// What an axis limit bounds, at one row.
-double axis_quantity(LimitKind kind, const SampledMotion& m, const Axis& axis, Eigen::Index a, int row) {
+/// The value that an axis limit bounds, at one row: of the command, or of the motion behind the servo.
+double axis_quantity(LimitKind kind, const SampledResponse& r, const Axis& axis, Eigen::Index a, int row) {
+  const SampledMotion &c = r.command, &m = r.motion();
   const double force = axis.mass * m.acceleration(row, a) + axis.damping * m.velocity(row, a);
   switch (kind) {
-    case LimitKind::velocity: return std::abs(m.velocity(row, a));
-    case LimitKind::acceleration: return std::abs(m.acceleration(row, a));
-    case LimitKind::jerk: return std::abs(m.jerk(row, a));
+    case LimitKind::velocity: return std::abs(c.velocity(row, a));
+    case LimitKind::acceleration: return std::abs(c.acceleration(row, a));
+    case LimitKind::jerk: return std::abs(c.jerk(row, a));
     case LimitKind::force: return std::abs(force);
     case LimitKind::power: return force * m.velocity(row, a);
     case LimitKind::regeneration: return -force * m.velocity(row, a);
     case LimitKind::vibration:
     case LimitKind::corner_error:
-    case LimitKind::speed_min: break;  // none of an axis; named so that the compiler misses a new one
+    case LimitKind::speed_min: break;  // no limit of an axis; named so that the compiler reports a missing new one
   }
   return 0.0;
 }
 
-void axis_uses(const SampledMotion& m, const Machine& machine, const std::string& corner, std::vector<LimitUse>& out) {
+void axis_uses(const SampledResponse& m, const Machine& machine, const std::string& corner,
+               std::vector<LimitUse>& out) {
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
     const Axis& axis = machine.axes[i];
     const auto a = static_cast<Eigen::Index>(i);
     const auto add = [&]<LimitKind kind>(double bound) {
       if (bound >= unlimited) return;
       out.push_back(make_use(kind, axis.name, corner,
-                             peak_over_events(m, [&](int n) { return axis_quantity(kind, m, axis, a, n); }), bound));
+                             peak_over_events(m.command, [&](int n) { return axis_quantity(kind, m, axis, a, n); }),
+                             bound));
     };
     [&]<std::size_t... i>(std::index_sequence<i...>) {
       (add.template operator()<axis_limits[i].kind>(axis.*axis_limits[i].bound), ...);
@@ -111,16 +114,17 @@ double leg_gap(const Eigen::VectorXd& x, const Eigen::VectorXd& outward) {
   return (x - along * outward).norm();
 }
 
-CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, int delay, int order, double period,
-                             int* error_sample, int* speed_sample) {
+/// @param longer  samples by which the machine's response lengthens the motion
+CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, int delay, int order, int longer,
+                             double period, int* error_sample, int* speed_sample) {
   CornerResult result;
   result.name = corner.name;
   result.delay = delay;
   result.corner_time = (order + 1 + delay) * period;
-  const int last = m.corner + order + delay + 1;
+  const int last = m.corner + order + longer + delay + 1;
   const Eigen::VectorXd back = -corner.geometry().direction_in, forward = corner.geometry().direction_out;
   result.corner_error = result.polyline_error = result.speed_min = unlimited;
-  // Between two samples the deviation peaks where the nearer leg changes: from back to forward.
+  // Between two samples the deviation is largest where the nearer leg changes: from back to forward.
   double previous_back = 0.0, previous_forward = 0.0;
   Eigen::VectorXd x = m.position.row(m.corner).transpose(), previous = x, between = x;
   for (int row = m.corner; row <= last; ++row) {
@@ -153,14 +157,27 @@ CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, i
     previous = x;
     previous_back = to_back, previous_forward = to_forward;
   }
-  for (double* distance : {&result.corner_error, &result.polyline_error, &result.contour_deviation}) {
-    if (*distance < position_floor) *distance = 0.0;
-  }
+  for (double* distance : {&result.corner_error, &result.polyline_error, &result.contour_deviation})
+    *distance = judged_distance(*distance);
   return result;
 }
 
-/// Amplitude left in an undamped oscillator of frequency f that the taps hit one after another, 1 for a single hit of
-/// the whole sum.
+/// How long after the end of the filtered command the motion still is farther from its end than the corner's tolerance:
+/// 0 without a response or a tolerance.
+double settling_time(const SampledMotion& m, const TaskCorner& corner, int order, int longer, double period) {
+  if (longer == 0 || !corner.error_max) return 0.0;
+  const Eigen::Index end = m.position.rows() - 1;
+  int samples = longer;
+  while (samples > 0) {
+    const Eigen::Index row = m.stop + order + samples;
+    if ((m.position.row(row) - m.position.row(end)).norm() > *corner.error_max) break;
+    --samples;
+  }
+  return samples * period;
+}
+
+/// Amplitude left in an undamped oscillator of frequency f that the taps hit one after another. It is 1 for a single
+/// hit by the whole sum.
 double residual_amplitude(const Filter& filter, double frequency, double period) {
   const std::complex<double> rotation = std::polar(1.0, 2.0 * std::numbers::pi * frequency * period);
   std::complex<double> state = 0.0;
@@ -175,11 +192,13 @@ struct Measures {
 
 void measure_corner(const Task& task, const Filter& filter, const TaskCorner& corner, int delay, Measures& out) {
   if (delay < 0) throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delay));
-  const SampledMotion motion = simulate_corner(filter, corner.geometry(), delay, task.sample_period);
-  axis_uses(motion, task.machine, corner.name, out.uses);
+  const SampledResponse sampled = simulate_response(filter, corner.geometry(), delay, task.sample_period, task.machine);
+  axis_uses(sampled, task.machine, corner.name, out.uses);
   int error_sample = 0, speed_sample = 0;
-  out.corners.push_back(
-      measure_samples(motion, corner, delay, filter.order(), task.sample_period, &error_sample, &speed_sample));
+  out.corners.push_back(measure_samples(sampled.motion(), corner, delay, filter.order(), sampled.longer,
+                                        task.sample_period, &error_sample, &speed_sample));
+  out.corners.back().settling_time =
+      settling_time(sampled.motion(), corner, filter.order(), sampled.longer, task.sample_period);
   const CornerResult& measured = out.corners.back();
   if (corner.error_max) {
     out.uses.push_back(make_use(LimitKind::corner_error, "", corner.name,
@@ -191,7 +210,7 @@ void measure_corner(const Task& task, const Filter& filter, const TaskCorner& co
   }
 }
 
-/// In the order of the corners; of very many on all cores.
+/// Measures in the order of the corners; very many corners use all cores.
 Measures measure_corners(const Task& task, const Filter& filter, const std::vector<int>& delays) {
   constexpr std::size_t part_size = 1000;
   std::vector<Measures> parts((delays.size() + part_size - 1) / part_size);
@@ -210,9 +229,20 @@ Measures measure_corners(const Task& task, const Filter& filter, const std::vect
   return all;
 }
 
+/// The filter behind the control's smoothing.
+Filter smoothed_filter(const Filter& filter, const Machine& machine) {
+  if (machine.prefilter_taps.empty()) return filter;
+  std::vector<double> taps(static_cast<std::size_t>(filter.order()) + machine.prefilter_taps.size(), 0.0);
+  for (std::size_t j = 0; j < machine.prefilter_taps.size(); ++j) {
+    for (int i = 0; i <= filter.order(); ++i)
+      taps[static_cast<std::size_t>(i) + j] += filter.tap(i) * machine.prefilter_taps[j];
+  }
+  return Filter(std::move(taps));
+}
+
 LimitUse vibration_limit(const Filter& filter, const Mode& mode, double period) {
-  // The response is band-limited to N T: between grid points a sixteenth of its shortest ripple apart, a parabola
-  // through three of them locates a peak far more closely than the amplitude can change.
+  // The response is band-limited to N T. Grid points are a sixteenth of its shortest ripple apart. So a parabola
+  // through three of them locates a peak precisely enough that the amplitude does not change.
   const double width = mode.frequency_high - mode.frequency_low;
   const int cells = width > 0.0 ? 16 + static_cast<int>(16.0 * width * period * (filter.order() + 1)) : 0;
   LimitUse use;
@@ -232,7 +262,7 @@ LimitUse vibration_limit(const Filter& filter, const Mode& mode, double period) 
     for (int i = 0; i <= cells; ++i) r[static_cast<std::size_t>(i)] = consider(mode.frequency_low + h * i);
     for (int i = 0; i <= cells; ++i) {
       const auto u = static_cast<std::size_t>(i);
-      // The first and the last cell may hold a peak nearer to the band's end than to the next point.
+      // The peak of the first or last cell may be nearer to the band's end than to the next point.
       if ((i > 0 && r[u] < r[u - 1]) || (i < cells && r[u] < r[u + 1])) continue;
       double centre = mode.frequency_low + h * i, step = h;
       for (int refine = 0; refine < 12; ++refine) {
@@ -247,7 +277,7 @@ LimitUse vibration_limit(const Filter& filter, const Mode& mode, double period) 
     }
   }
   use.utilisation = utilisation_of(use.kind, use.value, use.bound);
-  // A residual asked to vanish is held when it vanishes to rounding.
+  // A residual bound of 0 holds if the residual is 0 up to rounding.
   if (use.bound == 0.0 && use.value < 1e-12) use.utilisation = 0.0;
   return use;
 }
@@ -261,30 +291,46 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
   }
   require_simulation_room(task, filter.order(), delays);
   auto [uses, measured] = measure_corners(task, filter, delays);
-  for (const Mode& mode : task.machine.modes) uses.push_back(vibration_limit(filter, mode, task.sample_period));
+  if (!task.machine.modes.empty()) {
+    const Filter command = smoothed_filter(filter, task.machine);
+    for (const Mode& mode : task.machine.modes) uses.push_back(vibration_limit(command, mode, task.sample_period));
+  }
 
   VerificationReport report;
   report.performed = true;
   report.tolerance = verification_tolerance;
+  report.feasible = true;
   const LimitUse* worst = nullptr;
   for (const LimitUse& use : uses) {
+    report.feasible = report.feasible && granted(use.utilisation);
     if (worst == nullptr || use.utilisation > worst->utilisation) worst = &use;
   }
   if (worst != nullptr) {
     report.worst = describe(*worst);
     report.max_violation = std::max(0.0, worst->utilisation - 1.0);
   }
-  report.feasible = report.max_violation <= verification_tolerance;
   if (limits != nullptr) *limits = std::move(uses);
   if (corners != nullptr) *corners = std::move(measured);
   return report;
 }
 
+Task corner_alone(const Task& task, const TaskCorner& corner) {
+  Task alone;
+  alone.sample_period = task.sample_period;
+  alone.machine.axes = task.machine.axes;
+  alone.machine.prefilter_taps = task.machine.prefilter_taps;
+  alone.corners = {corner};
+  return alone;
+}
+
 double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use) {
-  if (use.kind == LimitKind::vibration) return residual_amplitude(filter, use.frequency, task.sample_period);
+  if (use.kind == LimitKind::vibration)
+    return residual_amplitude(smoothed_filter(filter, task.machine), use.frequency, task.sample_period);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].name != use.corner) continue;
-    const SampledMotion m = simulate_corner(filter, task.corners[j].geometry(), delays[j], task.sample_period);
+    const SampledResponse sampled =
+        simulate_response(filter, task.corners[j].geometry(), delays[j], task.sample_period, task.machine);
+    const SampledMotion& m = sampled.motion();
     const int zero = use.event == Event::start ? m.start : use.event == Event::blend ? m.corner : m.stop;
     const int row = zero + use.sample;
     if (use.event == Event::none || row < 0 || row >= m.velocity.rows()) break;
@@ -292,7 +338,7 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
     if (use.kind == LimitKind::speed_min) return m.velocity.row(row).norm();
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
       const Axis& axis = task.machine.axes[a];
-      if (axis.name == use.axis) return axis_quantity(use.kind, m, axis, static_cast<Eigen::Index>(a), row);
+      if (axis.name == use.axis) return axis_quantity(use.kind, sampled, axis, static_cast<Eigen::Index>(a), row);
     }
   }
   return std::numeric_limits<double>::quiet_NaN();

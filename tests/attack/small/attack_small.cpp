@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/design.hpp>
-#include <accdec/design/verify_result.hpp>
-#include <accdec/files/seconds_since.hpp>
-#include <accdec/formats/result_json.hpp>
+#include <accdec/design.hpp>
+#include <accdec/files.hpp>
 #include <accdec/formats/task_writer.hpp>
+#include <accdec/result.hpp>
+#include <accdec/verify.hpp>
 
 #include "draw.hpp"
 #include "judge.hpp"
@@ -109,7 +109,7 @@ class Attack {
     if (again == Verdict::no) wrong(task, "the judge refutes a design that holds");
   }
 
-  /// Of a given filter: some smaller delay of one corner holds as well.
+  /// For a given filter: whether a smaller delay of one corner holds as well.
   Verdict shorter_delay(const Task& task, const Filter& filter, const std::vector<int>& delays) {
     const std::vector<double> taps(filter.taps().begin(), filter.taps().end());
     for (std::size_t j = 0; j < delays.size(); ++j) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec::attack {
 

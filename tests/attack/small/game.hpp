@@ -6,8 +6,8 @@
 namespace accdec::attack {
 
 /// The least worst use of limits by any filter: min over b >= 0, sum b = 1 of max over rows a of a . b. It is the value
-/// of a matrix game, so that both sides of an answer are checked without trusting the simplex method that found it:
-/// taps show what can be reached, weights on the rows what cannot.
+/// of a matrix game. So both sides of an answer are checked without trusting the simplex method: taps show a reachable
+/// value, and weights on the rows prove that no smaller one is.
 class Game {
  public:
   /// @param most  no entry of any row is larger in magnitude

@@ -14,7 +14,7 @@ namespace {
 constexpr double margin = 1e-6;
 constexpr int nodes_max = 3000;
 
-/// What a node of the search still allows: velocities now of a power limit, or directions of a speed limit.
+/// The range that a node of the search still allows: velocities now of a power limit, or directions of a speed limit.
 struct Interval {
   double low, high;
 };
@@ -141,8 +141,8 @@ class Search {
     return most > 0;
   }
 
-  /// With both velocities turned so that `now` is positive: before >= (A now - P / now) / B of power, which is concave
-  /// in now, or before <= (A now + R / now) / B of regeneration, which is convex: beyond its chord.
+  /// Both velocities are turned so that `now` is positive. For power, before >= (A now - P / now) / B, which is concave
+  /// in now. For regeneration, before <= (A now + R / now) / B, which is convex. The cut is the chord of this curve.
   bool cut_power(Node& node, std::size_t i, const std::vector<double>& taps) {
     const PowerLimit& limit = physics_.powers[i];
     const Interval in = node.powers[i];

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <accdec/task/task.hpp>
+#include <accdec/task.hpp>
 
 namespace accdec::attack {
 

@@ -1,6 +1,5 @@
-#include <accdec/design/design.hpp>
-#include <accdec/formats/design_report.hpp>
-#include <accdec/formats/task_reader.hpp>
+#include <accdec/design.hpp>
+#include <accdec/task.hpp>
 
 int main() {
   const accdec::Task task = accdec::read_task("problems/corner/acceleration-jerk.toml");

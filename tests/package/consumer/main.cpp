@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include <accdec/motion/blend.hpp>
-#include <accdec/motion/shapes.hpp>
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
 
 // Table 2 of the paper, feed 1/3, no delay: 488 um.
 int main() {

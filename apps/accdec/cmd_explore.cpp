@@ -1,0 +1,104 @@
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include <accdec/files/shown_text.hpp>
+#include <accdec/simulate.hpp>
+#include <accdec/task.hpp>
+
+#include "command.hpp"
+#include "explore/program.hpp"
+#include "explore/requests.hpp"
+#include "explore/server.hpp"
+#include "interrupt.hpp"
+#include "machines.hpp"
+#include "output.hpp"
+#include "status_line.hpp"
+
+namespace accdec::cli {
+namespace {
+
+struct Arguments {
+  std::string file;  ///< a task, or a program that `task` is of
+  std::string task;
+  bool no_browser = false;
+};
+
+/// The desktop's browser, which may outlive this program. @returns whether there is a way to open it
+bool open_browser(const std::string& address) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&actions, file, "/dev/null", O_RDWR, 0);
+  std::string program = "xdg-open", argument = address;
+  char* const words[] = {program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  const bool opened = ::posix_spawnp(&child, program.c_str(), &actions, nullptr, words, environ) == 0;
+  posix_spawn_file_actions_destroy(&actions);
+  return opened;
+}
+
+/// The text that the page begins with.
+std::string start_of(const Arguments& arguments, const Context& context) {
+  if (!arguments.task.empty()) {
+    const Task task =
+        read_task(arguments.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
+    warn(task, arguments.task, context);
+    StatusLine status(context.quiet);
+    return explore::program_start_json(arguments.file, task, [&](const std::string& line) { status.tell(line); });
+  }
+  const bool given = !arguments.file.empty();
+  const Task task =
+      given ? read_task(arguments.file) : parse_task(machine_file(first_machine).text, std::string(first_machine));
+  explore::require_small(task.corners.size());
+  if (given) warn(task, arguments.file, context);
+  return explore::start_json(task, arguments.file);
+}
+
+void run(const Arguments& arguments, Context& context) {
+  if (arguments.file.empty() && !arguments.task.empty())
+    throw std::invalid_argument("--task goes with a program: accdec explore PROGRAM.ngc --task TASK.toml");
+  const std::string start = start_of(arguments, context);
+  const std::string page = arguments.task.empty() ? "" : "program.html";
+  const Interrupt interrupt;
+  explore::serve(
+      start,
+      [&](const std::string& address) {
+        const bool opened = !arguments.no_browser && open_browser(address + page);
+        if (context.quiet && opened) return;
+        fmt::print("{}\n", address + page);
+        if (!context.quiet)
+          fmt::print("The page is {}. It ends with its window, or by Ctrl-C.\n",
+                     opened ? "being opened" : "at this address");
+        std::fflush(stdout);
+      },
+      Interrupt::asked());
+  context.exit_code = exit_ok;
+}
+
+}  // namespace
+
+void add_explore(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "explore",
+      "Open a page of this computer with a slider for every number of a task: each design is verified and proved");
+  command
+      ->add_option("file", arguments->file,
+                   "Task to begin with (default: one of those of init); with --task a program to look at")
+      ->type_name("TASK.toml|PROGRAM.ngc");
+  command->add_option("--task", arguments->task, "Task of the program, as of accdec program: its plans are shown")
+      ->type_name("TASK.toml");
+  command->add_flag("--no-browser", arguments->no_browser, "print the address of the page and open no browser");
+  command->callback([arguments, &context] { run(*arguments, context); });
+}
+
+}  // namespace accdec::cli

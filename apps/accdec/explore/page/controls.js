@@ -1,0 +1,280 @@
+// A control for every key of a task, made from the table of keys that the program checks files with.
+import { make, unit } from "./format.js";
+import { slider } from "./slider.js";
+import { barredBy, firstTable, firstValue, neededBy, otherWay, shortName } from "./keys.js";
+
+export class Controls {
+  constructor(form, keys, state) {
+    Object.assign(this, { form, keys, state, apart: false, open: new Map() });
+    form.addEventListener("submit", (event) => event.preventDefault());
+    this.build();
+  }
+
+  build() {
+    const focus = document.activeElement?.id;
+    this.updates = [];
+    this.form.replaceChildren();
+    const general = this.keys.filter((key) => !key.keys);
+    this.form.append(
+      this.group(
+        "Task",
+        general.flatMap((key) => this.row(key, [[key.name]])),
+        "task",
+      ),
+    );
+    for (const key of this.keys) {
+      if (key.type === "tables") this.list(key);
+      else if (key.type === "table") this.table(key);
+    }
+    if (focus) document.getElementById(focus)?.focus();
+  }
+
+  /** New values in the controls that are there. */
+  update() {
+    for (const update of this.updates) update();
+  }
+
+  group(title, rows, name, tools = []) {
+    const open = this.open.get(name) ?? !["task", "design", "filter", "program"].includes(name);
+    const element = make(
+      "details",
+      { open, class: "group" },
+      make("summary", {}, title),
+      ...rows.filter(Boolean),
+      make("div", { class: "tools" }, ...tools),
+    );
+    element.addEventListener("toggle", () => this.open.set(name, element.open));
+    return element;
+  }
+
+  table(key) {
+    const value = this.state.get([key.name]);
+    if (value === undefined) {
+      this.addButton(key, () => firstValue(key));
+      return;
+    }
+    const remove = make(
+      "button",
+      { type: "button", onclick: () => this.state.set([[[key.name], undefined]], null, true) },
+      `remove ${key.name}`,
+    );
+    this.form.append(this.group(key.name, this.rows(key, [[key.name]]), key.name, key.required ? [] : [remove]));
+  }
+
+  list(key) {
+    const all = this.state.get([key.name]) ?? [];
+    const alike =
+      key.name === "axis" &&
+      all.length > 1 &&
+      !this.apart &&
+      new Set(all.map((one) => JSON.stringify({ ...one, name: "" }))).size === 1;
+    const groups = alike ? [all.map((_, i) => [key.name, i])] : all.map((_, i) => [[key.name, i]]);
+    for (const paths of groups) {
+      const names = paths.map((path) => this.state.get(path).name ?? path[1] + 1);
+      const tools = [];
+      if (alike)
+        tools.push(
+          this.button("set them apart", () => {
+            this.apart = true;
+            this.build();
+          }),
+        );
+      else if (key.name !== "axis" && (key.name !== "corner" || all.length > 1))
+        tools.push(this.button(`remove ${key.name}`, () => this.state.set([[paths[0], undefined]], null, true)));
+      this.form.append(
+        this.group(
+          `${key.name} ${names.join(", ")}`,
+          this.rows(key, paths, alike ? ["name"] : []),
+          `${key.name}${paths[0][1]}`,
+          tools,
+        ),
+      );
+    }
+    if (key.name === "axis") return;
+    this.addButton(key, () => [...all, this.another(key, all)]);
+  }
+
+  /** A button that gives the task a table, or one more of a list. */
+  addButton(key, value) {
+    const onclick = () => this.state.set([[[key.name], value()]], null, true);
+    this.form.append(make("button", { type: "button", class: "add", title: key.meaning, onclick }, `+ ${key.name}`));
+  }
+
+  /** One more of a list: as the last, under a name that is free. */
+  another(key, all) {
+    const value = all.length ? JSON.parse(JSON.stringify(all.at(-1))) : firstTable(key);
+    if (value.name === undefined) return value;
+    for (let i = all.length; ; ++i) {
+      const name = i < 26 ? String.fromCharCode(65 + i) : `C${i + 1}`;
+      if (!all.some((one) => one.name === name)) return { ...value, name };
+    }
+  }
+
+  button(text, onclick) {
+    return make("button", { type: "button", onclick }, text);
+  }
+
+  /** Rows for the keys that a table has, and a choice of those that it may get. */
+  rows(key, paths, hidden = []) {
+    const value = this.state.get(paths[0]);
+    const barred = barredBy(key, value);
+    const rows = [],
+      absent = [];
+    for (const inner of key.keys) {
+      if (hidden.includes(inner.name) || (barred.has(inner.name) && !otherWay(key, inner))) continue;
+      if (inner.name in value)
+        rows.push(
+          ...this.row(
+            inner,
+            paths.map((path) => [...path, inner.name]),
+            key,
+          ),
+        );
+      else absent.push(inner);
+    }
+    if (!absent.length) return rows;
+    const choice = make(
+      "select",
+      { class: "more", "data-table": key.name, "aria-label": `add to ${key.name}` },
+      make("option", { value: "" }, "add .."),
+      ...absent.map((inner) => make("option", { value: inner.name, title: inner.meaning }, inner.name)),
+    );
+    choice.addEventListener("change", () => {
+      const inner = absent.find((k) => k.name === choice.value);
+      this.state.set(
+        paths.flatMap((path) => this.additions(key, inner, path)),
+        null,
+        true,
+      );
+    });
+    return [...rows, choice];
+  }
+
+  /** What changes where a key is added: where it is another way to say something, the first way goes. */
+  additions(key, inner, path) {
+    const axes = this.state.get(["axis"])?.length ?? 2;
+    const first = (one) => {
+      const value = firstValue(one);
+      return Array.isArray(value) && one.meaning.includes("one number an axis") ? value.slice(0, axes) : value;
+    };
+    const way = otherWay(key, inner);
+    if (!way) return [[[...path, inner.name], first(inner)]];
+    const barred = Object.keys(way.properties ?? {}).map((name) => [[...path, name], undefined]);
+    return [...barred, ...way.required.map((name) => [[...path, name], first(key.keys.find((k) => k.name === name))])];
+  }
+
+  row(key, paths, table) {
+    const value = this.state.get(paths[0]);
+    if (key.type === "numbers" && typeof value === "number")
+      return [this.one({ ...key, type: key.whole ? "integer" : "number" }, paths, table)];
+    if (key.type === "numbers" && Array.isArray(value) && value.length <= 9)
+      return value.map((_, i) =>
+        this.one(
+          { ...key, type: key.whole ? "integer" : "number" },
+          paths.map((p) => [...p, i]),
+          table,
+          i,
+        ),
+      );
+    return [this.one(key, paths, table)];
+  }
+
+  one(key, paths, table, index) {
+    const id = paths[0].join("-");
+    const put = (value) =>
+      this.state.set(
+        paths.map((path) => [path, value]),
+        id,
+      );
+    const label = `${shortName(key)}${index === undefined ? "" : ` ${index + 1}`}`;
+    const field = this.field(key, paths[0], id, put, table);
+    const needed =
+      key.required || (table && neededBy(table, this.state.get(paths[0].slice(0, -1)) ?? {}).includes(key.name));
+    const drop =
+      needed || index > 0 || !table
+        ? null
+        : make(
+            "button",
+            {
+              type: "button",
+              class: "drop",
+              title: `without ${key.name}: ${key.fallback ?? "none"}`,
+              "aria-label": `remove ${label}`,
+              onclick: () =>
+                this.state.set(
+                  paths.map((path) => [index === undefined ? path : path.slice(0, -1), undefined]),
+                  null,
+                  true,
+                ),
+            },
+            "\u00d7",
+          );
+    return make(
+      "div",
+      {
+        class: "row",
+        title: `${key.name}: ${key.meaning}`,
+        "data-key": table ? `${table.name}.${key.name}` : key.name,
+      },
+      make("label", { for: id }, label, key.unit ? make("small", {}, ` ${unit(key.unit)}`) : null),
+      field,
+      drop,
+    );
+  }
+
+  field(key, path, id, put, table) {
+    const now = () => this.state.get(path);
+    if (key.type === "number" || key.type === "integer") {
+      const { element, update } = slider(key, id, now, put);
+      this.updates.push(update);
+      return element;
+    }
+    if (key.type === "boolean") {
+      const box = make("input", { type: "checkbox", id, checked: now() });
+      box.addEventListener("change", () => put(box.checked));
+      return box;
+    }
+    if (key.type === "words") {
+      const chosen = [now()].flat();
+      return make(
+        "span",
+        { class: "words", id },
+        ...key.words.map((word) => {
+          const box = make("input", { type: "checkbox", checked: chosen.includes(word) });
+          // At least one of them.
+          box.addEventListener("change", () => {
+            const words = key.words.filter((other) => (other === word ? box.checked : [now()].flat().includes(other)));
+            if (words.length) put(words);
+            else box.checked = true;
+          });
+          return make("label", {}, box, ` ${word}`);
+        }),
+      );
+    }
+    if (key.type === "word") {
+      const choice = make("select", { id }, ...key.words.map((word) => make("option", {}, word)));
+      choice.value = now();
+      choice.addEventListener("change", () => {
+        if (!table || !neededBy(table, { kind: key.words[0] }).length) return put(choice.value);
+        // Another kind of filter has other keys.
+        const value = { kind: choice.value };
+        const old = this.state.get(path.slice(0, -1));
+        for (const name of neededBy(table, value))
+          value[name] = old[name] ?? firstValue(table.keys.find((k) => k.name === name));
+        this.state.set([[path.slice(0, -1), value]], null, true);
+      });
+      return choice;
+    }
+    const text = make("input", { type: "text", id, value: key.type === "text" ? now() : JSON.stringify(now()) });
+    text.addEventListener("change", () => {
+      if (key.type === "text") return put(text.value);
+      try {
+        put(JSON.parse(text.value));
+      } catch {
+        text.setCustomValidity("a list of numbers in brackets");
+        text.reportValidity();
+      }
+    });
+    return text;
+  }
+}

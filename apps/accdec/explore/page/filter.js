@@ -1,0 +1,67 @@
+// Taps and frequency response.
+import { Chart, colour } from "./curves.js";
+
+const points = 300;
+
+/** |sum b_i exp(-2 pi j f i T)| */
+function left(taps, f, period) {
+  const turn = 2 * Math.PI * f * period;
+  const c = Math.cos(turn),
+    s = Math.sin(turn);
+  let re = 0,
+    im = 0;
+  for (let i = taps.length - 1; i >= 0; --i) [re, im] = [re * c - im * s + taps[i], re * s + im * c];
+  return Math.hypot(re, im);
+}
+
+function top(taps, period, modes) {
+  const most = Math.max(8 / (taps.length * period), ...modes.map((m) => 1.5 * [m.frequency_Hz].flat().at(-1)));
+  return Math.min(most, 0.5 / period);
+}
+
+export class FilterCharts {
+  constructor(taps, response) {
+    this.taps = new Chart(taps, { together: false, xTitle: "ms" });
+    this.response = new Chart(response, { together: false, log: true, xTitle: "Hz" });
+  }
+
+  show(now, before, period, modes) {
+    const ms = 1e3 * period;
+    const tap = (filter, rest) => ({ time: filter.taps.map((_, i) => i * ms), values: filter.taps, axis: 0, ...rest });
+    const specs = [tap(now, { label: "design", bars: true })];
+    if (before) specs.push(tap(before, { label: "before", before: true, steps: true }));
+    const last = Math.max(now.taps.length, before?.taps.length ?? 0);
+    this.taps.show(specs, [], { period: ms, x: [-ms, last * ms] });
+
+    const high = top(now.taps, period, modes),
+      step = high / points;
+    const grid = Array.from({ length: points + 1 }, (_, i) => i * step);
+    const curve = (filter, rest) => ({
+      time: grid,
+      values: grid.map((f) => Math.max(1e-6, left(filter.taps, f, period))),
+      axis: 0,
+      ...rest,
+    });
+    const lines = [curve(now, { label: "design" })];
+    if (before) lines.push(curve(before, { label: "before", before: true }));
+    this.response.show(lines, [], { period: step, x: [0, high], y: [1e-4, 1.5], extra: (plot) => bands(plot, modes) });
+  }
+}
+
+/** The bands of the modes, and the vibration that may be left in them. */
+function bands(plot, modes) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  for (const mode of modes) {
+    const list = [mode.frequency_Hz].flat();
+    const [a, b] = [list[0], list.at(-1)].map((f) => plot.valToPos(f, "x", true));
+    const wide = Math.max(b - a, 3 * devicePixelRatio),
+      from = (a + b - wide) / 2;
+    ctx.fillStyle = colour("tolerance");
+    ctx.fillRect(from, bbox.top, wide, bbox.height);
+    const y = plot.valToPos(Math.max(mode.residual_max, 1e-4), "y", true);
+    ctx.fillStyle = colour("binds");
+    ctx.fillRect(from, y - devicePixelRatio, wide, 2 * devicePixelRatio);
+  }
+  ctx.restore();
+}

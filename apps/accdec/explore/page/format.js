@@ -1,0 +1,56 @@
+// Numbers and elements as people read them.
+
+/** An element of the page. */
+export const $ = (selector) => document.querySelector(selector);
+
+/** s; the time that a result's task minimises. */
+export const objective = (result) =>
+  result.task.design?.objective === "corner" ? result.corner_time_s : result.cycle_time_s;
+
+/** The filter in use today: where a task names families of settings, its [filter] is that. */
+export const filterOfToday = (task) => task.baseline ?? (task.design?.family ? task.filter : undefined);
+
+/** Four digits, without zeros behind them. */
+export const four = (x) => (Number.isFinite(x) ? String(Number(x.toPrecision(4))).replace("-", "\u2212") : "\u2013");
+
+/** s as ms, to the microsecond. */
+export const ms = (seconds) => String(Number((1e3 * seconds).toFixed(6))).replace("-", "\u2212");
+
+/** "mm/s^2" as it is printed. */
+export const unit = (text) => text.replace("^2", "\u00b2").replace("^3", "\u00b3").replace(/^um$/, "\u00b5m");
+
+/** An element: attributes, then children, which are elements or texts. */
+export function make(tag, attributes = {}, ...children) {
+  const svg = ["svg", "path", "circle", "line", "text", "g", "rect", "polyline", "title"].includes(tag);
+  const element = svg ? document.createElementNS("http://www.w3.org/2000/svg", tag) : document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else if (value === true) element.setAttribute(name, "");
+    else if (value !== false && value !== undefined && value !== null) element.setAttribute(name, value);
+  }
+  element.append(...children.filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+/** Rows of cells, each a text or an element. Numbers stand at the right. */
+export function table(head, rows, attributes = {}) {
+  const cell = (tag, content) =>
+    make(
+      tag,
+      { class: typeof content === "string" && /^[\u2212+]?[\d.]+( %)?$/.test(content) ? "n" : undefined },
+      content ?? "",
+    );
+  return make(
+    "table",
+    attributes,
+    make("thead", {}, make("tr", {}, ...head.map((text) => make("th", {}, text)))),
+    make(
+      "tbody",
+      {},
+      ...rows.map((row) => {
+        const line = make("tr", row.attributes ?? {}, ...(row.cells ?? row).map((content) => cell("td", content)));
+        return line;
+      }),
+    ),
+  );
+}

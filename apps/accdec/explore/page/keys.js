@@ -1,0 +1,49 @@
+// From the table of keys: names, first values, which keys go with which.
+
+/** "acceleration_max_mm_s2" without its unit. */
+export function shortName(key) {
+  const tail = (key.unit ?? "").replace("^", "").replace(/[ /]/g, "_");
+  const plain = key.name.replace(/_(deg|samples)$/, "");
+  return (tail && plain.endsWith(`_${tail}`) ? plain.slice(0, -tail.length - 1) : plain).replaceAll("_", " ");
+}
+
+/** What a key begins with when it is added. */
+export function firstValue(key) {
+  if (key.type === "boolean") return key.fallback !== "true";
+  if (key.type === "word") return key.words.includes(key.fallback) ? key.fallback : key.words[0];
+  if (key.type === "table") return firstTable(key);
+  const text = key.example ?? key.fallback ?? "0";
+  try {
+    return JSON.parse(text);
+  } catch {
+    return key.default ?? 0;
+  }
+}
+
+export function firstTable(key) {
+  const value = {};
+  for (const inner of key.keys ?? []) if (inner.required) value[inner.name] = firstValue(inner);
+  for (const name of neededBy(key, value)) value[name] ??= firstValue(key.keys.find((k) => k.name === name));
+  return value;
+}
+
+/** The condition of a table's kind of filter. */
+export function ofKind(key, value) {
+  const all = key.conditions?.allOf ?? [];
+  return all.find((c) => c.if?.properties?.kind?.const === value.kind)?.then ?? {};
+}
+export const neededBy = (key, value) => ofKind(key, value).required ?? [];
+export function barredBy(key, value) {
+  const barred = new Set();
+  const collect = (properties) => {
+    for (const [name, allowed] of Object.entries(properties ?? {})) if (allowed === false) barred.add(name);
+  };
+  collect(ofKind(key, value).properties);
+  for (const one of key.conditions?.oneOf ?? []) {
+    if (one.required?.every((name) => name in value)) collect(one.properties);
+  }
+  return barred;
+}
+
+/** The alternative of a table that a key belongs to. */
+export const otherWay = (key, inner) => key.conditions?.oneOf?.find((way) => way.required?.includes(inner.name));

@@ -1,0 +1,282 @@
+// The page: a change of the task asks for the families, today's filter and the design, and shows each as it comes.
+import { Controls } from "./controls.js";
+import { Motion, Chart } from "./curves.js";
+import { FilterCharts } from "./filter.js";
+import { $, filterOfToday, objective } from "./format.js";
+import { drawPath } from "./path.js";
+import { Latest, askJson, begin, stayAlive } from "./requests.js";
+import { State } from "./state.js";
+import { summary } from "./summary.js";
+import { cornerButtons, cornerTable, familyTable, tapTable } from "./tables.js";
+import { tools } from "./tools.js";
+
+const page = {
+  corner: 0,
+  chosen: "today",
+  design: null,
+  families: null,
+  today: null,
+  member: null,
+  unasked: false,
+  whole: false,
+};
+const delays = (result) => result.corners.map((c) => c.delay_samples);
+const withFilter = (task, filter) => ({ ...task, filter, baseline: undefined });
+const found = (answer) => (answer?.result.filter ? answer : null);
+
+const start = await begin();
+const shared = (globalThis.accdecPage = { start, state: null, page, note });
+const state = (shared.state = new State(start.task, changed));
+const controls = new Controls($("#controls"), start.keys, state);
+const motion = new Motion($("#motion"));
+const filters = new FilterCharts($("#taps"), $("#response"));
+const off = new Chart($("#off"), {});
+
+function note(text) {
+  $("#note").textContent = text;
+  clearTimeout(note.timer);
+  note.timer = setTimeout(() => ($("#note").textContent = ""), 4000);
+}
+
+function trouble(text) {
+  $("#trouble").textContent = text ?? "";
+  $("#trouble").hidden = !text;
+}
+
+// --- questions ---
+
+const design = new Latest(
+  (task) => askJson("design", task, { seconds: 0.3 }),
+  (answer, task) => {
+    showDesign(answer, task);
+    if (answer.result.stop === "time limit") longer.put(task);
+  },
+  fail,
+);
+// A design that is not proved in a moment gets more time, until the task changes.
+const longer = new Latest((task) => askJson("design", task, { seconds: 20, slot: "longer" }), showDesign, fail);
+// Families found within a frame or two are shown at once. Then the program is free for the design.
+const families = new Latest(
+  (task) => askJson("families", task, { seconds: 0.015 }),
+  (answer, task) => {
+    showFamilies(answer, task);
+    latency("families");
+    askRest(task);
+    if (!answer.complete && JSON.stringify(task) === JSON.stringify(state.task)) thorough.put(task);
+  },
+  (error, task) => askRest(task),
+);
+const thorough = new Latest(
+  (task) => askJson("families", task, { seconds: 2, slot: "thorough" }),
+  showFamilies,
+  () => {},
+);
+const today = new Latest(
+  (task) => askJson("design", withFilter(task, filterOfToday(task)), { seconds: 2, slot: "today", format: "given" }),
+  (answer) => {
+    page.today = answer;
+    draw();
+  },
+  () => {},
+);
+const member = new Latest(
+  (task) => askJson("design", task, { seconds: 2, slot: "member", format: "given" }),
+  (answer) => {
+    page.member = answer;
+    draw();
+  },
+  () => {},
+);
+
+function fail(error) {
+  page.design = null;
+  document.body.classList.remove("stale");
+  document.body.classList.add("failed");
+  trouble(error.message);
+  summary(page, state.task);
+}
+
+function changed(structure) {
+  document.body.classList.add("stale");
+  document.body.dataset.task = JSON.stringify(state.task);
+  const told = $("#limits .wide");
+  told.classList.toggle("old", told.dataset.task !== document.body.dataset.task);
+  performance.mark("changed");
+  if (structure) controls.build();
+  else controls.update();
+  $("#undo").disabled = !state.past.length;
+  $("#redo").disabled = !state.future.length;
+  cancelAnimationFrame(changed.frame);
+  changed.frame = requestAnimationFrame(ask);
+}
+
+function ask() {
+  const task = state.task;
+  longer.drop(), thorough.drop();
+  families.put(task);
+}
+
+function askRest(task) {
+  design.put(task);
+  if (filterOfToday(task)) today.put(task);
+  else page.today = null;
+  if (page.chosen.filter) member.put(withFilter(task, page.chosen.filter));
+}
+
+// --- answers ---
+
+function showDesign(answer, task) {
+  const first = !page.design;
+  page.design = answer;
+  trouble(answer.result.filter ? "" : `No design: ${answer.result.message}`);
+  document.body.classList.toggle("failed", !answer.result.filter);
+  if (JSON.stringify(task) === JSON.stringify(state.task)) document.body.classList.remove("stale");
+  page.corner = Math.min(page.corner, answer.result.task.corner.length - 1);
+  draw();
+  latency("design");
+  if (first) document.body.classList.add("ready");
+}
+
+/** Where the task names no filter of today, the best that a control has stands beside the design. */
+function compareWithBest(task, families) {
+  const best = families.filter((f) => f.filter).sort((a, b) => a.objective_s - b.objective_s)[0];
+  if (filterOfToday(task) || !best) {
+    if (page.unasked) (page.chosen = "today"), (page.member = null), (page.unasked = false);
+  } else if (page.chosen === "today" || (page.unasked && page.chosen.name !== best.name)) {
+    (page.chosen = best), (page.unasked = true);
+    member.put(withFilter(task, best.filter));
+  }
+}
+
+/** A family that is not searched to the end keeps its older numbers, in grey. */
+function withOlder(answer) {
+  const known = new Map((page.families?.families ?? []).map((f) => [f.name, f]));
+  const older = (f) => (known.get(f.name)?.filter ? { ...known.get(f.name), old: true } : f);
+  return { ...answer, families: answer.families.map((f) => (f.status === "failed" ? older(f) : f)) };
+}
+
+function showFamilies(answer, task) {
+  page.families = withOlder(answer);
+  const all = page.families.families;
+  compareWithBest(task, all);
+  if (page.chosen.filter) {
+    const same = all.find((f) => f.name === page.chosen.name && f.filter);
+    if (same && JSON.stringify(same.filter) !== JSON.stringify(page.chosen.filter)) {
+      page.chosen = same;
+      member.put(withFilter(task, same.filter));
+    }
+  }
+  draw(false);
+}
+
+/** ms from the last change to the drawn answer, for who measures. */
+function latency(name) {
+  requestAnimationFrame(() => {
+    const from = performance.getEntriesByName("changed").at(-1)?.startTime ?? 0;
+    ((globalThis.accdecLatency ??= {})[name] ??= []).push(performance.now() - from);
+  });
+}
+
+// --- drawing: once a frame, whatever has come ---
+
+/** @param curves  false where only tables have changed */
+function draw(curves = true) {
+  draw.curves ||= curves;
+  cancelAnimationFrame(draw.frame);
+  draw.frame = requestAnimationFrame(drawNow);
+}
+
+function compared() {
+  return page.chosen.filter ? found(page.member) : found(page.today);
+}
+
+function drawNow() {
+  const answer = found(page.design);
+  summary(page, state.task);
+  drawFamilies();
+  if (!answer || !draw.curves) return;
+  draw.curves = false;
+  document.body.classList.add("drawn");
+  const { result, views } = answer;
+  const before = compared();
+  cornerButtons($("#corners"), result, page.corner, (i) => {
+    page.corner = i;
+    draw();
+  });
+  const period = result.sample_period_s * 1e3;
+  $("#beside").textContent = !before ? "(nothing to compare with)" : page.chosen.filter ? page.chosen.title : "today";
+  $("#corner-table .wide").replaceChildren(cornerTable(result));
+  if ($("#tap-table").open) $("#tap-table .wide").replaceChildren(tapTable(result));
+  filters.show(result.filter, before?.result.filter, result.sample_period_s, result.task.mode ?? []);
+  const i = page.corner,
+    view = views[i],
+    old = before?.views[i];
+  if (!view) return;
+  const tolerance = result.task.corner[i].error_max_um ?? null;
+  drawPath(
+    $("#path .draw"),
+    { view, corner: result.corners[i], tolerance },
+    old ? { view: old, tolerance: null } : null,
+  );
+  const end = (v) =>
+    v.time_ms[
+      Math.min(v.time_ms.length - 1, v.events.blend + result.filter.order + result.corners[i].delay_samples + 2)
+    ];
+  const last = Math.max(
+    end(view),
+    old ? period * (before.result.filter.order + before.result.corners[i].delay_samples + 2) : 0,
+  );
+  const x = page.whole ? null : [-3 * period, last + 2 * period];
+  const distance = (v, before) => ({
+    label: before ? "before" : "design",
+    time: v.time_ms,
+    values: v.path.off_um,
+    axis: 0,
+    before,
+  });
+  off.show([distance(view, false), ...(old ? [distance(old, true)] : [])], [], { period, x });
+  motion.show(view, old, period, x);
+}
+
+function drawFamilies() {
+  if (!page.families) return;
+  const result = found(page.design)?.result;
+  const now = result && {
+    name: result.task.filter ? "the filter given" : result.settings ? "the design" : "free taps",
+    objective_s: objective(result),
+    order: result.filter.order,
+    delays_samples: delays(result),
+  };
+  const own = found(page.today)?.result;
+  const filter = filterOfToday(state.task) ?? {};
+  const words = Object.entries(filter)
+    .map(([k, v]) => `${k} ${Array.isArray(v) ? v.slice(0, 9).join(", ") : v}`)
+    .join(", ");
+  const row = own && { objective_s: objective(own), delays_samples: delays(own), text: words };
+  const place = $("#families .wide");
+  const focused = place.contains(document.activeElement) && document.activeElement.closest("tr")?.dataset.name;
+  place.replaceChildren(
+    ...familyTable(
+      page.families,
+      row,
+      now,
+      (state.task.sample_period_ms ?? 1) / 1e3,
+      page.chosen.name ?? "today",
+      (which) => {
+        page.chosen = which;
+        page.unasked = false;
+        page.member = null;
+        if (which.filter) member.put(withFilter(state.task, which.filter));
+        draw();
+      },
+      place.querySelector("details")?.open,
+    ),
+  );
+  if (focused) place.querySelector(`tr[data-name="${focused}"] button`)?.focus();
+}
+
+// --- the rest ---
+
+tools(shared, draw);
+stayAlive((gone) => document.body.classList.toggle("gone", gone));
+changed(false);

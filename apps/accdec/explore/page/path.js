@@ -1,0 +1,159 @@
+// The path at the corner: design over before, the tolerance as a disc, the largest error as a line with its value.
+import { four, make } from "./format.js";
+
+const size = { width: 560, height: 380, left: 46, right: 12, top: 12, bottom: 34 };
+
+/** Samples between which the path leaves the legs, and one on each side. */
+function blendOf(path) {
+  const most = Math.max(...path.off_um);
+  let first = path.off_um.findIndex((x) => x > 0.01 * most),
+    last = path.off_um.length - 1;
+  while (last > 0 && path.off_um[last] <= 0.01 * most) --last;
+  return most > 0 ? [Math.max(0, first - 1), Math.min(path.off_um.length - 1, last + 1)] : null;
+}
+
+function extent(view, tolerance, reach) {
+  const box = [Infinity, -Infinity, Infinity, -Infinity];
+  const take = (x, y) => {
+    (box[0] = Math.min(box[0], x)), (box[1] = Math.max(box[1], x));
+    (box[2] = Math.min(box[2], y)), (box[3] = Math.max(box[3], y));
+  };
+  take(0, 0);
+  if (tolerance) take(-tolerance, -tolerance), take(tolerance, tolerance);
+  const blend = blendOf(view.path);
+  // Parts of the path far from the corner, compared with the error, show nothing.
+  const near = Math.max(4 * Math.max(...view.path.off_um), 2 * (tolerance ?? 0), 1);
+  if (blend) {
+    for (let i = blend[0]; i <= blend[1]; ++i) {
+      const x = view.path.x_um[i],
+        y = view.path.y_um[i];
+      if (Math.hypot(x, y) <= near * reach) take(x, y);
+    }
+  }
+  for (const [x, y] of [view.path.in.map((u) => -u), view.path.out])
+    take(x * near * 0.6 * reach, y * near * 0.6 * reach);
+  const margin = 0.06 * Math.max(box[1] - box[0], box[3] - box[2], 1e-6);
+  return [box[0] - margin, box[1] + margin, box[2] - margin, box[3] + margin];
+}
+
+const nice = (span) => {
+  const power = 10 ** Math.floor(Math.log10(span));
+  return [1, 2, 5, 10].find((step) => step * power >= span) * power;
+};
+
+function axes(box, at, names, toUnit, unitName) {
+  const parts = [];
+  const { left, right, top, bottom, width, height } = size;
+  const step = nice((box[1] - box[0]) / 7);
+  for (let x = Math.ceil(box[0] / step) * step; x <= box[1]; x += step) {
+    const [px] = at(x, 0);
+    parts.push(
+      make("line", { class: "grid", x1: px, x2: px, y1: top, y2: height - bottom }),
+      make(
+        "text",
+        { x: px, y: height - bottom + 14, "text-anchor": "middle" },
+        four(Math.round(x / step) * step * toUnit),
+      ),
+    );
+  }
+  for (let y = Math.ceil(box[2] / step) * step; y <= box[3]; y += step) {
+    const [, py] = at(0, y);
+    parts.push(
+      make("line", { class: "grid", x1: left, x2: width - right, y1: py, y2: py }),
+      make("text", { x: left - 5, y: py + 4, "text-anchor": "end" }, four(Math.round(y / step) * step * toUnit)),
+    );
+  }
+  parts.push(
+    make("text", { x: width - right, y: height - 3, "text-anchor": "end" }, `${names[0]} / ${unitName}`),
+    make("text", { x: left, y: top - 2 }, `${names[1]} / ${unitName}`),
+  );
+  return parts;
+}
+
+function curve(view, at, name, dots) {
+  const { x_um: x, y_um: y } = view.path;
+  const points = x.map((v, i) => at(v, y[i]));
+  const line = make("polyline", {
+    class: `line ${name}`,
+    points: points.map((p) => p.map((v) => v.toFixed(2)).join(",")).join(" "),
+  });
+  const inside = points.filter(([px, py]) => px > 0 && px < size.width && py > 0 && py < size.height);
+  const shown = dots && inside.length < 150 ? inside : [];
+  return [
+    line,
+    ...shown.map(([px, py]) => make("circle", { class: `dot ${name}`, cx: px.toFixed(2), cy: py.toFixed(2), r: 2.3 })),
+  ];
+}
+
+/**
+ * @param place   element to draw in
+ * @param now     {view, corner, tolerance}: of the design; corner is its entry in the result, tolerance in um or null
+ * @param before  the same of what it is compared with, or null
+ */
+export function drawPath(place, now, before) {
+  const reach = 1.6;
+  const boxes = [now, before].filter(Boolean).map((one) => extent(one.view, one.tolerance, reach));
+  const box = boxes.reduce((a, b) => [
+    Math.min(a[0], b[0]),
+    Math.max(a[1], b[1]),
+    Math.min(a[2], b[2]),
+    Math.max(a[3], b[3]),
+  ]);
+  const plot = [size.width - size.left - size.right, size.height - size.top - size.bottom];
+  const scale = Math.min(plot[0] / (box[1] - box[0]), plot[1] / (box[3] - box[2]));
+  // The same scale on both axes; what is left over is shared.
+  for (const [i, span] of [
+    [0, plot[0] / scale],
+    [2, plot[1] / scale],
+  ]) {
+    const more = (span - (box[i + 1] - box[i])) / 2;
+    (box[i] -= more), (box[i + 1] += more);
+  }
+  const at = (x, y) => [size.left + (x - box[0]) * scale, size.top + (box[3] - y) * scale];
+  const large = box[1] - box[0] > 4000;
+  const { view, corner, tolerance } = now;
+  const [cx, cy] = at(0, 0);
+  const parts = [make("title", {}, `path at corner ${view.name}`)];
+  const clip = [];
+  if (tolerance) clip.push(make("circle", { class: "tolerance", cx, cy, r: tolerance * scale }));
+  const far = 3 * Math.hypot(box[1] - box[0], box[3] - box[2]);
+  const legs = [
+    at(-view.path.in[0] * far, -view.path.in[1] * far),
+    [cx, cy],
+    at(view.path.out[0] * far, view.path.out[1] * far),
+  ];
+  clip.push(make("polyline", { class: "programmed", points: legs.map((p) => p.join(",")).join(" ") }));
+  if (before) clip.push(...curve(before.view, at, "before", false));
+  clip.push(...curve(view, at, "design", true));
+  const distance = view.path.x_um.map((x, i) => Math.hypot(x, view.path.y_um[i]));
+  const nearest = distance.indexOf(Math.min(...distance));
+  const [ex, ey] = at(view.path.x_um[nearest], view.path.y_um[nearest]);
+  clip.push(make("line", { class: "error", x1: cx, y1: cy, x2: ex, y2: ey }));
+  const inner = make(
+    "svg",
+    {
+      x: size.left,
+      y: size.top,
+      width: plot[0],
+      height: plot[1],
+      viewBox: `${size.left} ${size.top} ${plot[0]} ${plot[1]}`,
+    },
+    ...clip,
+  );
+  parts.push(...axes(box, at, view.path.names, large ? 1e-3 : 1, large ? "mm" : "\u00b5m"), inner);
+  const words = `error ${four(1e6 * corner.corner_error_m)} \u00b5m${tolerance ? ` of ${four(tolerance)}` : ""}`;
+  parts.push(
+    make("text", { class: "said", x: size.width - size.right - 6, y: size.top + 16, "text-anchor": "end" }, words),
+  );
+  place.replaceChildren(
+    make(
+      "svg",
+      {
+        viewBox: `0 0 ${size.width} ${size.height}`,
+        role: "img",
+        "aria-label": `path at corner ${view.name}, ${words}`,
+      },
+      ...parts,
+    ),
+  );
+}

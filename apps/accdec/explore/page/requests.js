@@ -1,0 +1,81 @@
+// Questions to the program, one of a kind at a time.
+
+const client = Math.random().toString(36).slice(2);
+
+export class Superseded extends Error {}
+
+async function post(name, body, { slot = "", seconds = 1, format = "" } = {}) {
+  const query = new URLSearchParams({ client, slot, seconds, format });
+  let response;
+  try {
+    response = await fetch(`${name}?${query}`, {
+      method: "POST",
+      headers: { "Content-Type": "application/json" },
+      body: typeof body === "string" ? body : JSON.stringify(body),
+    });
+  } catch {
+    throw new Error("the program has ended; start accdec explore again");
+  }
+  if (response.status === 409) throw new Superseded();
+  if (!response.ok) {
+    const text = await response.text();
+    let what = text;
+    try {
+      what = JSON.parse(text).error;
+    } catch {
+      // not from the program's own hand
+    }
+    throw new Error(what || `the program answers ${response.status}`);
+  }
+  return response;
+}
+
+export const askJson = async (name, body, options) => (await post(name, body, options)).json();
+export const askText = async (name, body, options) => (await post(name, body, options)).text();
+export const askBlob = async (name, body, options) => (await post(name, body, options)).blob();
+export const begin = async () => (await fetch("start")).json();
+
+/**
+ * Asks about the latest value only. While an answer is under way the next question waits, but not longer than
+ * `patience` ms: then it takes the other's place, and the program gives up on that.
+ */
+export class Latest {
+  constructor(ask, show, fail, patience = 150) {
+    Object.assign(this, { ask, show, fail, patience, number: 0, busy: null, next: undefined });
+  }
+  put(value) {
+    this.next = { value };
+    if (!this.busy) this.send();
+    else if (!this.timer)
+      this.timer = setTimeout(() => this.send(), Math.max(0, this.busy + this.patience - performance.now()));
+  }
+  drop() {
+    this.next = undefined;
+    ++this.number;
+  }
+  async send() {
+    clearTimeout(this.timer);
+    this.timer = null;
+    if (!this.next) return;
+    const { value } = this.next;
+    this.next = undefined;
+    const number = ++this.number;
+    this.busy = performance.now();
+    try {
+      const answer = await this.ask(value);
+      if (number === this.number) this.show(answer, value);
+    } catch (error) {
+      if (number === this.number && !(error instanceof Superseded)) this.fail(error, value);
+    }
+    if (number !== this.number) return;
+    this.busy = null;
+    this.send();
+  }
+}
+
+/** Tells the program that the page is open, and the page when the program is gone. */
+export function stayAlive(gone) {
+  const events = new EventSource("alive");
+  events.onerror = () => gone(true);
+  events.onopen = () => gone(false);
+}

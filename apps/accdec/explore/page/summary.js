@@ -1,0 +1,67 @@
+// The answer in one sentence, what it saves, and the badge.
+import { $, filterOfToday, make, ms, objective } from "./format.js";
+
+/** The badge's word and what stands behind it. */
+function badge(answer) {
+  if (!answer) return ["no answer", ""];
+  const { result, proof } = answer;
+  if (result.status === "optimal" && proof.rechecked)
+    return [
+      "proved",
+      `No filter and delays within the limits are faster: ${proof.text}. The motion was simulated again.`,
+    ];
+  if (result.status === "optimal")
+    return ["best", `The search found nothing faster; its proof was not rechecked: ${proof.text}`];
+  if (result.status === "feasible")
+    return [
+      "verified",
+      result.lower_bound_s
+        ? `Not below ${ms(result.lower_bound_s)} ms; the search goes on.`
+        : "Verified by simulation.",
+    ];
+  return [result.status, result.message];
+}
+
+export function summary(page, task) {
+  const [word, why] = badge(page.design);
+  $("#badge").textContent = word;
+  $("#badge").dataset.is = word;
+  $("#badge").title = why;
+  const result = page.design?.result;
+  if (!result?.filter) {
+    $("#sentence").textContent = result ? "No filter holds these limits." : "No design.";
+    $("#today").textContent = result ? "\u201cFind out\u201d below says how much each limit has to give." : "";
+    return;
+  }
+  const time = objective(result);
+  const what = result.task.filter ? "With the filter given" : result.settings ? "This control" : "Free taps";
+  const corners = result.corners.length;
+  $("#sentence").replaceChildren(
+    `${what}: `,
+    make("b", { id: "time", "data-value": time }, `${ms(time)} ms`),
+    corners > 1 ? ` for ${corners} corners` : " for the corner",
+    ".",
+  );
+  const parts = [];
+  const own = page.today?.result.filter ? page.today.result : null;
+  const best = page.families?.families.filter((f) => f.objective_s !== undefined && !f.old) ?? [];
+  if (filterOfToday(task) && own) {
+    const saved = objective(own) - time;
+    const retuned = best.find((f) => f.name === page.families.own_family);
+    parts.push(
+      `Today: ${ms(objective(own))} ms; `,
+      make("b", { id: "saved", "data-value": saved }, `${ms(saved)} ms less`),
+      retuned ? ` (${ms(objective(own) - retuned.objective_s)} by setting today\u2019s filter otherwise)` : "",
+      ".",
+    );
+  } else if (filterOfToday(task) && page.today) {
+    parts.push(`Today\u2019s filter does not hold these limits: ${page.today.result.message}`);
+  } else if (best.length) {
+    const least = best.reduce((a, b) => (b.objective_s < a.objective_s ? b : a));
+    const what = page.families.complete ? "Best" : "Best so far";
+    parts.push(`${what} of the filters that controllers have: ${least.title}, ${ms(least.objective_s)} ms.`);
+  }
+  $("#today").replaceChildren(...parts);
+  $("#setting").textContent = page.design.setting ?? "";
+  $("#setting").hidden = !page.design.setting;
+}

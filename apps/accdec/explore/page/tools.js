@@ -1,0 +1,53 @@
+// The buttons of the page.
+import { $, make } from "./format.js";
+import { askJson } from "./requests.js";
+import { copyTask, exportChoice, savePage } from "./save.js";
+import { explanationTable } from "./tables.js";
+
+export function tools(shared, draw) {
+  const { start, state, page } = shared;
+  $("#undo").onclick = () => state.undo();
+  $("#redo").onclick = () => state.redo();
+  $("#reset").onclick = () => state.reset();
+  $("#copy").onclick = () => copyTask(shared);
+  $("#save").onclick = () => savePage(shared);
+  exportChoice($("#export"), shared);
+  $("#whole").onchange = (event) => {
+    page.whole = event.target.checked;
+    draw();
+  };
+  $("#tap-table").ontoggle = draw;
+  $("#shipped").append(
+    make("option", { value: "" }, start.name || "choose .."),
+    ...start.shipped.map((s) => make("option", {}, s.name)),
+  );
+  $("#shipped").onchange = (event) => {
+    const shipped = start.shipped.find((s) => s.name === event.target.value);
+    state.replace(shipped?.task ?? start.task);
+  };
+  $("#explain").onclick = async () => {
+    const button = $("#explain"),
+      place = $("#limits .wide");
+    button.disabled = true;
+    const asked = structuredClone(state.task);
+    place.replaceChildren("solving the task again with more room for every limit ..");
+    try {
+      place.replaceChildren(...explanationTable(await askJson("explain", asked, { seconds: 20 })));
+      place.dataset.task = JSON.stringify(asked);
+      place.classList.toggle("old", place.dataset.task !== document.body.dataset.task);
+    } catch (error) {
+      place.replaceChildren(error.message);
+    }
+    button.disabled = false;
+  };
+  addEventListener("keydown", (event) => {
+    if (
+      !(event.ctrlKey || event.metaKey) ||
+      event.key.toLowerCase() !== "z" ||
+      event.target.matches("input[type=text]")
+    )
+      return;
+    event.preventDefault();
+    event.shiftKey ? state.redo() : state.undo();
+  });
+}

@@ -1,0 +1,163 @@
+#include "program.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include <accdec/formats/task_json.hpp>
+#include <accdec/formats/task_writer.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/samples.hpp>
+#include <accdec/plot/figure_style.hpp>
+#include <accdec/plot/program_motion.hpp>
+#include <accdec/program.hpp>
+
+#include "requests.hpp"
+
+namespace accdec::explore {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::int64_t most_points = 20'000;  ///< of a motion, as drawn
+constexpr std::size_t most_program_corners = 5'000;
+constexpr double mm = 1e3, um = 1e6, mm_min = 6e4;
+
+/// Four digits behind the mm: 0.1 um can be seen nowhere.
+double rounded(double x) {
+  return std::round(1e4 * x) / 1e4;
+}
+
+/// Every n-th sample: times, places and speeds, and the limit that bound most since the one before.
+Json motion_json(const Toolpath& programmed, const Machine& machine, const ProgramResult& result) {
+  const ProgramMotion motion = motion_of(result);
+  std::int64_t count = 0, seen = 0;
+  motion.samples([&](std::int64_t, const double*, const double*) { ++count; });
+  const std::int64_t every = std::max<std::int64_t>(1, (count + most_points - 1) / most_points);
+  std::vector<double> time, speed;
+  std::vector<int> bound;
+  std::vector<std::vector<double>> places(programmed.dimensions());
+  int binding = -1;
+  visit_speeds(programmed, machine, motion, [&](std::int64_t k, const double* at, double v, int binds) {
+    binding = std::max(binding, binds);
+    if (seen++ % every != 0 && seen != count) return;
+    time.push_back(static_cast<double>(k) * motion.sample_period);
+    for (std::size_t a = 0; a < places.size(); ++a) places[a].push_back(rounded(mm * at[a]));
+    speed.push_back(rounded(mm * v)), bound.push_back(binding);
+    binding = -1;
+  });
+  Json json{{"plan", result.plan.name()},
+            {"cycle_time_s", result.cycle_time},
+            {"t_s", time},
+            {"speed_mm_s", speed},
+            {"binds", bound},
+            {"places_mm", places},
+            {"lost", Json::array()}};
+  for (const CornerLoss& loss : time_lost(programmed, motion))
+    if (loss.count > 0)
+      json["lost"].push_back({{"turn", class_name(loss)}, {"count", loss.count}, {"time_s", loss.time}});
+  return json;
+}
+
+/// The plans that hold, the fastest first.
+std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& file, const Task& task,
+                                    const std::function<void(const std::string&)>& tell) {
+  std::vector<ProgramResult> plans;
+  const auto add = [&](ProgramResult result) {
+    if (result.verification.feasible)
+      plans.push_back(std::move(result));
+    else
+      tell(result.message);
+  };
+  ProgramFile fixed = file;
+  add(run_program_file(name, fixed, task, {}, tell));
+  try {
+    add(plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task));
+  } catch (const std::invalid_argument& error) {
+    tell(error.what());  // a program with delays of its own, or vibration bounds that no last filter holds
+  }
+  std::stable_sort(plans.begin(), plans.end(),
+                   [](const auto& a, const auto& b) { return a.cycle_time < b.cycle_time; });
+  if (plans.empty()) throw std::runtime_error("no plan of this program holds all limits: accdec program says why");
+  return plans;
+}
+
+Eigen::VectorXd direction(const Toolpath& path, std::size_t block) {
+  const auto n = static_cast<Eigen::Index>(path.dimensions());
+  const Eigen::Map<const Eigen::VectorXd> from(path.point(block), n), to(path.point(block + 1), n);
+  return (to - from).normalized();
+}
+
+/// Joints that turn, as corners of a task, and where they are.
+Json corners_json(const Toolpath& path) {
+  Json corners = Json::array();
+  const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.begin(), v.end()); };
+  for (std::size_t b = 0; b + 1 < path.blocks() && corners.size() < most_program_corners; ++b) {
+    if (path.joint[b] != Joint::corner || path.inside_arc[b] != 0) continue;
+    const Eigen::VectorXd in = direction(path, b), out = direction(path, b + 1);
+    const double angle = 180.0 - std::acos(std::clamp(in.dot(out), -1.0, 1.0)) * 180.0 / M_PI;
+    Json corner{{"name", "N" + std::to_string(path.line[b])},
+                {"direction_in", list(in)},
+                {"direction_out", list(out)},
+                {"feed_in_mm_min", mm_min * block_feed(path, b)},
+                {"feed_out_mm_min", mm_min * block_feed(path, b + 1)}};
+    if (path.tolerance[b] < unlimited) corner["error_max_um"] = um * path.tolerance[b];
+    std::vector<double> at(path.point(b + 1), path.point(b + 1) + path.dimensions());
+    for (double& x : at) x = rounded(mm * x);
+    corners.push_back({{"line", path.line[b]}, {"angle_deg", angle}, {"at_mm", at}, {"corner", std::move(corner)}});
+  }
+  return corners;
+}
+
+/// The task of its corners by themselves: an axis for every column of the path, and the program's filter as today's.
+Json base_of(Task task, const Toolpath& path) {
+  task.machine.axes = program_machine(task.machine, path).axes;
+  for (std::size_t a = 0; a < path.dimensions(); ++a) task.machine.axes[a].name = path.axis_name(a);
+  Json json = task_to_json(task);
+  json.erase("program");
+  if (json.contains("filter")) {
+    json["baseline"] = json["filter"];
+    json.erase("filter");
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string program_start_json(const std::string& name, const Task& task,
+                               const std::function<void(const std::string&)>& tell) {
+  const ProgramFile file = read_program_file(name, task, {}, tell);
+  const Toolpath& path = file.path;
+  const Machine machine = program_machine(task.machine, path);
+  Json program{{"name", name},
+               {"axes", Json::array()},
+               {"limits", Json::array()},
+               {"colours", figure_style::colours},
+               {"palette", figure_style::line_palette},
+               {"plans", Json::array()},
+               {"bounds", Json::array()}};
+  for (std::size_t a = 0; a < path.dimensions(); ++a) program["axes"].push_back(path.axis_name(a));
+  for (std::size_t i = 0; i < axis_limits.size(); ++i) program["limits"].push_back(binding_name(static_cast<int>(i)));
+  program["other"] = binding_name(-1);
+  const std::vector<ProgramResult> plans = plans_of(name, file, task, tell);
+  for (const ProgramResult& plan : plans) program["plans"].push_back(motion_json(path, machine, plan));
+  for (const NamedBound& bound : bounds_of(plans.front()))
+    program["bounds"].push_back({{"name", bound.name}, {"time_s", bound.time}, {"motions", bound.motions}});
+  program["corners"] = corners_json(path);
+  program["base"] = base_of(task, path);
+  if (program["corners"].empty()) throw std::invalid_argument(name + " has no corner to explore");
+  const auto sharpest = std::min_element(program["corners"].begin(), program["corners"].end(),
+                                         [](const Json& a, const Json& b) { return a["angle_deg"] < b["angle_deg"]; });
+  Json first = program["base"];
+  first["corner"] = Json::array({(*sharpest)["corner"]});
+  std::string start = start_json(parse_task_json(first.dump(), name), name);
+  start.pop_back();  // its closing brace
+  return start + ", \"program\": " + program.dump(-1, ' ', false, Json::error_handler_t::replace) + "}";
+}
+
+}  // namespace accdec::explore

@@ -1,0 +1,207 @@
+#include "requests.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/design.hpp>
+#include <accdec/family.hpp>
+#include <accdec/files.hpp>
+#include <accdec/formats/explanation.hpp>
+#include <accdec/formats/task_json.hpp>
+#include <accdec/formats/task_keys.hpp>
+#include <accdec/formats/task_writer.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task.hpp>
+#include <accdec/task/settings_text.hpp>
+#include <accdec/verify.hpp>
+
+#include "machines.hpp"
+#include "views.hpp"
+
+namespace accdec::explore {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string dumped(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Answer problem(int status, std::string_view what) {
+  return {status, "application/json", dumped({{"error", what}})};
+}
+
+Task task_of(const Question& question) {
+  Task task = parse_task_json(question.body, "task");
+  require_small(task.corners.size());
+  return task;
+}
+
+DesignOptions options_of(const Question& question) {
+  DesignOptions options;
+  options.time_limit = question.seconds;
+  options.cancel = question.cancel;
+  options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  return options;
+}
+
+Answer design(const Question& question) {
+  const Deadline deadline(question.seconds);
+  Task task = task_of(question);
+  // A filter to compare with: the settings of the control would choose another.
+  if (question.format == "given") task.settings.reset();
+  DesignResult result = design_task(task, options_of(question));
+  Json proof{{"rechecked", false}, {"text", ""}};
+  if (result.status == Status::optimal) {
+    const ResultCheck check = verify_result(
+        result, [&] { return deadline.over() || (question.cancel != nullptr && question.cancel->load()); });
+    proof["rechecked"] = check.accepted;
+    proof["text"] = check.accepted ? check.proof : check.reasons.front();
+  }
+  const Json views = views_json(result);
+  result.certificate.reset();  // thousands of numbers that the page would not read
+  return {200, "application/json",
+          fmt::format("{{\"result\": {}, \"proof\": {}, \"views\": {}, \"setting\": {}}}", result_to_json(result),
+                      dumped(proof), dumped(views), dumped(Json(settings_answer(result))))};
+}
+
+/// The numbers to set at a control, in ms: averages, longest first, and the delay of pairs of impulses.
+Json settings_json(const FilterSpec& spec, double period_ms) {
+  FilterSpec shape = spec;
+  shape.pairs = 0;
+  Json averages = Json::array();
+  for (const int length : moving_average_cascade(make_filter(shape))) averages.push_back(length * period_ms);
+  Json settings{{"averages_ms", averages}, {"length_ms", (make_filter(spec).order() + 1) * period_ms}};
+  if (spec.pairs > 0) settings["pair_delay_ms"] = spec.pair_delay * period_ms;
+  return settings;
+}
+
+Json family_json(const Family& family, const FamilyResult& best) {
+  Json json{{"name", family.name},
+            {"title", family.title},
+            {"status", to_string(best.result.status)},
+            {"message", best.result.message}};
+  if (!best.spec || !best.result.filter) return json;
+  json["filter"] = task_to_json(best.result.task)["filter"];
+  json["parameters"] = describe_parameters(*best.spec);
+  json["settings"] = settings_json(*best.spec, 1e3 * best.result.task.sample_period);
+  json["objective_s"] = best.result.objective();
+  json["order"] = best.result.filter->order();
+  json["delays_samples"] = Json::array();
+  for (const CornerResult& corner : best.result.corners) json["delays_samples"].push_back(corner.delay);
+  json["exact_stop"] = stops_exactly(best.result);
+  return json;
+}
+
+Answer compare_families(const Question& question) {
+  Task task = task_of(question);
+  task.filter.reset();
+  const std::vector<FamilyResult> best = best_members(task, question.seconds, question.cancel);
+  Json json{{"families", Json::array()}, {"complete", true}};
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    if (families()[i].pairs > 0 && task.machine.modes.empty()) continue;  // nothing to cancel
+    json["families"].push_back(family_json(families()[i], best[i]));
+    if (best[i].result.status == Status::failed) json["complete"] = false;
+  }
+  if (const FilterSpec* own = task.baseline ? &*task.baseline : nullptr) {
+    const Family* family = family_of(*own);
+    json["own_family"] = family != nullptr ? Json(family->name) : Json(nullptr);
+  }
+  return {200, "application/json", dumped(json)};
+}
+
+Answer explain(const Question& question) {
+  ExplainOptions options;
+  options.design = options_of(question);
+  options.design.time_limit = std::min(5.0, question.seconds);
+  options.time_limit = question.seconds;
+  return {200, "application/json", explanation_to_json(explain_task(task_of(question), options))};
+}
+
+Answer export_file(const Question& question) {
+  const bool binary = question.format == "npy";
+  const char* const type = binary ? "application/octet-stream" : "text/plain; charset=utf-8";
+  if (question.format == "result")
+    return {200, type, result_to_json(design_task(task_of(question), options_of(question)))};
+  return {200, type, export_taps(parse_result(question.body, "result"), question.format)};
+}
+
+Json key_json(const Key& key) {
+  static constexpr std::pair<KeyType, const char*> names[] = {
+      {KeyType::number, "number"}, {KeyType::integer, "integer"}, {KeyType::boolean, "boolean"},
+      {KeyType::text, "text"},     {KeyType::word, "word"},       {KeyType::numbers, "numbers"},
+      {KeyType::texts, "texts"},   {KeyType::words, "words"},     {KeyType::table, "table"},
+      {KeyType::tables, "tables"}};
+  const auto* const name =
+      std::find_if(std::begin(names), std::end(names), [&](const auto& n) { return n.first == key.type; });
+  Json json{{"name", key.name}, {"type", name->second}, {"meaning", key.meaning}, {"required", key.required}};
+  const auto text = [&](const char* member, const std::string& value) {
+    if (!value.empty()) json[member] = value;
+  };
+  text("unit", key.unit), text("fallback", key.fallback), text("example", key.example);
+  if (std::isfinite(key.range.low)) json["low"] = key.range.low;
+  if (std::isfinite(key.range.high)) json["high"] = key.range.high;
+  if (key.range.open_low) json["open_low"] = true;
+  if (const auto value = default_number(key)) json["default"] = *value;
+  if (!key.words.empty()) json["words"] = key.words;
+  if (key.type == KeyType::numbers) json["most"] = key.most, json["lone"] = key.lone, json["whole"] = key.whole;
+  if (!key.conditions.empty()) json["conditions"] = Json::parse(key.conditions);
+  for (const Key& inner : key.keys) json["keys"].push_back(key_json(inner));
+  return json;
+}
+
+Answer answer_unguarded(const Question& question) {
+  if (question.name == "design") return design(question);
+  if (question.name == "families") return compare_families(question);
+  if (question.name == "explain") return explain(question);
+  if (question.name == "export") return export_file(question);
+  if (question.name == "file") return {200, "text/plain; charset=utf-8", task_to_toml(task_of(question))};
+  return problem(404, "no such question");
+}
+
+}  // namespace
+
+void require_small(std::size_t corners) {
+  if (corners > most_corners)
+    throw std::invalid_argument(
+        fmt::format("the task has {} corners; the explorer shows at most {}: accdec design takes any number", corners,
+                    most_corners));
+}
+
+std::string start_json(const Task& task, const std::string& name) {
+  Json json{{"name", name},
+            {"task", task_to_json(task)},
+            {"keys", Json::array()},
+            {"shipped", Json::array()},
+            {"formats", taps_formats}};
+  for (const Key& key : task_file().keys) json["keys"].push_back(key_json(key));
+  for (const cli::MachineFile& file : cli::machine_files())
+    json["shipped"].push_back(
+        {{"name", file.name}, {"task", task_to_json(parse_task(file.text, std::string(file.name)))}});
+  return dumped(json);
+}
+
+Answer answer(const Question& question) {
+  const auto cancelled = [&] { return question.cancel != nullptr && question.cancel->load(); };
+  try {
+    Answer given = answer_unguarded(question);
+    // A search that was cancelled ends with what it has by then, which nobody asks for any more.
+    return cancelled() ? problem(409, "a later question took the place of this one") : given;
+  } catch (const InputError& error) {
+    return problem(400, error.what());
+  } catch (const std::invalid_argument& error) {
+    return problem(400, error.what());
+  } catch (const std::bad_alloc&) {
+    return problem(500, "out of memory");
+  } catch (const std::exception& error) {
+    return problem(500, error.what());
+  }
+}
+
+}  // namespace accdec::explore

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <string_view>
+
+namespace accdec {
+struct Task;
+}
+
+namespace accdec::explore {
+
+/// One question of the page. Everything is text, so that a page with the library inside could ask in the same way.
+struct Question {
+  std::string_view name;                      ///< "design", "families", "explain", "export" or "file"
+  std::string_view body;                      ///< the task as JSON; for an export of taps a result as JSON
+  std::string_view format;                    ///< export: one of `taps_formats`, or "result"; design: "given"
+  double seconds = 1.0;                       ///< for the whole answer; at most `most_seconds`
+  const std::atomic<bool>* cancel = nullptr;  ///< true: the answer is not wanted any more
+};
+inline constexpr double most_seconds = 60.0;
+/// The page draws every corner; tasks with more are for `accdec design`.
+inline constexpr std::size_t most_corners = 200;
+
+struct Answer {
+  int status = 200;  ///< as HTTP has it; from 400 on the text is {"error": ".."}
+  std::string type = "application/json";
+  std::string text;
+};
+
+/// Answers a question; errors of any kind are answers, too.
+///
+/// The answer to "design" is an object. Its result is as `accdec design --json`, without the proof. It also says
+/// whether that proof was rechecked. It has the motion at every corner, and the setting in the words of the control.
+/// The answer to "families" has the best member of each family that controllers have. The answer to "explain" is that
+/// of `accdec explain --json`. The answer to "export" is a file, that to "file" the task as a task file.
+Answer answer(const Question& question);
+
+/// The page begins with this: the task, every key of a task, the shipped tasks, the formats of exports.
+/// @param name  of the task's file, for people; may be empty
+std::string start_json(const Task& task, const std::string& name);
+
+/// A task that the page cannot show. @throws std::invalid_argument saying what can
+void require_small(std::size_t corners);
+
+}  // namespace accdec::explore

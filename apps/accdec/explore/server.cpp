@@ -1,0 +1,269 @@
+#include "server.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <thread>
+
+#include <sys/random.h>
+
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+
+#include "connection.hpp"
+#include "page.hpp"
+#include "requests.hpp"
+
+namespace accdec::explore {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t threads = 32, most_pages = 8, most_computing = 8;
+constexpr auto closed_for = 3s;  ///< a page that is loaded again is back sooner
+
+std::string random_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw std::runtime_error("the system has no random numbers for the address");
+  std::string token;
+  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
+  return token;
+}
+
+/// In a time that does not depend on where they differ.
+bool same(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned char difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned char>(a[i] ^ b[i]);
+  return difference == 0;
+}
+
+/// Questions that are being answered, by page and kind.
+class Computing {
+ public:
+  using Flag = std::shared_ptr<std::atomic<bool>>;
+  /// Cancels what computes there. Null if there is too much to do already.
+  Flag enter(const std::string& place) {
+    const std::lock_guard lock(mutex_);
+    if (const auto before = flags_.find(place); before != flags_.end()) before->second->store(true);
+    if (ended_ || count_ >= most_computing) return nullptr;
+    ++count_;
+    return flags_[place] = std::make_shared<std::atomic<bool>>(false);
+  }
+  void leave(const std::string& place, const Flag& flag) {
+    const std::lock_guard lock(mutex_);
+    --count_;
+    if (const auto now = flags_.find(place); now != flags_.end() && now->second == flag) flags_.erase(now);
+  }
+  void end() {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    for (const auto& [place, flag] : flags_) flag->store(true);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, Flag> flags_;
+  std::size_t count_ = 0;
+  bool ended_ = false;
+};
+
+double seconds_of(const httplib::Request& request) {
+  const std::string text = request.get_param_value("seconds");
+  double seconds = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  return error == std::errc() && seconds > 0.0 ? std::min(seconds, most_seconds) : 1.0;
+}
+
+class PageServer : public httplib::Server {
+ public:
+  explicit PageServer(const std::string& start) : start_(start), token_(random_token()) {
+    new_task_queue = [] { return new httplib::ThreadPool(threads); };
+    set_payload_max_length(Connection::body_bytes);
+    set_default_headers({{"Cache-Control", "no-store"},
+                         {"Content-Security-Policy",
+                          "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+                          "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+                         {"Cross-Origin-Resource-Policy", "same-origin"},
+                         {"Referrer-Policy", "no-referrer"},
+                         {"X-Content-Type-Options", "nosniff"}});
+    set_pre_routing_handler([this](const auto& request, auto& response) { return admit(request, response); });
+    for (const char* const name : {"design", "families", "explain", "export", "file"}) {
+      Post("/" + token_ + "/" + name,
+           [this, name](const auto& request, auto& response) { compute(name, request, response); });
+    }
+    port_ = bind_to_any_port("127.0.0.1");
+    if (port_ < 0) throw std::runtime_error("no free port on 127.0.0.1");
+  }
+
+  std::string address() const { return fmt::format("http://127.0.0.1:{}/{}/", port_, token_); }
+
+  /// Whether a page has been open and none is any more.
+  bool left_alone() {
+    const std::lock_guard lock(mutex_);
+    return seen_ && pages_ == 0 && std::chrono::steady_clock::now() - last_closed_ > closed_for;
+  }
+  void end() {
+    computing_.end();
+    {
+      const std::lock_guard lock(mutex_);
+      over_ = true;
+    }
+    changed_.notify_all();
+    stop();
+  }
+
+ private:
+  using Taken = httplib::Server::HandlerResponse;
+
+  struct Refusal {
+    int status;
+    const char* why;
+  };
+  static Taken refuse(httplib::Response& response, const Refusal& refusal) {
+    response.status = refusal.status;
+    response.set_content(fmt::format("{{\"error\": \"{}\"}}", refusal.why), "application/json");
+    return Taken::Handled;
+  }
+
+  /// Why a request is not the page's own, from its head alone.
+  std::optional<Refusal> refusal(const httplib::Request& request) const {
+    const std::string host = fmt::format("127.0.0.1:{}", port_);
+    if (request.get_header_value_count("Host") != 1 || request.get_header_value("Host") != host)
+      return Refusal{403, "another host"};
+    if (request.has_header("Origin") && request.get_header_value("Origin") != "http://" + host)
+      return Refusal{403, "another origin"};
+    const std::string_view path = request.path;
+    if (path.size() < token_.size() + 2 || path[0] != '/' || path[token_.size() + 1] != '/' ||
+        !same(path.substr(1, token_.size()), token_))
+      return Refusal{403, "the address lacks its token"};
+    if (request.method == "GET") return {};
+    if (request.method != "POST") return Refusal{405, "only GET and POST"};
+    if (request.get_header_value("Content-Type") != "application/json" || request.has_header("Content-Encoding"))
+      return Refusal{415, "only plain application/json"};
+    return {};
+  }
+
+  /// Before a body is read. GET is answered here, too.
+  Taken admit(const httplib::Request& request, httplib::Response& response) {
+    if (const auto refused = refusal(request)) return refuse(response, *refused);
+    return request.method == "GET" ? fetch(std::string_view(request.path).substr(token_.size() + 2), response)
+                                   : Taken::Unhandled;
+  }
+
+  Taken fetch(std::string_view name, httplib::Response& response) {
+    if (name == "start") {
+      response.set_content(start_, "application/json");
+      return Taken::Handled;
+    }
+    if (name == "alive") return watch(response);
+    if (name.empty()) name = "index.html";
+    for (const PageFile& file : page_files()) {
+      if (file.name != name) continue;
+      response.set_content(file.text.data(), file.text.size(), std::string(file.type));
+      return Taken::Handled;
+    }
+    return refuse(response, {404, "no such file"});
+  }
+
+  /// An answer that lasts as long as the page: its end is how a closed page is noticed.
+  Taken watch(httplib::Response& response) {
+    const std::lock_guard lock(mutex_);
+    if (pages_ >= most_pages) return refuse(response, {503, "too many pages"});
+    ++pages_, seen_ = true;
+    response.set_chunked_content_provider(
+        "text/event-stream",
+        [this](std::size_t, httplib::DataSink& sink) {
+          std::unique_lock wait(mutex_);
+          if (changed_.wait_for(wait, 500ms, [&] { return over_.load(); })) return false;
+          constexpr std::string_view beat = ":\n\n";
+          return sink.write(beat.data(), beat.size());
+        },
+        [this](bool) {
+          const std::lock_guard closed(mutex_);
+          --pages_, last_closed_ = std::chrono::steady_clock::now();
+        });
+    return Taken::Handled;
+  }
+
+  void compute(const char* name, const httplib::Request& request, httplib::Response& response) {
+    const std::string slot = request.get_param_value("slot");
+    const std::string place = fmt::format("{}\n{}\n{}", request.get_param_value("client"), name, slot);
+    const Computing::Flag flag = computing_.enter(place);
+    if (!flag) {
+      refuse(response, {503, "too many questions at a time"});
+      return;
+    }
+    const std::string format = request.get_param_value("format");
+    const Answer given = answer({name, request.body, format, seconds_of(request), flag.get()});
+    computing_.leave(place, flag);
+    response.status = given.status;
+    response.set_content(given.text, given.type);
+  }
+
+  /// Whether another request comes on an open connection.
+  bool comes(const Connection& connection) {
+    const auto until = std::chrono::steady_clock::now() + 5s;
+    while (!over_ && std::chrono::steady_clock::now() < until) {
+      if (connection.wait(200ms)) return true;
+    }
+    return false;
+  }
+
+  bool process_and_close_socket(socket_t socket) override {
+    const int on = 1;
+    ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    Connection connection(socket);
+    constexpr int most_requests = 1000;
+    bool good = true, closed = false;
+    for (int i = 1; good && !closed && i <= most_requests && comes(connection); ++i) {
+      connection.begin();
+      good = process_request(connection, i == most_requests, closed, [&](httplib::Request& request) {
+        // Compressing costs more time than the few kilobytes take between two processes.
+        request.headers.erase("Accept-Encoding");
+        // A refused body is not read; it must not be taken for the next request.
+        closed = closed || refusal(request).has_value();
+      });
+      closed = closed || connection.failed();
+    }
+    ::shutdown(socket, SHUT_RDWR);
+    ::close(socket);
+    return good;
+  }
+
+  const std::string& start_;
+  std::string token_;
+  int port_ = 0;
+  Computing computing_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t pages_ = 0;
+  bool seen_ = false;
+  std::atomic<bool> over_ = false;
+  std::chrono::steady_clock::time_point last_closed_{};
+};
+
+}  // namespace
+
+void serve(const std::string& start, const std::function<void(const std::string& address)>& ready,
+           const std::atomic<bool>& stop) {
+  PageServer server(start);
+  std::thread listener([&] { server.listen_after_bind(); });
+  while (!server.is_running()) std::this_thread::sleep_for(1ms);
+  ready(server.address());
+  while (!stop.load() && !server.left_alone() && server.is_running()) std::this_thread::sleep_for(100ms);
+  server.end();
+  listener.join();
+}
+
+}  // namespace accdec::explore

@@ -1,0 +1,114 @@
+#include "views.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <accdec/machine.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/machine/signed_value.hpp>
+#include <accdec/task/simulation.hpp>
+
+namespace accdec::explore {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int longest_drawn = 20'000;  ///< taps
+
+Json bound_json(const Axis& axis, const AxisLimit& limit) {
+  const double bound = axis.*limit.bound;
+  return bound < unlimited ? Json(bound * limit_name(limit.kind).per_si) : Json(nullptr);
+}
+
+bool shown(const AxisLimit& limit, const Machine& machine) {
+  if (!limit.load) return true;
+  return std::any_of(machine.axes.begin(), machine.axes.end(),
+                     [&](const Axis& a) { return a.*limit.bound < unlimited; });
+}
+
+/// One quantity of every axis that moves.
+Json quantity_json(const AxisLimit& limit, const SampledMotion& motion, const TaskCorner& corner, const Task& task) {
+  const LimitName& name = limit_name(limit.kind);
+  Json axes = Json::array();
+  for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
+    const auto a = static_cast<Eigen::Index>(i);
+    const Corner& legs = corner.geometry();
+    if (std::max(std::abs(legs.direction_in[a]), std::abs(legs.direction_out[a])) < 1e-12) continue;
+    const Axis& axis = task.machine.axes[i];
+    if (limit.load && !(axis.*limit.bound < unlimited)) continue;
+    AxisSampler sampler(axis, task.sample_period);
+    std::vector<double> values;
+    for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) {
+      const AxisState state = sampler.next(motion.velocity(n, a), motion.acceleration(n, a));
+      values.push_back(signed_value(state, limit.kind) * name.per_si);
+    }
+    axes.push_back({{"name", axis.name}, {"bound", bound_json(axis, limit)}, {"values", std::move(values)}});
+  }
+  return {{"kind", name.name}, {"unit", name.unit}, {"axes", std::move(axes)}};
+}
+
+/// Axes of the drawing: the machine's own if it has two, else the corner's plane, along the motion and halving the
+/// angle.
+void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner, const Machine& machine) {
+  const Corner& legs = corner.geometry();
+  Eigen::VectorXd across = Eigen::VectorXd::Zero(legs.direction_in.size()), up = across;
+  Json names{"along the motion", "towards the inside"};
+  if (machine.axes.size() == 2) {
+    across[0] = 1.0, up[1] = 1.0;
+    names = {machine.axes[0].name, machine.axes[1].name};
+  } else {
+    const auto unit = [](const Eigen::VectorXd& v) {
+      return v.norm() > 1e-9 ? Eigen::VectorXd(v / v.norm()) : Eigen::VectorXd(0.0 * v);
+    };
+    across = unit(legs.direction_in + legs.direction_out), up = unit(legs.direction_out - legs.direction_in);
+  }
+  constexpr double micrometres = 1e6;
+  std::vector<double> x, y, contour, speed;
+  const auto off_leg = [](const Eigen::VectorXd& s, const Eigen::VectorXd& u, double sign) {
+    const double along = std::max(0.0, sign * s.dot(u));
+    return (s - sign * along * u).norm();
+  };
+  for (Eigen::Index n = 0; n < motion.position.rows(); ++n) {
+    const Eigen::VectorXd s = motion.position.row(n).transpose() * micrometres;
+    x.push_back(s.dot(across)), y.push_back(s.dot(up));
+    contour.push_back(std::min(off_leg(s, legs.direction_in, -1.0), off_leg(s, legs.direction_out, 1.0)));
+    speed.push_back(motion.velocity.row(n).norm() * limit_name(LimitKind::velocity).per_si);
+  }
+  const auto flat = [&](const Eigen::VectorXd& u) { return Json{u.dot(across), u.dot(up)}; };
+  view["path"] = {
+      {"names", names},   {"x_um", x}, {"y_um", y}, {"in", flat(legs.direction_in)}, {"out", flat(legs.direction_out)},
+      {"off_um", contour}};
+  view["speed_mm_s"] = speed;
+}
+
+Json view_json(const DesignResult& result, std::size_t index) {
+  const Task& task = result.task;
+  const TaskCorner& corner = task.corners[index];
+  const SampledMotion motion =
+      simulate_corner(*result.filter, corner.geometry(), result.corners[index].delay, task.sample_period);
+  std::vector<double> time;
+  for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
+    time.push_back(static_cast<double>(n - motion.corner) * task.sample_period * 1e3);
+  Json view{{"name", corner.name},
+            {"time_ms", std::move(time)},
+            {"events", {{"start", motion.start}, {"blend", motion.corner}, {"stop", motion.stop}}}};
+  add_path(view, motion, corner, task.machine);
+  view["quantities"] = Json::array();
+  for (const AxisLimit& limit : axis_limits) {
+    if (shown(limit, task.machine)) view["quantities"].push_back(quantity_json(limit, motion, corner, task));
+  }
+  return view;
+}
+
+}  // namespace
+
+Json views_json(const DesignResult& result) {
+  Json views = Json::array();
+  if (!result.filter || result.filter->order() > longest_drawn) return views;
+  for (std::size_t i = 0; i < result.corners.size(); ++i) views.push_back(view_json(result, i));
+  return views;
+}
+
+}  // namespace accdec::explore

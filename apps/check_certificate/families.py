@@ -1,0 +1,141 @@
+"""Proofs about families of a controller's filters: every member that could be shorter breaks a limit or needs delays
+that cost too much."""
+from fractions import Fraction
+from math import ceil
+
+from delays import breaks_a_limit, breaks_axis, too_far
+from enclosure import PI, UNIT, ZERO, cos_sin, exact
+from problem import NotCovered, Refused, number, refuse_if, whole
+
+
+def _per_stage(design, key, stages):
+    """A time of each stage, ms; None where the task has none."""
+    given = design.get(key)
+    given = given if isinstance(given, list) else [given] * stages
+    refuse_if(len(given) not in (1, stages), f"{key} has not one number a stage")
+    given = given * stages if len(given) == 1 else given
+    return [None if x is None else number(x) for x in given]
+
+
+def _stages(task, most):
+    """The lengths of each stage in samples, 1 for one that is off."""
+    design, period = task["design"], number(task["sample_period_ms"])
+    stages = whole(design.get("stages", 2))
+    refuse_if(not 1 <= stages <= 3, "the task has not one to three stages")
+    steps, caps = _per_stage(design, "length_step_ms", stages), _per_stage(design, "length_max_ms", stages)
+    if "length_set_ms" in design:
+        times = {number(t) / period for t in design["length_set_ms"]}
+        lengths = {round(t) for t in times if abs(t - round(t)) <= Fraction(1, 10**6) and t <= most}
+        return [sorted(lengths | {1})] * stages
+    all_lengths = []
+    for step, cap in zip(steps, caps):
+        samples = max(1, round((step or period) / period))
+        last = most if cap is None else min(most, int(cap / period * (1 + Fraction(1, 10**9))))
+        all_lengths.append(sorted({1, *range(samples, last + 1, samples)}))
+    return all_lengths
+
+
+def _averaged(taps, length):
+    sums, total = [], 0
+    for i in range(len(taps) + length - 1):
+        total += (taps[i] if i < len(taps) else 0) - (taps[i - length] if i >= length else 0)
+        sums.append(total)
+    return sums
+
+
+def _cascades(stages, taps, end, before=None):
+    """Taps of all averages in series, in whole numbers, of orders below the end. Equal stages count once."""
+    if not stages:
+        yield taps
+        return
+    same = before is not None and before[0] == stages[0]
+    for length in stages[0]:
+        if len(taps) + length - 2 >= end or (same and length > before[1]):
+            break
+        yield from _cascades(stages[1:], _averaged(taps, length), end, (stages[0], length))
+
+
+def _members(family, task, end):
+    stages, pairs = _stages(task, end), {"averages": 0, "shaper": 1 + (task["design"].get("shaper") == "zvd")}
+    if family not in pairs:
+        raise NotCovered(f"the family {family!r}")
+    for taps in _cascades(stages, [1], end):
+        if not pairs[family]:
+            yield taps
+        for delay in range(1, (end - len(taps)) // pairs[family] + 1 if pairs[family] else 0):
+            both = taps
+            for _ in range(pairs[family]):
+                both = [a + b for a, b in zip(both + [0] * delay, [0] * delay + both)]
+            yield both
+
+
+def _rings(problem, taps):
+    for mode in problem.modes:
+        for f in (mode.low, (mode.low + mode.high) / 2, mode.high):
+            cosines = sines = ZERO
+            for i, b in enumerate(taps):
+                cosine, sine = cos_sin(PI * exact(2 * f * problem.period * i))
+                cosines, sines = cosines + cosine.times(b), sines + sine.times(b)
+            bound = exact(mode.residual * sum(taps))
+            if (cosines * cosines + sines * sines).lo > (bound * bound).hi:
+                return True
+    return False
+
+
+def _starts_or_stops_break(problem, gone):
+    for corner in problem.corners:
+        for axis, into, out in zip(problem.axes, corner.speed_in, corner.speed_out):
+            start = [into * b for b in gone] + [into]
+            stop = [out * (UNIT - b) for b in gone] + [ZERO]
+            if any(breaks_axis(exact(problem.period), axis, speeds) for speeds in (start, stop)):
+                return True
+    return False
+
+
+def _need_too_much(problem, gone, room):
+    """Whether the corners' smallest delays cost as much as the room, or there are none."""
+    order, cost = len(gone) - 2, 0
+    for corner in problem.corners:
+        last = order + 2 if corner.delay is None else corner.delay
+        if room is not None:
+            last = min(last, ceil((room - cost) / corner.weight) - 1)
+        delay = 0 if corner.delay is None else corner.delay
+        if last < delay:
+            return True
+        left, gained = [UNIT - b for b in gone] + [ZERO] * last, [ZERO] * last + gone
+        # Up to 90 degrees no smaller delay is nearer.
+        if corner.cosine.lo >= 0 and too_far(problem, corner, left, gained):
+            return True
+        while delay <= last and breaks_a_limit(problem, corner, gone, delay):
+            delay += 1
+        if delay > last:
+            return True
+        cost += corner.weight * delay
+    return False
+
+
+def refute(problem, task, target):
+    """Number of members refuted: all that cost less than the target. None: all there are."""
+    kinds = task.get("controller", {}).get("delays", ["dwell"])
+    if not {"dwell", "timed-axis"} & set(kinds):
+        raise NotCovered(f"delays of the kinds {kinds}")
+    given, refuted = sum(c.weight * c.delay for c in problem.corners if c.delay is not None), 0
+    end = problem.order_max + 1
+    if target is not None:
+        target *= 1 - Fraction(1, 10**9)
+        end = min(end, max(0, ceil((target - given) / problem.filter_cost) - 1))
+    families = task["design"]["family"]
+    for family in families if isinstance(families, list) else [families]:
+        for taps in _members(family, task, end):
+            if len(taps) - 1 < problem.order_min:
+                continue
+            sums = [0]
+            for b in taps:
+                sums.append(sums[-1] + b)
+            gone = [exact(Fraction(s, sums[-1])) for s in sums]
+            room = None if target is None else target - problem.filter_cost * len(taps)
+            if not (_starts_or_stops_break(problem, gone) or _rings(problem, taps)
+                    or _need_too_much(problem, gone, room)):
+                raise Refused(f"a member of the family {family} with {len(taps)} taps is not refuted")
+            refuted += 1
+    return refuted

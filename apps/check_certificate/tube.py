@@ -1,0 +1,110 @@
+"""Bounds on the cumulative response B_0 .. B_{N+1} that limits on start and stop leave, and splits of the proof."""
+from math import isqrt
+
+from enclosure import BITS, ONE, exact, up
+
+SWEEPS = 40
+ENOUGH = ONE // 10**7  # sweeps that change less end
+
+
+class Plant:
+    """Start or stop of an axis, divided by its speed s: m/T, c, F/s, P/s^2, R/s^2; None: no such limit."""
+
+    def __init__(self, axis, period, speed, stop):
+        def over(kind, by):
+            return exact(axis.limits[kind]) / by if kind in axis.limits else None
+
+        self.inertia, self.drag, self.stop = exact(axis.mass / period), exact(axis.damping), stop
+        self.slope, force = self.inertia + self.drag, over("force", speed)
+        # slope B_k - m/T B_{k-1} <= F/s, at the stop F/s + c
+        self.force = None if force is None else (force + self.drag if stop else force).hi << BITS
+        self.power = None if stop else over("power", speed * speed)
+        self.regeneration = over("regeneration", speed * speed) if stop else None
+
+    def highest_after(self, x, high):
+        """Of B_k, where B_{k-1} <= x and B_k <= high."""
+        slope, push = self.slope, self.inertia.hi * x
+        if slope.lo <= 0:
+            return high
+        if self.force is not None:
+            high = min(high, up(self.force + push, slope.lo))
+        if self.power is not None:  # slope B_k^2 - m/T B_{k-1} B_k <= P/s^2: up to the larger root
+            square = push * push + (4 * slope.hi * self.power.hi << 2 * BITS)
+            high = min(high, up(push + isqrt(square) + 1, 2 * slope.lo))
+        if self.regeneration is not None:
+            # With w = 1 - B_k: slope w^2 - m/T (1 - B_{k-1}) w + R/s^2 >= 0, so w is not between the roots.
+            left = self.inertia.lo * (ONE - x)
+            square = left * left - (4 * slope.hi * self.regeneration.hi << 2 * BITS)
+            if square > 0 and left > 0:
+                roots = left + isqrt(square)  # over 2 slope the larger one; R over half of it the smaller one
+                if ONE - high > up(2 * self.regeneration.hi << 2 * BITS, roots):
+                    high = min(high, ONE - roots // (2 * slope.hi))
+        return high
+
+    def lowest_before(self, low, high):
+        """Of B_{k-1}, where low <= B_k <= high."""
+        pull, least, inertia = self.slope.lo * low, [0], self.inertia
+        if inertia.lo <= 0:
+            return 0
+        if self.force is not None:
+            least.append((pull - self.force) // inertia.hi)
+        if self.power is not None and low > 0:
+            least.append((pull - up(self.power.hi << 2 * BITS, low)) // inertia.hi)
+        if self.regeneration is not None and high < ONE:
+            # 1 - B_{k-1} <= (slope w + R/(s^2 w)) T/m, convex in w: largest at an end
+            ends = [self.slope.hi * w + up(self.regeneration.hi << 2 * BITS, w) for w in (ONE - low, ONE - high)]
+            least.append(ONE - up(max(ends), inertia.lo))
+        return max(least)
+
+
+class Tube:
+    """low[k] <= B_k <= high[k]."""
+
+    def __init__(self, low, high):
+        self.low, self.high = low, high
+
+    def at(self, k):
+        """Both bounds of B_k, for any k."""
+        if k <= 0:
+            return 0, 0
+        return (ONE, ONE) if k >= len(self.low) - 1 else (self.low[k], self.high[k])
+
+
+def tube(plants, tap_max, ramp_max, order, cuts):
+    """None if no filter of this order or less is left. tap_max, ramp_max: of any tap, of any difference
+    of two, times ONE. cuts: triples
+    of a sample, whether B is at most the level there, and the level."""
+    last = order + 1
+    low, high = [0] * (last + 1), [ONE] * (last + 1)
+    high[0], low[last] = 0, ONE
+    for sample, upper, level in cuts:
+        k = min(max(sample, 0), last)
+        if upper:
+            high[k] = min(high[k], exact(level).hi)
+        else:
+            low[k] = max(low[k], exact(level).lo)
+    most = 0
+    for k in range(1, last):  # tap i is at most (i + 1) ramp_max, and as much from the other end
+        most += min(tap_max, ramp_max * k)
+        high[k], low[last - k] = min(high[k], most), max(low[last - k], ONE - most)
+    for _ in range(SWEEPS):
+        change = 0
+        for k in range(1, last + 1):
+            top = min(high[k], high[k - 1] + tap_max)
+            for p in plants:
+                top = p.highest_after(high[k - 1], top)
+            change = max(change, high[k] - top, low[k - 1] - low[k])
+            high[k], low[k] = top, max(low[k], low[k - 1])
+            if low[k] > top:
+                return None
+        for k in range(last, 0, -1):
+            least = max(low[k - 1], low[k] - tap_max)
+            for p in plants:
+                least = max(least, p.lowest_before(low[k], high[k]))
+            change = max(change, least - low[k - 1], high[k - 1] - high[k])
+            low[k - 1], high[k - 1] = least, min(high[k - 1], high[k])
+            if least > high[k - 1]:
+                return None
+        if change < ENOUGH:
+            break
+    return Tube(low, high)

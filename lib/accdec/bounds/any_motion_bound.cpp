@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include <accdec/bounds/any_motion_bound.hpp>
+#include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/lower_bound.hpp>
+#include <accdec/bounds/tube_window.hpp>
+#include <accdec/files.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr std::size_t programs_max = 600;  // linear programs
+constexpr double cell_ratio = 1.05;        // of one length of windows to the next
+constexpr int widenings_max = 24;
+
+/// Blocks that go straight on at one feed.
+struct Leg {
+  TubeLeg tube;
+  double way = 0.0;                          // s at its pace
+  double tolerance = 0.0;                    // m, of the joint at its end
+  double reach = 0.0;                        // s after which a window shows no more
+  double least = 0.0;                        // s that it takes at least
+  std::size_t last_block = 0;                // of the program
+  double first_loss = 0.0, last_loss = 0.0;  // s at its ends, each by itself
+};
+
+class AnyMotionBound {
+ public:
+  AnyMotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit)
+      : path_(path), machine_(machine), n_(path.dimensions()), time_limit_(time_limit) {
+    double acceleration2 = 0.0;
+    bool jerk = false;
+    for (const Axis& axis : machine.axes) {
+      double most = acceleration_most(axis);
+      if (axis.jerk_max < unlimited) {
+        jerk = true;
+        if (axis.velocity_max < unlimited) most = std::min(most, 2.0 * std::sqrt(axis.velocity_max * axis.jerk_max));
+      }
+      acceleration2 += most * most;
+    }
+    wider_ = std::sqrt(acceleration2) * sample_period * sample_period / (jerk ? 6.0 : 8.0);
+    saved_ = (jerk ? 2.0 : 1.0) * sample_period;
+  }
+
+  double bound() {
+    double time = path_.dwell_first;
+    for (const auto& dwell : path_.dwell) time += dwell.second;
+    if (!(wider_ < unlimited)) return 0.0;
+    for (std::size_t first = 0; first < path_.blocks();) {
+      std::size_t last = first;
+      while (path_.joint[last] != Joint::stop) ++last;
+      time += std::max(0.0, section(first, last) - saved_);
+      first = last + 1;
+    }
+    return time;
+  }
+
+ private:
+  using Key = std::vector<std::int64_t>;
+
+  /// The radius of the tube around a block: stops grant none.
+  double radius(std::size_t first, std::size_t block) const {
+    const auto granted = [&](std::size_t b) { return path_.joint[b] == Joint::stop ? 0.0 : path_.tolerance[b]; };
+    return std::max(block > first ? granted(block - 1) : 0.0, granted(block)) + wider_;
+  }
+
+  Leg leg_of(std::size_t first, std::size_t b) const {
+    Leg leg;
+    const double* p = path_.point(b);
+    double length = 0.0, most = 0.0;
+    std::size_t slowest = 0;
+    for (std::size_t a = 0; a < n_; ++a) {
+      const double way = p[n_ + a] - p[a];
+      length = std::hypot(length, way);
+      leg.tube.direction[a] = way;
+      if (std::abs(way) / machine_.axes[a].velocity_max > most) {
+        most = std::abs(way) / machine_.axes[a].velocity_max;
+        slowest = a;
+      }
+    }
+    double acceleration = unlimited, jerk = unlimited;
+    for (std::size_t a = 0; a < n_; ++a) {
+      const double u = leg.tube.direction[a] /= length;
+      if (u == 0.0) continue;
+      acceleration = std::min(acceleration, acceleration_most(machine_.axes[a]) / std::abs(u));
+      jerk = std::min(jerk, machine_.axes[a].jerk_max / std::abs(u));
+    }
+    const double feed = length / path_.duration[b];
+    if (most >= path_.duration[b] * (1.0 - 1e-9)) {  // as fast as an axis goes
+      leg.tube.pace[slowest] = std::copysign(1.0 / machine_.axes[slowest].velocity_max, leg.tube.direction[slowest]);
+    } else {
+      leg.tube.feed = feed;
+      for (std::size_t a = 0; a < n_; ++a) leg.tube.pace[a] = leg.tube.direction[a] / feed;
+    }
+    leg.tube.radius = radius(first, b);
+    leg.way = path_.duration[b];
+    leg.reach =
+        acceleration < unlimited ? 1.2 * (feed / acceleration + (jerk < unlimited ? acceleration / jerk : 0.0)) : 0.0;
+    leg.tolerance = path_.joint[b] == Joint::stop ? 0.0 : path_.tolerance[b] + wider_;
+    leg.last_block = b;
+    return leg;
+  }
+
+  void make_legs(std::size_t first, std::size_t last) {
+    legs_.clear();
+    for (std::size_t b = first; b <= last; ++b) {
+      Leg leg = leg_of(first, b);
+      const bool goes_on = b > first && path_.joint[b - 1] == Joint::straight && same(leg.tube, legs_.back().tube);
+      if (!goes_on) {
+        legs_.push_back(leg);
+        continue;
+      }
+      Leg& whole = legs_.back();
+      whole.way += leg.way;
+      whole.tube.radius = std::max(whole.tube.radius, leg.tube.radius);
+      whole.tolerance = leg.tolerance;
+    }
+  }
+  static bool same(const TubeLeg& a, const TubeLeg& b) {
+    double difference = 0.0, length = 0.0;
+    for (std::size_t i = 0; i < a.pace.size(); ++i) {
+      difference = std::hypot(difference, a.pace[i] - b.pace[i]);
+      length = std::hypot(length, a.pace[i]);
+    }
+    return difference <= 1e-9 * length && (a.feed < unlimited) == (b.feed < unlimited);
+  }
+
+  double section(std::size_t first, std::size_t last) {
+    make_legs(first, last);
+    // Room for the rounding of directions, and for feeds of blocks that were merged.
+    constexpr double rounding = 1.0 - 1e-8;
+    for (Leg& leg : legs_) leg.first_loss = leg.last_loss = 0.0;
+    double best = 0.0;
+    for (int i = 0; i < widenings_max; ++i) {
+      double sum = lost(i == 0);
+      for (const Leg& leg : legs_) sum += leg.way;
+      const bool better = sum > best * (1.0 + 1e-4);
+      best = std::max(best, sum);
+      if (!(best < unlimited) || (i > 0 && !better)) break;
+      // Windows that show all there is need no second look.
+      const bool wide = std::all_of(legs_.begin(), legs_.end(),
+                                    [](const Leg& leg) { return 0.5 * leg.least >= cell_ratio * leg.reach; });
+      if (i > 0 && wide) break;
+      for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
+    }
+    return rounding * best;
+  }
+
+  /// The loss of all ends and corners, windows by what legs take at least; windows of no length at first.
+  double lost(bool nothing) {
+    double sum = 0.0;
+    const auto cell = [&](const Leg& leg) { return nothing ? none : cell_of(leg); };
+    for (std::size_t i = 0; i < legs_.size(); ++i) {
+      Leg& leg = legs_[i];
+      if (i == 0) sum += leg.first_loss = rest(leg, cell(leg));
+      if (i + 1 == legs_.size()) {
+        sum += leg.last_loss = rest(leg, cell(leg));
+      } else {
+        const TubeLoss& loss = corner(leg, cell(leg), legs_[i + 1], cell(legs_[i + 1]));
+        leg.last_loss = loss.in;
+        legs_[i + 1].first_loss = loss.out;
+        sum += loss.both;
+      }
+      if (nothing) leg.least = 0.0;
+    }
+    return sum;
+  }
+
+  /// A window of half the leg's time, at most its reach, is shortened to reach/ratio^cell.
+  static constexpr int none = 1000;
+  static int cell_of(const Leg& leg) {
+    const double half = 0.5 * leg.least;
+    if (!(half > 0.0) || !(leg.reach > 0.0)) return none;
+    const double cell = std::ceil(std::log(leg.reach / half) / std::log(cell_ratio) - 1e-9);
+    return cell > 60.0 ? none : std::max(0, static_cast<int>(cell));
+  }
+  static double window_of(const Leg& leg, int cell) {
+    return cell == none ? 0.0 : leg.reach * std::pow(cell_ratio, -cell) * (1.0 - 1e-12);
+  }
+  bool more() const { return programs_ < programs_max && seconds_since(start_) < time_limit_; }
+
+  static void append(const TubeLeg& leg, double reach, int cell, Key& key) {
+    for (const double value : leg.direction) key.push_back(std::llround(value * 1e9));
+    for (const double value : leg.pace) key.push_back(std::llround(value * 1e9));
+    key.push_back(leg.feed < unlimited ? std::llround(leg.feed * 1e9) : -1);
+    key.push_back(leg.radius < unlimited ? std::llround(leg.radius * 1e12) : -1);
+    key.push_back(std::llround(reach * 1e9));
+    key.push_back(cell);
+  }
+
+  double rest(const Leg& leg, int cell) {
+    if (cell == none) return 0.0;
+    Key key;
+    append(leg.tube, leg.reach, cell, key);
+    const auto [entry, is_new] = rests_.try_emplace(std::move(key), 0.0);
+    if (is_new && more()) {
+      ++programs_;
+      entry->second = rest_loss(leg.tube, window_of(leg, cell), machine_, n_).both;
+    }
+    return entry->second;
+  }
+
+  TubeLoss corner(const Leg& in, int cell_in, const Leg& out, int cell_out) {
+    TubeWindow window{&in.tube, &out.tube, in.tolerance, 0.0, 0.0};
+    if (cell_in == none || cell_out == none) return tube_loss(window, machine_, n_);
+    Key key;
+    append(in.tube, in.reach, cell_in, key);
+    append(out.tube, out.reach, cell_out, key);
+    key.push_back(std::llround(in.tolerance * 1e12));
+    const auto known = corners_.find(key);
+    if (known != corners_.end()) return known->second;
+    if (more()) {
+      programs_ += 3;
+      window.before = window_of(in, cell_in);
+      window.after = window_of(out, cell_out);
+    }
+    return corners_[std::move(key)] = tube_loss(window, machine_, n_);
+  }
+
+  const Toolpath& path_;
+  const Machine& machine_;
+  const std::size_t n_;
+  const double time_limit_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double wider_ = 0.0, saved_ = 0.0;
+  std::vector<Leg> legs_;  // of the section
+  std::map<Key, double> rests_;
+  std::map<Key, TubeLoss> corners_;
+  std::size_t programs_ = 0;
+};
+
+}  // namespace
+
+double any_motion_bound(const Toolpath& path, const Machine& task_machine, double sample_period, double time_limit) {
+  const Machine machine = program_machine(task_machine, path);
+  const double points = program_lower_bound(path, machine, sample_period);
+  return std::max(points, AnyMotionBound(path, machine, sample_period, time_limit).bound());
+}
+
+}  // namespace accdec

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <accdec/machine.hpp>
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+/// Least mean distance, in samples, between the slowing of a corner's first leg and the start of the second. It is
+/// Delta = d + M2 - M1 over all delays d and all pairs of filters with mean delays M. Their taps are at most tap_in and
+/// tap_out, and the corner error at the samples is at most `error`. The result is rounded down by at most 1e-3.
+///
+/// Counted from the sample of closest approach, filter 1 has taps b_i and filter 2, d samples later, c_i. Let p = sum
+/// b_i max(i, 0) and q = sum c_i max(-i, 0), with p' and q' the same sums on the other side. Then Delta = p' - p + q' -
+/// q. The error is that of S = -p s1 u1 + q s2 u2. For a given p, the largest mass after the sample has taps as large
+/// and as near to it as allowed. The remaining mass lies as near before it as possible, which gives the least p'. Both
+/// decrease with p and q, so the least Delta is on the ellipse |S| = error. On an arc of it, it is not below the value
+/// at the largest p and the largest q of the arc. Arcs are halved until the bound is precise enough.
+/// @param step_in, step_out  v T of both legs, m  @param tap_in, tap_out  in (0, 1]  @param cos_interior  of the
+/// interior angle
+double least_separation(double step_in, double step_out, double tap_in, double tap_out, double cos_interior,
+                        double error);
+
+/// A lower bound in s on the time of any filters with non-negative taps and unit sum and with any delays, within the
+/// acceleration limits. There may be one filter for all legs or one per leg. With n samples of command, samples = n +
+/// sum d + N_last + 1 = n + M_first + sum Delta + (N_last + 1 - M_last). Each term takes its own minimum.
+///
+/// It holds for filters that are not longer than the blocks that meet at a corner: then each corner is passed as if it
+/// were alone. It may be too low, because it leaves out several conditions. One filter must suit both ends of a leg,
+/// limits hold while the legs overlap, limits other than acceleration hold, and samples are whole.
+/// @param machine  its axes are found by their names (program_machine)
+double filter_lower_bound(const Toolpath& path, const Machine& machine, double sample_period);
+
+}  // namespace accdec

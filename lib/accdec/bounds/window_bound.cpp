@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <accdec/bounds/window_bound.hpp>
+
+namespace accdec {
+namespace {
+
+/// Window sizes in blocks, ascending. Long programs have fewer sizes, so that the bound takes only a small part of
+/// their time.
+std::vector<std::size_t> window_sizes(std::size_t blocks) {
+  std::vector<std::size_t> sizes;
+  const bool few = blocks > 50'000;
+  constexpr std::size_t longest = 4096;
+  for (std::size_t size = 1; size <= std::min(blocks, longest); size *= few ? 4 : 2) {
+    sizes.push_back(size);
+    if (!few && size > 1 && size + size / 2 <= std::min(blocks, longest)) sizes.push_back(size + size / 2);
+  }
+  return sizes;
+}
+
+class Windows {
+ public:
+  Windows(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last)
+      : path_(path), machine_(machine), n_(path.dimensions()), wider_(wider), first_(first), last_(last) {
+    const std::size_t blocks = last - first + 1;
+    sizes_ = window_sizes(blocks);
+    speed_.reserve(blocks);
+    for (std::size_t b = first; b <= last; ++b) {
+      const double* p = path.point(b);
+      double length2 = 0.0;
+      for (std::size_t a = 0; a < n_; ++a) length2 += (p[n_ + a] - p[a]) * (p[n_ + a] - p[a]);
+      speed_.push_back(std::sqrt(length2) / path.duration[b]);
+    }
+  }
+
+  double largest() {
+    const std::size_t blocks = last_ - first_ + 1;
+    std::vector<double> best(blocks + 1, 0.0);  // up to every point
+    for (const std::size_t size : sizes_) fastest_.push_back(of_windows(size));
+    for (std::size_t k = 1; k <= blocks; ++k) {
+      for (std::size_t s = 0; s < sizes_.size() && sizes_[s] <= k; ++s) {
+        const std::size_t i = k - sizes_[s];
+        best[k] = std::max(best[k], best[i] + time(i, k, fastest_[s][i]));
+      }
+    }
+    return best.back();
+  }
+
+ private:
+  /// The highest feed of `size` blocks from each on.
+  std::vector<double> of_windows(std::size_t size) const {
+    std::vector<double> highest(speed_.size() - size + 1);
+    std::vector<std::size_t> falling;  // blocks of the window that none behind them in it is faster than
+    std::size_t head = 0;
+    for (std::size_t b = 0; b < speed_.size(); ++b) {
+      while (falling.size() > head && speed_[falling.back()] <= speed_[b]) falling.pop_back();
+      falling.push_back(b);
+      if (b + 1 < size) continue;
+      while (falling[head] + size <= b) ++head;
+      highest[b + 1 - size] = speed_[falling[head]];
+    }
+    return highest;
+  }
+
+  const double* point(std::size_t i) const { return path_.point(first_ + i); }
+  bool rests(std::size_t i) const { return i == 0 || first_ + i == last_ + 1; }
+  double tolerance(std::size_t i) const { return rests(i) ? 0.0 : path_.tolerance[first_ + i - 1] + wider_; }
+
+  /// m/s^2 along a vector of this length.
+  double acceleration(const double* vector, double length) const {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < n_; ++a) {
+      if (vector[a] == 0.0) continue;
+      if (machine_.axes.empty()) return unlimited;
+      sum += std::abs(vector[a]) / length * machine_.axes[a].acceleration_max;
+    }
+    return sum;
+  }
+
+  double time(std::size_t i, std::size_t k, double speed) const {
+    const double ends = tolerance(i) + tolerance(k);
+    if (!(ends < unlimited)) return 0.0;
+    std::array<double, program_axis_count> chord{}, aside{};
+    double chord2 = 0.0, along = 0.0;
+    const std::size_t j = i + (k - i) / 2;
+    for (std::size_t a = 0; a < n_; ++a) {
+      chord[a] = point(k)[a] - point(i)[a];
+      aside[a] = point(j)[a] - point(i)[a];
+      chord2 += chord[a] * chord[a];
+      along += chord[a] * aside[a];
+    }
+    const double length = std::sqrt(chord2);
+    double time = 0.0;
+    if (length > ends) {
+      const int at_rest = (rests(i) ? 1 : 0) + (rests(k) ? 1 : 0);
+      time =
+          time_from_rest(length - ends, speed, at_rest > 0 ? acceleration(chord.data(), length) : unlimited, at_rest);
+    }
+    if (j == i || !(tolerance(j) < unlimited)) return time;
+    double height2 = 0.0;
+    for (std::size_t a = 0; a < n_; ++a) {
+      if (chord2 > 0.0) aside[a] -= chord[a] * (along / chord2);
+      height2 += aside[a] * aside[a];
+    }
+    const double height = std::sqrt(height2), left = height - tolerance(j) - std::max(tolerance(i), tolerance(k));
+    if (!(left > 0.0)) return time;
+    return std::max(time, std::sqrt(8.0 * left / acceleration(aside.data(), height)));
+  }
+
+  const Toolpath& path_;
+  const Machine& machine_;
+  const std::size_t n_;
+  const double wider_;
+  const std::size_t first_, last_;
+  std::vector<std::size_t> sizes_;
+  std::vector<double> speed_;                 // of every block
+  std::vector<std::vector<double>> fastest_;  // of every size, by the window's first block
+};
+
+}  // namespace
+
+double time_from_rest(double distance, double speed, double acceleration, int rests) {
+  if (distance <= 0.0) return 0.0;
+  if (!(acceleration < unlimited) || rests == 0) return distance / speed;
+  const double ramps = rests * 0.5 * speed * speed / acceleration;  // their way
+  return distance >= ramps ? distance / speed + rests * 0.5 * speed / acceleration
+                           : std::sqrt(2.0 * rests * distance / acceleration);
+}
+
+double window_bound(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last) {
+  return Windows(path, machine, wider, first, last).largest();
+}
+
+}  // namespace accdec

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include <accdec/certificate/interval.hpp>
+#include <accdec/task.hpp>
+
+namespace accdec {
+
+/// The checker's own taps r_0 .. r_R of what follows the designed filter: the control's smoothing and the servo, which
+/// must be that of all axes.
+class CheckedResponse {
+ public:
+  /// @throws Rejected if axes differ, a tap is negative, or a gain or taps are out of range
+  explicit CheckedResponse(const Task& task);
+  bool smooths() const { return smooths_; }  ///< the control does, before the servo
+  bool ideal() const { return !smooths_ && !follows_; }
+  /// @throws Rejected if there is a response, or smoothing: for rows that are known only without it
+  void require_ideal() const;
+  void require_no_smoothing() const;
+  int longer() const { return static_cast<int>(gone_.size()) - 1; }
+  /// Weight of a tap in the distance that leg 1 has left, x samples before it counts without a response:
+  /// sum_j r_j max(0, x + j).
+  Interval left(int x) const;
+  /// Weight of a tap in the distance that leg 2 has gone, y samples after it counts without a response:
+  /// sum_j r_j max(0, y - j).
+  Interval gone(int y) const;
+
+ private:
+  bool smooths_ = false, follows_ = false;
+  std::vector<Interval> left_, gone_;  // of x = 0, -1 .. and y = 0, 1 ..
+};
+
+}  // namespace accdec

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <accdec/task.hpp>
+
+// Internal to the room: the members of a controller's families, as the checker of proofs builds them.
+
+namespace accdec {
+
+/// A filter with what its legs do, sample by sample.
+struct FamilyMember {
+  std::vector<double> taps;                ///< sum 1
+  std::vector<double> gone;                ///< B_k, k = 0 .. N + 1
+  std::vector<double> left;                ///< 1 - B_k, summed from the far end
+  std::vector<double> way_left, way_gone;  ///< full-speed samples: p(k) and q(k), k = 0 .. N + 1
+
+  int order() const { return static_cast<int>(taps.size()) - 1; }
+};
+
+/// Visits every member of a family with an order in the task's bounds and below `order_end`.
+/// @param visit  the member, and what it is in words
+void visit_family(const Task& task, SettingFamily family, int order_end,
+                  const std::function<void(const FamilyMember&, const std::string&)>& visit);
+
+}  // namespace accdec

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <accdec/design.hpp>
+
+namespace accdec {
+
+/// The best that the controller of a task lets its user set: filter, delays of the kinds it has, and the in-position
+/// width. `optimal` means that every shorter member of every family is refuted, by code that does not share the
+/// search's (proof::FamilyEnumeration). Free taps are designed beside it, for at most ten seconds, so that the result
+/// says what the family costs. The task's [filter] is today's setting. It becomes the result's [baseline] unless there
+/// is one. The result's savings are against it, with delays of the same kinds.
+/// @param task  with settings that name a family
+DesignResult design_settings(const Task& task, const DesignOptions& options);
+
+}  // namespace accdec

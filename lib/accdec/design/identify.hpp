@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <accdec/design/motion_log.hpp>
+#include <accdec/task.hpp>
+
+namespace accdec {
+
+/// A filter that a logged motion may have passed.
+struct FittedFilter {
+  SettingFamily family = SettingFamily::averages;
+  FilterSpec filter{};
+  int parameters = 1;          ///< numbers that were fitted: stages, 1 for a pole, taps
+  double rms = 0.0;            ///< m, of the differences between log and fit
+  double sigmas = 0.0;         ///< by how many standard deviations of the noise the best fits better
+  double likelihood = 0.0;     ///< share among all members that were looked at, 0 .. 1; 0 for taps
+  double time_constant = 0.0;  ///< s, of a pole
+};
+
+/// The command that was found in a log, straight moves at constant feeds from rest to rest.
+struct LoggedMove {
+  int first = 0, samples = 0;  ///< sample in which the command begins, and how many it moves
+  std::vector<double> way;     ///< m, by axis
+};
+
+/// The answer to a log: the filters that its motion may have passed.
+struct Identification {
+  std::vector<FittedFilter> fits;             ///< those that fit, the most likely first; never empty
+  FittedFilter taps;                          ///< any taps, as good as the log shows them
+  double noise = 0.0;                         ///< m, standard deviation, as given or found
+  std::vector<LoggedMove> moves;              ///< one, or both legs of a corner; of the first fit
+  std::vector<std::vector<double>> modelled;  ///< m, by axis and sample, of the first fit
+};
+
+/// Options of `identify`.
+struct IdentifyOptions {
+  std::optional<double> noise;  ///< m; none: that of the best fit
+  double sigmas = 4.0;          ///< fits this much worse than the best are left out
+};
+
+/// Finds the filter behind a logged straight move or corner from rest to rest. The command is a run of whole samples at
+/// one feed, or two with a rest between them. Its samples, feeds and place follow from the parts of the log at constant
+/// speed; its length and place are fitted with every filter. Looked at are one to three averages of every length, and
+/// an endless pole of any time constant. With a task that names families only these are. If none of them fits as well
+/// as free taps do, up to a third more noise, taps are the answer.
+/// @param task  its sample period is that of the log; its largest order bounds the filters
+/// @throws std::invalid_argument if the log does not begin and end at rest, or if no part of a leg has a constant
+///         speed
+Identification identify(const MotionLog& log, const Task& task, const IdentifyOptions& options = {});
+
+}  // namespace accdec

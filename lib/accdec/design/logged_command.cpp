@@ -1,0 +1,187 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/design/logged_command.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr Eigen::Index rest_least = 5;  // samples at rest before and after the motion
+constexpr int steady_least = 6;         // samples at constant speed in a leg
+constexpr double steady_part = 2e-3;    // of a sample's step, by which positions may be off a constant speed
+
+class Finder {
+ public:
+  explicit Finder(const MotionLog& log) : axes_(static_cast<Eigen::Index>(log.axes.size())) {
+    const auto samples = static_cast<Eigen::Index>(log.samples());
+    at_.resize(axes_, samples);
+    for (Eigen::Index a = 0; a < axes_; ++a) {
+      const std::vector<double>& position = log.position[static_cast<std::size_t>(a)];
+      at_.row(a) = Eigen::Map<const Eigen::RowVectorXd>(position.data(), samples);
+    }
+  }
+
+  LoggedCommand run() {
+    if (at_.cols() < 4 * rest_least)
+      throw std::invalid_argument(
+          fmt::format("the log has {} samples; allowed are {} or more", at_.cols(), 4 * rest_least));
+    find_rests();
+    LoggedCommand found;
+    found.start = start_;
+    found.moving_first = first_;
+    found.moving_last = last_;
+    const int corner = turning();
+    if (corner < 0) {
+      const Steady whole = steady(first_, last_);
+      add(found, whole, start_, end_);
+      found.longest_ramp = std::max(whole.first - first_, last_ - whole.last);
+      return found;
+    }
+    const Steady in = steady(first_, corner), out = steady(corner, last_);
+    const Eigen::VectorXd meet = meeting(in, out);
+    add(found, in, start_, meet);
+    add(found, out, meet, end_);
+    found.longest_ramp = std::max({in.first - first_, out.first - in.last, last_ - out.last});
+    return found;
+  }
+
+ private:
+  /// Samples first .. last at constant speed: position = from + k speed.
+  struct Steady {
+    int first = 0, last = 0;
+    Eigen::VectorXd from, speed;
+  };
+
+  void find_rests() {
+    const auto samples = static_cast<int>(at_.cols());
+    start_ = at_.leftCols(rest_least).rowwise().mean();
+    end_ = at_.rightCols(rest_least).rowwise().mean();
+    way_ = (end_ - start_).norm();
+    double noise = 0.0;
+    for (int k = 0; k < rest_least; ++k)
+      noise = std::max({noise, (at_.col(k) - start_).norm(), (at_.col(samples - 1 - k) - end_).norm()});
+    if (!(way_ > 100.0 * noise) || !(way_ > 0.0))
+      throw std::invalid_argument(fmt::format(
+          "the log must begin and end at rest, {} samples each, at different places: it ends {:.4g} mm from where it "
+          "begins, and moves by up to {:.4g} mm in its first and last {} samples",
+          rest_least, 1e3 * way_, 1e3 * noise, rest_least));
+    threshold_ = std::max({4.0 * noise, 1e-5 * way_, 1.5 * resolution()});
+    while (first_ + 1 < samples && (at_.col(first_ + 1) - start_).norm() <= threshold_) ++first_;
+    last_ = samples - 1;
+    while (last_ > 0 && (at_.col(last_ - 1) - end_).norm() <= threshold_) --last_;
+  }
+
+  /// m, the smallest change of an axis, where it may be the log's last digit.
+  double resolution() const {
+    double least = std::numeric_limits<double>::infinity(), most = 0.0;
+    for (Eigen::Index k = 1; k < at_.cols(); ++k) {
+      for (Eigen::Index a = 0; a < axes_; ++a) {
+        const double change = std::abs(at_(a, k) - at_(a, k - 1));
+        if (change > 0.0) least = std::min(least, change);
+        most = std::max(most, change);
+      }
+    }
+    constexpr double digit = 0.02;  // of the fastest step; averages of fewer taps have no smaller changes
+    return least < digit * most ? least : 0.0;
+  }
+
+  /// The sample farthest from the line between both ends; -1 for a straight move.
+  int turning() const {
+    const Eigen::VectorXd along = (end_ - start_) / way_;
+    double farthest = std::max(10.0 * threshold_, 1e-3 * way_);
+    int turning = -1;
+    for (int k = first_; k <= last_; ++k) {
+      const Eigen::VectorXd from = at_.col(k) - start_;
+      const double off = (from - along.dot(from) * along).norm();
+      if (off > farthest) farthest = off, turning = k;
+    }
+    return turning;
+  }
+
+  /// The longest part of a leg around its middle at constant speed.
+  Steady steady(int from, int to) const {
+    const double half = 0.5 * (at_.col(to) - at_.col(from)).norm();
+    int middle = from;
+    while (middle < to && (at_.col(middle) - at_.col(from)).norm() < half) ++middle;
+    Steady part{middle - steady_least / 2, middle + steady_least / 2, {}, {}};
+    if (part.first < from || part.last > to || !fits(part)) too_short(from, to);
+    // Doubled on both sides while it stays straight and even, then sample by sample.
+    for (int step = std::max(1, (to - from) / 4); step >= 1; step /= 2) {
+      for (bool grown = true; grown;) {
+        grown = false;
+        for (const int side : {-1, 1}) {
+          Steady longer = part;
+          (side < 0 ? longer.first : longer.last) += side * step;
+          if (longer.first < from || longer.last > to || !fits(longer)) continue;
+          part = longer;
+          grown = true;
+        }
+      }
+    }
+    // The samples taken last may already be part of a ramp.
+    const int margin = (part.last - part.first) / 16;
+    part.first += margin, part.last -= margin;
+    fits(part);
+    return part;
+  }
+
+  /// Fits a constant speed. @return whether the part keeps to it
+  bool fits(Steady& part) const {
+    const int count = part.last - part.first + 1;
+    const auto block = at_.middleCols(part.first, count);
+    const double centre = 0.5 * (part.first + part.last);
+    const Eigen::VectorXd mean = block.rowwise().mean();
+    Eigen::VectorXd moment = Eigen::VectorXd::Zero(axes_);
+    double squares = 0.0;
+    for (int k = 0; k < count; ++k) {
+      const double t = part.first + k - centre;
+      moment += t * block.col(k);
+      squares += t * t;
+    }
+    part.speed = moment / squares;
+    part.from = mean - centre * part.speed;
+    double worst = 0.0;
+    for (int k = 0; k < count; ++k)
+      worst = std::max(worst, (block.col(k) - part.from - (part.first + k) * part.speed).norm());
+    return part.speed.norm() > 0.0 && worst <= std::max(threshold_, steady_part * part.speed.norm());
+  }
+
+  [[noreturn]] static void too_short(int from, int to) {
+    throw std::invalid_argument(fmt::format(
+        "no part of the leg from sample {} to {} has a constant speed: the move must be longer than the filter", from,
+        to));
+  }
+
+  /// Where the extended legs come nearest to each other.
+  Eigen::VectorXd meeting(const Steady& in, const Steady& out) const {
+    const Eigen::VectorXd u = in.speed.normalized(), w = out.speed.normalized(), gap = out.from - in.from;
+    const double c = u.dot(w), d = 1.0 - c * c;
+    const double s = (gap.dot(u) - c * gap.dot(w)) / d, t = (c * gap.dot(u) - gap.dot(w)) / d;
+    return 0.5 * (in.from + s * u + out.from + t * w);
+  }
+
+  static void add(LoggedCommand& found, const Steady& part, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+    const double square = part.speed.squaredNorm();
+    const auto passes = [&](const Eigen::VectorXd& point) { return (point - part.from).dot(part.speed) / square; };
+    found.legs.push_back({passes(from), passes(to), to - from});
+    found.step = std::max(found.step, std::sqrt(square));
+  }
+
+  Eigen::Index axes_;
+  Eigen::MatrixXd at_;
+  Eigen::VectorXd start_, end_;
+  double way_ = 0.0, threshold_ = 0.0;
+  int first_ = 0, last_ = 0;
+};
+
+}  // namespace
+
+LoggedCommand logged_command(const MotionLog& log) {
+  return Finder(log).run();
+}
+
+}  // namespace accdec

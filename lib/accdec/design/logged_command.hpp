@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <accdec/design/motion_log.hpp>
+
+// Internal to the room: the command behind a logged motion.
+
+namespace accdec {
+
+/// Legs of a logged motion at constant speed, before any filter is known. Times are in samples and real: they are later
+/// than those of the command by the filter's mean delay.
+struct LoggedCommand {
+  struct Leg {
+    double first = 0.0, last = 0.0;  ///< when the extended part at constant speed begins and ends the leg
+    Eigen::VectorXd way;             ///< m
+  };
+  std::vector<Leg> legs;                  ///< one or two
+  Eigen::VectorXd start;                  ///< m
+  int moving_first = 0, moving_last = 0;  ///< samples between which the axes move
+  double step = 0.0;                      ///< m, of a sample of the faster leg
+  int longest_ramp = 0;                   ///< samples from rest to constant speed or back, at most
+};
+
+/// @throws std::invalid_argument as `identify`
+LoggedCommand logged_command(const MotionLog& log);
+
+}  // namespace accdec

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace accdec {
+
+/// Logged positions of a machine's axes, one sample a sample period.
+struct MotionLog {
+  std::vector<std::string> axes;              ///< names: "x"
+  std::vector<std::vector<double>> position;  ///< of every axis, m, by sample
+  std::size_t samples() const { return position.empty() ? 0 : position.front().size(); }
+};
+
+}  // namespace accdec

@@ -1,0 +1,254 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <accdec/design/anytime.hpp>
+#include <accdec/design/quantise.hpp>
+#include <accdec/files.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+/// Limits less the largest change that rounding the taps' cumulative sums to multiples of `unit` makes, times `part`.
+/// A sum is off by unit/2, a tap by one unit, a difference of two by two.
+Task tightened(Task task, double unit, double part, int order) {
+  const double period = task.sample_period;
+  // Below a tenth, a limit says nothing any more of the filters that hold it.
+  const auto lower = [&](double& bound, double effect) {
+    if (bound < unlimited) bound = std::max(0.1 * bound, bound - part * effect);
+  };
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    Axis& axis = task.machine.axes[a];
+    double speed = 0.0;  // both legs together
+    for (const TaskCorner& corner : task.corners) {
+      const Corner& legs = corner.geometry();
+      const auto i = static_cast<Eigen::Index>(a);
+      speed = std::max(speed,
+                       legs.feed_in * std::abs(legs.direction_in[i]) + legs.feed_out * std::abs(legs.direction_out[i]));
+    }
+    const double velocity = 0.5 * speed * unit, acceleration = speed * unit / period;
+    const double force = axis.mass * acceleration + axis.damping * velocity;
+    const double most = axis.force_max < unlimited ? axis.force_max : axis.damping * speed;
+    lower(axis.acceleration_max, acceleration);
+    lower(axis.jerk_max, 2.0 * acceleration / period);
+    lower(axis.power_max, force * speed + most * velocity);
+    lower(axis.regeneration_max, force * speed + most * velocity);
+    lower(axis.force_max, force);
+  }
+  for (Mode& mode : task.machine.modes)
+    lower(mode.residual_max, 0.5 * unit * (order + 1) * std::min(2.0, 2.0 * M_PI * mode.frequency_high * period));
+  for (TaskCorner& corner : task.corners) {
+    const double speed = corner.geometry().feed_in + corner.geometry().feed_out;
+    if (corner.error_max) lower(*corner.error_max, 0.25 * unit * order * speed * period);
+    if (corner.speed_min > 0.0) corner.speed_min += part * 0.5 * unit * speed;
+  }
+  return task;
+}
+
+/// The speeds of an axis on all legs, m/s; each leg is started or stopped by itself.
+std::vector<double> leg_speeds(const Task& task, std::size_t axis) {
+  const auto a = static_cast<Eigen::Index>(axis);
+  std::vector<double> speeds;
+  for (const TaskCorner& corner : task.corners) {
+    const Corner& legs = corner.geometry();
+    for (const double speed :
+         {legs.feed_in * std::abs(legs.direction_in[a]), legs.feed_out * std::abs(legs.direction_out[a])})
+      if (speed > 1e-9) speeds.push_back(speed);
+  }
+  return speeds;
+}
+
+/// Limits of acceleration and jerk that whole coefficients can reach: a tap, or a step between two, of so many units.
+Task snapped(Task task, double unit) {
+  const double period = task.sample_period;
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    Axis& axis = task.machine.axes[a];
+    double acceleration = axis.acceleration_max, jerk = axis.jerk_max;
+    for (const double speed : leg_speeds(task, a)) {
+      const auto lower = [](double& bound, double limit, double effect) {
+        const double units = std::floor(limit / effect * (1.0 + 1e-9));
+        if (units >= 1.0 && units < 1e12) bound = std::min(bound, units * effect);
+      };
+      lower(acceleration, axis.acceleration_max, speed * unit / period);
+      lower(jerk, axis.jerk_max, speed * unit / (period * period));
+    }
+    axis.acceleration_max = acceleration, axis.jerk_max = jerk;
+  }
+  return task;
+}
+
+/// Why no taps of these bits hold the limits: the first tap has one unit or more. Empty if that is no reason.
+std::string too_coarse(const Task& task, double unit) {
+  const double period = task.sample_period;
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    const Axis& axis = task.machine.axes[a];
+    for (const double speed : leg_speeds(task, a)) {
+      for (const auto& [kind, bound, effect] :
+           {std::tuple(LimitKind::acceleration, axis.acceleration_max, speed / period),
+            std::tuple(LimitKind::jerk, axis.jerk_max, speed / (period * period))}) {
+        if (effect * unit <= bound * (1.0 + 1e-6)) continue;
+        return fmt::format(
+            "one unit of {} bits is a tap whose {} on axis {} is {:.6g} {}, above the limit; at least "
+            "{:.0f} bits are needed",
+            task.design.coefficient_bits, to_string(kind), axis.name, limit_name(kind).per_si * effect * unit,
+            limit_name(kind).unit, std::ceil(std::log2(effect / bound)));
+      }
+    }
+  }
+  return "";
+}
+
+class QuantisedDesign {
+ public:
+  QuantisedDesign(const Task& task, const DesignOptions& options)
+      : task_(task), options_(options), bits_(task.design.coefficient_bits), unit_(std::ldexp(1.0, -bits_)) {}
+
+  DesignResult run() {
+    if (std::string why = too_coarse(task_, unit_); !why.empty()) {
+      free_.task = task_, free_.message = std::move(why);
+      return std::move(free_);
+    }
+    Task free = task_;
+    free.design.coefficient_bits = 0;
+    DesignOptions share = options_;
+    share.time_limit *= 0.5;
+    free_ = design_task(free, share);
+    free_.task = task_;
+    if (!free_.has_design()) return std::move(free_);
+    tell(fmt::format("free taps take {:.6g} ms; rounding to {} bits", 1e3 * free_.objective(), bits_));
+    for (const CornerResult& corner : free_.corners) delays_.push_back(corner.delay);
+    look();
+    return finish();
+  }
+
+ private:
+  bool late() const {
+    return seconds_since(began_) > options_.time_limit || (options_.cancel != nullptr && options_.cancel->load());
+  }
+  void tell(const std::string& line) const {
+    if (options_.progress) options_.progress(line);
+  }
+  bool lossless() const { return best_ && best_->objective() <= free_.objective() * (1.0 + 1e-12); }
+
+  void look() {
+    const int order = free_.filter->order();
+    offer(*free_.filter, delays_);
+    for (const double part : parts) {
+      if (lossless() || late()) return;
+      at_order(order, part);
+    }
+    for (const double part : parts) {
+      if (lossless() || late()) return;
+      offer_design_of(with_room(part, order));
+    }
+    // Each longer filter has a little more room.
+    const int most = std::min(task_.design.order_max, order + std::max(8, order / 2));
+    for (int longer = order + 1; longer <= most; ++longer) {
+      for (const double part : parts) {
+        if (best_ || late()) return;
+        at_order(longer, part);
+      }
+    }
+  }
+
+  Task with_room(double part, int order) const {
+    return part > 0.0 ? tightened(task_, unit_, part, order) : snapped(task_, unit_);
+  }
+
+  /// With limits that leave room, at this order and the delays of free taps.
+  void at_order(int order, double part) {
+    Task task = with_room(part, order);
+    task.design.order_min = task.design.order_max = order;
+    for (std::size_t j = 0; j < delays_.size(); ++j) task.corners[j].delay = delays_[j];
+    offer_design_of(std::move(task));
+  }
+
+  void offer_design_of(Task task) {
+    task.design.coefficient_bits = 0;
+    DesignOptions options = options_;
+    options.certificate = false;
+    options.time_limit = 0.25 * std::max(0.05, options_.time_limit - seconds_since(began_));
+    const DesignResult room = design_task(task, options);
+    if (!room.has_design() || (best_ && room.objective() >= best_->objective() * (1.0 - 1e-12))) return;
+    std::vector<int> delays;
+    for (const CornerResult& corner : room.corners) delays.push_back(corner.delay);
+    offer(*room.filter, delays);
+  }
+
+  void offer(const Filter& filter, const std::vector<int>& delays) {
+    // A simulation takes O(N^2).
+    const double size = 1.0 + 0.03 * filter.order();
+    long left = static_cast<long>(exchanges_max / (size * size));
+    const auto stop = [&] { return --left < 0 || late(); };
+    const auto rounded = round_under_limits(task_, filter, delays, bits_, stop);
+    if (!rounded) return;
+    const Filter quantised = filter_of_coefficients(*rounded);
+    DesignResult found = assess(task_, quantised, smallest_delays(quantised, delays), false);
+    if (!found.has_design() || (best_ && !(found.objective() < best_->objective()))) return;
+    found.quantisation = Quantisation{bits_, *rounded, 0.0};
+    best_ = std::move(found);
+  }
+
+  std::vector<int> smallest_delays(const Filter& filter, const std::vector<int>& known) const {
+    Task given = task_;
+    given.design.coefficient_bits = 0;
+    given.filter = FilterSpec{.kind = Shape::taps, .taps = {filter.taps().begin(), filter.taps().end()}};
+    DesignOptions options;
+    options.time_limit = std::max(0.05, 0.25 * (options_.time_limit - seconds_since(began_)));
+    const DesignResult found = design_delays(given, options);
+    if (!found.has_design()) return known;
+    std::vector<int> delays;
+    for (const CornerResult& corner : found.corners) delays.push_back(corner.delay);
+    return delays;
+  }
+
+  DesignResult finish() {
+    DesignResult result;
+    if (!best_) {
+      result.task = task_;
+      result.status = Status::failed;
+      result.stop = late() ? StopReason::time_limit : StopReason::finished;
+      result.message = fmt::format(
+          "no coefficients of {} bits were found that hold all limits; free taps hold them in {:.6g} ms. Allow more "
+          "bits or wider limits",
+          bits_, 1e3 * free_.objective());
+    } else {
+      result = std::move(*best_);
+      result.stop = free_.stop, result.message = free_.message;
+      result.quantisation->unquantised = std::min(free_.objective(), result.objective());
+    }
+    result.lower_bound = free_.lower_bound;
+    result.certificate = free_.certificate;
+    result.solver = free_.solver;
+    result.solver.wall_time = seconds_since(began_);
+    if (result.has_design()) judge_gap(result);
+    return result;
+  }
+
+  /// Parts of the largest effect of a rounding; less than all of it is often enough. 0: limits snapped to whole units.
+  static constexpr double parts[] = {1.0, 0.5, 0.25, 0.0};
+  /// Filters that one rounding may try: below a second for a few hundred taps.
+  static constexpr long exchanges_max = 20'000;
+
+  const Task& task_;
+  const DesignOptions& options_;
+  int bits_;
+  double unit_;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  DesignResult free_;
+  std::vector<int> delays_;
+  std::optional<DesignResult> best_;
+};
+
+}  // namespace
+
+DesignResult design_quantised(const Task& task, const DesignOptions& options) {
+  return QuantisedDesign(task, options).run();
+}
+
+}  // namespace accdec

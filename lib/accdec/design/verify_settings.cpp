@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/certificate/family_members.hpp>
+#include <accdec/design/verify_settings.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr double part = 1e-9;
+
+bool same_taps(const Filter& a, const std::vector<double>& b) {
+  bool same = a.order() + 1 == static_cast<int>(b.size());
+  for (int i = 0; same && i <= a.order(); ++i) same = std::abs(a.tap(i) - b[static_cast<std::size_t>(i)]) <= 1e-12;
+  return same;
+}
+
+/// Whether the family of the task has these taps.
+bool is_member(Task task, SettingFamily family, const Filter& filter) {
+  const int order = filter.order();
+  task.design.order_min = order;
+  bool found = false;
+  visit_family(task, family, order + 1, [&](const FamilyMember& member, const std::string&) {
+    found = found || same_taps(filter, member.taps);
+  });
+  return found;
+}
+
+/// The filter that the values to enter make.
+std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chosen) {
+  const auto& stages = task.settings->stages;
+  FilterSpec spec{.kind = Shape::averages};
+  std::size_t s = 0;
+  for (const Setting& setting : chosen.values) {
+    if (setting.unit == "Hz") {
+      spec.pairs = setting.name == "ZV" ? 1 : 2;
+      spec.pair_delay = static_cast<int>(std::lround(0.5 / (setting.value * task.sample_period)));
+      continue;
+    }
+    if (s >= stages.size()) return {};
+    const double samples = setting.value * stages[s].unit_seconds / task.sample_period;
+    if (setting.name != stages[s].name || setting.unit != stages[s].unit) return {};
+    ++s;
+    if (chosen.family == SettingFamily::one_pole)
+      return samples > 0.5 ? std::vector<double>{samples} : std::vector<double>{};
+    const long length = std::lround(samples);
+    if (length > 1 && length < 2'000'000)
+      spec.lengths.push_back(static_cast<int>(length)), spec.order += spec.lengths.back() - 1;
+  }
+  if (spec.lengths.empty()) spec.lengths.push_back(1);
+  if (spec.pairs > 0 && spec.pair_delay < 1) return {};
+  const Filter filter = make_filter(spec);
+  return {filter.taps().begin(), filter.taps().end()};
+}
+
+bool values_fit(const Task& task, const ChosenSettings& chosen, const Filter& filter) {
+  const std::vector<double> made = taps_of_values(task, chosen);
+  if (chosen.family != SettingFamily::one_pole) return same_taps(filter, made);
+  if (made.empty()) return filter.order() == 0;
+  if (filter.order() == 0) return false;
+  return std::abs(filter.tap(1) / filter.tap(0) - std::exp(-1.0 / made.front())) <= part;
+}
+
+/// The delay that an in-position width gives.
+int delay_at(const DesignResult& result, std::size_t j, double width) {
+  const auto taps = result.filter->taps();
+  const double step = result.task.corners[j].geometry().feed_in * result.task.sample_period;
+  for (int d = 0;; ++d) {
+    double way = 0.0;
+    for (int i = d + 1; i < static_cast<int>(taps.size()); ++i) way += taps[static_cast<std::size_t>(i)] * (i - d);
+    if (step * way <= width || d > result.filter->order()) return d;
+  }
+}
+
+void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons) {
+  const auto& kinds = result.settings->delays;
+  const auto& allowed = result.task.settings->delays;
+  if (allowed.empty() ? !kinds.empty() : kinds.size() != result.corners.size()) {
+    reasons.push_back("settings.delays must name the kind of delay at every corner, or none if the task names none");
+    return;
+  }
+  bool in_position = false;
+  for (std::size_t j = 0; j < kinds.size(); ++j) {
+    const int d = result.corners[j].delay,
+              apart = result.filter->last_nonzero_tap() - result.filter->first_nonzero_tap();
+    const std::string& name = result.corners[j].name;
+    if (std::find(allowed.begin(), allowed.end(), kinds[j]) == allowed.end())
+      reasons.push_back(fmt::format("corner {}: the controller has no delay of kind {}", name, to_string(kinds[j])));
+    if (kinds[j] == DelayKind::continuous && d != 0)
+      reasons.push_back(fmt::format("corner {}: delay {} is not continuous", name, d));
+    if (kinds[j] == DelayKind::exact_stop && (d < apart || d > result.filter->order() + 2))
+      reasons.push_back(fmt::format("corner {}: delay {} is no exact stop", name, d));
+    if (kinds[j] != DelayKind::in_position) continue;
+    in_position = true;
+    if (!result.settings->width) continue;
+    const WidthInterval& width = *result.settings->width;
+    const double inside = std::isfinite(width.high) ? width.high * (1.0 - part) : 2.0 * width.low;
+    for (const double w : {width.low * (1.0 + part), width.middle(), inside}) {
+      if (const int found = delay_at(result, j, w); found != d)
+        reasons.push_back(
+            fmt::format("corner {}: an in-position width of {:.9g} m gives delay {}, not {}", name, w, found, d));
+    }
+  }
+  if (in_position != result.settings->width.has_value())
+    reasons.push_back("an in-position width must be recorded with corners that are in-position, and only then");
+}
+
+}  // namespace
+
+void compare_setting(const Task& task, const ChosenSettings& chosen, const Filter& filter,
+                     std::vector<std::string>& reasons) {
+  const auto& families = task.settings->families;
+  if (std::find(families.begin(), families.end(), chosen.family) == families.end() ||
+      !is_member(task, chosen.family, filter))
+    reasons.push_back("the taps are no member of the task's families");
+  if (!values_fit(task, chosen, filter)) reasons.push_back("the taps are not those that settings.values make");
+}
+
+void compare_settings(const DesignResult& result, std::vector<std::string>& reasons) {
+  const bool asked = result.task.settings && result.task.settings->names_family();
+  if (!asked) {
+    if (result.settings || result.family_bound || result.free_taps)
+      reasons.push_back("settings are recorded, the task asks for none");
+    return;
+  }
+  if (!result.settings) {
+    reasons.push_back("the task asks for settings, none are recorded");
+    return;
+  }
+  compare_setting(result.task, *result.settings, *result.filter, reasons);
+  const Filter named = make_filter(result.settings->filter);
+  if (!same_taps(*result.filter, {named.taps().begin(), named.taps().end()}))
+    reasons.push_back("the taps are not those of settings.filter");
+  compare_kinds(result, reasons);
+  if (result.free_taps && result.lower_bound && *result.free_taps < *result.lower_bound * (1.0 - part))
+    reasons.push_back("free_taps_s is below the lower bound");
+  if (result.free_taps && *result.free_taps > result.objective() * (1.0 + part))
+    reasons.push_back("free_taps_s is above the time of the settings");
+  if (result.family_bound && *result.family_bound > result.objective() * (1.0 + part))
+    reasons.push_back("family_bound_s is above the time of the settings");
+}
+
+}  // namespace accdec

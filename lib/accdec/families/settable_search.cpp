@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include <accdec/families/family_search.hpp>
+#include <accdec/families/settable_search.hpp>
+#include <accdec/files.hpp>
+#include <accdec/filter.hpp>
+
+namespace accdec {
+namespace {
+
+/// All members of a family by their orders, with the stages' lengths of the one visited last.
+class Members {
+ public:
+  Members(const Task& task, SettingFamily family)
+      : family_(family), pairs_(family == SettingFamily::shaper ? task.settings->shaper_pairs : 0) {
+    for (const SettableStage& stage : task.settings->stages) {
+      lengths_.push_back(settable_lengths(stage, task.sample_period, task.design.order_max + 1));
+      // An average of one sample changes nothing: the stage is off. A pole of one sample is none.
+      const int off = family == SettingFamily::one_pole ? 0 : 1;
+      if (lengths_.back().empty() || lengths_.back().front() != off)
+        lengths_.back().insert(lengths_.back().begin(), off);
+      std::vector<char> allowed(static_cast<std::size_t>(task.design.order_max) + 2, 0);
+      for (const int length : lengths_.back()) allowed[static_cast<std::size_t>(length)] = 1;
+      allowed_.push_back(std::move(allowed));
+      if (family == SettingFamily::one_pole) break;  // it has one time
+    }
+    current_.assign(lengths_.size(), 0);
+  }
+
+  void visit(int order, const MemberVisitor& visit) {
+    if (family_ == SettingFamily::one_pole) {
+      for (const int length : lengths_.front()) {
+        const FilterSpec spec = length > 0 ? cut_pole(length) : FilterSpec{.kind = Shape::exponential, .ratio = 1.0};
+        current_.front() = length;
+        if (spec.order == order && !visit(spec, {})) return;
+      }
+      return;
+    }
+    for (int delay = pairs_ > 0 ? 1 : 0; pairs_ * delay <= order; ++delay) {
+      pair_delay_ = delay;
+      if (!stage(0, order - pairs_ * delay, visit) || pairs_ == 0) return;
+    }
+  }
+
+  /// 0: off.
+  std::vector<int> lengths() const {
+    std::vector<int> lengths = current_;
+    if (family_ != SettingFamily::one_pole) std::replace(lengths.begin(), lengths.end(), 1, 0);
+    return lengths;
+  }
+
+ private:
+  /// Equal stages are in any order: their lengths fall.
+  bool stage(std::size_t s, int left, const MemberVisitor& visit) {
+    const bool as_before = s > 0 && lengths_[s] == lengths_[s - 1];
+    const int most = as_before ? current_[s - 1] : left + 1;
+    if (s + 1 == lengths_.size()) {
+      if (left + 1 > most || allowed_[s][static_cast<std::size_t>(left) + 1] == 0) return true;
+      current_[s] = left + 1;
+      return offer(visit);
+    }
+    for (const int length : lengths_[s]) {
+      if (length > most || length - 1 > left) break;
+      current_[s] = length;
+      if (!stage(s + 1, left - (length - 1), visit)) return false;
+    }
+    return true;
+  }
+
+  bool offer(const MemberVisitor& visit) {
+    FilterSpec spec{.kind = Shape::averages, .pairs = pairs_, .pair_delay = pair_delay_};
+    for (const int length : current_) {
+      if (length > 1) spec.lengths.push_back(length), spec.order += length - 1;
+    }
+    if (spec.lengths.empty()) spec.lengths.push_back(1);
+    std::sort(spec.lengths.begin(), spec.lengths.end(), std::greater<>());
+    return visit(spec, spec.lengths);
+  }
+
+  SettingFamily family_;
+  int pairs_, pair_delay_ = 0;
+  std::vector<std::vector<int>> lengths_;  ///< of each stage, rising
+  std::vector<std::vector<char>> allowed_;
+  std::vector<int> current_;
+};
+
+std::string shaper_word(int pairs) {
+  return pairs == 1 ? "ZV" : "ZVD";
+}
+
+/// Searches one family for what is below the best so far.
+void search_family(const Task& task, SettingFamily family, const std::function<bool()>& stop, SettableDesign& best) {
+  const Family& like = *find_family(family == SettingFamily::one_pole ? "exponential" : "averages");
+  Members members(task, family);
+  const FamilySearch* search = nullptr;
+  double cheapest = best.cost;
+  std::vector<int> lengths;
+  const FamilySearch::Members visit_order = [&](int order, const MemberVisitor& visit) {
+    members.visit(order, [&](const FilterSpec& spec, std::span<const int> own) {
+      const bool more = visit(spec, own);
+      if (search->best() && search->cost() < cheapest) cheapest = search->cost(), lengths = members.lengths();
+      return more;
+    });
+  };
+  FamilySearch found(task, like, best.cost, visit_order);
+  search = &found;
+  found.run(stop);
+  best.complete = best.complete && found.complete();
+  best.tried += found.tried();
+  if (!found.best()) return;
+  best.cost = found.cost();
+  best.delays = found.delays();
+  ChosenSettings chosen{.family = family, .filter = *found.best()};
+  chosen.values = values_of(*task.settings, lengths, task.sample_period);
+  if (chosen.filter.pairs > 0)
+    chosen.values.push_back(
+        {shaper_word(chosen.filter.pairs), 0.5 / (chosen.filter.pair_delay * task.sample_period), "Hz"});
+  chosen.delays = best.delays.kinds;
+  chosen.width = best.delays.width;
+  best.chosen = std::move(chosen);
+}
+
+}  // namespace
+
+std::vector<int> settable_lengths(const SettableStage& stage, double period, int most) {
+  std::vector<int> lengths;
+  const auto samples = [=](double time) { return std::lround(std::min(time / period, 1e9)); };
+  if (!stage.length_set.empty()) {
+    for (const double length : stage.length_set) {
+      if (samples(length) <= most) lengths.push_back(static_cast<int>(samples(length)));
+    }
+    return lengths;
+  }
+  const long step = stage.length_step > 0.0 ? std::max(1L, samples(stage.length_step)) : 1L;
+  const double cap = stage.length_max > 0.0 ? std::floor(stage.length_max / period * (1.0 + 1e-9)) : 1e9;
+  const long last = static_cast<long>(std::min<double>(cap, most));
+  for (long length = step; length <= last; length += step) lengths.push_back(static_cast<int>(length));
+  return lengths;
+}
+
+FilterSpec cut_pole(double time_constant) {
+  const double taps = std::ceil(-std::log(pole_rest) * time_constant * (1.0 - 1e-12));
+  return {.kind = Shape::exponential,
+          .order = static_cast<int>(std::min(taps, 1e9)) - 1,
+          .ratio = std::exp(-1.0 / time_constant)};
+}
+
+std::vector<Setting> values_of(const ControllerSettings& settings, const std::vector<int>& lengths, double period) {
+  std::vector<Setting> values;
+  for (std::size_t s = 0; s < lengths.size(); ++s) {
+    const SettableStage& stage = settings.stages[s];
+    const double time = lengths[s] * period;
+    values.push_back({stage.name, std::round(1e9 * time / stage.unit_seconds) / 1e9, stage.unit});
+  }
+  return values;
+}
+
+SettableDesign best_settings(const Task& task, double seconds, const std::atomic<bool>* cancel) {
+  const auto began = std::chrono::steady_clock::now();
+  const auto stop = [=] { return seconds_since(began) >= seconds || (cancel != nullptr && cancel->load()); };
+  SettableDesign best;
+  best.complete = true;
+  for (const SettingFamily family : task.settings->families) {
+    if (family != SettingFamily::taps) search_family(task, family, stop, best);
+  }
+  return best;
+}
+
+}  // namespace accdec

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace accdec {
+
+/// A text from a file, made safe for a terminal. Control characters other than line feed and tab are written as "\x1b",
+/// so that no name moves the cursor.
+std::string printable(std::string_view text);
+
+/// An argument as a shell takes it: unchanged where it needs no quotes, otherwise between single ones; with control
+/// characters as $'..'.
+std::string shell_quoted(std::string_view argument);
+
+}  // namespace accdec

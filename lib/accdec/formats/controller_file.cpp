@@ -1,0 +1,218 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/files/parse_toml.hpp>
+#include <accdec/files/suggestion.hpp>
+#include <accdec/files/text_file.hpp>
+#include <accdec/files/toml_table.hpp>
+#include <accdec/formats/controller_file.hpp>
+#include <accdec/formats/controller_texts.hpp>
+#include <accdec/formats/settings_table.hpp>
+
+namespace accdec {
+namespace {
+
+using toml_input::Table;
+
+Key text_of(std::string name, std::string meaning, std::string example, bool required = false) {
+  return {.name = std::move(name),
+          .type = KeyType::text,
+          .meaning = std::move(meaning),
+          .example = std::move(example),
+          .required = required,
+          .long_text = true};
+}
+
+/// A key of tasks, with another meaning here.
+Key as_in_tasks(std::vector<Key> keys, std::string_view name, std::string meaning, std::string fallback) {
+  Key key = *find_key(keys, name);
+  key.meaning = std::move(meaning), key.fallback = std::move(fallback);
+  return key;
+}
+
+Key time(std::string name, std::string meaning, std::string fallback, std::string example) {
+  return {.name = std::move(name),
+          .meaning = std::move(meaning),
+          .unit = "ms",
+          .range = {0.0, 1e6, true},
+          .fallback = std::move(fallback),
+          .example = std::move(example)};
+}
+
+std::vector<Key> stage_keys() {
+  Key set = as_in_tasks(setting_keys(), "length_set_ms", "instead of step and cap: all times that can be set", "");
+  return {
+      text_of("parameter", "as the control prints it", "\"MD32410\"", true),
+      {.name = "unit",
+       .type = KeyType::text,
+       .meaning = "unit in which it is entered, as the control prints it",
+       .fallback = "ms",
+       .example = "\"s\""},
+      {.name = "unit_ms", .meaning = "ms in one unit", .range = {0.0, 1e6, true}, .fallback = "1", .example = "1000"},
+      time("length_step_ms", "step of the time", "one sample", "0.1"),
+      time("length_max_ms", "longest time", "no cap", "1000"),
+      {.name = "length_max_samples",
+       .type = KeyType::integer,
+       .meaning = "longest time in cycles of the control",
+       .unit = "samples",
+       .range = {1, 1e6},
+       .fallback = "no cap",
+       .example = "200"},
+      std::move(set)};
+}
+
+FileKind make_controller_file() {
+  FileKind file{.name = "controller", .title = "accdec controller"};
+  Key families = as_in_tasks(setting_keys(), "family", "families that it has", "");
+  families.required = true;
+  file.keys = {
+      text_of("title", "maker, control, kind of filter", "\"Siemens SINUMERIK 840D sl\"", true),
+      text_of("note", "what else to set", "\"Set MD32402 = 4.\""),
+      std::move(families),
+      as_in_tasks(setting_keys(), "shaper", "with family = \"shaper\": pairs of impulses", "zv"),
+      as_in_tasks(controller_keys(), "delays", "how it delays the second leg of a corner", "not known"),
+      {.name = "unknown",
+       .type = KeyType::texts,
+       .meaning = "what could not be found; nothing is printed as a fact without a source",
+       .example = "[\"largest time\"]",
+       .long_text = true},
+      {.name = "stage",
+       .type = KeyType::tables,
+       .meaning = "a time that it takes, in the order of the filter; 1 to 3",
+       .keys = stage_keys()},
+      {.name = "source",
+       .type = KeyType::tables,
+       .meaning = "where a fact stands; at least one",
+       .keys = {text_of("fact", "what stands there", "\"both times of type 4\"", true),
+                text_of("where", "manual, edition and page, or address", "\"Function Manual, page 377\"", true)}}};
+  return file;
+}
+
+ControllerStage read_stage(const Table& table) {
+  ControllerStage stage{};
+  stage.time.name = *table.text("parameter");
+  stage.time.unit = table.text("unit").value_or("ms");
+  stage.time.unit_seconds = 1e-3 * table.required_number("unit_ms");
+  stage.time.length_step = table.number("length_step_ms").value_or(0.0);
+  stage.time.length_max = table.number("length_max_ms").value_or(0.0);
+  stage.length_max_samples = table.integer("length_max_samples").value_or(0);
+  stage.time.length_set = table.numbers("length_set_ms");
+  std::sort(stage.time.length_set.begin(), stage.time.length_set.end());
+  for (const std::string_view key : {"length_step_ms", "length_max_ms", "length_max_samples"}) {
+    if (table.has(key) && !stage.time.length_set.empty())
+      table.fail_at(key, fmt::format("`{}` and `length_set_ms` are both given; allowed is either the set of all times, "
+                                     "or a step and a cap",
+                                     key));
+  }
+  if (stage.time.length_max > 0.0 && stage.time.length_max < stage.time.length_step)
+    table.fail_at("length_max_ms", "`length_max_ms` is below `length_step_ms`, which leaves no time");
+  return stage;
+}
+
+Controller read_controller(const Table& top, std::string name) {
+  Controller controller;
+  controller.name = std::move(name);
+  controller.title = *top.text("title");
+  controller.note = top.text("note").value_or("");
+  for (const std::string& word : top.texts("family")) controller.families.push_back(*setting_family_from_string(word));
+  for (const std::string& word : top.texts("delays")) controller.delays.push_back(*delay_kind_from_string(word));
+  controller.unknown = top.texts("unknown");
+  for (const Table& stage : top.tables("stage")) controller.stages.push_back(read_stage(stage));
+  for (const Table& source : top.tables("source"))
+    controller.sources.push_back({*source.text("fact"), *source.text("where")});
+  const auto& families = controller.families;
+  if (std::find(families.begin(), families.end(), SettingFamily::shaper) != families.end())
+    controller.shaper_pairs = top.word("shaper") == "zvd" ? 2 : 1;
+  const bool times = ControllerSettings{.families = families}.names_family();
+  if (times && (controller.stages.empty() || controller.stages.size() > 3))
+    top.fail(fmt::format("{} [[stage]] tables; this family needs 1 to 3", controller.stages.size()));
+  if (!times && !controller.stages.empty()) top.fail("free taps have no [[stage]]; leave it out");
+  if (controller.sources.empty()) top.fail("no [[source]]; nothing counts as a fact without one");
+  return controller;
+}
+
+/// Whole samples in a time; none if it is no multiple of the period.
+std::optional<double> samples_in(double time, double period) {
+  const double samples = time / period, whole = std::round(samples);
+  if (!(whole >= 1.0) || std::abs(samples - whole) > 1e-9 * std::max(1.0, whole)) return std::nullopt;
+  return whole;
+}
+
+/// A stage's times that are whole samples.
+SettableStage sampled(const ControllerStage& given, double period) {
+  SettableStage stage = given.time;
+  const auto refuse = [&] {
+    throw std::invalid_argument(
+        fmt::format("no time of {} is a multiple of the sample period, {:.6g} ms", stage.name, 1e3 * period));
+  };
+  if (!stage.length_set.empty()) {
+    std::erase_if(stage.length_set, [&](double time) { return !samples_in(time, period); });
+    if (stage.length_set.empty()) refuse();
+    return stage;
+  }
+  if (stage.length_step > 0.0) {
+    constexpr int most = 1000;
+    int steps = 1;
+    while (steps <= most && !samples_in(steps * stage.length_step, period)) ++steps;
+    if (steps > most) refuse();
+    stage.length_step = *samples_in(steps * stage.length_step, period) * period;
+  }
+  if (given.length_max_samples > 0) {
+    const double cap = given.length_max_samples * period;
+    stage.length_max = stage.length_max > 0.0 ? std::min(stage.length_max, cap) : cap;
+  }
+  const double least = stage.length_step > 0.0 ? stage.length_step : period;
+  if (stage.length_max > 0.0 && stage.length_max < least * (1.0 - 1e-9)) refuse();
+  return stage;
+}
+
+}  // namespace
+
+const FileKind& controller_file() {
+  static const FileKind file = make_controller_file();
+  return file;
+}
+
+Controller parse_controller(std::string_view text, const std::string& path) {
+  const std::vector<Key>& keys = controller_file().keys;
+  const toml::table tree = toml_input::parse_toml(text, path);
+  toml_input::check_keys(tree, path, "the controller (top level)", "", keys).raise();
+  return read_controller(Table(tree, path, "the controller (top level)", "", keys),
+                         std::filesystem::path(path).stem().string());
+}
+
+std::span<const Controller> controllers() {
+  static const std::vector<Controller> all = [] {
+    std::vector<Controller> read;
+    for (const ControllerText& file : controller_texts())
+      read.push_back(parse_controller(file.text, std::string(file.name) + ".toml"));
+    return read;
+  }();
+  return all;
+}
+
+Controller find_controller(const std::string& name_or_path) {
+  if (name_or_path.ends_with(".toml")) return parse_controller(read_text_file(name_or_path), name_or_path);
+  std::vector<std::string> names;
+  for (const Controller& controller : controllers()) {
+    if (controller.name == name_or_path) return controller;
+    names.push_back(controller.name);
+  }
+  throw std::invalid_argument(unknown_name("controller", name_or_path, names) +
+                              "; a file of your own is named by its path, which ends in .toml");
+}
+
+ControllerSettings settings_of(const Controller& controller, double period) {
+  ControllerSettings settings;
+  settings.families = controller.families;
+  settings.shaper_pairs = controller.shaper_pairs;
+  settings.delays = controller.delays;
+  for (const ControllerStage& stage : controller.stages) settings.stages.push_back(sampled(stage, period));
+  return settings;
+}
+
+}  // namespace accdec

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <accdec/files/keys.hpp>
+#include <accdec/task.hpp>
+
+// Controllers by name: files of problems/controllers/, built in, and files of users.
+
+namespace accdec {
+
+/// Where a fact about a controller stands.
+struct ControllerSource {
+  std::string fact, where;
+};
+
+/// One time that a controller takes, as its manual gives it.
+struct ControllerStage {
+  SettableStage time;      ///< its length_max does not contain the next member
+  int length_max_samples;  ///< 0: no cap in samples
+};
+
+/// A controller's filter and its sources.
+struct Controller {
+  std::string name;   ///< of the file, without .toml
+  std::string title;  ///< maker, control, kind of filter
+  std::string note;   ///< what else to set; may be empty
+  std::vector<SettingFamily> families;
+  int shaper_pairs = 0;
+  std::vector<ControllerStage> stages;
+  std::vector<DelayKind> delays;     ///< empty: none is known
+  std::vector<std::string> unknown;  ///< what could not be found
+  std::vector<ControllerSource> sources;
+};
+
+/// The file of a controller: its keys.
+const FileKind& controller_file();
+
+/// Those built in, by name.
+std::span<const Controller> controllers();
+
+/// @param text  of a controller's file  @param path  for messages; the name is its stem
+/// @throws InputError
+Controller parse_controller(std::string_view text, const std::string& path);
+
+/// The built-in controller of this name, or the one of a file where the name ends in ".toml".
+/// @throws InputError for a file that is none; std::invalid_argument for an unknown name, with all names and a
+/// suggestion
+Controller find_controller(const std::string& name_or_path);
+
+/// Its settings at a sample period: steps become multiples of the period, and times of a set that are none are left
+/// out.
+/// @param period  s
+/// @throws std::invalid_argument if no time is a multiple of the period
+ControllerSettings settings_of(const Controller& controller, double period);
+
+}  // namespace accdec

@@ -1,0 +1,60 @@
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/design/quantise.hpp>
+#include <accdec/formats/export/exported_c.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+/// Coefficients of taps that are no multiples of 2^-bits: only if all limits can be checked, and hold.
+Coefficients rounded_here(const ExportedDesign& design, int bits) {
+  const DesignResult& result = design.result;
+  const auto refuse = [&](std::string_view why) {
+    throw std::invalid_argument(fmt::format(
+        "these taps are no whole numbers over 2^{}, and {}; design with coefficient_bits = {}", bits, why, bits));
+  };
+  if (result.task.corners.empty() || result.task.corners.size() != result.corners.size())
+    refuse("the limits of a program cannot be checked here");
+  if (!result.has_design()) refuse("the result does not hold all limits");
+  std::vector<int> delays;
+  for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
+  // A minute of exchanges is more than a user waits for a file.
+  long left = 20'000;
+  const auto rounded = round_under_limits(result.task, design.filter, delays, bits, [&] { return --left < 0; });
+  if (!rounded) refuse("no rounding was found that holds all limits at these delays");
+  return *rounded;
+}
+
+std::string fixed_point(const ExportedDesign& design, int bits) {
+  const auto exact = exact_coefficients(design.filter, bits);
+  const Coefficients c = exact ? *exact : rounded_here(design, bits);
+  for (const std::int64_t unit : c) {
+    if (unit >= std::int64_t{1} << bits)
+      throw std::invalid_argument(
+          fmt::format("a filter of a single tap 1 has no Q{0} form, whose largest is 1 - 2^-{0}", bits));
+  }
+  std::string text = c_head(design, fmt::format("ACCDEC_TAPS_Q{}_H", bits),
+                            fmt::format("Acc/Dec filter designed by accdec: v_out[k] = sum_i accdec_taps_q{0}[i] * "
+                                        "v_in[k - i] / 2^{0}; the taps sum to 2^{0}.",
+                                        bits));
+  text += exact ? "/* The design's own taps, exactly. */\n"
+                : "/* Rounded by this export, not by the design; all limits were verified with these taps. */\n";
+  text += fmt::format("#include <stdint.h>\n\nstatic const int{}_t accdec_taps_q{}[ACCDEC_ORDER + 1] = {{\n", bits + 1,
+                      bits);
+  for (std::size_t i = 0; i < c.size(); ++i) text += fmt::format("    {}{}\n", c[i], i + 1 == c.size() ? "" : ",");
+  return text + "};\n\n" + c_tail(design);
+}
+
+}  // namespace
+
+std::string q15_export(const ExportedDesign& design) {
+  return fixed_point(design, 15);
+}
+std::string q31_export(const ExportedDesign& design) {
+  return fixed_point(design, 31);
+}
+
+}  // namespace accdec

@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/files.hpp>
+#include <accdec/files/text_file.hpp>
+#include <accdec/files/units.hpp>
+#include <accdec/formats/motion_log_file.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr std::size_t log_size_max = std::size_t{256} << 20;
+constexpr double jitter_max = 0.1;  // of a sample period
+constexpr const char* allowed_columns =
+    "allowed are one time (t_s, t_ms or t_us, or time_ ..) and axes with their unit (x_mm, y_um, z_m, a_deg)";
+
+/// A field of a row, with its column counted from 1.
+struct Field {
+  std::string_view text;
+  long column = 1;
+};
+
+std::vector<Field> fields_of(std::string_view line) {
+  const bool commas = line.find(',') != std::string_view::npos;
+  const std::string_view separators = commas ? "," : " \t;";
+  std::vector<Field> fields;
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t end = std::min(line.find_first_of(separators, at), line.size());
+    std::string_view text = line.substr(at, end - at);
+    const std::size_t first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
+    const long column = static_cast<long>(at + (first == std::string_view::npos ? 0 : first)) + 1;
+    text = first == std::string_view::npos ? std::string_view{} : text.substr(first, last - first + 1);
+    if (commas || !text.empty()) fields.push_back({text, column});
+    at = end + 1;
+  }
+  return fields;
+}
+
+/// SI of one unit of a column; none for a unit that is not allowed. Degrees are handled like millimetres everywhere.
+std::optional<double> unit_of(std::string_view column, bool time) {
+  const Unit* unit = unit_in_name(column);
+  if (unit == nullptr) return std::nullopt;
+  if (!time && unit->name == "degrees") return 1e-3;
+  const std::string_view allowed = time ? " s ms us ns " : " m mm um nm ";
+  if (allowed.find(fmt::format(" {} ", unit->name)) == std::string_view::npos) return std::nullopt;
+  return 1.0 / unit->divisor;
+}
+
+class LogReader {
+ public:
+  LogReader(std::string name, double period) : name_(std::move(name)), period_(period) {}
+
+  MotionLog read(std::string_view text) {
+    long line = 0;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t end = std::min(text.find('\n', at), text.size());
+      const std::string_view row = text.substr(at, end - at);
+      at = end + 1;
+      ++line;
+      const std::size_t first = row.find_first_not_of(" \t\r");
+      if (first == std::string_view::npos || row[first] == '#') continue;
+      if (columns_.empty())
+        header(row, line);
+      else
+        values(row, line);
+    }
+    if (columns_.empty()) throw InputError(name_, 0, 0, fmt::format("has no header; {}", allowed_columns));
+    if (log_.samples() == 0) throw InputError(name_, 0, 0, "has no samples behind its header");
+    check_pace();
+    return std::move(log_);
+  }
+
+ private:
+  struct Column {
+    bool time = false;
+    double unit = 1.0;
+    std::size_t axis = 0;
+  };
+
+  void header(std::string_view row, long line) {
+    bool timed = false;
+    for (const Field& field : fields_of(row)) {
+      const std::size_t split = field.text.rfind('_');
+      const std::string_view name = field.text.substr(0, split);
+      const auto fail = [&](const std::string& what) {
+        throw InputError(name_, line, field.column,
+                         fmt::format("column `{}` {}; {}", field.text.substr(0, 40), what, allowed_columns));
+      };
+      Column column{.time = name == "t" || name == "time", .unit = 1.0, .axis = log_.axes.size()};
+      const auto si = unit_of(field.text, column.time);
+      if (!si) fail("names no known unit");
+      column.unit = *si;
+      if (column.time && std::exchange(timed, true)) fail("is a second time");
+      if (!column.time && (name.empty() || std::find(log_.axes.begin(), log_.axes.end(), name) != log_.axes.end()))
+        fail(name.empty() ? "names no axis" : "stands twice");
+      if (!column.time) log_.axes.emplace_back(name);
+      columns_.push_back(column);
+    }
+    if (!timed || log_.axes.empty())
+      throw InputError(name_, line, 1,
+                       fmt::format("the header has no {}; {}", timed ? "axis" : "time", allowed_columns));
+    log_.position.resize(log_.axes.size());
+  }
+
+  void values(std::string_view row, long line) {
+    const std::vector<Field> fields = fields_of(row);
+    if (fields.size() != columns_.size())
+      throw InputError(name_, line, 1,
+                       fmt::format("the row has {} values; the header has {} columns", fields.size(), columns_.size()));
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      double value = 0.0;
+      const std::string_view text = fields[i].text;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value) <= 1e12))
+        throw InputError(name_, line, fields[i].column,
+                         fmt::format("`{}` is no number from -1e12 to 1e12", text.substr(0, 40)));
+      value *= columns_[i].unit;
+      if (columns_[i].time)
+        time(value, line, fields[i].column);
+      else
+        log_.position[columns_[i].axis].push_back(value);
+    }
+  }
+
+  void time(double now, long line, long column) {
+    if (!begin_) {
+      begin_ = now;
+    } else if (!(now > last_)) {
+      throw InputError(
+          name_, line, column,
+          fmt::format("the time {:.9g} s is not after the {:.9g} s before it; allowed are rising times", now, last_));
+    } else if (std::abs(now - last_ - period_) > jitter_max * period_ && !uneven_) {
+      uneven_ = {line, column, now - last_};
+    }
+    last_ = now;
+    ++count_;
+  }
+
+  /// A wrong unit is said as such: it makes all steps wrong.
+  void check_pace() const {
+    if (!uneven_) return;
+    const double mean = count_ > 1 ? (last_ - *begin_) / (count_ - 1) : 0.0;
+    std::string hint;
+    for (const double factor : {1e-6, 1e-3, 1e3, 1e6}) {
+      if (std::abs(mean * factor - period_) < jitter_max * period_)
+        hint = fmt::format("; all steps are {:g} times as long: is the unit of the time right?", 1.0 / factor);
+    }
+    if (hint.empty() && std::abs(mean - period_) > jitter_max * period_)
+      hint = fmt::format("; on the whole, samples are {:.6g} ms apart", 1e3 * mean);
+    throw InputError(name_, uneven_->line, uneven_->column,
+                     fmt::format("this sample comes {:.6g} ms after the one before; allowed is the task's sample "
+                                 "period, {:.6g} ms, to a tenth{}",
+                                 1e3 * uneven_->step, 1e3 * period_, hint));
+  }
+
+  struct Uneven {
+    long line, column;
+    double step;  // s
+  };
+  std::string name_;
+  double period_;
+  MotionLog log_;
+  std::vector<Column> columns_;
+  std::optional<double> begin_;
+  double last_ = 0.0;
+  long count_ = 0;
+  std::optional<Uneven> uneven_;
+};
+
+std::string listed(const std::vector<double>& numbers) {
+  return fmt::format("[{}]", fmt::join(numbers, ", "));
+}
+
+/// The keys of [filter].
+std::string filter_keys_of(const FilterSpec& spec) {
+  if (spec.kind == Shape::averages)
+    return fmt::format("kind = \"averages\"\nlengths = [{}]\n", fmt::join(spec.lengths, ", "));
+  if (spec.kind == Shape::exponential)
+    return fmt::format("kind = \"exponential\"\norder = {}\nratio = {}\n", spec.order, spec.ratio);
+  return fmt::format("kind = \"taps\"\ntaps = {}\n", listed(spec.taps));
+}
+
+std::string in_words(const FittedFilter& fit, double period) {
+  if (fit.family == SettingFamily::taps) return fmt::format("{} taps", fit.filter.order + 1);
+  if (fit.family == SettingFamily::one_pole)
+    return fmt::format("a pole with a time constant of {:.5g} ms", 1e3 * fit.time_constant);
+  std::vector<double> ms;
+  for (const int length : fit.filter.lengths) ms.push_back(std::round(1e9 * length * period) / 1e6);
+  return fmt::format("average{} of {} ms", ms.size() == 1 ? "" : "s", fmt::join(ms, ", "));
+}
+
+}  // namespace
+
+MotionLog read_motion_log(const std::string& path, double period) {
+  return LogReader(path, period).read(read_text_file(path, log_size_max));
+}
+
+std::string identified_to_toml(const Identification& found, const MotionLog& log, double period, bool prefilter,
+                               const std::string& log_name) {
+  const FittedFilter& best = found.fits.front();
+  std::string text = fmt::format("# found in {}: {}\n", log_name, in_words(best, period));
+  text += fmt::format("# {} samples of {} differ from it by {:.4g} um rms; free taps by {:.4g} um\n", log.samples(),
+                      fmt::join(log.axes, ", "), 1e6 * best.rms, 1e6 * found.taps.rms);
+  for (std::size_t i = 0; i < found.moves.size(); ++i) {
+    double way = 0.0;
+    for (const double w : found.moves[i].way) way = std::hypot(way, w);
+    text += fmt::format("# {}: {:.6g} mm in {} samples, {:.6g} mm/min, from sample {}\n",
+                        found.moves.size() == 1 ? "straight move" : fmt::format("leg {}", i + 1), 1e3 * way,
+                        found.moves[i].samples, 6e4 * way / (found.moves[i].samples * period), found.moves[i].first);
+  }
+  if (found.moves.size() == 2)
+    text += fmt::format("# delay at the corner: {} samples\n",
+                        found.moves[1].first - found.moves[0].first - found.moves[0].samples);
+  if (best.family == SettingFamily::taps)
+    text += "# no averages and no pole fit nearly as well\n";
+  else
+    text += fmt::format("# likelihood {:.3g} among all members, at noise of {:.4g} um\n", best.likelihood,
+                        1e6 * found.noise);
+  constexpr std::size_t shown = 20;
+  for (std::size_t i = 1; i < std::min(found.fits.size(), shown); ++i)
+    text += fmt::format("# also fits: {}, {:.1f} sigma behind, likelihood {:.3g}\n", in_words(found.fits[i], period),
+                        found.fits[i].sigmas, found.fits[i].likelihood);
+  if (found.fits.size() > shown) text += fmt::format("# and {} more\n", found.fits.size() - shown);
+  if (!prefilter) return text + "[filter]\n" + filter_keys_of(best.filter);
+  const Filter filter = make_filter(best.filter);
+  return text +
+         fmt::format("[controller]\nprefilter_taps = {}\n", listed({filter.taps().begin(), filter.taps().end()}));
+}
+
+}  // namespace accdec

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include <accdec/design/identify.hpp>
+#include <accdec/design/motion_log.hpp>
+
+namespace accdec {
+
+/// Reads a log of positions: a table with a header, commas or blanks between its columns. Lines that begin with # are
+/// passed over. One column is the time (t_s, t_ms, t_us, or time_ ..), the others are axes with their unit (x_mm, y_um,
+/// z_m, a_deg). A column `name` without known unit is refused. There must be a sample every sample period: times may be
+/// off by a tenth of it.
+/// @param period  s
+/// @throws InputError with line and column, and what is allowed
+MotionLog read_motion_log(const std::string& path, double period);
+
+/// The filter identified, as a part of a task file: [filter], or [controller] prefilter_taps. Remarks say how it fits
+/// and which others do.
+std::string identified_to_toml(const Identification& found, const MotionLog& log, double period, bool prefilter,
+                               const std::string& log_name);
+
+}  // namespace accdec

@@ -1,0 +1,334 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/formats/controller_file.hpp>
+#include <accdec/formats/settings_table.hpp>
+#include <accdec/machine/response.hpp>
+
+namespace accdec {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using toml_input::Table;
+
+constexpr double longest_ms = 1e6;
+constexpr std::size_t most_stages = 3, longest_set = 1000;
+constexpr const char* shaper_names[] = {"zv", "zvd"};
+
+template <class Names>
+std::vector<std::string> words_of(const Names& names) {
+  std::vector<std::string> words;
+  for (const auto& name : names) words.emplace_back(name.name);
+  return words;
+}
+
+Key time_key(std::string name, std::string meaning, std::string fallback, std::string example) {
+  return {.name = std::move(name),
+          .type = KeyType::numbers,
+          .meaning = std::move(meaning),
+          .unit = "ms",
+          .range = {0.0, longest_ms, true},
+          .most = most_stages,
+          .fallback = std::move(fallback),
+          .example = std::move(example),
+          .lone = true};
+}
+
+/// Times as multiples of the sample period, s. @throws InputError at the first that is none
+std::vector<double> whole_samples(const Table& table, std::string_view key, double period) {
+  std::vector<double> times = table.numbers(key);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double samples = times[i] / period;
+    if (std::abs(samples - std::round(samples)) <= 1e-9 * std::max(1.0, samples)) continue;
+    table.fail_at(key, i,
+                  fmt::format("`{}` = {:.6g} ms is no multiple of the sample period, {:.6g} ms; allowed are {:.6g}, "
+                              "{:.6g} ms, ..",
+                              key, 1e3 * times[i], 1e3 * period, 1e3 * period * std::max(1.0, std::floor(samples)),
+                              1e3 * period * std::max(2.0, std::floor(samples) + 1.0)));
+  }
+  return times;
+}
+
+/// One number for all stages, or one each.
+void spread(const Table& table, std::string_view key, std::vector<double> times, std::vector<SettableStage>& stages,
+            double SettableStage::*member) {
+  if (times.empty()) return;
+  if (times.size() != 1 && times.size() != stages.size())
+    table.fail_at(key, fmt::format("`{}` has {} numbers for {} stage{}; allowed is one number, or one a stage", key,
+                                   times.size(), stages.size(), stages.size() == 1 ? "" : "s"));
+  for (std::size_t i = 0; i < stages.size(); ++i) stages[i].*member = times[times.size() == 1 ? 0 : i];
+}
+
+void read_stages(const Table& table, double period, ControllerSettings& settings) {
+  const std::size_t known = settings.stages.size();
+  const auto asked = static_cast<std::size_t>(table.required_integer("stages"));
+  if (known > 0 && table.has("stages") && asked > known)
+    table.fail_at("stages", fmt::format("`stages` = {}, but the controller has {}", asked, known));
+  if (known == 0 || table.has("stages")) settings.stages.resize(asked);
+  for (SettableStage& stage : settings.stages) {
+    if (stage.length_set.empty() || table.has("length_set_ms")) continue;
+    for (const std::string_view key : {"length_step_ms", "length_max_ms"}) {
+      if (table.has(key))
+        table.fail_at(key, fmt::format("`{}` does not go with the controller's set of times; allowed is "
+                                       "`length_set_ms`",
+                                       key));
+    }
+  }
+  spread(table, "length_step_ms", whole_samples(table, "length_step_ms", period), settings.stages,
+         &SettableStage::length_step);
+  spread(table, "length_max_ms", table.numbers("length_max_ms"), settings.stages, &SettableStage::length_max);
+  for (std::size_t i = 0; i < settings.stages.size(); ++i) {
+    const SettableStage& stage = settings.stages[i];
+    const double least = stage.length_step > 0.0 ? stage.length_step : period;
+    if (stage.length_max > 0.0 && stage.length_max < least * (1.0 - 1e-9))
+      table.fail_at("length_max_ms",
+                    fmt::format("`length_max_ms` = {:.6g} leaves stage {} no length; the shortest is {:.6g} ms",
+                                1e3 * stage.length_max, i + 1, 1e3 * least));
+  }
+  if (!table.has("length_set_ms")) return;
+  for (const std::string_view key : {"length_step_ms", "length_max_ms"}) {
+    if (table.has(key))
+      table.fail_at(key, fmt::format("`{}` and `length_set_ms` are both given; allowed is either the set of all "
+                                     "lengths, or a step and a cap",
+                                     key));
+  }
+  std::vector<double> set = whole_samples(table, "length_set_ms", period);
+  std::sort(set.begin(), set.end());
+  set.erase(std::unique(set.begin(), set.end()), set.end());
+  for (SettableStage& stage : settings.stages) stage.length_set = set, stage.length_step = stage.length_max = 0.0;
+}
+
+void read_families(const Table& table, double period, ControllerSettings& settings) {
+  settings.families.clear();
+  for (const std::string& word : table.texts("family")) {
+    const SettingFamily family = *setting_family_from_string(word);
+    if (std::find(settings.families.begin(), settings.families.end(), family) == settings.families.end())
+      settings.families.push_back(family);
+  }
+  const auto has = [&](SettingFamily family) {
+    return std::find(settings.families.begin(), settings.families.end(), family) != settings.families.end();
+  };
+  const bool shaper = has(SettingFamily::shaper);
+  if (shaper) settings.shaper_pairs = table.word("shaper") == shaper_names[1] ? 2 : 1;
+  if (!shaper && table.has("shaper"))
+    table.fail_at("shaper", "`shaper` is of no use here; it goes with family = \"shaper\"");
+  if (settings.names_family() && has(SettingFamily::taps))
+    table.fail_at("family", "`family` names free taps and settings; no setting is faster than free taps, give either");
+  if (has(SettingFamily::one_pole) && table.boolean("symmetric"))
+    table.fail_at("symmetric", "`symmetric` = true leaves nothing of family = \"one-pole\": a pole is never symmetric");
+  if (settings.names_family()) return read_stages(table, period, settings);
+  for (const std::string_view key : {"stages", "length_step_ms", "length_max_ms", "length_set_ms"}) {
+    if (table.has(key))
+      table.fail_at(key, fmt::format("`{}` is of no use with free taps; it goes with family = \"averages\"", key));
+  }
+}
+
+/// The settings of the controller that the table names; none without a name.
+std::optional<ControllerSettings> named_controller(const Table& table, double period) {
+  if (!table.has("name") && !table.has("file")) return std::nullopt;
+  if (table.has("name") && table.has("file"))
+    table.fail_at("file", "`name` and `file` are both given; allowed is either");
+  const std::string_view key = table.has("name") ? "name" : "file";
+  std::string name = *table.text(key);
+  if (key == "file" && !name.ends_with(".toml"))
+    table.fail_at(key, "`file` must end in .toml; `name` names a built-in controller");
+  // A file lies beside the task that names it.
+  if (name.ends_with(".toml")) name = (std::filesystem::path(table.file()).parent_path() / name).string();
+  try {
+    const Controller controller = find_controller(name);
+    ControllerSettings settings = settings_of(controller, period);
+    settings.controller = controller.title;
+    return settings;
+  } catch (const std::invalid_argument& why) {
+    table.fail_at(key, why.what());
+  }
+}
+
+/// Names and units of the times, and the controller's title.
+void read_parameters(const Table& table, ControllerSettings& settings) {
+  if (const auto title = table.text("title")) settings.controller = *title;
+  const auto right_size = [&](std::string_view key, std::size_t size) {
+    if (size == settings.stages.size()) return;
+    table.fail_at(key, fmt::format("`{}` has {} elements for {} stages; one a stage is needed", key, size,
+                                   settings.stages.size()));
+  };
+  if (!table.has("parameters")) {
+    for (const std::string_view key : {"parameter_units", "parameter_unit_ms"}) {
+      if (table.has(key)) table.fail_at(key, fmt::format("`{}` goes with `parameters`", key));
+    }
+    return;
+  }
+  const std::vector<std::string> names = table.texts("parameters"), units = table.texts("parameter_units");
+  const std::vector<double> factors = table.numbers("parameter_unit_ms");
+  right_size("parameters", names.size());
+  if (table.has("parameter_units")) right_size("parameter_units", units.size());
+  if (table.has("parameter_unit_ms")) right_size("parameter_unit_ms", factors.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    settings.stages[i].name = names[i];
+    if (!units.empty()) settings.stages[i].unit = units[i];
+    if (!factors.empty()) settings.stages[i].unit_seconds = 1e-3 * factors[i];
+  }
+}
+
+void write_parameters(const ControllerSettings& settings, Json& controller) {
+  if (!settings.controller.empty()) controller["title"] = settings.controller;
+  const bool named = std::any_of(settings.stages.begin(), settings.stages.end(),
+                                 [](const SettableStage& stage) { return !stage.name.empty(); });
+  for (const SettableStage& stage : settings.stages) {
+    if (!named) return;
+    controller["parameters"].push_back(stage.name);
+    controller["parameter_units"].push_back(stage.unit);
+    controller["parameter_unit_ms"].push_back(1e3 * stage.unit_seconds);
+  }
+}
+
+Json in_ms(const std::vector<SettableStage>& stages, double SettableStage::*member) {
+  Json list = Json::array();
+  for (const SettableStage& stage : stages) {
+    if (stage.*member > 0.0) list.push_back(from_si({.unit = "ms"}, stage.*member));
+  }
+  return list;
+}
+
+}  // namespace
+
+bool any_delay(const std::vector<DelayKind>& kinds) {
+  return kinds.empty() || std::any_of(kinds.begin(), kinds.end(), [](DelayKind kind) {
+           return kind == DelayKind::dwell || kind == DelayKind::timed_axis;
+         });
+}
+
+std::vector<Key> setting_keys() {
+  return {{.name = "family",
+           .type = KeyType::words,
+           .meaning = "families to design; the best of several; all but `taps` are settings of controllers",
+           .words = words_of(setting_families),
+           .noun = "family",
+           .fallback = "taps",
+           .example = "\"averages\""},
+          {.name = "stages",
+           .type = KeyType::integer,
+           .meaning = "with a family: moving averages in series, or poles; each may be off",
+           .range = {1, most_stages},
+           .fallback = "2",
+           .example = "2"},
+          {.name = "shaper",
+           .type = KeyType::word,
+           .meaning = "with family = \"shaper\": pairs of impulses behind the averages",
+           .words = {shaper_names[0], shaper_names[1]},
+           .fallback = shaper_names[0],
+           .example = "\"zv\""},
+          time_key("length_step_ms", "with a family: step of its times, a multiple of the period; one, or one a stage",
+                   "the period", "1"),
+          time_key("length_max_ms", "with a family: longest time; one, or one a stage", "no cap", "32"),
+          {.name = "length_set_ms",
+           .type = KeyType::numbers,
+           .meaning = "with a family, instead of step and cap: all times that can be set, multiples of the period",
+           .unit = "ms",
+           .range = {0.0, longest_ms, true},
+           .most = longest_set,
+           .example = "[0.5, 1, 2, 4, 8]"}};
+}
+
+std::vector<Key> controller_keys() {
+  return {{.name = "delays",
+           .type = KeyType::words,
+           .meaning = "how it delays the second leg of a corner; the design uses only these, at each corner the best",
+           .words = words_of(delay_kinds),
+           .noun = "kind of delay",
+           .fallback = "any number of samples",
+           .example = "[\"in-position\"]"},
+          {.name = "name",
+           .type = KeyType::text,
+           .meaning = "a built-in controller, see `accdec controllers`; keys of the task override what it has",
+           .example = "\"sinumerik-840d\""},
+          {.name = "file",
+           .type = KeyType::text,
+           .meaning = "instead of `name`: a controller's file, beside the task",
+           .example = "\"my-control.toml\"",
+           .long_text = true},
+          {.name = "title",
+           .type = KeyType::text,
+           .meaning = "heading for people",
+           .example = "\"My control\"",
+           .long_text = true},
+          {.name = "parameters",
+           .type = KeyType::texts,
+           .meaning = "one a stage: what the control calls its time",
+           .most = most_stages,
+           .example = "[\"MD32410\", \"MD32411\"]",
+           .empty_text = true,
+           .long_text = true},
+          {.name = "parameter_units",
+           .type = KeyType::texts,
+           .meaning = "with `parameters`: unit in which it is entered",
+           .most = most_stages,
+           .fallback = "ms",
+           .example = "[\"s\", \"s\"]"},
+          {.name = "parameter_unit_ms",
+           .type = KeyType::numbers,
+           .meaning = "with `parameters`: ms in one unit",
+           .range = {0.0, longest_ms, true},
+           .most = most_stages,
+           .fallback = "1",
+           .example = "[1000, 1000]"},
+          {.name = "prefilter_taps",
+           .type = KeyType::numbers,
+           .meaning = "the control's own smoothing of every axis, behind the filter: taps of sum 1",
+           .range = {0.0, 1.0},
+           .most = response_taps_max,
+           .fallback = "none",
+           .example = "[0.25, 0.5, 0.25]"}};
+}
+
+std::optional<ControllerSettings> read_settings(const std::optional<Table>& design,
+                                                const std::optional<Table>& controller, double period) {
+  const auto named = controller ? named_controller(*controller, period) : std::nullopt;
+  const bool family = design && design->has("family"), times = named && named->names_family();
+  if (design && !family && !times) {
+    for (const Key& key : setting_keys()) {
+      if (design->has(key.name))
+        design->fail_at(key.name, fmt::format("`{}` goes with `family`; allowed is family = \"averages\"", key.name));
+    }
+  }
+  ControllerSettings settings = named.value_or(ControllerSettings{});
+  if (family)
+    read_families(*design, period, settings);
+  else if (design && times)
+    read_stages(*design, period, settings);
+  if (controller) {
+    if (controller->has("delays")) settings.delays.clear();
+    for (const std::string& word : controller->texts("delays"))
+      settings.delays.push_back(*delay_kind_from_string(word));
+    read_parameters(*controller, settings);
+  }
+  if (!settings.names_family() && settings.delays.empty()) return std::nullopt;
+  if (!settings.names_family() && !any_delay(settings.delays))
+    controller->fail_at("delays",
+                        "`delays` without a family: free taps are designed with delays of any number of samples, "
+                        "\"dwell\" or \"timed-axis\"; give [design] family = \"averages\"");
+  return settings;
+}
+
+void write_settings(const ControllerSettings& settings, Json& design, Json& controller) {
+  if (settings.names_family()) {
+    for (const SettingFamily family : settings.families) design["family"].push_back(to_string(family));
+    design["stages"] = settings.stages.size();
+    if (settings.shaper_pairs > 0) design["shaper"] = shaper_names[settings.shaper_pairs - 1];
+    const Json steps = in_ms(settings.stages, &SettableStage::length_step),
+               caps = in_ms(settings.stages, &SettableStage::length_max);
+    if (!steps.empty()) design["length_step_ms"] = steps;
+    if (!caps.empty()) design["length_max_ms"] = caps;
+    for (const double length : settings.stages.front().length_set)
+      design["length_set_ms"].push_back(from_si({.unit = "ms"}, length));
+  }
+  for (const DelayKind kind : settings.delays) controller["delays"].push_back(to_string(kind));
+  write_parameters(settings, controller);
+}
+
+}  // namespace accdec

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+/// Reads a program through LinuxCNC's interpreter, `rs274 -g`, which knows parameters, expressions, O words, cycles and
+/// offsets. It prints canonical calls (see gcode/read_formats.hpp) whose coordinates have four decimals. Lines of the
+/// path and of messages are those of the program. Blocks deleted by / are left out, as by our own reader.
+/// @throws std::invalid_argument  if rs274 is not installed, saying how to install it, or refuses the program; if a
+///                                length or diameter of a tool is needed and no tool table is given or there
+/// @throws ReadError              as read_toolpath
+Toolpath read_interpreted(const std::filesystem::path& program, const ProgramTools& tools, const Machine& machine,
+                          const ToolpathOptions& options);
+
+/// The program with the number of every line as its N word, of `line_number_digits` digits. Lines that do nothing,
+/// lines with O words and lines too long for it stay as they are.
+std::string numbered_lines(std::string_view text);
+
+}  // namespace accdec

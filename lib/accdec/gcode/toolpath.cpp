@@ -1,0 +1,345 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/gcode/arc.hpp>
+#include <accdec/gcode/number.hpp>
+#include <accdec/gcode/read_error.hpp>
+#include <accdec/simulate.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr double longest = 1e9;    // s, of a move or a dwell
+constexpr double nothing = 1e-12;  // m; moves shorter than this have no direction worth the name
+
+class Builder : public MoveSink {
+ public:
+  Builder(const LineSource& source, const Machine& machine, const ToolpathOptions& options)
+      : source_(source), options_(options) {
+    for (std::size_t a = 0; a < program_axis_count; ++a) limits_[a] = find_axis(machine, a);
+    limited_ = !machine.axes.empty();
+  }
+
+  void begin(const ProgramPoint& at) override { path_.begin = position_ = at; }
+  void move(const Move& move) override;
+  void arc(const Arc& arc, int chords) override {
+    arc_ = arc;
+    arc_chords_ = chords;
+  }
+  void stop(double dwell) override {
+    if (!(dwell <= longest)) source_.fail(1, "the dwell takes more than 1e9 s");
+    if (dwell > 0.0) keep("G4 P" + plain_number(dwell, 9), true);
+    stopped_ = stopped_ || dwell == 0.0 || !options_.dwells_before_filter;
+    if (dwell > 0.0 && path_.blocks() == 0) path_.dwell_first += dwell;
+    if (dwell > 0.0 && path_.blocks() > 0) path_.dwell.emplace_back(path_.blocks() - 1, dwell);
+  }
+  void pass(std::string_view words, bool with_move) override { keep(std::string(words), false, with_move); }
+  void select(std::string_view word) override {
+    if (word != "G43")
+      system_ = {std::string(word), source_.line_number()};
+    else if (!path_.length_at)
+      path_.length_at = source_.line_number();
+  }
+  void frame(bool percent, std::string_view label, std::string_view end) override {
+    path_.percent = percent;
+    path_.label = label;
+    path_.end = end;
+  }
+  Toolpath finish();
+
+ private:
+  void keep(std::string words, bool dwell, bool with_block = false) {
+    path_.passed.push_back({static_cast<std::uint32_t>(path_.blocks()), std::move(words), dwell, with_block});
+  }
+  void add_axes(unsigned moving);
+  double rapid_duration(const Move& move) const;
+  double limited_duration(const Move& move);
+  void close_joint(const Move& next);
+  void give_delay(std::size_t b);
+  void keep_arc(std::size_t b);
+  void keep_system() {
+    const auto same = [&](const Toolpath::Selected& known) { return known.word == system_.word; };
+    if (std::none_of(path_.systems.begin(), path_.systems.end(), same)) path_.systems.push_back(system_);
+  }
+  [[noreturn]] void fail(const Move& move, const std::string& message) const {
+    throw ReadError(source_.name(), move.line, move.column, message);
+  }
+  Joint classify(const double* in, const double* out) const;
+
+  const LineSource& source_;
+  const ToolpathOptions& options_;
+  std::array<const Axis*, program_axis_count> limits_{};
+  bool limited_ = false;
+  Toolpath path_;
+  Toolpath::Selected system_{"G54"};  // as controls are when they are switched on
+  ProgramPoint position_{};
+  ProgramPoint start_{};
+  unsigned used_ = 0;  // bit a: axis a has moved
+  Move last_;
+  std::array<double, 3> feed_way_{};  // m, of every plane
+  bool stopped_ = false;
+  Arc arc_;
+  int arc_chords_ = 0;  // of the arc that are still to come
+};
+
+void Builder::add_axes(unsigned moving) {
+  used_ |= moving;
+  const std::vector<std::size_t> old = path_.axes;
+  path_.axes.clear();
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
+    if ((used_ & (1U << a)) != 0U) path_.axes.push_back(a);
+  }
+  std::vector<double> points;
+  const std::size_t rows = path_.blocks() + 1;
+  points.reserve(rows * path_.axes.size() * 2);
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (const std::size_t a : path_.axes) {
+      const auto column = std::find(old.begin(), old.end(), a);
+      points.push_back(column == old.end()
+                           ? start_[a]
+                           : path_.points[i * old.size() + static_cast<std::size_t>(column - old.begin())]);
+    }
+  }
+  path_.points = std::move(points);
+  const auto moved = [&](std::size_t& column) {
+    column =
+        static_cast<std::size_t>(std::find(path_.axes.begin(), path_.axes.end(), old[column]) - path_.axes.begin());
+  };
+  for (PathArc& arc : path_.arcs) {
+    moved(arc.x);
+    moved(arc.y);
+  }
+}
+
+double Builder::rapid_duration(const Move& move) const {
+  double duration = 0.0;
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
+    const double distance = std::abs(move.to[a] - position_[a]);
+    if (distance == 0.0) continue;
+    if (limits_[a] == nullptr || !(limits_[a]->velocity_max < unlimited)) {
+      fail(move, fmt::format("a rapid move needs the velocity limit of axis {} in the task", program_axes[a]));
+    }
+    duration = std::max(duration, distance / limits_[a]->velocity_max);
+  }
+  return duration;
+}
+
+/// Duration of a feed move: by its feed or, if this is clamped, by the velocity limits.
+double Builder::limited_duration(const Move& move) {
+  // The digits of coordinates turn a block of a few micrometres by this angle: a feed at a limit would then be above
+  // it.
+  constexpr double rounding = 1e-5;
+  double duration = move.duration;
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
+    if (limits_[a] == nullptr) continue;
+    const double distance = std::abs(move.to[a] - position_[a]), least = distance / limits_[a]->velocity_max;
+    if (move.duration * (1.0 + 1e-9) >= least) continue;
+    if (!options_.clamp_feeds && move.duration * (1.0 + rounding) < least) {
+      fail(move, fmt::format("the feed moves axis {} at {:.6g} mm/s, its limit is {:.6g}", program_axes[a],
+                             distance / move.duration * 1e3, limits_[a]->velocity_max * 1e3));
+    }
+    duration = std::max(duration, least);
+  }
+  const auto line = static_cast<std::uint32_t>(move.line);
+  if (duration > move.duration * (1.0 + (options_.clamp_feeds ? 0.0 : rounding)) &&
+      (path_.clamped.empty() || path_.clamped.back() != line))
+    path_.clamped.push_back(line);
+  return duration;
+}
+
+Joint Builder::classify(const double* in, const double* out) const {
+  double dot = 0.0, a = 0.0, b = 0.0, cross = 0.0;
+  const std::size_t n = path_.dimensions();
+  for (std::size_t i = 0; i < n; ++i) {
+    dot += in[i] * out[i];
+    a += in[i] * in[i];
+    b += out[i] * out[i];
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const double c = in[i] * out[j] - in[j] * out[i];
+      cross += c * c;
+    }
+  }
+  if (dot <= 0.0) return Joint::corner;
+  // Sine and cosine of the turn, both scaled by the lengths.
+  const double sine = std::sqrt(cross), scale = std::sqrt(a * b);
+  if (sine <= 1e-9 * scale) return Joint::straight;
+  return sine < std::sin(smooth_turn) * scale ? Joint::smooth : Joint::corner;
+}
+
+/// Combines the dwells at the end of block b into one delay of its joint; they are removed from the words to write
+/// back.
+void Builder::give_delay(std::size_t b) {
+  double delay = 0.0;
+  for (; !path_.dwell.empty() && path_.dwell.back().first == b; path_.dwell.pop_back())
+    delay += path_.dwell.back().second;
+  if (delay == 0.0) return;
+  path_.given.emplace_back(b, delay);
+  auto& passed = path_.passed;
+  auto from = passed.end();
+  while (from != passed.begin() && std::prev(from)->block == b + 1) --from;
+  passed.erase(std::remove_if(from, passed.end(), [](const Toolpath::Passed& p) { return p.dwell; }), passed.end());
+}
+
+/// Decides on the joint between the last block kept and the one being added, whose end point is already stored.
+void Builder::close_joint(const Move& next) {
+  const std::size_t b = path_.blocks() - 1, n = path_.dimensions();
+  const double* p = path_.point(b);
+  std::array<double, program_axis_count> in{}, out{};
+  for (std::size_t i = 0; i < n; ++i) {
+    in[i] = p[n + i] - p[i];
+    out[i] = p[2 * n + i] - p[n + i];
+  }
+  Joint joint = classify(in.data(), out.data());
+  const bool stop =
+      stopped_ || last_.control == PathControl::exact_stop || (options_.rapid_stops && last_.rapid != next.rapid);
+  double tolerance = unlimited;
+  if (stop) {
+    joint = Joint::stop;
+  } else {
+    tolerance = last_.control == PathControl::exact_path ? 0.0 : last_.tolerance;
+    if (tolerance < 0.0 && options_.error_max) tolerance = *options_.error_max;
+    if (tolerance < 0.0 && joint == Joint::straight) tolerance = unlimited;
+    if (tolerance < 0.0) {
+      fail(last_,
+           "the corner at the end of this move has no tolerance; write, in the program before it,\n  G64 P0.01\nor in "
+           "the task\n  [program]\n  error_max_um = 10\n(10 um here: the largest error you accept)");
+    }
+    if (tolerance > 0.0 && tolerance < position_floor)
+      fail(last_,
+           fmt::format("a tolerance of {:g} mm is less than a simulation can tell from 0; allowed is 0 or {:g} mm "
+                       "and more",
+                       1e3 * tolerance, 1e3 * position_floor));
+  }
+  if (options_.dwells_before_filter && !stop) give_delay(b);
+  path_.joint.back() = joint;
+  path_.tolerance.back() = tolerance;
+}
+
+/// Block b is a chord of the present arc.
+void Builder::keep_arc(std::size_t b) {
+  const auto column = [&](std::size_t axis) {
+    return static_cast<std::size_t>(std::find(path_.axes.begin(), path_.axes.end(), axis) - path_.axes.begin());
+  };
+  const auto block = static_cast<std::uint32_t>(b);
+  // An axis of the plane that never moves has no column; then only the chords represent the arc.
+  if (column(arc_.first) == path_.axes.size() || column(arc_.second) == path_.axes.size()) return;
+  const bool goes_on = !path_.arcs.empty() && path_.arcs.back().last + 1 == b && b > 0 && path_.inside_arc[b - 1] != 0;
+  if (!goes_on) {
+    PathArc& arc = path_.arcs.emplace_back();
+    arc.first = block;
+    arc.x = column(arc_.first);
+    arc.y = column(arc_.second);
+    arc.center_x = arc_.center_first;
+    arc.center_y = arc_.center_second;
+    const auto radius = [&](const ProgramPoint& p) {
+      return std::hypot(p[arc_.first] - arc_.center_first, p[arc_.second] - arc_.center_second);
+    };
+    arc.radius = 0.5 * (radius(arc_.from) + radius(arc_.to));
+    arc.angle = arc_.angle;
+  }
+  path_.arcs.back().last = block;
+}
+
+void Builder::move(const Move& move) {
+  const bool of_arc = arc_chords_ > 0;
+  arc_chords_ -= of_arc ? 1 : 0;
+  unsigned moving = 0;
+  double length2 = 0.0;
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
+    const double distance = move.to[a] - position_[a];
+    if (distance == 0.0) continue;
+    moving |= 1U << a;
+    length2 += distance * distance;
+  }
+  if (length2 < nothing * nothing) {
+    ++path_.empty_moves;
+    return;
+  }
+  if ((moving & ~used_) != 0U) {
+    for (std::size_t a = 0; a < program_axis_count; ++a) {
+      if ((moving & (1U << a)) != 0U && limited_ && limits_[a] == nullptr) {
+        fail(move, fmt::format("axis {0} is not among the axes of the task{1}", program_axes[a],
+                               rotary_axis(a) ? fmt::format(": it is rotary and takes no limits from others; add an "
+                                                            "[[axis]] with name = \"{}\", where a degree counts as a "
+                                                            "millimetre: velocity_max_mm_s in degrees a second, "
+                                                            "acceleration_max_mm_s2 in degrees/s^2",
+                                                            static_cast<char>(program_axes[a] | 0x20))
+                                              : ""));
+      }
+    }
+    if (path_.blocks() == 0) start_ = position_;
+    add_axes(moving);
+  }
+  if (path_.blocks() == UINT32_MAX || move.line > UINT32_MAX) fail(move, "more than 4294967295 blocks or lines");
+  keep_system();
+  const double duration = move.rapid ? rapid_duration(move) : limited_duration(move);
+  if (!(duration > 0.0 && duration < longest)) fail(move, "the move takes more than 1e9 s or no time at all");
+  for (const std::size_t a : path_.axes) path_.points.push_back(move.to[a]);
+  if (path_.blocks() > 0) close_joint(move);
+  path_.duration.push_back(duration);
+  path_.tolerance.push_back(unlimited);
+  path_.joint.push_back(Joint::stop);
+  path_.rapid.push_back(move.rapid ? 1 : 0);
+  path_.inside_arc.push_back(move.inside_arc ? 1 : 0);
+  if (of_arc) keep_arc(path_.blocks() - 1);
+  path_.line.push_back(static_cast<std::uint32_t>(move.line));
+  if (!move.rapid) feed_way_[static_cast<std::size_t>(move.plane)] += std::sqrt(length2);
+  position_ = move.to;
+  last_ = move;
+  stopped_ = false;
+}
+
+Toolpath Builder::finish() {
+  if (path_.blocks() == 0) {
+    throw ReadError(source_.name(), std::max<std::int64_t>(1, source_.line_number()), 1, "the program does not move");
+  }
+  path_.plane = static_cast<Plane>(std::max_element(feed_way_.begin(), feed_way_.end()) - feed_way_.begin());
+  path_.widen_arcs = options_.widen_arcs;
+  return std::move(path_);
+}
+
+}  // namespace
+
+double PathArc::from(const double* point, double& dx, double& dy) const {
+  dx = point[x] - center_x;
+  dy = point[y] - center_y;
+  const double r = std::hypot(dx, dy);
+  dx /= r;
+  dy /= r;
+  return r;
+}
+
+std::string Toolpath::axis_name(std::size_t dimension) const {
+  return std::string(1, static_cast<char>(program_axes[axes[dimension]] | 0x20));
+}
+
+const Axis* find_axis(const Machine& machine, std::size_t program_axis) {
+  if (machine.axes.size() == 1 && !rotary_axis(program_axis)) return &machine.axes.front();
+  for (const Axis& axis : machine.axes) {
+    if (axis.name.size() == 1 && (axis.name[0] & ~0x20) == program_axes[program_axis]) return &axis;
+  }
+  return nullptr;
+}
+
+Machine program_machine(const Machine& machine, const Toolpath& path) {
+  Machine result;
+  result.modes = machine.modes;
+  for (std::size_t i = 0; i < path.dimensions(); ++i) {
+    const Axis* axis = find_axis(machine, path.axes[i]);
+    result.axes.push_back(axis != nullptr ? *axis : Axis{});
+    result.axes.back().name = path.axis_name(i);
+  }
+  return result;
+}
+
+Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options) {
+  Builder builder(source, machine, options);
+  read_program(source, options.read, builder);
+  return builder.finish();
+}
+
+}  // namespace accdec

@@ -1,0 +1,107 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <accdec/machine/response.hpp>
+
+namespace accdec {
+namespace {
+
+std::vector<double> of_gain(double gain, double feedforward, double period) {
+  if (!(gain > 0.0) || !(feedforward >= 0.0 && feedforward <= 1.0))
+    throw std::invalid_argument(
+        fmt::format("a servo needs a gain above 0 and a feedforward of 0 .. 1, got {} and {}", gain, feedforward));
+  const double length = response_length(gain, feedforward, period);
+  if (!(length <= response_taps_max))
+    throw std::invalid_argument(fmt::format("a servo of gain {:g} 1/s settles in {:.0f} samples, allowed are {}", gain,
+                                            length, response_taps_max));
+  const double x = gain * period, less = -std::expm1(-x);  // 1 - a
+  const double c = (1.0 - feedforward) * less / x;
+  std::vector<double> taps{1.0 - c};
+  double rest = c;  // after the last tap
+  while (rest >= response_rest) {
+    taps.push_back(rest * less);
+    rest -= taps.back();
+  }
+  taps.back() += rest;
+  return taps;
+}
+
+std::vector<double> scaled(std::vector<double> taps) {
+  const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
+  if (!(std::abs(sum - 1.0) < 1e-6))
+    throw std::invalid_argument(fmt::format("the taps of a response have the sum {:.10g}, allowed is 1", sum));
+  for (double& tap : taps) tap /= sum;
+  return taps;
+}
+
+std::vector<double> convolved(std::span<const double> a, std::span<const double> b) {
+  std::vector<double> taps(a.size() + b.size() - 1, 0.0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) taps[i + j] += a[i] * b[j];
+  }
+  return taps;
+}
+
+bool has_servo(const Axis& axis) {
+  return axis.servo_gain != unlimited || !axis.response_taps.empty();
+}
+
+std::vector<double> servo_of(const Axis& axis, double period) {
+  if (!axis.response_taps.empty()) return scaled(axis.response_taps);
+  return has_servo(axis) ? of_gain(axis.servo_gain, axis.velocity_feedforward, period) : std::vector{1.0};
+}
+
+}  // namespace
+
+double response_length(double gain, double feedforward, double period) {
+  const double x = gain * period, c = (1.0 - feedforward) * -std::expm1(-x) / x;
+  return c <= response_rest ? 1.0 : 1.0 + std::max(1.0, std::log(c / response_rest) / x);
+}
+
+Response::Response(const Machine& machine, double period) {
+  if (!machine.prefilter_taps.empty()) prefilter_ = scaled(machine.prefilter_taps);
+  if (std::none_of(machine.axes.begin(), machine.axes.end(), has_servo)) return;
+  for (const Axis& axis : machine.axes) {
+    // Axes mostly have the same servo.
+    const bool same = !servo_.empty() && axis.servo_gain == machine.axes.front().servo_gain &&
+                      axis.velocity_feedforward == machine.axes.front().velocity_feedforward &&
+                      axis.response_taps == machine.axes.front().response_taps;
+    servo_.push_back(same ? servo_.front() : servo_of(axis, period));
+    const std::vector<double>& taps = servo_.back();
+    common_ = common_ && taps == servo_.front() &&
+              std::all_of(taps.begin(), taps.end(), [](double tap) { return tap >= 0.0; });
+    servo_order_ = std::max(servo_order_, static_cast<int>(taps.size()) - 1);
+  }
+}
+
+Filter Response::command(const Filter& designed) const {
+  return prefilter_.empty() ? designed : Filter(convolved(designed.taps(), prefilter_));
+}
+
+Filter Response::motion(const Filter& designed) const {
+  if (!common_) throw std::logic_error("axes of different responses have no one filter");
+  const Filter before = command(designed);
+  return servo_.empty() ? before : Filter(convolved(before.taps(), servo_.front()));
+}
+
+FilterBehind::FilterBehind(const Filter& designed, const Machine& machine, double period) : designed_(designed) {
+  const Response response(machine, period);
+  if (response.ideal()) return;
+  command_ = response.command(designed);
+  motion_ = response.motion(designed);
+}
+
+void require_no_response(const Machine& machine, const char* what) {
+  const bool servo = std::any_of(machine.axes.begin(), machine.axes.end(), has_servo);
+  if (!servo && machine.prefilter_taps.empty()) return;
+  throw std::invalid_argument(fmt::format(
+      "{} does not consider {}; leave it out, or use `accdec evaluate`, `accdec "
+      "design`, `accdec explain` or `accdec verify`, which do",
+      what, servo ? "the servo of an axis (servo_gain_1_s, response_taps)" : "the control's prefilter_taps"));
+}
+
+}  // namespace accdec

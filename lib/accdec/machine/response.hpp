@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
+
+namespace accdec {
+
+/// What lies between the designed filter and the motion: the control's own smoothing, the same for all axes, and then
+/// the servo of each axis.
+///
+/// The limits of velocity, acceleration, jerk and residual vibration are of the command, which is the designed filter
+/// behind the smoothing. Force, power, regeneration, errors and the smallest speed are of the motion behind the servo.
+///
+/// A position control of gain Kv with the part g of the velocity fed forward follows a command that is constant within
+/// each sample as the taps
+///   r_0 = 1 - c,  r_k = c (1 - a) a^(k-1),  a = exp(-Kv T),  c = (1 - g)(1 - a)/(Kv T).
+/// They are not negative and have the sum 1. The following error at feed v is v (1 - g)/Kv. The taps end where less
+/// than `response_rest` is left, which the last tap takes.
+class Response {
+ public:
+  /// @param period  s, > 0
+  /// @throws std::invalid_argument on a gain, a feedforward or taps outside their ranges, and on a servo that needs
+  /// more than `response_taps_max` taps
+  Response(const Machine& machine, double period);
+
+  /// Neither smoothing nor servo: the filtered command is the motion.
+  bool ideal() const { return prefilter_.empty() && servo_.empty(); }
+  /// One response of all axes, without negative taps. The motion is then that of one filter, see `motion`.
+  bool common() const { return common_; }
+  /// Taps of the smoothing, and of one axis' servo; {1} where there is none.
+  std::vector<double> prefilter() const { return prefilter_.empty() ? std::vector{1.0} : prefilter_; }
+  std::vector<double> servo(std::size_t axis) const { return servo_.empty() ? std::vector{1.0} : servo_[axis]; }
+  /// Taps less one of the smoothing, and of the longest servo: by how many samples they lengthen every motion.
+  int prefilter_order() const { return prefilter_.empty() ? 0 : static_cast<int>(prefilter_.size()) - 1; }
+  int servo_order() const { return servo_order_; }
+  int order() const { return prefilter_order() + servo_order_; }
+
+  /// The designed filter behind the smoothing.
+  Filter command(const Filter& designed) const;
+  /// The same behind the servo: the filter of the motion, as the response is linear and the same for all axes.
+  /// @throws std::logic_error unless `common`
+  Filter motion(const Filter& designed) const;
+
+ private:
+  std::vector<double> prefilter_;
+  std::vector<std::vector<double>> servo_;  ///< one an axis; empty if no axis has any
+  int servo_order_ = 0;
+  bool common_ = true;
+};
+
+/// Part of a servo's response at which its taps end.
+inline constexpr double response_rest = 1e-12;
+/// A longer response is refused.
+inline constexpr int response_taps_max = 50'000;
+
+/// Number of taps of a servo's response, as a real number.
+double response_length(double servo_gain, double velocity_feedforward, double period);
+
+/// The designed filter behind a machine's response, as command and as motion. Without a response both are the filter
+/// itself, which is not copied.
+class FilterBehind {
+ public:
+  /// Keeps the reference to the filter. @throws std::logic_error unless the response is common
+  FilterBehind(const Filter& designed, const Machine& machine, double period);
+  FilterBehind(const FilterBehind&) = delete;
+  FilterBehind& operator=(const FilterBehind&) = delete;
+
+  bool ideal() const { return !motion_; }
+  const Filter& command() const { return command_ ? *command_ : designed_; }
+  const Filter& motion() const { return motion_ ? *motion_ : designed_; }
+  /// By how many samples the motion is longer than the designed filter's.
+  int longer() const { return motion().order() - designed_.order(); }
+
+ private:
+  const Filter& designed_;
+  std::optional<Filter> command_, motion_;
+};
+
+/// @throws std::invalid_argument if the machine has a response, which `what` does not consider
+void require_no_response(const Machine& machine, const char* what);
+
+}  // namespace accdec

@@ -1,0 +1,225 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/feeds/compensate_arcs.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/feeds/split_blocks.hpp>
+#include <accdec/simulate/command_stream.hpp>
+#include <accdec/simulate/sample_check.hpp>
+
+namespace accdec {
+namespace {
+
+FeedPath feed_path(const Toolpath& path) {
+  FeedPath feeds;
+  const std::size_t n = feeds.dimensions = path.dimensions(), blocks = path.blocks();
+  feeds.direction.resize(blocks * n);
+  feeds.length.resize(blocks);
+  feeds.margin.assign(blocks, 1.0F);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const double* p = path.point(b);
+    double sum = 0.0;
+    for (std::size_t a = 0; a < n; ++a) sum += (p[n + a] - p[a]) * (p[n + a] - p[a]);
+    const double length = feeds.length[b] = std::sqrt(sum);
+    for (std::size_t a = 0; a < n; ++a) feeds.direction[b * n + a] = (p[n + a] - p[a]) / length;
+  }
+  return feeds;
+}
+
+/// The speed that pieces first .. last have to be held to so that they last `missing` s longer; 0 where it would be
+/// below nine tenths of their highest. Held to one speed they change no more from piece to piece than before. By
+/// Newton's method, which comes from below: of the pieces faster than the last guess.
+double held_speed(const std::vector<FeedPiece>& pieces, std::size_t first, std::size_t last, double top,
+                  double missing) {
+  double speed = 0.9 * top;
+  for (int k = 0; k < 50; ++k) {
+    double length = 0.0, time = 0.0;
+    for (std::size_t i = first; i <= last; ++i) {
+      if (pieces[i].speed <= speed) continue;
+      length += pieces[i].length;
+      time += pieces[i].length / pieces[i].speed;
+    }
+    const double next = length / (time + missing);
+    if (k == 0 && next < speed) return 0.0;
+    if (next <= speed * (1.0 + 1e-15)) break;
+    speed = next;
+  }
+  return speed;
+}
+
+/// Makes every run last whole samples by slowing its fastest pieces. This breaks no window's limits. The command stream
+/// would slow whole runs, by different factors for neighbours, and could break limits between them.
+void round_runs(const Toolpath& path, std::vector<FeedPiece>& pieces, double sample_period) {
+  for (std::size_t first = 0; first < pieces.size();) {
+    std::size_t last = first;
+    double time = 0.0, top = 0.0;
+    for (;; ++last) {
+      time += pieces[last].length / pieces[last].speed;
+      top = std::max(top, pieces[last].speed);
+      if (last + 1 == pieces.size()) break;
+      const std::uint32_t b = pieces[last].block;
+      if (pieces[last].rest > 0.0 || (pieces[last + 1].block != b && ends_leg(path, b))) break;
+    }
+    const double missing = static_cast<double>(whole_samples(time / sample_period)) * sample_period - time;
+    const double speed = missing > 0.0 ? held_speed(pieces, first, last, top, missing) : 0.0;
+    for (std::size_t i = first; i <= last && speed > 0.0; ++i) pieces[i].speed = std::min(pieces[i].speed, speed);
+    first = last + 1;
+  }
+}
+
+/// Chooses feeds, simulates them, and repairs what does not hold, round by round.
+class Scheduler {
+ public:
+  Scheduler(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+            const Deadline& deadline)
+      : path_(path),
+        deadline_(deadline),
+        filter_(filter),
+        period_(sample_period),
+        machine_(machine),
+        window_(filter, machine, sample_period, path.dimensions()),
+        feeds_(feed_path(path)),
+        apart_(filter.order() + 2),
+        joints_(path.blocks()),
+        speed_(path.blocks(), unlimited),
+        delay_(path.blocks(), 0) {
+    for (std::size_t b = 0; b < path.blocks(); ++b) joints_[b].tolerance = path.tolerance[b];
+    for (const auto& [block, delay] : path.given) {
+      joints_[block].given = static_cast<int>(std::lround(std::min(delay / sample_period, 1e9)));
+    }
+  }
+
+  ScheduledPlan run(int rounds_max) {
+    for (int round = 0;; ++round) {
+      choose_joints();
+      ScheduledPlan plan = simulate(march());
+      plan.plan.rounds = round;
+      if (all_hold(plan) || round >= rounds_max || deadline_.over()) return plan;
+      mend(plan);
+    }
+  }
+
+ private:
+  struct JointState {
+    double tolerance = 0.0;               ///< tolerance to plan for, m
+    int given = 0;                        ///< delay given in the program, samples
+    int extra = 0;                        ///< delay beyond what the joint alone needs
+    std::uint8_t errors = 0, limits = 0;  ///< how often it did not hold
+    bool choose = true;
+  };
+
+  void choose_joints() {
+    const FeedCaps caps(path_, feeds_, filter_, window_, period_);
+    for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
+      JointState& joint = joints_[b];
+      if (!joint.choose) continue;
+      joint.choose = false;
+      delay_[b] = 0;
+      if (ends_leg(path_, b)) {
+        const CornerFeed corner = caps.corner(b, joint.tolerance);
+        speed_[b] = corner.speed;
+        delay_[b] = corner.delay;
+      } else {
+        speed_[b] = caps.smooth(b, joint.tolerance);
+      }
+      delay_[b] = std::max(joint.given, std::min(std::max(apart_, delay_[b]), delay_[b] + joint.extra));
+      if (delay_[b] > 0 && path_.joint[b] != Joint::stop)
+        delay_[b] = control_delay(path_.control, filter_, std::min(speed_[b], caps.feed(b)) * period_, delay_[b])
+                        .value_or(delay_[b]);
+    }
+  }
+
+  std::vector<FeedPiece> march() {
+    const FeedCaps caps(path_, feeds_, filter_, window_, period_);
+    std::vector<FeedPiece> pieces =
+        march_feeds(feeds_, window_, caps.pieces(speed_, delay_), Walk::backward, deadline_);
+    pieces = march_feeds(feeds_, window_, pieces, Walk::forward, deadline_);
+    round_runs(path_, pieces, period_);
+    return pieces;
+  }
+
+  ScheduledPlan simulate(const std::vector<FeedPiece>& pieces) {
+    ScheduledPlan result;
+    result.path = split_blocks(path_, pieces);
+    ProgramPlan& plan = result.plan;
+    plan.delays.assign(pieces.size(), 0);
+    block_of_.resize(pieces.size());
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      const std::uint32_t b = block_of_[i] = pieces[i].block;
+      if (i + 1 < pieces.size() && pieces[i + 1].block != b) plan.delays[i] = delay_[b];
+    }
+    if (path_.widen_arcs) compensate_arcs(result.path, filter_, plan.delays, period_);
+    plan.errors.assign(pieces.size(), 0.0);
+    SimulationOptions options;
+    if (!machine_.axes.empty()) options.machine = &machine_;
+    options.blame = true;
+    const CommandTiming timing(result.path, period_, plan.delays);
+    plan.simulation = simulate_program(timing, filter_, 0, pieces.size() - 1, plan.errors, options);
+    plan.errors_hold = true;
+    for (std::size_t i = 0; i + 1 < pieces.size() && plan.errors_hold; ++i) {
+      plan.errors_hold = holds(plan.errors[i], result.path.tolerance[i]);
+    }
+    return result;
+  }
+
+  static bool all_hold(const ScheduledPlan& plan) {
+    return plan.plan.errors_hold && plan.plan.simulation.broken.empty();
+  }
+
+  void mend(const ScheduledPlan& plan) {
+    for (std::size_t i = 0; i + 1 < block_of_.size(); ++i) {
+      const double error = plan.plan.errors[i], bound = plan.path.tolerance[i];
+      if (!holds(error, bound)) mend_error(block_of_[i], bound / error);
+    }
+    std::uint32_t before = UINT32_MAX;
+    for (const std::uint32_t i : plan.plan.simulation.broken) {
+      if (block_of_[i] != before) mend_limit(block_of_[i]);
+      before = block_of_[i];
+    }
+  }
+
+  void mend_error(std::size_t b, double part) {
+    JointState& joint = joints_[b];
+    joint.tolerance *= std::clamp(part, 0.5, 0.97);
+    joint.choose = true;
+    joint.errors = static_cast<std::uint8_t>(std::min(joint.errors + 1, 100));
+    // Where joints affect each other, lower speeds may not be enough; a stop always is.
+    if (joint.errors > (ends_leg(path_, b) ? 2 : 6)) joint.extra += 1 + filter_.order() / 8;
+  }
+
+  /// Lowers the limits that commands within the filter's length before may use.
+  void mend_limit(std::size_t b) {
+    JointState& state = joints_[b];
+    state.limits = static_cast<std::uint8_t>(std::min(state.limits + 1, 100));
+    const float part = state.limits > 8 ? 0.8F : state.limits > 4 ? 0.92F : 0.97F;
+    double back = 0.0;
+    for (std::size_t i = b + 1; i-- > 0 && back < window_.reach(); back += path_.duration[i]) {
+      feeds_.margin[i] = std::max(0.02F, feeds_.margin[i] * part);
+      joints_[i].choose = true;
+      if (i > 0) joints_[i - 1].choose = true;
+    }
+  }
+
+  const Toolpath& path_;
+  const Deadline& deadline_;
+  const Filter& filter_;
+  double period_;
+  const Machine& machine_;
+  FeedWindow window_;
+  FeedPath feeds_;
+  int apart_;  // samples; with this delay or more a joint is passed at rest
+  std::vector<JointState> joints_;
+  std::vector<double> speed_;
+  std::vector<int> delay_;
+  std::vector<std::uint32_t> block_of_;  // of every piece
+};
+
+}  // namespace
+
+ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+                             int rounds_max, const Deadline& deadline) {
+  return Scheduler(path, filter, sample_period, machine, deadline).run(rounds_max);
+}
+
+}  // namespace accdec

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <accdec/files.hpp>
+#include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/feeds/feed_caps.hpp>
+
+namespace accdec {
+
+/// A plan with the path it is for: the feeds are those of the path's blocks.
+struct ScheduledPlan {
+  Toolpath path;
+  ProgramPlan plan;
+};
+
+/// Chooses the feeds of a program for one filter: at every joint a speed and a delay, inside the blocks steps of the
+/// feed, so that the limits hold. Programmed feeds are upper bounds. The returned plan was simulated. Where a
+/// limit or a tolerance was broken, joints are passed slower and limits are used less around it, round by round.
+/// @param deadline  ends the rounds: what is returned then may not hold
+ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+                             int rounds_max = 40, const Deadline& deadline = {});
+
+}  // namespace accdec

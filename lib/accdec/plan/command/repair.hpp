@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <accdec/filter.hpp>
+#include <accdec/simulate/simulate.hpp>
+
+namespace accdec {
+
+/// The changes of a round of repair, ascending.
+struct RepairWork {
+  struct Slow {
+    std::size_t block;
+    double factor;  ///< on its duration, > 1
+  };
+  std::vector<std::size_t> raise;  ///< joints whose delay is too short
+  std::vector<Slow> slow;          ///< blocks whose feed is too high
+  bool empty() const { return raise.empty() && slow.empty(); }
+};
+
+/// Changes delays and feeds and simulates again only the blocks around them.
+class Repair {
+ public:
+  /// @param machine  nullptr: limits are left alone
+  /// @param path            durations of its blocks may grow
+  /// @param delays, errors  of the whole program, kept by reference and kept up to date
+  Repair(Toolpath& path, const Filter& filter, double sample_period, const Machine* machine, std::vector<int>& delays,
+         std::vector<double>& errors);
+
+  /// A corner whose error breaks its bound is raised. Around a smooth joint with such an error, the feed is lowered. On
+  /// curves the error grows with the square of the feed, whereas a command that rests for a sample again and again uses
+  /// up the jerk limit. For every block blamed for a broken limit, the corner before it is raised. If its delay is
+  /// already longer than the filter, the nearest earlier one that can still be raised is taken. Inside curves the feed
+  /// is also lowered. If there is neither, a block shorter than the filter breaks the limit by itself, by its start and
+  /// its stop together. It is slowed. Joints not repaired after twenty rounds are raised, smooth ones too.
+  RepairWork failing(std::span<const std::uint32_t> broken) const;
+  /// One round: makes changes, simulates around them again, and returns what fails there now. @param step  samples to
+  /// raise by
+  RepairWork round(const RepairWork& work, int step);
+  /// Lowers the delay of a joint, not below `least`, as far as everything around it still holds.
+  void lower(std::size_t joint, int least);
+
+ private:
+  struct Range {
+    std::size_t first, last;            // blocks to simulate, whole runs
+    std::size_t eval_first, eval_last;  // joints that a change may affect, seen with enough motion on both sides
+  };
+  Range around(std::size_t joint) const;
+  void simulate(const Range& range);
+  void judge(std::size_t first, std::size_t last, RepairWork& failing) const;
+  void mend(std::size_t joint, double error, RepairWork& work) const;
+  void blame(std::uint32_t block, RepairWork& work) const;
+  /// False if there was nothing to slow.
+  bool slow_around(std::size_t joint, double factor, RepairWork& work) const;
+  void accept(std::size_t first, std::size_t last);
+  /// The delay of a joint, longer by `step` samples, or by what the control has.
+  int raised(std::size_t joint, int step) const;
+
+  Toolpath& path_;
+  const Filter& filter_;
+  const Machine* machine_;
+  CommandTiming timing_;
+  std::vector<int>& delays_;
+  std::vector<double>& errors_;
+  std::vector<double> scratch_;
+  std::vector<std::uint32_t> broken_;
+  int rounds_ = 0;
+  int apart_;  // delay from which the legs of a joint do not overlap
+};
+
+}  // namespace accdec

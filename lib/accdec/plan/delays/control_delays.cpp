@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include <fmt/format.h>
+
+#include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/simulate/command_stream.hpp>
+
+namespace accdec {
+namespace {
+
+/// Takes the command and finds how the control holds it back at each joint.
+class DelaySink {
+ public:
+  DelaySink(const Toolpath& path, const Filter& filter, const std::vector<int>& delays)
+      : path_(path), filter_(filter), apart_(exact_stop_of(filter)) {
+    found_.kinds.assign(path.blocks(), DelayKind::continuous);
+    found_.delays = delays;
+    std::copy_n(path.point(0), path.dimensions(), start_.begin());
+  }
+
+  void command(const AxisRow<0>&, const AxisRow<0>& u, std::int64_t count, const AxisRow<0>& end) {
+    const auto kept = std::min<std::int64_t>(count, filter_.order() + 1);
+    for (std::int64_t back = kept; back-- > 0;) {
+      AxisRow<0> at = end;
+      for (std::size_t a = 0; a < path_.dimensions(); ++a) at[a] -= static_cast<double>(back) * u[a];
+      before_.push_front(at);
+    }
+    before_.resize(std::min(before_.size(), static_cast<std::size_t>(filter_.order()) + 1));
+  }
+
+  void joint(std::size_t b, double, std::int64_t) {
+    const int delay = found_.delays[b];
+    const bool passed = !ends_leg(path_, b) && delay == 0;
+    if (passed || path_.joint[b] == Joint::stop) {
+      found_.kinds[b] = passed ? DelayKind::continuous : DelayKind::exact_stop;
+      return;
+    }
+    found_.kinds[b] = kind(b, delay);
+  }
+
+  CommandDelays take() {
+    if (any_) found_.width = WidthInterval{low_, high_};
+    return std::move(found_);
+  }
+
+ private:
+  DelayKind kind(std::size_t b, int delay) {
+    const ControlDelays& control = path_.control;
+    if (delay == 0 && control.names(DelayKind::continuous)) return DelayKind::continuous;
+    const bool stops = delay >= apart_ && control.names(DelayKind::exact_stop);
+    if (stops && delay <= apart_ + stop_slack) return DelayKind::exact_stop;
+    if (control.names(DelayKind::dwell)) return DelayKind::dwell;
+    if (control.names(DelayKind::timed_axis)) return DelayKind::timed_axis;
+    if (control.width > 0.0 && control.names(DelayKind::in_position)) {
+      in_position(b);
+    } else if (found_.wrong.empty()) {
+      found_.wrong = fmt::format("line {}: the control cannot delay by {} samples", path_.line[b], delay);
+    }
+    return DelayKind::in_position;
+  }
+
+  void in_position(std::size_t b) {
+    double high = unlimited, way = way_left(b, 0);
+    int d = 0;
+    for (; way > path_.control.width; way = way_left(b, ++d)) high = std::min(high, way);
+    found_.delays[b] = d;
+    low_ = std::max(low_, way), high_ = std::min(high_, high);
+    any_ = true;
+  }
+
+  /// m, from the filtered command to the joint after a rest of d samples.
+  double way_left(std::size_t b, int d) const {
+    const double* joint = path_.point(b + 1);
+    double square = 0.0;
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
+      double way = 0.0;
+      for (int i = d + 1; i <= filter_.order(); ++i) {
+        const auto back = static_cast<std::size_t>(i - d);
+        const AxisRow<0>& at = back < before_.size() ? before_[back] : start_;
+        way += filter_.tap(i) * (joint[a] - at[a]);
+      }
+      square += way * way;
+    }
+    return std::sqrt(square);
+  }
+
+  const Toolpath& path_;
+  const Filter& filter_;
+  int apart_;
+  CommandDelays found_;
+  AxisRow<0> start_{};             // where the command begins
+  std::deque<AxisRow<0>> before_;  // the command, the newest sample first
+  double low_ = 0.0, high_ = unlimited;
+  bool any_ = false;
+};
+
+}  // namespace
+
+CommandDelays command_delays(const Toolpath& path, const Filter& filter, double sample_period,
+                             const std::vector<int>& delays) {
+  std::vector<int> now = delays;
+  constexpr int most_rounds = 50;
+  for (int round = 0;; ++round) {
+    const CommandTiming timing(path, sample_period, now);
+    DelaySink sink(path, filter, now);
+    emit_commands(timing, 0, path.blocks() - 1, sink);
+    CommandDelays found = sink.take();
+    // A delay changes what comes after it, and nothing before it: joints settle in the order of the program.
+    if (found.delays == now || !found.wrong.empty()) return found;
+    now = found.delays;
+    if (round < most_rounds) continue;
+    found.wrong = "the delays of the in-position width do not settle";
+    return found;
+  }
+}
+
+}  // namespace accdec

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <accdec/filter.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+/// How a control gives the delays of a command.
+struct CommandDelays {
+  std::vector<DelayKind> kinds;        ///< at the end of each block
+  std::optional<WidthInterval> width;  ///< where a joint is in-position
+  std::vector<int> delays;             ///< samples, one a block, with those that the width gives; else as they were
+  std::string wrong;                   ///< the first joint whose delay cannot be had; empty: the control gives them all
+};
+
+/// Follows the command, so that feeds that change shortly before a joint count. A joint is in-position in the first
+/// sample in which the filtered command is within the width of it.
+/// @param delays  samples, one a block
+CommandDelays command_delays(const Toolpath& path, const Filter& filter, double sample_period,
+                             const std::vector<int>& delays);
+
+}  // namespace accdec

@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <accdec/plan/delays/joint_delays.hpp>
+#include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
+
+namespace accdec {
+
+JointDelays::JointDelays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine)
+    : path_(path),
+      filter_(filter),
+      period_(sample_period),
+      limits_(filter, machine, sample_period),
+      finder_(filter, filter) {
+  // Half the mean absolute deviation of the taps: a smooth joint passed without delay errs by it times |v2 u2 - v1 u1|
+  // T at most.
+  for (int i = 0; i <= filter.order(); ++i) spread_ += filter.tap(i) * std::max(0.0, i - filter.mean_delay());
+}
+
+void JointDelays::load(std::size_t block, double factor, std::array<double, program_axis_count>& velocity,
+                       double& speed) const {
+  const std::size_t n = path_.dimensions();
+  const double* p = path_.point(block);
+  const double scale = factor / path_.duration[block];
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    velocity[i] = (p[n + i] - p[i]) * scale;
+    sum += velocity[i] * velocity[i];
+  }
+  speed = std::sqrt(sum);
+}
+
+double JointDelays::cos_interior() const {
+  double dot = 0.0;
+  for (std::size_t i = 0; i < path_.dimensions(); ++i) dot += in_[i] * out_[i];
+  return std::clamp(-dot / (speed_in_ * speed_out_), -1.0, 1.0);
+}
+
+int JointDelays::within_limits(int delay) {
+  return limits_.any() ? limits_.smallest(in_.data(), out_.data(), delay, possible_) : delay;
+}
+
+int JointDelays::of_control(int delay) {
+  for (;;) {
+    delay = within_limits(delay);
+    const int given = control_delay(path_.control, filter_, speed_in_ * period_, delay).value_or(delay);
+    if (given == delay) return delay;
+    delay = given;
+  }
+}
+
+int JointDelays::exact_stop() const {
+  return std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+}
+
+int JointDelays::stop(std::size_t b) {
+  load(b, 1.0, in_, speed_in_);
+  load(b + 1, 1.0, out_, speed_out_);
+  return within_limits(exact_stop());
+}
+
+int JointDelays::corner(std::size_t b, double factor_in, double factor_out) {
+  load(b, factor_in, in_, speed_in_);
+  load(b + 1, factor_out, out_, speed_out_);
+  const int delay = finder_(cos_interior(), speed_in_ * period_, speed_out_ * period_, path_.tolerance[b]);
+  return of_control(delay);
+}
+
+int JointDelays::smooth(std::size_t b) {
+  load(b, 1.0, in_, speed_in_);
+  load(b + 1, 1.0, out_, speed_out_);
+  double change2 = 0.0;
+  for (std::size_t i = 0; i < path_.dimensions(); ++i) change2 += (out_[i] - in_[i]) * (out_[i] - in_[i]);
+  const double bound = path_.tolerance[b], spread = spread_ * period_;
+  int delay = 0;
+  if (spread * spread * change2 > bound * bound) {
+    delay =
+        smallest_path_delay(filter_, cos_interior(), speed_in_ * period_, speed_out_ * period_, bound, exact_stop());
+  }
+  delay = within_limits(delay);
+  return delay > 0 ? of_control(delay) : 0;
+}
+
+}  // namespace accdec

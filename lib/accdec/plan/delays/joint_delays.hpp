@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include <accdec/corner.hpp>
+#include <accdec/simulate.hpp>
+#include <accdec/task/blend_limits.hpp>
+
+namespace accdec {
+
+/// Smallest delays of single joints, as if each were alone. Keeps references.
+class JointDelays {
+ public:
+  JointDelays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
+
+  /// The delay of a stop, or of a corner taken as one.
+  int stop(std::size_t b);
+  /// @param factor_in, factor_out  by which the feeds of both blocks are lowered to whole samples
+  int corner(std::size_t b, double factor_in, double factor_out);
+  /// The delay of a smooth or straight joint.
+  int smooth(std::size_t b);
+
+  /// Whether no joint so far breaks a limit even where its legs do not overlap.
+  bool limits_possible() const { return possible_; }
+  /// The same since the last call of this.
+  bool take_possible() { return std::exchange(possible_, true); }
+
+ private:
+  void load(std::size_t block, double factor, std::array<double, program_axis_count>& velocity, double& speed) const;
+  double cos_interior() const;
+  int within_limits(int delay);
+  /// The shortest within the limits that the control has; if it has none, the shortest within the limits.
+  int of_control(int delay);
+  int exact_stop() const;
+
+  const Toolpath& path_;
+  const Filter& filter_;
+  double period_;
+  BlendLimits limits_;
+  DelayFinder finder_;
+  double spread_ = 0.0;
+  std::array<double, program_axis_count> in_{}, out_{};  // velocities, m/s
+  double speed_in_ = 0.0, speed_out_ = 0.0;
+  bool possible_ = true;
+};
+
+}  // namespace accdec

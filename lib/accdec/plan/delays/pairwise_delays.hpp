@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+/// The rule for delays.
+enum class DelayRule {
+  smallest,    ///< the smallest delays within the tolerances
+  exact_stop,  ///< an exact stop at every joint except those inside arcs
+  none         ///< none except where the program stops
+};
+
+struct PairwiseDelays {
+  std::vector<int> delays;              ///< samples, one a block; 0 for the last
+  bool limits_possible = true;          ///< false if some joint breaks an axis limit even where its legs do not overlap
+  std::vector<std::size_t> impossible;  ///< these joints, ascending
+};
+
+/// Smallest delay of every joint as if it were alone. For a corner it is the smallest with a corner error (at samples)
+/// within its tolerance. For a smooth joint it is the smallest with which the path passes within the tolerance. For a
+/// stop it is the filter's exact stop. Each is then lengthened until the axis limits hold while the legs overlap. O(1)
+/// to O(log N) per joint, O(N^2) where limits bind.
+/// @param machine  as many axes as the path, or without axes
+PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, double sample_period,
+                               const Machine& machine = {}, DelayRule rule = DelayRule::smallest);
+
+/// Number of joints with a longer delay than they need alone, because moves overlap or the program gives it.
+/// @param delays  samples, one a block
+std::size_t raised_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+                          const std::vector<int>& delays);
+
+/// Smallest d >= 0 with which the path through the samples passes a single joint within `error_max`. The polyline error
+/// never grows with d.
+/// @param cos_interior       cos(theta), see Corner
+/// @param step_in, step_out  full-speed steps v T of both legs, m
+int smallest_path_delay(const Filter& filter, double cos_interior, double step_in, double step_out, double error_max,
+                        int stop_delay);
+
+}  // namespace accdec

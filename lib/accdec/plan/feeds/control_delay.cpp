@@ -1,0 +1,24 @@
+#include <algorithm>
+
+#include <accdec/plan/feeds/control_delay.hpp>
+
+namespace accdec {
+
+std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least) {
+  if (control.any()) return least;
+  if (least == 0 && control.names(DelayKind::continuous)) return 0;
+  const int apart = exact_stop_of(filter);
+  std::optional<int> best;
+  if (const int stop = std::max(least, apart); control.names(DelayKind::exact_stop) && stop <= apart + stop_slack)
+    best = stop;
+  if (!control.names(DelayKind::in_position) || !(control.width > 0.0)) return best;
+  int low = -1, high = filter.order() + 1;  // the way left falls to 0
+  while (high - low > 1) {
+    const int middle = low + (high - low) / 2;
+    (step * filter.remaining_moment(middle) <= control.width ? high : low) = middle;
+  }
+  if (high >= least && (!best || high < *best)) best = high;
+  return best;
+}
+
+}  // namespace accdec

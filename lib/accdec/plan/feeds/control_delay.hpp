@@ -1,0 +1,24 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+
+#include <accdec/filter.hpp>
+#include <accdec/task.hpp>
+
+namespace accdec {
+
+/// Samples beyond an exact stop that a limit may ask for.
+inline constexpr int stop_slack = 2;
+
+/// The least delay, samples, with which the legs of a corner do not overlap.
+inline int exact_stop_of(const Filter& filter) {
+  return std::max(0, filter.last_nonzero_tap() - filter.first_nonzero_tap());
+}
+
+/// The shortest delay of at least `least` samples that a control can give a corner that is reached at a constant feed.
+/// None if it has none as long.
+/// @param step  v1 T, m
+std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least);
+
+}  // namespace accdec

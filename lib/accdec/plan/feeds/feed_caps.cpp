@@ -1,0 +1,259 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/feeds/feed_caps.hpp>
+
+namespace accdec {
+namespace {
+
+// Multiples of the tolerance: the radius error to plan for where the command compensates most of it. The simulation
+// corrects the rest.
+constexpr double inside_widened = 5.0, end_widened = 2.0;
+constexpr double slowest = 1e-3;  // part of the feed: no joint is passed more slowly; a delay does the rest
+
+double norm2(const double* v, std::size_t n) {
+  double sum = 0.0;
+  for (std::size_t a = 0; a < n; ++a) sum += v[a] * v[a];
+  return sum;
+}
+
+}  // namespace
+
+FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window,
+                   double sample_period)
+    : path_(path),
+      feeds_(feeds),
+      filter_(filter),
+      window_(window),
+      period_(sample_period),
+      finder_(filter),
+      arcs_(path, feeds, filter, window, sample_period),
+      acceleration_(path.blocks(), unlimited) {
+  const std::size_t n = feeds.dimensions;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    for (std::size_t a = 0; a < n; ++a) {
+      const double u = std::abs(feeds.direction[b * n + a]);
+      if (u > 0.0) acceleration_[b] = std::min(acceleration_[b], window.acceleration_change(a) / (window.tau1() * u));
+    }
+  }
+}
+
+double FeedCaps::largest(std::size_t b, double v_max, bool apart, bool together) const {
+  const std::size_t n = feeds_.dimensions;
+  const double *u = feeds_.direction.data() + b * n, *w = u + n;
+  const double margin = std::min(feeds_.margin[b], feeds_.margin[b + 1]);
+  double v = v_max;
+  for (int round = 0; round < 3; ++round) {  // loads allow more at lower speeds
+    double next = v_max;
+    for (std::size_t a = 0; a < n; ++a) {
+      const double in = std::abs(u[a]), out = std::abs(w[a]), turn = std::abs(w[a] - u[a]);
+      const double most = std::max(apart ? std::max(in, out) : 0.0, together ? turn : 0.0);
+      if (most <= 0.0) continue;
+      const double allowed = margin * std::min({window_.step(a), window_.change(a, v * in, 0.0, false),
+                                                window_.change(a, v * out, 0.0, true)});
+      next = std::min(next, allowed / most);
+    }
+    if (!window_.loads()) return next;
+    v = std::min(v, next);
+  }
+  return v;
+}
+
+double FeedCaps::ramp_time(std::size_t b, double v) const {
+  const double a = acceleration_[b];
+  const double top = std::min(feed(b), std::sqrt(v * v + a * feeds_.length[b]));
+  return top > v ? (top - v) * (top - v) / (2.0 * a * top) : 0.0;
+}
+
+CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
+  const std::size_t n = feeds_.dimensions;
+  const double *u = feeds_.direction.data() + b * n, *w = u + n;
+  double dot = 0.0;
+  for (std::size_t a = 0; a < n; ++a) dot += u[a] * w[a];
+  const double cosine = std::clamp(-dot, -1.0, 1.0);
+  const double feed_max = std::min(feed(b), feed(b + 1));
+  const int stop = finder_.exact_stop_delay();
+  const auto delay_at = [&](double v) {
+    if (path_.joint[b] == Joint::stop) return stop;
+    const int least = finder_(cosine, v * period_, v * period_, tolerance);
+    return control_delay(path_.control, filter_, v * period_, least).value_or(stop);
+  };
+  CornerFeed best{std::max(slowest * feed_max, largest(b, feed_max, true, false)), stop};
+  double least = stop * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
+  if (path_.joint[b] == Joint::stop || !(tolerance > 0.0)) return best;
+  const double no_delay = largest(b, feed_max, false, true), overlap = largest(b, feed_max, true, true);
+  const auto offer = [&](double v) {
+    const int delay = delay_at(v);
+    if (v > (delay > 0 ? overlap : no_delay) * (1.0 + 1e-9)) return;
+    const double time = delay * period_ + ramp_time(b, v) + ramp_time(b + 1, v);
+    if (time >= least) return;
+    least = time;
+    best = {v, delay};
+  };
+  // The largest speed without delay: the error at the samples grows with the speed.
+  double low = 0.0, high = no_delay;
+  if (delay_at(high) == 0) {
+    low = high;
+  } else {
+    for (int k = 0; k < 12; ++k) {
+      const double middle = 0.5 * (low + high);
+      (delay_at(middle) == 0 ? low : high) = middle;
+    }
+  }
+  if (low > slowest * feed_max) offer(low);
+  for (double v = overlap; v > low && v > slowest * feed_max; v *= 0.85) offer(v);
+  return best;
+}
+
+std::size_t FeedCaps::walk(std::size_t b, double distance) const {
+  if (distance >= 0.0) {
+    for (++b; b + 1 < feeds_.blocks() && distance > feeds_.length[b] && !ends_leg(path_, b); ++b)
+      distance -= feeds_.length[b];
+    return b;
+  }
+  for (distance = -distance; b > 0 && distance > feeds_.length[b] && !ends_leg(path_, b - 1); --b)
+    distance -= feeds_.length[b];
+  return b;
+}
+
+double FeedCaps::steady_change(std::size_t b, double v) const {
+  const std::size_t n = feeds_.dimensions;
+  const double way = v * window_.tau1();
+  double use = 0.0;
+  const auto pair = [&](std::size_t from, std::size_t to) {
+    const double *u = feeds_.direction.data() + from * n, *w = feeds_.direction.data() + to * n;
+    const double margin = std::min(feeds_.margin[from], feeds_.margin[to]);
+    for (std::size_t a = 0; a < n; ++a) {
+      const double change = v * std::abs(w[a] - u[a]);
+      if (change > 0.0) use = std::max(use, change / (margin * window_.change(a, v * w[a], v * u[a], false)));
+    }
+  };
+  pair(walk(b, -way), b + 1);
+  pair(b, walk(b, way));
+  return use;
+}
+
+double FeedCaps::steady_error(std::size_t b, double v) const {
+  const std::size_t n = feeds_.dimensions;
+  const double* joint = path_.asked(b + 1);
+  const double mean = filter_.mean_delay(), step = v * period_;
+  std::array<double, program_axis_count> sum{};
+  // Taps before the mean see the path beyond the joint, those after it the path before.
+  std::size_t block = b + 1;
+  double from = 0.0;
+  for (int i = static_cast<int>(std::floor(mean)); i >= filter_.first_nonzero_tap(); --i) {
+    const double s = (mean - i) * step;
+    while (block + 1 < feeds_.blocks() && from + feeds_.length[block] < s && !ends_leg(path_, block))
+      from += feeds_.length[block++];
+    const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
+    const double *p = path_.point(block), *u = feeds_.direction.data() + block * n;
+    for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] + x * u[a] - joint[a]);
+  }
+  block = b;
+  from = 0.0;
+  for (int i = static_cast<int>(std::floor(mean)) + 1; i <= filter_.last_nonzero_tap(); ++i) {
+    const double s = (i - mean) * step;
+    while (block > 0 && from + feeds_.length[block] < s && !ends_leg(path_, block - 1)) from += feeds_.length[block--];
+    const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
+    const double *p = path_.point(block + 1), *u = feeds_.direction.data() + block * n;
+    for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] - x * u[a] - joint[a]);
+  }
+  // Distances along the path cost nothing.
+  std::array<double, program_axis_count> along{};
+  for (std::size_t a = 0; a < n; ++a) along[a] = feeds_.direction[b * n + a] + feeds_.direction[(b + 1) * n + a];
+  const double length2 = norm2(along.data(), n);
+  double dot = 0.0;
+  for (std::size_t a = 0; a < n; ++a) dot += sum[a] * along[a];
+  for (std::size_t a = 0; a < n; ++a) sum[a] -= dot / std::max(length2, 1e-300) * along[a];
+  return std::sqrt(norm2(sum.data(), n));
+}
+
+double FeedCaps::smooth(std::size_t b, double tolerance) const {
+  const double top = std::max(feed(b), feed(b + 1));
+  // The radius error left by widened arcs is small inside them, and some of it remains at their ends.
+  const bool widened = path_.widen_arcs && (arc_of(path_, b) != nullptr || arc_of(path_, b + 1) != nullptr);
+  const double bound = path_.joint[b] == Joint::straight ? unlimited : tolerance;
+  if (const auto v = arcs_.speed(b, widened ? inside_widened * bound : bound)) return std::max(*v, slowest * top);
+  tolerance *= widened ? end_widened : 1.0;
+  double v = top;
+  // On a curve the change grows with the square of the speed, in a single joint with the speed.
+  for (int k = 0; k < 12; ++k) {
+    const double use = steady_change(b, v);
+    if (use <= 1.0 + 1e-9) break;
+    v /= k < 6 && use > 1.005 ? std::sqrt(use) : std::max(use, 1.001);
+  }
+  if (!(tolerance < unlimited) || path_.joint[b] == Joint::straight) return v;
+  if (steady_error(b, v) <= tolerance) return v;
+  double low = 0.0, high = v;
+  for (int k = 0; k < 10 && high - low > 0.01 * high; ++k) {
+    const double middle = 0.5 * (low + high);
+    (steady_error(b, middle) <= tolerance ? low : high) = middle;
+  }
+  return std::max(low, slowest * top);
+}
+
+struct FeedCaps::Zone {
+  double length = 0.0, speed = unlimited;
+  void add(double l, double v) {
+    length = std::max(length, l);
+    speed = std::min(speed, v);
+  }
+};
+
+/// Holds the speed v of joint b over a distance `left` after it (ahead) or before it: whole blocks, and a part of one.
+void FeedCaps::hold(std::size_t b, double v, double left, bool ahead, std::vector<double>& cap,
+                    std::vector<Zone>& part) const {
+  const auto ends = [&](std::size_t joint) { return ends_leg(path_, joint); };
+  for (std::size_t i = ahead ? b + 1 : b;; ahead ? ++i : --i) {
+    if (left < feeds_.length[i] * 0.9) {
+      part[i].add(left, v);
+      return;
+    }
+    cap[i] = std::min(cap[i], v);
+    left -= feeds_.length[i];
+    if (left <= 0.0 || ends(b)) return;
+    if (ahead ? i + 1 == feeds_.blocks() || ends(i) : i == 0 || ends(i - 1)) return;
+  }
+}
+
+/// Pieces of one block: the part held at the joint before it, the middle, and the part held at the joint after it.
+void FeedCaps::add_pieces(std::size_t b, double cap, Zone first, Zone last, std::vector<FeedPiece>& pieces) const {
+  const double length = feeds_.length[b];
+  if (first.speed >= cap) first.length = 0.0;
+  if (last.speed >= cap) last.length = 0.0;
+  if (first.length + last.length > 0.98 * length) {
+    const double scale = length / (first.length + last.length);
+    first.length *= scale;
+    last.length = length - first.length;
+  }
+  const double middle = length - first.length - last.length;
+  const auto block = static_cast<std::uint32_t>(b);
+  if (first.length > 0.0) pieces.push_back({block, first.length, first.speed, 0.0});
+  if (middle > 0.0) pieces.push_back({block, middle, cap, 0.0});
+  if (last.length > 0.0) pieces.push_back({block, last.length, last.speed, 0.0});
+}
+
+std::vector<FeedPiece> FeedCaps::pieces(const std::vector<double>& speed, const std::vector<int>& delay) const {
+  const std::size_t blocks = feeds_.blocks();
+  std::vector<Zone> begin(blocks), end(blocks);
+  std::vector<double> cap(blocks);
+  for (std::size_t b = 0; b < blocks; ++b) cap[b] = feed(b);
+  for (std::size_t b = 0; b + 1 < blocks; ++b) {
+    const double v = speed[b];
+    if (!(v < unlimited) || (v >= cap[b] && v >= cap[b + 1])) continue;
+    const double way = std::max(v * period_, v * (window_.half() - 0.5 * delay[b] * period_));
+    hold(b, v, way, false, cap, end);
+    hold(b, v, way, true, cap, begin);
+  }
+  std::vector<FeedPiece> pieces;
+  pieces.reserve(blocks + blocks / 2);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    add_pieces(b, cap[b], begin[b], end[b], pieces);
+    if (b + 1 < blocks) pieces.back().rest = delay[b] * period_;
+  }
+  return pieces;
+}
+
+}  // namespace accdec

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <vector>
+
+#include <accdec/corner.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/plan/feeds/arc_caps.hpp>
+#include <accdec/plan/feeds/feed_march.hpp>
+#include <accdec/plan/feeds/feed_window.hpp>
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+/// How corners and stops are passed: the speed at which they are reached and left, and the rest of the command in them.
+struct CornerFeed {
+  double speed = unlimited;  ///< m/s
+  int delay = 0;             ///< samples
+};
+
+/// The largest speeds of a path, and the needs of its joints.
+class FeedCaps {
+ public:
+  /// References are kept.
+  FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window,
+           double sample_period);
+
+  /// Speed and delay of the corner or stop at the end of block b. Among a grid of speeds it is the one that costs the
+  /// least time, including the ramps to the neighbours' feeds at constant acceleration. @param tolerance  m
+  CornerFeed corner(std::size_t b, double tolerance) const;
+  /// Largest constant speed with which the smooth joint at the end of block b is passed within its tolerance. The
+  /// window that ends or begins there stays within the limits. Well inside an arc it is the arc's speed, see ArcCaps.
+  double smooth(std::size_t b, double tolerance) const;
+  /// Speed of block b: that of the program.
+  double feed(std::size_t b) const { return feeds_.length[b] / path_.duration[b]; }
+
+  /// Pieces of the whole path with these speeds.
+  /// @param speed  of every joint  @param delay  of every joint, samples
+  std::vector<FeedPiece> pieces(const std::vector<double>& speed, const std::vector<int>& delay) const;
+
+ private:
+  double largest(std::size_t b, double v_max, bool apart, bool together) const;
+  double ramp_time(std::size_t b, double v) const;
+  double steady_error(std::size_t b, double v) const;
+  double steady_change(std::size_t b, double v) const;
+  std::size_t walk(std::size_t b, double distance) const;
+  struct Zone;
+  void hold(std::size_t b, double v, double left, bool ahead, std::vector<double>& cap, std::vector<Zone>& part) const;
+  void add_pieces(std::size_t b, double cap, Zone first, Zone last, std::vector<FeedPiece>& pieces) const;
+
+  const Toolpath& path_;
+  const FeedPath& feeds_;
+  const Filter& filter_;
+  const FeedWindow& window_;
+  double period_;
+  DelayFinder finder_;
+  ArcCaps arcs_;
+  std::vector<double> acceleration_;  // along every block, m/s^2
+};
+
+}  // namespace accdec

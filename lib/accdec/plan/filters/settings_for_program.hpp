@@ -1,0 +1,33 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <accdec/files.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/simulate.hpp>
+#include <accdec/task.hpp>
+
+namespace accdec {
+
+/// The settings with which a program takes the least time, and what was looked at.
+struct SettingsForProgram {
+  std::optional<ProgramSettings> best;   ///< none: no setting that was planned holds all limits
+  std::optional<ProgramSettings> today;  ///< today's filter with its best in-position width, if the task names one
+};
+
+/// Plans the program with members of the families that the task's settings name, each with the in-position widths of a
+/// coarse grid and steps around the best. First come members all over the families, then steps around the best member
+/// that are halved, then all the others. A member is passed over for one of two
+/// reasons. Way over feed, the filter's length and its stops alone take as long as the best plan. Or a plan with delays
+/// of any number of samples does. What time is left decides how many are planned.
+/// @param task      with settings that name a family; its filter or baseline is today's
+/// @param keep      at the programmed feeds; else feeds are chosen
+/// @param deadline  ends the search
+/// @param tell      one line a step, may be empty
+SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
+                                        const std::function<void(const std::string&)>& tell);
+
+}  // namespace accdec

@@ -1,0 +1,198 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include <accdec/families/settable_search.hpp>
+#include <accdec/plan/filters/settings_members.hpp>
+
+namespace accdec {
+namespace {
+
+int nearest(const std::vector<int>& options, double length) {
+  const auto above = std::lower_bound(options.begin(), options.end(), length);
+  if (above == options.begin()) return options.front();
+  if (above == options.end()) return options.back();
+  return *above - length < length - *(above - 1) ? *above : *(above - 1);
+}
+
+FilterSpec spec_of(SettingFamily family, const std::vector<int>& lengths, int pairs, int pair_delay) {
+  if (family == SettingFamily::one_pole)
+    return lengths.front() > 0 ? cut_pole(lengths.front()) : FilterSpec{.kind = Shape::exponential, .ratio = 1.0};
+  FilterSpec spec{.kind = Shape::averages, .pairs = pairs, .pair_delay = pair_delay};
+  for (const int length : lengths) {
+    if (length > 1) spec.lengths.push_back(length), spec.order += length - 1;
+  }
+  if (spec.lengths.empty()) spec.lengths.push_back(1);
+  std::sort(spec.lengths.begin(), spec.lengths.end(), std::greater<>());
+  return spec;
+}
+
+}  // namespace
+
+std::vector<int> SettableMember::key() const {
+  std::vector<int> key = lengths;
+  key.push_back(spec.pair_delay);
+  key.push_back(static_cast<int>(family));
+  return key;
+}
+
+SettableMembers::SettableMembers(const Task& task) : task_(task) {
+  const int longest = task.design.order_max + 1;
+  for (const SettableStage& stage : task.settings->stages) {
+    std::vector<int> lengths = settable_lengths(stage, task.sample_period, longest);
+    std::erase_if(lengths, [](int length) { return length < 1; });
+    poles_.push_back(lengths);
+    poles_.back().insert(poles_.back().begin(), 0);
+    std::erase(lengths, 1);
+    lengths.insert(lengths.begin(), 1);
+    averages_.push_back(std::move(lengths));
+  }
+  for (const SettingFamily family : families()) list(family);
+  std::stable_sort(all_.begin(), all_.end(),
+                   [](const SettableMember& a, const SettableMember& b) { return a.order() < b.order(); });
+}
+
+std::vector<SettingFamily> SettableMembers::families() const {
+  std::vector<SettingFamily> families = task_.settings->families;
+  std::erase(families, SettingFamily::taps);
+  return families;
+}
+
+std::size_t SettableMembers::stages(SettingFamily family) const {
+  return family == SettingFamily::one_pole ? 1 : averages_.size();
+}
+
+std::vector<int> SettableMembers::options(SettingFamily family, std::size_t stage) const {
+  return family == SettingFamily::one_pole ? poles_[stage] : averages_[stage];
+}
+
+void SettableMembers::add(SettingFamily family, const std::vector<double>& lengths, int pair_delay,
+                          std::vector<SettableMember>& members) const {
+  SettableMember member{.family = family};
+  for (std::size_t s = 0; s < stages(family); ++s)
+    member.lengths.push_back(nearest(options(family, s), s < lengths.size() ? lengths[s] : 1.0));
+  // Equal stages are in any order.
+  for (std::size_t s = 1; s < member.lengths.size(); ++s) {
+    if (averages_[s] == averages_[s - 1] && member.lengths[s] > member.lengths[s - 1])
+      std::swap(member.lengths[s], member.lengths[s - 1]), s = 0;
+  }
+  const int pairs = family == SettingFamily::shaper ? task_.settings->shaper_pairs : 0;
+  if (pairs > 0 && pair_delay < 1) return;
+  member.spec = spec_of(family, member.lengths, pairs, pairs > 0 ? pair_delay : 0);
+  if (member.order() < task_.design.order_min || member.order() > task_.design.order_max) return;
+  members.push_back(std::move(member));
+}
+
+std::vector<SettableMember> SettableMembers::spread() const {
+  std::vector<SettableMember> members;
+  for (const SettingFamily family : families()) {
+    const int pairs = family == SettingFamily::shaper ? task_.settings->shaper_pairs : 0;
+    std::vector<int> pair_delays{0};
+    if (pairs > 0) {
+      pair_delays.clear();
+      for (int d = 1; d <= task_.design.order_max / pairs; d = std::max(d + 1, d * 4 / 3)) pair_delays.push_back(d);
+      for (const Mode& mode : task_.machine.modes)
+        pair_delays.push_back(
+            static_cast<int>(std::lround(1.0 / (mode.frequency_low + mode.frequency_high) / task_.sample_period)));
+    }
+    for (const int delay : pair_delays) {
+      for (double order = 1.0; order <= task_.design.order_max; order = std::max(order + 1.0, order * 4.0 / 3.0)) {
+        if (family == SettingFamily::one_pole) {
+          add(family, {order / -std::log(pole_rest)}, 0, members);
+          continue;
+        }
+        for (const double part : {0.0, 0.25, 0.5}) {
+          const double ramp = part * order, rest = order - ramp;
+          add(family, {rest + 1.0, ramp + 1.0, 1.0}, delay, members);
+          add(family, {ramp + 1.0, rest + 1.0, 1.0}, delay, members);
+          if (stages(family) > 2) add(family, {rest + 1.0, 0.5 * ramp + 1.0, 0.5 * ramp + 1.0}, delay, members);
+        }
+      }
+    }
+  }
+  return members;
+}
+
+std::vector<SettableMember> SettableMembers::like(const FilterSpec& filter) const {
+  std::vector<SettableMember> members;
+  std::vector<double> lengths(filter.lengths.begin(), filter.lengths.end());
+  if (filter.kind == Shape::boxcar || filter.kind == Shape::trapezoid)
+    lengths = {filter.order - filter.ramp + 1.0, filter.ramp + 1.0};
+  for (const SettingFamily family : families()) {
+    if (family != SettingFamily::one_pole && !lengths.empty()) add(family, lengths, filter.pair_delay, members);
+  }
+  return members;
+}
+
+int SettableMembers::coarse_step(const SettableMember& member) const {
+  return std::max(1, *std::max_element(member.lengths.begin(), member.lengths.end()) / 8);
+}
+
+std::vector<SettableMember> SettableMembers::around(const SettableMember& member, int step) const {
+  std::vector<SettableMember> members;
+  const std::vector<double> lengths(member.lengths.begin(), member.lengths.end());
+  const auto moved = [&](std::size_t s, int by) {
+    // To another option, however far it is.
+    const std::vector<int> all = options(member.family, s);
+    const int now = member.lengths[s], to = nearest(all, now + by);
+    if (to != now) return static_cast<double>(to);
+    const auto at = std::find(all.begin(), all.end(), now);
+    if (by > 0) return static_cast<double>(at + 1 == all.end() ? now : *(at + 1));
+    return static_cast<double>(at == all.begin() ? now : *(at - 1));
+  };
+  for (std::size_t s = 0; s < lengths.size(); ++s) {
+    for (const int by : {-step, step}) {
+      std::vector<double> one = lengths;
+      one[s] = moved(s, by);
+      add(member.family, one, member.spec.pair_delay, members);
+      for (std::size_t other = 0; other < lengths.size(); ++other) {
+        if (other == s) continue;
+        std::vector<double> two = one;
+        two[other] = moved(other, -by);
+        add(member.family, two, member.spec.pair_delay, members);
+      }
+      if (member.spec.pairs > 0) add(member.family, lengths, member.spec.pair_delay + by, members);
+    }
+  }
+  return members;
+}
+
+void SettableMembers::list(SettingFamily family) {
+  const int pairs = family == SettingFamily::shaper ? task_.settings->shaper_pairs : 0;
+  std::vector<int> lengths;
+  const std::function<void(int, int)> stage = [&](int left, int delay) {
+    const std::size_t s = lengths.size();
+    if (!listed_) return;
+    if (s == stages(family)) {
+      if (static_cast<long>(all_.size()) >= most) return static_cast<void>(listed_ = false);
+      add(family, {lengths.begin(), lengths.end()}, delay, all_);
+      return;
+    }
+    for (const int length : options(family, s)) {
+      if (family != SettingFamily::one_pole && length - 1 > left) break;
+      if (family != SettingFamily::one_pole && s > 0 && averages_[s] == averages_[s - 1] && length > lengths[s - 1])
+        break;
+      lengths.push_back(length);
+      stage(left - (length - 1), delay);
+      lengths.pop_back();
+    }
+  };
+  for (int delay = pairs > 0 ? 1 : 0; pairs * delay <= task_.design.order_max; ++delay) {
+    stage(task_.design.order_max - pairs * delay, delay);
+    if (pairs == 0) return;
+  }
+}
+
+ChosenSettings SettableMembers::chosen(const SettableMember& member) const {
+  ChosenSettings chosen{.family = member.family, .filter = member.spec};
+  std::vector<int> lengths = member.lengths;
+  if (member.family != SettingFamily::one_pole) std::replace(lengths.begin(), lengths.end(), 1, 0);
+  chosen.values = values_of(*task_.settings, lengths, task_.sample_period);
+  if (member.spec.pairs > 0)
+    chosen.values.push_back(
+        {member.spec.pairs == 1 ? "ZV" : "ZVD", 0.5 / (member.spec.pair_delay * task_.sample_period), "Hz"});
+  return chosen;
+}
+
+}  // namespace accdec

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <vector>
+
+#include <accdec/task.hpp>
+
+namespace accdec {
+
+/// One setting of a family.
+struct SettableMember {
+  SettingFamily family = SettingFamily::averages;
+  std::vector<int> lengths{};  ///< samples, one a stage; 1, or 0 of a pole, is off
+  FilterSpec spec{};
+
+  int order() const { return spec.order + spec.pairs * spec.pair_delay; }
+  /// Different for different members.
+  std::vector<int> key() const;
+};
+
+/// The members of the families that a task's settings name, within its orders, for searches that try one after
+/// another. Keeps the reference.
+class SettableMembers {
+ public:
+  static constexpr long most = 100'000;  ///< members listed
+
+  explicit SettableMembers(const Task& task);
+  /// Members of all families: orders that grow by a third, with stages of different shares.
+  std::vector<SettableMember> spread() const;
+  /// The nearest members to a filter; none if it is no cascade of averages.
+  std::vector<SettableMember> like(const FilterSpec& filter) const;
+  /// Members with one or two times changed by about `step` samples.
+  std::vector<SettableMember> around(const SettableMember& member, int step) const;
+  /// An eighth of the longest time, samples.
+  int coarse_step(const SettableMember& member) const;
+  /// All members, the shortest filters first; at most `most`.
+  const std::vector<SettableMember>& all() const { return all_; }
+  /// Whether that is all.
+  bool listed() const { return listed_; }
+  /// In the controller's words.
+  ChosenSettings chosen(const SettableMember& member) const;
+
+ private:
+  std::vector<int> options(SettingFamily family, std::size_t stage) const;
+  /// With every time the nearest that can be set; empty where its order is out of bounds.
+  void add(SettingFamily family, const std::vector<double>& lengths, int pair_delay,
+           std::vector<SettableMember>& members) const;
+  void list(SettingFamily family);
+  std::vector<SettingFamily> families() const;
+  std::size_t stages(SettingFamily family) const;
+
+  const Task& task_;
+  std::vector<std::vector<int>> averages_, poles_;  // of each stage, rising, off first
+  std::vector<SettableMember> all_;
+  bool listed_ = true;
+};
+
+}  // namespace accdec

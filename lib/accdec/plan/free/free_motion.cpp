@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include <accdec/plan/free/free_motion.hpp>
+#include <accdec/plan/free/shorten.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr std::size_t part_samples = 1500;
+
+/// The sections between stops, cut into parts of about `part_samples`. Samples at every stop stay.
+class Parts {
+ public:
+  Parts(const FreePath& free, const FreeSamples& motion, bool shifted) : free_(free), motion_(motion) {
+    const std::size_t n = free.dimensions(), last = motion.count(n) - 1;
+    std::size_t begin = 1, first_joint = 0;
+    for (std::size_t j = 0; j < free.path.blocks(); ++j) {
+      if (free.path.joint[j] != Joint::stop) continue;
+      const std::size_t stop =
+          j < motion.passes.size() ? static_cast<std::size_t>(std::lround(motion.passes[j])) : last;
+      // The sample before a stop stays, so that the motion is as slow there as it was.
+      const std::size_t end = stop < last ? stop - 1 : last;
+      if (usable(first_joint, j)) add(begin, end, first_joint, j, shifted);
+      begin = stop;
+      const auto same = [&](std::size_t k) {
+        return std::equal(motion.position.data() + k * n, motion.position.data() + (k + 1) * n,
+                          motion.position.data() + stop * n);
+      };
+      while (begin < last && same(begin + 1)) ++begin;
+      begin = std::max(begin, stop + free.border() - 1) + 1;
+      first_joint = j + 1;
+    }
+  }
+  std::vector<FreePart> parts;
+
+ private:
+  /// Blocks first .. last have tubes, and their joints tolerances.
+  bool usable(std::size_t first, std::size_t last) const {
+    constexpr double least = 1e-8;
+    for (std::size_t b = first; b <= last; ++b) {
+      if (!(free_.radius[b] > least) || (b < last && !(free_.path.tolerance[b] > least))) return false;
+    }
+    return true;
+  }
+  void add(std::size_t begin, std::size_t end, std::size_t joint, std::size_t end_joint, bool shifted) {
+    if (end < begin + 20) return;
+    const std::size_t length = end - begin;
+    std::size_t pieces = std::max<std::size_t>(1, (length + part_samples / 2) / part_samples);
+    if (shifted && pieces > 1) ++pieces;
+    std::size_t from = begin;
+    for (std::size_t i = 0; i < pieces; ++i) {
+      double share = static_cast<double>(i + 1) / static_cast<double>(pieces);
+      if (shifted && pieces > 1) share = (static_cast<double>(i) + 0.5) / (static_cast<double>(pieces) - 1.0);
+      const std::size_t to =
+          i + 1 == pieces ? end : begin + static_cast<std::size_t>(share * static_cast<double>(length));
+      FreePart part{from, to, joint, joint};
+      while (part.first_joint < end_joint && motion_.passes[part.first_joint] <= static_cast<double>(from) - 1.0)
+        ++part.first_joint;
+      part.end_joint = part.first_joint;
+      while (part.end_joint < end_joint && motion_.passes[part.end_joint] < static_cast<double>(to)) ++part.end_joint;
+      joint = part.first_joint;
+      if (to > from + 20) parts.push_back(part);
+      from = to + free_.border();
+    }
+  }
+
+  const FreePath& free_;
+  const FreeSamples& motion_;
+};
+
+/// The motion with its shortened parts.
+FreeSamples joined(const FreePath& free, const FreeSamples& motion, const std::vector<FreePart>& parts,
+                   const std::vector<ShortenedPart>& shortened) {
+  const auto n = static_cast<std::ptrdiff_t>(free.dimensions());
+  FreeSamples result;
+  result.passes = motion.passes;
+  std::size_t next = 0, saved = 0, joint = 0;
+  const auto copy = [&](std::size_t end) {
+    result.position.insert(result.position.end(), motion.position.begin() + static_cast<std::ptrdiff_t>(next) * n,
+                           motion.position.begin() + static_cast<std::ptrdiff_t>(end) * n);
+    next = end;
+  };
+  const auto move_passes = [&](std::size_t end) {
+    for (; joint < end; ++joint) result.passes[joint] -= static_cast<double>(saved);
+  };
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const ShortenedPart& part = shortened[i];
+    if (part.saved == 0) continue;
+    copy(parts[i].begin);
+    move_passes(parts[i].first_joint);
+    result.position.insert(result.position.end(), part.position.begin(), part.position.end());
+    for (std::size_t j = 0; j < part.passes.size(); ++j)
+      result.passes[joint + j] = part.passes[j] + static_cast<double>(parts[i].begin - saved);
+    joint += part.passes.size();
+    next = parts[i].end;
+    saved += part.saved;
+  }
+  copy(motion.count(free.dimensions()));
+  move_passes(result.passes.size());
+  return result;
+}
+
+/// Shortens all parts on some threads; progress is told from any of them.
+class Sweep {
+ public:
+  Sweep(const FreePath& free, const FreeSamples& motion, std::vector<FreePart> parts, const FreeOptions& options,
+        double gained)
+      : free_(free),
+        motion_(motion),
+        parts_(std::move(parts)),
+        options_(options),
+        gained_(gained),
+        shortened_(parts_.size()) {}
+
+  FreeSamples run(FreeReport& report) {
+    std::vector<std::jthread> others;
+    const std::size_t threads = std::min<std::size_t>(static_cast<std::size_t>(options_.threads), parts_.size());
+    for (std::size_t i = 1; i < threads; ++i) others.emplace_back([this] { work(); });
+    work();
+    others.clear();
+    for (const ShortenedPart& part : shortened_) {
+      report.programmes += part.programmes;
+      report.iterations += part.iterations;
+    }
+    return joined(free_, motion_, parts_, shortened_);
+  }
+
+ private:
+  bool over() const { return options_.deadline.over() || (options_.cancel != nullptr && *options_.cancel); }
+  void work() {
+    for (std::size_t i = next_++; i < parts_.size(); i = next_++) {
+      if (over()) return;
+      shortened_[i] = shorten(free_, motion_, parts_[i], window_of(parts_[i]), [this] { return over(); });
+      const std::lock_guard lock(mutex_);
+      gained_ += static_cast<double>(shortened_[i].saved) * free_.period;
+      if (options_.progress)
+        options_.progress(gained_, static_cast<double>(++done_) / static_cast<double>(parts_.size()));
+    }
+  }
+  /// Long windows where joints are rare: what is gained at one moves the samples of the whole leg.
+  std::size_t window_of(const FreePart& part) const {
+    if (options_.window > 0) return options_.window;
+    const double spacing =
+        static_cast<double>(part.end - part.begin) / (1.0 + static_cast<double>(part.end_joint - part.first_joint));
+    return spacing < 20.0 ? 80 : spacing < 60.0 ? 160 : 240;
+  }
+
+  const FreePath& free_;
+  const FreeSamples& motion_;
+  const std::vector<FreePart> parts_;
+  const FreeOptions& options_;
+  double gained_;
+  std::vector<ShortenedPart> shortened_;
+  std::atomic<std::size_t> next_ = 0;
+  std::size_t done_ = 0;
+  std::mutex mutex_;
+};
+
+}  // namespace
+
+FreeReport shorten_motion(const FreePath& free, FreeSamples& motion, const FreeOptions& options) {
+  FreeReport report;
+  const std::size_t n = free.dimensions(), start = motion.count(n);
+  for (; report.sweeps < options.sweeps; ++report.sweeps) {
+    const std::size_t before = motion.count(n);
+    Sweep sweep(free, motion, Parts(free, motion, report.sweeps % 2 != 0).parts, options,
+                static_cast<double>(start - before) * free.period);
+    motion = sweep.run(report);
+    report.ended = options.deadline.over() || (options.cancel != nullptr && *options.cancel);
+    const std::size_t saved = before - motion.count(n);
+    if (report.ended || static_cast<double>(saved) < 4e-4 * static_cast<double>(before)) break;
+  }
+  return report;
+}
+
+}  // namespace accdec

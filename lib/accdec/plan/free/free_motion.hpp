@@ -1,0 +1,38 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include <accdec/files.hpp>
+#include <accdec/plan/free/free_path.hpp>
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+/// How long and how a motion is shortened.
+struct FreeOptions {
+  Deadline deadline;
+  const std::atomic<bool>* cancel = nullptr;  ///< ends it with the best motion so far
+  int threads = 1;
+  std::size_t window = 0;                                      ///< samples; 0: chosen by the density of joints
+  int sweeps = 10;                                             ///< at most
+  std::function<void(double seconds, double share)> progress;  ///< time gained so far, part of the work done
+};
+
+/// What was done.
+struct FreeReport {
+  int sweeps = 0;
+  std::int64_t programmes = 0, iterations = 0;
+  bool ended = false;  ///< by deadline or cancel
+};
+
+/// A motion of profiles as samples, with the passes of its joints.
+FreeSamples sampled(const Toolpath& path, const Trajectory& trajectory, double sample_period);
+
+/// Shortens a motion that holds all limits by convex programmes over windows of its samples, see window.hpp. Each part
+/// of it is shortened by itself; every state is a motion from rest to rest.
+FreeReport shorten_motion(const FreePath& free, FreeSamples& motion, const FreeOptions& options);
+
+}  // namespace accdec

@@ -1,0 +1,28 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include <accdec/plan/free/free_path.hpp>
+#include <accdec/simulate/tube_check.hpp>
+
+namespace accdec {
+
+FreePath::FreePath(const Toolpath& toolpath, const Machine& limits, double sample_period)
+    : path(toolpath),
+      machine(limits),
+      period(sample_period),
+      radius(tube_radii(toolpath)),
+      feed(feed_limits(toolpath)),
+      jerk(std::any_of(limits.axes.begin(), limits.axes.end(),
+                       [](const Axis& axis) { return axis.jerk_max < unlimited; })) {}
+
+std::vector<std::size_t> legs_of(const Toolpath& path, const FreeSamples& motion) {
+  std::vector<std::size_t> legs(motion.count(path.dimensions()));
+  std::size_t leg = 0;
+  for (std::size_t k = 0; k < legs.size(); ++k) {
+    while (leg < motion.passes.size() && motion.passes[leg] <= static_cast<double>(k)) ++leg;
+    legs[k] = leg;
+  }
+  return legs;
+}
+
+}  // namespace accdec

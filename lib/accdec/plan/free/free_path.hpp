@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <accdec/machine.hpp>
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+/// The path with its tube and the limits of the axes: a free motion must keep them.
+struct FreePath {
+  const Toolpath& path;
+  const Machine& machine;      ///< as many axes as the path
+  double period;               ///< s
+  std::vector<double> radius;  ///< m, of the tube around every block, see tube_radii
+  std::vector<double> feed;    ///< m/s, of every block; unlimited for rapid moves, which their axes bound
+  bool jerk = false;           ///< some axis limits its jerk
+
+  FreePath(const Toolpath& toolpath, const Machine& limits, double sample_period);
+  std::size_t dimensions() const { return path.dimensions(); }
+  /// Samples on either side of a part that its limits see.
+  std::size_t border() const { return jerk ? 3 : 2; }
+};
+
+/// A motion, sample by sample; the first sample is at rest in the first point, the last at rest in the last.
+struct FreeSamples {
+  std::vector<double> position;  ///< rows of `dimensions`, m
+  std::vector<double> passes;    ///< of every joint, the sample at which it is passed, with a fraction; ascending
+  std::size_t count(std::size_t dimensions) const { return position.size() / dimensions; }
+};
+
+/// The block of every sample.
+std::vector<std::size_t> legs_of(const Toolpath& path, const FreeSamples& motion);
+
+}  // namespace accdec

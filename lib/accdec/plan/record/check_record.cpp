@@ -1,0 +1,132 @@
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/filter_bound.hpp>
+#include <accdec/bounds/lower_bound.hpp>
+#include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/record/check_record.hpp>
+#include <accdec/plan/record/program_comparison.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/other_rules.hpp>
+#include <accdec/plan/result/program_departure.hpp>
+#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/task/blend_limits.hpp>
+
+namespace accdec {
+namespace {
+
+void compare_names(const ProgramRecord& record, std::vector<std::string>& reasons) {
+  if (record.result.program == record.inputs.program) return;
+  reasons.push_back(
+      fmt::format("program is recorded as {}, inputs.program as {}", record.result.program, record.inputs.program));
+}
+
+/// s; no plan at the programmed feeds comes near. Ten times what a stop after every move takes, at half the feeds that
+/// the filter surely starts and stops. The plan may have longer or shorter chords of arcs.
+double slowest_at_kept_feeds(const Toolpath& programmed, const Filter& filter, double sample_period,
+                             const Machine& machine) {
+  const BlendLimits limits(filter, machine, sample_period);
+  const std::size_t n = programmed.dimensions();
+  std::vector<double> velocity(n);
+  double time = programmed.dwell_first;
+  for (const auto& [block, dwell] : programmed.dwell) time += dwell;
+  for (std::size_t b = 0; b < programmed.blocks(); ++b) {
+    const double* p = programmed.point(b);
+    for (std::size_t a = 0; a < n; ++a) velocity[a] = (p[n + a] - p[a]) / programmed.duration[b];
+    time += 2.0 * programmed.duration[b] / limits.start_factor(velocity.data());
+  }
+  for (const auto& [block, delay] : programmed.given) time += delay;
+  const double stop = (filter.order() + 2.0) * sample_period;
+  return 10.0 * (time + stop * static_cast<double>(programmed.blocks() + 1));
+}
+
+/// Holds the commands against the program, and makes what is recorded of it again.
+void compare_with_program(const ProgramRecord& record, Toolpath programmed, ProgramResultCheck& check) {
+  const ProgramInputs& in = record.inputs;
+  Toolpath asked = programmed;
+  if (record.result.plan.trajectory() != nullptr) leave_room_for_arcs(asked, in.reading.read.arc_tolerance);
+  if (const std::string wrong = departs_from(record.result.plan.path, asked); !wrong.empty())
+    check.reasons.push_back(fmt::format("the commands are not those of {}: {}", in.program, wrong));
+  ProgramResult& found = check.found;
+  found.programmed_blocks = blocks_of(programmed);
+  found.programmed_moves = programmed.blocks();
+  found.feeds_chosen = record.result.feeds_chosen;
+  const bool stepped = found.plan.path.blocks() != programmed.blocks();
+  if (found.feeds_chosen ? !in.reading.clamp_feeds : stepped)
+    check.reasons.push_back("feeds are recorded as what the commands are not");
+  found.plan.path.clamped = programmed.clamped;
+  const Machine machine = program_machine(record.task.machine, programmed);
+  if (found.plan.command() != nullptr) {
+    const Filter& filter = found.plan.filter();
+    // The recorded time is held against this, see program_differences.
+    found.cycle_time_kept = slowest_at_kept_feeds(programmed, filter, found.sample_period, machine);
+    snap_durations(programmed, filter, found.sample_period, machine);
+  }
+  found.lower_bound = program_lower_bound(programmed, machine, found.sample_period);
+  if (record.filter_bound) found.filter_bound = filter_lower_bound(programmed, machine, found.sample_period);
+  // How many corners count is known before any linear program. Arcs may have been read again, finer.
+  if (programmed.arcs.empty() && programmed.blocks() <= several_plans_max)
+    found.corner_bound = program_corner_bound(programmed, machine, found.sample_period, 0.0);
+}
+
+/// Where the feeds are the programmed ones, the times that other rules for delays take follow from the commands.
+void find_other_rules(const ProgramRecord& record, ProgramResult& found) {
+  const FilteredCommand* command = found.plan.command();
+  if (command == nullptr || record.filters || record.result.feeds_chosen) return;
+  const Machine machine = program_machine(record.task.machine, found.plan.path);
+  OtherRules times = other_rules(found.plan.path, command->filter, found.sample_period, machine);
+  found.cycle_time_no_delay = times.no_delay;
+  found.cycle_time_exact_stop = times.exact_stop;
+  found.exact_stop_breaks = std::move(times.breaks);
+}
+
+/// Members that cannot be checked without the output of rs274, which is not kept.
+const std::vector<std::string> of_the_program{"blocks",        "straight_moves", "feeds",
+                                              "feeds_clamped", "lower_bound_s",  "filter_bound_s"};
+
+RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, std::string shown) {
+  reasons.insert(reasons.end(), compared.reasons.begin(), compared.reasons.end());
+  return {std::move(reasons), std::move(compared.skipped), std::move(shown)};
+}
+
+RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed) {
+  ProgramResultCheck check = verify_program_result(record.result, record.task, record.filters);
+  compare_names(record, check.reasons);
+  std::vector<std::string> skip;
+  if (!programmed) skip = of_the_program;
+  // The plan of a filter a leg is made no more: its delays are compared with the tolerances, not with others.
+  if (record.filters)
+    skip.insert(skip.end(),
+                {"leg_filters", "cycle_time_one_filter_s", "corners.exact_stops", "corners.raised_by_overlap"});
+  if (programmed) compare_with_program(record, std::move(*programmed), check);
+  if (record.schema == ProgramSchema::program_2) find_other_rules(record, check.found);
+  check.found.worst_shown = record.result.worst_shown;
+  return with(std::move(check.reasons), program_differences(text, record, check.found, skip), std::move(check.shown));
+}
+
+RecordCheck check_planned_again(std::string_view text, const ProgramRecord& record, Toolpath programmed) {
+  std::vector<std::string> reasons;
+  compare_names(record, reasons);
+  const ProgramResult found = plan_profiles_of(record.inputs.program, std::move(programmed),
+                                               record.inputs.reading.read.arc_tolerance, record.task);
+  ProgramDifferences compared = program_differences(text, record, found, {});
+  if (!compared.reasons.empty())
+    reasons.emplace_back("accdec.profiles/1 holds no motion, and the program planned again has another one:");
+  return with(std::move(reasons), std::move(compared),
+              fmt::format("planned again from {} and the task, {} samples, {:.6g} s: all bounds hold",
+                          record.inputs.program, found.check.samples, found.cycle_time));
+}
+
+}  // namespace
+
+RecordCheck check_program_record(std::string_view text, const ProgramRecord& record,
+                                 std::optional<Toolpath> programmed) {
+  if (record.schema != ProgramSchema::profiles_1) return check_plan(text, record, std::move(programmed));
+  if (programmed) return check_planned_again(text, record, std::move(*programmed));
+  return {{"accdec.profiles/1 holds no motion, and the program cannot be read to plan it again"}, {}, ""};
+}
+
+}  // namespace accdec

@@ -1,0 +1,229 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/bounds/corner_bound.hpp>
+#include <accdec/plan/record/program_comparison.hpp>
+#include <accdec/plan/record/program_versions.hpp>
+
+namespace accdec {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double tolerance = 1e-9, smallest = 1e-13;
+constexpr std::size_t most = 10;
+
+std::string shown(const Json& value) {
+  return value.is_number_float() ? fmt::format("{:.12g}", value.get<double>()) : value.dump();
+}
+
+/// Members that say how a plan was found or what other plans take. A recheck cannot compute them from the commands, so
+/// it only compares their types with those of these examples.
+const Json& not_compared_members() {
+  static const Json samples = Json::parse(R"({
+    "candidates": [{"plan": "", "cycle_time_s": 0.5, "verified": true}],
+    "bounds": [{"name": "", "time_s": 0.5, "motions": ""}],
+    "compensation": "",
+    "corner_bound_s": 0.5,
+    "corner_bound": {"corners": 0, "counted": 0, "classes": 0, "complete": true},
+    "corners.slowed_blocks": 0,
+    "feeds_slowed": [{"limit": "", "blocks": 0, "factor": 0.5, "line": 0}],
+    "cycle_time_one_filter_s": 0.5,
+    "cycle_time_kept_feeds_s": 0.5,
+    "cycle_time_exact_stop_s": 0.5,
+    "exact_stop_breaks": null,
+    "cycle_time_no_delay_s": 0.5,
+    "peak_memory_bytes": 0,
+    "repair_rounds": 0,
+    "wall_time_s": 0.5,
+    "solver": {"method": "", "name": "", "version": "", "claimed": "", "evaluations": 0, "wall_time_s": 0.5}
+  })");
+  return samples;
+}
+
+/// Whether a value is of the kind of another one: of numbers none is negative, and whole ones stay whole; null stands
+/// for a text that may be missing.
+bool of_kind(const Json& value, const Json& kind) {
+  if (kind.is_null()) return value.is_null() || value.is_string();
+  if (kind.is_number_integer()) return value.is_number_integer() && value >= 0;
+  if (kind.is_number()) return value.is_number() && value >= 0.0;
+  if (kind.is_array())
+    return value.is_array() &&
+           std::all_of(value.begin(), value.end(), [&](const Json& element) { return of_kind(element, kind[0]); });
+  if (!kind.is_object()) return value.type() == kind.type();
+  if (!value.is_object() || value.size() != kind.size()) return false;
+  return std::all_of(kind.items().begin(), kind.items().end(), [&](const auto& member) {
+    return value.contains(member.key()) && of_kind(value[member.key()], member.value());
+  });
+}
+
+class Comparison {
+ public:
+  /// @param found_again  the times of other rules for delays were
+  Comparison(std::vector<std::string> skip, bool found_again) : skip_(std::move(skip)), found_again_(found_again) {}
+
+  void compare(const std::string& name, const Json& recorded, const Json& found) {
+    if (skips(name)) return skip(name, recorded);
+    if (recorded.is_object() && found.is_object()) return members(name, recorded, found);
+    if (recorded.is_array() && found.is_array() && recorded.size() == found.size()) {
+      for (std::size_t i = 0; i < found.size(); ++i) compare(fmt::format("{}[{}]", name, i), recorded[i], found[i]);
+      return;
+    }
+    if (!same(recorded, found)) say(fmt::format("{} is recorded as {}, found {}", name, shown(recorded), shown(found)));
+  }
+
+  /// No plan is shorter than a bound, however the bound was found; and how much was counted for it.
+  void check_bound(const Json& recorded, const Json& found) {
+    // It bounds sums of monotone legs, which a free motion is not.
+    if (recorded.value("plan", "") != "free")
+      at_most(recorded, "corner_bound_s", number_in(found, "cycle_time_s"), "the plan takes {} s");
+    const auto bound = recorded.find("corner_bound");
+    if (bound == recorded.end() || !of_kind(*bound, not_compared_["corner_bound"])) return;
+    if (found.contains("corner_bound")) {
+      for (const char* name : {"corners", "counted"}) {
+        if ((*bound)[name] != found["corner_bound"][name])
+          say(fmt::format("corner_bound.{} is recorded as {}, found {}", name, shown((*bound)[name]),
+                          shown(found["corner_bound"][name])));
+      }
+    }
+    at_most(*bound, "counted", number_in(*bound, "corners"), "there are {} corners", "corner_bound.");
+    if ((*bound)["counted"] == 0) at_most(*bound, "classes", 0.0, "no corner counts", "corner_bound.");
+    at_most(*bound, "classes", corner_programs_max, "there are at most {} linear programs", "corner_bound.");
+  }
+
+  /// The list of bounds repeats those beside it, each with its class of motions, and adds one for any motion.
+  void check_bounds(const Json& recorded, const Json& found) {
+    const auto bounds = recorded.find("bounds");
+    if (bounds == recorded.end() || !of_kind(*bounds, not_compared_["bounds"])) return;
+    for (const Json& bound : *bounds) {
+      const std::string name = bound["name"];
+      if (name != "monotone legs" || recorded.value("plan", "") != "free")
+        at_most(bound, "time_s", number_in(found, "cycle_time_s"), "the plan takes {} s", "bounds.");
+      const char* beside = name == "way over feed" ? "lower_bound_s" : name == "monotone legs" ? "corner_bound_s" : "";
+      if (*beside == '\0') {
+        if (name != "any motion") say(fmt::format("bounds: no bound is called {}", shown(bound["name"])));
+      } else if (!recorded.contains(beside) || !same(bound["time_s"], recorded[beside])) {
+        say(fmt::format("bounds: {} is recorded as {}, not as {}", name, shown(bound["time_s"]), beside));
+      }
+    }
+  }
+
+  /// The time at the programmed feeds is between the way over these feeds, up to the chords of arcs, and the longest
+  /// that it could be.
+  void check_kept(const Json& recorded, const Json& found, bool may_be_there) {
+    constexpr const char* name = "cycle_time_kept_feeds_s";
+    if (recorded.contains(name) && !may_be_there)
+      say(fmt::format("{} is recorded, but the plan keeps its feeds", name));
+    if (!recorded.contains(name) || !found.contains(name)) return;
+    at_most(recorded, name, number_in(found, name), "no plan at the programmed feeds takes more than {} s");
+    const double way = number_in(found, "lower_bound_s");
+    if (number_in(recorded, name) < 0.99 * way)
+      say(fmt::format("{} is recorded as {}, but the way over the feeds is {:.12g} s", name, shown(recorded[name]),
+                      way));
+  }
+
+  /// Times of other rules for delays, at feeds that are not recorded: none is below that without delays, nor above the
+  /// exact stops of all moves, and delays only add.
+  void check_other_rules(const Json& recorded, const Json& found, const ProgramResult& plan) {
+    if (plan.cycle_time_no_delay || plan.plan.command() == nullptr) return;
+    const double kept = number_in(recorded, "cycle_time_kept_feeds_s"), cycle = number_in(found, "cycle_time_s"),
+                 none = number_in(recorded, "cycle_time_no_delay_s");
+    const double stop = (plan.plan.filter().order() + 2.0) * plan.sample_period;
+    at_most(recorded, "cycle_time_no_delay_s", std::max(cycle, kept), "a plan with delays takes {} s");
+    at_most(recorded, "cycle_time_exact_stop_s", none + stop * static_cast<double>(plan.plan.path.blocks() + 1),
+            "stops after all moves take at most {} s");
+    if (const double stops = number_in(recorded, "cycle_time_exact_stop_s"); stops < none * (1.0 - tolerance))
+      say(fmt::format("cycle_time_exact_stop_s is recorded as {:.12g}, but no delays take {:.12g} s", stops, none));
+  }
+
+  ProgramDifferences take() { return std::move(found_); }
+
+ private:
+  static double number_in(const Json& json, const char* name) {
+    const auto value = json.find(name);
+    return value != json.end() && value->is_number() ? value->get<double>() : 0.0;
+  }
+  void at_most(const Json& recorded, const char* name, double most, fmt::format_string<std::string> but,
+               const char* head = "") {
+    if (number_in(recorded, name) <= most * (1.0 + tolerance)) return;
+    say(fmt::format("{}{} is recorded as {}, but {}", head, name, shown(recorded[name]),
+                    fmt::format(but, fmt::format("{:.12g}", most))));
+  }
+
+  /// Results of earlier versions lack them.
+  static bool newer(const std::string& name) {
+    return name == "control_must" || name == "feed_overrides" || name == "not_considered";
+  }
+  bool skips(const std::string& name) const {
+    if (found_again_ &&
+        (name == "cycle_time_no_delay_s" || name == "cycle_time_exact_stop_s" || name == "exact_stop_breaks"))
+      return false;
+    return not_compared_.contains(name) || std::find(skip_.begin(), skip_.end(), name) != skip_.end();
+  }
+  void skip(const std::string& name, const Json& recorded) {
+    found_.skipped.push_back(name);
+    if (const auto kind = not_compared_.find(name); kind != not_compared_.end() && !of_kind(recorded, *kind))
+      say(fmt::format("{} is recorded as {}, which no result has", name, shown(recorded)));
+  }
+  void say(std::string reason) {
+    if (found_.reasons.size() < most) found_.reasons.push_back(std::move(reason));
+  }
+
+  void members(const std::string& name, const Json& recorded, const Json& found) {
+    const std::string head = name.empty() ? "" : name + ".";
+    for (const auto& [key, value] : found.items()) {
+      if (recorded.contains(key))
+        compare(head + key, recorded[key], value);
+      else if (!skips(head + key) && !newer(head + key))
+        say(fmt::format("{}{} is missing", head, key));
+    }
+    for (const auto& [key, value] : recorded.items()) {
+      if (found.contains(key)) continue;
+      if (skips(head + key))
+        skip(head + key, value);
+      else
+        say(fmt::format("{}{} is recorded, but no member of this result", head, key));
+    }
+  }
+
+  static bool same(const Json& recorded, const Json& found) {
+    if (!recorded.is_number() || !found.is_number()) return recorded == found;
+    if (recorded.is_number_integer() && found.is_number_integer()) return recorded == found;
+    const double a = recorded.get<double>(), b = found.get<double>();
+    return std::abs(a - b) <= tolerance * std::abs(b) + smallest;
+  }
+
+  const Json& not_compared_ = not_compared_members();
+  std::vector<std::string> skip_;
+  bool found_again_;
+  ProgramDifferences found_;
+};
+
+}  // namespace
+
+ProgramDifferences program_differences(std::string_view text, const ProgramRecord& record, const ProgramResult& found,
+                                       const std::vector<std::string>& skip) {
+  Comparison comparison(skip, found.cycle_time_no_delay.has_value());
+  Json recorded = Json::parse(text);
+  // The plan and its inputs were read and checked as such.
+  recorded.erase("inputs");
+  recorded.erase("commands");
+  recorded.erase("settings");
+  const Json again = as_written_then(Json::parse(program_to_json(found)), found, record);
+  comparison.compare("", recorded, again);
+  comparison.check_bound(recorded, again);
+  comparison.check_bounds(recorded, again);
+  comparison.check_kept(recorded, again, record.schema != ProgramSchema::program_2 || record.result.feeds_chosen);
+  if (record.schema == ProgramSchema::program_2) comparison.check_other_rules(recorded, again, found);
+  ProgramDifferences differences = comparison.take();
+  if (record.result.settings) {
+    for (const char* name : {"members", "tried", "complete", "today_s"})
+      differences.skipped.push_back(std::string("settings.") + name);
+  }
+  return differences;
+}
+
+}  // namespace accdec

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include <accdec/program.hpp>
+
+// Internal to the room: a control's settings in results of programs.
+
+namespace accdec {
+
+/// @param result  with settings
+nlohmann::ordered_json program_settings_to_json(const ProgramResult& result);
+
+/// Reads what `program_settings_to_json` wrote into the result. The filter of the settings stays empty: the result has
+/// its taps. @throws std::invalid_argument, nlohmann::json::exception for what it never writes
+void read_program_settings(const nlohmann::ordered_json& json, ProgramResult& result);
+
+}  // namespace accdec

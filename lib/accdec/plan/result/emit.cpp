@@ -1,0 +1,316 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include <accdec/gcode/emitted_filters.hpp>
+#include <accdec/gcode/number.hpp>
+#include <accdec/program.hpp>
+#include <accdec/task/blend_limits.hpp>
+#include <accdec/task/settings_text.hpp>
+
+namespace accdec {
+namespace {
+
+/// As a remark can hold them, without parentheses.
+std::string words_to_set(const ProgramSettings& settings) {
+  std::string text = settings_in_words(settings.chosen);
+  if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
+  std::replace(text.begin(), text.end(), '(', '[');
+  std::replace(text.begin(), text.end(), ')', ']');
+  return text;
+}
+
+constexpr const char* set_remark = "(set these: ";
+constexpr const char* in_position_remark = "(G9:";
+
+/// The kind of delay of a joint; any number of samples where the plan names none.
+DelayKind kind_of(const ProgramResult& result, std::size_t b) {
+  const bool known = result.settings && b < result.settings->chosen.delays.size();
+  return known ? result.settings->chosen.delays[b] : DelayKind::dwell;
+}
+
+/// Writes words line by line and passes them on in portions.
+class Emission {
+ public:
+  Emission(const ProgramResult& result, std::ostream& out)
+      : result_(result),
+        path_(result.plan.path),
+        filter_(result.plan.filter()),
+        n_(path_.dimensions()),
+        out_(out),
+        decimals_(decimals_needed()),
+        written_(n_, "0") {}
+
+  void write() {
+    const Machine machine = program_machine(result_.task_machine, path_);
+    const BlendLimits limits(filter_, machine, result_.sample_period);
+    // Read back, they are feed moves, and the remark stays.
+    bool slowed_rapids = std::any_of(path_.passed.begin(), path_.passed.end(),
+                                     [](const auto& passed) { return passed.words.starts_with(slowed_remark); });
+    for (std::size_t b = 0; b < path_.blocks(); ++b)
+      slowed_rapids = slowed_rapids || (path_.rapid[b] != 0 && !rapid(b, limits));
+    header(slowed_rapids);
+    for (std::size_t b = 0; b < path_.blocks(); ++b) {
+      passed(b);
+      path_mode(b);
+      block(b, limits);
+      rest(b);
+      if (text_.size() > 60000) flush();
+    }
+    passed(path_.blocks());
+    leave_notes();
+    line("{}", path_.end.empty() ? "M2" : path_.end);
+    if (path_.percent) line("%");
+    flush();
+  }
+
+ private:
+  template <class... Arguments>
+  void line(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
+    text_.push_back('\n');
+  }
+  void flush() {
+    out_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
+    text_.clear();
+  }
+
+  void header(bool slowed_rapids) {
+    if (path_.percent) line("%");
+    if (!path_.label.empty()) line("{}", path_.label);
+    const double period = result_.sample_period * 1e3;
+    line("(planned for a filter of {} taps at T = {} ms)", filter_.order() + 1, plain_number(period, 6));
+    line(
+        "(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to "
+        "rest)");
+    if (result_.settings) line("{}{})", set_remark, words_to_set(*result_.settings));
+    if (result_.settings && result_.settings->chosen.width)
+      line("{} the next block starts as soon as the axes are within the in-position width of the block's end)",
+           in_position_remark);
+    else
+      line("(read back by: accdec program FILE --task TASK.toml --plan fixed --dwells-before-filter{})",
+           result_.feeds_chosen ? "" : " --feeds keep");
+    if (slowed_rapids) line("{} where the plan runs them slower than G0, which would break a limit)", slowed_remark);
+    text_.append(filter_remarks(filter_));
+    line("G21 G17 G90 G94");
+    position();
+  }
+
+  /// Moves to the beginning of the program and rests there: as a rapid move if every axis has a velocity limit, else at
+  /// the first feed.
+  void position() {
+    std::string to;
+    bool limited = true;
+    for (std::size_t a = 0; a < program_axis_count; ++a) {
+      if (path_.begin[a] == 0.0) continue;
+      const std::string value = coordinate(path_.begin[a] * 1e3);
+      to.append(1, ' ').append(1, program_axes[a]).append(value);
+      const Axis* axis = find_axis(result_.task_machine, a);
+      limited = limited && axis != nullptr && axis->velocity_max < unlimited;
+      for (std::size_t i = 0; i < n_; ++i) {
+        if (path_.axes[i] == a) written_[i] = value;
+      }
+    }
+    if (to.empty()) return;
+    line("(to where the program begins)");
+    mode_ = "G61.1";
+    line("{}", mode_);
+    if (limited) {
+      line("G0{}", to);
+    } else {
+      feed_ = feed(0);
+      line("G1{} F{}", to, feed_);
+    }
+  }
+
+  static constexpr const char* slowed_remark = "(rapid moves stand as G1";
+
+  /// Decimals of coordinates in mm. Rounding a position by q changes an acceleration by up to 4 q/T^2 and a jerk by
+  /// 8 q/T^3. Both limits must still hold when the program is read back. Every block keeps its number of samples to
+  /// 1e-7, even if it was split or is a chord of an arc.
+  int decimals_needed() const {
+    double least = 1e-12;  // m
+    for (std::size_t b = 0; b < path_.blocks(); ++b) {
+      double length = 0.0;
+      for (std::size_t a = 0; a < n_; ++a) length = std::hypot(length, path_.point(b + 1)[a] - path_.point(b)[a]);
+      least = std::min(least, 1e-7 * length / path_.duration[b] * result_.sample_period);
+    }
+    for (const LimitUse& use : result_.check.limits) {
+      const bool jerk = use.kind == LimitKind::jerk;
+      if (!jerk && use.kind != LimitKind::acceleration) continue;
+      const double left = use.bound * (1e-9 + std::max(0.0, 1.0 - use.utilisation));
+      const double period = result_.sample_period;
+      least = std::min(least, left * period * period * (jerk ? period : 1.0) / (jerk ? 8.0 : 4.0));
+    }
+    return std::clamp(static_cast<int>(std::ceil(-std::log10(least * 1e3))), 9, 13);
+  }
+  /// In mm. Zeros at the end are left out; no more digits than a double has.
+  std::string coordinate(double value) const {
+    const int before = std::abs(value) < 10.0 ? 1 : static_cast<int>(std::log10(std::abs(value))) + 1;
+    return plain_number(value, std::min(decimals_, std::max(9, 15 - before)));
+  }
+
+  /// Axes that do not move are left out. They may be at another place than the program knows, with another offset or
+  /// not yet positioned.
+  std::string words(const double* point) {
+    std::string text;
+    for (std::size_t a = 0; a < n_; ++a) {
+      std::string value = coordinate(point[a] * 1e3);
+      if (value == written_[a]) continue;
+      text.append(1, ' ').append(1, program_axes[path_.axes[a]]).append(value);
+      written_[a] = std::move(value);
+    }
+    return text;
+  }
+
+  void passed(std::size_t b) {
+    for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_) {
+      const std::string& words = path_.passed[next_passed_].words;
+      if (path_.passed[next_passed_].with_block) {
+        note(words);
+        continue;
+      }
+      // A program that was written here and read again does not accumulate remarks.
+      bool own = false;
+      for (const char* remark : {"(planned for a filter", "(G4 without an exact stop",
+                                 "(read back by: ", "(filter taps: ", "(to where the program begins)", "(filter of ",
+                                 set_remark, in_position_remark, slowed_remark}) {
+        own = own || words.starts_with(remark);
+      }
+      if (!own) line("{}", words);
+    }
+  }
+
+  /// Writes line numbers and comments with the first command of their block.
+  void note(const std::string& words) {
+    const bool number = words.starts_with('N');
+    if (number && (!number_.empty() || !comments_.empty())) leave_notes();
+    (number ? number_ : comments_).append(number ? words + " " : " " + words);
+  }
+  /// Writes the notes of blocks too short to be written.
+  void leave_notes() {
+    const std::string all = number_ + (comments_.empty() ? "" : comments_.substr(1));
+    if (!all.empty()) line("{}", all.substr(0, all.find_last_not_of(' ') + 1));
+    number_.clear(), comments_.clear();
+  }
+  template <class... Arguments>
+  void command(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    line("{}{}{}", number_, fmt::format(format, std::forward<Arguments>(arguments)...), comments_);
+    number_.clear(), comments_.clear();
+  }
+
+  /// Tolerance of the next joint with a rounded corner. If a block was split near it, the motion passes the joint of
+  /// its parts no nearer. 0.0001 if there is none. mm
+  double next_tolerance(std::size_t b) const {
+    for (; b < path_.blocks() && path_.joint[b] != Joint::stop; ++b) {
+      if (path_.tolerance[b] > 0.0 && path_.tolerance[b] < unlimited) return path_.tolerance[b] * 1e3;
+    }
+    return 0.0001;
+  }
+
+  /// Distance by which a widened arc has moved a point, m, rounded up to whole micrometres. The motion passes within
+  /// the tolerance of the programmed point, so it may be this much farther from the commanded point.
+  double moved(std::size_t i) const {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < n_; ++a) sum += std::pow(path_.point(i)[a] - path_.asked(i)[a], 2);
+    return std::ceil(std::sqrt(sum) * 1e6) * 1e-6;
+  }
+
+  /// How the joint at the block's end is to be passed.
+  void path_mode(std::size_t b) {
+    if (b + 1 == path_.blocks()) return;
+    std::string mode = "G64";
+    if (path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::exact_stop)
+      mode = "G61.1";
+    else if (path_.tolerance[b] == 0.0)
+      mode = "G61";
+    else if (path_.tolerance[b] < unlimited)
+      mode = "G64 P" + plain_number((path_.tolerance[b] + moved(b + 1)) * 1e3, 9);
+    // A straight joint with any tolerance or none; in the written text, coordinates may turn it by their rounding.
+    if (path_.joint[b] == Joint::straight && (mode == "G64" || mode == "G61")) {
+      if (mode_.starts_with("G64 P")) return;
+      mode = "G64 P" + plain_number(next_tolerance(b), 9);
+    }
+    if (mode == mode_) return;
+    mode_ = mode;
+    line("{}", mode_);
+  }
+
+  /// A rapid move stays rapid unless it was slowed below what the axes and the filter allow.
+  bool rapid(std::size_t b, const BlendLimits& limits) const {
+    if (path_.rapid[b] == 0) return false;
+    const Machine& machine = result_.task_machine;
+    const double* p = path_.point(b);
+    double duration = 0.0;
+    for (std::size_t a = 0; a < n_; ++a) {
+      const Axis* axis = find_axis(machine, path_.axes[a]);
+      if (axis != nullptr) duration = std::max(duration, std::abs(p[n_ + a] - p[a]) / axis->velocity_max);
+    }
+    if (!(duration > 0.0)) return false;
+    std::vector<double> velocity(n_);
+    for (std::size_t a = 0; a < n_; ++a) velocity[a] = (p[n_ + a] - p[a]) / duration;
+    if (result_.feeds_chosen) return path_.duration[b] <= duration * (1.0 + 1e-9);
+    return path_.duration[b] <= duration / limits.start_factor(velocity.data()) * (1.0 + 1e-6);
+  }
+
+  void block(std::size_t b, const BlendLimits& limits) {
+    const std::string to = words(path_.point(b + 1));
+    if (to.empty()) return;  // shorter than what is written
+    if (rapid(b, limits)) {
+      command("{}G0{}", kind_of(result_, b) == DelayKind::in_position ? "G9 " : "", to);
+      return;
+    }
+    const std::string feed = this->feed(b);
+    const char* in_position = kind_of(result_, b) == DelayKind::in_position ? "G9 " : "";
+    if (feed == feed_) {
+      command("{}G1{}", in_position, to);
+    } else {
+      command("{}G1{} F{}", in_position, to, feed);
+      feed_ = feed;
+    }
+  }
+
+  std::string feed(std::size_t b) const {
+    ProgramPoint from{}, end{};
+    for (std::size_t a = 0; a < n_; ++a) {
+      from[path_.axes[a]] = path_.point(b)[a];
+      end[path_.axes[a]] = path_.point(b + 1)[a];
+    }
+    // feed_duration at unit feed is the length that feeds count.
+    // Eleven digits: runs that last whole samples still do when they are read back.
+    const double value = feed_duration(from, end, 1.0) / path_.duration[b] * 60e3;
+    return plain_number(value, std::clamp(10 - static_cast<int>(std::floor(std::log10(value))), 6, 15));
+  }
+
+  /// The delay of a stop belongs to the exact stop. All other joints get a dwell. Dwells of the program come with the
+  /// words passed on.
+  void rest(std::size_t b) {
+    const bool last = b + 1 == path_.blocks();
+    if (last || path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::in_position) return;
+    int delay = result_.plan.delay(b);
+    if (kind_of(result_, b) == DelayKind::exact_stop) delay -= filter_.last_nonzero_tap() - filter_.first_nonzero_tap();
+    if (delay > 0) line("G4 P{}", plain_number(static_cast<double>(delay) * result_.sample_period, 9));
+  }
+
+  const ProgramResult& result_;
+  const Toolpath& path_;
+  const Filter& filter_;
+  std::size_t n_;
+  std::ostream& out_;
+  const int decimals_;
+  fmt::memory_buffer text_;
+  std::string mode_, feed_;
+  std::string number_, comments_;     // of the block to come: "N10 ", " (one) (two)"
+  std::vector<std::string> written_;  // of every axis; a program begins at the origin unless it is told otherwise
+  std::size_t next_passed_ = 0;
+};
+
+}  // namespace
+
+void emit_program(const ProgramResult& result, std::ostream& out) {
+  Emission(result, out).write();
+}
+
+}  // namespace accdec

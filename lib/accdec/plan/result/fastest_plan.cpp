@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <accdec/bounds/any_motion_bound.hpp>
+#include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/lower_bound.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+
+namespace accdec {
+namespace {
+
+PlanTime time_of(const ProgramResult& r) {
+  return {r.plan.name(), r.cycle_time, r.verification.feasible};
+}
+
+}  // namespace
+
+void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
+  // The path may be off a chord's end by the tolerance, and the chord off its arc by more.
+  const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    const double tolerance = path.tolerance[b];
+    const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
+    if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
+  }
+}
+
+ProgramResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task,
+                               const Deadline& deadline) {
+  const double bound = program_lower_bound(path, program_machine(task.machine, path), task.sample_period);
+  leave_room_for_arcs(path, arc_tolerance);
+  ProgramResult result = run_profiles(name, std::move(path), task, deadline);
+  result.lower_bound = bound;
+  return result;
+}
+
+CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline) {
+  const Machine machine = program_machine(task.machine, path);
+  const double limit = std::clamp(0.15 * deadline.left(), 0.0, 10.0);
+  CornerBound bound = program_corner_bound(path, machine, task.sample_period, limit);
+  bound.any_motion = any_motion_bound(path, machine, task.sample_period, limit);
+  bound.time = std::max(bound.time, bound.any_motion);
+  return bound;
+}
+
+ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+  if (options.feeds == Feeds::keep) {
+    throw std::invalid_argument(
+        "plan profiles takes F as an upper bound and chooses the speed of every sample: only plan fixed keeps feeds");
+  }
+  // For the longest programs, the search for a filter and the bound by linear programs would take longer than the plan.
+  const bool several = file.path.blocks() <= several_plans_max;
+  ProgramResult profiles = plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task, options.deadline);
+  if (!several) return profiles;
+  profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
+  if (options.deadline.over()) return profiles;
+  ProgramFile copy = file;
+  ProgramResult other = run_program_file(name, copy, task, options, tell);
+  if (other.plan.empty()) return profiles;
+  const PlanTime mine = time_of(profiles), theirs = time_of(other);
+  if (theirs.verified && (!mine.verified || theirs.time < mine.time)) {
+    other.candidates = {mine};
+    other.corner_bound = profiles.corner_bound;
+    file.reading = copy.reading;
+    return other;
+  }
+  profiles.candidates = {theirs};
+  return profiles;
+}
+
+}  // namespace accdec

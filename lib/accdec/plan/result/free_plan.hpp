@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <accdec/plan/free/free_motion.hpp>
+#include <accdec/program.hpp>
+
+namespace accdec {
+
+/// `accdec program --plan free`: plan profiles, shortened by convex programmes over its samples. Verified; where
+/// nothing is gained, or the check of all samples refuses it, the answer is plan profiles.
+/// @param file  as read  @param free  threads, cancel and progress; the deadline is that of `options`
+/// @param tell  one line a step, may be empty
+/// @throws std::invalid_argument for a limit that this plan does not keep, by name, and for options that it does not
+///         take
+ProgramResult run_free_plan(const std::string& name, const ProgramFile& file, const Task& task,
+                            const ProgramFileOptions& options, FreeOptions free,
+                            const std::function<void(const std::string&)>& tell);
+
+}  // namespace accdec

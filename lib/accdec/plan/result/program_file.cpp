@@ -1,0 +1,336 @@
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <accdec/files.hpp>
+#include <accdec/files/file_kind.hpp>
+#include <accdec/files/text_file.hpp>
+#include <accdec/gcode/emitted_filters.hpp>
+#include <accdec/gcode/read_error.hpp>
+#include <accdec/gcode/run_rs274.hpp>
+#include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/plan/filters/settings_for_program.hpp>
+#include <accdec/program.hpp>
+#include <accdec/simulate.hpp>
+#include <accdec/task/settings_text.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr double longest_chords = 2e-6;  // m from their arcs
+
+/// Reports the kind of a file that is not a program; does nothing if it may be one.
+void refuse_other_kinds(const std::string& file) {
+  if (!std::filesystem::is_regular_file(file)) return;
+  if (const std::string wrong = wrong_kind(read_text_file(file), InputKind::program); !wrong.empty())
+    throw std::invalid_argument(file + ": " + wrong);
+}
+
+using Tell = std::function<void(const std::string&)>;
+
+/// Puts a remark before everything, unless the program has one of this head from when it was written before.
+void remark(Toolpath& path, const std::string& head, const std::string& text) {
+  const bool known =
+      std::any_of(path.passed.begin(), path.passed.end(), [&](const auto& p) { return p.words.starts_with(head); });
+  if (known) return;
+  Toolpath::Passed first;
+  first.words = head + text;
+  path.passed.insert(path.passed.begin(), std::move(first));
+}
+
+std::string words_of(const std::vector<Toolpath::Selected>& systems) {
+  std::string words;
+  for (const Toolpath::Selected& system : systems) {
+    if (system.line > 0) words += (words.empty() ? "" : " ") + system.word;
+  }
+  return words;
+}
+
+/// Work offsets lie in the control, and their distance is in no program: moves from one to another are planned as if
+/// they lay in one place.
+void say_systems(Toolpath& path, const std::string& file, bool interpreted, const Tell& tell) {
+  const std::string dropped = interpreted ? words_of(path.systems) : "";
+  if (!dropped.empty())
+    remark(path, "(left out of the program: ", dropped + "; the offset in force at the start acts on all of it)");
+  if (path.systems.size() < 2) return;
+  const Toolpath::Selected& second = path.systems[1];
+  const std::string planned = "all is planned as one system, and work offsets that the program does not set count as 0";
+  remark(path,
+         "(work offsets: ", "line " + std::to_string(second.line) + " selects " + second.word + "; " + planned + ")");
+  if (tell) {
+    tell(file + ":" + std::to_string(second.line) + ": " + second.word + " selects a second work offset: " + planned +
+         (dropped.empty() ? "" : "; --emit leaves out " + dropped));
+  }
+}
+
+/// What our own reader makes of the tools.
+void say_tools(Toolpath& path, const std::string& file, const ProgramTools& tools, const Tell& tell) {
+  if (path.length_at) {
+    const std::string zero = "lengths of tools count as 0 in the plan";
+    const std::string line = std::to_string(*path.length_at);
+    remark(path, "(G43: ", zero + ", from line " + line + " on; G43 acts on the machine)");
+    if (tell && !tools.length)
+      tell(file + ":" + line + ": G43: " + zero + "; give them by --tool-table FILE, or --tool-length 0 for none");
+    return;
+  }
+  const std::string given = !tools.table.empty() ? tools.table : tools.length ? "--tool-length" : "";
+  if (tell && !given.empty())
+    tell(given + ": not used, as no word of the program takes a length or diameter of a tool");
+}
+
+/// rs274 moves the coordinates by what offsets words set, and drops the words. Whoever runs an emitted program has to
+/// know: on a machine with the same offset in force, the tool would go twice as far aside or down.
+void say_what_acts(Toolpath& path, const ProgramTools& tools) {
+  std::vector<Toolpath::Passed> remarks(1);
+  remarks[0].words =
+      "(offsets that the program sets and cutter compensation are in the coordinates, without their words: they must "
+      "not act again)";
+  remarks.emplace_back().words =
+      tools.length == 0.0 ? "(tool lengths are not in the coordinates, nor is G43: it must act on the machine)"
+                          : "(tool lengths by G43 are in the coordinates, G43 is not: it must not act again)";
+  path.passed.insert(path.passed.begin(), remarks.begin(), remarks.end());
+}
+
+}  // namespace
+
+double chord_tolerance(const Task& task) {
+  constexpr double least = 1e-7;
+  double acceleration = unlimited;
+  for (const Axis& axis : task.machine.axes) acceleration = std::min(acceleration, axis.acceleration_max);
+  if (!(acceleration < unlimited)) return longest_chords;
+  return std::clamp(acceleration * task.sample_period * task.sample_period / 8.0, least, longest_chords);
+}
+
+ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
+                              const std::function<void(const std::string&)>& tell) {
+  ProgramFile result;
+  ToolpathOptions& reading = result.reading;
+  reading.read.arc_tolerance =
+      options.arc_tolerance.value_or(options.feeds == Feeds::choose ? chord_tolerance(task) : longest_chords);
+  reading.widen_arcs = options.compensate_arcs;
+  reading.error_max = task.program_error_max;
+  reading.clamp_feeds = options.feeds == Feeds::choose;
+  reading.rapid_stops = options.rapid_stops;
+  reading.read.tools = options.tools.given();
+  reading.dwells_before_filter = options.dwells_before_filter;
+  try {
+    LineSource source{std::filesystem::path(file)};
+    result.path = read_toolpath(source, task.machine, reading);
+    if (source.byte_order_mark() && tell) tell(file + ": begins with a byte order mark, which is passed over");
+    say_systems(result.path, file, false, tell);
+    say_tools(result.path, file, options.tools, tell);
+    return result;
+  } catch (const NeedsInterpreter& reason) {
+    refuse_other_kinds(file);
+    try {
+      result.path = read_interpreted(file, options.tools, task.machine, reading);
+    } catch (const ReadError&) {
+      throw;
+    } catch (const std::invalid_argument& refused) {
+      throw std::invalid_argument(std::string(reason.what()) + "\n" + refused.what());
+    }
+    if (tell) tell(std::string(reason.what()) + ": run by rs274");
+    result.interpreted = true;
+    say_what_acts(result.path, options.tools);
+    say_systems(result.path, file, true, tell);
+    return result;
+  } catch (const ReadError&) {
+    refuse_other_kinds(file);
+    throw;
+  }
+}
+
+namespace {
+
+/// s, for a filter. Small programs are not worth a minute.
+double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
+  const double usual = std::min(60.0, 2.0 + 5e-3 * static_cast<double>(path.blocks()));
+  return options.time_limit ? std::max(0.05, 0.5 * std::min(*options.time_limit, options.deadline.left())) : usual;
+}
+
+ProgramFilter choose_settings(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
+                              const std::function<void(const std::string&)>& tell) {
+  const auto start = std::chrono::steady_clock::now();
+  const SettingsForProgram found =
+      settings_for_program(path, task, options.feeds == Feeds::keep, Deadline(filter_seconds(path, options)), tell);
+  ProgramFilter result;
+  result.solver.method = "settings planned one by one";
+  result.solver.name = "families";
+  result.solver.wall_time = seconds_since(start);
+  result.today = found.today;
+  if (!found.best) {
+    result.message = fmt::format("no setting of {} that was planned holds all limits of the program",
+                                 families_in_words(*task.settings));
+    return result;
+  }
+  result.settings = found.best;
+  result.solver.evaluations = found.best->tried;
+  result.filter = make_filter(found.best->chosen.filter);
+  return result;
+}
+
+}  // namespace
+
+ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
+                                 const std::function<void(const std::string&)>& tell) {
+  const bool emitted_one = options.dwells_before_filter && emitted_filter(path);
+  if (task.settings && task.settings->names_family() && !emitted_one) return choose_settings(path, task, options, tell);
+  if (task.filter) {
+    ProgramFilter given;
+    given.filter = make_filter(*task.filter);
+    given.solver.method = "given";
+    return given;
+  }
+  if (const auto emitted = options.dwells_before_filter ? emitted_filter(path) : std::nullopt) {
+    if (tell) tell("the filter is the one that the program was planned for");
+    ProgramFilter given;
+    given.filter = *emitted;
+    given.solver.method = "given by the program";
+    return given;
+  }
+  const double limit = filter_seconds(path, options);
+  ProgramFilter designed = options.feeds == Feeds::keep ? design_program_filter(path, task, limit, tell)
+                                                        : design_filter_for_feeds(path, task, limit, tell);
+  designed.designed = true;
+  return designed;
+}
+
+namespace {
+
+/// The delays that the task's control has.
+void set_control(Toolpath& path, const Task& task, const ProgramFilter& choice) {
+  if (task.settings) path.control = {task.settings->delays, choice.settings ? choice.settings->width : 0.0};
+}
+
+/// As `--feeds keep` plans the program, with the filter designed for that, if it is faster than the result.
+void offer_kept(const std::string& name, ProgramFile& file, const Task& task, const ProgramFileOptions& options,
+                ProgramResult& result) {
+  ProgramFileOptions coarse = options;
+  coarse.arc_tolerance = options.arc_tolerance.value_or(longest_chords);
+  ProgramFile again = read_program_file(name, task, coarse, {});
+  coarse.feeds = Feeds::keep;
+  const ProgramFilter filter = filter_for_program(again.path, task, coarse, {});
+  if (!filter.filter) return;
+  set_control(again.path, task, filter);
+  ProgramResult kept = run_program(name, std::move(again.path), *filter.filter, task, options.filter_bound,
+                                   coarse.feeds, options.deadline);
+  const double wall_time = result.solver.wall_time + filter.solver.wall_time + kept.solver.wall_time;
+  if (kept.verification.feasible && (!result.verification.feasible || kept.cycle_time < result.cycle_time)) {
+    result = std::move(kept);
+    result.solver = filter.solver;
+    file.reading = again.reading;
+  }
+  result.solver.wall_time = wall_time;
+}
+
+/// Adds the settings, with how the control gives the delays, and the time that today's setting takes.
+/// @param programmed  empty: today's setting is not planned
+void say_settings(ProgramResult& result, const ProgramFilter& choice, const Toolpath& programmed, const Task& task,
+                  const ProgramFileOptions& options) {
+  result.settings = choice.settings;
+  if (result.plan.empty()) return;
+  const FilteredCommand& command = *result.plan.command();
+  CommandDelays delays = command_delays(result.plan.path, command.filter, task.sample_period, command.delays);
+  if (!task.settings->delays.empty()) result.settings->chosen.delays = std::move(delays.kinds);
+  result.settings->chosen.width = delays.width;
+  // As whoever reads the result knows the control.
+  result.plan.path.control.width = delays.width ? delays.width->middle() : 0.0;
+  const Machine machine = program_machine(task.machine, result.plan.path);
+  result.raised = raised_delays(result.plan.path, command.filter, task.sample_period, machine, command.delays);
+  if (programmed.blocks() == 0 || options.deadline.over()) return;
+  Toolpath path = programmed;
+  path.control = {task.settings->delays, choice.today->width};
+  const ProgramResult today = run_program(result.program, std::move(path), make_filter(choice.today->chosen.filter),
+                                          task, false, options.feeds, options.deadline);
+  result.has_today = true;
+  if (today.verification.feasible) result.settings->today = today.cycle_time;
+}
+
+/// With arcs as they were read: widened where options.compensate_arcs says so.
+ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const ProgramFilter& choice, const Task& task,
+                           const ProgramFileOptions& options) {
+  const bool finer = options.feeds == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
+                     file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
+  const bool kept = options.feeds == Feeds::choose && choice.designed && file.path.blocks() <= several_plans_max &&
+                    (!options.compensate_arcs || file.path.arcs.empty());
+  const Toolpath programmed = choice.today && file.path.blocks() <= several_plans_max ? file.path : Toolpath{};
+  const auto plan = [&](Toolpath path, Feeds feeds) {
+    set_control(path, task, choice);
+    return run_program(name, std::move(path), *choice.filter, task, options.filter_bound, feeds, options.deadline);
+  };
+  const Feeds feeds = kept ? Feeds::choose_fitting : options.feeds;
+  ProgramResult result = plan(std::move(file.path), finer ? Feeds::choose_only : feeds);
+  double planning = result.solver.wall_time;
+  if (finer && !options.deadline.over()) {
+    ProgramFileOptions coarse = options;
+    coarse.arc_tolerance = longest_chords;
+    ProgramFile again = read_program_file(name, task, coarse, {});
+    ProgramResult other = plan(std::move(again.path), feeds);
+    planning += other.solver.wall_time;
+    const bool as_asked =
+        !options.compensate_arcs || !other.plan.path.programmed.empty() || result.plan.path.programmed.empty();
+    const bool better = other.verification.feasible && as_asked &&
+                        (!result.verification.feasible || other.cycle_time < result.cycle_time);
+    if (!result.cycle_time_kept) result.cycle_time_kept = other.cycle_time_kept;
+    if (better) {
+      result = std::move(other);
+      file.reading = again.reading;
+    }
+  }
+  if (choice.settings) say_settings(result, choice, programmed, task, options);
+  result.solver = choice.solver;
+  result.solver.wall_time += planning;
+  if (kept && !options.deadline.over()) offer_kept(name, file, task, options, result);
+  return result;
+}
+
+/// How a program with arcs commanded as they are compares with one that widens them.
+std::string compensation_note(const ProgramResult& plain, const ProgramResult& widened) {
+  return fmt::format("arcs are commanded as programmed, which takes {:.6g} s: {}", plain.cycle_time,
+                     widened.plan.path.programmed.empty()
+                         ? "no plan that widens them holds all limits"
+                         : fmt::format("widened, they take {:.6g} s", widened.cycle_time));
+}
+
+}  // namespace
+
+ProgramResult plan_program_file(const std::string& name, ProgramFile& file, const ProgramFilter& choice,
+                                const Task& task, const ProgramFileOptions& options) {
+  if (!options.compensate_arcs || file.path.arcs.empty()) return plan_as_read(name, file, choice, task, options);
+  ProgramFile plain = file;
+  plain.path.widen_arcs = plain.reading.widen_arcs = false;
+  ProgramResult widened = plan_as_read(name, file, choice, task, options);
+  if (options.deadline.over() && widened.verification.feasible) return widened;
+  ProgramFileOptions as_programmed = options;
+  as_programmed.compensate_arcs = false;
+  const ProgramFilter own = filter_for_program(plain.path, task, as_programmed, {});
+  if (!own.filter) return widened;
+  ProgramResult result = plan_as_read(name, plain, own, task, as_programmed);
+  const bool faster = !widened.verification.feasible || result.cycle_time < widened.cycle_time;
+  if (!result.verification.feasible || !faster) return widened;
+  result.compensation = compensation_note(result, widened);
+  result.solver.wall_time += widened.solver.wall_time;
+  file.reading = plain.reading;
+  return result;
+}
+
+ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+  const ProgramFilter choice = filter_for_program(file.path, task, options, tell);
+  if (!choice.filter) {
+    ProgramResult none;
+    none.program = name;
+    none.sample_period = task.sample_period;
+    none.message = choice.message;
+    none.solver = choice.solver;
+    return none;
+  }
+  return plan_program_file(name, file, choice, task, options);
+}
+
+}  // namespace accdec

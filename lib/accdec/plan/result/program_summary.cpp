@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/files/shown_text.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/result/samples.hpp>
+#include <accdec/program.hpp>
+#include <accdec/task/not_considered.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+/// Unit of a limit's value for people. Rotary axes are in degrees where the others are in millimetres.
+std::string unit_of(const LimitUse& use) {
+  std::string unit(limit_name(use.kind).unit);
+  const bool rotary = use.axis.size() == 1 && std::string_view("ABCabc").find(use.axis[0]) != std::string_view::npos;
+  if (rotary && unit.starts_with("mm")) unit.replace(0, 2, "deg");
+  return unit;
+}
+
+class SummaryText {
+ public:
+  explicit SummaryText(const ProgramResult& result) : result_(result) {}
+
+  std::string write() {
+    if (result_.settings && result_.verification.feasible)
+      put("{}\n", program_settings_answer(*result_.settings, result_.cycle_time, result_.has_today));
+    head();
+    times();
+    corners();
+    feeds();
+    limits();
+    control();
+    put("\n  ignored: {}\n", not_considered_text(result_.task_machine));
+    put("  planned and verified in {:.3g} s", result_.solver.wall_time);
+    if (result_.peak_memory > 0) put(", at most {:.0f} MB of memory", static_cast<double>(result_.peak_memory) * 1e-6);
+    put("\n");
+    put("\n  {}{}{}\n",
+        result_.verification.feasible ? "verified: every sample simulated, all bounds hold" : "NOT verified",
+        result_.message.empty() ? "" : ": ", result_.message);
+    return fmt::to_string(text_);
+  }
+
+ private:
+  template <class... Arguments>
+  void put(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
+  }
+
+  void head() {
+    put("{}: {} blocks in {} straight moves, {} corners, {} delayed, {} at rest\n", printable(result_.program),
+        result_.programmed_blocks, result_.programmed_moves, result_.corners, result_.delayed, result_.at_rest);
+    const int taps = result_.plan.filter().order() + 1;
+    put("plan {}, {}, T = {:.6g} ms, {} samples\n\n", result_.plan.name(),
+        result_.plan.command() != nullptr ? fmt::format("filter of {} taps", taps)
+        : taps > 1                        ? fmt::format("last filter of {} taps", taps)
+                                          : "no last filter",
+        result_.sample_period * 1e3, result_.check.samples);
+  }
+
+  void times() {
+    const auto row = [&](std::string_view what, double time) {
+      put("  {:<28}{:>14.4f} s{:>10.2f} %\n", what, time, 100.0 * time / result_.cycle_time);
+    };
+    row("cycle time", result_.cycle_time);
+    for (const PlanTime& other : result_.candidates) row(describe(other), other.time);
+    if (result_.plan.command() != nullptr) row("  of it delays", result_.delay_total);
+    if (result_.feeds_chosen && result_.cycle_time_kept) row("feeds as programmed", *result_.cycle_time_kept);
+    if (result_.cycle_time_exact_stop) row("exact stop at every corner", *result_.cycle_time_exact_stop);
+    if (!result_.exact_stop_breaks.empty()) put("    but breaks {}\n", result_.exact_stop_breaks);
+    if (result_.cycle_time_no_delay) row("no delay at any corner", *result_.cycle_time_no_delay);
+    for (const NamedBound& bound : named_bounds(result_.lower_bound, result_.corner_bound)) {
+      row("bound, " + bound.name, bound.time);
+      put("    of {}\n", bound.motions);
+    }
+    if (result_.filter_bound) row("bound, filters and delays", *result_.filter_bound);
+  }
+
+  void corners() {
+    put("\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n",
+        result_.worst_error * 1e6, 100.0 * result_.worst_utilisation, result_.worst_line);
+    const std::vector<CornerUse> worst = worst_corners(result_, result_.worst_shown);
+    if (worst.empty()) return;
+    put("\n  {:<14}{:>12}{:>14}{:>10}{:>9}\n", "worst corners", "error", "tolerance", "use", "delay");
+    for (const CornerUse& corner : worst) {
+      put("  {:<14}{:>9.3f} um{:>11.3f} um{:>8.1f} %{:>9}\n", fmt::format("line {}", corner.line), corner.error * 1e6,
+          corner.tolerance * 1e6, 100.0 * corner.utilisation, corner.delay);
+    }
+    put("\n");
+  }
+
+  void feeds() {
+    const Toolpath& path = result_.plan.path;
+    if (result_.plan.trajectory() != nullptr) {
+      put("  the speed of every sample chosen{}\n",
+          result_.rounds > 0
+              ? fmt::format(", in {} rounds lower where a limit or a tolerance was broken", result_.rounds)
+              : "");
+    } else if (result_.feeds_chosen) {
+      put("  feeds chosen, in {} steps inside {} straight moves\n", path.blocks() - result_.programmed_moves,
+          result_.programmed_moves);
+    }
+    if (!path.programmed.empty()) put("  arcs commanded on radii larger by up to {:.3f} um\n", widest(path) * 1e6);
+    if (!result_.compensation.empty()) put("  {}\n", result_.compensation);
+    if (!path.clamped.empty()) {
+      put("  feeds above an axis' velocity limit lowered to it in {} lines, the first {}\n", path.clamped.size(),
+          path.clamped.front());
+    }
+    if (result_.raised > 0)
+      put("  {} delays longer than their corners alone need, because moves overlap\n", result_.raised);
+    std::size_t too_fast = 0;
+    for (const SlowedFeeds& slowed : result_.too_fast) {
+      too_fast += slowed.blocks;
+      put("  {} blocks slowed to start and stop within {}, most in line {} to {:.1f} % of its feed\n", slowed.blocks,
+          slowed.limit, slowed.line, 100.0 * slowed.factor);
+    }
+    if (result_.slowed > too_fast)
+      put("  {} blocks slowed, on curves or too short for their feed\n", result_.slowed - too_fast);
+  }
+
+  static bool broken(double utilisation) { return utilisation > 1.0 + verification_tolerance; }
+
+  void control() {
+    put("\n  a control must {}\n", fmt::join(control_needs(result_), ", "));
+    for (const FeedOverride& at : result_.overrides) {
+      put("  {:<28}corner error {:.3f} um, {:.1f} % of its tolerance{}",
+          fmt::format("feed override {:.0f} %", 100.0 * at.factor), at.worst_error * 1e6, 100.0 * at.worst_utilisation,
+          at.worst_line > 0 ? fmt::format(" in line {}", at.worst_line) : "");
+      if (!at.limit.empty()) put("; {} used by {:.1f} %", at.limit, 100.0 * at.limit_utilisation);
+      const bool error = broken(at.worst_utilisation), limit = broken(at.limit_utilisation);
+      if (error || limit)
+        put("\n    breaks {}{}{}", error ? "its tolerance" : "", error && limit ? " and " : "", limit ? at.limit : "");
+      put("\n");
+    }
+  }
+
+  void limits() {
+    const std::vector<LimitUse>& uses = result_.check.limits;
+    if (!uses.empty()) {
+      put("\n  {:<14}{:<6}{:>12}{:>12} {:<8}{:>8}  {}\n", "limit", "axis", "value", "bound", "unit", "use", "where");
+    }
+    for (const LimitUse& use : uses) {
+      const double per_si = limit_name(use.kind).per_si;
+      put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {:<8}{:>6.1f} %  {}\n", to_string(use.kind), use.axis, per_si * use.value,
+          per_si * use.bound, unit_of(use), 100.0 * use.utilisation,
+          use.kind == LimitKind::vibration ? fmt::format("{:.6g} Hz", use.frequency)
+                                           : fmt::format("line {}", use.line));
+    }
+  }
+
+  const ProgramResult& result_;
+  fmt::memory_buffer text_;
+};
+
+}  // namespace
+
+std::string program_summary(const ProgramResult& result) {
+  return SummaryText(result).write();
+}
+
+}  // namespace accdec

@@ -1,0 +1,112 @@
+#include <iterator>
+
+#include <nlohmann/json.hpp>
+
+#include <accdec/plan/result/samples.hpp>
+#include <accdec/program.hpp>
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+SampleTable::SampleTable(const Toolpath& path, double sample_period, std::ostream& out)
+    : path_(path), period_(sample_period), out_(out) {
+  fmt::format_to(std::back_inserter(text_), "time_s");
+  for (std::size_t a = 0; a < path.dimensions(); ++a) {
+    const std::string unit = path.axes[a] >= 3 && path.axes[a] < 6 ? "deg" : "mm";
+    fmt::format_to(std::back_inserter(text_), ",{0}_{1},{0}_{1}_s", path.axis_name(a), unit);
+  }
+  text_.push_back('\n');
+}
+
+void SampleTable::row(std::int64_t k, const double* position, const double* velocity) {
+  const auto put = std::back_inserter(text_);
+  fmt::format_to(put, "{:.9g}", static_cast<double>(k) * period_);
+  for (std::size_t a = 0; a < path_.dimensions(); ++a) {
+    fmt::format_to(put, ",{:.9f},{:.6f}", position[a] * 1e3, velocity[a] * 1e3);
+  }
+  text_.push_back('\n');
+  if (text_.size() > 60000) flush();
+}
+
+void SampleTable::flush() {
+  out_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
+  text_.clear();
+}
+
+void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Rests rests) {
+  Motion motion(result.plan, result.sample_period);
+  for (Sample sample; motion.next(sample);) {
+    visit(sample.number, sample.position.data(), sample.velocity.data());
+    if (rests == Rests::passed) motion.pass_rest();
+  }
+}
+
+void write_samples(const ProgramResult& result, std::ostream& out) {
+  SampleTable table(result.plan.path, result.sample_period, out);
+  visit_samples(result, [&](std::int64_t k, const double* x, const double* v) { table.row(k, x, v); });
+}
+
+void stream_row(const Toolpath& path, const double* position, std::ostream& out) {
+  for (std::size_t a = 0; a < path.dimensions(); ++a) {
+    out << fmt::format("{}{:.9f}", a == 0 ? "" : " ", position[a] * 1e3);
+  }
+  out << std::endl;  // the controller waits for it
+}
+
+void stream_samples(const ProgramResult& result, std::ostream& out) {
+  visit_samples(result, [&](std::int64_t, const double* x, const double*) { stream_row(result.plan.path, x, out); });
+}
+
+std::string describe(const PlanTime& plan) {
+  return fmt::format("plan {}{}", plan.plan, plan.verified ? "" : ", not verified");
+}
+
+std::string describe(const CornerBound& bound) {
+  return fmt::format("{} of {} corners have legs long enough to count, {} linear programs{}", bound.counted,
+                     bound.corners, bound.classes, bound.complete ? "" : ", not all of them solved");
+}
+
+std::vector<NamedBound> named_bounds(double lower_bound, const std::optional<CornerBound>& corner_bound) {
+  std::vector<NamedBound> bounds{
+      {"way over feed", lower_bound,
+       "any motion that passes every corner within its tolerance, wherever it runs between them"}};
+  if (corner_bound && corner_bound->any_motion > 0.0) {
+    bounds.push_back({"any motion", corner_bound->any_motion,
+                      "any motion within the tolerance of its path, even if it swings out before a corner"});
+  }
+  if (corner_bound) {
+    bounds.push_back(
+        {"monotone legs", corner_bound->time,
+         "sums of legs that never run back, as filters and profiles make them; free motions may be faster; " +
+             describe(*corner_bound)});
+  }
+  return bounds;
+}
+
+std::vector<NamedBound> bounds_of(const ProgramResult& result) {
+  const bool any = result.lower_bound > 0.0 || result.corner_bound;
+  return any ? named_bounds(result.lower_bound, result.corner_bound) : std::vector<NamedBound>{};
+}
+
+nlohmann::ordered_json bounds_to_json(const std::vector<NamedBound>& bounds) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const NamedBound& bound : bounds) {
+    list.push_back({{"name", bound.name}, {"time_s", bound.time}, {"motions", bound.motions}});
+  }
+  return list;
+}
+
+nlohmann::ordered_json corner_bound_to_json(const CornerBound& bound) {
+  return {
+      {"corners", bound.corners}, {"counted", bound.counted}, {"classes", bound.classes}, {"complete", bound.complete}};
+}
+
+nlohmann::ordered_json plan_times_to_json(const std::vector<PlanTime>& plans) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const PlanTime& plan : plans) {
+    list.push_back({{"plan", plan.plan}, {"cycle_time_s", plan.time}, {"verified", plan.verified}});
+  }
+  return list;
+}
+
+}  // namespace accdec

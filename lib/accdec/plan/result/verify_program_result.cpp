@@ -1,0 +1,346 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <accdec/design/verify_settings.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/simulate/direct.hpp>
+#include <accdec/simulate/profile_motion.hpp>
+#include <accdec/simulate/sample_check.hpp>
+#include <accdec/simulate/simulate.hpp>
+#include <accdec/simulate/tube_check.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+/// Jerk is a third difference of positions that two summations round differently.
+constexpr double rounding = 1e-7;
+constexpr double position_rounding = 1e-9;  // m
+
+bool close(double a, double b, double floor) {
+  return std::abs(a - b) <= rounding * std::abs(b) + floor;
+}
+
+/// The plan of a result and its names, from which a recheck starts.
+ProgramResult recorded_plan(const ProgramResult& result) {
+  ProgramResult plan;
+  plan.program = result.program;
+  plan.sample_period = result.sample_period;
+  plan.plan = result.plan;
+  return plan;
+}
+
+/// Worst use of one limit of an axis over the whole motion.
+struct Worst {
+  double use = 0.0, value = 0.0;
+};
+
+/// One axis limit as the motion uses it, sample by sample.
+class UseOfLimit {
+ public:
+  UseOfLimit(const DirectMotion& motion, const Axis& axis, std::size_t a, const AxisLimit& limit, double period)
+      : velocity_(motion.velocity[a]), axis_(axis), limit_(limit), period_(period) {}
+
+  double bound() const { return axis_.*limit_.bound; }
+  double value_at(std::size_t k) const {
+    const auto v = [&](std::size_t back) { return back > k ? 0.0 : velocity_[k - back]; };
+    const double acceleration = (v(0) - v(1)) / period_, before = (v(1) - v(2)) / period_;
+    return limit_.value(axis_state(axis_, v(0), acceleration, (acceleration - before) / period_));
+  }
+  Worst worst() const {
+    Worst worst;
+    for (std::size_t k = 0; k < velocity_.size(); ++k) {
+      const double value = value_at(k), use = utilisation_of(limit_.kind, value, bound());
+      if (use > worst.use) worst = {use, value};
+    }
+    return worst;
+  }
+  /// Whether the value of a sample is the worst up to rounding: that of the simulation which chose the sample, and that
+  /// of this one.
+  bool is_worst(std::int64_t k, const Worst& worst) const {
+    if (worst.use == 0.0) return k == 0;
+    if (k < 0 || k >= static_cast<std::int64_t>(velocity_.size())) return false;
+    return std::abs(utilisation_of(limit_.kind, value_at(static_cast<std::size_t>(k)), bound()) - worst.use) <=
+           2.0 * rounding;
+  }
+
+ private:
+  const std::vector<double>& velocity_;
+  const Axis& axis_;
+  const AxisLimit& limit_;
+  double period_;
+};
+
+class CommandCheck {
+ public:
+  CommandCheck(const ProgramResult& result, const Task& task, const std::optional<BlockFilters>& filters)
+      : result_(result),
+        path_(result.plan.path),
+        command_(*result.plan.command()),
+        task_(task),
+        per_leg_(filters.has_value()),
+        filters_(filters.value_or(BlockFilters{{command_.filter}, {}})) {}
+
+  ProgramResultCheck run() {
+    const DirectMotion motion = direct_motion(path_, result_.sample_period, command_.delays, filters_);
+    const double time = static_cast<double>(motion.samples) * result_.sample_period;
+    check_filter();
+    check_delays(motion);
+    check_joints(motion);
+    check_limits(motion);
+    check_vibration();
+    describe(motion, time);
+    report_.accepted = report_.reasons.empty();
+    report_.shown = fmt::format("{} samples of {} commanded moves simulated again, {:.6g} s: all bounds hold",
+                                motion.samples, path_.blocks(), time);
+    return std::move(report_);
+  }
+
+ private:
+  void wrong(std::string reason) {
+    if (report_.reasons.size() < 20) report_.reasons.push_back(std::move(reason));
+  }
+
+  void check_filter() {
+    const bool families = task_.settings && task_.settings->names_family();
+    if (result_.settings && !families) return wrong("settings are recorded, the task asks for none");
+    if (result_.settings) return compare_setting(task_, result_.settings->chosen, command_.filter, report_.reasons);
+    // Else the program brought its filter along, or the task gives it.
+    if (families || !task_.filter) return;
+    const Filter given = make_filter(*task_.filter);
+    const auto own = command_.filter.taps(), asked = given.taps();
+    const bool same = std::equal(own.begin(), own.end(), asked.begin(), asked.end(),
+                                 [](double a, double b) { return std::abs(a - b) <= 1e-12; });
+    if (!same) wrong("the taps are not those of the task's filter");
+  }
+
+  /// Each delay is one that the task's control has, and the in-position width gives it.
+  void check_delays(const DirectMotion& motion) {
+    if (!result_.settings || task_.settings->delays.empty()) return;
+    const ChosenSettings& chosen = result_.settings->chosen;
+    if (chosen.delays.size() != path_.blocks()) return wrong("settings.delays must name a kind for every block");
+    bool in_position = false;
+    for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
+      const bool passed = !ends_leg(path_, b) && command_.delays[b] == 0;
+      if (passed || path_.joint[b] == Joint::stop) continue;
+      check_kind(motion, b, chosen.delays[b]);
+      in_position = in_position || chosen.delays[b] == DelayKind::in_position;
+    }
+    if (in_position != chosen.width.has_value())
+      wrong("an in-position width must be recorded with joints that are in-position, and only then");
+  }
+
+  void check_kind(const DirectMotion& motion, std::size_t b, DelayKind kind) {
+    const auto& allowed = task_.settings->delays;
+    const int delay = command_.delays[b];
+    const int apart = command_.filter.last_nonzero_tap() - command_.filter.first_nonzero_tap();
+    if (std::find(allowed.begin(), allowed.end(), kind) == allowed.end())
+      wrong(fmt::format("line {}: the control has no delay of kind {}", path_.line[b], to_string(kind)));
+    if ((kind == DelayKind::continuous && delay != 0) ||
+        (kind == DelayKind::exact_stop && (delay < apart || delay > apart + 2)))
+      wrong(fmt::format("line {}: a delay of {} samples is not {}", path_.line[b], delay, to_string(kind)));
+    if (kind != DelayKind::in_position || !result_.settings->chosen.width) return;
+    const WidthInterval& width = *result_.settings->chosen.width;
+    double before = unlimited;
+    for (int d = 0; d < delay; ++d) before = std::min(before, distance(motion, b, d));
+    if (distance(motion, b, delay) > width.low * (1.0 + rounding) + position_rounding ||
+        before < width.high * (1.0 - rounding) - position_rounding)
+      wrong(fmt::format("line {}: in-position widths from {:.9g} to {:.9g} m do not give a delay of {} samples",
+                        path_.line[b], width.low, width.high, delay));
+  }
+
+  /// m, of the motion from the end of block b, d samples after the command has reached it.
+  double distance(const DirectMotion& motion, std::size_t b, int d) const {
+    const auto k = static_cast<std::size_t>(motion.windows[b].first + d);
+    double square = 0.0;
+    for (std::size_t a = 0; a < path_.dimensions(); ++a)
+      square += std::pow(motion.position[a][k] - path_.point(b + 1)[a], 2);
+    return std::sqrt(square);
+  }
+
+  void check_joints(const DirectMotion& motion) {
+    const Toolpath& path = path_;
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      const double found = direct_error(motion, path, b), recorded = result_.errors[b];
+      if (!close(recorded, found, position_rounding))
+        wrong(fmt::format("line {}: corner error is recorded as {:.9g} m, found {:.9g} m", path.line[b], recorded,
+                          found));
+      if (found > path.tolerance[b] * (1.0 + rounding) + position_rounding)
+        wrong(fmt::format("line {}: corner error {:.9g} m exceeds its tolerance {:.9g} m", path.line[b], found,
+                          path.tolerance[b]));
+    }
+  }
+
+  /// The limits of axes stand first, in the order of the axes and of the table of limits.
+  void check_limits(const DirectMotion& motion) {
+    const Machine machine = program_machine(task_.machine, path_);
+    std::size_t i = 0;
+    for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+      for (const AxisLimit& limit : axis_limits) {
+        const UseOfLimit use(motion, machine.axes[a], a, limit, result_.sample_period);
+        if (use.bound() < unlimited) check_limit(i++, use, limit.kind, machine.axes[a].name);
+      }
+    }
+    limits_ = i;
+  }
+
+  void check_limit(std::size_t i, const UseOfLimit& use, LimitKind kind, const std::string& axis) {
+    const std::string name = fmt::format("{} {}", to_string(kind), axis);
+    const Worst found = use.worst();
+    if (found.use > 1.0 + rounding) wrong(fmt::format("{} is broken: {:.6g} %", name, 100.0 * found.use));
+    const auto& limits = result_.check.limits;
+    if (i >= limits.size() || limits[i].kind != kind || limits[i].axis != axis)
+      return wrong(fmt::format("limits[{}] should be {}", i, name));
+    const LimitUse& recorded = limits[i];
+    if (recorded.bound != use.bound())
+      wrong(fmt::format("{}: bound is recorded as {:.9g}, the task's is {:.9g}", name, recorded.bound, use.bound()));
+    if (!close(recorded.value, found.value, rounding * use.bound()))
+      wrong(fmt::format("{}: value is recorded as {:.9g}, found {:.9g}", name, recorded.value, found.value));
+    if (!close(recorded.utilisation, found.use, rounding))
+      wrong(fmt::format("{}: utilisation is recorded as {:.9g}, found {:.9g}", name, recorded.utilisation, found.use));
+    if (!use.is_worst(recorded.sample, found))
+      wrong(fmt::format("{}: is not used most at sample {}", name, recorded.sample));
+    check_line(i, name);
+  }
+
+  /// Lines come from the simulation of the plan. If several samples use a limit equally, it may find
+  /// another of them than was recorded. Plans per leg are no longer simulated.
+  void check_line(std::size_t i, const std::string& name) {
+    const std::uint32_t recorded = result_.check.limits[i].line;
+    if (lines_.limits.empty() && !per_leg_) lines_ = simulated();
+    if (per_leg_ || lines_.limits[i].sample != result_.check.limits[i].sample) {
+      if (std::find(path_.line.begin(), path_.line.end(), recorded) == path_.line.end())
+        wrong(fmt::format("{}: line is recorded as {}, which the program does not have", name, recorded));
+    } else if (lines_.limits[i].line != recorded) {
+      wrong(fmt::format("{}: line is recorded as {}, found {}", name, recorded, lines_.limits[i].line));
+    }
+  }
+
+  Simulation simulated() const {
+    const Machine machine = program_machine(task_.machine, path_);
+    std::vector<double> errors(path_.blocks());
+    SimulationOptions options;
+    options.machine = &machine;
+    return simulate_program(CommandTiming(path_, result_.sample_period, command_.delays), command_.filter, 0,
+                            path_.blocks() - 1, errors, options);
+  }
+
+  void check_vibration() {
+    for (const Filter& filter : filters_.filters) {
+      for (const LimitUse& use : vibration_utilisation(filter, result_.sample_period, task_.machine)) {
+        if (use.utilisation > 1.0 + verification_tolerance)
+          wrong(fmt::format("vibration at {:.6g} Hz: {:.6g} % of its bound", use.frequency, 100.0 * use.utilisation));
+      }
+    }
+  }
+
+  /// All that follows from the commands, and from errors and uses of limits, which were compared above.
+  void describe(const DirectMotion& motion, double time) {
+    ProgramResult& found = report_.found;
+    found = recorded_plan(result_);
+    found.errors = result_.errors;
+    found.check.errors_hold = true;  // or there is a reason
+    found.check.samples = motion.samples;
+    found.check.limits = result_.check.limits;
+    found.check.limits.resize(std::min(limits_, found.check.limits.size()));
+    found.cycle_time = time;
+    judge_program(found, program_machine(task_.machine, path_));
+    if (per_leg_) take_worst_vibration(found);
+  }
+
+  /// The worst use by any of the filters.
+  void take_worst_vibration(ProgramResult& found) const {
+    for (const Filter& filter : filters_.filters) {
+      const std::vector<LimitUse> uses = vibration_utilisation(filter, result_.sample_period, task_.machine);
+      for (std::size_t i = 0; i < uses.size() && limits_ + i < found.check.limits.size(); ++i) {
+        LimitUse& worst = found.check.limits[limits_ + i];
+        if (uses[i].utilisation > worst.utilisation) worst = uses[i];
+      }
+    }
+  }
+
+  const ProgramResult& result_;
+  const Toolpath& path_;
+  const FilteredCommand& command_;
+  const Task& task_;
+  const bool per_leg_;
+  const BlockFilters filters_;
+  ProgramResultCheck report_;
+  std::size_t limits_ = 0;  // of axes
+  Simulation lines_;        // made when first asked for
+};
+
+/// The samples of a trajectory, looked at one by one. Says what a free motion breaks beside limits and tolerances of
+/// joints.
+SampleCheck look_at(const Plan& plan, double period, const Machine& machine, std::vector<double>& errors,
+                    std::string& broken) {
+  const Toolpath& path = plan.path;
+  const Trajectory& trajectory = *plan.trajectory();
+  SampleChecker checker(path, machine, period, errors, {});
+  if (!trajectory.is_free()) {
+    ProfileMotion motion(path, trajectory.chain, period, trajectory.last);
+    while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
+    return checker.finish();
+  }
+  TubeCheck tube(path, period);
+  for (std::size_t k = 0; k < trajectory.free.block.size(); ++k) {
+    const double* position = trajectory.free.position.data() + k * path.dimensions();
+    const std::size_t block = trajectory.free.block[k];
+    checker.look(position, 2 * static_cast<std::int64_t>(block), 2 * static_cast<std::int64_t>(block));
+    tube.look(position, block);
+  }
+  broken = tube.finish();
+  return checker.finish();
+}
+
+}  // namespace
+
+std::string judge_free_motion(ProgramResult& result, const Machine& machine) {
+  std::string broken;
+  result.errors.assign(result.plan.path.blocks(), 0.0);
+  result.check = look_at(result.plan, result.sample_period, machine, result.errors, broken);
+  result.cycle_time = static_cast<double>(result.check.samples) * result.sample_period;
+  judge_program(result, machine);
+  return broken.empty() ? result.message : broken;
+}
+
+namespace {
+
+ProgramResultCheck check_trajectory(const ProgramResult& result, const Task& task) {
+  const Toolpath& path = result.plan.path;
+  const Machine machine = program_machine(task.machine, path);
+  ProgramResultCheck report;
+  ProgramResult& found = report.found;
+  found = recorded_plan(result);
+  found.errors.resize(path.blocks());
+  std::string broken;
+  found.check = look_at(result.plan, result.sample_period, machine, found.errors, broken);
+  found.cycle_time = static_cast<double>(found.check.samples) * result.sample_period;
+  judge_program(found, machine);
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    if (close(result.errors[b], found.errors[b], position_rounding)) continue;
+    report.reasons.push_back(fmt::format("line {}: corner error is recorded as {:.9g} m, found {:.9g} m", path.line[b],
+                                         result.errors[b], found.errors[b]));
+    break;
+  }
+  if (!found.message.empty()) report.reasons.push_back(found.message);
+  if (!broken.empty()) report.reasons.push_back(broken);
+  report.accepted = report.reasons.empty();
+  report.shown = fmt::format("{} samples of {} moves made again, {:.6g} s: all bounds hold", found.check.samples,
+                             path.blocks(), found.cycle_time);
+  return report;
+}
+
+}  // namespace
+
+ProgramResultCheck verify_program_result(const ProgramResult& result, const Task& task,
+                                         const std::optional<BlockFilters>& filters) {
+  if (result.plan.trajectory() != nullptr) return check_trajectory(result, task);
+  return CommandCheck(result, task, filters).run();
+}
+
+}  // namespace accdec

@@ -1,0 +1,243 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <accdec/bounds/filter_bound.hpp>
+#include <accdec/bounds/lower_bound.hpp>
+#include <accdec/files.hpp>
+#include <accdec/gcode/emitted_filters.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/result/other_rules.hpp>
+#include <accdec/plan/trajectory/plan_profiles.hpp>
+#include <accdec/program.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+/// Trying every curve at several feeds takes ten times as long as one plan and saves a few percent. If a filter was
+/// designed for chosen feeds, only programs this short do it, and only if programmed feeds are not this many times
+/// slower.
+constexpr std::size_t tuned_max = 2'000;
+constexpr double hopelessly_slower = 1.25;
+constexpr int rounds_max = 40;  // of mending feeds
+
+/// Makes the plan of the result: the fastest requested plan that holds.
+class Planning {
+ public:
+  Planning(ProgramResult& result, const Filter& filter, const Task& task, const Machine& machine,
+           const Deadline& deadline)
+      : result_(result), filter_(filter), task_(task), machine_(machine), deadline_(deadline) {}
+
+  /// Plans at the programmed feeds, with rapid moves as fast as the filter can start and stop them.
+  /// @param tune_curves  see plan_program
+  void keep(const Toolpath& path, bool tune_curves) {
+    if (!path.given.empty()) as_commanded(path, false);
+    base_ = path;
+    limit_rapids(base_, filter_, task_.sample_period, machine_);
+    snap_durations(base_, filter_, task_.sample_period, machine_);
+    ProgramPlan plan = plan_program(base_, filter_, task_.sample_period, machine_, tune_curves, deadline_);
+    ScheduledPlan kept{base_, std::move(plan)};
+    snap(kept);
+    base_.duration = kept.path.duration;
+    result_.cycle_time_kept = seconds(kept.plan);
+    offer(std::move(kept), false);
+  }
+  /// Whether a program that --emit wrote, which this is, holds as it is: then it is the plan.
+  bool as_written(const Toolpath& path, Feeds feeds) {
+    const std::optional<Filter> written = emitted_filter(path);
+    if (!written || !std::ranges::equal(written->taps(), filter_.taps())) return false;
+    as_commanded(path, feeds != Feeds::keep);
+    return all_holds(best_.plan);
+  }
+  void choose(const Toolpath& path) {
+    if (path.blocks() <= several_plans_max || !path.given.empty()) as_commanded(path, true);
+    ScheduledPlan plan = schedule_feeds(path, filter_, task_.sample_period, machine_, rounds_max, deadline_);
+    snap(plan);
+    if (!result_.cycle_time_kept && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
+    offer(std::move(plan), true);
+  }
+  /// Plans again as `--feeds keep` does, so that chosen feeds are not slower.
+  void tune(const Toolpath& path, Feeds feeds) {
+    if (deadline_.over() || !result_.cycle_time_kept) return;
+    const bool hopeless =
+        path.blocks() > tuned_max || *result_.cycle_time_kept > hopelessly_slower * seconds(best_.plan);
+    if (feeds != Feeds::choose_fitting || !hopeless) keep(path, true);
+  }
+  /// The plan as the result's.
+  void take() {
+    ProgramPlan& plan = best_.plan;
+    // For the plan it was enough that each joint holds; what is reported is the least distance.
+    SimulationOptions whole;
+    whole.whole_windows = true;
+    simulate_program(CommandTiming(best_.path, task_.sample_period, plan.delays), filter_, 0, best_.path.blocks() - 1,
+                     plan.errors, whole);
+    delays_had_ = plan.delays_had;
+    result_.errors = std::move(plan.errors);
+    result_.check.samples = plan.simulation.samples;
+    result_.check.limits = std::move(plan.simulation.limits);
+    result_.check.errors_hold = plan.errors_hold;
+    result_.slowed = plan.slowed;
+    result_.too_fast = std::move(plan.too_fast);
+    result_.rounds = plan.rounds;
+    result_.plan = {std::move(best_.path), FilteredCommand{filter_, std::move(plan.delays)}};
+  }
+
+  /// Whether the control can give the delays of the plan taken.
+  bool delays_had() const { return delays_had_; }
+
+  /// At the programmed feeds, or with the plan's feeds if only that plan was made.
+  void other_rules() const {
+    OtherRules times = accdec::other_rules(at_other_rules(), filter_, task_.sample_period, machine_);
+    result_.cycle_time_no_delay = times.no_delay;
+    result_.cycle_time_exact_stop = times.exact_stop;
+    result_.exact_stop_breaks = std::move(times.breaks);
+  }
+
+ private:
+  const Toolpath& at_other_rules() const {
+    return result_.feeds_chosen && result_.cycle_time_kept ? base_ : result_.plan.path;
+  }
+  /// With the feeds and delays of the program, unchanged: what a plan wrote holds as it is.
+  void as_commanded(const Toolpath& path, bool feeds_chosen) {
+    ScheduledPlan plan{path, {}};
+    if (!feeds_chosen) limit_rapids(plan.path, filter_, task_.sample_period, machine_);
+    std::vector<int> delays(path.blocks(), 0);
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      if (path.joint[b] == Joint::stop)
+        delays[b] = std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+    }
+    for (const auto& [block, delay] : path.given) {
+      delays[block] = static_cast<int>(std::lround(std::min(delay / task_.sample_period, 1e9)));
+    }
+    plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(delays));
+    snap(plan);
+    if (all_holds(plan.plan)) offer(std::move(plan), feeds_chosen);
+  }
+  /// Runs that exceed whole samples by no more than rounding get these samples, if the plan then holds. The text that
+  /// --emit writes is rounded, and read back it has to be the same plan.
+  void snap(ScheduledPlan& plan) const {
+    std::vector<double> before = plan.path.duration;
+    if (!snap_runs(plan.path, task_.sample_period, plan.plan.delays)) return;
+    ProgramPlan snapped = check_program(plan.path, filter_, task_.sample_period, machine_, plan.plan.delays);
+    if (!all_holds(snapped)) {
+      plan.path.duration = std::move(before);
+      return;
+    }
+    plan.plan.errors = std::move(snapped.errors);
+    plan.plan.simulation = std::move(snapped.simulation);
+    plan.plan.errors_hold = true;
+  }
+  double seconds(const ProgramPlan& plan) const {
+    return static_cast<double>(plan.simulation.samples) * task_.sample_period;
+  }
+  void offer(ScheduledPlan plan, bool feeds_chosen) {
+    settle_delays(plan.path, filter_, task_.sample_period, machine_, plan.plan);
+    const bool first = best_.plan.delays.empty();
+    // Where arcs were to be widened, a plan that does is better than a faster one that does not.
+    const bool widened = !plan.path.programmed.empty(), had_widened = !best_.path.programmed.empty();
+    const bool faster = plan.plan.simulation.samples < best_.plan.simulation.samples;
+    const bool better = all_holds(plan.plan) && (!all_holds(best_.plan) || (widened == had_widened ? faster : widened));
+    if (!first && !better) return;
+    best_ = std::move(plan);
+    result_.feeds_chosen = feeds_chosen;
+  }
+
+  ProgramResult& result_;
+  const Filter& filter_;
+  const Task& task_;
+  const Machine& machine_;
+  const Deadline& deadline_;
+  ScheduledPlan best_;
+  Toolpath base_;  // planned at the programmed feeds
+  bool delays_had_ = true;
+};
+
+/// What every plan's result says of the program and the task.
+ProgramResult before_planning(const std::string& name, const Toolpath& path, const Task& task) {
+  if (task.design.coefficient_bits > 0)
+    throw std::invalid_argument("[design] coefficient_bits is for designs of corners; leave it out for a program");
+  ProgramResult result;
+  result.program = name;
+  result.sample_period = task.sample_period;
+  result.task_machine = task.machine;
+  result.programmed_blocks = blocks_of(path);
+  result.programmed_moves = path.blocks();
+  return result;
+}
+
+void say_what_ended(ProgramResult& result, const Deadline& deadline) {
+  if (!result.verification.feasible && deadline.over())
+    result.message = "the time limit ended the planning before a plan held all limits; " + result.message;
+}
+
+}  // namespace
+
+ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
+                          bool filter_bound, Feeds feeds, const Deadline& deadline) {
+  require_no_response(task.machine, "program");
+  const auto start = std::chrono::steady_clock::now();
+  ProgramResult result = before_planning(name, path, task);
+  const Machine machine = program_machine(task.machine, path);
+  // Computed before any move is slowed for this filter, because the bounds hold for all filters.
+  snap_durations(path, filter, task.sample_period, machine);
+  result.lower_bound = program_lower_bound(path, machine, task.sample_period);
+  if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
+  Planning planning(result, filter, task, machine, deadline);
+  const bool written = planning.as_written(path, feeds);
+  const bool keep = feeds == Feeds::keep || (feeds != Feeds::choose_only && path.blocks() <= several_plans_max);
+  if (keep && !written) planning.keep(path, feeds == Feeds::keep);
+  if (feeds != Feeds::keep && !written) planning.choose(path);
+  if (feeds != Feeds::keep && keep && !written) planning.tune(path, feeds);
+  path = {};
+  planning.take();
+  result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;
+  planning.other_rules();
+  judge_program(result, machine);
+  if (!planning.delays_had()) {
+    result.verification.feasible = false;
+    result.status = Status::failed;
+    result.message = "the control has no delays with which a plan holds all limits";
+  }
+  say_what_ended(result, deadline);
+  result.solver.method = "given";
+  result.solver.wall_time = seconds_since(start);
+  return result;
+}
+
+ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
+  require_no_response(task.machine, "program");
+  const auto start = std::chrono::steady_clock::now();
+  if (task.settings && task.settings->names_family()) {
+    throw std::invalid_argument(
+        "plans profiles and free give every sample a position, and the task's control has one filter for the whole "
+        "program ([design] family, or the controller's); use --plan fixed, or leave the family out");
+  }
+  if (!path.given.empty()) {
+    throw std::invalid_argument(
+        "plan profiles takes no delays from the program: it has no one filter that they "
+        "belong to; leave out --dwells-before-filter");
+  }
+  ProgramResult result = before_planning(name, path, task);
+  result.feeds_chosen = true;
+  const Machine machine = program_machine(task.machine, path);
+  ProfilePlan plan = plan_profiles(path, machine, task.sample_period, deadline);
+  result.plan = {std::move(path), Trajectory{std::move(plan.chain), std::move(plan.last)}};
+  result.errors = std::move(plan.errors);
+  result.check = std::move(plan.check);
+  result.rounds = plan.rounds;
+  result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;
+  judge_program(result, machine);
+  say_what_ended(result, deadline);
+  result.solver.method = "look-ahead";
+  result.solver.wall_time = seconds_since(start);
+  return result;
+}
+
+}  // namespace accdec

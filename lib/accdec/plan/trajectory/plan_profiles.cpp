@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include <accdec/plan/feeds/stretches.hpp>
+#include <accdec/plan/trajectory/plan_profiles.hpp>
+#include <accdec/plan/trajectory/profile_repair.hpp>
+#include <accdec/simulate/profile_motion.hpp>
+
+namespace accdec {
+namespace {
+
+ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sample_period, const Filter& last,
+                      const Deadline& deadline) {
+  const AvailableAcceleration available(machine, sample_period, LastFilter(last, sample_period));
+  ProfileShares shares(path.blocks());
+  ProfilePlan plan;
+  plan.last = last;
+  plan.errors.resize(path.blocks());
+  ChainMaker maker(path, available);
+  maker.make(shares);
+  const LegRange all{0, path.blocks() - 1};
+  std::vector<double> phases(path.blocks());
+  constexpr int rounds_max = 60;
+  for (plan.rounds = 0;; ++plan.rounds) {
+    // Parts that hold alone but not in the whole are slowed more in every round.
+    ProfileRepair repair(path, available, shares, all, 2 * plan.rounds);
+    SampleChecker checker(path, machine, sample_period, plan.errors,
+                          [&](std::int64_t first, std::int64_t last_place, LimitKind kind, double ratio) {
+                            repair.limit(first, last_place, kind, ratio);
+                          });
+    ProfileMotion motion(path, maker.chain(), sample_period, last);
+    motion.note_phases(phases);
+    for (; motion.next(); checker.rest(motion.pass_rest())) {
+      checker.look(motion.position(), motion.place_first(), motion.place_last());
+    }
+    plan.check = checker.finish();
+    if (plan.holds() || plan.rounds == rounds_max || deadline.over()) break;
+    if (!plan.check.errors_hold) repair.errors(maker.chain(), plan.errors, all);
+    repair_parts(path, machine, available, shares, maker, plan.errors, phases, repair.touched(), 2 * plan.rounds,
+                 deadline);
+  }
+  plan.chain = maker.take();
+  return plan;
+}
+
+/// Up to this number of blocks, last filters are compared by the whole program.
+constexpr std::size_t predicted_whole_max = 40'000;
+
+/// Continuous time of a first chain and the waits for the last filter at its stops, s.
+double predicted_time(const Toolpath& path, const Machine& machine, double sample_period, const Filter& last) {
+  const AvailableAcceleration available(machine, sample_period, LastFilter(last, sample_period));
+  ChainMaker maker(path, available);
+  const ProfileChain& chain = maker.make(ProfileShares(path.blocks()));
+  double time = chain_time(chain);
+  for (std::size_t c = 1; c <= path.blocks(); ++c) {
+    time += chain.stops(c) ? (last.order() + 1) * sample_period : 0.0;
+  }
+  return time;
+}
+
+}  // namespace
+
+ProfilePlan plan_profiles(const Toolpath& path, const Machine& machine, double sample_period,
+                          const Deadline& deadline) {
+  const std::vector<Filter> filters = last_filters(machine, sample_period);
+  if (filters.empty()) {
+    throw std::invalid_argument(
+        "plan profiles finds no filter for the vibration bounds ([[mode]]) among averages and pairs of impulses up to "
+        "two and a half periods of the slowest mode; use --plan fixed");
+  }
+  const std::vector<Toolpath> parts =
+      filters.size() > 1 ? stretches(path, predicted_whole_max) : std::vector<Toolpath>{};
+  std::vector<std::pair<double, std::size_t>> candidates;
+  for (std::size_t i = 0; i < filters.size(); ++i) {
+    double time = 0.0;
+    for (const Toolpath& part : parts) time += predicted_time(part, machine, sample_period, filters[i]);
+    candidates.emplace_back(time, i);
+  }
+  std::sort(candidates.begin(), candidates.end());
+  ProfilePlan best;
+  const std::size_t tried = path.blocks() > 100'000 ? 1 : 3;
+  for (std::size_t i = 0; i < std::min(tried, candidates.size()); ++i) {
+    ProfilePlan plan = plan_with(path, machine, sample_period, filters[candidates[i].second], deadline);
+    const bool better = plan.holds() && (!best.holds() || plan.check.samples < best.check.samples);
+    if (i == 0 || better) best = std::move(plan);
+    if (deadline.over()) break;
+  }
+  return best;
+}
+
+}  // namespace accdec

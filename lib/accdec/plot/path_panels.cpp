@@ -1,0 +1,196 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include <accdec/plot/figure_style.hpp>
+#include <accdec/plot/path_panels.hpp>
+
+namespace accdec {
+namespace {
+
+using namespace figure_style;
+
+/// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, a along the motion, b
+/// halving the angle.
+struct PathPlane {
+  Eigen::VectorXd across, up;
+  std::string across_name, up_name;
+};
+
+PathPlane plane_of(const Corner& corner, const Machine& machine) {
+  if (corner.axes() == 2) {
+    return {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1), machine.axes[0].name, machine.axes[1].name};
+  }
+  const auto unit = [](Eigen::VectorXd v) {
+    const double length = v.norm();
+    return length > 1e-9 ? Eigen::VectorXd(v / length) : Eigen::VectorXd(Eigen::VectorXd::Zero(v.size()));
+  };
+  return {unit(corner.direction_in + corner.direction_out), unit(corner.direction_out - corner.direction_in), "a", "b"};
+}
+
+/// m, of every sample from the nearer leg.
+std::vector<double> distances(const CornerMotion& at) {
+  const Corner& corner = at.task.geometry();
+  std::vector<double> found;
+  for (Eigen::Index n = 0; n < at.motion.position.rows(); ++n) {
+    const Eigen::VectorXd s = at.motion.position.row(n).transpose();
+    const double in = std::min(0.0, s.dot(corner.direction_in)), out = std::max(0.0, s.dot(corner.direction_out));
+    found.push_back(std::min((s - in * corner.direction_in).norm(), (s - out * corner.direction_out).norm()));
+  }
+  return found;
+}
+
+/// The part of the plane that is drawn, m.
+struct PathWindow {
+  double left = 0.0, right = 0.0, low = 0.0, high = 0.0;
+
+  void show(double x, double y) {
+    left = std::min(left, x), right = std::max(right, x);
+    low = std::min(low, y), high = std::max(high, y);
+  }
+  double size() const { return std::max(right - left, high - low); }
+};
+
+/// The blend, as far as its distance from the legs can be seen, with the tolerance and the beginning of both legs.
+void show_blend(PathWindow& window, const CornerMotion& at, const PathPlane& plane) {
+  const Corner& corner = at.task.geometry();
+  const std::vector<double> off = distances(at);
+  const double most = *std::max_element(off.begin(), off.end());
+  const double tolerance = at.task.error_max.value_or(0.0);
+  const double reach = std::max({4.0 * most, 2.0 * tolerance, 1e-6});
+  for (std::size_t n = 0; n < off.size(); ++n) {
+    const Eigen::VectorXd s = at.motion.position.row(static_cast<Eigen::Index>(n)).transpose();
+    if (off[n] > 0.01 * most && s.norm() < 1.6 * reach) window.show(s.dot(plane.across), s.dot(plane.up));
+  }
+  const double round = std::max(tolerance, at.measures.corner_error);
+  window.show(-round, -round), window.show(round, round);
+  for (const Eigen::VectorXd& end :
+       {Eigen::VectorXd(-reach * corner.direction_in), Eigen::VectorXd(reach * corner.direction_out)})
+    window.show(end.dot(plane.across), end.dot(plane.up));
+}
+
+Series path_series(const SampledMotion& motion, const PathPlane& plane, const PathWindow& window, double scale) {
+  Series path;
+  for (Eigen::Index n = 0; n < motion.position.rows(); ++n) {
+    const Eigen::VectorXd s = motion.position.row(n).transpose();
+    if (s.norm() > 8.0 * window.size()) continue;
+    path.x.push_back(scale * s.dot(plane.across)), path.y.push_back(scale * s.dot(plane.up));
+  }
+  return path;
+}
+
+/// Legs that leave the drawing at both ends.
+Series legs(const Corner& corner, const PathPlane& plane, double length) {
+  Series programmed{"programmed", {}, {}, Mark::line, thin_style};
+  for (const Eigen::VectorXd& end :
+       {Eigen::VectorXd(-length * corner.direction_in), Eigen::VectorXd(0.0 * corner.direction_in),
+        Eigen::VectorXd(length * corner.direction_out)}) {
+    programmed.x.push_back(end.dot(plane.across)), programmed.y.push_back(end.dot(plane.up));
+  }
+  return programmed;
+}
+
+Series round_line(double radius) {
+  Series line;
+  for (int i = 0; i <= 120; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / 120;
+    line.x.push_back(radius * std::cos(turn)), line.y.push_back(radius * std::sin(turn));
+  }
+  return line;
+}
+
+struct Length {
+  double scale;
+  const char* unit;
+};
+Length length_unit(double largest) {
+  return largest < 4e-3 ? Length{1e6, "µm"} : Length{1e3, "mm"};
+}
+
+}  // namespace
+
+CornerMotion::CornerMotion(const DesignResult& r, std::size_t index)
+    : result(r),
+      task(r.task.corners[index]),
+      measures(r.corners[index]),
+      sampled(simulate_response(*r.filter, task.geometry(), measures.delay, r.task.sample_period, r.task.machine)),
+      motion(sampled.motion()) {
+  for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
+    time.push_back(static_cast<double>(n - motion.corner) * r.task.sample_period * 1e3);
+}
+
+Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
+  const PathPlane plane = plane_of(now.task.geometry(), now.result.task.machine);
+  PathWindow window;
+  for (const CornerMotion* at : {&now, before}) {
+    if (at) show_blend(window, *at, plane);
+  }
+  const auto [scale, unit] = length_unit(window.size());
+  Panel panel;
+  panel.title = fmt::format("path around corner {}", now.task.name);
+  panel.taller = 1.6;
+  panel.x.label = fmt::format("{} / {}", plane.across_name, unit);
+  panel.y.label = fmt::format("{} / {}", plane.up_name, unit);
+  panel.equal_aspect = true;
+  const double margin = 0.06 * window.size();
+  panel.x.min = scale * (window.left - margin), panel.x.max = scale * (window.right + margin);
+  panel.y.min = scale * (window.low - margin), panel.y.max = scale * (window.high + margin);
+  if (before) {
+    Series old = path_series(before->motion, plane, window, scale);
+    old.label = "today", old.style = baseline_style, old.solid = true;
+    panel.series.push_back(std::move(old));
+  }
+  if (now.sampled.moved) {
+    Series command = path_series(now.sampled.command, plane, window, scale);
+    command.label = "command", command.style = thin_style;
+    panel.series.push_back(std::move(command));
+  }
+  Series path = path_series(now.motion, plane, window, scale);
+  path.label = now.sampled.moved ? "motion" : "path", path.mark = Mark::line_points, path.style = design_style,
+  path.solid = true;
+  panel.series.push_back(std::move(path));
+  panel.series.push_back(legs(now.task.geometry(), plane, 8.0 * window.size() * scale));
+  if (const double error = scale * now.measures.corner_error; error > 0.0)
+    panel.circles.push_back({0.0, 0.0, error, fmt::format("error {:.4g} {}", error, unit)});
+  if (const double tolerance = scale * now.task.error_max.value_or(0.0); tolerance > 0.0) {
+    Series bound = round_line(tolerance);
+    bound.label = fmt::format("bound {:.4g} {}", tolerance, unit), bound.style = binding_style;
+    panel.series.push_back(std::move(bound));
+  }
+  return panel;
+}
+
+Panel distance_panel(const CornerMotion& now, const CornerMotion* before) {
+  Panel panel;
+  panel.title = "distance from the programmed path";
+  panel.x.label = "time from the corner command / ms";
+  double most = 0.0;
+  for (const CornerMotion* at : {before, &now}) {
+    if (!at) continue;
+    const bool design = at == &now;
+    const std::vector<double> off = distances(*at);
+    const double here = *std::max_element(off.begin(), off.end());
+    Series series{design ? "design" : "today", {}, {}, Mark::line, design ? design_style : baseline_style, true};
+    for (std::size_t n = 0; n < off.size(); ++n) {
+      if (!(off[n] > 1e-6 * here)) continue;
+      panel.x.min = std::min(panel.x.min.value_or(at->time[n]), at->time[n]);
+      panel.x.max = std::max(panel.x.max.value_or(at->time[n]), at->time[n]);
+    }
+    series.x = at->time, series.y = off;
+    most = std::max(most, here);
+    panel.series.push_back(std::move(series));
+  }
+  const auto [scale, unit] = length_unit(most);
+  for (Series& series : panel.series) {
+    for (double& y : series.y) y *= scale;
+  }
+  panel.y.label = fmt::format("distance / {}", unit);
+  panel.y.min = 0.0;
+  if (!(panel.x.min < panel.x.max)) panel.x.min.reset(), panel.x.max.reset();
+  return panel;
+}
+
+}  // namespace accdec

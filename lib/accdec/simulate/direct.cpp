@@ -1,0 +1,188 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <accdec/simulate/direct.hpp>
+
+namespace accdec {
+namespace {
+
+bool at_rest_after(const Toolpath& path, std::span<const int> delays, std::size_t b) {
+  return path.joint[b] == Joint::corner || path.joint[b] == Joint::stop || delays[b] > 0 || b + 1 == path.blocks();
+}
+
+/// Whole samples that a time takes, by the rule of CommandTiming.
+std::int64_t samples_of(double time, double period) {
+  const double samples = time / period;
+  return static_cast<std::int64_t>(std::ceil(samples - (1e-9 + 1e-11 * samples)));
+}
+
+/// Position of the command at every sample, and the filter that its step to there passes.
+struct CommandSamples {
+  std::vector<std::vector<double>> at;  // by axis
+  std::vector<std::uint16_t> filter;    // by sample
+  std::vector<double> reached;          // by block: sample at which its end is reached
+  std::vector<std::int64_t> rest;       // by block: samples of rest after it
+  std::int64_t end_of_motion = 0, last_rest = 0;
+};
+
+class Commander {
+ public:
+  Commander(const Toolpath& path, double period, std::span<const int> delays, const BlockFilters& legs)
+      : path_(path), period_(period), delays_(delays), legs_(legs) {
+    out_.at.resize(path.dimensions());
+    put(path.point(0), 0);
+  }
+
+  CommandSamples run() {
+    for (std::int64_t k = samples_of(path_.dwell_first, period_); k > 0; --k) put(path_.point(0), 0);
+    out_.reached.resize(path_.blocks());
+    out_.rest.resize(path_.blocks());
+    for (std::size_t first = 0; first < path_.blocks();) {
+      std::size_t last = first;
+      while (!at_rest_after(path_, delays_, last)) ++last;
+      travel(first, last);
+      rest(last);
+      first = last + 1;
+    }
+    return std::move(out_);
+  }
+
+ private:
+  std::int64_t now() const { return static_cast<std::int64_t>(out_.filter.size()) - 1; }
+  void put(const double* point, std::size_t filter) {
+    for (std::size_t a = 0; a < out_.at.size(); ++a) out_.at[a].push_back(point[a]);
+    out_.filter.push_back(static_cast<std::uint16_t>(filter));
+  }
+
+  /// A run takes the next whole number of samples; all its feeds are lowered by the same factor.
+  void travel(std::size_t first, std::size_t last) {
+    double time = 0.0;
+    for (std::size_t b = first; b <= last; ++b) time += path_.duration[b];
+    const std::int64_t samples = std::max<std::int64_t>(1, samples_of(time, period_)), from = now();
+    const double stretch = static_cast<double>(samples) * period_ / time;
+    std::vector<double> point(path_.dimensions());
+    std::size_t b = first;
+    double begun = 0.0;  // samples after `from` at which block b begins
+    for (std::int64_t k = 1; k <= samples; ++k) {
+      const auto t = static_cast<double>(k);
+      double lasts = path_.duration[b] * stretch / period_;
+      while (b < last && begun + lasts <= t + 1e-9) {
+        begun += lasts;
+        out_.reached[b] = static_cast<double>(from) + begun;
+        ++b;
+        lasts = path_.duration[b] * stretch / period_;
+      }
+      const double part = k == samples ? 1.0 : std::clamp((t - begun) / lasts, 0.0, 1.0);
+      for (std::size_t a = 0; a < point.size(); ++a)
+        point[a] = path_.point(b)[a] + part * (path_.point(b + 1)[a] - path_.point(b)[a]);
+      put(point.data(), legs_.index(b));
+    }
+    // Blocks shorter than the rest of the last sample.
+    for (; b <= last; ++b) out_.reached[b] = static_cast<double>(now());
+    out_.end_of_motion = std::max(out_.end_of_motion, now() + legs_.of(last).order() + 1);
+  }
+
+  void rest(std::size_t b) {
+    std::int64_t dwell = 0;
+    for (const auto& [block, time] : path_.dwell) {
+      if (block == b) dwell += samples_of(time, period_);
+    }
+    if (b + 1 == path_.blocks()) {
+      out_.last_rest = dwell;
+      return;
+    }
+    out_.rest[b] = delays_[b] + dwell;
+    for (std::int64_t k = 0; k < out_.rest[b]; ++k) put(path_.point(b + 1), legs_.index(b));
+  }
+
+  const Toolpath& path_;
+  double period_;
+  std::span<const int> delays_;
+  const BlockFilters& legs_;
+  CommandSamples out_;
+};
+
+}  // namespace
+
+int BlockFilters::order_max() const {
+  int order = 0;
+  for (const Filter& filter : filters) order = std::max(order, filter.order());
+  return order;
+}
+
+double direct_motion_steps(const Toolpath& path, double sample_period, std::span<const int> delays,
+                           const BlockFilters& legs) {
+  double samples = path.dwell_first / sample_period;
+  for (std::size_t b = 0; b < path.blocks(); ++b) samples += path.duration[b] / sample_period + delays[b];
+  for (const auto& [block, time] : path.dwell) samples += time / sample_period;
+  return samples * static_cast<double>(path.dimensions()) * (legs.order_max() + 1.0);
+}
+
+DirectMotion direct_motion(const Toolpath& path, double sample_period, std::span<const int> delays,
+                           const BlockFilters& legs) {
+  const CommandSamples command = Commander(path, sample_period, delays, legs).run();
+  const auto commanded = static_cast<std::int64_t>(command.filter.size());
+  DirectMotion motion;
+  motion.samples = command.end_of_motion + command.last_rest;
+  const auto all = static_cast<std::size_t>(commanded + legs.order_max() + 4);
+  for (const std::vector<double>& at : command.at) {
+    std::vector<long double> moved(all, 0.0L);
+    for (std::int64_t k = 1; k < commanded; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const long double step = static_cast<long double>(at[i]) - at[i - 1];
+      if (step == 0.0L) continue;
+      const auto taps = legs.filters[command.filter[i]].taps();
+      for (std::size_t j = 0; j < taps.size(); ++j) moved[i + j] += step * taps[j];
+    }
+    std::vector<double>& position = motion.position.emplace_back(all);
+    std::vector<double>& velocity = motion.velocity.emplace_back(all);
+    long double where = at.front();
+    for (std::size_t k = 0; k < all; ++k) {
+      where += moved[k];
+      position[k] = static_cast<double>(where);
+      velocity[k] = static_cast<double>(moved[k] / sample_period);
+    }
+  }
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    const int order = std::max(legs.of(b).order(), legs.of(b + 1).order());
+    const auto last = static_cast<std::int64_t>(all) - 1;
+    motion.windows.push_back({static_cast<std::int64_t>(std::floor(command.reached[b] + 1e-9)),
+                              std::min(last, static_cast<std::int64_t>(std::ceil(command.reached[b] - 1e-9)) +
+                                                 command.rest[b] + order + 1)});
+  }
+  return motion;
+}
+
+double direct_error(const DirectMotion& motion, const Toolpath& path, std::size_t b) {
+  const double* joint = path.asked(b + 1);
+  const std::size_t n = path.dimensions();
+  const bool between = path.joint[b] == Joint::smooth || path.joint[b] == Joint::straight;
+  double least = std::numeric_limits<double>::infinity();
+  const DirectMotion::Window& window = motion.windows[b];
+  for (std::int64_t k = window.first; k <= window.last; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    double off = 0.0, along = 0.0, length = 0.0;
+    for (std::size_t a = 0; a < n; ++a) {
+      const double from = joint[a] - motion.position[a][i];
+      off += from * from;
+      if (!between || k == window.last) continue;
+      const double way = motion.position[a][i + 1] - motion.position[a][i];
+      along += from * way, length += way * way;
+    }
+    least = std::min(least, off);
+    if (length > 0.0 && along > 0.0 && along < length) {
+      // Computed again from the foot of the perpendicular, because a difference of squares would lose the digits.
+      double foot = 0.0;
+      for (std::size_t a = 0; a < n; ++a) {
+        const double way = motion.position[a][i + 1] - motion.position[a][i];
+        const double from = joint[a] - motion.position[a][i] - along / length * way;
+        foot += from * from;
+      }
+      least = std::min(least, foot);
+    }
+  }
+  return std::sqrt(least);
+}
+
+}  // namespace accdec

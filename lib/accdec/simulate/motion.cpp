@@ -1,0 +1,217 @@
+#include <algorithm>
+#include <vector>
+
+#include <accdec/simulate.hpp>
+#include <accdec/simulate/command_stream.hpp>
+#include <accdec/simulate/motion_buffer.hpp>
+#include <accdec/simulate/profile_motion.hpp>
+#include <accdec/simulate/simulate.hpp>
+
+namespace accdec {
+
+class Motion::Source {
+ public:
+  Source() = default;
+  virtual ~Source() = default;
+  Source(const Source&) = delete;
+  Source& operator=(const Source&) = delete;
+  virtual bool next(Sample& sample) = 0;
+  virtual void pass_rest() = 0;
+};
+
+namespace {
+
+/// Samples of a command in which it moves first by u0, then by u.
+struct Stretch {
+  AxisRow<0> u0{}, u{}, end{};
+  std::int64_t count = 0;
+};
+
+/// The commands of one run, from emit_commands.
+struct Stretches {
+  std::vector<Stretch>& all;
+  void command(const AxisRow<0>& u0, const AxisRow<0>& u, std::int64_t count, const AxisRow<0>& end) const {
+    all.push_back({u0, u, end, count});
+  }
+  void joint(std::size_t /*block*/, double /*time*/, std::int64_t /*rest*/) const {}
+};
+
+}  // namespace
+
+class Motion::FilteredSource : public Source {
+ public:
+  FilteredSource(const Toolpath& path, const FilteredCommand& command, double period)
+      : path_(path),
+        n_(path.dimensions()),
+        period_(period),
+        timing_(path, period, command.delays),
+        buffer_(command.filter, n_, path.point(0)),
+        last_(motion_samples(timing_, command.filter)) {
+    std::copy_n(path.point(0), n_, at_.begin());
+    rest(timing_.dwell_samples(path.dwell_first));
+  }
+
+  bool next(Sample& sample) override {
+    if (number_ > last_) return false;
+    sample.number = number_;
+    if (number_ == 0) {
+      std::copy_n(path_.point(0), n_, sample.position.begin());
+      sample.velocity.fill(0.0);
+    } else {
+      if (number_ > buffer_.sample()) fill();
+      const auto since_seen = number_ - buffer_.number(buffer_.seen_begin());
+      for (std::size_t a = 0; a < n_; ++a) {
+        sample.position[a] = buffer_.positions(a)[number_];
+        sample.velocity[a] = buffer_.velocity(a)[since_seen] / period_;
+      }
+    }
+    ++number_;
+    return true;
+  }
+
+  void pass_rest() override {
+    if (number_ != buffer_.sample() + 1 || next_ >= stretches_.size() || buffer_.settled() > buffer_.sample()) return;
+    Stretch& stretch = stretches_[next_];
+    const bool still = stretch.u0 == AxisRow<0>{} && stretch.u == AxisRow<0>{};
+    const std::int64_t passed = std::min(stretch.count, last_ - number_) - 1;
+    if (!still || passed <= 0) return;
+    buffer_.pass_over(passed, stretch.u.data(), stretch.end.data(), 0);
+    stretch.count -= passed;
+    number_ += passed;
+  }
+
+ private:
+  /// Makes the next samples; after the last command it rests.
+  void fill() {
+    buffer_.seen();
+    if (buffer_.room() == 0) buffer_.shift(at_.data());
+    while (buffer_.room() > 0) {
+      if (next_ == stretches_.size()) command_run();
+      Stretch& stretch = stretches_[next_];
+      const std::int64_t count = std::min(stretch.count, buffer_.room());
+      buffer_.append<0>(stretch.u0, stretch.u, count);
+      stretch.count -= count;
+      stretch.u0 = stretch.u;
+      for (std::size_t a = 0; a < n_; ++a) at_[a] = stretch.end[a] - static_cast<double>(stretch.count) * stretch.u[a];
+      if (stretch.count == 0) ++next_;
+    }
+    buffer_.make();
+  }
+
+  void rest(std::int64_t count) {
+    if (count > 0) stretches_.push_back({{}, {}, at_end_of(stretches_), count});
+  }
+  AxisRow<0> at_end_of(const std::vector<Stretch>& stretches) const {
+    return stretches.empty() ? at_ : stretches.back().end;
+  }
+
+  /// The commands of the next run and the rest after it.
+  void command_run() {
+    stretches_.clear();
+    next_ = 0;
+    if (run_ == path_.blocks()) return rest(std::max<std::int64_t>(1, buffer_.room()));
+    const std::size_t end = timing_.run_end(run_);
+    Stretches sink{stretches_};
+    emit_commands<0>(timing_, run_, end, sink);
+    std::int64_t pause = end + 1 < path_.blocks() ? timing_.delay(end) : 0;
+    for (; dwell_ < path_.dwell.size() && path_.dwell[dwell_].first <= end; ++dwell_)
+      pause += timing_.dwell_samples(path_.dwell[dwell_].second);
+    rest(pause);
+    run_ = end + 1;
+  }
+
+  const Toolpath& path_;
+  const std::size_t n_;
+  const double period_;
+  const CommandTiming timing_;
+  MotionBuffer buffer_;
+  const std::int64_t last_;
+  std::int64_t number_ = 0;  // of the next sample
+  AxisRow<0> at_{};          // where the command has come to
+  std::vector<Stretch> stretches_;
+  std::size_t next_ = 0, run_ = 0, dwell_ = 0;
+};
+
+class Motion::TrajectorySource : public Source {
+ public:
+  TrajectorySource(const Toolpath& path, const Trajectory& trajectory, double period)
+      : n_(path.dimensions()), period_(period), motion_(path, trajectory.chain, period, trajectory.last) {
+    std::copy_n(path.point(0), n_, before_.begin());
+  }
+
+  bool next(Sample& sample) override {
+    if (rested_) return false;
+    sample.number = number_;
+    sample.position = before_;
+    sample.velocity.fill(0.0);
+    if (number_++ == 0) return true;
+    rested_ = !motion_.next();
+    for (std::size_t a = 0; a < n_ && !rested_; ++a) {
+      sample.position[a] = motion_.position()[a];
+      sample.velocity[a] = (sample.position[a] - before_[a]) / period_;
+    }
+    before_ = sample.position;
+    return true;
+  }
+  void pass_rest() override { number_ += motion_.pass_rest(); }
+
+ private:
+  const std::size_t n_;
+  const double period_;
+  ProfileMotion motion_;
+  std::array<double, program_axis_count> before_{};
+  std::int64_t number_ = 0;
+  bool rested_ = false;
+};
+
+class Motion::SampledSource : public Source {
+ public:
+  SampledSource(const Toolpath& path, const FreeMotion& motion, double period)
+      : n_(path.dimensions()), period_(period), motion_(motion) {
+    std::copy_n(path.point(0), n_, before_.begin());
+  }
+
+  bool next(Sample& sample) override {
+    const auto count = static_cast<std::int64_t>(motion_.block.size());
+    if (number_ > count + 1) return false;
+    sample.number = number_;
+    sample.position = before_;
+    sample.velocity.fill(0.0);
+    if (number_ > 0 && number_ <= count) {
+      std::copy_n(motion_.position.data() + static_cast<std::size_t>(number_ - 1) * n_, n_, sample.position.begin());
+      for (std::size_t a = 0; a < n_; ++a) sample.velocity[a] = (sample.position[a] - before_[a]) / period_;
+    }
+    before_ = sample.position;
+    ++number_;
+    return true;
+  }
+  void pass_rest() override {}
+
+ private:
+  const std::size_t n_;
+  const double period_;
+  const FreeMotion& motion_;
+  std::array<double, program_axis_count> before_{};
+  std::int64_t number_ = 0;
+};
+
+Motion::Motion(const Plan& plan, double sample_period) {
+  if (const FilteredCommand* command = plan.command()) {
+    source_ = std::make_unique<FilteredSource>(plan.path, *command, sample_period);
+  } else if (plan.trajectory()->is_free()) {
+    source_ = std::make_unique<SampledSource>(plan.path, plan.trajectory()->free, sample_period);
+  } else {
+    source_ = std::make_unique<TrajectorySource>(plan.path, *plan.trajectory(), sample_period);
+  }
+}
+
+Motion::~Motion() = default;
+
+bool Motion::next(Sample& sample) {
+  return source_->next(sample);
+}
+void Motion::pass_rest() {
+  source_->pass_rest();
+}
+
+}  // namespace accdec

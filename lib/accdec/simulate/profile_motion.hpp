@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <accdec/filter.hpp>
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+/// The motion of a chain along a toolpath, sample by sample, as a controller would request it: O(1) additional memory.
+///
+/// In continuous time, every leg consists of steady motion and constant accelerations, and every corner is a constant
+/// acceleration. The motion is sampled at T. Only where it stops it waits for the next sample. Sampling keeps limits.
+/// The second difference of the samples over T^2 is a weighted mean of the acceleration, and the third over T^3 is one
+/// of the jerk. At the end the samples pass a filter; at rest they wait until it is empty.
+class ProfileMotion {
+ public:
+  /// References are kept.
+  ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last);
+  /// The motion of legs first_leg .. last_leg only, as if it rested before and ended before the corner at their end.
+  /// @param first_sample  s after the start, in (0, T]: a part of a longer motion is sampled at any times
+  ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last,
+                std::size_t first_leg, std::size_t last_leg, double first_sample);
+
+  /// Advances by one sample; false if the motion is at rest at its end. The first call gives the first sample after the
+  /// start.
+  bool next();
+  /// From now on records, for the present leg and every later one, the time from the beginning of the leg to its first
+  /// sample. In s, one value per leg, kept by reference.
+  void note_phases(std::vector<double>& phases);
+  /// After next(): where it stands still, and did for longer than its last filter and three differences see, passes
+  /// over the samples that it still rests, and says how many.
+  std::int64_t pass_rest();
+  /// m, one value a dimension.
+  const double* position() const { return out_.data(); }
+  /// The place of the sample: 2 b for leg b, 2 b + 1 for the corner after it. For the samples inside the filter, the
+  /// first and the last place.
+  std::int64_t place_first() const { return taps_ == 1 ? place_ : places_[slot_]; }
+  std::int64_t place_last() const { return place_; }
+
+ private:
+  struct Piece {
+    double duration = 0.0;
+    std::array<double, program_axis_count> x{}, v{}, a{};
+  };
+
+  void leg_pieces(std::size_t b);
+  void ramp_pieces(std::size_t b, double from, double to, double& way, const double* u);
+  void corner_piece(std::size_t c);
+  void arrive(std::size_t c);
+  void begin_leg(std::size_t b);
+  void direction(std::size_t b, double* u) const;
+  void leg_piece(std::size_t b, double& way, double speed, double acceleration, double duration, const double* u);
+  bool ends_at_stop() const;
+  bool raw();
+  void smooth();
+  void convolve(std::size_t newest);
+
+  const Toolpath& path_;
+  const ProfileChain& chain_;
+  const double period_;
+  const Filter& last_;
+  const int taps_;
+  bool equal_ = true;  // taps
+  const std::size_t n_;
+  std::vector<Piece> pieces_;  // of the leg or corner being driven
+  std::size_t piece_ = 0;
+  std::size_t leg_ = 0;  // being driven, or before the corner being driven
+  std::size_t last_leg_ = 0;
+  bool in_corner_ = false;
+  bool done_ = false;
+  double time_ = 0.0;       // since the beginning of the piece, of the next sample
+  std::int64_t rest_ = 0;   // samples still to rest
+  std::int64_t stood_ = 0;  // samples at rest so far
+  std::int64_t place_ = 0;
+  std::size_t dwell_ = 0;  // next entry of the path's dwells
+  std::vector<double>* phases_ = nullptr;
+  std::array<double, program_axis_count> raw_{}, out_{};
+  // the last filter
+  std::vector<double> ring_;  // taps rows
+  std::vector<std::int64_t> places_;
+  std::size_t slot_ = 0;
+  std::array<long double, program_axis_count> sum_{};
+};
+
+/// Continuous time of the chain between its stops, without rounding to samples and without dwells, s.
+double chain_time(const ProfileChain& chain);
+/// The time of legs first .. end - 1 with the corners at their ends, without the corner before the first.
+double chain_time(const ProfileChain& chain, std::size_t first, std::size_t end);
+
+}  // namespace accdec

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <accdec/machine.hpp>
+#include <accdec/program.hpp>
+#include <accdec/simulate.hpp>
+
+namespace accdec {
+
+/// Whether an error found by simulation is within its bound; see verification_tolerance and position_floor.
+bool holds(double error, double bound);
+
+/// Follows a motion only by its positions, without any formula of a planner.
+///
+/// Velocity, acceleration and jerk of an axis are the first three differences of its samples over T, T^2, T^3. Force,
+/// power and regeneration follow from the first two, as for every other plan. The possible rounding of such a position
+/// to a double is subtracted first. The error of a joint is the distance of the polyline through the samples from the
+/// joint, while the motion is on the legs beside it.
+class SampleChecker {
+ public:
+  /// A limit used `ratio` > 1 times by samples that lie between two places (see ProfileMotion).
+  using Broken = std::function<void(std::int64_t place_first, std::int64_t place_last, LimitKind kind, double ratio)>;
+
+  /// @param machine  as many axes as the path, or none  @param errors  of every block, see ProgramPlan; written
+  SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors,
+                Broken broken);
+  /// Only for legs first .. last. The first `unseen` samples, which fill filters and differences, have no limits.
+  SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors,
+                Broken broken, std::size_t first, std::size_t last, int unseen);
+
+  /// The next sample after the start, m. The places say which joints it may be measured against.
+  void look(const double* position, std::int64_t place_first, std::int64_t place_last);
+  /// So many more samples like the last ones, at which it stands still.
+  void rest(std::int64_t count) { sample_ += count; }
+  SampleCheck finish();
+  /// For a part: computes the errors of its joints. @param at_rest  it ends where the program does
+  void finish_part(bool at_rest);
+
+ private:
+  struct Worst {
+    LimitKind kind{};
+    std::size_t axis = 0;
+    double bound = 0.0, value = 0.0;
+    std::int64_t sample = 0, place = 0;
+    double dv = 0.0, da = 0.0, dj = 0.0;  ///< possible rounding of velocity, acceleration, jerk
+  };
+  void look_limits(std::int64_t place_first, std::int64_t place_last);
+  void look_joints(std::int64_t place_first, std::int64_t place_last);
+  double value_of(const Worst& worst) const;
+  void settle();
+  void take_roots();
+
+  const Toolpath& path_;
+  const Machine& machine_;
+  const double rate_;  // of samples, 1/s
+  const std::size_t n_;
+  std::span<double> errors_;
+  Broken broken_;
+  std::vector<Worst> worst_;
+  std::vector<double> before_, now_, velocity_, acceleration_, jerk_, largest_;
+  std::int64_t sample_ = 0;
+  std::int64_t unseen_ = 0;
+  std::size_t first_ = 0, last_ = 0;    // legs
+  std::int64_t places_[3] = {0, 0, 0};  // first places of the last samples
+};
+
+/// Distance of a point from the segment a to b, all of n values, squared.
+double segment_distance2(const double* a, const double* b, const double* point, std::size_t n);
+
+}  // namespace accdec

@@ -1,0 +1,260 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <accdec/simulate/joint_distance.hpp>
+#include <accdec/simulate/limit_watch.hpp>
+#include <accdec/simulate/motion_buffer.hpp>
+#include <accdec/simulate/simulate.hpp>
+
+namespace accdec {
+namespace {
+
+/// Feeds the commands to the motion buffer and reads joints and limits off it.
+/// @tparam axes  their number; 0: only known at run time
+template <std::size_t axes>
+class Simulator {
+ public:
+  Simulator(const CommandTiming& timing, const Filter& filter, std::size_t first, std::span<double> errors,
+            const SimulationOptions& options)
+      : path_(timing.path()),
+        mean_delay_(filter.mean_delay()),
+        order_(filter.order()),
+        errors_(errors),
+        options_(options),
+        motion_(filter, path_.dimensions(), path_.point(first)),
+        watch_(options.machine, path_.dimensions(), timing.sample_period(), options.blame),
+        block_(first) {}
+
+  [[gnu::always_inline]] inline void command(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count,
+                                             const AxisRow<axes>& end) {
+    if (count <= steady_min && count <= motion_.room()) {
+      watched_until_ = std::max(watched_until_, motion_.sample() + order_ + 3);
+      append(u0, u, count);
+    } else {
+      const AxisRow<axes> u0_copy = u0, u_copy = u, end_copy = end;  // so that the caller's may stay in registers
+      long_command(u0_copy, u_copy, count, end_copy);
+    }
+  }
+
+  /// From here on times of joints count.
+  void begin() { begin_ = motion_.sample(); }
+
+  void joint(std::size_t b, double time, std::int64_t rest) {
+    time += static_cast<double>(begin_);
+    const auto reached = static_cast<std::int64_t>(time);
+    // A rest longer than the filter adds only samples that stand still in the joint.
+    const std::int64_t seen = std::min<std::int64_t>(rest, order_ + 1);
+    const std::int64_t window = (time > static_cast<double>(reached) ? 1 : 0) + seen + order_ + 1;
+    const double guess = time + 0.5 * static_cast<double>(seen) + mean_delay_;
+    pending_.push_back({b, reached, reached + window, static_cast<std::int64_t>(guess), !ends_leg(path_, b)});
+    watched_until_ = std::max(watched_until_, reached + window + 1);
+    block_ = b + 1;
+  }
+
+  /// @param at  where the command ended  @param rest  samples that it rests there
+  Simulation finish(const double* at, std::int64_t rest) {
+    AxisRow<axes> end{};
+    std::copy_n(at, dimensions(), end.begin());
+    command({}, {}, order_ + 2 + rest, end);  // the last step of the jerk, too
+    flush();
+    Simulation result;
+    result.samples = motion_.settled() + rest;
+    watch_.finish(result.limits, path_);
+    result.broken = watch_.broken();
+    return result;
+  }
+
+ private:
+  static constexpr std::int64_t steady_min = 16;
+
+  [[gnu::noinline]] void long_command(AxisRow<axes> u0, const AxisRow<axes>& u, std::int64_t count,
+                                      const AxisRow<axes>& end) {
+    watched_until_ = std::max(watched_until_, motion_.sample() + order_ + 3);
+    while (count > 0) {
+      // Steady motion is skipped, except for the last two samples, where the window of the next joint begins.
+      const std::int64_t steady = count - 2 - std::max<std::int64_t>(1, watched_until_ - motion_.sample());
+      if (steady > steady_min && !options_.samples) {
+        const std::int64_t transient = count - 2 - steady;
+        advance(u0, u, transient, count, end);
+        count -= transient;
+        flush();
+        watch_.steady(motion_, u.data(), block_);
+        motion_.pass_over(steady, u.data(), end.data(), count - steady);
+        count -= steady;
+        u0 = u;
+      } else {
+        advance(u0, u, count, count, end);
+        count = 0;
+      }
+    }
+  }
+
+  /// @param left  samples of the command still to come, these included, up to its end point
+  void advance(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count, std::int64_t left,
+               const AxisRow<axes>& end) {
+    for (bool first = true; count > 0; first = false) {
+      if (motion_.room() == 0) {
+        flush();
+        AxisRow<axes> at = end;
+        for (std::size_t a = 0; a < dimensions(); ++a)
+          at[a] -= static_cast<double>(first ? left - 1 : left) * u[a] + (first ? u0[a] : 0.0);
+        motion_.shift(at.data());
+      }
+      const std::int64_t now = std::min(count, motion_.room());
+      append(first ? u0 : u, u, now);
+      count -= now;
+      left -= now;
+    }
+  }
+
+  [[gnu::always_inline]] inline void append(const AxisRow<axes>& u0, const AxisRow<axes>& u, std::int64_t count) {
+    watch_.mark(motion_.index(), block_);
+    motion_.append<axes>(u0, u, count);
+  }
+
+  void flush() {
+    motion_.make();
+    for (std::size_t a = 0; a < dimensions(); ++a) position_[a] = motion_.positions(a);
+    std::size_t done = 0;
+    while (done < pending_.size() && pending_[done].last < motion_.sample()) ++done;
+    if (options_.whole_windows) {
+      for (std::size_t i = 0; i < done; ++i) errors_[pending_[i].block] = least_error_of(pending_[i]);
+      pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
+      done = 0;
+    }
+    if (squared_.size() < done) squared_.resize(done);
+    nearest_squared(position_.data(), dimensions(), path_.asked_points(), pending_.data(), done, squared_.data());
+    for (std::size_t i = 0; i < done; ++i) {
+      const std::size_t block = pending_[i].block;
+      const double error = std::sqrt(std::max(0.0, squared_[i]));
+      const bool decided = squared_[i] >= 0.0 && error <= path_.tolerance[block];
+      errors_[block] = decided ? error : searched_error_of(pending_[i]);
+    }
+    pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
+    watch_.look(motion_, block_);
+    if (options_.samples) motion_.deliver(options_.samples);
+    motion_.seen();
+  }
+
+  std::size_t dimensions() const { return axes > 0 ? axes : path_.dimensions(); }
+  double searched_error_of(const JointWindow& joint) const;
+  double least_error_of(const JointWindow& joint);
+
+  const Toolpath& path_;
+  double mean_delay_;   // of the filter, samples
+  std::int64_t order_;  // of the filter
+  std::span<double> errors_;
+  const SimulationOptions& options_;
+  MotionBuffer motion_;
+  LimitWatch watch_;
+  std::vector<JointWindow> pending_;  // joints whose windows are not yet over
+  std::vector<double> squared_;
+  std::vector<JointWindow> parts_;                            // of one window
+  std::array<const double*, program_axis_count> position_{};  // of every axis by sample number
+  std::int64_t begin_ = 0;
+  std::int64_t watched_until_ = 0;  // no sample before this is skipped
+  std::size_t block_;
+};
+
+template <std::size_t axes>
+double Simulator<axes>::least_error_of(const JointWindow& joint) {
+  constexpr std::int64_t places = 8;  // places that nearest_squared examines around its guess
+  parts_.clear();
+  // Segments end one sample after the last place, and a window of a single sample has none.
+  const bool segments = joint.path && joint.last > joint.first;
+  for (std::int64_t first = joint.first; first < joint.last + (segments ? 0 : 1); first += places) {
+    const std::int64_t last = std::min(joint.last, first + places - (segments ? 0 : 1));
+    parts_.push_back({joint.block, first, last, first + places / 2, joint.path});
+  }
+  if (squared_.size() < parts_.size()) squared_.resize(parts_.size());
+  nearest_squared(position_.data(), dimensions(), path_.asked_points(), parts_.data(), parts_.size(), squared_.data());
+  return std::sqrt(*std::min_element(squared_.begin(), squared_.begin() + static_cast<std::ptrdiff_t>(parts_.size())));
+}
+
+template <std::size_t axes>
+double Simulator<axes>::searched_error_of(const JointWindow& joint) const {
+  const double* corner = path_.asked(joint.block + 1);
+  const std::size_t n = dimensions();
+  const auto& position = position_;
+  const auto distance2 = [&](std::int64_t k) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double d = position[i][k] - corner[i];
+      sum += d * d;
+    }
+    return sum;
+  };
+  // Squared distance of the corner from the segment from sample k to k + 1.
+  const auto segment2 = [&](std::int64_t k) {
+    double ab2 = 1e-300, dot = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double d = position[i][k + 1] - position[i][k];
+      ab2 += d * d;
+      dot += (corner[i] - position[i][k]) * d;
+    }
+    const double t = std::min(1.0, std::max(0.0, dot / ab2));
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double x = position[i][k] + t * (position[i][k + 1] - position[i][k]) - corner[i];
+      sum += x * x;
+    }
+    return sum;
+  };
+  const bool at_samples = ends_leg(path_, joint.block);
+  const auto finish = [&](std::int64_t k, double best) {
+    if (!at_samples) {
+      if (k > joint.first) best = std::min(best, segment2(k - 1));
+      if (k < joint.last) best = std::min(best, segment2(k));
+    }
+    return std::sqrt(best);
+  };
+  // Descends from the sample that would be nearest in even motion. It only matters that the nearest sample is within
+  // the bound. So the whole window is searched only if the bound is not met.
+  std::int64_t k = std::clamp(joint.guess, joint.first, joint.last);
+  double best = distance2(k);
+  for (const int step : {1, -1}) {
+    while (k + step >= joint.first && k + step <= joint.last) {
+      const double next = distance2(k + step);
+      if (!(next < best)) break;
+      best = next;
+      k += step;
+    }
+  }
+  double error = finish(k, best);
+  if (error > path_.tolerance[joint.block]) {
+    for (std::int64_t j = joint.first; j <= joint.last; ++j) error = std::min(error, finish(j, distance2(j)));
+  }
+  return error;
+}
+
+template <std::size_t axes>
+Simulation simulate(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+                    std::span<double> errors, const SimulationOptions& options) {
+  Simulator<axes> simulator(timing, filter, first, errors, options);
+  if (first == 0 && timing.path().dwell_first > 0.0) {
+    AxisRow<axes> at{};
+    std::copy_n(timing.path().point(0), timing.path().dimensions(), at.begin());
+    simulator.command({}, {}, timing.dwell_samples(timing.path().dwell_first), at);
+  }
+  simulator.begin();
+  emit_commands<axes>(timing, first, last, simulator);
+  return simulator.finish(timing.path().point(last + 1), last + 1 == timing.path().blocks() ? timing.dwell_last() : 0);
+}
+
+}  // namespace
+
+Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+                            std::span<double> errors, const SimulationOptions& options) {
+  switch (timing.path().dimensions()) {
+    case 2: return simulate<2>(timing, filter, first, last, errors, options);
+    case 3: return simulate<3>(timing, filter, first, last, errors, options);
+    default: return simulate<0>(timing, filter, first, last, errors, options);
+  }
+}
+
+std::int64_t motion_samples(const CommandTiming& timing, const Filter& filter) {
+  return timing.command_samples() + filter.order() + 1;
+}
+
+}  // namespace accdec

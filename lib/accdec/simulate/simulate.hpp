@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
+#include <accdec/simulate/command_stream.hpp>
+
+namespace accdec {
+
+/// Receives the filtered motion: `count` samples from sample number `first` on. position[i] and velocity[i] point to
+/// the values of axis i, in m and m per sample.
+using SampleSink = std::function<void(std::int64_t first, std::int64_t count, const double* const* position,
+                                      const double* const* velocity)>;
+
+struct SimulationOptions {
+  const Machine* machine = nullptr;  ///< as many axes as the path; none: limits are not checked
+  bool blame = false;                ///< find the blocks during whose command a limit is broken, see Simulation::broken
+  SampleSink samples;                ///< if set, gets every sample, including those of steady motion
+  bool whole_windows = false;        ///< search the whole window of every joint, see the errors of simulate_program
+};
+
+/// Result of the simulation of a program, or of a part of it.
+struct Simulation {
+  std::int64_t samples =
+      0;  ///< from the last at rest before to the first at rest after the motion, and the dwell after that
+  std::vector<LimitUse>
+      limits;  ///< worst use of every finite axis limit; `sample` counts from the start of the program
+  std::vector<std::uint32_t> broken;  ///< blocks commanded (or about to be, after their delay) when a limit was broken
+};
+
+/// Filters the command samples of a program and follows the motion sample by sample.
+///
+/// A change of the command by D at a sample adds D b_0, D b_1 .. to the N + 1 following changes of velocity. So each
+/// change costs O(N), however many moves overlap, and each sample a few additions. If nearly every sample has a change,
+/// as in finely divided programs, the same products are summed sample by sample instead, several samples per
+/// instruction. Stretches of steady motion are passed over in one step. Velocity and
+/// position are computed from the command again every few thousand samples, so that rounding does not accumulate.
+///
+/// @param first, last  blocks to simulate; the motion begins and ends at rest there
+/// @param errors       of every joint first .. last - 1, indexed by block: min |S| over the samples of its window
+/// [reached, left +
+///                     N + 1] for corners and stops, the distance of the path through those samples for smooth and
+///                     straight joints, m; N is the order of the filter. Where moves overlap a
+///                     path may come near a joint more than once; unless the whole windows are asked for, an approach
+///                     that is within the tolerance is taken for the nearest
+Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+                            std::span<double> errors, const SimulationOptions& options = {});
+
+/// The time model: samples of the motion as simulate_program counts them, from the timing alone.
+std::int64_t motion_samples(const CommandTiming& timing, const Filter& filter);
+
+}  // namespace accdec

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include <accdec/corner.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/task.hpp>
+#include <accdec/task/blend_limits.hpp>
+#include <accdec/verify.hpp>
+
+// Internal to the room: whether one filter holds a task's limits, by formula.
+
+namespace accdec {
+
+/// Slack for choices by formula. The simulated verification at the end decides, with its own tolerance.
+inline constexpr double formula_slack = 1.0 + 0.9 * verification_tolerance;
+
+/// Whether a filter holds what delays do not change: starts, stops and vibrations. In delays_by_formula.cpp.
+/// @param stop  polled; true ends it with any answer
+bool holds_without_blends(const BlendLimits& limits, const Filter& filter, const Task& task,
+                          const std::function<bool()>& stop);
+
+/// Checks one corner's blend for one delay after another.
+class BlendCheck {
+ public:
+  /// @param filter  of the motion: behind the machine's response  @param limits  of the designed filter
+  BlendCheck(const Filter& filter, const TaskCorner& corner, const Task& task, const BlendLimits& limits)
+      : filter_(filter), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
+
+  bool holds(int delay) {
+    if (!limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) || !speed_holds(delay))
+      return false;
+    if (!corner_.error_max) return true;
+    const double error = corner_error(Blend(filter_, corner_.geometry(), delay, period_));
+    return judged_distance(error) <= *corner_.error_max * formula_slack;
+  }
+
+ private:
+  bool speed_holds(int delay) const {
+    if (!(corner_.speed_min > 0.0)) return true;
+    const int last = filter_.order() + delay + settling;
+    for (int k = 0; k <= last; ++k) {
+      const double remaining = filter_.remaining(k), gone = filter_.cumulative(k - delay);
+      double speed_squared = 0.0;
+      for (std::size_t a = 0; a < legs_.in.size(); ++a) {
+        const double v = legs_.in[a] * remaining + legs_.out[a] * gone;
+        speed_squared += v * v;
+      }
+      if (corner_.speed_min > std::sqrt(speed_squared) * formula_slack) return false;
+    }
+    return true;
+  }
+
+  const Filter& filter_;
+  const TaskCorner& corner_;
+  double period_;
+  const BlendLimits& limits_;
+  LegVelocities legs_;
+  int hint_ = 0;
+};
+
+}  // namespace accdec

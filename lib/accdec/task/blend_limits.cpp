@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/machine/limits.hpp>
+#include <accdec/task/blend_limits.hpp>
+
+namespace accdec {
+
+BlendLimits::BlendLimits(const Filter& filter, const Machine& machine, double sample_period)
+    : behind_(filter, machine, sample_period), filter_(behind_.command()), machine_(machine), period_(sample_period) {
+  // A servo averages: no tap of the motion is larger.
+  for (int i = 0; i <= filter_.order() + 1; ++i) {
+    peak_tap_ = std::max(peak_tap_, filter_.tap(i));
+    peak_step_ = std::max(peak_step_, std::abs(filter_.tap(i) - filter_.tap(i - 1)));
+  }
+  for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+    if (limited(machine.axes[a])) limited_.push_back(a);
+  }
+}
+
+double BlendLimits::start_factor(const double* velocity, Binding* binding) const {
+  double factor = 1.0;
+  for (const std::size_t a : limited_) {
+    const Axis& axis = machine_.axes[a];
+    const double v = std::abs(velocity[a]), acceleration = v * peak_tap_ / period_;
+    if (v == 0.0) continue;
+    AxisState peak = axis_state(axis, v, acceleration, v * peak_step_ / (period_ * period_));
+    peak.braking = peak.motoring;  // a stop brakes as a start drives
+    for (const AxisLimit& limit : axis_limits) {
+      const double value = limit.value(peak);
+      if (!(value > 0.0)) continue;
+      const double allowed = limit.degree == 2 ? std::sqrt(axis.*limit.bound / value) : axis.*limit.bound / value;
+      if (allowed >= factor) continue;
+      factor = allowed;
+      if (binding != nullptr) *binding = {limit.kind, a};
+    }
+  }
+  return factor;
+}
+
+bool BlendLimits::any_delay_holds(const double* in, const double* out, int from) const {
+  const bool merge = from == 0;  // without delay the steps merge
+  for (const std::size_t a : limited_) {
+    const Axis& axis = machine_.axes[a];
+    const double v1 = std::abs(in[a]), v2 = std::abs(out[a]), change = std::abs(out[a] - in[a]);
+    // The steps of both legs add where they point apart.
+    const double apart = in[a] * out[a] < 0.0 ? v1 + v2 : std::max(v1, v2);
+    const double acceleration = (merge ? change : apart) * peak_tap_ / period_;
+    const double jerk = (merge ? change : v1 + v2) * peak_step_ / (period_ * period_);
+    AxisState peak = axis_state(axis, std::max(v1, v2), acceleration, jerk);
+    peak.braking = peak.motoring;
+    if (!accdec::holds(axis, peak, 1.0)) return false;
+  }
+  return true;
+}
+
+bool BlendLimits::sample_holds(std::size_t a, double in, double out, int delay, int k, double slack) const {
+  const Axis& axis = machine_.axes[a];
+  const auto acceleration = [&](int i) {
+    return (out * filter_.tap(i - 1 - delay) - in * filter_.tap(i - 1)) / period_;
+  };
+  AxisSampler sampler(axis, period_);
+  for (int i = std::max(k - AxisSampler::memory, 0); i < k; ++i) sampler.skip(acceleration(i));
+  return accdec::holds(axis, state(sampler, axis, in, out, delay, k), slack);
+}
+
+AxisState BlendLimits::state(AxisSampler& sampler, const Axis& axis, double in, double out, int delay, int k) const {
+  const auto velocity = [&](const Filter& filter) {
+    return in * filter.remaining(k) + out * filter.cumulative(k - delay);
+  };
+  const auto acceleration = [&](const Filter& filter) {
+    return (out * filter.tap(k - 1 - delay) - in * filter.tap(k - 1)) / period_;
+  };
+  const AxisState command = sampler.next(velocity(filter_), acceleration(filter_));
+  if (behind_.ideal()) return command;
+  return with_load(command, axis, velocity(behind_.motion()), acceleration(behind_.motion()));
+}
+
+bool BlendLimits::holds(const double* in, const double* out, int delay, double slack, int* hint) const {
+  const int last = behind_.motion().order() + delay + settling;
+  if (hint != nullptr) {
+    for (const int k : {*hint, *hint + 1}) {
+      for (const std::size_t a : limited_)
+        if (k <= last && !sample_holds(a, in[a], out[a], delay, k, slack)) return false;
+    }
+  }
+  for (const std::size_t a : limited_) {
+    const Axis& axis = machine_.axes[a];
+    const double v1 = in[a], v2 = out[a];
+    AxisSampler sampler(axis, period_);
+    for (int k = 0; k <= last; ++k) {
+      if (accdec::holds(axis, state(sampler, axis, v1, v2, delay, k), slack)) continue;
+      if (hint != nullptr) *hint = k;
+      return false;
+    }
+  }
+  return true;
+}
+
+int BlendLimits::smallest(const double* in, const double* out, int from, bool& possible) const {
+  if (any_delay_holds(in, out, from)) return from;
+  if (holds(in, out, from)) return from;
+  const int apart = behind_.motion().order() + settling;
+  if (from >= apart || !holds(in, out, apart)) {
+    possible = false;
+    return from;
+  }
+  int delay = from + 1;
+  while (delay < apart && !holds(in, out, delay)) ++delay;
+  return delay;
+}
+
+LegVelocities::LegVelocities(const Corner& corner) : rest(static_cast<std::size_t>(corner.axes()), 0.0) {
+  for (Eigen::Index i = 0; i < corner.axes(); ++i) {
+    in.push_back(corner.feed_in * corner.direction_in[i]);
+    out.push_back(corner.feed_out * corner.direction_out[i]);
+  }
+}
+
+}  // namespace accdec

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <vector>
+
+#include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/task.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+
+/// Limits used up to this factor surely count as held, whatever the simulation rounds (verdict_by_formula).
+inline constexpr double surely_granted = 1.0 + 0.5 * verification_tolerance;
+
+/// The axis limits where two legs meet, by the formula of the blend: velocity, acceleration, jerk, force, power and
+/// regeneration. Quick delays of designs, delays of given filters and delays of programs all come from here. It is made
+/// for millions of joints: bounds for every delay settle most, the others are checked sample by sample with an early
+/// exit. With a response of the machine, load limits are those of the motion behind it. The checkers (verifier, check
+/// of delays, proofs, samples of programs) have formulas of their own.
+class BlendLimits {
+ public:
+  /// References are kept.
+  BlendLimits(const Filter& filter, const Machine& machine, double sample_period);
+
+  bool any() const { return !limited_.empty(); }
+  struct Binding {
+    LimitKind kind = LimitKind::velocity;
+    std::size_t axis = 0;
+  };
+  /// Largest factor <= 1 on a velocity, m/s an axis, with which the filter surely starts it from rest and stops it
+  /// within the limits.
+  /// @param binding  set to the limit that asks for it, if the factor is below 1
+  double start_factor(const double* velocity, Binding* binding = nullptr) const;
+  /// Smallest d >= from with all limits held; `from` itself if even legs so far apart that they do not overlap break
+  /// one.
+  /// @param in, out  velocities of the legs, m/s, one value an axis  @param possible  set to false in that case, else
+  /// left alone
+  int smallest(const double* in, const double* out, int from, bool& possible) const;
+  /// Whether the limits hold with this delay, sample by sample; a leg at rest has velocities of 0.
+  /// @param slack  factor on the bounds
+  /// @param hint  a sample checked first, set to the first that breaks a limit. The next delay most likely fails at the
+  /// same sample, so most delays that fail cost O(axes) instead of O(axes N).
+  bool holds(const double* in, const double* out, int delay, double slack = surely_granted, int* hint = nullptr) const;
+
+ private:
+  bool sample_holds(std::size_t axis, double in, double out, int delay, int sample, double slack) const;
+  bool any_delay_holds(const double* in, const double* out, int from) const;
+
+  /// What one axis does at a sample.
+  AxisState state(AxisSampler& sampler, const Axis& axis, double in, double out, int delay, int sample) const;
+
+  FilterBehind behind_;
+  const Filter& filter_;  // of the command
+  const Machine& machine_;
+  double period_;
+  double peak_tap_ = 0.0, peak_step_ = 0.0;  // largest tap and difference of neighbours
+  std::vector<std::size_t> limited_;         // axes with any limit
+};
+
+/// Velocities of a corner's legs, m/s, one value an axis, as BlendLimits takes them.
+struct LegVelocities {
+  explicit LegVelocities(const Corner& corner);
+  std::vector<double> in, out, rest;  ///< rest: zeros
+};
+
+}  // namespace accdec

@@ -1,0 +1,182 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/corner.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/task/blend_check.hpp>
+#include <accdec/task/delay_kinds.hpp>
+#include <accdec/task/delays_by_formula.hpp>
+#include <accdec/task/objective.hpp>
+
+namespace accdec {
+namespace {
+
+/// Widths closer than this part are one width: no controller tells them apart.
+constexpr double same_width = 1e-9;
+
+bool names(const std::vector<DelayKind>& kinds, DelayKind kind) {
+  return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+}
+
+/// The remaining way of leg 1 at a delay, m: the width below which the next block waits longer.
+double way_left(const Filter& filter, const TaskCorner& corner, double period, int delay) {
+  return corner.geometry().feed_in * period * filter.remaining_moment(delay);
+}
+
+/// Looks for the cheapest delays of a filter of which everything but the blends holds.
+class KindChoice {
+ public:
+  /// @param motion  the filter behind the machine's response
+  KindChoice(const Filter& filter, const Filter& motion, const Task& task, const BlendLimits& limits, double samples,
+             const std::function<bool()>& stop)
+      : filter_(filter),
+        task_(task),
+        kinds_(task.settings->delays),
+        cost_(cost_of(task)),
+        stop_(stop),
+        apart_(DelayFinder(filter).exact_stop_delay()),
+        last_(apart_ + motion.order() - filter.order() + settling),
+        best_(samples) {
+    for (const TaskCorner& corner : task.corners) checks_.emplace_back(motion, corner, task, limits);
+    known_.assign(checks_.size(), std::vector<signed char>(static_cast<std::size_t>(last_) + 1, -1));
+  }
+
+  std::optional<KindDelays> run() {
+    for (std::size_t j = 0; j < checks_.size(); ++j) others_.push_back(other_kinds(j));
+    none_else_ = std::all_of(others_.begin(), others_.end(), [](const Choice& c) { return c.delay < 0; });
+    offer(std::vector<int>(checks_.size(), -1));
+    if (names(kinds_, DelayKind::in_position)) every_width();
+    if (!found_ || late_) return std::nullopt;
+    std::vector<bool> mask;
+    for (const DelayKind kind : found_->kinds) mask.push_back(kind == DelayKind::in_position);
+    if (std::find(mask.begin(), mask.end(), true) != mask.end())
+      found_->width = width_of(filter_, task_, found_->delays, mask);
+    return found_;
+  }
+
+ private:
+  struct Choice {
+    int delay = -1;  ///< -1: there is none
+    DelayKind kind = DelayKind::continuous;
+  };
+
+  bool holds(std::size_t j, int delay) {
+    const auto at = static_cast<std::size_t>(delay);
+    if (at >= known_[j].size()) return checks_[j].holds(delay);
+    signed char& known = known_[j][at];
+    if (known < 0) known = checks_[j].holds(delay) ? 1 : 0;
+    late_ = late_ || (stop_ && stop_());
+    return known == 1;
+  }
+
+  /// The shortest delay of a corner without a width.
+  Choice other_kinds(std::size_t j) {
+    const std::optional<int> given = task_.corners[j].delay;
+    if (names(kinds_, DelayKind::continuous) && given.value_or(0) == 0 && holds(j, 0))
+      return {0, DelayKind::continuous};
+    for (const DelayKind free : {DelayKind::dwell, DelayKind::timed_axis}) {
+      if (!names(kinds_, free)) continue;
+      const int last = given.value_or(last_);
+      for (int d = given.value_or(0); d <= last && !late_; ++d) {
+        if (!holds(j, d)) continue;
+        const bool stops = d >= apart_ && names(kinds_, DelayKind::exact_stop);
+        return {d, stops ? DelayKind::exact_stop : free};
+      }
+    }
+    if (names(kinds_, DelayKind::exact_stop)) {
+      for (int d = apart_; d <= last_ && !late_; ++d) {
+        if (given.value_or(d) == d && holds(j, d)) return {d, DelayKind::exact_stop};
+      }
+    }
+    return {};
+  }
+
+  /// Takes for every corner the shorter of both kinds, if all have one and they cost least.
+  void offer(const std::vector<int>& by_width) {
+    std::vector<int> delays;
+    std::vector<DelayKind> kinds;
+    for (std::size_t j = 0; j < others_.size(); ++j) {
+      const bool shorter =
+          by_width[j] >= 0 && !task_.corners[j].delay && (others_[j].delay < 0 || by_width[j] < others_[j].delay);
+      if (shorter && holds(j, by_width[j])) {
+        delays.push_back(by_width[j]), kinds.push_back(DelayKind::in_position);
+      } else if (others_[j].delay >= 0) {
+        delays.push_back(others_[j].delay), kinds.push_back(others_[j].kind);
+      } else {
+        return;
+      }
+    }
+    const double cost = cost_(filter_.order(), delays);
+    if (!(cost < best_ * (1.0 - 1e-12))) return;
+    best_ = cost;
+    found_ = {std::move(delays), std::move(kinds), std::nullopt};
+  }
+
+  /// From the widest on, one step of one or more delays after another.
+  void every_width() {
+    struct Step {
+      double width;
+      std::size_t corner;
+    };
+    std::vector<Step> steps;
+    for (std::size_t j = 0; j < checks_.size(); ++j) {
+      for (int d = 0; d < apart_; ++d)
+        steps.push_back({way_left(filter_, task_.corners[j], task_.sample_period, d), j});
+    }
+    std::sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.width > b.width; });
+    std::vector<int> delays(checks_.size(), 0);
+    offer(delays);
+    for (std::size_t i = 0; i < steps.size() && !late_;) {
+      const double width = steps[i].width;
+      for (; i < steps.size() && steps[i].width >= width * (1.0 - same_width); ++i) ++delays[steps[i].corner];
+      late_ = late_ || (stop_ && stop_());
+      offer(delays);
+      if (none_else_ && cost_(filter_.order(), delays) >= best_) return;
+    }
+  }
+
+  const Filter& filter_;
+  const Task& task_;
+  const std::vector<DelayKind>& kinds_;
+  LinearCost cost_;
+  const std::function<bool()>& stop_;
+  int apart_;  ///< the least delay at which the commands of the legs do not overlap
+  int last_;   ///< longer delays change nothing
+  double best_;
+  bool late_ = false, none_else_ = false;
+  std::vector<BlendCheck> checks_;
+  std::vector<std::vector<signed char>> known_;  ///< of each corner and delay: -1 until it is checked
+  std::vector<Choice> others_;
+  std::optional<KindDelays> found_;
+};
+
+}  // namespace
+
+std::optional<WidthInterval> width_of(const Filter& filter, const Task& task, const std::vector<int>& delays,
+                                      const std::vector<bool>& in_position) {
+  WidthInterval width{0.0, unlimited};
+  for (std::size_t j = 0; j < delays.size(); ++j) {
+    if (!in_position[j]) continue;
+    width.low = std::max(width.low, way_left(filter, task.corners[j], task.sample_period, delays[j]));
+    if (delays[j] > 0)
+      width.high = std::min(width.high, way_left(filter, task.corners[j], task.sample_period, delays[j] - 1));
+  }
+  if (width.low >= width.high * (1.0 - same_width)) return std::nullopt;
+  return width;
+}
+
+std::optional<KindDelays> delays_of_kinds(const Filter& filter, const Task& task, double samples,
+                                          const std::function<bool()>& stop) {
+  if (!task.settings || task.settings->delays.empty()) {
+    const auto delays = delays_by_formula(filter, task, samples, stop);
+    if (!delays) return std::nullopt;
+    return KindDelays{*delays, {}, std::nullopt};
+  }
+  const BlendLimits limits(filter, task.machine, task.sample_period);
+  if (!holds_without_blends(limits, filter, task, stop)) return std::nullopt;
+  const FilterBehind behind(filter, task.machine, task.sample_period);
+  return KindChoice(filter, behind.motion(), task, limits, samples, stop).run();
+}
+
+}  // namespace accdec

@@ -1,0 +1,141 @@
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/machine.hpp>
+#include <accdec/task/settings_text.hpp>
+
+namespace accdec {
+namespace {
+
+/// "18 ms, 12 ms and 3 ms".
+std::string listed(const std::vector<std::string>& items) {
+  if (items.size() < 2) return items.empty() ? "" : items.front();
+  const std::vector<std::string> first(items.begin(), items.end() - 1);
+  return fmt::format("{} and {}", fmt::join(first, ", "), items.back());
+}
+
+std::string with_unit(const Setting& setting) {
+  return fmt::format("{:.9g} {}", setting.value, setting.unit);
+}
+
+std::string family_words(const ControllerSettings& settings, SettingFamily family) {
+  switch (family) {
+    case SettingFamily::taps: return "free taps";
+    case SettingFamily::averages:
+      return fmt::format("{} average{}", settings.stages.size(), settings.stages.size() == 1 ? "" : "s");
+    case SettingFamily::one_pole: return "one pole";
+    case SettingFamily::shaper:
+      return fmt::format("{} average{} with {}", settings.stages.size(), settings.stages.size() == 1 ? "" : "s",
+                         settings.shaper_pairs == 1 ? "ZV" : "ZVD");
+  }
+  return "";
+}
+
+/// The delays in words: ", exact stop at every corner".
+std::string delays_in_words(const DesignResult& result) {
+  const ChosenSettings& chosen = *result.settings;
+  std::string text;
+  if (chosen.width) text += "; " + width_in_words(*chosen.width);
+  for (const DelayKindName& kind : delay_kinds) {
+    if (kind.kind == DelayKind::in_position) continue;
+    std::vector<std::string> corners;
+    for (std::size_t j = 0; j < chosen.delays.size(); ++j) {
+      if (chosen.delays[j] == kind.kind)
+        corners.push_back(kind.kind == DelayKind::dwell || kind.kind == DelayKind::timed_axis
+                              ? fmt::format("{} ({:.6g} ms)", result.corners[j].name,
+                                            1e3 * result.corners[j].delay * result.task.sample_period)
+                              : result.corners[j].name);
+    }
+    if (corners.empty()) continue;
+    constexpr std::size_t shown = 5;
+    const std::size_t more = corners.size() > shown ? corners.size() - shown : 0;
+    corners.resize(std::min(corners.size(), shown));
+    text += fmt::format("; {} at corner{} {}{}", kind.name, corners.size() + more == 1 ? "" : "s", listed(corners),
+                        more > 0 ? fmt::format(" and {} more", more) : "");
+  }
+  return text;
+}
+
+std::string milliseconds(double seconds) {
+  return fmt::format("{:.6g} ms", 1e3 * seconds);
+}
+
+/// What free taps would take, or at least take.
+std::string beside_taps(const DesignResult& result) {
+  const double time = result.objective();
+  const auto part = [&](double other) { return fmt::format("{:.1f} %", 100.0 * (time - other) / time); };
+  if (result.free_taps && result.lower_bound && *result.free_taps <= *result.lower_bound * (1.0 + 1e-9)) {
+    if (*result.free_taps >= time * (1.0 - 1e-9)) return " Free taps are not faster.";
+    return fmt::format(" Free taps would take {} ({} less).", milliseconds(*result.free_taps), part(*result.free_taps));
+  }
+  std::string text;
+  if (result.free_taps && *result.free_taps < time * (1.0 - 1e-9))
+    text = fmt::format(" Free taps would take {} ({} less) or less.", milliseconds(*result.free_taps),
+                       part(*result.free_taps));
+  if (result.lower_bound)
+    text += fmt::format(" No filter takes less than {} ({} less).", milliseconds(*result.lower_bound),
+                        part(*result.lower_bound));
+  return text;
+}
+
+}  // namespace
+
+std::string families_in_words(const ControllerSettings& settings) {
+  std::vector<std::string> families;
+  for (const SettingFamily family : settings.families) families.push_back(family_words(settings, family));
+  return listed(families);
+}
+
+std::string width_in_words(const WidthInterval& width) {
+  const std::string high = width.high < unlimited ? fmt::format("{:.4g}", 1e3 * width.high) : "any larger";
+  return fmt::format("in-position width {:.4g} mm ({:.4g} to {})", 1e3 * width.middle(), 1e3 * width.low, high);
+}
+
+std::string settings_in_words(const ChosenSettings& settings) {
+  std::vector<std::string> named, plain, off;
+  for (const Setting& setting : settings.values) {
+    if (setting.unit == "Hz") continue;
+    if (!setting.name.empty()) named.push_back(fmt::format("{} = {}", setting.name, with_unit(setting)));
+    if (setting.value > 0.0) plain.push_back(with_unit(setting));
+  }
+  std::string text;
+  if (named.size() == settings.values.size() - (settings.filter.pairs > 0 ? 1 : 0))
+    text = fmt::format("{}", fmt::join(named, ", "));
+  else if (plain.empty())
+    text = "no filter";
+  else if (settings.family == SettingFamily::one_pole)
+    text = fmt::format("a pole of {}", plain.front());
+  else if (plain.size() == 1)
+    text = fmt::format("one average of {}", plain.front());
+  else
+    text = fmt::format("averages of {}", listed(plain));
+  if (settings.filter.pairs > 0) {
+    const Setting& shaper = settings.values.back();
+    text += fmt::format(", {} at {:.4g} Hz", shaper.name, shaper.value);
+    text += fmt::format(" (impulses {} samples apart)", settings.filter.pair_delay);
+  }
+  return text;
+}
+
+std::string settings_answer(const DesignResult& result) {
+  if (!result.settings || !result.has_design()) return "";
+  const double time = result.objective();
+  std::string text = fmt::format("Set these: {}{}. ", settings_in_words(*result.settings), delays_in_words(result));
+  const bool corner = result.corners.size() == 1 && result.task.design.runs == 1.0;
+  text += fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all",
+                      result.status == Status::optimal ? "proved best for this family" : "not proved best");
+  text += beside_taps(result);
+  if (result.savings) {
+    const double today = result.savings->today, saved = result.savings->total;
+    text += fmt::format(" Today's setting takes {}; ", milliseconds(today));
+    text += saved > 1e-9 * today
+                ? fmt::format("retuning saves {} ({:.1f} %).", milliseconds(saved), 100.0 * saved / today)
+                : "retuning saves nothing.";
+  }
+  return text + "\n";
+}
+
+}  // namespace accdec

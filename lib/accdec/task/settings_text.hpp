@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include <accdec/result.hpp>
+
+namespace accdec {
+
+/// "2 averages up to 20 ms" or "averages and one pole": what a controller can be set to.
+std::string families_in_words(const ControllerSettings& settings);
+
+/// "averages of 18 ms and 12 ms", or with names of parameters "MD32410 = 0.018 s, MD32411 = 0.012 s".
+std::string settings_in_words(const ChosenSettings& settings);
+
+/// "in-position width 0.23 mm (0.21 to 0.25)".
+std::string width_in_words(const WidthInterval& width);
+
+/// The answer to a task of a controller, for its user: what to set, the time and what is proved about it. It also says
+/// what free taps would do and what the design saves against today's setting. A line or two; empty without settings.
+std::string settings_answer(const DesignResult& result);
+
+}  // namespace accdec

@@ -1,0 +1,58 @@
+// Errors of input and output files, and deadlines.
+#pragma once
+
+#include <chrono>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace accdec {
+
+/// Something in an input file is wrong. The text of what() is "file:line:column: what is wrong; what is allowed". If no
+/// position applies, it is "file: ..." (line 0: the file itself cannot be read).
+class InputError : public std::runtime_error {
+ public:
+  /// @param line, column  counted from 1; line 0: none
+  /// @param pointer       JSON pointer of the offending value ("/corner/0/angle_deg"), where the input is a tree
+  InputError(std::string file, long line, long column, std::string message, std::string pointer = "");
+
+  const std::string& file() const { return file_; }
+  long line() const { return line_; }
+  long column() const { return column_; }
+  const std::string& message() const { return message_; }
+  const std::string& pointer() const { return pointer_; }
+
+ private:
+  std::string file_, message_, pointer_;
+  long line_, column_;
+};
+
+/// A file could not be written; what() names it. Nothing is left behind.
+class OutputError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Wall clock time since then, s.
+inline double seconds_since(std::chrono::steady_clock::time_point then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+/// A moment of wall clock after which no more work is begun. Copies keep the moment.
+class Deadline {
+ public:
+  /// Never.
+  Deadline() = default;
+  /// So many seconds from now.
+  explicit Deadline(double seconds) : seconds_(seconds) {}
+  /// s; unlimited for never, below 0 once it is over.
+  double left() const {
+    return seconds_ < std::numeric_limits<double>::infinity() ? seconds_ - seconds_since(start_) : seconds_;
+  }
+  bool over() const { return left() < 0.0; }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double seconds_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace accdec

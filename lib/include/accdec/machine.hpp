@@ -1,0 +1,121 @@
+// Machines: axes with their limits, vibration modes, and how much of a limit a motion uses.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <accdec/corner.hpp>
+
+namespace accdec {
+
+/// "No such limit."
+inline constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+/// One machine axis: plant and limits in SI. Limits are > 0 or `unlimited`; mass and damping are finite and >= 0.
+struct Axis {
+  std::string name;
+  double velocity_max = unlimited;      ///< m/s
+  double acceleration_max = unlimited;  ///< m/s^2
+  double jerk_max = unlimited;          ///< m/s^3, first difference of the acceleration over T
+  double mass = 0.0;                    ///< kg, m of F = m a' + c V'
+  double damping = 0.0;                 ///< N s/m, c of F = m a' + c V'
+  double force_max = unlimited;         ///< N, on |F|
+  double power_max = unlimited;         ///< W, on P = F V' (motoring)
+  double regeneration_max = unlimited;  ///< W, on -P (braking)
+  double servo_gain = unlimited;        ///< 1/s, of the position control; unlimited: no following error (response.hpp)
+  double velocity_feedforward = 0.0;    ///< 0 .. 1, of the same
+  std::vector<double> response_taps{};  ///< of sum 1, measured, instead of a gain; empty: none
+};
+
+/// Residual vibration bound: |sum_i b_i exp(-2 pi j f i T)| <= residual_max for every f in [frequency_low,
+/// frequency_high].
+struct Mode {
+  double frequency_low = 0.0;   ///< Hz, > 0
+  double frequency_high = 0.0;  ///< Hz, >= frequency_low
+  double residual_max = 0.0;    ///< 0 <= residual_max; 1 or more never binds
+};
+
+struct Machine {
+  std::vector<Axis> axes;
+  std::vector<Mode> modes;
+  std::vector<double> prefilter_taps{};  ///< of sum 1, >= 0: the control's own fixed smoothing; empty: none
+};
+
+/// What limits bound: of an axis, of the filter, of a corner.
+enum class LimitKind { velocity, acceleration, jerk, force, power, regeneration, vibration, corner_error, speed_min };
+
+/// Name and unit of every kind of limit. Tasks, results and tables all take them from here.
+struct LimitName {
+  LimitKind kind;
+  std::string_view name;  ///< in result files
+  std::string_view unit;  ///< for people
+  double per_si;          ///< value in `unit` = per_si * value in SI
+};
+inline constexpr std::array<LimitName, 9> limit_names{{
+    {LimitKind::velocity, "velocity", "mm/s", 1e3},
+    {LimitKind::acceleration, "acceleration", "mm/s^2", 1e3},
+    {LimitKind::jerk, "jerk", "mm/s^3", 1e3},
+    {LimitKind::force, "force", "N", 1.0},
+    {LimitKind::power, "power", "W", 1.0},                ///< motoring
+    {LimitKind::regeneration, "regeneration", "W", 1.0},  ///< braking
+    {LimitKind::vibration, "vibration", "%", 1e2},        ///< residual amplitude, 0 .. 1
+    {LimitKind::corner_error, "corner_error", "um", 1e6},
+    {LimitKind::speed_min, "speed_min", "mm/s", 1e3},  ///< a lower bound
+}};
+constexpr const LimitName& limit_name(LimitKind kind) {
+  return limit_names[static_cast<std::size_t>(kind)];
+}
+constexpr std::string_view to_string(LimitKind kind) {
+  return limit_name(kind).name;
+}
+
+/// The three events of every corner on which the axis limits hold; k counts from the last sample before each begins.
+enum class Event {
+  start,  ///< from rest along leg 1, k = 0 .. N + 1; the jerk also at N + 2, where the last tap's acceleration ends
+  blend,  ///< around the corner, k = 0 .. N + d + 1; the jerk also at N + d + 2
+  stop,   ///< to rest along leg 2, as the start
+  none    ///< not tied to an event: vibration
+};
+std::string_view to_string(Event event);
+
+/// The worst use of one limit. `utilisation` = value/bound for upper bounds and bound/value for `speed_min`, so that >
+/// 1 always means violated; 0/0 counts as 0 and x/0 as infinity.
+struct LimitUse {
+  LimitKind kind{};
+  std::string axis;    ///< empty where the limit belongs to no axis
+  std::string corner;  ///< of a task; empty for vibration, and in programs
+  Event event = Event::none;
+  double value = 0.0;  ///< SI; an absolute value, except power (signed as its limit counts it)
+  double bound = 0.0;  ///< SI
+  double utilisation = 0.0;
+  int sample = 0;          ///< k of the worst sample within its event
+  double frequency = 0.0;  ///< Hz, the worst frequency; vibration only
+  std::uint32_t line = 0;  ///< of a program: of the block where it occurred; 0 for vibration, and in tasks
+};
+
+/// value/bound (or bound/value for speed_min), with the conventions of LimitUse.
+double utilisation_of(LimitKind kind, double value, double bound);
+
+/// Worst use, over start, blend and stop, of every finite axis limit. One entry per limit and axis, in axis order.
+/// @param corner  as many axes as the machine
+/// @throws std::invalid_argument if the numbers of axes differ or the sample period is not positive and finite.
+std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corner, int delay, double sample_period,
+                                       const Machine& machine, const std::string& corner_name = "");
+
+/// Residual vibration of a filter at frequency f in Hz: |sum_i b_i exp(-2 pi j f i T)|, 0 .. 1.
+double residual_vibration(const Filter& filter, double frequency, double sample_period);
+
+/// The worst frequency of every mode's band, by branch and bound from a grid finer than the response's ripples. O((N +
+/// 1) * grid), grid = 8 (N + 1) T (high - low).
+/// @param stop  polled at every frequency; when it returns true, the result so far is used, which may be too small
+/// @throws std::invalid_argument on a band or sample period out of range.
+std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine,
+                                            const std::function<bool()>& stop = {});
+
+}  // namespace accdec

@@ -1,0 +1,276 @@
+// Planning and verification of whole programs.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <accdec/files.hpp>
+#include <accdec/machine.hpp>
+#include <accdec/result.hpp>
+#include <accdec/simulate.hpp>
+#include <accdec/task.hpp>
+
+namespace accdec {
+
+/// Programs of more blocks are planned in one way only: several would take many times as long.
+inline constexpr std::size_t several_plans_max = 200'000;
+
+/// Another plan that was made to find the fastest plan that holds.
+struct PlanTime {
+  std::string plan;       ///< "fixed", "profiles" or "free"
+  double time = 0.0;      ///< s, simulated
+  bool verified = false;  ///< every sample, all bounds
+};
+
+/// The findings of a check of every sample of a motion.
+struct SampleCheck {
+  std::int64_t samples = 0;      ///< from the last at rest to the first at rest (the first whose velocity is 0 again)
+  std::vector<LimitUse> limits;  ///< worst use of every finite limit of every axis
+  bool limits_hold = true;
+  bool errors_hold = true;
+};
+
+/// A lower bound on the time of motions that are sums of monotone legs, one a block (bounds/corner_bound.hpp). It holds
+/// if no other leg moves when the motion is fastest on a leg that counts. A free motion may be faster, see
+/// `any_motion`.
+struct CornerBound {
+  double time = 0.0;        ///< s
+  double any_motion = 0.0;  ///< s, any_motion_bound of the same program; by whoever asks for it
+  std::size_t corners = 0;  ///< joints that turn
+  std::size_t counted = 0;  ///< of these, joints whose legs are longer than cutting their corners needs; the others
+                            ///< cost nothing
+  std::size_t classes = 0;  ///< linear programs solved
+  bool complete = true;     ///< false after corner_programs_max or if time ran out: further corners cost nothing
+};
+
+/// Blocks slowed because the filter breaks one axis limit at a start or stop at their programmed feed, with any delay.
+struct SlowedFeeds {
+  std::string limit;       ///< "jerk x"
+  std::size_t blocks = 0;  ///< how many
+  double factor = 1.0;     ///< remaining part of the feed of the block slowed most
+  std::uint32_t line = 0;  ///< line of that block
+};
+
+/// A plan when the operator overrides the feed. The control commands every feed move at so many times its feed. Filter,
+/// delays (in samples), dwells and rapid moves stay.
+struct FeedOverride {
+  double factor = 1.0;             ///< on the feeds
+  double worst_error = 0.0;        ///< m, over joints that have a tolerance
+  double worst_utilisation = 0.0;  ///< error/tolerance, and its line
+  std::uint32_t worst_line = 0;
+  double limit_utilisation = 0.0;  ///< the largest use of an axis limit
+  std::string limit;               ///< which: "jerk x"; empty without limits
+};
+
+/// Settings of a control for one program. The kinds of the chosen settings are those of every block's end.
+struct ProgramSettings {
+  ChosenSettings chosen;
+  double width = 0.0;             ///< m, the in-position width that was planned with; 0: none
+  long members = 0, tried = 0;    ///< settings that the families have; of these planned
+  bool complete = false;          ///< none of the others can be faster
+  std::optional<double> today{};  ///< s, of the same program with today's setting, if it is known and holds all limits
+};
+
+/// The treatment of programmed feeds.
+enum class Feeds {
+  keep,           ///< commanded as they are, except in blocks that would break a limit
+  choose,         ///< upper bounds: feeds and steps of feed inside blocks are chosen, see schedule_feeds
+  choose_only,    ///< as choose, but without the additional plan that keeps them
+  choose_fitting  ///< as choose, with a filter that was designed for chosen feeds: the plan that keeps them is only
+                  ///< refined if it comes near
+};
+
+/// What `accdec program` answers, whatever the plan; `accdec.program/2` in JSON.
+struct ProgramResult {
+  std::string program;  ///< the file
+  Status status = Status::failed;
+  double sample_period = 0.0;  ///< s
+  Machine task_machine;        ///< the task's
+  Plan plan;
+  std::vector<double> errors;         ///< m, of the joint at the end of every block of the plan's path
+  SampleCheck check;                  ///< of every sample; vibration bounds stand last among its limits
+  std::size_t programmed_blocks = 0;  ///< that move, see blocks_of
+  std::size_t programmed_moves = 0;   ///< straight moves of the program, chords of its arcs one by one; the plan's path
+                                      ///< has more where it steps its feeds
+  bool feeds_chosen = false;          ///< the plan chose feeds and steps of feed
+  std::size_t slowed = 0;             ///< blocks whose feed had to be lowered
+  std::vector<SlowedFeeds> too_fast;  ///< of these, those that start or stop too fast for the filter
+  int rounds = 0;                     ///< of repair
+  std::size_t corners = 0;            ///< joints that turn or stop, those inside arcs left out
+  std::size_t delayed = 0;            ///< of these with a delay
+  std::size_t at_rest = 0;            ///< of these passed at rest
+  std::size_t raised = 0;             ///< joints with a longer delay than they would need alone
+  double worst_error = 0.0;           ///< m, over joints that have a tolerance
+  double worst_utilisation = 0.0;     ///< error/tolerance, and its line
+  std::uint32_t worst_line = 0;
+  std::size_t worst_shown = 5;            ///< corners that JSON and the summary list, see worst_corners
+  double cycle_time = 0.0;                ///< s, samples of the motion times T
+  double delay_total = 0.0;               ///< s, of all delays
+  std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000
+                                          ///< blocks
+  std::optional<double> cycle_time_exact_stop;  ///< s, of a command: with an exact stop after every block (the chords
+                                                ///< of an arc are one block)
+  std::string exact_stop_breaks;                ///< the limit that this nevertheless breaks most; empty: it holds all
+  std::optional<double> cycle_time_no_delay;    ///< s, of a command: no delay but where the program stops
+  double lower_bound =
+      0.0;  ///< s, see program_lower_bound; at the programmed feeds, rapid moves at their axes' largest velocity
+  std::optional<double> filter_bound;       ///< s, see filter_lower_bound; at the programmed feeds, where asked for
+  std::optional<CornerBound> corner_bound;  ///< by whoever asks for it
+  std::int64_t peak_memory = 0;             ///< bytes of the process, by whoever runs it; 0: not asked for
+  std::vector<PlanTime> candidates;         ///< plans that were made beside this one
+  std::optional<ProgramSettings> settings;  ///< of a control, where the task asks for them
+  bool has_today = false;                   ///< today's setting was planned, too
+  std::string compensation;                 ///< why arcs that were to be widened are not; empty: nothing to say
+  std::vector<FeedOverride> overrides;      ///< of programs of up to `several_plans_max` blocks
+  VerificationReport verification;
+  SolverReport solver;
+  std::string message;
+};
+
+/// Plans and verifies a program with a given filter. `feasible` only if every joint holds its tolerance and every axis
+/// limit and vibration bound is held over the whole program, else `failed` with the worst in the message.
+/// With Feeds::choose the plan at the programmed feeds is a candidate, so that what comes is never slower than it.
+/// @param deadline  ends the planning: the fastest plan so far is the answer; `failed` if none holds
+ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
+                          bool filter_bound = false, Feeds feeds = Feeds::keep, const Deadline& deadline = {});
+
+/// Plans profiles (see plan_profiles), samples and verifies them. The bounds are left to whoever asks for them.
+/// @throws std::invalid_argument for vibration bounds that no last filter holds, and for delays that the program brings
+///         along: they belong to a filter that this plan does not have
+ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline = {});
+
+/// Fills in what follows from the plan, its errors and the uses of its axis limits: counts and the worst of the joints,
+/// vibration, whether all holds.
+/// @param machine  as many axes as the path
+void judge_program(ProgramResult& result, const Machine& machine);
+
+/// The abilities that a control needs for this plan, one part of a sentence each: "step its feed ..".
+std::vector<std::string> control_needs(const ProgramResult& result);
+
+/// Blocks of a path as it was read; the chords of an arc are one.
+std::size_t blocks_of(const Toolpath& programmed);
+
+/// Largest distance by which points of arcs were moved out, m, see compensate_arcs.
+double widest(const Toolpath& path);
+
+/// A joint and the part of its tolerance that it uses.
+struct CornerUse {
+  std::uint32_t line = 0;    ///< of the block that ends in it
+  double error = 0.0;        ///< m
+  double tolerance = 0.0;    ///< m
+  double utilisation = 0.0;  ///< of the tolerance
+  int delay = 0;             ///< samples; 0 of a trajectory
+};
+/// The joints with the largest errors against their tolerances, worst first, at most `count`; in the order of the
+/// program where equal. Joints that follow each other on one line of the program, such as chords of an arc, appear
+/// once, with the worst error.
+std::vector<CornerUse> worst_corners(const ProgramResult& result, std::size_t count);
+
+/// Ends with a line feed. In program_report_json.cpp.
+std::string program_to_json(const ProgramResult& result);
+/// The delays of a plan fixed: line,delay_samples,corner_error_m,error_max_m; one row a joint that turns, stops or has
+/// a delay. The last is empty without bound.
+std::string delays_to_csv(const ProgramResult& result);
+/// The table for people. In program_summary.cpp.
+std::string program_summary(const ProgramResult& result);
+
+/// Writes a plan fixed as a program for a controller that filters its commands. A delayed joint is followed by a dwell
+/// of the delay (G4 P, seconds), which must act before the filter and without an exact stop. Lowered feeds and the path
+/// mode of every joint (G61.1, G61, G64 P) are written, too. Arcs become their chords, in mm and absolute. Stops,
+/// dwells and words that are not about motion stay in place. Read with ToolpathOptions::dwells_before_filter, the
+/// program plans to the same motion, except for the way to where it begins.
+/// In emit.cpp.
+void emit_program(const ProgramResult& result, std::ostream& out);
+
+/// The filter for a program whose task leaves it open. Candidates are designed for the representative task, by
+/// `design_task` and among the standard shapes. A search over trapezoids judges each by the whole program. The result
+/// is the candidate with the shortest time of the whole program, with exact delays of every corner.
+struct ProgramFilter {
+  std::optional<Filter> filter;             ///< none when no candidate holds the limits; the reason is in the message
+  std::optional<ProgramSettings> settings;  ///< of a control, which these are
+  std::optional<ProgramSettings> today;     ///< today's filter, with the width that suits it
+  SolverReport solver;
+  std::string message;
+  bool designed = false;  ///< for this program, not given
+};
+/// @param time_limit  s, for the design by `design_task`  @param progress  one line a step, may be empty
+ProgramFilter design_program_filter(const Toolpath& path, const Task& task, double time_limit,
+                                    const std::function<void(const std::string&)>& progress);
+
+/// The filter for a program whose feeds are chosen. It is the best trapezoid by search_filter. If none holds, or if
+/// vibration bounds, force, power or a jerk limit alone may favour other taps, the filter of design_program_filter is
+/// tried too. It is taken if it is faster by a plan of the program.
+/// @param time_limit  s; a fraction of it for the search
+ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, double time_limit,
+                                      const std::function<void(const std::string&)>& progress);
+
+/// How a program file is read and planned. Unset options follow from the task and the feeds.
+struct ProgramFileOptions {
+  std::optional<double> arc_tolerance;  ///< m, largest distance of a chord from its arc; none: chord_tolerance, 2 um
+                                        ///< where feeds are kept, which does not see accelerations along an arc
+  bool compensate_arcs = false;         ///< the commanded radius is widened, see compensate_arcs
+  ProgramTools tools;                   ///< for programs that rs274 has to run
+  bool rapid_stops = false, dwells_before_filter = false;  ///< see ToolpathOptions
+  Feeds feeds = Feeds::choose;
+  bool filter_bound = false;         ///< see run_program
+  std::optional<double> time_limit;  ///< s, for all: a filter gets half of it; none: a filter 2 s and 5 ms a block, at
+                                     ///< most 60, and planning as long as it takes
+  Deadline deadline;                 ///< of `time_limit`, from when the command began
+};
+
+/// A program as read.
+struct ProgramFile {
+  Toolpath path;
+  ToolpathOptions reading;
+  bool interpreted = false;  ///< by rs274
+};
+
+/// Largest distance in m of chords from their arcs so that planning them is like planning the arc. It is the sagitta a
+/// T^2/8 that the arc's fastest motion, v = sqrt(a R), passes in a sample, for any radius. Here a is the smallest
+/// acceleration limit of an axis. Longer chords turn the velocity in larger steps than the arc does from sample to
+/// sample, and the limits must leave room for that. It is at most 2 um, also without a limit, and at least 0.1 um.
+double chord_tolerance(const Task& task);
+
+/// The toolpath by our own reader, or through rs274 if only an interpreter of the whole language understands the
+/// program.
+/// @param tell  called with text that a user should know about this; may be empty
+/// @throws std::invalid_argument  as the readers do, also ReadError
+ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
+                              const std::function<void(const std::string&)>& tell);
+
+/// The task's filter, the filter in a program that --emit wrote, or one designed for the program. None if none holds;
+/// the message gives the reason.
+/// @param tell  one line a step, may be empty
+ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
+                                 const std::function<void(const std::string&)>& tell);
+
+/// Plans and verifies what was read. If arcs were read in finer chords than kept feeds need (see ProgramFileOptions),
+/// the program is also planned with the longer chords. The faster plan is the answer: under long filters fine chords
+/// are no better, and kept feeds need the longer ones. If the filter was designed for chosen feeds, the plan of kept
+/// feeds with its own filter is a candidate, too: chosen feeds are never slower. With compensated arcs the program is
+/// also planned without compensation. If that is faster, it is the answer, and ProgramResult::compensation says so.
+/// @param file  its path is taken; its `reading` becomes that of the answer
+ProgramResult plan_program_file(const std::string& name, ProgramFile& file, const ProgramFilter& choice,
+                                const Task& task, const ProgramFileOptions& options);
+
+/// Chooses the filter, plans and verifies the program as read. If no filter holds, the result is failed and says why.
+/// @param file  as of plan_program_file
+/// @param tell  as of filter_for_program
+ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
+
+/// `accdec program --plan profiles`. Programs of up to `several_plans_max` blocks are also planned with one filter. The
+/// answer is the faster of the plans that hold all limits, with the time of the other as its candidate.
+/// If none holds, it is the plan profiles with a message.
+/// @param file     as read; its `reading` becomes that of the answer
+/// @param options  for the plan beside it
+/// @param tell     one line a step, may be empty
+/// @throws std::invalid_argument as run_profiles, and for feeds that are to be kept: its ramps choose them
+ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
+
+}  // namespace accdec

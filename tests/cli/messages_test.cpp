@@ -1,0 +1,113 @@
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/malformed_tasks.hpp"
+#include "support/run.hpp"
+
+// Warnings, hints and errors as a terminal, a shell and a script get them.
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Cli, PeriodsOfNoControllerAreWarnedOf) {
+  const TemporaryFolder folder;
+  const auto said = [&](const std::string& period) {
+    const std::string task = folder.write("t.toml", malformed::with_top("sample_period_ms = " + period + "\n"));
+    return run({"evaluate", task}).err;
+  };
+  EXPECT_EQ(said("0.05"), "");
+  EXPECT_EQ(said("20"), "");
+  EXPECT_THAT(said("1000"), HasSubstr("t.toml: sample_period_ms = 1000 is outside 0.05 to 20"));
+  EXPECT_THAT(said("0.049"), HasSubstr("accdec: warning: "));
+}
+
+TEST(Cli, NamesReachNoTerminalRaw) {
+  const TemporaryFolder folder;
+  const std::string task = folder.write("a\x1b[31m.toml", "\"k\x1b[31m\" = 1\n");
+  for (const std::string& argument : {task, folder.path("none\x1b[31m"), std::string("--\x1b[31m")}) {
+    const Outcome outcome = run({"design", argument});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("\\x1b[31m"));
+    EXPECT_EQ((outcome.out + outcome.err).find('\x1b'), std::string::npos) << argument;
+  }
+}
+
+TEST(Cli, ProgramsWithControlCharactersInTheirNamesReachNoTerminalRaw) {
+  const TemporaryFolder folder;
+  const std::string program = folder.write("p\x1b[31m.ngc", "G64 P0.05 F3000\nG1 X20\nG1 Y20\nG1 X0 Y0\nM2\n");
+  const std::string task =
+      folder.write("t\x1b[31m.toml",
+                   "sample_period_ms = 1.0\n[filter]\nkind = \"trapezoid\"\norder = 40\nramp = 10\n"
+                   "[[axis]]\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n");
+  const std::string result = folder.path("r.json");
+  for (const std::string plan : {"fixed", "profiles"}) {
+    const Outcome planned = run({"program", program, "--task", task, "--plan", plan, "--json", result});
+    EXPECT_EQ(planned.code, 0) << planned.err;
+    EXPECT_THAT(planned.out, HasSubstr("p\\x1b[31m.ngc: 3 blocks"));
+    const Outcome verified = run({"verify", result});
+    EXPECT_EQ(verified.code, 0) << verified.out;
+    EXPECT_THAT(verified.out, HasSubstr("p\\x1b[31m.ngc"));
+    EXPECT_EQ((planned.out + planned.err + verified.out + verified.err).find('\x1b'), std::string::npos) << plan;
+  }
+}
+
+TEST(Cli, SettingsOfAControllerAreTheFirstAnswer) {
+  const TemporaryFolder folder;
+  const std::string task =
+      folder.write("t.toml",
+                   "sample_period_ms = 1.0\n[design]\nfamily = \"averages\"\n[controller]\ndelays = \"in-position\"\n"
+                   "[[axis]]\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n"
+                   "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  const std::string result = folder.path("r.json");
+  const Outcome designed = run({"design", task, "--json", result});
+  EXPECT_EQ(designed.code, 0) << designed.err;
+  EXPECT_THAT(designed.out, ::testing::StartsWith("Set these: averages of 17 ms and 13 ms; in-position width 0.2294 mm "
+                                                  "(0.2059 to 0.2529). 44 ms a corner, proved best for this family."));
+  EXPECT_EQ(run({"verify", result}).code, 0);
+  EXPECT_EQ(run({"design", task, "--solver", "ipopt"}).code, 2);
+  const std::string program = folder.write("p.ngc", "G64 P0.05 F3000\nG1 X20\nG1 Y20\nM2\n");
+  const Outcome planned = run({"program", program, "--task", task});
+  EXPECT_EQ(planned.code, 0) << planned.err;
+  EXPECT_THAT(planned.out, ::testing::StartsWith("Set these: averages of "));
+}
+
+TEST(Cli, HintsAreQuotedForTheShell) {
+  const TemporaryFolder folder;
+  const std::string name = folder.path("my task's.toml");
+  const Outcome outcome = run({"init", "--out", name});
+  ASSERT_EQ(outcome.code, 0);
+  const std::string after = "then: accdec design ";
+  const std::size_t at = outcome.out.find(after);
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(outcome.out.substr(at + after.size()), quoted(name) + "\n");
+}
+
+TEST(Cli, AMissingToolIsExitCodeTwo) {
+  const TemporaryFolder folder;
+  const std::string result = folder.path("r.json"), figure = folder.path("f.svg");
+  ASSERT_EQ(run({"evaluate", folder.write("t.toml", malformed::Parts{}.str()), "--json", result, "-q"}).code, 0);
+  const std::string command = "PATH=/nowhere exec " + quoted(accdec::test_support::program()) + " plot " +
+                              quoted(result) + " --out " + quoted(figure);
+  EXPECT_EQ(test_support::wait_for(test_support::start_shell(command, folder.path("out"), folder.path("err"))), 2);
+  EXPECT_THAT(folder.read("err"), HasSubstr("gnuplot is not installed (Debian package gnuplot-nox)"));
+  EXPECT_FALSE(std::filesystem::exists(figure));
+}
+
+// Before any design, and without a folder that would have to be removed again.
+TEST(Cli, OptimaWithoutGnuplotLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const std::string task = folder.write("t.toml", malformed::Parts{}.str()), results = folder.path("new/results");
+  const std::string command = "PATH=/nowhere exec " + quoted(accdec::test_support::program()) + " optima " +
+                              quoted(task) + " --out " + quoted(results);
+  EXPECT_EQ(test_support::wait_for(test_support::start_shell(command, folder.path("out"), folder.path("err"))), 2);
+  EXPECT_THAT(folder.read("err"), HasSubstr("gnuplot is not installed (Debian package gnuplot-nox)"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("new")));
+}
+
+}  // namespace
+}  // namespace accdec

@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/run.hpp"
+
+// A response behind the filter: every command considers it, refuses it by name, or reads no task at all.
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* top = "sample_period_ms = 1\n";
+constexpr const char* machine = "[[axis]]\nacceleration_max_mm_s2 = 6000\n";
+constexpr const char* corner = "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n";
+constexpr const char* given = "delay_samples = 20\n[filter]\nkind = \"boxcar\"\norder = 20\n";
+constexpr const char* servo = "servo_gain_1_s = 200\n";
+constexpr const char* smoothing = "[controller]\nprefilter_taps = [0.25, 0.5, 0.25]\n";
+
+/// Commands that read a task, with the arguments after it that let them come as far as the task.
+const std::map<std::string, std::vector<std::string>> refusing{
+    {"explore", {"task.toml"}},
+    {"compare", {"suite.toml", "--out", "out"}},
+    {"program", {"part.ngc", "--task", "task.toml"}},
+    {"identify", {"log.csv", "--task", "task.toml"}},
+};
+const std::vector<std::string> considering{"evaluate", "design", "explain", "verify",
+                                           "export",   "plot",   "optima",  "study"};
+const std::vector<std::string> without_tasks{"init",    "paper",      "generate", "controllers",
+                                             "solvers", "completion", "schema"};
+
+class ResponseOfTasks : public ::testing::Test {
+ protected:
+  std::string task(const std::string& axis, const std::string& end, const std::string& name = "task.toml") {
+    return folder_.write(name, std::string(top) + machine + axis + corner + end);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(ResponseOfTasks, EveryCommandIsKnownHere) {
+  std::istringstream help(run({"--help"}).out);
+  bool listed = false;
+  for (std::string line; std::getline(help, line);) {
+    if (listed && line.starts_with("  ") && line[2] != ' ') {
+      const std::string name = line.substr(2, line.find(' ', 2) - 2);
+      const bool known = refusing.contains(name) ||
+                         std::find(considering.begin(), considering.end(), name) != considering.end() ||
+                         std::find(without_tasks.begin(), without_tasks.end(), name) != without_tasks.end();
+      EXPECT_TRUE(known) << "does " << name << " consider a response behind the filter?";
+    }
+    if (line.starts_with("Subcommands:")) listed = true;
+  }
+  EXPECT_TRUE(listed);
+}
+
+TEST_F(ResponseOfTasks, OtherCommandsRefuseItByName) {
+  folder_.write("part.ngc", "G1 X10 F1000\nG1 Y10\nM2\n");
+  for (const auto& [key, position] :
+       std::map<std::string, std::string>{{"servo_gain_1_s", "4:18"}, {"prefilter_taps", "9:18"}}) {
+    const bool of_axis = key == "servo_gain_1_s";
+    task(of_axis ? servo : "", of_axis ? "" : smoothing);
+    folder_.write("suite.toml",
+                  "title = \"s\"\nsolvers = \"all\"\n[[problem]]\nname = \"a\"\ntask = \"task.toml\"\n"
+                  "formulation = [\"margin\"]\norder = 20\n");
+    for (const auto& [command, arguments] : refusing) {
+      SCOPED_TRACE(command + " with " + key);
+      std::vector<std::string> call{command};
+      for (const std::string& argument : arguments)
+        call.push_back(argument.find('.') != std::string::npos || argument == "out" ? folder_.path(argument)
+                                                                                    : argument);
+      const Outcome outcome = run(call);
+      EXPECT_EQ(outcome.code, 2);
+      EXPECT_THAT(outcome.err, HasSubstr("task.toml:" + position + ": "));
+      EXPECT_THAT(outcome.err, HasSubstr("`" + key + "` is not considered here"));
+    }
+  }
+}
+
+TEST_F(ResponseOfTasks, EvaluateDesignAndVerifyConsiderIt) {
+  for (const std::string& end : {std::string(), std::string(smoothing)}) {
+    const Outcome plain = run({"evaluate", task("", given), "--json", "-"});
+    const Outcome behind = run({"evaluate", task(servo, given + end), "--json", "-"});
+    EXPECT_GT(Json::parse(behind.out)["corners"][0]["corner_error_m"].get<double>(),
+              Json::parse(plain.out)["corners"][0]["corner_error_m"].get<double>() + 10e-6);
+    const std::string result = folder_.path("result.json");
+    const Outcome design = run({"design", task(servo, end), "--json", result, "--no-baselines"});
+    EXPECT_EQ(design.code, 0) << design.err;
+    EXPECT_THAT(design.out, HasSubstr("settled"));
+    const Outcome verified = run({"verify", result});
+    EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
+    // The same result of another gain is none.
+    Json other = Json::parse(folder_.read("result.json"));
+    for (Json& axis : other["task"]["axis"]) axis["servo_gain_1_s"] = 150;
+    EXPECT_EQ(run({"verify", folder_.write("other.json", other.dump())}).code, 1);
+  }
+}
+
+TEST_F(ResponseOfTasks, DesignNeedsOneResponseOfAllAxes) {
+  const std::string axes = std::string(servo) + "[[axis]]\nservo_gain_1_s = 100\n";
+  const Outcome two = run({"design", task(axes, "")});
+  EXPECT_EQ(two.code, 2);
+  EXPECT_THAT(two.err, HasSubstr("task.toml:6:18: `servo_gain_1_s` of axis y is not that of axis x"));
+  EXPECT_NE(run({"evaluate", task(axes, given)}).code, 2);
+  const std::string negative = "response_taps = [1.25, -0.25]\n";
+  const Outcome undershoot = run({"design", task(negative, "")});
+  EXPECT_EQ(undershoot.code, 2);
+  EXPECT_THAT(undershoot.err, HasSubstr("task.toml:4:17: `response_taps` has a negative tap"));
+  EXPECT_NE(run({"evaluate", task(negative, given)}).code, 2);
+}
+
+TEST_F(ResponseOfTasks, ExplainAndPlotConsiderIt) {
+  const Outcome explained = run({"explain", task(servo, "")});
+  EXPECT_EQ(explained.code, 0) << explained.err;
+  EXPECT_THAT(explained.out, HasSubstr("corner error"));
+  const std::string result = folder_.path("result.json"), data = folder_.path("figure.svg");
+  ASSERT_EQ(run({"design", task(servo, ""), "--json", result, "--no-baselines"}).code, 0);
+  const Outcome plotted = run({"plot", result, "--out", data});
+  EXPECT_EQ(plotted.code, 0) << plotted.err;
+  const std::string drawing = folder_.read("figure.svg");
+  EXPECT_THAT(drawing, HasSubstr("command"));
+  EXPECT_THAT(drawing, HasSubstr("motion"));
+}
+
+TEST_F(ResponseOfTasks, StudiesAndOptimaConsiderIt) {
+  task(servo, "");
+  folder_.write(
+      "study.toml",
+      "title = \"s\"\ntask = \"task.toml\"\ncompute = [\"optimum\", \"trapezoid\"]\n[[vary]]\nname = \"gain\"\n"
+      "key = \"axis.*.servo_gain_1_s\"\nvalues = [100, 400]\n");
+  const Outcome study = run({"study", folder_.path("study.toml"), "--out", folder_.path("out")});
+  EXPECT_EQ(study.code, 0) << study.err;
+  std::istringstream csv(folder_.read("out/rows.csv"));
+  std::string head, slow, fast;
+  std::getline(csv, head), std::getline(csv, slow), std::getline(csv, fast);
+  const auto column = [&](const std::string& row) {
+    std::istringstream names(head), cells(row);
+    std::string name, cell;
+    while (std::getline(names, name, ',') && std::getline(cells, cell, ',') && name != "optimum.cycle_time_ms") {
+    }
+    return std::stod(cell);
+  };
+  EXPECT_GT(column(slow), column(fast) + 1.0) << head;
+  const Outcome optima = run({"optima", folder_.path("task.toml"), "--out", folder_.path("optima")});
+  EXPECT_EQ(optima.code, 0) << optima.err;
+}
+
+TEST_F(ResponseOfTasks, WhatDesignsDoNotCoverIsRefused) {
+  for (const std::string& end :
+       {std::string("[design]\nfamily = \"averages\"\n"), std::string("[design]\ncoefficient_bits = 16\n")}) {
+    const Outcome outcome = run({"design", task(servo, end)});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("does not consider the servo of an axis"));
+  }
+  const Outcome nlp = run({"design", task(servo, ""), "--solver", "ipopt"});
+  EXPECT_EQ(nlp.code, 2);
+  EXPECT_THAT(nlp.err, HasSubstr("nonlinear solvers do not consider a response"));
+}
+
+}  // namespace
+}  // namespace accdec

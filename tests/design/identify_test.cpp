@@ -1,0 +1,146 @@
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <accdec/design/identify.hpp>
+#include <accdec/families/settable_search.hpp>
+#include <accdec/filter.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr double period = 1e-3;  // s
+
+/// A leg of a command in the plane.
+struct Leg {
+  double x, y;  // m
+  int samples, rest;
+};
+
+/// The log of a command behind taps, by the definition: every step is spread over the next samples.
+MotionLog simulated(const std::vector<double>& taps, const std::vector<Leg>& legs, double noise, unsigned seed) {
+  std::vector<double> x(40, 0.01), y(40, -0.02);
+  for (const Leg& leg : legs) {
+    for (int k = 1; k <= leg.samples; ++k) {
+      x.push_back(x.back() + leg.x / leg.samples), y.push_back(y.back() + leg.y / leg.samples);
+    }
+    x.insert(x.end(), static_cast<std::size_t>(leg.rest), x.back());
+    y.insert(y.end(), static_cast<std::size_t>(leg.rest), y.back());
+  }
+  x.insert(x.end(), taps.size() + 60, x.back()), y.insert(y.end(), taps.size() + 60, y.back());
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> error(0.0, 1.0);
+  MotionLog log{{"x", "y"}, {}};
+  for (const std::vector<double>& at : {x, y}) {
+    std::vector<double> filtered;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < taps.size(); ++i) sum += taps[i] * at[k >= i ? k - i : 0];
+      filtered.push_back(sum + noise * error(engine));
+    }
+    log.position.push_back(std::move(filtered));
+  }
+  return log;
+}
+
+std::vector<double> taps_of(const std::vector<int>& lengths) {
+  std::vector<double> taps{1.0};
+  for (const int length : lengths) {
+    std::vector<double> next(taps.size() + static_cast<std::size_t>(length) - 1, 0.0);
+    for (std::size_t i = 0; i < taps.size(); ++i) {
+      for (int j = 0; j < length; ++j) next[i + static_cast<std::size_t>(j)] += taps[i] / length;
+    }
+    taps = std::move(next);
+  }
+  return taps;
+}
+
+Task task_of() {
+  Task task;
+  task.sample_period = period;
+  return task;
+}
+
+const std::vector<Leg> straight{{0.02, 0.0, 200, 0}};                          // 100 mm/s along x
+const std::vector<Leg> corner{{0.015, 0.0, 150, 12}, {0.006, 0.012, 160, 0}};  // a delay of 12 samples
+
+TEST(Identify, FindsAveragesOfAStraightMove) {
+  for (const std::vector<int>& lengths : std::vector<std::vector<int>>{{1}, {24}, {22, 22}, {23, 21}, {30, 4}}) {
+    const Identification found = identify(simulated(taps_of(lengths), straight, 1e-8, 1), task_of());
+    EXPECT_EQ(found.fits.front().family, SettingFamily::averages);
+    EXPECT_EQ(found.fits.front().filter.lengths, lengths);
+    ASSERT_EQ(found.moves.size(), 1U);
+    EXPECT_EQ(found.moves[0].first, 39);  // the last sample at the start
+    EXPECT_EQ(found.moves[0].samples, 200);
+    EXPECT_NEAR(found.moves[0].way[0], 0.02, 1e-7);
+  }
+}
+
+TEST(Identify, FindsThreeAveragesAndTheDelayOfACorner) {
+  const Identification found = identify(simulated(taps_of({26, 22, 11}), corner, 1e-8, 2), task_of());
+  EXPECT_EQ(found.fits.front().filter.lengths, (std::vector<int>{26, 22, 11}));
+  ASSERT_EQ(found.moves.size(), 2U);
+  EXPECT_EQ(found.moves[1].first - found.moves[0].first - found.moves[0].samples, 12);
+}
+
+/// By how many standard deviations two cascades differ in a log: the norm of the difference of their motions over the
+/// noise. Start and stop of the move are the same numbers, so this is that of one of them times the root of two.
+TEST(Identify, SaysHowFarNeighboursAreBehind) {
+  const double noise = 1e-6, step = 0.1 * period;
+  const std::vector<double> a = taps_of({22, 22}), b = taps_of({23, 21});
+  double square = 0.0, difference = 0.0, speed = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    speed += a[k] - b[k];
+    difference += speed;
+    square += 2.0 * std::pow(step * difference, 2);
+  }
+  const double sigmas = std::sqrt(square) / noise;
+  double mean = 0.0;
+  constexpr int logs = 20;
+  int right = 0;
+  for (unsigned seed = 1; seed <= logs; ++seed) {
+    const Identification found =
+        identify(simulated(a, straight, noise, seed), task_of(), {.noise = noise, .sigmas = 8.0});
+    right += found.fits.front().filter.lengths == std::vector<int>{22, 22} ? 1 : 0;
+    for (const FittedFilter& fit : found.fits) {
+      if (fit.filter.lengths == std::vector<int>{23, 21}) mean += fit.sigmas * fit.sigmas / logs;
+    }
+  }
+  // The difference of both sums of squares has the mean sigmas^2 and the standard deviation 2 sigmas.
+  EXPECT_NEAR(mean, sigmas * sigmas, 4.0 * 2.0 * sigmas / std::sqrt(static_cast<double>(logs)) + 0.1 * sigmas * sigmas);
+  EXPECT_GE(right, logs * 8 / 10);
+}
+
+TEST(Identify, FindsTheTimeConstantOfAPole) {
+  for (const double constant : {3.0, 7.4, 15.0}) {
+    std::vector<double> taps;
+    for (int i = 0; i < 40 * constant; ++i) taps.push_back(std::exp(-i / constant) * (1.0 - std::exp(-1.0 / constant)));
+    const Identification found = identify(simulated(taps, {{0.03, 0.01, 400, 0}}, 1e-6, 3), task_of());
+    EXPECT_EQ(found.fits.front().family, SettingFamily::one_pole) << constant;
+    EXPECT_NEAR(found.fits.front().time_constant, constant * period, 0.01 * constant * period);
+  }
+}
+
+TEST(Identify, AnswersTapsWhereNoFamilyFits) {
+  const std::vector<double> taps{1.0 / 12, 5.0 / 12, 5.0 / 12, 1.0 / 12};
+  const Identification found = identify(simulated(taps, straight, 1e-8, 4), task_of());
+  ASSERT_EQ(found.fits.front().family, SettingFamily::taps);
+  ASSERT_EQ(found.fits.front().filter.taps.size(), 4U);
+  // A tap of 1 moves a sample of 100 um; the noise of second differences is below 1e-3 of it.
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(found.fits.front().filter.taps[i], taps[i], 2e-3);
+}
+
+TEST(Identify, RefusesLogsThatAreNoWholeMove) {
+  MotionLog log = simulated(taps_of({22}), straight, 0.0, 5);
+  for (std::vector<double>& at : log.position) at.resize(150);
+  EXPECT_THROW(identify(log, task_of()), std::invalid_argument);  // ends in motion
+  EXPECT_THROW(identify(simulated(taps_of({22}), {{0.0, 0.0, 100, 0}}, 0.0, 6), task_of()), std::invalid_argument);
+  // Shorter than the filter: no constant speed.
+  EXPECT_THROW(identify(simulated(taps_of({40, 40}), {{0.004, 0.0, 30, 0}}, 0.0, 7), task_of()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace accdec

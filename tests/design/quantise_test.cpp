@@ -1,0 +1,138 @@
+#include <cmath>
+#include <numeric>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/design/quantise.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/task.hpp>
+#include <accdec/verify.hpp>
+
+#include "support/paths.hpp"
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// One axis, 100 mm/s through a right angle along the axes, without an error bound: delays are 0.
+Task straight_task(int bits, double acceleration, double jerk) {
+  Task task;
+  task.sample_period = 1e-3;
+  task.design.coefficient_bits = bits;
+  task.machine.axes = {Axis{.name = "x", .acceleration_max = acceleration, .jerk_max = jerk},
+                       Axis{.name = "y", .acceleration_max = acceleration, .jerk_max = jerk}};
+  task.corners.emplace_back("A", PlanarLegs{0.5 * M_PI, 0.0, Turn::left}, 0.1, 0.1);
+  return task;
+}
+
+void expect_whole(const DesignResult& result, int bits) {
+  ASSERT_TRUE(result.has_design()) << result.message;
+  ASSERT_TRUE(result.quantisation);
+  const auto& c = result.quantisation->coefficients;
+  EXPECT_EQ(std::accumulate(c.begin(), c.end(), std::int64_t{0}), std::int64_t{1} << bits);
+  ASSERT_EQ(c.size(), result.filter->taps().size());
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    EXPECT_GE(c[i], 0);
+    EXPECT_EQ(result.filter->taps()[i], std::ldexp(static_cast<double>(c[i]), -bits));
+  }
+  const ResultCheck check = verify_result(result);
+  EXPECT_TRUE(check.accepted) << ::testing::PrintToString(check.reasons);
+}
+
+// A tap must not exceed a T/v = 0.05, which is 12.8 units of 8 bits, and so 12. 256 units need 22 such taps; free taps
+// need 20.
+TEST(Quantise, AccelerationAsCounted) {
+  const DesignResult result = design_task(straight_task(8, 5.0, unlimited));
+  expect_whole(result, 8);
+  EXPECT_EQ(result.filter->order() + 1, 22);
+  EXPECT_NEAR(result.quantisation->unquantised, 0.020, 1e-12);
+}
+
+// A step between two taps must not exceed j T^2/v = 0.005, which is 1.28 units of 8 bits, and so 1. Ramps up and down
+// by one unit over M taps have floor((M + 1)^2/4) units: 256 with 31 taps, where 1, 2 .. 16 .. 2, 1 is the only filter.
+// Free taps need (M + 1)^2/4 >= 200: 28.
+TEST(Quantise, JerkAsCounted) {
+  const DesignResult result = design_task(straight_task(8, unlimited, 500.0));
+  expect_whole(result, 8);
+  ASSERT_EQ(result.filter->order() + 1, 31);
+  for (int i = 0; i <= 30; ++i)
+    EXPECT_EQ(result.quantisation->coefficients[static_cast<std::size_t>(i)], std::min(i + 1, 31 - i));
+  EXPECT_NEAR(result.quantisation->unquantised, 0.028, 1e-12);
+  EXPECT_EQ(result.status, Status::feasible) << "free taps are faster, so nothing is proved of whole ones";
+}
+
+TEST(Quantise, SixteenBitsLoseAtMostASampleOrAPercent) {
+  for (const char* name : {"acceleration-jerk", "exact-stop", "flat-angle", "force-friction", "sharp-angle", "six-axes",
+                           "unequal-feeds", "vibration-band"}) {
+    SCOPED_TRACE(name);
+    Task task = read_task(test_support::source_folder() + "/problems/corner/" + name + ".toml");
+    task.design.coefficient_bits = 16;
+    const DesignResult result = design_task(task);
+    expect_whole(result, 16);
+    if (!result.has_design()) continue;
+    const double lost = result.objective() - result.quantisation->unquantised;
+    EXPECT_LE(lost, std::max(1.001 * task.sample_period, 0.01 * result.quantisation->unquantised));
+  }
+}
+
+TEST(Quantise, SymmetricTapsStaySymmetric) {
+  Task task = read_task(test_support::source_folder() + "/problems/corner/acceleration-jerk.toml");
+  task.design.symmetric = true;
+  task.design.coefficient_bits = 12;
+  const DesignResult result = design_task(task);
+  expect_whole(result, 12);
+  const auto& c = result.quantisation->coefficients;
+  EXPECT_TRUE(std::equal(c.begin(), c.end(), c.rbegin()));
+}
+
+TEST(Quantise, RoundingKeepsTheSumAndTheLimits) {
+  Task task = straight_task(0, 5.0, unlimited);
+  const auto rounded = round_under_limits(task, boxcar(21), {0}, 8);  // 256/22 = 11.6 units
+  ASSERT_TRUE(rounded);
+  EXPECT_EQ(std::accumulate(rounded->begin(), rounded->end(), std::int64_t{0}), 256);
+  EXPECT_LE(*std::max_element(rounded->begin(), rounded->end()), 12);
+  EXPECT_FALSE(round_under_limits(task, boxcar(20), {0}, 8)) << "21 taps of at most 12 units have no 256";
+}
+
+TEST(Quantise, ExactCoefficients) {
+  EXPECT_EQ(exact_coefficients(boxcar(15), 8), Coefficients(16, 16));
+  EXPECT_FALSE(exact_coefficients(boxcar(9), 31));
+}
+
+TEST(Quantise, VerifierRefusesForgedCoefficients) {
+  DesignResult result = design_task(straight_task(8, 5.0, unlimited));
+  ASSERT_TRUE(result.has_design());
+  const auto refused = [](const DesignResult& forged) { return !verify_result(forged).accepted; };
+  DesignResult forged = result;
+  ++forged.quantisation->coefficients[3], --forged.quantisation->coefficients[4];
+  EXPECT_TRUE(refused(forged));
+  forged = result;
+  forged.quantisation->unquantised = 1.0;
+  EXPECT_TRUE(refused(forged));
+  forged = result;
+  forged.quantisation.reset();
+  EXPECT_TRUE(refused(forged));
+  // Taps that hold all limits, but are no whole numbers.
+  DesignResult free = assess(result.task, boxcar(21), {0}, false);
+  free.quantisation = result.quantisation;
+  EXPECT_TRUE(refused(free));
+}
+
+// The first tap has one unit or more. At 0.1 ms, 8 bits and 100 mm/s this is a jerk of 0.1/256/1e-8 = 39062.5 m/s^3.
+// The limit, 500 m/s^3, is 1/20000 of v/T^2, which needs 15 bits.
+TEST(Quantise, TooFewBitsAreSaid) {
+  Task task = straight_task(8, unlimited, 500.0);
+  task.sample_period = 1e-4;
+  const DesignResult result = design_task(task);
+  EXPECT_FALSE(result.has_design());
+  EXPECT_FALSE(result.filter);
+  EXPECT_THAT(result.message, HasSubstr("jerk on axis x is 3.90625e+07 mm/s^3"));
+  EXPECT_THAT(result.message, HasSubstr("at least 15 bits"));
+  task.design.coefficient_bits = 16;
+  expect_whole(design_task(task), 16);
+}
+
+}  // namespace
+}  // namespace accdec

@@ -1,0 +1,131 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/certificate.hpp>
+#include <accdec/design.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/verify.hpp>
+
+#include "support/tasks.hpp"
+
+// Designs behind a response, and their proofs.
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::plane_corner;
+using testing::plane_task;
+
+Task everyday() {
+  Axis axis;
+  axis.acceleration_max = 6.0, axis.jerk_max = 500.0;
+  return plane_task(axis, plane_corner("A", 95.0, 0.0, 0.1, 0.1), 50e-6);
+}
+
+Task with_gain(Task task, double gain) {
+  for (Axis& axis : task.machine.axes) axis.servo_gain = gain;
+  return task;
+}
+
+Task with_taps(Task task, const std::vector<double>& taps) {
+  for (Axis& axis : task.machine.axes) axis.response_taps = taps;
+  return task;
+}
+
+DesignResult proved(const Task& task) {
+  DesignOptions options;
+  options.time_limit = 120.0;
+  DesignResult result = design_task(task, options);
+  EXPECT_EQ(result.status, Status::optimal) << result.message;
+  const ResultCheck check = verify_result(result, {});
+  EXPECT_TRUE(check.accepted) << ::testing::PrintToString(check.reasons);
+  return result;
+}
+
+/// 50 ms at a gain of 200 1/s, where the ideal servo needs 42 ms. A simulation of the loop in Python agrees
+/// (tests/python/test_response.py).
+TEST(DesignBehindAServo, IsProvedAndLongerThanWithoutIt) {
+  const DesignResult behind = proved(with_gain(everyday(), 200.0)), ideal = proved(everyday());
+  EXPECT_NEAR(behind.objective(), 0.050, 1e-9);
+  EXPECT_LT(ideal.objective(), behind.objective() - 0.5e-3);
+  EXPECT_LE(behind.corners[0].corner_error, 50e-6 * (1.0 + 1e-9));
+}
+
+TEST(DesignBehindAServo, AProofOfAnotherGainIsNone) {
+  DesignResult behind = proved(with_gain(everyday(), 200.0));
+  behind.task = with_gain(everyday(), 5000.0);
+  EXPECT_FALSE(check_certificate(behind.task, behind).accepted);
+  behind.task = everyday();
+  EXPECT_FALSE(check_certificate(behind.task, behind).accepted);
+  behind.task = with_gain(everyday(), 200.0);
+  behind.task.machine.axes[1].servo_gain = 300.0;
+  EXPECT_THAT(check_certificate(behind.task, behind).reason, HasSubstr("respond differently"));
+}
+
+/// A response that only delays changes no error, and so no optimum.
+TEST(DesignBehindAServo, ADelayAloneChangesNothing) {
+  Task one = everyday(), several = everyday();
+  several.corners.push_back(plane_corner("B", 60.0, 30.0, 0.12, 0.08));
+  several.corners.back().error_max = 80e-6;
+  several.corners.back().weight = 2.0;
+  several.corners.push_back(plane_corner("C", 130.0, 200.0, 0.1, 0.1));
+  several.corners.back().error_max = 20e-6;
+  for (const Task& task : {one, several}) {
+    const double ideal = proved(task).objective();
+    for (const std::vector<double>& taps : {std::vector{0.0, 0.0, 1.0}, std::vector<double>{0, 0, 0, 0, 0, 0, 0, 0, 1}})
+      EXPECT_NEAR(proved(with_taps(task, taps)).objective(), ideal, 1e-9);
+  }
+}
+
+/// With several corners, too, the proof is of the response: a slower servo costs more.
+TEST(DesignBehindAServo, SeveralCornersAreProved) {
+  Task task = everyday();
+  task.corners.push_back(plane_corner("B", 60.0, 30.0, 0.12, 0.08));
+  task.corners.back().error_max = 80e-6;
+  double before = 0.0;
+  for (const double gain : {1000.0, 250.0}) {
+    const double objective = proved(with_gain(task, gain)).objective();
+    EXPECT_GT(objective, before);
+    before = objective;
+  }
+}
+
+/// Loads behind a servo and the control's smoothing: verified designs, with a bound where there is one.
+TEST(DesignBehindAServo, LoadsAndSmoothingGiveVerifiedDesigns) {
+  Task loads = with_gain(everyday(), 200.0), smoothed = everyday();
+  for (Axis& axis : loads.machine.axes) axis.mass = 30.0, axis.damping = 100.0, axis.force_max = 150.0;
+  smoothed.machine.prefilter_taps = {0.25, 0.5, 0.25};
+  for (const Task& task : {loads, smoothed}) {
+    DesignOptions options;
+    options.time_limit = 20.0;
+    const DesignResult result = design_task(task, options);
+    ASSERT_TRUE(result.has_design()) << result.message;
+    EXPECT_TRUE(result.lower_bound && *result.lower_bound <= result.objective() * (1.0 + 1e-9));
+    const ResultCheck check = verify_result(result, {});
+    EXPECT_TRUE(check.accepted) << ::testing::PrintToString(check.reasons);
+  }
+}
+
+/// The delays of a given filter, and the proof that no smaller ones hold.
+TEST(DesignBehindAServo, DelaysOfAGivenFilterAreTheSmallest) {
+  Task task = with_gain(everyday(), 200.0);
+  task.filter = FilterSpec{.kind = Shape::trapezoid, .order = 30, .ramp = 12};
+  const DesignResult result = proved(task);
+  DesignResult longer = result;
+  longer.corners[0].delay += 1;
+  EXPECT_FALSE(verify_result(longer, {}).accepted);
+}
+
+TEST(DesignBehindAServo, RefusesWhatNoMethodCovers) {
+  Task task = with_gain(everyday(), 200.0);
+  DesignOptions nonlinear;
+  nonlinear.method = Method::nlp;
+  EXPECT_THROW(design_task(task, nonlinear), std::invalid_argument);
+  task.machine.axes[1].servo_gain = 100.0;
+  EXPECT_THROW(design_task(task), std::invalid_argument);
+  EXPECT_THROW(design_task(with_taps(everyday(), {1.5, -0.5})), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace accdec

@@ -1,0 +1,85 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/paths.hpp"
+
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+/// `accdec program --plan free` as people run it.
+class FreeCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("accdec_free_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    write("task.toml", "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n");
+    write("program.ngc", "G64 P0.05 F6000\nG1 X30\nG1 Y30\nG3 X10 Y30 I-10\nG1 X0 Y0\nM2\n");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+  std::string read(const std::string& name) {
+    std::ostringstream text;
+    text << std::ifstream(folder_ / name).rdbuf();
+    return text.str();
+  }
+  int run(const std::string& arguments, const std::string& before = "") {
+    const std::string line = "cd " + folder_.string() + " && " + before + " " + accdec::test_support::program() + " " +
+                             arguments + " > out 2> err";
+    return WEXITSTATUS(std::system(line.c_str()));
+  }
+  fs::path folder_;
+};
+
+TEST_F(FreeCommand, WritesAResultThatVerifyAcceptsUntilItIsChanged) {
+  ASSERT_EQ(run("program program.ngc --task task.toml --plan free --json r.json --samples s.csv --stream s.txt "
+                "--figure f.html"),
+            0)
+      << read("err");
+  EXPECT_THAT(read("out"), HasSubstr("plan free, "));
+  EXPECT_THAT(read("out"), HasSubstr("verified: every sample"));
+  EXPECT_EQ(run("verify r.json"), 0) << read("out");
+  std::string text = read("r.json");
+  const auto at = text.find("\"positions_m\":[") + 15;
+  const auto middle = text.find(',', at + 2000);
+  text.replace(middle, 1, ",9");  // tens of metres
+  write("changed.json", text);
+  EXPECT_NE(run("verify changed.json"), 0);
+  const auto counts = text.find("\"samples_of_block\":[") + 20;
+  text = read("r.json");
+  text.insert(counts, "1");
+  write("changed.json", text);
+  EXPECT_NE(run("verify changed.json"), 0);
+  EXPECT_THAT(read("out") + read("err"), HasSubstr("commands.trajectory"));
+}
+
+TEST_F(FreeCommand, KeepsTheBestMotionAfterAnInterruption) {
+  std::string program = "G64 P0.1 F6000\n";
+  for (int i = 0; i < 4000; ++i) program += "G1 X" + std::to_string(i % 2 * 15) + " Y" + std::to_string(i % 7) + "\n";
+  write("program.ngc", program + "M2\n");
+  ASSERT_EQ(run("program program.ngc --task task.toml --plan free --threads 1 --json r.json",
+                "timeout --preserve-status -s INT 4"),
+            0)
+      << read("err");
+  EXPECT_EQ(run("verify r.json"), 0) << read("out");
+}
+
+TEST_F(FreeCommand, RefusesWhatBelongsToOneFilter) {
+  for (const char* option : {"--emit x.ngc", "--delays x.csv", "--feeds keep"}) {
+    EXPECT_EQ(run(std::string("program program.ngc --task task.toml --plan free ") + option), 2) << option;
+    EXPECT_THAT(read("err"), HasSubstr("fixed"));
+  }
+}
+
+}  // namespace

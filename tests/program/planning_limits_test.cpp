@@ -1,0 +1,148 @@
+#include <cmath>
+#include <random>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/trajectory/plan_profiles.hpp>
+
+#include "program_command.hpp"
+#include "reference.hpp"
+
+// What planning may take: filters too short for their limits, time limits, dwells of hours.
+
+namespace accdec::planning_limits_test {
+namespace {
+
+using test::ProgramCommand;
+using ::testing::HasSubstr;
+
+Machine slow_axis() {
+  Machine machine;
+  Axis axis;
+  axis.name = "x";
+  axis.velocity_max = 1.0;
+  axis.acceleration_max = 0.2;
+  axis.jerk_max = 4.0;
+  machine.axes.push_back(axis);
+  return machine;
+}
+
+// Two equal taps under a jerk limit: a step of the command changes the acceleration by half of it over T, so it is at
+// most 2 j T^2. One every T is an acceleration of 2 j T, which from rest to rest along L takes 2 sqrt(L/(2 j T)).
+TEST(PlanningLimits, AFilterOfTwoTapsSpeedsUpAsFastAsItsStepsAllow) {
+  const Machine machine = slow_axis();
+  constexpr double T = 2e-4;
+  for (const double length : {5.0, 50.0}) {
+    const Toolpath path = test::path_of(fmt::format("G64 P0.05 F30000\nG1 X{}\nM2\n", length), machine);
+    const ScheduledPlan plan = schedule_feeds(path, Filter({0.5, 0.5}), T, machine);
+    ASSERT_TRUE(all_holds(plan.plan));
+    const double time = static_cast<double>(plan.plan.simulation.samples) * T;
+    const double least = 2.0 * std::sqrt(length * 1e-3 / (2.0 * 4.0 * T));
+    EXPECT_GE(time, least);
+    EXPECT_LE(time, 1.02 * least + 0.02);
+  }
+}
+
+TEST(PlanningLimits, ADeadlineEndsMarchesAndRepair) {
+  const Machine machine = slow_axis();
+  const Toolpath path = test::path_of("G64 P0.05 F30000\nG1 X900\nM2\n", machine);
+  const Deadline over(-1.0);
+  // The plan that comes back need not hold, but it is one of the whole path.
+  const ScheduledPlan plan = schedule_feeds(path, Filter({0.5, 0.5}), 2e-4, machine, 40, over);
+  EXPECT_EQ(plan.plan.rounds, 0);
+  EXPECT_EQ(plan_profiles(path, machine, 2e-4, over).rounds, 0);
+}
+
+// An arc of 316 chords under a filter of 51 taps, which steps of the feed between them do not suit: mending it takes
+// minutes.
+TEST_F(ProgramCommand, APlanThatTheTimeLimitEndsIsNoResult) {
+  write("long.toml",
+        "sample_period_ms = 0.2\n[filter]\nkind = \"boxcar\"\norder = 50\n[[axis]]\nvelocity_max_mm_s = 500\n"
+        "acceleration_max_mm_s2 = 200\njerk_max_mm_s3 = 4000\n");
+  write("part.ngc",
+        "G21 G90 G17\nG64 P0.154\nF40000\nG0 X-15.859421 Y-0.290778 Z-17.534912\n"
+        "G3 Z-16.960746 I0.348903 J1.969331\nG1 Z-25.387611\n");
+  const auto done = run("program part.ngc --task long.toml --time-limit 0.05 --json r.json");
+  EXPECT_EQ(done.code, 1) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("the time limit ended the planning before a plan held all limits"));
+  EXPECT_NE(read("r.json").find("\"status\": \"failed\""), std::string::npos);
+}
+
+// A dwell only moves what comes after it: samples that stand still are not made one by one.
+TEST(PlanningLimits, DwellsOfDaysAreRest) {
+  const Machine machine = slow_axis();
+  const auto plan = [&](const char* dwell) {
+    const std::string text = fmt::format("G64 P0.05 F600\nG1 X1\n{}G1 X3\n{}M2\n", dwell, dwell);
+    return plan_profiles(test::path_of(text, machine), machine, 1e-3);
+  };
+  const ProfilePlan none = plan("G4 P1\n"), days = plan("G4 P1000001\n");
+  ASSERT_TRUE(none.holds() && days.holds());
+  EXPECT_EQ(days.check.samples - none.check.samples, 2'000'000'000);
+  ASSERT_EQ(days.check.limits.size(), none.check.limits.size());
+  for (std::size_t i = 0; i < days.check.limits.size(); ++i)
+    EXPECT_NEAR(days.check.limits[i].utilisation, none.check.limits[i].utilisation, 1e-9);
+}
+
+TEST_F(ProgramCommand, DwellsOfDaysAreDrawnAndAbsurdOnesRefused) {
+  write("part.ngc", "G21 G64 P0.05 F3000\nG1 X10\nG4 P1000000\nG1 Y10\nM2\n");
+  for (const char* plan : {"fixed", "profiles"}) {
+    const auto drawn =
+        run(std::string("program part.ngc --task task.toml --figure f.svg --json r.json --plan ") + plan);
+    EXPECT_EQ(drawn.code, 0) << drawn.err;
+    EXPECT_GT(number_of("r.json", "cycle_time_s"), 1e6);
+    EXPECT_EQ(run(std::string("program part.ngc --task task.toml --figure f.html --plan ") + plan).code, 0);
+  }
+  write("part.ngc", "G21 G64 P0.05 F3000\nG1 X10\nG4 P10000000000\nG1 Y10\nM2\n");
+  const auto refused = run("program part.ngc --task task.toml");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("part.ngc:3:"));
+  EXPECT_THAT(refused.err, HasSubstr("the dwell takes more than 1e9 s"));
+}
+
+// Two turns of R10 under G61: widened arcs hold their joints only at feeds far below those of arcs as they are.
+TEST_F(ProgramCommand, WideningArcsNeverTakesLonger) {
+  write("arcs.toml",
+        "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n"
+        "jerk_max_mm_s3 = 50000\n");
+  for (const char* turns : {"G2 I10\nG2 I10\n"}) {
+    write("part.ngc", std::string("G21 G90 G17 G61 F6000\n") + turns + "M2\n");
+    ASSERT_EQ(run("program part.ngc --task arcs.toml --json plain.json").code, 0) << read("err");
+    const auto done = run("program part.ngc --task arcs.toml --compensate-arcs --json r.json");
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_LE(number_of("r.json", "cycle_time_s"), number_of("plain.json", "cycle_time_s") + 1e-9);
+    EXPECT_THAT(done.out, HasSubstr("arcs are commanded as programmed"));
+    EXPECT_NE(read("r.json").find("\"compensation\": \"arcs are commanded as programmed"), std::string::npos);
+    EXPECT_EQ(run("verify r.json").code, 0) << read("out");
+  }
+}
+
+// Under a jerk limit alone, the filter that suits the programmed feeds is tried, too.
+TEST_F(ProgramCommand, ChosenFeedsAreNeverSlowerThanKeptOnes) {
+  write("jerk.toml",
+        "sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 200\njerk_max_mm_s3 = 5000\n[program]\n"
+        "error_max_um = 50\n");
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<std::string> programs{"F300 G64 P0.05 G1 X100\nG1 Y50\nM2\n"};
+  for (int i = 0; i < 6; ++i) {
+    std::string text = fmt::format("G91 G64 P0.05 F{:.0f}\n", 300.0 + 2000.0 * unit(random));
+    for (int b = 0; b < 4; ++b)
+      text += fmt::format("G1 X{:.4f} Y{:.4f}\n", 60.0 * unit(random) - 30.0, 60.0 * unit(random) - 30.0);
+    programs.push_back(text + "M2\n");
+  }
+  for (const std::string& text : programs) {
+    write("part.ngc", text);
+    double seconds[2] = {0.0, 0.0};
+    for (const char* feeds : {"keep", "choose"}) {
+      ASSERT_EQ(run(fmt::format("program part.ngc --task jerk.toml --json r.json --feeds {}", feeds)).code, 0)
+          << read("err");
+      seconds[feeds[0] == 'c' ? 1 : 0] = number_of("r.json", "cycle_time_s");
+    }
+    EXPECT_LE(seconds[1], seconds[0] * (1.0 + 1e-12)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace accdec::planning_limits_test

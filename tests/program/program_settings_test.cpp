@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/filter.hpp>
+#include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/plan/filters/settings_for_program.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/simulate/direct.hpp>
+
+#include "program_command.hpp"
+#include "reference.hpp"
+
+// Settings of a control, chosen for a whole program.
+
+namespace accdec {
+namespace {
+
+using test::Output;
+using test::ProgramCommand;
+using testing::HasSubstr;
+
+constexpr const char* corners =
+    "G21 G90 G64 P0.05\nG1 X30 F3000\nY30\nX50 Y50\nX20\nX0 Y0\nX40 Y10\nX0 Y20\nX30 Y22\nM2\n";
+
+Task task_of(std::vector<DelayKind> delays) {
+  Task task;
+  task.sample_period = 1e-3;
+  task.design.order_max = 26;
+  for (const char* name : {"x", "y"}) {
+    Axis axis;
+    axis.name = name;
+    axis.velocity_max = 0.2;
+    axis.acceleration_max = 6.0;
+    task.machine.axes.push_back(axis);
+  }
+  task.settings = ControllerSettings{};
+  task.settings->families = {SettingFamily::averages};
+  task.settings->stages.assign(2, {});
+  task.settings->delays = std::move(delays);
+  return task;
+}
+
+/// Samples of the plan at the programmed feeds; unlimited if it does not hold.
+double planned(Toolpath path, const Filter& filter, const Task& task) {
+  const Machine machine = program_machine(task.machine, path);
+  limit_rapids(path, filter, task.sample_period, machine);
+  snap_durations(path, filter, task.sample_period, machine);
+  const ProgramPlan plan = plan_program(path, filter, task.sample_period, machine, false);
+  return all_holds(plan) ? static_cast<double>(plan.simulation.samples) : unlimited;
+}
+
+TEST(ProgramSettings, NoMemberOfTheFamilyIsPlannedFaster) {
+  const Task task = task_of({});
+  const Toolpath path = test::path_of(corners, task.machine);
+  const SettingsForProgram found = settings_for_program(path, task, true, {}, {});
+  ASSERT_TRUE(found.best && found.best->complete);
+  double least = unlimited;
+  for (int a = 1; a <= task.design.order_max + 1; ++a) {
+    for (int b = 1; b <= a && a + b - 2 <= task.design.order_max; ++b)
+      least = std::min(least, planned(path, averages(std::vector<int>{a, b}), task));
+  }
+  EXPECT_EQ(planned(path, make_filter(found.best->chosen.filter), task), least);
+}
+
+/// The delays of a plan follow from its width: the first sample of the rest in which the motion, made directly, is
+/// within the width of the corner.
+TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
+  Task task = task_of({DelayKind::in_position, DelayKind::exact_stop});
+  task.settings->stages.resize(1);
+  for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
+    const TemporaryFolder folder;
+    const std::string program = folder.write("part.ngc", corners);
+    ProgramFileOptions options;
+    options.feeds = feeds;
+    ProgramFile file = read_program_file(program, task, options, {});
+    const ProgramResult result = run_program_file(program, file, task, options, {});
+    ASSERT_TRUE(result.verification.feasible) << result.message;
+    ASSERT_TRUE(result.settings && result.settings->chosen.width);
+    const Toolpath& path = result.plan.path;
+    const FilteredCommand& command = *result.plan.command();
+    const DirectMotion motion = direct_motion(path, task.sample_period, command.delays, {{command.filter}, {}});
+    const double width = result.settings->chosen.width->middle();
+    int seen = 0;
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      if (result.settings->chosen.delays[b] != DelayKind::in_position) continue;
+      ++seen;
+      for (int d = 0; d <= command.delays[b]; ++d) {
+        const auto k = static_cast<std::size_t>(motion.windows[b].first + d);
+        const double way =
+            std::hypot(motion.position[0][k] - path.point(b + 1)[0], motion.position[1][k] - path.point(b + 1)[1]);
+        EXPECT_EQ(way <= width, d == command.delays[b]) << "line " << path.line[b] << ", sample " << d;
+      }
+    }
+    EXPECT_GT(seen, 0);
+  }
+}
+
+/// p(d) of two averages by its definition.
+TEST(ProgramSettings, TheShortestDelayOfAControlIsThatOfItsKinds) {
+  const Filter filter = averages(std::vector<int>{18, 12});
+  const auto way = [&](int d) {
+    double sum = 0.0;
+    for (int i = d + 1; i <= filter.order(); ++i) sum += filter.tap(i) * (i - d);
+    return 1e-4 * sum;  // m at 100 mm/s and 1 ms
+  };
+  ASSERT_LT(way(15), 0.23e-3);
+  ASSERT_GT(way(14), 0.23e-3);
+  const ControlDelays control{{DelayKind::continuous, DelayKind::in_position, DelayKind::exact_stop}, 0.23e-3};
+  EXPECT_EQ(control_delay(control, filter, 1e-4, 0), 0);
+  EXPECT_EQ(control_delay(control, filter, 1e-4, 1), 15);
+  EXPECT_EQ(control_delay(control, filter, 1e-4, 15), 15);
+  EXPECT_EQ(control_delay(control, filter, 1e-4, 16), 28);
+  EXPECT_EQ(control_delay(control, filter, 1e-4, 31), std::nullopt);
+  EXPECT_EQ(control_delay({}, filter, 1e-4, 16), 16);
+  EXPECT_EQ(control_delay({{DelayKind::continuous, DelayKind::dwell}, 0.0}, filter, 1e-4, 16), 16);
+  EXPECT_EQ(control_delay({{DelayKind::continuous}, 0.0}, filter, 1e-4, 1), std::nullopt);
+}
+
+constexpr const char* machine =
+    "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n"
+    "jerk_max_mm_s3 = 500000\n[program]\nerror_max_um = 20\n";
+
+TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
+  write("control.toml", std::string(machine) +
+                            "[controller]\nname = \"sinumerik-840d\"\n[design]\nlength_max_ms = 40\n"
+                            "[filter]\nkind = \"averages\"\nlengths = [32, 32]\n");
+  write("part.ngc", corners);
+  ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json --emit e.ngc --figure r.html").code, 0)
+      << read("err");
+  const std::string out = read("out");
+  EXPECT_EQ(out.find("Set these: MD32410"), 0U) << out;
+  EXPECT_THAT(out, HasSubstr("Today's setting takes"));
+  EXPECT_THAT(read("r.html"), HasSubstr("Set these: MD32410"));
+  EXPECT_THAT(read("e.ngc"), HasSubstr("(set these: MD32410"));
+  EXPECT_EQ(read("e.ngc").find("\nG4 "), std::string::npos) << "the control has no dwells";
+  const Output verified = run("verify r.json");
+  EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
+  // Another width gives other delays.
+  std::string text = read("r.json");
+  if (const std::size_t at = text.find("\"width_m\":"); at != std::string::npos) {
+    EXPECT_THAT(read("e.ngc"), HasSubstr("G9 G1"));
+    for (const char* name : {"\"width_m\":", "\"width_low_m\":", "\"width_high_m\":"}) {
+      const std::size_t value = text.find(name) + std::string(name).size();
+      const double number = std::stod(text.substr(value));
+      text.replace(value, text.find_first_of(",}", value) - value, std::to_string(2.0 * number));
+    }
+    write("forged.json", text);
+    EXPECT_EQ(run("verify forged.json").code, 2);  // the answer says another one
+  }
+}
+
+TEST_F(ProgramCommand, PlansOfPositionsAreRefusedForAControlWithOneFilter) {
+  write("control.toml", std::string(machine) + "[design]\nfamily = \"averages\"\nstages = 2\n");
+  write("part.ngc", corners);
+  for (const char* plan : {"profiles", "free"}) {
+    const Output refused = run("program part.ngc --plan " + std::string(plan) + " --task control.toml --json r.json");
+    EXPECT_EQ(refused.code, 2) << plan;
+    EXPECT_THAT(refused.err, HasSubstr("use --plan fixed"));
+  }
+}
+
+/// Up to 3 ms, an average passes vibrations of 20 Hz nearly whole.
+TEST_F(ProgramCommand, AFamilyWithoutASettingThatHoldsIsSaid) {
+  write("control.toml", std::string(machine) +
+                            "[design]\nfamily = \"averages\"\nstages = 1\nlength_max_ms = 3\n"
+                            "[[mode]]\nfrequency_Hz = [18, 22]\nresidual_max = 0.05\n");
+  write("part.ngc", corners);
+  const Output none = run("program part.ngc --feeds keep --task control.toml --json r.json");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_THAT(none.err, HasSubstr("no setting of 1 average that was planned holds all limits"));
+}
+
+}  // namespace
+}  // namespace accdec
