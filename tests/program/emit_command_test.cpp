@@ -46,6 +46,20 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
   EXPECT_GT(number_of("stops.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
 }
 
+// A limit on jerk spans several samples, so that a stop may ask for more rest than the filter; a dwell is this rest.
+TEST_F(ProgramCommand, EmittedDwellsAtStopsTakeNoMoreThanBefore) {
+  write("jerk.toml", "sample_period_ms = 2\n[[axis]]\nvelocity_max_mm_s = 300\njerk_max_mm_s3 = 50000\n" +
+                         std::string("[filter]\nkind = \"trapezoid\"\norder = 39\nramp = 17\n"));
+  const std::string before = "G21 G90 G64 P0.05 F1000\nG1 X20 Y7\n";
+  const std::string after = "G1 X-0.460 Y-2.535\nX-5.024 Y1.455\nM2\n";
+  write("part.ngc", before + "G4 P0.5\n" + after);
+  write("stop.ngc", before + "G61.1\nG1 X21 Y7\nG64 P0.05\n" + after);
+  ASSERT_EQ(run("program part.ngc --task jerk.toml --feeds keep --emit e.ngc --json r.json").code, 0) << read("err");
+  ASSERT_EQ(run("program e.ngc --task jerk.toml --feeds keep --dwells-before-filter --json again.json").code, 0)
+      << read("err");
+  EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
+}
+
 // As rs274 reads it: a program's number moves nothing. With a word behind it, it is a loop or a subroutine.
 TEST_F(ProgramCommand, AProgramsNumberIsReadAndKept) {
   const std::string rest = "N10 G21 G90 G64 P0.05 (start)\nG1 X60 F3000 (cut)\nY60\nM30\n%\n";

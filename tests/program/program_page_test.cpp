@@ -109,6 +109,34 @@ TEST(TimeLost, OfPathsThatTurnBackIsTheTimeBeyondTheirFeeds) {
   }
 }
 
+// A dwell is asked for: it is not lost, and it makes nothing else so, whichever plan drives it.
+TEST(TimeLost, LeavesOutDwells) {
+  const auto lost = [](const ProgramResult& result) {
+    double sum = 0.0;
+    for (const CornerLoss& loss : time_lost(result.plan.path, motion_of(result))) sum += loss.time;
+    return sum;
+  };
+  const auto moves = [](const char* first, const char* between, const char* last) {
+    return std::string("G61.1 F600\n") + first + "G1 X10\n" + between + "Y5\nX0 Y0\n" + last + "M2\n";
+  };
+  const std::string dwells = moves("G4 P0.7\n", "G4 P1.5\nG4 P0.25\n", "G4 P40\n"), none = moves("", "", "");
+  const auto profiles = [](const std::string& text) { return planned(text); };
+  const auto fixed = [](const std::string& text) {
+    Task task;
+    task.sample_period = 1e-3;
+    LineSource source("test.ngc", text);
+    return run_program("test", read_toolpath(source, {}, {}), boxcar(20), task);
+  };
+  const auto compare = [&](const auto& plan) {
+    const ProgramResult with = plan(dwells), without = plan(none);
+    ASSERT_TRUE(with.verification.feasible && without.verification.feasible);
+    EXPECT_NEAR(with.cycle_time, without.cycle_time + 42.45, 1e-9) << with.plan.name();
+    EXPECT_NEAR(lost(with), lost(without), 1e-9) << with.plan.name();
+  };
+  compare(profiles);
+  compare(fixed);
+}
+
 // Bounds stand beside the names of their classes of motions.
 TEST(ProgramPage, NamesItsBoundsAndWhatTheyHoldFor) {
   ProgramResult result = planned("G64 P0.1 F6000\nG1 X50\nG1 Y50\nM2\n");

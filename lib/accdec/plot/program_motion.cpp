@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_motion.hpp>
+#include <accdec/simulate/command_stream.hpp>
 
 namespace accdec {
 namespace {
@@ -57,6 +59,27 @@ class Uses {
   };
   double period_;
   std::vector<Followed> axes_;
+};
+
+/// The dwells of a program: time at rest that it asks for, so that none of it is lost.
+class ProgrammedRests {
+ public:
+  ProgrammedRests(const Toolpath& path, double period) {
+    left_[-1] = samples(path.dwell_first, period);
+    for (const auto& [block, time] : path.dwell) left_[static_cast<std::ptrdiff_t>(block)] += samples(time, period);
+  }
+  /// How many of these samples at rest in a joint the program asks for.
+  std::int64_t take(std::ptrdiff_t joint, std::int64_t rested) {
+    const auto at = left_.find(joint);
+    if (at == left_.end()) return 0;
+    const std::int64_t taken = std::min(at->second, rested);
+    at->second -= taken;
+    return taken;
+  }
+
+ private:
+  static std::int64_t samples(double time, double period) { return whole_samples(time / period); }
+  std::map<std::ptrdiff_t, std::int64_t> left_;  // by joint; -1: before the first block
 };
 
 }  // namespace
@@ -114,13 +137,17 @@ std::vector<CornerLoss> time_lost(const Toolpath& path, const ProgramMotion& mot
     ++classes[i].count;
   }
   PathFollower follower(path);
+  ProgrammedRests rests(path, motion.sample_period);
+  constexpr double at_rest = 1e-9;  // m/s
   std::int64_t before = 0;
   motion.samples([&](std::int64_t k, const double* x, const double* v) {
-    const std::int64_t passed = k - std::exchange(before, k);
+    std::int64_t passed = k - std::exchange(before, k);
     if (k == 0) return;
     follower.follow(x, v);
-    const double slower = 1.0 - speed_of(v, path.dimensions()) / block_feed(path, follower.block());
+    const double speed = speed_of(v, path.dimensions());
+    const double slower = 1.0 - speed / block_feed(path, follower.block());
     const std::ptrdiff_t joint = follower.joint();
+    if (speed < at_rest) passed -= rests.take(joint, passed);
     const std::size_t i = joint < 0 ? classes.size() - 1 : of_joint[static_cast<std::size_t>(joint)];
     classes[i].time += slower * static_cast<double>(passed) * motion.sample_period;
   });

@@ -207,8 +207,8 @@ void ProfileMotion::convolve(std::size_t newest) {
 }
 
 std::int64_t ProfileMotion::pass_rest() {
-  if (stood_ < taps_ + 4) return 0;
-  return std::exchange(rest_, 0);
+  if (stood_ < taps_ + 4 || rest_ == 0) return 0;
+  return std::exchange(rest_, 1) - 1;
 }
 
 bool ProfileMotion::next() {

@@ -31,7 +31,7 @@ class ProfileMotion {
   /// sample. In s, one value per leg, kept by reference.
   void note_phases(std::vector<double>& phases);
   /// After next(): where it stands still, and did for longer than its last filter and three differences see, passes
-  /// over the samples that it still rests, and says how many.
+  /// over the samples that it still rests but for the last, and says how many.
   std::int64_t pass_rest();
   /// m, one value a dimension.
   const double* position() const { return out_.data(); }

@@ -5,6 +5,7 @@
 #include <accdec/plan/delays/joint_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/simulate/command_stream.hpp>
 
 namespace accdec {
 
@@ -58,7 +59,18 @@ int JointDelays::exact_stop() const {
 int JointDelays::stop(std::size_t b) {
   load(b, 1.0, in_, speed_in_);
   load(b + 1, 1.0, out_, speed_out_);
-  return within_limits(exact_stop());
+  // A limit that spans several samples may ask for a longer rest between the legs. A dwell is part of this rest.
+  const std::int64_t rest = within_limits(exact_stop()) - dwell_samples(b);
+  return static_cast<int>(std::max<std::int64_t>(exact_stop(), rest));
+}
+
+std::int64_t JointDelays::dwell_samples(std::size_t b) const {
+  const auto before = [](const auto& dwell, std::size_t block) { return dwell.first < block; };
+  std::int64_t samples = 0;
+  for (auto at = std::lower_bound(path_.dwell.begin(), path_.dwell.end(), b, before);
+       at != path_.dwell.end() && at->first == b; ++at)
+    samples += whole_samples(at->second / period_);
+  return samples;
 }
 
 int JointDelays::corner(std::size_t b, double factor_in, double factor_out) {

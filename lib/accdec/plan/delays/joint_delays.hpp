@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,8 @@ class JointDelays {
   /// The shortest within the limits that the control has; if it has none, the shortest within the limits.
   int of_control(int delay);
   int exact_stop() const;
+  /// How long the program dwells at the end of block b, samples.
+  std::int64_t dwell_samples(std::size_t b) const;
 
   const Toolpath& path_;
   const Filter& filter_;
