@@ -51,9 +51,10 @@ TEST(OutputFiles, TemporariesOfDeadProcessesAreRemoved) {
     std::string name;
     ::_exit(open_temporary(folder.path("report.html"), name) >= 0 ? 0 : 1);
   }
-  int status = 0;
-  ASSERT_EQ(::waitpid(child, &status, 0), child);
-  ASSERT_EQ(status, 0);
+  // It has ended, and this process did not ask for its status yet.
+  siginfo_t ended{};
+  ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT), 0);
+  ASSERT_EQ(ended.si_status, 0);
   folder.write("notes.part", "mine");
   ASSERT_EQ(folder.count(), 3U) << "own, the child's, notes";
   // Another process, for which the folder is new.
@@ -63,7 +64,9 @@ TEST(OutputFiles, TemporariesOfDeadProcessesAreRemoved) {
     write_file(there, "{}");
     ::_exit(0);
   }
+  int status = 0;
   ASSERT_EQ(::waitpid(next, &status, 0), next);
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_EQ(folder.count(), 3U) << "own, notes, r.json";
   EXPECT_EQ(folder.read("r.json"), "{}");
   EXPECT_TRUE(std::filesystem::exists(own));

@@ -7,10 +7,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <random>
 #include <regex>
 #include <set>
+#include <string>
 #include <system_error>
 
 #include <fcntl.h>
@@ -82,6 +84,17 @@ pid_t owner_of(const std::string& name) {
   return match[1] == fmt::format("{:08x}", host_mark()) ? std::stoi(match[2]) : 0;
 }
 
+/// Whether a process has ended. A killed one that its parent did not wait for yet still has its number.
+bool ended(pid_t process) {
+  if (::kill(process, 0) != 0) return errno == ESRCH;
+  std::ifstream file(fmt::format("/proc/{}/stat", process));
+  std::string stat;
+  std::getline(file, stat);
+  // "PID (NAME) STATE ..", where the name may hold anything.
+  const std::size_t name_end = stat.rfind(") ");
+  return name_end != std::string::npos && stat.compare(name_end + 2, 1, "Z") == 0;
+}
+
 /// Once a process and folder: what killed processes left there.
 void remove_remains(const std::string& folder) {
   static std::mutex mutex;
@@ -92,7 +105,7 @@ void remove_remains(const std::string& folder) {
   std::filesystem::directory_iterator item(folder.empty() ? "." : folder, unreadable);
   for (; !unreadable && item != std::filesystem::directory_iterator(); item.increment(unreadable)) {
     const pid_t owner = owner_of(item->path().filename().string());
-    if (owner > 0 && ::kill(owner, 0) != 0 && errno == ESRCH) ::unlink(item->path().c_str());
+    if (owner > 0 && ended(owner)) ::unlink(item->path().c_str());
   }
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -6,6 +7,7 @@
 #include <accdec/bounds/any_motion_bound.hpp>
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
+#include <accdec/files.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 
 namespace accdec {
@@ -45,8 +47,10 @@ CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadli
   return bound;
 }
 
-ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
-                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+namespace {
+
+ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task& task,
+                          const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   if (options.feeds == Feeds::keep) {
     throw std::invalid_argument(
         "plan profiles takes F as an upper bound and chooses the speed of every sample: only plan fixed keeps feeds");
@@ -69,6 +73,16 @@ ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const
   }
   profiles.candidates = {theirs};
   return profiles;
+}
+
+}  // namespace
+
+ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+  const auto start = std::chrono::steady_clock::now();
+  ProgramResult result = faster_plan(name, file, task, options, tell);
+  result.solver.wall_time = seconds_since(start);  // both plans and the bounds
+  return result;
 }
 
 }  // namespace accdec
