@@ -30,8 +30,8 @@ class ProfileMotion {
   /// From now on records, for the present leg and every later one, the time from the beginning of the leg to its first
   /// sample. In s, one value per leg, kept by reference.
   void note_phases(std::vector<double>& phases);
-  /// After next(): where it stands still, and did for longer than its last filter and three differences see, passes
-  /// over the samples that it still rests but for the last, and says how many.
+  /// After next(): passes over the samples that it still rests but for the last, and says how many. It must have stood
+  /// still for longer than its last filter and three differences see.
   std::int64_t pass_rest();
   /// m, one value a dimension.
   const double* position() const { return out_.data(); }
