@@ -67,8 +67,8 @@ double search_seconds(const Task& task, double limit, double reading, bool quiet
   return search;
 }
 
-/// The options of the search but for its time, from the command line. Throws std::invalid_argument for options that exclude
-/// each other.
+/// The options of the search but for its time, from the command line. Throws std::invalid_argument for options that
+/// exclude each other.
 DesignOptions asked_options(const Arguments& arguments, const Task& task, bool quiet) {
   DesignOptions options;
   // Naming a solver is asking for it.
