@@ -20,6 +20,7 @@
 #include "explore/server.hpp"
 #include "interrupt.hpp"
 #include "machines.hpp"
+#include "option_checks.hpp"
 #include "output.hpp"
 #include "status_line.hpp"
 
@@ -30,6 +31,7 @@ struct Arguments {
   std::string file;  ///< a task, or a program that `task` is of
   std::string task;
   bool no_browser = false;
+  double free_seconds = 0.0;  ///< for plan free of a program; 0: without it
 };
 
 /// The desktop's browser, which may outlive this program. @returns whether there is a way to open it
@@ -53,7 +55,8 @@ std::string start_of(const Arguments& arguments, const Context& context) {
         read_task(arguments.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
     warn(task, arguments.task, context);
     StatusLine status(context.quiet);
-    return explore::program_start_json(arguments.file, task, [&](const std::string& line) { status.tell(line); });
+    return explore::program_start_json(arguments.file, task, arguments.free_seconds,
+                                       [&](const std::string& line) { status.tell(line); });
   }
   const bool given = !arguments.file.empty();
   const Task task =
@@ -66,6 +69,8 @@ std::string start_of(const Arguments& arguments, const Context& context) {
 void run(const Arguments& arguments, Context& context) {
   if (arguments.file.empty() && !arguments.task.empty())
     throw std::invalid_argument("--task goes with a program: accdec explore PROGRAM.ngc --task TASK.toml");
+  if (arguments.task.empty() && arguments.free_seconds > 0.0)
+    throw std::invalid_argument("--free goes with a program: accdec explore PROGRAM.ngc --task TASK.toml --free 10");
   const std::string start = start_of(arguments, context);
   const std::string page = arguments.task.empty() ? "" : "program.html";
   const Interrupt interrupt;
@@ -97,6 +102,11 @@ void add_explore(CLI::App& app, Context& context) {
       ->type_name("TASK.toml|PROGRAM.ngc");
   command->add_option("--task", arguments->task, "Task of the program, as of accdec program: its plans are shown")
       ->type_name("TASK.toml");
+  command
+      ->add_option("--free", arguments->free_seconds,
+                   "seconds for plan free of a program, which is shown beside the others (default: not planned)")
+      ->type_name("SECONDS")
+      ->check(positive_number());
   command->add_flag("--no-browser", arguments->no_browser, "print the address of the page and open no browser");
   command->callback([arguments, &context] { run(*arguments, context); });
 }

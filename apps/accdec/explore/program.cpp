@@ -12,6 +12,7 @@
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/program_motion.hpp>
@@ -33,7 +34,7 @@ double rounded(double x) {
   return std::round(1e4 * x) / 1e4;
 }
 
-/// Every n-th sample: times, places and speeds, and the limit that bound most since the one before.
+/// Every n-th sample: times, places, speeds and velocities, and the limit that bound most since the one before.
 Json motion_json(const Toolpath& programmed, const Machine& machine, const ProgramResult& result) {
   const ProgramMotion motion = motion_of(result);
   std::int64_t count = 0, seen = 0;
@@ -41,14 +42,17 @@ Json motion_json(const Toolpath& programmed, const Machine& machine, const Progr
   const std::int64_t every = std::max<std::int64_t>(1, (count + most_points - 1) / most_points);
   std::vector<double> time, speed;
   std::vector<int> bound;
-  std::vector<std::vector<double>> places(programmed.dimensions());
+  std::vector<std::vector<double>> places(programmed.dimensions()), velocities(programmed.dimensions());
   int binding = -1;
-  visit_speeds(programmed, machine, motion, [&](std::int64_t k, const double* at, double v, int binds) {
+  visit_velocities(machine, motion, [&](std::int64_t k, const double* at, const double* v, int binds) {
     binding = std::max(binding, binds);
     if (seen++ % every != 0 && seen != count) return;
     time.push_back(static_cast<double>(k) * motion.sample_period);
-    for (std::size_t a = 0; a < places.size(); ++a) places[a].push_back(rounded(mm * at[a]));
-    speed.push_back(rounded(mm * v)), bound.push_back(binding);
+    for (std::size_t a = 0; a < places.size(); ++a) {
+      places[a].push_back(rounded(mm * at[a]));
+      velocities[a].push_back(rounded(mm * v[a]));
+    }
+    speed.push_back(rounded(mm * speed_of(v, places.size()))), bound.push_back(binding);
     binding = -1;
   });
   Json json{{"plan", result.plan.name()},
@@ -57,6 +61,7 @@ Json motion_json(const Toolpath& programmed, const Machine& machine, const Progr
             {"speed_mm_s", speed},
             {"binds", bound},
             {"places_mm", places},
+            {"velocities_mm_s", velocities},
             {"lost", Json::array()}};
   for (const CornerLoss& loss : time_lost(programmed, motion))
     if (loss.count > 0)
@@ -66,7 +71,7 @@ Json motion_json(const Toolpath& programmed, const Machine& machine, const Progr
 
 /// The plans that hold, the fastest first.
 std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& file, const Task& task,
-                                    const std::function<void(const std::string&)>& tell) {
+                                    double free_seconds, const std::function<void(const std::string&)>& tell) {
   std::vector<ProgramResult> plans;
   const auto add = [&](ProgramResult result) {
     if (result.verification.feasible)
@@ -80,6 +85,13 @@ std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& 
     add(plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task));
   } catch (const std::invalid_argument& error) {
     tell(error.what());  // a program with delays of its own, or vibration bounds that no last filter holds
+  }
+  if (free_seconds > 0.0) {
+    ProgramFileOptions options;
+    options.deadline = Deadline(free_seconds);
+    ProgramResult best = run_free_plan(name, file, task, options, {}, tell);
+    // If no window gives way, the answer is the plan it began with.
+    if (best.plan.trajectory() != nullptr && best.plan.trajectory()->is_free()) add(std::move(best));
   }
   std::stable_sort(plans.begin(), plans.end(),
                    [](const auto& a, const auto& b) { return a.cycle_time < b.cycle_time; });
@@ -129,7 +141,7 @@ Json base_of(Task task, const Toolpath& path) {
 
 }  // namespace
 
-std::string program_start_json(const std::string& name, const Task& task,
+std::string program_start_json(const std::string& name, const Task& task, double free_seconds,
                                const std::function<void(const std::string&)>& tell) {
   const ProgramFile file = read_program_file(name, task, {}, tell);
   const Toolpath& path = file.path;
@@ -144,7 +156,7 @@ std::string program_start_json(const std::string& name, const Task& task,
   for (std::size_t a = 0; a < path.dimensions(); ++a) program["axes"].push_back(path.axis_name(a));
   for (std::size_t i = 0; i < axis_limits.size(); ++i) program["limits"].push_back(binding_name(static_cast<int>(i)));
   program["other"] = binding_name(-1);
-  const std::vector<ProgramResult> plans = plans_of(name, file, task, tell);
+  const std::vector<ProgramResult> plans = plans_of(name, file, task, free_seconds, tell);
   for (const ProgramResult& plan : plans) program["plans"].push_back(motion_json(path, machine, plan));
   for (const NamedBound& bound : bounds_of(plans.front()))
     program["bounds"].push_back({{"name", bound.name}, {"time_s", bound.time}, {"motions", bound.motions}});

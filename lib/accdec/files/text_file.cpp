@@ -26,7 +26,8 @@ std::string read_text_file(const std::string& path, std::size_t limit) {
   // Read in blocks. The file's size only saves copies, as pipes have none.
   std::string text;
   std::error_code no_size;
-  if (const auto size = std::filesystem::file_size(path, no_size); !no_size) text.reserve(std::min(size, limit) + 1);
+  if (const auto size = std::filesystem::file_size(path, no_size); !no_size)
+    text.reserve(static_cast<std::size_t>(std::min<std::uintmax_t>(size, limit)) + 1);
   char block[1 << 16];
   while (const std::size_t got = std::fread(block, 1, sizeof block, file.get())) {
     if (text.size() + got > limit)

@@ -108,11 +108,10 @@ ProgramMotion motion_of(const ProgramResult& result) {
               : ""};
 }
 
-void visit_speeds(const Toolpath& path, const Machine& machine, const ProgramMotion& motion,
-                  const SpeedVisitor& visit) {
+void visit_velocities(const Machine& machine, const ProgramMotion& motion, const VelocityVisitor& visit) {
   Uses uses(machine, motion.sample_period);
   motion.samples([&](std::int64_t k, const double* position, const double* velocity) {
-    visit(k, position, speed_of(velocity, path.dimensions()), uses.next(velocity));
+    visit(k, position, velocity, uses.next(velocity));
   });
 }
 

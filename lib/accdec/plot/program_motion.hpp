@@ -27,13 +27,14 @@ ProgramMotion motion_of(const ProgramResult& result);
 double speed_of(const double* velocity, std::size_t axes);   ///< m/s, of all axes
 double block_feed(const Toolpath& path, std::size_t block);  ///< m/s, of all axes
 
-/// Takes sample k, its position (m), its speed (m/s, of all axes) and the index in `axis_limits` of the limit that
+/// Takes sample k, its position (m), its velocity (m/s, of every axis) and the index in `axis_limits` of the limit that
 /// binds there. This is the limit used most, if it is used to 98 % or more; -1 if there is none.
-using SpeedVisitor = std::function<void(std::int64_t k, const double* position, double speed, int binding)>;
+using VelocityVisitor =
+    std::function<void(std::int64_t k, const double* position, const double* velocity, int binding)>;
 /// Every sample of a motion. @param machine  as many axes as the path, or none
-void visit_speeds(const Toolpath& path, const Machine& machine, const ProgramMotion& motion, const SpeedVisitor& visit);
-/// The name of the binding limit, with an index as in `SpeedVisitor`. If it is no limit of an axis, the tolerance of a
-/// corner or the programmed feed limits the motion.
+void visit_velocities(const Machine& machine, const ProgramMotion& motion, const VelocityVisitor& visit);
+/// The name of the binding limit, with an index as in `VelocityVisitor`. If it is no limit of an axis, the tolerance of
+/// a corner or the programmed feed limits the motion.
 std::string binding_name(int binding);
 
 /// Time lost at corners that turn by `turn_from` to `turn_to` degrees, or at stops.

@@ -65,8 +65,9 @@ Panel speed_over_time_panel(const Toolpath& programmed, const Machine& machine, 
   std::map<int, TimeTrace> traces;  // by what binds
   TimePoint before;
   double highest = 0.0;
-  visit_speeds(programmed, machine, motion, [&](std::int64_t k, const double*, double speed, int binding) {
-    const TimePoint now{static_cast<double>(k) * motion.sample_period, 1e3 * speed};
+  const std::size_t axes = programmed.dimensions();
+  visit_velocities(machine, motion, [&](std::int64_t k, const double*, const double* velocity, int binding) {
+    const TimePoint now{static_cast<double>(k) * motion.sample_period, 1e3 * speed_of(velocity, axes)};
     highest = std::max(highest, now.v);
     if (k > 0) traces.try_emplace(binding, motion.cycle_time / columns_drawn).first->second.add(before, now);
     before = now;

@@ -50,12 +50,12 @@ std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMo
   std::vector<std::string> places(path.dimensions());
   int binding = -1;
   std::int64_t seen = 0;
-  visit_speeds(path, machine, motion, [&](std::int64_t k, const double* at, double speed, int binds) {
+  visit_velocities(machine, motion, [&](std::int64_t k, const double* at, const double* velocity, int binds) {
     binding = std::max(binding, binds);
     if (seen++ % every != 0 && seen != count) return;
     t += fmt::format("{:.6g},", static_cast<double>(k) * motion.sample_period);
     for (std::size_t a = 0; a < places.size(); ++a) places[a] += fmt::format("{:.4f},", at[a] * 1e3);
-    v += fmt::format("{:.5g},", speed * 1e3);
+    v += fmt::format("{:.5g},", speed_of(velocity, places.size()) * 1e3);
     l += fmt::format("{},", binding);
     binding = -1;
   });

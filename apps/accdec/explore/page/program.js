@@ -6,7 +6,7 @@ import { taskAddress } from "./state.js";
 
 const start = await begin();
 const { program } = start;
-const shown = { plan: 0, mark: -1 };
+const shown = { plan: 0, mark: -1, limits: false };
 const seconds = (s) => `${Number(s.toFixed(3))} s`;
 const charts = [];
 const colours = [...program.palette.matchAll(/([\d.]+) '#(..)(..)(..)'/g)].map(([, at, ...hex]) => [
@@ -36,6 +36,16 @@ function cutting(plan) {
   return [0, Math.min(1.05 * most, 1.5 * usual(plan.speed_mm_s))];
 }
 
+const colourOf = (limit) => (limit < 0 ? other : program.colours[1 + limit]);
+
+/** The names of the limits that bind somewhere, each with its colour. */
+const limitsKey = (plan) =>
+  [...new Set(plan.binds)].map((i) => {
+    const swatch = make("svg", { class: "swatch", viewBox: "0 0 10 10", "aria-hidden": "true" });
+    swatch.append(make("rect", { width: 10, height: 10, fill: colourOf(i) }));
+    return make("span", {}, swatch, ` ${i < 0 ? program.other : program.limits[i]} `);
+  });
+
 /** Where a corner opens: the explorer with the corner as its task. */
 const addressOf = (corner) => `index.html${taskAddress({ ...program.base, corner: [corner.corner] })}`;
 
@@ -62,10 +72,14 @@ function tell(i) {
 function drawPath() {
   const plan = program.plans[shown.plan];
   const most = usual(plan.speed_mm_s);
-  const colour = (i) => shades[Math.min(64, Math.round((64 * plan.speed_mm_s[i]) / most))];
+  const bySpeed = (i) => shades[Math.min(64, Math.round((64 * plan.speed_mm_s[i]) / most))];
+  const colour = shown.limits ? (i) => colourOf(plan.binds[i]) : bySpeed;
   const lines = [{ places: plan.places_mm.slice(0, 3), colour, width: 2 }];
   scene.show(lines, program.corners.length <= 300 ? program.corners.map((c) => c.at_mm.slice(0, 3)) : []);
-  $("#path h2").textContent = `path in the colour of its speed, dark from ${four(most)} mm/s`;
+  $("#path h2").textContent = shown.limits
+    ? "path in the colour of the limit that binds"
+    : `path in the colour of its speed, dark from ${four(most)} mm/s`;
+  $("#path-key").replaceChildren(...(shown.limits ? limitsKey(plan) : []));
 }
 
 /** One chart a quantity: that of the other plan in grey below. All have one cursor. */
@@ -76,6 +90,7 @@ function drawTime() {
     before = program.plans.find((p) => p !== plan);
   const quantities = [
     ["speed / mm/s", (p) => p.speed_mm_s],
+    ...program.axes.map((name, a) => [`velocity of ${name} / mm/s`, (p) => p.velocities_mm_s[a]]),
     ...program.axes.map((name, a) => [`${name} / mm`, (p) => p.places_mm[a]]),
   ];
   for (const [title, values] of quantities) {
@@ -132,7 +147,7 @@ function bars(chart, plan) {
   for (let i = 1, from = 0; i < plan.t_s.length; ++i) {
     if (i + 1 < plan.t_s.length && plan.binds[i + 1] === plan.binds[i]) continue;
     const [a, b] = [from, i].map((n) => chart.valToPos(plan.t_s[n], "x", true));
-    ctx.fillStyle = plan.binds[i] < 0 ? other : program.colours[1 + plan.binds[i]];
+    ctx.fillStyle = colourOf(plan.binds[i]);
     ctx.fillRect(a, bbox.top + bbox.height - 5 * devicePixelRatio, Math.max(1, b - a), 5 * devicePixelRatio);
     from = i;
   }
@@ -142,13 +157,7 @@ function bars(chart, plan) {
 function tables() {
   const plan = program.plans[shown.plan],
     before = program.plans.find((p) => p !== plan);
-  const kinds = new Set(plan.binds);
-  const key = [...kinds].map((i) => {
-    const swatch = make("svg", { class: "swatch", viewBox: "0 0 10 10", "aria-hidden": "true" });
-    swatch.append(make("rect", { width: 10, height: 10, fill: i < 0 ? other : program.colours[1 + i] }));
-    return make("span", {}, swatch, ` ${i < 0 ? program.other : program.limits[i]} `);
-  });
-  $("#over-time").append(make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...key));
+  $("#over-time").append(make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...limitsKey(plan)));
   const lost = new Map((before?.lost ?? []).map((l) => [l.turn, l.time_s]));
   const head = ["turn", "joints", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
   const rows = plan.lost.map((l) => [
@@ -211,6 +220,13 @@ function draw() {
   tables();
 }
 
+for (const button of document.querySelectorAll("#colour-by button"))
+  button.addEventListener("click", () => {
+    shown.limits = button.value === "limit";
+    for (const one of document.querySelectorAll("#colour-by button"))
+      one.setAttribute("aria-pressed", String(one === button));
+    drawPath();
+  });
 addEventListener("resize", () => {
   clearTimeout(draw.later);
   draw.later = setTimeout(() => (drawTime(), tables()), 200);
