@@ -3,7 +3,7 @@ directions that are left in a part of the search."""
 from fractions import Fraction
 
 from enclosure import ONE, PI, UNIT, ZERO, Enclosure, cos_sin, exact
-from problem import number, refuse_if, whole
+from problem import NotCovered, number, refuse_if, whole
 
 
 def _ends(low, high):
@@ -14,6 +14,8 @@ def _ends(low, high):
 def _power(rows, row, box, axis, regeneration, into, out, d, k, low, high):
     """F <= P (1/l + 1/u - V/(l u)), times l/P, for speeds V in [l, u]: the hyperbola P/V lies below its chord there;
     for V < l the chord is above P/l, which must then be more than the force can be. V = in (1 - B_k) + out B_{k-d}."""
+    if axis.coulomb > 0:
+        raise NotCovered("a chord of power or regeneration with dry friction")
     bound, (low, high) = Fraction(rows.limit(axis, regeneration).hi, ONE), _ends(low, high)
     refuse_if(low <= 0, "a chord begins at no positive speed")
     bounds = rows.bounds(box)

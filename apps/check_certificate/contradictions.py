@@ -1,8 +1,8 @@
 """Proofs that name nothing: limits that no filter keeps, whatever its order."""
 from fractions import Fraction
 
-from enclosure import ONE, UNIT, Enclosure, exact, square_root
-from problem import Refused
+from enclosure import ONE, UNIT, ZERO, Enclosure, exact, square_root
+from problem import STILL, Refused
 from rows import Rows
 
 CELLS = 400
@@ -14,7 +14,8 @@ def constant_feed(problem):
         for axis, *legs in zip(problem.axes, corner.speed_in, corner.speed_out):
             for leg in legs:
                 speed = leg.magnitude()
-                friction = exact(axis.damping) * speed
+                moves = speed.lo > exact(max(corner.feed_in, corner.feed_out) * STILL).hi
+                friction = exact(axis.damping) * speed + (exact(axis.coulomb) if moves else ZERO)
                 for kind, value in (("velocity", speed), ("force", friction), ("power", friction * speed)):
                     if kind in axis.limits and value.lo > exact(axis.limits[kind]).hi:
                         return f"corner {corner.name}: {kind} at constant feed"

@@ -1,6 +1,6 @@
 """Proofs about a given filter: every delay that is smaller breaks a limit."""
-from enclosure import UNIT, ZERO, exact
-from problem import NotCovered, Refused, number, refuse_if
+from enclosure import UNIT, ZERO, Enclosure, exact
+from problem import STILL, NotCovered, Refused, number, refuse_if
 
 
 def too_far(problem, corner, left, gained):
@@ -18,11 +18,22 @@ def too_far(problem, corner, left, gained):
     return True
 
 
-def breaks_axis(period, axis, speeds):
+def with_friction(axis, force, v, still):
+    """Dry friction is against the motion. An axis that stands has up to as much where it helps, one that moves as
+    slowly as that may have either."""
+    dry = exact(axis.coulomb)
+    if v.lo > still:
+        return force + dry
+    if v.hi < -still:
+        return force - dry
+    return Enclosure(min(force.lo + dry.hi, max(force.lo - dry.hi, 0)), max(force.hi - dry.hi, min(force.hi + dry.hi, 0)))
+
+
+def breaks_axis(period, axis, speeds, still=0):
     limits, before = {kind: exact(bound).hi for kind, bound in axis.limits.items()}, ZERO
     for old, v in zip(speeds, speeds[1:] + speeds[-1:]):
         acceleration = (v - old) / period
-        force = exact(axis.mass) * acceleration + exact(axis.damping) * v
+        force = with_friction(axis, exact(axis.mass) * acceleration + exact(axis.damping) * v, v, still)
         jerk, before = (acceleration - before) / period, acceleration
         values = {"velocity": v.magnitude(), "acceleration": acceleration.magnitude(), "jerk": jerk.magnitude()}
         values |= {"force": force.magnitude(), "power": force * v, "regeneration": -(force * v)}
@@ -39,13 +50,16 @@ def breaks_a_limit(problem, corner, gone, delay):
     slowest = min(sum((v * v for v in now), ZERO).hi for now in zip(*speeds))
     if slowest < (exact(corner.speed_min) * exact(corner.speed_min)).lo or too_far(problem, corner, left, gained):
         return True
-    return any(breaks_axis(exact(problem.period), axis, along) for axis, along in zip(problem.axes, speeds))
+    still = exact(max(corner.feed_in, corner.feed_out) * STILL).lo
+    return any(breaks_axis(exact(problem.period), axis, along, still) for axis, along in zip(problem.axes, speeds))
 
 
 def smallest(problem, taps, delays):
     """Number of smaller delays that break a limit: all of them."""
     if len(problem.response) > 1:
         raise NotCovered("delays of a given filter behind a servo")
+    if problem.supply:
+        raise NotCovered("delays of a given filter with a shared supply")
     taps = [number(b) for b in taps]
     refuse_if(min(taps) < 0 or not abs(sum(taps) - 1) < 1e-9, "the taps are negative or do not have the sum 1")
     gone = [exact(sum(taps[:k]) / sum(taps)) for k in range(len(taps) + 1)]

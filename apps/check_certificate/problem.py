@@ -17,11 +17,12 @@ LIMITS = {
     "power": ("power_max_W", 1), "regeneration": ("regeneration_max_W", 1),
 }
 SERVO_KEYS = ("servo_gain_1_s", "velocity_feedforward", "response_taps")
-AXIS_KEYS = {key for key, _ in LIMITS.values()} | {"name", "mass_kg", "damping_N_s_m"} | set(SERVO_KEYS)
+AXIS_KEYS = {key for key, _ in LIMITS.values()} | {"name", "mass_kg", "damping_N_s_m", "coulomb_N"} | set(SERVO_KEYS)
+STILL = Fraction(1, 10**9)  # part of the feed below which an axis stands: no dry friction is against it
 REST = Fraction(1, 10**12)  # a servo's response ends where less is left, which its last tap takes
 LONGEST = 50000  # taps of a response
 
-Axis = namedtuple("Axis", "mass damping limits")  # limits: those given, by kind
+Axis = namedtuple("Axis", "mass damping coulomb limits")  # limits: those given, by kind
 Mode = namedtuple("Mode", "low high residual")
 
 
@@ -50,11 +51,15 @@ def whole(x):
     return x
 
 
-def _axis(table):
+def _axis(table, period, fastest):
     if set(table) - AXIS_KEYS:
         raise NotCovered(f"an axis with the keys {sorted(set(table) - AXIS_KEYS)}")
     limits = {kind: number(table[key]) / per_si * WIDER for kind, (key, per_si) in LIMITS.items() if key in table}
-    return Axis(number(table.get("mass_kg", 0)), number(table.get("damping_N_s_m", 0)), limits)
+    mass, damping, coulomb = (number(table.get(key, 0)) for key in ("mass_kg", "damping_N_s_m", "coulomb_N"))
+    refuse_if(min(mass, damping, coulomb) < 0, "an axis has a negative load")
+    if coulomb > 0 and "force" in limits:  # a sample that counts as standing may accelerate by that little
+        limits["force"] += STILL * fastest * mass / period
+    return Axis(mass, damping, coulomb, limits)
 
 
 def _response(tables, period):
@@ -131,10 +136,11 @@ def _mode(table):
 
 def read(task):
     """From the member `task` of a result file."""
-    design, axes = task.get("design", {}), [_axis(table) for table in task["axis"]]
+    design, period = task.get("design", {}), number(task["sample_period_ms"]) / 1000
+    feeds = [number(c[key]) for c in task["corner"] for key in ("feed_in_mm_min", "feed_out_mm_min") if key in c]
+    axes = [_axis(table, period, max(feeds, default=0) / 60000) for table in task["axis"]]
     if "prefilter_taps" in task.get("controller", {}):
         raise NotCovered("a control's own smoothing")
-    period = number(task["sample_period_ms"]) / 1000
     problem = SimpleNamespace(
         period=period,
         response=_response(task["axis"], period),
@@ -144,6 +150,7 @@ def read(task):
         objective=design.get("objective", "cycle"),
         runs=number(design.get("runs", 1)),
         axes=axes,
+        supply=task.get("machine", {}),
         corners=[_corner(table, len(axes)) for table in task["corner"]],
         modes=[_mode(table) for table in task.get("mode", [])],
         given_filter="filter" in task,

@@ -97,7 +97,8 @@ class Rows:
             if "acceleration" in limits:
                 self.tap_max = min(self.tap_max, (exact(limits["acceleration"] * period) / speed).hi)
             if not self.longer and "force" in limits and axis.mass > 0 and (not stop or axis.damping == 0):
-                self.tap_max = min(self.tap_max, (exact(limits["force"] * period / axis.mass) / speed).hi)
+                force = limits["force"] + (axis.coulomb if stop else -axis.coulomb)
+                self.tap_max = min(self.tap_max, (exact(force * period / axis.mass) / speed).hi)
             if "jerk" in limits:
                 self.ramp_max = min(self.ramp_max, (exact(limits["jerk"] * period**2) / speed).hi)
 
@@ -165,7 +166,8 @@ class Rows:
         drag = scale * exact(axis.damping)
         row.tap(k - 1, scale * exact(axis.mass) / self.period)
         row.response(k, drag)
-        row.limit(UNIT + drag if stop else UNIT)
+        dry = exact(axis.coulomb) / self.limit(axis, "force")  # against a start, for a stop
+        row.limit(UNIT + drag + dry if stop else UNIT - dry)
 
     def blend(self, row, box, limit, j, a, k, sign):
         corner, axis, d = self.corner(j), self.axis(a), self.single_delay(j, box)
@@ -190,6 +192,10 @@ class Rows:
             row.limit(-(drag * into))
             row.response(k, -(drag * into))
             row.response(k - d, drag * out)
+            # Dry friction is against an axis that keeps its direction. If it reverses, friction may help everywhere.
+            forward = 1 if (into + out).lo > 0 else -1
+            helps = 1 if (into * out).lo < 0 else -forward * sign_of(sign)
+            row.limit((UNIT / self.limit(axis, limit) * exact(axis.coulomb)).times(helps))
         row.limit(UNIT)
 
     def _seen(self, row, box, j, angle, exactly):

@@ -15,11 +15,15 @@ class Plant:
             return exact(axis.limits[kind]) / by if kind in axis.limits else None
 
         self.inertia, self.drag, self.stop = exact(axis.mass / period), exact(axis.damping), stop
-        self.slope, force = self.inertia + self.drag, over("force", speed)
+        self.slope = self.inertia + self.drag
+        # Dry friction is against a start and helps a stop.
+        dry = axis.coulomb if stop else -axis.coulomb
+        force = exact(axis.limits["force"] + dry) / speed if "force" in axis.limits else None
         # slope B_k - m/T B_{k-1} <= F/s, at the stop F/s + c
         self.force = None if force is None else (force + self.drag if stop else force).hi << BITS
         self.power = None if stop else over("power", speed * speed)
-        self.regeneration = over("regeneration", speed * speed) if stop else None
+        # Without its dry friction a stop would brake more.
+        self.regeneration = over("regeneration", speed * speed) if stop and axis.coulomb == 0 else None
 
     def highest_after(self, x, high):
         """Of B_k, where B_{k-1} <= x and B_k <= high."""

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/malformed_loads.hpp"
 #include "support/malformed_tasks.hpp"
 #include "support/run.hpp"
 
@@ -28,6 +29,8 @@ TEST_P(MalformedTask, IsRefusedWithNothingWritten) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Cli, MalformedTask, ::testing::ValuesIn(malformed::cases()),
+                         [](const auto& param_info) { return std::string(param_info.param.name); });
+INSTANTIATE_TEST_SUITE_P(Loads, MalformedTask, ::testing::ValuesIn(malformed::load_cases()),
                          [](const auto& param_info) { return std::string(param_info.param.name); });
 
 }  // namespace

@@ -61,10 +61,16 @@ TEST_F(ResponseOfTasks, EveryCommandIsKnownHere) {
 
 TEST_F(ResponseOfTasks, OtherCommandsRefuseItByName) {
   folder_.write("part.ngc", "G1 X10 F1000\nG1 Y10\nM2\n");
-  for (const auto& [key, position] :
-       std::map<std::string, std::string>{{"servo_gain_1_s", "4:18"}, {"prefilter_taps", "9:18"}}) {
-    const bool of_axis = key == "servo_gain_1_s";
-    task(of_axis ? servo : "", of_axis ? "" : smoothing);
+  for (const auto& [key, position] : std::map<std::string, std::string>{{"servo_gain_1_s", "4:18"},
+                                                                        {"prefilter_taps", "9:18"},
+                                                                        {"coulomb_N", "4:13"},
+                                                                        {"power_total_max_W", "10:21"},
+                                                                        {"regeneration_total_max_W", "11:28"}}) {
+    if (key == "servo_gain_1_s") task(servo, "");
+    if (key == "prefilter_taps") task("", smoothing);
+    if (key == "coulomb_N") task("coulomb_N = 40\n", "");
+    if (key == "power_total_max_W") task("mass_kg = 30\n", "[machine]\npower_total_max_W = 900\n");
+    if (key == "regeneration_total_max_W") task("mass_kg = 30\n", "[machine]\n\nregeneration_total_max_W = 900\n");
     folder_.write("suite.toml",
                   "title = \"s\"\nsolvers = \"all\"\n[[problem]]\nname = \"a\"\ntask = \"task.toml\"\n"
                   "formulation = [\"margin\"]\norder = 20\n");

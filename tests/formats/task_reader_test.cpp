@@ -11,6 +11,7 @@
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/task.hpp>
 
+#include "support/malformed_loads.hpp"
 #include "support/malformed_tasks.hpp"
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
@@ -34,6 +35,8 @@ TEST_P(Malformed, SaysWhereAndWhat) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Tasks, Malformed, ::testing::ValuesIn(malformed::cases()),
+                         [](const auto& param_info) { return std::string(param_info.param.name); });
+INSTANTIATE_TEST_SUITE_P(Loads, Malformed, ::testing::ValuesIn(malformed::load_cases()),
                          [](const auto& param_info) { return std::string(param_info.param.name); });
 
 TEST(TaskReader, TheMalformedTasksAreFaultyInOnePlaceOnly) {

@@ -38,7 +38,7 @@ Json quantity_json(const AxisLimit& limit, const SampledMotion& motion, const Ta
     if (std::max(std::abs(legs.direction_in[a]), std::abs(legs.direction_out[a])) < 1e-12) continue;
     const Axis& axis = task.machine.axes[i];
     if (limit.load && !(axis.*limit.bound < unlimited)) continue;
-    AxisSampler sampler(axis, task.sample_period);
+    AxisSampler sampler(axis, task.sample_period, still_part * std::max(legs.feed_in, legs.feed_out));
     std::vector<double> values;
     for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) {
       const AxisState state = sampler.next(motion.velocity(n, a), motion.acceleration(n, a));

@@ -15,7 +15,8 @@ from ._arguments import array, wrong
 _LISTS = {"axes": "axis", "corners": "corner", "modes": "mode"}
 _DESIGN = ("order_min", "order_max", "symmetric", "objective", "runs", "coefficient_bits", "family", "stages",
            "shaper", "length_step", "length_max", "length_set")
-FIELDS = ("title", "sample_period", *_LISTS, "filter", "baseline", "controller", *_DESIGN)  # of the constructor
+# Arguments of the constructor.
+FIELDS = ("title", "sample_period", *_LISTS, "filter", "baseline", "controller", "machine", *_DESIGN)
 
 
 def _plain(value: Any, name: str) -> Any:

@@ -59,7 +59,9 @@ Simulation simulate(const Task& task, const Filter& filter, std::size_t corner, 
   const Eigen::Index rows = s.motion.velocity.rows(), axes = s.motion.velocity.cols();
   s.force.resize(rows, axes), s.power.resize(rows, axes), s.time.resize(rows);
   std::vector<AxisSampler> samplers;
-  for (const Axis& axis : task.machine.axes) samplers.emplace_back(axis, task.sample_period);
+  const Corner& legs = task.corners.at(corner).geometry();
+  const double still = still_part * std::max(legs.feed_in, legs.feed_out);
+  for (const Axis& axis : task.machine.axes) samplers.emplace_back(axis, task.sample_period, still);
   for (Eigen::Index n = 0; n < rows; ++n) {
     s.time[n] = static_cast<double>(n - s.motion.corner) * task.sample_period;
     for (Eigen::Index a = 0; a < axes; ++a) {

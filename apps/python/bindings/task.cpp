@@ -74,6 +74,7 @@ py::dict axis_dict(const Axis& axis) {
   d["name"] = axis.name;
   d["mass"] = axis.mass;
   d["damping"] = axis.damping;
+  d["coulomb"] = axis.coulomb;
   for (const AxisLimit& limit : axis_limits)
     d[py::str(fmt::format("{}_max", limit_name(limit.kind).name))] = axis.*limit.bound;
   d["servo_gain"] = axis.servo_gain;
@@ -107,8 +108,11 @@ title : str, optional
 sample_period : float
     s.
 axes : dict or list of dict, optional
-    velocity_max, acceleration_max, jerk_max, mass, damping, force_max, power_max, regeneration_max, name, servo_gain
-    (1/s) with velocity_feedforward, or response_taps. One dict stands for every axis.
+    velocity_max, acceleration_max, jerk_max, mass, damping, coulomb (N, dry friction), force_max, power_max,
+    regeneration_max, name, servo_gain (1/s) with velocity_feedforward, or response_taps. One dict stands for every
+    axis.
+machine : dict, optional
+    power_total_max, regeneration_total_max (W): limits of the supply that all axes share.
 corners : dict or list of dict
     angle (or direction_in and direction_out), feed_in, feed_out, error_max, speed_min, delay, weight, heading, turn,
     name.

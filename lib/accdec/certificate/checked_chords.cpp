@@ -77,6 +77,7 @@ void CheckedRows::add_power(const Axis& axis, bool regeneration, const CheckedSp
                             CheckedSum& sum) const {
   const double bound = regeneration ? axis.regeneration_max : axis.power_max;
   require_limit(bound);
+  if (axis.coulomb > 0.0) throw Rejected("a chord of power or regeneration is not known with dry friction");
   require_finite(low, high);
   if (!(low > 0.0) || !(high > low)) throw Rejected("a chord's ends are not 0 < low < high");
   const Interval in = pick_sign(sign) * legs.in, out = pick_sign(sign) * legs.out;

@@ -25,7 +25,9 @@ std::optional<int> differences(LimitKind kind) {
     case LimitKind::regeneration:
     case LimitKind::vibration:
     case LimitKind::corner_error:
-    case LimitKind::speed_min: break;
+    case LimitKind::speed_min:
+    case LimitKind::power_total:
+    case LimitKind::regeneration_total: break;
   }
   return std::nullopt;
 }
@@ -36,6 +38,11 @@ void add_difference(int n, int at, const Interval& c, const Interval& step, cons
   if (n == 0) return term(at, c);
   add_difference(n - 1, at, c * step, step, term);
   add_difference(n - 1, at - 1, -1.0 * c * step, step, term);
+}
+
+/// Dry friction is against a start and helps a stop: what it adds to the force limit.
+Interval friction_of_event(const Axis& axis, bool stop) {
+  return Interval(stop ? axis.coulomb : -axis.coulomb);
 }
 
 /// Sine of the interior angle. For nearly collinear legs the cosine gives it only to some 1e-8. The part of leg 2
@@ -75,9 +82,10 @@ CheckedRows::CheckedRows(const Task& task) : task_(task), response_(task) {
       const auto over = [](double bound, const Interval& by) {
         return bound < unlimited ? Interval(bound) / by : Interval(bound);
       };
-      p.force = over(axis.force_max, s);
+      p.force = over((Interval(axis.force_max) + friction_of_event(axis, ends)).hi, s);
       p.power = over(axis.power_max, s * s);
-      p.regeneration = over(axis.regeneration_max, s * s);
+      // Without its dry friction a stop would brake more.
+      p.regeneration = over(axis.coulomb > 0.0 ? unlimited : axis.regeneration_max, s * s);
       plants_.push_back(p);
     }
     start_.push_back(start);
@@ -96,7 +104,11 @@ CheckedRows::CheckedRows(const Task& task) : task_(task), response_(task) {
       known = std::min(known, max.hi);
     }
     if (response_.ideal() && axis.force_max < unlimited && axis.damping == 0.0 && axis.mass > 0.0) {
-      tap_max_ = std::min(tap_max_, (Interval(axis.force_max) * t / (Interval(axis.mass) * fastest)).hi);
+      for (const bool ends : {false, true}) {
+        const Interval inertia = Interval(axis.mass) * (ends ? stop : start);
+        if (inertia.lo > 0.0)
+          tap_max_ = std::min(tap_max_, ((Interval(axis.force_max) + friction_of_event(axis, ends)) * t / inertia).hi);
+      }
     }
   }
 }
@@ -181,6 +193,7 @@ void CheckedRows::add_row(const proof::EventForce& row, const Interval& weight, 
   sum.response(k, scale * Interval(x.damping));
   sum.rhs = sum.rhs + weight;
   if (row.stop) sum.rhs = sum.rhs + scale * Interval(x.damping);
+  sum.rhs = sum.rhs + weight * friction_of_event(x, row.stop) / Interval(x.force_max);
 }
 
 void CheckedRows::add_row(const proof::Error& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
@@ -263,6 +276,10 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
     const Interval f = y / Interval(x.force_max), drag = f * Interval(x.damping);
     acceleration(k, f * Interval(x.mass));
     sum.rhs = sum.rhs - drag * in;
+    // Dry friction is against an axis that keeps its direction. One that reverses may have it help at every sample.
+    const double forward = in.lo + out.lo > 0.0 ? 1.0 : -1.0;
+    const double help = (in * out).lo < 0.0 ? 1.0 : -forward * (row.sign < 0 ? -1.0 : 1.0);
+    sum.rhs = sum.rhs + weight * Interval(help * x.coulomb) / Interval(x.force_max);
     sum.response(k, -1.0 * drag * in);
     sum.response(k - d, drag * out);
   } else {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,8 +11,11 @@ namespace accdec {
 namespace {
 
 /// One leg at its feed: nothing accelerates, so the force is friction alone.
-std::string broken_on_leg(const Axis& axis, const Interval& component) {
-  const Interval speed = component.magnitude(), force = Interval(axis.damping) * speed, power = force * speed;
+std::string broken_on_leg(const Axis& axis, const Interval& component, double feed) {
+  const Interval speed = component.magnitude();
+  // An axis that stands has no dry friction.
+  const double dry = speed.lo > 1.1e-9 * feed ? axis.coulomb : 0.0;
+  const Interval force = Interval(axis.damping) * speed + Interval(dry), power = force * speed;
   if (speed.lo > axis.velocity_max) return fmt::format("velocity {} is above its limit", axis.name);
   if (force.lo > axis.force_max) return fmt::format("friction alone takes more than force {}", axis.name);
   if (power.lo > axis.power_max) return fmt::format("friction alone takes more than power {}", axis.name);
@@ -46,7 +50,8 @@ std::string broken_at_constant_feed(const Task& written) {
       for (const Interval& leg :
            {Interval(corner.geometry().feed_in) * Interval(corner.geometry().direction_in[a]),
             Interval(corner.geometry().feed_out) * Interval(corner.geometry().direction_out[a])}) {
-        const std::string broken = broken_on_leg(axis, leg);
+        const std::string broken =
+            broken_on_leg(axis, leg, std::max(corner.geometry().feed_in, corner.geometry().feed_out));
         if (!broken.empty()) return fmt::format("corner {}: {} at constant feed", corner.name, broken);
       }
     }

@@ -32,7 +32,9 @@ double sampled(LimitKind kind, double v, double a, double before, const Axis& ax
     case LimitKind::regeneration: return -force * v;
     case LimitKind::vibration:
     case LimitKind::corner_error:
-    case LimitKind::speed_min: break;  // not of an axis
+    case LimitKind::speed_min:
+    case LimitKind::power_total:
+    case LimitKind::regeneration_total: break;  // not of an axis
   }
   return 0.0;
 }
@@ -283,6 +285,8 @@ std::string check_families(const proof::FamilyEnumeration& proof, const Task& ta
                            const std::function<bool()>& stop) {
   if (!task.settings || !task.settings->names_family())
     throw Rejected("the certificate is about families, the task names none");
+  if (has_dry_friction(task.machine) || limits_supply(task.machine))
+    throw Rejected("a proof about families is not known with dry friction or a shared supply");
   double target = none;
   if (result.status == Status::infeasible) {
     if (proof.bound_samples) throw Rejected("the certificate proves a bound, not that no member holds");

@@ -15,7 +15,7 @@ bool alike(double a, double b) {
 }
 
 bool axes_alike(const Axis& a, const Axis& b) {
-  bool alike = a.mass == b.mass && a.damping == b.damping;
+  bool alike = a.mass == b.mass && a.damping == b.damping && a.coulomb == b.coulomb;
   for (const AxisLimit& limit : axis_limits) alike = alike && a.*limit.bound == b.*limit.bound;
   return alike;
 }

@@ -12,6 +12,7 @@
 #include <accdec/exact/size.hpp>
 #include <accdec/families/quick_search.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/task/convexity.hpp>
 #include <accdec/task/equal_corners.hpp>
@@ -28,13 +29,19 @@ constexpr int dense_order_max = 150;
 /// The task without the limits that make the set of filters non-convex.
 Task convex_part(Task task) {
   for (Axis& axis : task.machine.axes) axis.power_max = axis.regeneration_max = unlimited;
+  task.machine.power_total_max = task.machine.regeneration_total_max = unlimited;
   for (TaskCorner& corner : task.corners) corner.speed_min = 0.0;
   return task;
 }
 
-/// Whether the exact method knows all limits of the task. Behind a servo, loads and smallest speeds are not those of
+/// Whether the exact method knows all limits of the task. It has no rows of a shared supply, nor of power with dry
+/// friction. Behind a servo, loads and smallest speeds are not those of
 /// the taps themselves. Behind the control's smoothing, acceleration, jerk and vibration are not either.
 bool exact_covers(const Task& task) {
+  const auto chord_with_friction = [](const Axis& axis) {
+    return axis.coulomb > 0.0 && (axis.power_max < unlimited || axis.regeneration_max < unlimited);
+  };
+  if (limits_supply(task.machine) || std::ranges::any_of(task.machine.axes, chord_with_friction)) return false;
   const Response response(task.machine, task.sample_period);
   if (response.ideal()) return true;
   const auto& axes = task.machine.axes;
@@ -46,6 +53,10 @@ bool exact_covers(const Task& task) {
 Task covered_part(const Task& task) {
   Task part = *limits_on_taps(task);
   for (std::size_t j = 0; j < task.corners.size(); ++j) part.corners[j].error_max = task.corners[j].error_max;
+  part.machine.power_total_max = part.machine.regeneration_total_max = unlimited;
+  for (Axis& axis : part.machine.axes) {
+    if (axis.coulomb > 0.0) axis.power_max = axis.regeneration_max = unlimited;
+  }
   return part;
 }
 
@@ -76,13 +87,20 @@ class Anytime {
   }
 
   /// For tasks with limits that the exact method does not know.
-  DesignResult run_behind_response() {
+  DesignResult run_in_part() {
     exact_ = DesignResult();
-    exact_->message =
-        "the proof does not consider force, power, regeneration and smallest speeds behind a servo, nor the control's "
-        "smoothing";
-    shapes(0.4);
-    bound_of_part(covered_part(task_), 0.6);
+    const bool ideal = Response(task_.machine, task_.sample_period).ideal();
+    exact_->message = ideal ? "the proof does not consider the supply that the axes share, nor power and regeneration "
+                              "of axes with dry friction"
+                            : "the proof does not consider force, power, regeneration and smallest speeds behind a "
+                              "servo, nor the control's smoothing and a shared supply";
+    shapes(ideal ? 0.1 : 0.4);
+    bound_of_part(covered_part(task_), ideal ? 0.4 : 0.6);
+    judge();
+    if (settled()) return *exact_;
+    if (best_ && best_->status == Status::optimal) return finish();
+    local("nlopt-slsqp", 0.3);
+    local(options_.solver, 1.0);
     return finish();
   }
 
@@ -183,13 +201,24 @@ class Anytime {
       whole.solver = found.solver;
       if (whole.has_design()) offer_design(std::move(whole));
     }
-    if (!found.certificate || !found.lower_bound) return;
+    if (!found.certificate) return;
+    const auto late = [this] { return over(); };
+    if (found.status == Status::infeasible && !exact_covers(task_)) {
+      found.task = task_;
+      if (check_certificate(task_, found, late).accepted) exact_ = std::move(found);
+      return;
+    }
+    if (!found.lower_bound) return;
     found.task = task_;
     found.status = Status::feasible;
-    const auto late = [this] { return over(); };
     if (check_certificate(task_, found, late).accepted) offer_bound(found);
   }
 
+  /// Whether the best design is as short as the bound.
+  void judge() {
+    if (!best_ || !bound_ || !bound_->lower_bound) return;
+    if (best_->objective() * (1.0 - 1e-9) <= *bound_->lower_bound) best_->status = Status::optimal;
+  }
   void offer_bound(const DesignResult& found) {
     if (!found.lower_bound) return;
     if (!bound_ || *found.lower_bound > *bound_->lower_bound) bound_ = found;
@@ -279,7 +308,7 @@ DesignResult design_as_it_is(const Task& task, const DesignOptions& options) {
   try {
     const int most = task.design.order_max;
     exact::require_room(task, std::min(most, std::max(task.design.order_min, order_lower_bound(task, most))));
-    DesignResult result = exact_covers(task) ? anytime.run() : anytime.run_behind_response();
+    DesignResult result = exact_covers(task) ? anytime.run() : anytime.run_in_part();
     if (result.status == Status::infeasible)
       result.message += larger_order_note(task, std::min(20.0, anytime.left()), options.cancel);
     return result;

@@ -114,6 +114,7 @@ class ConeBuilder {
 
 nlp::ConeProblem cone_problem(const Task& task, int order, const std::vector<CornerPlace>& at) {
   require_no_response(task.machine, "a cone problem");
+  require_no_shared_loads(task.machine, "a cone problem");
   if (!is_convex(task))
     throw std::invalid_argument("power, regeneration and smallest speeds are not convex: no cone program holds them");
   if (at.size() != task.corners.size()) throw std::invalid_argument("a place is needed for every corner, and no more");

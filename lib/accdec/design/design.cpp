@@ -15,6 +15,7 @@
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/verify.hpp>
@@ -73,6 +74,9 @@ DesignResult with_smallest_delays(DesignResult found, double seconds_left) {
 
 /// Refuses a response that no method considers, so that none is ignored silently.
 void require_designable(const Task& task, const DesignOptions& options) {
+  if (task.settings && task.settings->names_family())
+    require_no_shared_loads(task.machine, "a design of settings (family)");
+  if (task.design.coefficient_bits > 0) require_no_shared_loads(task.machine, "a design of whole coefficients");
   const Response response(task.machine, task.sample_period);
   if (response.ideal()) return;
   if (!response.common())

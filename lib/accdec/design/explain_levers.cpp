@@ -34,6 +34,14 @@ Lever axis_lever(const AxisLimit& limit, const Task& task, std::size_t a) {
   return lever;
 }
 
+Lever supply_lever(const SupplyLimit& limit, const Task& task) {
+  Lever lever = limit_lever(limit.kind, task.machine.*limit.bound);
+  lever.name = words(limit.kind);
+  lever.key = fmt::format("machine.{}", limit.key);
+  lever.set = [bound = limit.bound](Task& t, double v) { t.machine.*bound = v; };
+  return lever;
+}
+
 Lever error_lever(const TaskCorner& corner, std::size_t j) {
   Lever lever = limit_lever(LimitKind::corner_error, *corner.error_max);
   lever.name = "corner error " + corner.name;
@@ -136,6 +144,9 @@ std::vector<Lever> limit_levers(const Task& task) {
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
       if (task.machine.axes[a].*limit.bound < unlimited) levers.push_back(axis_lever(limit, task, a));
     }
+  }
+  for (const SupplyLimit& limit : supply_limits) {
+    if (task.machine.*limit.bound < unlimited) levers.push_back(supply_lever(limit, task));
   }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].error_max) levers.push_back(error_lever(task.corners[j], j));

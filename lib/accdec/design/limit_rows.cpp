@@ -115,13 +115,13 @@ class RowBuilder {
     for (int k = 1; k <= b_.order() + 1; ++k) {
       if (speeds.start > 0.0) {
         const double s = speeds.start;
-        const Affine force = s * (axis.mass / period_ * b_.tap(k - 1) + axis.damping * b_.cumulative(k));
+        const Affine force = s * (axis.mass / period_ * b_.tap(k - 1) + axis.damping * b_.cumulative(k)) + dry(axis);
         bounded(axis, "start", k, LimitKind::force, force);
         bounded(axis, "start", k, LimitKind::power, force, s * b_.cumulative(k));
       }
       if (speeds.stop > 0.0) {
         const double s = speeds.stop;
-        const Affine force = s * (-axis.mass / period_ * b_.tap(k - 1) + axis.damping * b_.remaining(k));
+        const Affine force = s * (-axis.mass / period_ * b_.tap(k - 1) + axis.damping * b_.remaining(k)) + dry(axis);
         // Driving forces while stopping stay below friction at feed, which is no row. Braking forces at or below the
         // start's speed stay below the forces of the start.
         if (speeds.stop > speeds.start) bounded(axis, "stop", k, LimitKind::force, force);
@@ -147,10 +147,17 @@ class RowBuilder {
       const bool overlap = k - 1 <= n && k - 1 - delay >= 0;
       // Accelerations of equal sign partly cancel and stay below the larger; only opposed legs add up.
       if (overlap && in * out < 0.0) bounded(axis, event, k, LimitKind::acceleration, acc);
-      const Affine force = axis.mass * acc + axis.damping * v;
-      bounded(axis, event, k, LimitKind::force, force);
-      bounded(axis, event, k, LimitKind::power, force, v);
-      bounded(axis, event, k, LimitKind::regeneration, force, v);
+      const Affine moving = axis.mass * acc + axis.damping * v;
+      // Where an axis reverses is not known, so its dry friction counts against the limit on either side of it.
+      const bool reverses = axis.coulomb > 0.0 && in * out < 0.0;
+      for (const double sign : {1.0, -1.0}) {
+        if (!reverses && sign * in < 0.0) continue;
+        const Affine force = moving + sign * dry(axis);
+        bounded(axis, event, k, LimitKind::force, force);
+        bounded(axis, event, k, LimitKind::power, force, v);
+        if (!reverses) bounded(axis, event, k, LimitKind::regeneration, force, v);
+      }
+      if (reverses) bounded(axis, event, k, LimitKind::regeneration, moving, v);
     }
     for (const AxisLimit& limit : axis_limits) {
       const int times = limit.differences;
@@ -160,6 +167,19 @@ class RowBuilder {
                 std::pow(period_, -times) * difference(times, [&](int j) { return acceleration(k - j); }));
       }
     }
+  }
+
+  /// The supply that all axes share, while a corner's leg 1 starts, its legs meet, and leg 2 stops.
+  void supply(const TaskCorner& corner, int delay) {
+    if (!limits_supply(task_.machine)) return;
+    const std::string at = ", corner " + corner.name;
+    for (int k = 1; k <= b_.order() + 1; ++k) {
+      supply_rows("start" + at, k, corner, {}, b_.cumulative(k), {}, b_.tap(k - 1), true);
+      supply_rows("stop" + at, k, corner, {}, b_.remaining(k), {}, -1.0 * b_.tap(k - 1), false);
+    }
+    for (int k = 1; k <= b_.order() + delay + 1; ++k)
+      supply_rows("blend" + at, k, corner, b_.remaining(k), b_.cumulative(k - delay), -1.0 * b_.tap(k - 1),
+                  b_.tap(k - 1 - delay), false);
   }
 
   void speed(const TaskCorner& corner, int delay) {
@@ -211,6 +231,35 @@ class RowBuilder {
 
  private:
   static Eigen::Index index(std::size_t a) { return static_cast<Eigen::Index>(a); }
+  static Affine dry(const Axis& axis) { return {axis.coulomb, {}}; }
+
+  /// Rows of the total power at one sample. @param in, out  parts of both legs' velocities
+  /// @param gains_in, gains_out  their changes since the sample before  @param first  `out` is of leg 1: its start
+  void supply_rows(const std::string& event, int k, const TaskCorner& corner, const Affine& in, const Affine& out,
+                   const Affine& gains_in, const Affine& gains_out, bool first) {
+    const Machine& machine = task_.machine;
+    const Corner& g = corner.geometry();
+    const auto add = [&](LimitKind kind, double bound, double sign) {
+      if (bound == unlimited) return;
+      const int row =
+          problem_.add_row(fmt::format("{}, {}, k = {}", to_string(kind), event, k), {-nlp::infinity, one_});
+      for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+        const Axis& axis = machine.axes[a];
+        const double v1 = g.feed_in * g.direction_in[index(a)], v2 = g.feed_out * g.direction_out[index(a)];
+        const double last = first ? v1 : v2;
+        const Affine v = v1 * in + last * out;
+        if (v.terms.empty() && v.constant == 0.0) continue;
+        const Affine moving = axis.mass / period_ * (v1 * gains_in + last * gains_out) + axis.damping * v;
+        problem_.add_product(row, sign / bound, moving, v);
+        // Friction takes its force times |V|. If an axis reverses, the speeds of both legs together are no less.
+        const bool reverses = v1 * v2 < 0.0 && !in.terms.empty();
+        if (axis.coulomb > 0.0 && !(reverses && sign < 0.0))
+          problem_.add_to_row(row, sign * axis.coulomb / bound * (std::abs(v1) * in + std::abs(last) * out));
+      }
+    };
+    add(LimitKind::power_total, machine.power_total_max, 1.0);
+    add(LimitKind::regeneration_total, machine.regeneration_total_max, -1.0);
+  }
 
   /// The n-th difference of a sequence. @param ago  its value j samples ago
   template <class Sequence>
@@ -269,7 +318,10 @@ void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, con
     rows.start_and_stop(a);
     for (std::size_t j = 0; j < task.corners.size(); ++j) rows.blend(a, task.corners[j], options.blend_delays[j]);
   }
-  for (std::size_t j = 0; j < task.corners.size(); ++j) rows.speed(task.corners[j], options.blend_delays[j]);
+  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+    rows.supply(task.corners[j], options.blend_delays[j]);
+    rows.speed(task.corners[j], options.blend_delays[j]);
+  }
   for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
     rows.vibration(task.machine.modes[i], options.mode_frequencies[i]);
   }

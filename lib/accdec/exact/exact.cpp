@@ -2,6 +2,7 @@
 
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/minimal_conflict.hpp>
+#include <accdec/task/convexity.hpp>
 #include <accdec/verify.hpp>
 
 // Turns the outcome of the search into a result.
@@ -18,8 +19,11 @@ void ExactRun::explain(DesignResult& result) const {
   if (result.status == Status::feasible) {
     result.message = stop             ? "stopped before the proof was complete"
                      : close_enough() ? "stopped at the gap asked for"
-                                      : "the limits can be held only to within rounding at anything shorter: whether "
-                                        "there is such a design is open";
+                     : friction_reverses(task_)
+                         ? "whether there is a shorter design is open: the proof lets dry friction help an axis that "
+                           "reverses at every sample of the corner"
+                         : "the limits can be held only to within rounding at anything shorter: whether "
+                           "there is such a design is open";
   } else if (!search_.best) {
     result.message =
         stop      ? "stopped before a design was found"

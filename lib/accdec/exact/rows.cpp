@@ -24,6 +24,14 @@ struct RowBuilder {
   }
 };
 
+/// How much dry friction takes from a force to one side, N, while two legs meet. An axis that keeps its direction has
+/// friction against it. One that reverses has it on either side, so it may help at every sample.
+double friction_help(const Axis& axis, const Legs& v, int sign) {
+  if (axis.coulomb == 0.0) return 0.0;
+  if (v.in * v.out < 0.0) return axis.coulomb;
+  return v.in + v.out > 0.0 ? -sign * axis.coulomb : sign * axis.coulomb;
+}
+
 }  // namespace
 
 Legs legs(const TaskCorner& corner, std::size_t axis) {
@@ -55,8 +63,12 @@ ConvexRows::ConvexRows(const Task& task) : task_(task), speeds_(event_speeds(tas
     const double fastest = std::max(speeds_[a].start, speeds_[a].stop);
     if (fastest == 0.0) continue;
     if (axis.acceleration_max < unlimited) tap_max_ = std::min(tap_max_, axis.acceleration_max * t / fastest);
-    if (axis.force_max < unlimited && axis.damping == 0.0 && axis.mass > 0.0)
-      tap_max_ = std::min(tap_max_, axis.force_max * t / (axis.mass * fastest));
+    if (axis.force_max == unlimited || axis.damping > 0.0 || axis.mass == 0.0) continue;
+    // Dry friction is against a start and helps a stop.
+    if (speeds_[a].start > 0.0)
+      tap_max_ = std::min(tap_max_, (axis.force_max - axis.coulomb) * t / (axis.mass * speeds_[a].start));
+    if (speeds_[a].stop > 0.0)
+      tap_max_ = std::min(tap_max_, (axis.force_max + axis.coulomb) * t / (axis.mass * speeds_[a].stop));
   }
   for (const AxisLimit& limit : axis_limits) {
     if (limit.differences < 1) continue;
@@ -106,6 +118,7 @@ SparseRow ConvexRows::row(const proof::EventForce& id, const Box& box) const {
   b.tap(id.sample - 1, scale * axis.mass / task_.sample_period);
   b.response(id.sample, scale * axis.damping);
   if (id.stop) b.row.constant -= scale * axis.damping;
+  b.row.constant += (id.stop ? -axis.coulomb : axis.coulomb) / axis.force_max;
   return std::move(b.row);
 }
 
@@ -122,7 +135,7 @@ SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
   if (id.limit == LimitKind::force) {
     const double c = id.sign / axis.force_max;
     acceleration(k, c * axis.mass);
-    b.row.constant += c * axis.damping * v.in;
+    b.row.constant += c * axis.damping * v.in - friction_help(axis, v, id.sign) / axis.force_max;
     b.response(k, -c * axis.damping * v.in);
     b.response(k - d, c * axis.damping * v.out);
     return std::move(b.row);
@@ -156,9 +169,9 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
           if (limit.differences < 0) continue;
           test(limit.kind, difference[static_cast<std::size_t>(limit.differences)], axis.*limit.bound);
         }
-        test(LimitKind::force,
-             axis.mass * difference[0] + axis.damping * (v.in * filter.remaining(k) + v.out * filter.cumulative(k - d)),
-             axis.force_max);
+        const double force =
+            axis.mass * difference[0] + axis.damping * (v.in * filter.remaining(k) + v.out * filter.cumulative(k - d));
+        test(LimitKind::force, force, axis.force_max + friction_help(axis, v, force > 0.0 ? 1 : -1));
       }
     }
   }

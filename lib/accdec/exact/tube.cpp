@@ -51,7 +51,8 @@ TubeLimits::TubeLimits(const Task& task, const ConvexRows& rows)
     for (const bool stop : {false, true}) {
       const double s = stop ? speeds[a].stop : speeds[a].start;
       if (s == 0.0) continue;
-      plants_.push_back({axis.mass / task.sample_period, axis.damping, axis.force_max / s, axis.power_max / (s * s),
+      const double force = axis.force_max + (stop ? axis.coulomb : -axis.coulomb);
+      plants_.push_back({axis.mass / task.sample_period, axis.damping, force / s, axis.power_max / (s * s),
                          axis.regeneration_max / (s * s), stop});
     }
   }

@@ -143,13 +143,15 @@ bool FamilySearch::rings(std::span<const int> lengths, const FilterSpec& spec) {
 
 bool FamilySearch::start_holds(const LegSpeeds& speeds, double tap, double gone) const {
   const Axis& axis = *speeds.axis;
-  const double v = speeds.start * gone, force = axis.mass * speeds.start * tap / task_.sample_period + axis.damping * v;
+  const double v = speeds.start * gone,
+               force = axis.mass * speeds.start * tap / task_.sample_period + axis.damping * v + axis.coulomb;
   return force <= axis.force_max * slack && force * v <= axis.power_max * slack;
 }
 
 bool FamilySearch::stop_holds(const LegSpeeds& speeds, double tap, double left) const {
   const Axis& axis = *speeds.axis;
-  const double v = speeds.stop * left, braking = axis.mass * speeds.stop * tap / task_.sample_period - axis.damping * v;
+  const double v = speeds.stop * left,
+               braking = axis.mass * speeds.stop * tap / task_.sample_period - axis.damping * v - axis.coulomb;
   return braking * v <= axis.regeneration_max * slack;
 }
 

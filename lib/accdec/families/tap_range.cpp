@@ -58,7 +58,8 @@ bool axis_breaks(const Axis& axis, Between v, Between a, Between before, double 
   if (magnitude(v) > axis.velocity_max * range_slack || magnitude(a) > axis.acceleration_max * range_slack) return true;
   if (axis.jerk_max < unlimited && magnitude(a - before) / period > axis.jerk_max * range_slack) return true;
   if (axis.force_max == unlimited && axis.power_max == unlimited && axis.regeneration_max == unlimited) return false;
-  const Between force = axis.mass * a + axis.damping * v;
+  const Between moving = axis.mass * a + axis.damping * v;
+  const Between force{moving.low - axis.coulomb, moving.high + axis.coulomb};
   if (magnitude(force) > axis.force_max * range_slack) return true;
   if (axis.power_max == unlimited && axis.regeneration_max == unlimited) return false;
   const Between power = force * v;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/formats/response_table.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 
 namespace accdec {
@@ -47,6 +48,31 @@ void require_common(const Table& table, const Axis& axis, const Axis& first) {
 
 }  // namespace
 
+std::vector<Key> servo_keys() {
+  std::vector<Key> keys;
+  keys.push_back({.name = "servo_gain_1_s",
+                  .meaning = "gain Kv of the position control, for the following error v (1 - feedforward) / Kv",
+                  .unit = "1/s",
+                  .range = {1.0, 1e4},
+                  .fallback = "no following error",
+                  .example = "200",
+                  .allowed = "allowed is 1 <= servo_gain_1_s <= 10000; 1 (m/min)/mm is 16.67 1/s, 1 1/ms is 1000 1/s"});
+  keys.push_back({.name = "velocity_feedforward",
+                  .meaning = "with `servo_gain_1_s`: part of the velocity that is fed forward",
+                  .range = {0.0, 1.0},
+                  .fallback = "0",
+                  .example = "0.9",
+                  .allowed = "allowed is 0 <= velocity_feedforward <= 1; 95 % is 0.95"});
+  keys.push_back({.name = "response_taps",
+                  .type = KeyType::numbers,
+                  .meaning = "instead of `servo_gain_1_s`: measured response to a velocity of one sample, of sum 1",
+                  .range = {-10.0, 10.0},
+                  .most = response_taps_max,
+                  .fallback = "none",
+                  .example = "[0.1, 0.5, 0.3, 0.1]"});
+  return keys;
+}
+
 std::vector<double> read_response(const Table& table, std::string_view key) {
   std::vector<double> taps = table.numbers(key);
   const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
@@ -75,10 +101,14 @@ void read_servo(const Table& table, Axis& axis) {
 
 void check_response(const Table& top, const Task& task, Considered considered) {
   if (const auto controller = top.table("controller")) require_considered(*controller, "prefilter_taps", considered);
+  if (const auto machine = top.table("machine")) {
+    for (const SupplyLimit& limit : supply_limits) require_considered(*machine, limit.key, considered);
+  }
   const std::vector<Table> tables = top.tables("axis");
   for (std::size_t i = 0; i < tables.size() && i < task.machine.axes.size(); ++i) {
     const Axis& axis = task.machine.axes[i];
     if (axis.servo_gain < unlimited) require_end(tables[i], axis, task.sample_period);
+    require_considered(tables[i], "coulomb_N", considered);
     require_considered(tables[i], "servo_gain_1_s", considered);
     require_considered(tables[i], "response_taps", considered);
     if (considered == Considered::common) require_common(tables[i], axis, task.machine.axes.front());

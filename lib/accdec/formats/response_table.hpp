@@ -3,6 +3,7 @@
 #include <string_view>
 #include <vector>
 
+#include <accdec/files/file_kind.hpp>
 #include <accdec/files/toml_table.hpp>
 #include <accdec/task.hpp>
 
@@ -10,6 +11,8 @@
 
 namespace accdec {
 
+/// Keys of an [[axis]].
+std::vector<Key> servo_keys();
 /// Taps of a response, none if not given. @throws InputError unless their sum is 1
 std::vector<double> read_response(const toml_input::Table& table, std::string_view key);
 /// The servo of an [[axis]]. @throws InputError at keys that exclude each other

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <accdec/filter.hpp>
+#include <accdec/formats/response_table.hpp>
 #include <accdec/formats/settings_table.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/machine/response.hpp>
 #include <accdec/task.hpp>
 #include <accdec/task/objective.hpp>
 
@@ -151,11 +151,22 @@ std::vector<Key> design_keys() {
 std::string limit_meaning(LimitKind kind) {
   switch (kind) {
     case LimitKind::jerk: return "largest jerk: change of the acceleration from sample to sample, over T";
-    case LimitKind::force: return "largest force m a + c v; needs mass or damping";
+    case LimitKind::force: return "largest force m a + c v + dry friction; needs mass or damping";
     case LimitKind::power: return "largest motoring power F v; needs mass or damping";
     case LimitKind::regeneration: return "largest braking power -F v; needs mass or damping";
+    case LimitKind::power_total: return "largest motoring power, the sum of F v over all axes at a sample";
+    case LimitKind::regeneration_total: return "largest braking power, minus that sum";
     default: return fmt::format("largest {}", to_string(kind));
   }
+}
+
+Key limit_key(std::string_view name, LimitKind kind, double most) {
+  return {.name = std::string(name),
+          .meaning = limit_meaning(kind),
+          .unit = std::string(limit_name(kind).unit),
+          .range = {0.0, most, true},
+          .fallback = "no limit",
+          .example = "500"};
 }
 
 /// The limits of the table of limits; the plant stands between those that need it and those that do not.
@@ -168,12 +179,7 @@ std::vector<Key> axis_keys() {
   const auto add_limits = [&](bool load) {
     for (const AxisLimit& limit : axis_limits) {
       if (limit.load != load) continue;
-      keys.push_back({.name = std::string(limit.key),
-                      .meaning = limit_meaning(limit.kind),
-                      .unit = std::string(limit_name(limit.kind).unit),
-                      .range = {0.0, limit.key_max, true},
-                      .fallback = "no limit",
-                      .example = "500"});
+      keys.push_back(limit_key(limit.key, limit.kind, limit.key_max));
     }
   };
   add_limits(false);
@@ -189,27 +195,14 @@ std::vector<Key> axis_keys() {
                   .range = {0.0, 1e8},
                   .fallback = "0",
                   .example = "800"});
-  add_limits(true);
-  keys.push_back({.name = "servo_gain_1_s",
-                  .meaning = "gain Kv of the position control, for the following error v (1 - feedforward) / Kv",
-                  .unit = "1/s",
-                  .range = {1.0, 1e4},
-                  .fallback = "no following error",
-                  .example = "200",
-                  .allowed = "allowed is 1 <= servo_gain_1_s <= 10000; 1 (m/min)/mm is 16.67 1/s, 1 1/ms is 1000 1/s"});
-  keys.push_back({.name = "velocity_feedforward",
-                  .meaning = "with `servo_gain_1_s`: part of the velocity that is fed forward",
-                  .range = {0.0, 1.0},
+  keys.push_back({.name = "coulomb_N",
+                  .meaning = "dry friction against the motion; an axis that stands has up to as much where it helps",
+                  .unit = "N",
+                  .range = {0.0, 1e8},
                   .fallback = "0",
-                  .example = "0.9",
-                  .allowed = "allowed is 0 <= velocity_feedforward <= 1; 95 % is 0.95"});
-  keys.push_back({.name = "response_taps",
-                  .type = KeyType::numbers,
-                  .meaning = "instead of `servo_gain_1_s`: measured response to a velocity of one sample, of sum 1",
-                  .range = {-10.0, 10.0},
-                  .most = response_taps_max,
-                  .fallback = "none",
-                  .example = "[0.1, 0.5, 0.3, 0.1]"});
+                  .example = "40"});
+  add_limits(true);
+  for (Key& key : servo_keys()) keys.push_back(std::move(key));
   return keys;
 }
 
@@ -311,6 +304,13 @@ std::vector<Key> mode_keys() {
            .required = true}};
 }
 
+/// Limits of all axes together.
+std::vector<Key> machine_keys() {
+  std::vector<Key> keys;
+  for (const SupplyLimit& limit : supply_limits) keys.push_back(limit_key(limit.key, limit.kind, 1e8));
+  return keys;
+}
+
 Key list(std::string name, std::string meaning, std::vector<Key> keys) {
   return {.name = std::move(name), .type = KeyType::tables, .meaning = std::move(meaning), .keys = std::move(keys)};
 }
@@ -347,6 +347,10 @@ FileKind make_task_file() {
                 .type = KeyType::table,
                 .meaning = "the control that runs the design",
                 .keys = controller_keys()},
+               {.name = "machine",
+                .type = KeyType::table,
+                .meaning = "limits of the supply that all axes share",
+                .keys = machine_keys()},
                list("axis", "limits and load of an axis; without any, axes x and y have no limits", axis_keys()),
                list("corner", "a corner of the path", corner_keys()),
                list("mode", "a vibration that the filter must not excite", mode_keys()),

@@ -55,6 +55,11 @@ Axis read_axis(const Table& table) {
                                            limit.key));
     }
   }
+  axis.coulomb = table.required_number("coulomb_N");
+  if (axis.coulomb > 0.0 && axis.force_max < unlimited && axis.coulomb >= axis.force_max)
+    table.fail_at("coulomb_N", fmt::format("`coulomb_N` = {:g} is not below `force_max_N` = {:g}: the axis could never "
+                                           "move",
+                                           axis.coulomb, axis.force_max));
   read_servo(table, axis);
   return axis;
 }
@@ -245,6 +250,7 @@ class TaskReader {
       top_.fail("the task has no corner; at least one [[corner]] with angle_deg and feed_in_mm_min is needed");
     place_corners();
     faults_.raise();
+    require_loads();
     check_response(top_, task_, options_.response);
     if (options_.require_choices) require_choices(task_, top_, corners_);
     return std::move(task_);
@@ -268,6 +274,10 @@ class TaskReader {
     read_table("design", [&](const Table& table) { check_coefficients(table); });
     read_table("controller",
                [&](const Table& table) { task_.machine.prefilter_taps = read_response(table, "prefilter_taps"); });
+    read_table("machine", [&](const Table& table) {
+      for (const SupplyLimit& limit : supply_limits)
+        task_.machine.*limit.bound = table.number(limit.key).value_or(unlimited);
+    });
     read_table("program", [&](const Table& table) { task_.program_error_max = read_error_max(table); });
     for (const Table& mode : top_.tables("mode"))
       faults_.attempt(mode.pointer(), [&] { task_.machine.modes.push_back(read_mode(mode)); });
@@ -298,6 +308,21 @@ class TaskReader {
       faults_.attempt(tables[i].pointer() + "/name", [&] {
         names.add(tables[i], tables[i].text("name").value_or(std::string(task_keys::axis_names[i])));
       });
+    }
+  }
+
+  /// A shared supply without any load could never bind.
+  void require_loads() const {
+    const auto& axes = task_.machine.axes;
+    const bool loads = std::any_of(axes.begin(), axes.end(), [](const Axis& axis) {
+      return axis.mass > 0.0 || axis.damping > 0.0 || axis.coulomb > 0.0;
+    });
+    if (loads || !limits_supply(task_.machine)) return;
+    const Table table = *top_.table("machine");
+    for (const SupplyLimit& limit : supply_limits) {
+      if (table.has(limit.key))
+        table.fail_at(limit.key,
+                      fmt::format("`{}` can never bind: no axis has mass_kg, damping_N_s_m or coulomb_N", limit.key));
     }
   }
 

@@ -51,6 +51,7 @@ Json axis_json(const Axis& axis) {
   table.value("name", axis.name);
   if (axis.mass > 0.0) table.number("mass_kg", axis.mass);
   if (axis.damping > 0.0) table.number("damping_N_s_m", axis.damping);
+  if (axis.coulomb > 0.0) table.number("coulomb_N", axis.coulomb);
   for (const AxisLimit& limit : axis_limits) {
     if (axis.*limit.bound < unlimited) table.number(limit.key, axis.*limit.bound);
   }
@@ -59,6 +60,14 @@ Json axis_json(const Axis& axis) {
     if (axis.velocity_feedforward > 0.0) table.number("velocity_feedforward", axis.velocity_feedforward);
   }
   if (!axis.response_taps.empty()) table.value("response_taps", axis.response_taps);
+  return table.json();
+}
+
+Json machine_json(const Machine& machine) {
+  Written table("machine");
+  for (const SupplyLimit& limit : supply_limits) {
+    if (machine.*limit.bound < unlimited) table.number(limit.key, machine.*limit.bound);
+  }
   return table.json();
 }
 
@@ -128,6 +137,7 @@ nlohmann::ordered_json task_to_json(const Task& task) {
   if (!task.machine.prefilter_taps.empty()) controller["prefilter_taps"] = task.machine.prefilter_taps;
   top.value("design", std::move(design));
   if (!controller.is_null()) top.value("controller", std::move(controller));
+  if (limits_supply(task.machine)) top.value("machine", machine_json(task.machine));
   list("axis", task.machine.axes, axis_json);
   list("corner", task.corners, task_corner_json);
   list("mode", task.machine.modes, mode_json);

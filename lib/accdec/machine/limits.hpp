@@ -16,17 +16,30 @@ namespace accdec {
 /// What one axis does at one sample, SI.
 struct AxisState {
   double velocity = 0.0, acceleration = 0.0, jerk = 0.0;  ///< m/s, m/s^2, m/s^3
-  double force = 0.0;                                     ///< N, m a + c v
+  double force = 0.0;                                     ///< N, m a + c v + dry friction
   double motoring = 0.0, braking = 0.0;                   ///< W, F v and -F v
 };
-inline AxisState axis_state(const Axis& axis, double velocity, double acceleration, double jerk) {
-  const double force = axis.mass * acceleration + axis.damping * velocity, power = force * velocity;
+/// Part of the feed below which an axis stands still: its dry friction then takes whatever part of the force helps.
+inline constexpr double still_part = 1e-9;
+
+/// Dry friction, N, of an axis that moves with a velocity and needs `moving` N without it. @param still  m/s
+inline double dry_friction(const Axis& axis, double velocity, double moving, double still) {
+  if (std::abs(velocity) > still) return std::copysign(axis.coulomb, velocity);
+  return -std::clamp(moving, -axis.coulomb, axis.coulomb);
+}
+
+/// @param still  m/s, up to which the axis stands still
+inline AxisState axis_state(const Axis& axis, double velocity, double acceleration, double jerk, double still = 0.0) {
+  const double moving = axis.mass * acceleration + axis.damping * velocity;
+  const double force = axis.coulomb > 0.0 ? moving + dry_friction(axis, velocity, moving, still) : moving;
+  const double power = force * velocity;
   return {velocity, acceleration, jerk, force, power, -power};
 }
 
 /// The same with the load of another motion, that behind the servo (response.hpp).
-inline AxisState with_load(AxisState command, const Axis& axis, double velocity, double acceleration) {
-  const AxisState motion = axis_state(axis, velocity, acceleration, 0.0);
+inline AxisState with_load(AxisState command, const Axis& axis, double velocity, double acceleration,
+                           double still = 0.0) {
+  const AxisState motion = axis_state(axis, velocity, acceleration, 0.0, still);
   command.force = motion.force, command.motoring = motion.motoring, command.braking = motion.braking;
   return command;
 }
@@ -38,20 +51,20 @@ class AxisSampler {
   /// Number of earlier samples that a state depends on.
   static constexpr int memory = 1;
 
-  /// @param period  sample period T, s, > 0  @param axis  the reference is kept
-  AxisSampler(const Axis& axis, double period) : axis_(&axis), period_(period) {}
+  /// @param period  sample period T, s, > 0  @param axis  the reference is kept  @param still  as of `axis_state`
+  AxisSampler(const Axis& axis, double period, double still = 0.0) : axis_(&axis), period_(period), still_(still) {}
   /// @param velocity, acceleration  of the next sample, m/s and m/s^2
   AxisState next(double velocity, double acceleration) {
     const double jerk = (acceleration - acceleration_) / period_;
     acceleration_ = acceleration;
-    return axis_state(*axis_, velocity, acceleration, jerk);
+    return axis_state(*axis_, velocity, acceleration, jerk, still_);
   }
   /// Skips a sample whose state is not needed.
   void skip(double acceleration) { acceleration_ = acceleration; }
 
  private:
   const Axis* axis_;
-  double period_, acceleration_ = 0.0;
+  double period_, still_, acceleration_ = 0.0;
 };
 
 /// A limit of an axis: where its bound is kept and which value is compared with it. To add one, add a line here. The
@@ -128,6 +141,26 @@ inline bool holds(const Axis& axis, const AxisState& state, double slack) {
   }
   (std::make_index_sequence<axis_limits.size()>{});
 }
+
+/// A limit on the power of all axes together.
+struct SupplyLimit {
+  LimitKind kind;
+  std::string_view key;  ///< of the table [machine] of task files, in W
+  double Machine::*bound;
+};
+inline constexpr std::array<SupplyLimit, 2> supply_limits{{
+    {LimitKind::power_total, "power_total_max_W", &Machine::power_total_max},
+    {LimitKind::regeneration_total, "regeneration_total_max_W", &Machine::regeneration_total_max},
+}};
+
+/// Whether the axes share a supply that is limited.
+inline bool limits_supply(const Machine& machine) {
+  return machine.power_total_max < unlimited || machine.regeneration_total_max < unlimited;
+}
+/// Whether any axis has dry friction.
+bool has_dry_friction(const Machine& machine);
+/// @throws std::invalid_argument if the machine has dry friction or a limited supply, which `what` does not consider
+void require_no_shared_loads(const Machine& machine, const char* what);
 
 /// Whether the axis has any limit at all.
 inline bool limited(const Axis& axis) {

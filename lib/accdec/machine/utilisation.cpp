@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -73,7 +74,41 @@ class Worst {
   bool seen_ = false;
 };
 
+/// Uses of the shared supply. @param power  W, by event and sample  @param first  k of a blend's first sample
+void supply_uses(const std::array<std::vector<double>, 3>& power, int first, const Machine& machine,
+                 const std::string& corner, std::vector<LimitUse>& uses) {
+  Worst motoring(LimitKind::power_total, machine.power_total_max);
+  Worst braking(LimitKind::regeneration_total, machine.regeneration_total_max);
+  for (const Event event : {Event::start, Event::blend, Event::stop}) {
+    const std::vector<double>& values = power[static_cast<std::size_t>(event)];
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const int k = static_cast<int>(i) + (event == Event::blend ? first : 0);
+      motoring.offer(values[i], event, k);
+      braking.offer(-values[i], event, k);
+    }
+  }
+  for (Worst* worst : {&motoring, &braking}) {
+    if (worst->wanted()) uses.push_back(worst->finish("", corner));
+  }
+}
+
 }  // namespace
+
+bool has_dry_friction(const Machine& machine) {
+  return std::any_of(machine.axes.begin(), machine.axes.end(), [](const Axis& axis) { return axis.coulomb > 0.0; });
+}
+
+void require_no_shared_loads(const Machine& machine, const char* what) {
+  const char* key = machine.power_total_max < unlimited          ? "power_total_max_W"
+                    : machine.regeneration_total_max < unlimited ? "regeneration_total_max_W"
+                    : has_dry_friction(machine)                  ? "coulomb_N"
+                                                                 : nullptr;
+  if (key == nullptr) return;
+  throw std::invalid_argument(fmt::format(
+      "{} does not consider `{}`; leave it out, or use `accdec evaluate`, `accdec design`, `accdec explain` or `accdec "
+      "verify`, which do",
+      what, key));
+}
 
 std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corner, int delay, double sample_period,
                                        const Machine& machine, const std::string& corner_name) {
@@ -82,6 +117,8 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
   }
   require_period(sample_period);
   std::vector<LimitUse> uses;
+  const double still = still_part * std::max(corner.feed_in, corner.feed_out);
+  std::array<std::vector<double>, 3> power;  // of all axes together, by event and sample
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const Axis& axis = machine.axes[a];
     std::vector<Worst> worst;
@@ -90,19 +127,23 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
     const double in = corner.feed_in * corner.direction_in[index], out = corner.feed_out * corner.direction_out[index];
     for (const AxisEvent& e : {AxisEvent{Event::start, 0.0, in, 0}, AxisEvent{Event::blend, in, out, delay},
                                AxisEvent{Event::stop, out, 0.0, 0}}) {
-      AxisSampler sampler(axis, sample_period);
+      AxisSampler sampler(axis, sample_period, still);
       const int last = filter.order() + settling + (e.event == Event::blend ? std::max(e.delay, 0) : 0);
+      std::vector<double>& together = power[static_cast<std::size_t>(e.event)];
+      together.resize(static_cast<std::size_t>(last - std::min(0, e.delay)) + 1, 0.0);
       for (int k = std::min(0, e.delay); k <= last; ++k) {
         const double v = e.in * filter.remaining(k) + e.out * filter.cumulative(k - e.delay);
         const double acc = (e.out * filter.tap(k - 1 - e.delay) - e.in * filter.tap(k - 1)) / sample_period;
         const AxisState state = sampler.next(v, acc);
         for (std::size_t i = 0; i < axis_limits.size(); ++i) worst[i].offer(axis_limits[i].value(state), e.event, k);
+        together[static_cast<std::size_t>(k - std::min(0, e.delay))] += state.motoring;
       }
     }
     for (Worst& w : worst) {
       if (w.wanted()) uses.push_back(w.finish(axis.name, corner_name));
     }
   }
+  supply_uses(power, std::min(0, delay), machine, corner_name, uses);
   return uses;
 }
 

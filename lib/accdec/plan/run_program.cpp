@@ -10,6 +10,7 @@
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/files.hpp>
 #include <accdec/gcode/emitted_filters.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/program_plan.hpp>
@@ -182,6 +183,7 @@ void say_what_ended(ProgramResult& result, const Deadline& deadline) {
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
                           bool filter_bound, Feeds feeds, const Deadline& deadline) {
   require_no_response(task.machine, "program");
+  require_no_shared_loads(task.machine, "program");
   const auto start = std::chrono::steady_clock::now();
   ProgramResult result = before_planning(name, path, task);
   const Machine machine = program_machine(task.machine, path);
@@ -213,6 +215,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
 
 ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
   require_no_response(task.machine, "program");
+  require_no_shared_loads(task.machine, "program");
   const auto start = std::chrono::steady_clock::now();
   if (task.settings && task.settings->names_family()) {
     throw std::invalid_argument(

@@ -63,13 +63,16 @@ std::string printed_unit(std::string_view unit) {
 /// of the motion.
 Series curve_of(const Quantity& quantity, const CornerMotion& at, std::size_t axis) {
   const auto column = static_cast<Eigen::Index>(axis);
-  AxisSampler sampler(at.result.task.machine.axes[axis], at.result.task.sample_period);
+  const SampledMotion& motion = at.motion;
+  const double still = still_part * std::max(motion.velocity.row(motion.cruise_in).norm(),
+                                             motion.velocity.row(motion.cruise_out).norm());
+  AxisSampler sampler(at.result.task.machine.axes[axis], at.result.task.sample_period, still);
   Series curve{"", at.time, {}, quantity.kind == LimitKind::velocity ? Mark::line : Mark::steps, design_style, true};
   for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n) {
     const SampledMotion& command = at.sampled.command;
-    const AxisState state =
-        with_load(sampler.next(command.velocity(n, column), command.acceleration(n, column)),
-                  at.result.task.machine.axes[axis], at.motion.velocity(n, column), at.motion.acceleration(n, column));
+    const AxisState state = with_load(sampler.next(command.velocity(n, column), command.acceleration(n, column)),
+                                      at.result.task.machine.axes[axis], at.motion.velocity(n, column),
+                                      at.motion.acceleration(n, column), still);
     curve.y.push_back(signed_value(state, quantity.kind) * limit_name(quantity.kind).per_si);
   }
   return curve;

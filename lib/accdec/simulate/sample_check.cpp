@@ -79,7 +79,9 @@ double SampleChecker::value_of(const Worst& worst) const {
     case LimitKind::regeneration: return -force() * v - rounded() * std::abs(v) - worst.dv * std::abs(force());
     case LimitKind::vibration:
     case LimitKind::corner_error:
-    case LimitKind::speed_min: break;  // no limit of an axis; named so that the compiler reports a missing new one
+    case LimitKind::speed_min:
+    case LimitKind::power_total:
+    case LimitKind::regeneration_total: break;  // of no one axis; named so that the compiler reports a missing new one
   }
   return 0.0;
 }

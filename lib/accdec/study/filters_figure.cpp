@@ -76,14 +76,15 @@ std::optional<Figure> filters_figure(const study::Optimum& optimum) {
     const SampledMotion &motion = sampled.motion(), &command = sampled.command;
     std::optional<AxisSampler> sampler;
     const auto column = static_cast<Eigen::Index>(axis - task.machine.axes.begin());
-    if (axis != task.machine.axes.end()) sampler.emplace(*axis, period);
+    const double still = still_part * std::max(corner.feed_in, corner.feed_out);
+    if (axis != task.machine.axes.end()) sampler.emplace(*axis, period, still);
     for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) {
       v.x.push_back(1e3 * period * static_cast<double>(n - motion.corner));
       v.y.push_back(1e3 * motion.velocity.row(n).norm());
       if (!sampler) continue;
       const AxisLimit& bound = axis_limit(limit->kind);
       const AxisState state = with_load(sampler->next(command.velocity(n, column), command.acceleration(n, column)),
-                                        *axis, motion.velocity(n, column), motion.acceleration(n, column));
+                                        *axis, motion.velocity(n, column), motion.acceleration(n, column), still);
       u.x.push_back(v.x.back());
       u.y.push_back(100.0 * bound.value(state) / ((*axis).*bound.bound));
     }

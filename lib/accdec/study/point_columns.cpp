@@ -8,6 +8,7 @@
 #include <accdec/batch/row_numbers.hpp>
 #include <accdec/corner.hpp>
 #include <accdec/family.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/study/point_columns.hpp>
 #include <accdec/study/slow_down.hpp>
@@ -153,6 +154,7 @@ void find_peaks(PointOutcome& o, const Task& task, const Filter& filter, const s
 
 PointOutcome slowed_down(const Task& task) {
   require_no_response(task.machine, "slow-down");
+  require_no_shared_loads(task.machine, "slow-down");
   PointOutcome o;
   o.result.filter = make_filter(filter_of(task));
   double lost = 0.0;

@@ -7,7 +7,11 @@
 namespace accdec {
 
 BlendLimits::BlendLimits(const Filter& filter, const Machine& machine, double sample_period)
-    : behind_(filter, machine, sample_period), filter_(behind_.command()), machine_(machine), period_(sample_period) {
+    : behind_(filter, machine, sample_period),
+      filter_(behind_.command()),
+      machine_(machine),
+      period_(sample_period),
+      dry_(has_dry_friction(machine)) {
   // A servo averages: no tap of the motion is larger.
   for (int i = 0; i <= filter_.order() + 1; ++i) {
     peak_tap_ = std::max(peak_tap_, filter_.tap(i));
@@ -39,7 +43,8 @@ double BlendLimits::start_factor(const double* velocity, Binding* binding) const
 }
 
 bool BlendLimits::any_delay_holds(const double* in, const double* out, int from) const {
-  const bool merge = from == 0;  // without delay the steps merge
+  if (limits_supply(machine_)) return false;  // not known without the samples
+  const bool merge = from == 0;               // without delay the steps merge
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
     const double v1 = std::abs(in[a]), v2 = std::abs(out[a]), change = std::abs(out[a] - in[a]);
@@ -54,17 +59,30 @@ bool BlendLimits::any_delay_holds(const double* in, const double* out, int from)
   return true;
 }
 
-bool BlendLimits::sample_holds(std::size_t a, double in, double out, int delay, int k, double slack) const {
+namespace {
+
+/// Speed below which an axis stands still, of legs with these velocities.
+double still_speed(const double* in, const double* out, std::size_t axes) {
+  double fastest = 0.0;
+  for (std::size_t a = 0; a < axes; ++a) fastest = std::max({fastest, std::abs(in[a]), std::abs(out[a])});
+  return still_part * fastest;
+}
+
+}  // namespace
+
+bool BlendLimits::sample_holds(std::size_t a, double in, double out, int delay, int k, double slack,
+                               double still) const {
   const Axis& axis = machine_.axes[a];
   const auto acceleration = [&](int i) {
     return (out * filter_.tap(i - 1 - delay) - in * filter_.tap(i - 1)) / period_;
   };
-  AxisSampler sampler(axis, period_);
+  AxisSampler sampler(axis, period_, still);
   for (int i = std::max(k - AxisSampler::memory, 0); i < k; ++i) sampler.skip(acceleration(i));
-  return accdec::holds(axis, state(sampler, axis, in, out, delay, k), slack);
+  return accdec::holds(axis, state(sampler, axis, in, out, delay, k, still), slack);
 }
 
-AxisState BlendLimits::state(AxisSampler& sampler, const Axis& axis, double in, double out, int delay, int k) const {
+AxisState BlendLimits::state(AxisSampler& sampler, const Axis& axis, double in, double out, int delay, int k,
+                             double still) const {
   const auto velocity = [&](const Filter& filter) {
     return in * filter.remaining(k) + out * filter.cumulative(k - delay);
   };
@@ -73,26 +91,40 @@ AxisState BlendLimits::state(AxisSampler& sampler, const Axis& axis, double in, 
   };
   const AxisState command = sampler.next(velocity(filter_), acceleration(filter_));
   if (behind_.ideal()) return command;
-  return with_load(command, axis, velocity(behind_.motion()), acceleration(behind_.motion()));
+  return with_load(command, axis, velocity(behind_.motion()), acceleration(behind_.motion()), still);
 }
 
 bool BlendLimits::holds(const double* in, const double* out, int delay, double slack, int* hint) const {
   const int last = behind_.motion().order() + delay + settling;
+  const double still = dry_ ? still_speed(in, out, machine_.axes.size()) : 0.0;
   if (hint != nullptr) {
     for (const int k : {*hint, *hint + 1}) {
       for (const std::size_t a : limited_)
-        if (k <= last && !sample_holds(a, in[a], out[a], delay, k, slack)) return false;
+        if (k <= last && !sample_holds(a, in[a], out[a], delay, k, slack, still)) return false;
     }
   }
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
     const double v1 = in[a], v2 = out[a];
-    AxisSampler sampler(axis, period_);
+    AxisSampler sampler(axis, period_, still);
     for (int k = 0; k <= last; ++k) {
-      if (accdec::holds(axis, state(sampler, axis, v1, v2, delay, k), slack)) continue;
+      if (accdec::holds(axis, state(sampler, axis, v1, v2, delay, k, still), slack)) continue;
       if (hint != nullptr) *hint = k;
       return false;
     }
+  }
+  return supply_holds(in, out, delay, slack, still);
+}
+
+bool BlendLimits::supply_holds(const double* in, const double* out, int delay, double slack, double still) const {
+  if (!limits_supply(machine_)) return true;
+  std::vector<AxisSampler> samplers;
+  for (const Axis& axis : machine_.axes) samplers.emplace_back(axis, period_, still);
+  for (int k = 0; k <= behind_.motion().order() + delay + settling; ++k) {
+    double power = 0.0;
+    for (std::size_t a = 0; a < samplers.size(); ++a)
+      power += state(samplers[a], machine_.axes[a], in[a], out[a], delay, k, still).motoring;
+    if (power > machine_.power_total_max * slack || -power > machine_.regeneration_total_max * slack) return false;
   }
   return true;
 }

@@ -15,10 +15,10 @@ namespace accdec {
 inline constexpr double surely_granted = 1.0 + 0.5 * verification_tolerance;
 
 /// The axis limits where two legs meet, by the formula of the blend: velocity, acceleration, jerk, force, power and
-/// regeneration. Quick delays of designs, delays of given filters and delays of programs all come from here. It is made
-/// for millions of joints: bounds for every delay settle most, the others are checked sample by sample with an early
-/// exit. With a response of the machine, load limits are those of the motion behind it. The checkers (verifier, check
-/// of delays, proofs, samples of programs) have formulas of their own.
+/// regeneration, also of all axes together. Quick delays of designs, delays of given filters and delays of programs all
+/// come from here. It is made for millions of joints: bounds for every delay settle most, the others are checked sample
+/// by sample with an early exit. With a response of the machine, load limits are those of the motion behind it. The
+/// checkers (verifier, check of delays, proofs, samples of programs) have formulas of their own.
 class BlendLimits {
  public:
   /// References are kept.
@@ -45,16 +45,20 @@ class BlendLimits {
   bool holds(const double* in, const double* out, int delay, double slack = surely_granted, int* hint = nullptr) const;
 
  private:
-  bool sample_holds(std::size_t axis, double in, double out, int delay, int sample, double slack) const;
+  /// @param still  m/s, up to which an axis stands still
+  bool sample_holds(std::size_t axis, double in, double out, int delay, int sample, double slack, double still) const;
+  bool supply_holds(const double* in, const double* out, int delay, double slack, double still) const;
   bool any_delay_holds(const double* in, const double* out, int from) const;
 
   /// What one axis does at a sample.
-  AxisState state(AxisSampler& sampler, const Axis& axis, double in, double out, int delay, int sample) const;
+  AxisState state(AxisSampler& sampler, const Axis& axis, double in, double out, int delay, int sample,
+                  double still) const;
 
   FilterBehind behind_;
   const Filter& filter_;  // of the command
   const Machine& machine_;
   double period_;
+  bool dry_;                                 // some axis has dry friction
   double peak_tap_ = 0.0, peak_step_ = 0.0;  // largest tap and difference of neighbours
   std::vector<std::size_t> limited_;         // axes with any limit
 };

@@ -119,9 +119,17 @@ double sampled(LimitKind kind, double velocity, double acceleration, double jerk
     case LimitKind::regeneration: return -power;
     case LimitKind::vibration:
     case LimitKind::corner_error:
-    case LimitKind::speed_min: break;  // not of an axis
+    case LimitKind::speed_min:
+    case LimitKind::power_total:
+    case LimitKind::regeneration_total: break;  // not of an axis
   }
   return 0.0;
+}
+
+/// A force with dry friction, which is against the motion, or helps an axis that stands.
+double with_friction(const Axis& axis, double force, double velocity, double still) {
+  if (std::abs(velocity) > still) return force + (velocity > 0.0 ? axis.coulomb : -axis.coulomb);
+  return std::copysign(std::max(0.0, std::abs(force) - axis.coulomb), force);
 }
 
 /// Whether the blend at a delay breaks any limit of a corner whatever rounding does.
@@ -129,6 +137,7 @@ bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int de
   const double period = task.sample_period, allowed = 1.0 + granted_tolerance;
   const Eigen::Index tail = legs.stop_position.rows() - 1, axes = legs.stop_position.cols();
   const Eigen::Index last = tail + delay;
+  const double still = 1e-9 * std::max(corner.geometry().feed_in, corner.geometry().feed_out);
   double nearest = unlimited, slowest = unlimited;
   Eigen::VectorXd before_velocity, before_moved, before_acceleration = Eigen::VectorXd::Zero(axes);
   for (Eigen::Index k = 0; k <= last; ++k) {
@@ -139,16 +148,20 @@ bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int de
     if (k <= last - 1) slowest = std::min(slowest, moved.norm());
     const Eigen::VectorXd acceleration =
         k == 0 ? Eigen::VectorXd::Zero(axes).eval() : ((v - before_velocity) / period).eval();
+    double together = 0.0;
     for (Eigen::Index a = 0; a < axes; ++a) {
       const Axis& axis = task.machine.axes[static_cast<std::size_t>(a)];
       const double moved_by = k == 0 ? 0.0 : (moved[a] - before_moved[a]) / period;
-      const double force = axis.mass * moved_by + axis.damping * moved[a];
+      const double force = with_friction(axis, axis.mass * moved_by + axis.damping * moved[a], moved[a], still);
+      together += force * moved[a];
       const double jerk = (acceleration[a] - before_acceleration[a]) / period;
       for (const AxisLimit& limit : axis_limits) {
         if (sampled(limit.kind, v[a], acceleration[a], jerk, force, force * moved[a]) > axis.*limit.bound * allowed)
           return true;
       }
     }
+    if (together > task.machine.power_total_max * allowed || -together > task.machine.regeneration_total_max * allowed)
+      return true;
     before_velocity = v, before_moved = moved;
     before_acceleration = acceleration;
   }

@@ -31,6 +31,11 @@ std::vector<Limit> limits_of(const Task& task, bool each_axis) {
     for (std::size_t a = 0; each_axis && a < axes; ++a)
       axis_limit(limit, a, a + 1, kind + " " + task.machine.axes[a].name);
   }
+  for (const SupplyLimit& limit : supply_limits) {
+    if (task.machine.*limit.bound == unlimited) continue;
+    limits.push_back(
+        {std::string(to_string(limit.kind)), [bound = limit.bound](Task& t) { t.machine.*bound = unlimited; }});
+  }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     if (corner.error_max)

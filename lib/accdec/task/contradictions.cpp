@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/corner_speed.hpp>
 #include <accdec/verify.hpp>
@@ -17,7 +18,8 @@ std::vector<std::string> contradictions(const Task& task) {
       const auto a = static_cast<Eigen::Index>(i);
       const double speed = std::max(std::abs(corner.geometry().feed_in * corner.geometry().direction_in[a]),
                                     std::abs(corner.geometry().feed_out * corner.geometry().direction_out[a]));
-      const double friction = axis.damping * speed;
+      const double still = 1.2 * still_part * std::max(corner.geometry().feed_in, corner.geometry().feed_out);
+      const double friction = axis.damping * speed + (speed > still ? axis.coulomb : 0.0);
       const auto tell = [&](const char* limit, const char* unit, double needed, double bound) {
         if (needed <= bound * (1.0 + granted_tolerance)) return;
         found.push_back(fmt::format("{} {}: corner {} needs {:.10g} {} at constant feed, the limit is {:.10g} {}",

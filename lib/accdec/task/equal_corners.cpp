@@ -16,7 +16,7 @@ bool same(double a, double b) {
 }
 
 bool same_limits(const Axis& a, const Axis& b) {
-  return a.mass == b.mass && a.damping == b.damping && a.servo_gain == b.servo_gain &&
+  return a.mass == b.mass && a.damping == b.damping && a.coulomb == b.coulomb && a.servo_gain == b.servo_gain &&
          a.velocity_feedforward == b.velocity_feedforward && a.response_taps == b.response_taps &&
          std::all_of(axis_limits.begin(), axis_limits.end(),
                      [&](const AxisLimit& limit) { return a.*limit.bound == b.*limit.bound; });

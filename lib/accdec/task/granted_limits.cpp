@@ -19,9 +19,15 @@ double granted_error(double error_max) {
 }
 
 Task granted_limits(Task task) {
+  double fastest = 0.0;
+  for (const TaskCorner& corner : task.corners)
+    fastest = std::max({fastest, corner.geometry().feed_in, corner.geometry().feed_out});
   for (Axis& axis : task.machine.axes) {
     for (const AxisLimit& limit : axis_limits) axis.*limit.bound *= wider;
+    // A sample that counts as standing has no dry friction against it, but little acceleration.
+    if (axis.coulomb > 0.0) axis.force_max += still_part * fastest * axis.mass / task.sample_period;
   }
+  task.machine.power_total_max *= wider, task.machine.regeneration_total_max *= wider;
   for (Mode& mode : task.machine.modes)
     mode.residual_max = std::max(mode.residual_max * wider, residual_floor) + rounding_of_residual;
   for (TaskCorner& corner : task.corners) {

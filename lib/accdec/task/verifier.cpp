@@ -16,90 +16,12 @@
 #include <accdec/task/objective.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verification_cost.hpp>
+#include <accdec/task/verified_axes.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
 
 namespace {
-
-using Rows = std::pair<int, int>;  // [first, last]
-
-struct Peak {
-  double value = 0.0;
-  Event event = Event::start;
-  int sample = 0;
-};
-
-/// Largest value of `quantity(row)` over the three events, with k counted within each.
-template <class Quantity>
-Peak peak_over_events(const SampledMotion& m, Quantity quantity) {
-  Peak peak;
-  bool any = false;
-  const int last = static_cast<int>(m.velocity.rows()) - 1;
-  const auto scan = [&](Event event, int zero, Rows rows) {
-    for (int row = rows.first; row <= rows.second; ++row) {
-      const double value = quantity(row);
-      if (any && value <= peak.value) continue;
-      // Among samples that differ only by rounding, readers expect the first.
-      const bool clearly = !any || value > peak.value + 1e-12 * std::abs(peak.value);
-      peak = clearly ? Peak{value, event, row - zero} : Peak{value, peak.event, peak.sample};
-      any = true;
-    }
-  };
-  scan(Event::start, m.start, {m.start, m.cruise_in});
-  scan(Event::blend, m.corner, {m.corner, m.cruise_out});
-  scan(Event::stop, m.stop, {m.stop, last});
-  return peak;
-}
-
-LimitUse make_use(LimitKind kind, const std::string& axis, const std::string& corner, const Peak& peak, double bound) {
-  LimitUse use;
-  use.kind = kind;
-  use.axis = axis;
-  use.corner = corner;
-  use.event = peak.event;
-  use.value = std::max(peak.value, 0.0);
-  use.bound = bound;
-  use.utilisation = utilisation_of(kind, use.value, bound);
-  use.sample = peak.sample;
-  return use;
-}
-
-/// The value that an axis limit bounds, at one row: of the command, or of the motion behind the servo.
-double axis_quantity(LimitKind kind, const SampledResponse& r, const Axis& axis, Eigen::Index a, int row) {
-  const SampledMotion &c = r.command, &m = r.motion();
-  const double force = axis.mass * m.acceleration(row, a) + axis.damping * m.velocity(row, a);
-  switch (kind) {
-    case LimitKind::velocity: return std::abs(c.velocity(row, a));
-    case LimitKind::acceleration: return std::abs(c.acceleration(row, a));
-    case LimitKind::jerk: return std::abs(c.jerk(row, a));
-    case LimitKind::force: return std::abs(force);
-    case LimitKind::power: return force * m.velocity(row, a);
-    case LimitKind::regeneration: return -force * m.velocity(row, a);
-    case LimitKind::vibration:
-    case LimitKind::corner_error:
-    case LimitKind::speed_min: break;  // no limit of an axis; named so that the compiler reports a missing new one
-  }
-  return 0.0;
-}
-
-void axis_uses(const SampledResponse& m, const Machine& machine, const std::string& corner,
-               std::vector<LimitUse>& out) {
-  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-    const Axis& axis = machine.axes[i];
-    const auto a = static_cast<Eigen::Index>(i);
-    const auto add = [&]<LimitKind kind>(double bound) {
-      if (bound >= unlimited) return;
-      out.push_back(make_use(kind, axis.name, corner,
-                             peak_over_events(m.command, [&](int n) { return axis_quantity(kind, m, axis, a, n); }),
-                             bound));
-    };
-    [&]<std::size_t... i>(std::index_sequence<i...>) {
-      (add.template operator()<axis_limits[i].kind>(axis.*axis_limits[i].bound), ...);
-    }
-    (std::make_index_sequence<axis_limits.size()>{});
-  }
-}
 
 /// Distance from the corner point (origin) to the segment a-b.
 double origin_to_segment(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -193,7 +115,7 @@ struct Measures {
 void measure_corner(const Task& task, const Filter& filter, const TaskCorner& corner, int delay, Measures& out) {
   if (delay < 0) throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delay));
   const SampledResponse sampled = simulate_response(filter, corner.geometry(), delay, task.sample_period, task.machine);
-  axis_uses(sampled, task.machine, corner.name, out.uses);
+  axis_uses(sampled, task.machine, corner.name, still_speed(corner.geometry()), out.uses);
   int error_sample = 0, speed_sample = 0;
   out.corners.push_back(measure_samples(sampled.motion(), corner, delay, filter.order(), sampled.longer,
                                         task.sample_period, &error_sample, &speed_sample));
@@ -317,8 +239,8 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
 Task corner_alone(const Task& task, const TaskCorner& corner) {
   Task alone;
   alone.sample_period = task.sample_period;
-  alone.machine.axes = task.machine.axes;
-  alone.machine.prefilter_taps = task.machine.prefilter_taps;
+  alone.machine = task.machine;
+  alone.machine.modes.clear();
   alone.corners = {corner};
   return alone;
 }
@@ -336,9 +258,13 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
     if (use.event == Event::none || row < 0 || row >= m.velocity.rows()) break;
     if (use.kind == LimitKind::corner_error) return m.position.row(row).norm();
     if (use.kind == LimitKind::speed_min) return m.velocity.row(row).norm();
+    const double still = still_speed(task.corners[j].geometry());
+    if (use.kind == LimitKind::power_total) return total_power(m, task.machine, row, still);
+    if (use.kind == LimitKind::regeneration_total) return -total_power(m, task.machine, row, still);
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
       const Axis& axis = task.machine.axes[a];
-      if (axis.name == use.axis) return axis_quantity(use.kind, sampled, axis, static_cast<Eigen::Index>(a), row);
+      if (axis.name == use.axis)
+        return axis_quantity(use.kind, sampled, axis, static_cast<Eigen::Index>(a), row, still);
     }
   }
   return std::numeric_limits<double>::quiet_NaN();

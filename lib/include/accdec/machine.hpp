@@ -31,6 +31,7 @@ struct Axis {
   double servo_gain = unlimited;        ///< 1/s, of the position control; unlimited: no following error (response.hpp)
   double velocity_feedforward = 0.0;    ///< 0 .. 1, of the same
   std::vector<double> response_taps{};  ///< of sum 1, measured, instead of a gain; empty: none
+  double coulomb = 0.0;                 ///< N, dry friction against the motion: F = m a' + c V' + coulomb sign(V')
 };
 
 /// Residual vibration bound: |sum_i b_i exp(-2 pi j f i T)| <= residual_max for every f in [frequency_low,
@@ -44,11 +45,25 @@ struct Mode {
 struct Machine {
   std::vector<Axis> axes;
   std::vector<Mode> modes;
-  std::vector<double> prefilter_taps{};  ///< of sum 1, >= 0: the control's own fixed smoothing; empty: none
+  std::vector<double> prefilter_taps{};       ///< of sum 1, >= 0: the control's own fixed smoothing; empty: none
+  double power_total_max = unlimited;         ///< W, on the sum of F V' over the axes (shared supply, motoring)
+  double regeneration_total_max = unlimited;  ///< W, on minus that sum (braking)
 };
 
 /// What limits bound: of an axis, of the filter, of a corner.
-enum class LimitKind { velocity, acceleration, jerk, force, power, regeneration, vibration, corner_error, speed_min };
+enum class LimitKind {
+  velocity,
+  acceleration,
+  jerk,
+  force,
+  power,
+  regeneration,
+  vibration,
+  corner_error,
+  speed_min,
+  power_total,
+  regeneration_total
+};
 
 /// Name and unit of every kind of limit. Tasks, results and tables all take them from here.
 struct LimitName {
@@ -57,7 +72,7 @@ struct LimitName {
   std::string_view unit;  ///< for people
   double per_si;          ///< value in `unit` = per_si * value in SI
 };
-inline constexpr std::array<LimitName, 9> limit_names{{
+inline constexpr std::array<LimitName, 11> limit_names{{
     {LimitKind::velocity, "velocity", "mm/s", 1e3},
     {LimitKind::acceleration, "acceleration", "mm/s^2", 1e3},
     {LimitKind::jerk, "jerk", "mm/s^3", 1e3},
@@ -66,7 +81,9 @@ inline constexpr std::array<LimitName, 9> limit_names{{
     {LimitKind::regeneration, "regeneration", "W", 1.0},  ///< braking
     {LimitKind::vibration, "vibration", "%", 1e2},        ///< residual amplitude, 0 .. 1
     {LimitKind::corner_error, "corner_error", "um", 1e6},
-    {LimitKind::speed_min, "speed_min", "mm/s", 1e3},  ///< a lower bound
+    {LimitKind::speed_min, "speed_min", "mm/s", 1e3},                 ///< a lower bound
+    {LimitKind::power_total, "power_total", "W", 1.0},                ///< all axes together, motoring
+    {LimitKind::regeneration_total, "regeneration_total", "W", 1.0},  ///< all axes together, braking
 }};
 constexpr const LimitName& limit_name(LimitKind kind) {
   return limit_names[static_cast<std::size_t>(kind)];

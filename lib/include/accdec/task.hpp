@@ -184,7 +184,8 @@ struct TaskOptions {
   /// Number of axes that a single [[axis]] table, or none, stands for if no corner gives their number: 1 .. 9. They are
   /// named x, y, z, a, b, c, u, v, w in order.
   int axes = 2;
-  /// Which responses of the machine the caller considers (machine/response.hpp). Keys that give another are refused
+  /// Which responses of the machine the caller considers (machine/response.hpp), and with any of them also dry friction
+  /// and a shared supply. Keys that give another are refused
   /// where they stand, so that none is ignored silently.
   Considered response = Considered::none;
 };

@@ -23,7 +23,7 @@ Uses worst_uses(const std::vector<LimitUse>& limits) {
   };
   for (const LimitUse& use : limits) {
     // The limits of an axis are the same at every corner.
-    const bool by_corner = use.axis.empty() && use.kind != LimitKind::vibration;
+    const bool by_corner = use.kind == LimitKind::corner_error || use.kind == LimitKind::speed_min;
     if (use.kind != LimitKind::vibration) note(use.kind, use.axis, by_corner ? use.corner : "", use.utilisation);
   }
   return uses;
@@ -45,6 +45,10 @@ std::vector<ExportedLimit> limits_of(const DesignResult& result) {
     for (const AxisLimit& limit : axis_limits) {
       if (axis.*limit.bound < unlimited) limits.push_back(limit_of(uses, limit.kind, axis.name, "", axis.*limit.bound));
     }
+  }
+  for (const SupplyLimit& limit : supply_limits) {
+    if (task.machine.*limit.bound < unlimited)
+      limits.push_back(limit_of(uses, limit.kind, "", "", task.machine.*limit.bound));
   }
   // Vibrations have neither axis nor corner: a result lists them in the order of the task's modes.
   auto vibration = result.limits.begin();
