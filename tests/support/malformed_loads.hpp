@@ -17,7 +17,7 @@ inline std::vector<Case> load_cases() {
        {"not below `force_max_N` = 50", "could never move"}},
       {"friction_of_the_machine", with_end("[machine]\ncoulomb_N = 40\n"), "20:1", {"belongs in [[axis]]"}},
       {"supply_zero", with_end("[machine]\npower_total_max_W = 0\n"), "20:21", {"0 < power_total_max_W"}},
-      {"supply_misspelt", with_end("[machine]\npower_total_W = 9\n"), "20:1", {"did you mean `power_total_max_W`?"}},
+      {"supply_misspelt", with_end("[machine]\npower_total_W = 9\n"), "20:1", {"known here: power_total_max_W"}},
       {"supply_without_load",
        Parts{.axis = "[[axis]]\n", .end = "[machine]\nregeneration_total_max_W = 50\n"}.str(),
        "14:28",

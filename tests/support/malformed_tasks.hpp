@@ -91,7 +91,7 @@ inline std::vector<Case> cases() {
        "sample_period_ms = 1\ncorner = [1, 2]\n",
        "2:11",
        {"must hold tables [[corner]] only", "an integer"}},
-      {"unknown_table", end("[machine]\nx = 1"), "19:2", {"unknown key `machine`", "known here:", "axis"}},
+      {"unknown_table", end("[engine]\nx = 1"), "19:2", {"unknown key `engine`", "known here:", "axis"}},
       {"table_typo", end("[desing]\norder_min = 3"), "19:2", {"unknown key `desing`", "did you mean `design`?"}},
       {"ten_axes",
        with_axis([] {
