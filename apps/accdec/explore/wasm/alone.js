@@ -1,0 +1,54 @@
+// In place of the server: the page's questions go to workers that hold the library.
+
+/** The module is packed and in base64, in an element of the page. */
+async function unpacked(id) {
+  const text = atob(document.getElementById(id).textContent.trim());
+  const packed = Uint8Array.from(text, (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).arrayBuffer();
+}
+
+const library = unpacked("library").then((bytes) => WebAssembly.compile(bytes));
+const script = URL.createObjectURL(
+  new Blob([document.getElementById("worker").textContent], { type: "text/javascript" }),
+);
+const workers = new Map(); // by question and slot: one asks while another computes
+
+async function worker(kind) {
+  const made = new Worker(script);
+  made.postMessage({ module: await library });
+  return made;
+}
+
+const refused = () => new Response(`{"error": "a later question took the place of this one"}`, { status: 409 });
+
+/** As fetch; of questions of one kind only the last is answered, as the server has it. */
+async function fetch(address, { body = "" } = {}) {
+  const url = new URL(address, "http://page/"),
+    name = url.pathname.slice(1);
+  const style = document.querySelector(`style[data-name="${name}"]`);
+  if (style) return new Response(style.textContent);
+  const ask = Object.fromEntries(url.searchParams);
+  const kind = `${name} ${ask.slot ?? ""}`;
+  const before = workers.get(kind);
+  if (before?.answer) {
+    before.worker.then((w) => w.terminate());
+    before.answer(refused());
+  }
+  const mine = { worker: before && !before.answer ? before.worker : worker(kind) };
+  workers.set(kind, mine);
+  return new Promise((answer) => {
+    mine.answer = answer;
+    mine.worker.then((w) => {
+      if (workers.get(kind) !== mine) return;
+      w.onmessage = ({ data }) => {
+        mine.answer = null;
+        answer(new Response(data.bytes, { status: data.status, headers: { "Content-Type": data.type } }));
+      };
+      w.postMessage({ name, body, format: ask.format ?? "", seconds: Number(ask.seconds ?? 1) });
+    });
+  });
+}
+
+/** There is no program that could end. */
+class EventSource {}
