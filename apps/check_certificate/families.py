@@ -7,6 +7,8 @@ from delays import breaks_a_limit, breaks_axis, too_far
 from enclosure import PI, UNIT, ZERO, cos_sin, exact
 from problem import NotCovered, Refused, number, refuse_if, whole
 
+IMPULSES = {"zv": [1, 1], "zvd": [1, 2, 1], "ei": [21, 38, 21]}  # in whole numbers; those of mzv are not rational
+
 
 def _per_stage(design, key, stages):
     """A time of each stage, ms; None where the task has none."""
@@ -56,17 +58,21 @@ def _cascades(stages, taps, end, before=None):
 
 
 def _members(family, task, end):
-    stages, pairs = _stages(task, end), {"averages": 0, "shaper": 1 + (task["design"].get("shaper") == "zvd")}
-    if family not in pairs:
-        raise NotCovered(f"the family {family!r}")
-    for taps in _cascades(stages, [1], end):
-        if not pairs[family]:
+    impulses, shaper = [1], task["design"].get("shaper", "zv")
+    if family == "shaper" and shaper in IMPULSES:
+        impulses = IMPULSES[shaper]
+    elif family != "averages":
+        raise NotCovered(f"the family {family!r}" + (f", {shaper}" if family == "shaper" else ""))
+    gaps = len(impulses) - 1
+    for taps in _cascades(_stages(task, end), [1], end):
+        if not gaps:
             yield taps
-        for delay in range(1, (end - len(taps)) // pairs[family] + 1 if pairs[family] else 0):
-            both = taps
-            for _ in range(pairs[family]):
-                both = [a + b for a, b in zip(both + [0] * delay, [0] * delay + both)]
-            yield both
+        for delay in range(1, (end - len(taps)) // gaps + 1 if gaps else 0):
+            sums = [0] * (len(taps) + gaps * delay)
+            for m, impulse in enumerate(impulses):
+                for i, b in enumerate(taps):
+                    sums[i + m * delay] += impulse * b
+            yield sums
 
 
 def _rings(problem, taps):

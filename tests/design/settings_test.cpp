@@ -14,169 +14,19 @@
 #include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
 
+#include "settings_brute_force.hpp"
 #include "support/paths.hpp"
 #include "support/tasks.hpp"
 
-// Settings of controllers against brute force: every member, every delay and every width, by the formulas of the model
-// written once more.
+// Settings of controllers against brute force.
 
 namespace accdec {
 namespace {
 
+using accdec::testing::brute_force;
 using accdec::testing::random_task;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-constexpr double none = std::numeric_limits<double>::infinity();
-
-std::vector<double> convolve(const std::vector<double>& a, const std::vector<double>& b) {
-  std::vector<double> c(a.size() + b.size() - 1, 0.0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < b.size(); ++j) c[i + j] += a[i] * b[j];
-  }
-  return c;
-}
-
-double response(const std::vector<double>& taps, int k) {
-  double sum = 0.0;
-  for (int i = 0; i < k && i < static_cast<int>(taps.size()); ++i) sum += taps[static_cast<std::size_t>(i)];
-  return sum;
-}
-
-/// sum b_i max(i - k, 0), or with sign -1 sum b_i max(k - i, 0).
-double way(const std::vector<double>& taps, int k, int sign) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < taps.size(); ++i) sum += taps[i] * std::max(0, sign * (static_cast<int>(i) - k));
-  return sum;
-}
-
-bool sample_holds(const Axis& axis, double v, double a, double jerk) {
-  const double force = axis.mass * a + axis.damping * v, slack = 1.0 + 1e-9;
-  return std::abs(v) <= axis.velocity_max * slack && std::abs(a) <= axis.acceleration_max * slack &&
-         std::abs(jerk) <= axis.jerk_max * slack && std::abs(force) <= axis.force_max * slack &&
-         force * v <= axis.power_max * slack && -force * v <= axis.regeneration_max * slack;
-}
-
-/// Rest, leg 1, the corner with this delay, leg 2, rest: all limits of a corner.
-bool holds(const Task& task, const TaskCorner& corner, const std::vector<double>& taps, int delay) {
-  const Corner& g = corner.geometry();
-  const double period = task.sample_period;
-  const int n = static_cast<int>(taps.size()) - 1;
-  const auto events = [&](int axis, int event, int k) {
-    const double in = g.feed_in * g.direction_in[axis], out = g.feed_out * g.direction_out[axis];
-    if (event == 0) return in * response(taps, k);
-    if (event == 1) return in * (1.0 - response(taps, k)) + out * response(taps, k - delay);
-    return out * (1.0 - response(taps, k));
-  };
-  double nearest = none, slowest = none;
-  for (int event = 0; event < 3; ++event) {
-    for (int k = 0; k <= n + delay + 3; ++k) {
-      double speed = 0.0;
-      for (int axis = 0; axis < 2; ++axis) {
-        const double v = events(axis, event, k), a = (v - events(axis, event, k - 1)) / period;
-        const double before = (events(axis, event, k - 1) - events(axis, event, k - 2)) / period;
-        if (!sample_holds(task.machine.axes[static_cast<std::size_t>(axis)], v, a, (a - before) / period)) return false;
-        speed += v * v;
-      }
-      if (event != 1) continue;
-      slowest = std::min(slowest, std::sqrt(speed));
-      const Eigen::VectorXd s = period * (g.feed_out * way(taps, k - delay, -1) * g.direction_out -
-                                          g.feed_in * way(taps, k, 1) * g.direction_in);
-      nearest = std::min(nearest, s.norm());
-    }
-  }
-  return nearest <= *corner.error_max * (1.0 + 1e-9) && slowest * (1.0 + 1e-9) >= corner.speed_min;
-}
-
-/// The cheapest delays of a filter, samples of the objective.
-double cheapest(const Task& task, const std::vector<double>& taps) {
-  const int n = static_cast<int>(taps.size()) - 1;
-  const auto& kinds = task.settings->delays;
-  const auto has = [&](DelayKind kind) { return std::find(kinds.begin(), kinds.end(), kind) != kinds.end(); };
-  const bool any = kinds.empty() || has(DelayKind::dwell);
-  std::vector<std::vector<bool>> good;
-  for (const TaskCorner& corner : task.corners) {
-    good.emplace_back();
-    for (int d = 0; d <= n + 2; ++d) good.back().push_back(holds(task, corner, taps, d));
-  }
-  std::vector<double> widths{none};
-  if (has(DelayKind::in_position)) {
-    for (const TaskCorner& corner : task.corners) {
-      for (int d = 0; d <= n; ++d) widths.push_back(corner.geometry().feed_in * way(taps, d, 1));
-    }
-    std::sort(widths.begin(), widths.end());
-    const std::vector<double> ends = widths;
-    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-      if (std::isfinite(ends[i + 1])) widths.push_back(0.5 * (ends[i] + ends[i + 1]));
-    }
-  }
-  double best = none;
-  for (const double width : widths) {
-    double cost = task.design.runs * (n + 1);
-    for (std::size_t j = 0; j < task.corners.size(); ++j) {
-      double least = none;
-      for (int d = 0; d <= n + 2; ++d) {
-        const double feed = task.corners[j].geometry().feed_in;
-        const bool by_width = has(DelayKind::in_position) && feed * way(taps, d, 1) <= width &&
-                              (d == 0 || feed * way(taps, d - 1, 1) > width);
-        const bool kind = any || (d == 0 && has(DelayKind::continuous)) || (d >= n && has(DelayKind::exact_stop));
-        if ((kind || by_width) && good[j][static_cast<std::size_t>(d)]) least = std::min<double>(least, d);
-      }
-      cost += task.corners[j].weight * least;
-    }
-    best = std::min(best, cost);
-  }
-  return best;
-}
-
-std::vector<double> average(int length) {
-  return std::vector<double>(static_cast<std::size_t>(length), 1.0 / length);
-}
-
-/// The least cost of all members of the task's one family.
-double brute_force(const Task& task) {
-  const ControllerSettings& settings = *task.settings;
-  const SettableStage& stage = settings.stages.front();
-  std::vector<int> lengths;
-  for (int length = 1; length <= task.design.order_max + 1; ++length) {
-    const double time = length * task.sample_period;
-    const int step = std::max(1, static_cast<int>(std::lround(stage.length_step / task.sample_period)));
-    const bool capped = stage.length_max > 0.0 && time > stage.length_max * (1.0 + 1e-9);
-    if (length % step == 0 && !capped) lengths.push_back(length);
-  }
-  double best = none;
-  const auto offer = [&](const std::vector<double>& taps) {
-    const int order = static_cast<int>(taps.size()) - 1;
-    if (order >= task.design.order_min && order <= task.design.order_max) best = std::min(best, cheapest(task, taps));
-  };
-  if (settings.families.front() == SettingFamily::one_pole) {
-    for (const int tau : lengths) {
-      const int taps = static_cast<int>(std::ceil(std::log(1e4) * tau));
-      std::vector<double> pole;
-      double sum = 0.0;
-      for (int i = 0; i < taps; ++i) pole.push_back(std::exp(-static_cast<double>(i) / tau)), sum += pole.back();
-      for (double& tap : pole) tap /= sum;
-      if (taps - 1 <= task.design.order_max) offer(pole);
-    }
-    return best;
-  }
-  if (lengths.empty() || lengths.front() != 1) lengths.insert(lengths.begin(), 1);
-  for (const int a : lengths) {
-    for (const int b : lengths) {
-      if (b > a) break;
-      if (settings.families.front() == SettingFamily::averages) {
-        offer(convolve(average(a), average(b)));
-        continue;
-      }
-      for (int delay = 1; delay <= task.design.order_max; ++delay) {
-        std::vector<double> pair(static_cast<std::size_t>(delay) + 1, 0.0);
-        pair.front() = pair.back() = 0.5;
-        if (a + b - 2 + delay <= task.design.order_max) offer(convolve(convolve(average(a), average(b)), pair));
-      }
-    }
-  }
-  return best;
-}
 
 void expect_as_brute_force(const Task& task, const std::string& what) {
   const double expected = brute_force(task);
@@ -205,7 +55,10 @@ Task settable(std::mt19937& rng, SettingFamily family, std::vector<DelayKind> de
     stage.length_max = u(rng) < 0.7 ? 0.0 : 12e-3;
   }
   settings.stages.back() = settings.stages.front();
-  settings.shaper_pairs = family == SettingFamily::shaper ? 1 : 0;
+  if (family == SettingFamily::shaper) settings.shaper = &shaper_list()[rng() % 4];
+  settings.time_constant_step = task.sample_period * (1.0 + 3.0 * u(rng));
+  settings.alpha_step = 0.3 + u(rng);
+  settings.cutoff_step = 3.0 + 4.0 * u(rng);
   settings.delays = std::move(delays);
   task.settings = settings;
   return task;
@@ -232,8 +85,28 @@ TEST(Settings, OfPolesAndShapersAreTheBestOfAllByBruteForce) {
   for (int i = 0; i < 6; ++i) {
     const std::vector<DelayKind> delays = i % 2 == 0 ? std::vector<DelayKind>{} : std::vector{DelayKind::in_position};
     expect_as_brute_force(settable(rng, SettingFamily::one_pole, delays, 2, 120), "pole " + std::to_string(i));
-    expect_as_brute_force(settable(rng, SettingFamily::shaper, delays, 1, 18), "shaper " + std::to_string(i));
+    for (int j = 0; j < 2; ++j)
+      expect_as_brute_force(settable(rng, SettingFamily::shaper, delays, 1, 18), "shaper " + std::to_string(i));
   }
+}
+
+TEST(Settings, OfLengthsAndNumbersAreTheBestOfAllByBruteForce) {
+  std::mt19937 rng(28);
+  int found = 0;
+  for (int i = 0; i < 27; ++i) {
+    constexpr SettingFamily families[] = {SettingFamily::exponential, SettingFamily::gaussian,
+                                          SettingFamily::windowed_sinc};
+    const std::vector<DelayKind> delays = i % 2 == 0 ? std::vector<DelayKind>{} : std::vector{DelayKind::in_position};
+    Task task = settable(rng, families[i % 3], delays, 1 + i % 2, 40);
+    for (SettableStage& stage : task.settings->stages) stage.length_max = 0.0;
+    // Few of these families hold a jerk limit within so many taps, and no exponential.
+    if (i % 3 == 0 || i % 4 != 3) {
+      for (Axis& axis : task.machine.axes) axis.jerk_max = unlimited;
+    }
+    expect_as_brute_force(task, "family " + std::to_string(i % 3) + ", task " + std::to_string(i));
+    found += std::isfinite(brute_force(task)) ? 1 : 0;
+  }
+  EXPECT_GE(found, 6);
 }
 
 Task corner_task(const std::string& more) {
@@ -242,6 +115,39 @@ Task corner_task(const std::string& more) {
       "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n" +
           more,
       "task");
+}
+
+// From rest at full force, m dv/dt + c v = F reaches v after tau ln(1 / (1 - c v / F)) with tau = m / c: an
+// exponential. On the samples the recursion counts the taps, and tau in whole milliseconds is near enough.
+TEST(Settings, OfAForceLimitedStartAreTheClosedForm) {
+  const DesignResult result = design_task(parse_task(
+      "sample_period_ms = 1\n[design]\nfamily = \"exponential\"\n[[axis]]\nmass_kg = 34\ndamping_N_s_m = 840\n"
+      "force_max_N = 465\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 30000\nerror_max_um = 0\n",
+      "task"));
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
+  const double inertia = 34.0 / 1e-3, speed = 0.5;
+  double gone = 0.0;
+  int taps = 0;
+  while (gone < 1.0 - 1e-12) gone = (465.0 + inertia * speed * gone) / ((inertia + 840.0) * speed), ++taps;
+  EXPECT_EQ(result.filter->order() + 1, taps);
+  EXPECT_THAT(settings_in_words(*result.settings),
+              HasSubstr("an exponential of " + std::to_string(taps) + " ms, time "));
+  EXPECT_NEAR(result.settings->values.back().value, 1e3 * 34.0 / 840.0, 2.0);
+  EXPECT_THAT(verify_result(result).reasons, IsEmpty());
+}
+
+TEST(Settings, OfNumbersAreNotForged) {
+  const DesignResult result = design_task(
+      corner_task("[design]\nfamily = [\"gaussian\", \"windowed-sinc\"]\nalpha_step = 0.25\ncutoff_step_Hz = 2\n"));
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
+  EXPECT_EQ(result_to_json(parse_result(result_to_json(result), "result")), result_to_json(result));
+  EXPECT_TRUE(verify_result(result).accepted);
+  DesignResult forged = result;
+  forged.settings->values.back().value *= 1.01;
+  EXPECT_FALSE(verify_result(forged).accepted);
+  forged = result;
+  forged.task.settings->alpha_step = 0.37, forged.task.settings->cutoff_step = 3.1;
+  EXPECT_FALSE(verify_result(forged).accepted);
 }
 
 // At 0.1 m/s, 6 m/s^2 and 500 m/s^3, 17 and 12 ms hold the limits of a start. Legs that do not overlap need no more.

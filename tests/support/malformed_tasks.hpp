@@ -1,53 +1,13 @@
 #pragma once
 
-#include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "support/malformed_case.hpp"
+#include "support/malformed_settings.hpp"
+
 namespace accdec::malformed {
-
-/// A task file with one thing wrong, and what the message must begin with (after the file's name) and contain.
-struct Case {
-  const char* name;
-  std::string text;
-  std::string position;  ///< "line:column"
-  std::vector<std::string> words;
-};
-inline void PrintTo(const Case& c, std::ostream* out) {
-  *out << c.name;
-}
-
-/// A correct task; cases put their fault in one place of it. Lines: 1 sample period, 2-5 filter, 6-12 axis, 13-18
-/// corner.
-struct Parts {
-  std::string top = "sample_period_ms = 1.0\n";
-  std::string filter = "[filter]\nkind = \"trapezoid\"\norder = 20\nramp = 5\n";
-  std::string axis =
-      "[[axis]]\nname = \"x\"\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 9000\nmass_kg = 50\ndamping_N_s_m = "
-      "10\nforce_max_N = 600\n";
-  std::string corner =
-      "[[corner]]\nname = \"A\"\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 400\ndelay_samples = 3\n";
-  std::string end = "";
-  std::string str() const { return top + filter + axis + corner + end; }
-};
-inline std::string with_top(std::string s) {
-  return Parts{.top = std::move(s)}.str();
-}
-inline std::string with_filter(std::string s) {
-  return Parts{.filter = std::move(s)}.str();
-}
-inline std::string with_axis(std::string s) {
-  return Parts{.axis = std::move(s)}.str();
-}
-inline std::string with_corner(std::string s) {
-  return Parts{.corner = std::move(s)}.str();
-}
-inline std::string with_end(std::string s) {
-  return Parts{.end = std::move(s)}.str();
-}
-
-inline const std::string corner_head =
-    "[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\ndelay_samples = 0\n";  // lines 13-16
 
 /// Every message names what is wrong and, in the words checked, what is allowed. One table, as long as it is: a case is
 /// a few lines of it.
@@ -60,7 +20,7 @@ inline std::vector<Case> cases() {
   };                                                                                                  // lines from 17
   const auto axis = [](const std::string& lines) { return with_axis("[[axis]]\n" + lines + "\n"); };  // lines from 7
   const auto end = [](const std::string& lines) { return with_end(lines + "\n"); };                   // lines from 19
-  return {
+  std::vector<Case> all{
       // Structure of the file
       {"empty", "", "1:1", {"empty", "sample_period_ms", "[[corner]]"}},
       {"only_blanks", " \n\n\t\n", "1:1", {"empty"}},
@@ -249,47 +209,6 @@ inline std::vector<Case> cases() {
        "20:8",
        {"unknown controller \"fanuc-01\"", "did you mean \"fanuc-0i\"?"}},
       {"order_min_default", end("[design]\norder_min = 500"), "20:13", {"`order_max` = 400", "default"}},
-      // Settings of controllers
-      {"family_unknown", end("[design]\nfamily = \"average\""), "20:10", {"did you mean \"averages\""}},
-      {"stages_too_many", end("[design]\nfamily = \"averages\"\nstages = 4"), "21:10", {"1 <= stages <= 3"}},
-      {"stages_alone", end("[design]\nstages = 2"), "20:10", {"`stages` goes with `family`"}},
-      {"family_and_taps", end("[design]\nfamily = [\"taps\", \"averages\"]"), "20:10", {"no setting is faster"}},
-      {"taps_with_lengths",
-       end("[design]\nfamily = \"taps\"\nlength_max_ms = 3"),
-       "21:17",
-       {"`length_max_ms` is of no use with free taps"}},
-      {"length_step_odd",
-       end("[design]\nfamily = \"averages\"\nlength_step_ms = 1.5"),
-       "21:18",
-       {"1.5 ms is no multiple of the sample period, 1 ms", "allowed are 1, 2 ms"}},
-      {"length_step_nan", end("[design]\nfamily = \"averages\"\nlength_step_ms = nan"), "21:18", {"length_step_ms"}},
-      {"length_cap_short",
-       end("[design]\nfamily = \"averages\"\nlength_step_ms = 4\nlength_max_ms = 3"),
-       "22:17",
-       {"leaves stage 1 no length", "the shortest is 4 ms"}},
-      {"length_caps_three",
-       end("[design]\nfamily = \"averages\"\nstages = 2\nlength_max_ms = [3, 4, 5]"),
-       "22:17",
-       {"3 numbers for 2 stages"}},
-      {"length_set_and_step",
-       end("[design]\nfamily = \"averages\"\nlength_step_ms = 4\nlength_set_ms = [4, 8]"),
-       "21:18",
-       {"both given"}},
-      {"length_set_odd",
-       end("[design]\nfamily = \"averages\"\nlength_set_ms = [1, 2.25]"),
-       "21:21",
-       {"2.25 ms is no multiple"}},
-      {"shaper_alone", end("[design]\nfamily = \"averages\"\nshaper = \"zv\""), "21:10", {"family = \"shaper\""}},
-      {"pole_symmetric",
-       end("[design]\nfamily = \"one-pole\"\nsymmetric = true"),
-       "21:13",
-       {"a pole is never symmetric"}},
-      {"delays_unknown", end("[controller]\ndelays = \"inposition\""), "20:10", {"did you mean \"in-position\""}},
-      {"delays_alone", end("[controller]\ndelays = \"in-position\""), "20:10", {"without a family"}},
-      {"delays_and_samples",
-       end("[design]\nfamily = \"averages\"\n[controller]\ndelays = \"exact-stop\""),
-       "18:17",
-       {"`delay_samples` contradicts [controller] delays"}},
       {"corner_twice",
        end("[[corner]]\nname = \"A\"\nangle_deg = 90\nfeed_in_mm_min = 1"),
        "20:8",
@@ -395,6 +314,8 @@ inline std::vector<Case> cases() {
        {"feed_out_mm_min asks axis y"}},
       {"program_typo", end("[program]\nerror_max_mm = 1"), "20:1", {"did you mean `error_max_um`?"}},
   };
+  for (Case& other : settings_cases()) all.push_back(std::move(other));
+  return all;
 }
 
 }  // namespace accdec::malformed

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <string>
 
@@ -34,13 +35,20 @@ std::vector<double> summed(const std::vector<double>& taps, int length) {
   return sums;
 }
 
-std::vector<double> echoed(const std::vector<double>& taps, int delay) {
-  std::vector<double> both(taps.size() + static_cast<std::size_t>(delay), 0.0);
-  for (std::size_t i = 0; i < taps.size(); ++i) {
-    both[i] += taps[i];
-    both[i + static_cast<std::size_t>(delay)] += taps[i];
+/// The impulses of a shaper by its name in tasks, in any scale.
+std::vector<double> impulses_of(std::string_view shaper) {
+  if (shaper == "zv") return {1.0, 1.0};
+  if (shaper == "zvd") return {1.0, 2.0, 1.0};
+  if (shaper == "ei") return {21.0, 38.0, 21.0};  // 0.05 left: 1.05, 1.9, 1.05
+  return {1.0, std::numbers::sqrt2, 1.0};         // mzv: 1 - 1/sqrt 2, sqrt 2 - 1
+}
+
+std::vector<double> echoed(const std::vector<double>& taps, const std::vector<double>& impulses, int delay) {
+  std::vector<double> sum(taps.size() + (impulses.size() - 1) * static_cast<std::size_t>(delay), 0.0);
+  for (std::size_t m = 0; m < impulses.size(); ++m) {
+    for (std::size_t i = 0; i < taps.size(); ++i) sum[i + m * static_cast<std::size_t>(delay)] += impulses[m] * taps[i];
   }
-  return both;
+  return sum;
 }
 
 FamilyMember member_of(std::vector<double> taps) {
@@ -59,8 +67,9 @@ FamilyMember member_of(std::vector<double> taps) {
 class Cascades {
  public:
   using Visit = std::function<void(const FamilyMember&, const std::string&)>;
-  Cascades(const Task& task, int pairs, int order_end, const Visit& visit)
-      : task_(task), pairs_(pairs), order_end_(order_end), visit_(visit) {}
+  /// @param impulses  equally far apart behind the averages; empty: none
+  Cascades(const Task& task, std::vector<double> impulses, int order_end, const Visit& visit)
+      : task_(task), impulses_(std::move(impulses)), order_end_(order_end), visit_(visit) {}
 
   void run() { stage(0, {1.0}); }
 
@@ -84,24 +93,23 @@ class Cascades {
   }
 
   void pair(const std::vector<double>& taps) {
-    if (pairs_ == 0) return offer(taps, 0);
-    for (int delay = 1; static_cast<int>(taps.size()) - 1 + pairs_ * delay < order_end_; ++delay) {
-      std::vector<double> with = taps;
-      for (int p = 0; p < pairs_; ++p) with = echoed(with, delay);
-      offer(with, delay);
-    }
+    if (impulses_.empty()) return offer(taps, 0);
+    const int gaps = static_cast<int>(impulses_.size()) - 1;
+    for (int delay = 1; static_cast<int>(taps.size()) - 1 + gaps * delay < order_end_; ++delay)
+      offer(echoed(taps, impulses_, delay), delay);
   }
 
   void offer(const std::vector<double>& taps, int delay) {
     const int order = static_cast<int>(taps.size()) - 1;
     if (order < task_.design.order_min || order >= order_end_) return;
     std::string words = fmt::format("averages of {} samples", fmt::join(lengths_, ", "));
-    if (pairs_ > 0) words += fmt::format(" with {} pair(s) of impulses {} samples apart", pairs_, delay);
+    if (delay > 0) words += fmt::format(" with {} impulses {} samples apart", impulses_.size(), delay);
     visit_(member_of(taps), words);
   }
 
   const Task& task_;
-  int pairs_, order_end_;
+  std::vector<double> impulses_;
+  int order_end_;
   const Visit& visit_;
   std::vector<int> lengths_;
 };
@@ -121,16 +129,67 @@ void visit_poles(const Task& task, int order_end, const Cascades::Visit& visit) 
   }
 }
 
+/// The numbers that a task's grid has for a family, in the order of their size: multiples of its step up to its end.
+std::vector<double> numbers_of(const Task& task, SettingFamily family, int order) {
+  const ControllerSettings& settings = *task.settings;
+  double step = settings.alpha_step, end = 6.0;
+  if (family == SettingFamily::exponential) {
+    step = settings.time_constant_step > 0.0 ? settings.time_constant_step : task.sample_period;
+    end = task.sample_period * (task.design.order_max + 1);
+  } else if (family == SettingFamily::windowed_sinc) {
+    step = settings.cutoff_step;
+    end = 1.0 / (task.sample_period * order);
+  }
+  std::vector<double> numbers;
+  for (int i = 1; i * step <= end * (1.0 + 1e-9); ++i) numbers.push_back(std::min(i * step, end));
+  return numbers;
+}
+
+void visit_grid(const Task& task, SettingFamily family, int order_end, const Cascades::Visit& visit) {
+  if (task.design.order_min <= 0 && order_end > 0) visit(member_of({1.0}), "no filter");
+  const int least = family == SettingFamily::windowed_sinc ? 2 : 1;
+  for (int order = std::max(least, task.design.order_min); order < order_end; ++order) {
+    if (!settable(task.settings->stages.front(), order + 1, task.sample_period)) continue;
+    for (const double number : numbers_of(task, family, order))
+      visit(member_of(grid_taps(family, order, number, task.sample_period)),
+            fmt::format("{} of {} samples and {:.6g}", to_string(family), order + 1, number));
+  }
+}
+
 }  // namespace
+
+std::vector<double> grid_taps(SettingFamily family, int order, double number, double period) {
+  std::vector<double> taps(static_cast<std::size_t>(order) + 1);
+  const double half = 0.5 * order;
+  for (int i = 0; i <= order; ++i) {
+    double& tap = taps[static_cast<std::size_t>(i)];
+    const double from_middle = std::abs(i - half);
+    if (family == SettingFamily::exponential) {
+      tap = std::exp(-i * period / number);
+    } else if (family == SettingFamily::gaussian) {
+      tap = std::exp(-0.5 * std::pow(number * from_middle / half, 2));
+    } else {
+      const double turn = std::numbers::pi * from_middle / half,
+                   x = 2.0 * std::numbers::pi * number * period * from_middle;
+      const double window = 0.42 + 0.5 * std::cos(turn) + 0.08 * std::cos(2.0 * turn);
+      const bool end = i == 0 || i == order;
+      tap = end ? 0.0 : std::max(0.0, window) * (x == 0.0 ? 1.0 : std::max(0.0, std::sin(x) / x));
+    }
+  }
+  return taps;
+}
 
 void visit_family(const Task& task, SettingFamily family, int order_end,
                   const std::function<void(const FamilyMember&, const std::string&)>& visit) {
   order_end = std::min(order_end, task.design.order_max + 1);
   switch (family) {
     case SettingFamily::taps: return;
-    case SettingFamily::averages: return Cascades(task, 0, order_end, visit).run();
-    case SettingFamily::shaper: return Cascades(task, task.settings->shaper_pairs, order_end, visit).run();
+    case SettingFamily::averages: return Cascades(task, {}, order_end, visit).run();
+    case SettingFamily::shaper: return Cascades(task, impulses_of(task.settings->shaper->name), order_end, visit).run();
     case SettingFamily::one_pole: return visit_poles(task, order_end, visit);
+    case SettingFamily::exponential:
+    case SettingFamily::gaussian:
+    case SettingFamily::windowed_sinc: return visit_grid(task, family, order_end, visit);
   }
 }
 

@@ -19,6 +19,9 @@ struct FamilyMember {
   int order() const { return static_cast<int>(taps.size()) - 1; }
 };
 
+/// Taps of a family with a length and a real number, in any scale. @param number  SI: time constant, alpha, cut-off
+std::vector<double> grid_taps(SettingFamily family, int order, double number, double period);
+
 /// Visits every member of a family with an order in the task's bounds and below `order_end`.
 /// @param visit  the member, and what it is in words
 void visit_family(const Task& task, SettingFamily family, int order_end,

@@ -25,7 +25,8 @@ constexpr double free_taps_seconds = 10.0;
 /// or if the controller has no averages.
 std::string longest_break(const Task& task) {
   const ControllerSettings& settings = *task.settings;
-  if (settings.families.front() == SettingFamily::one_pole) return "";
+  const SettingFamily first = settings.families.front();
+  if (first != SettingFamily::averages && first != SettingFamily::shaper) return "";
   const int stages = static_cast<int>(settings.stages.size());
   FilterSpec spec{.kind = Shape::averages};
   for (const SettableStage& stage : settings.stages) {

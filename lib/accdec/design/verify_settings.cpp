@@ -28,15 +28,37 @@ bool is_member(Task task, SettingFamily family, const Filter& filter) {
   return found;
 }
 
+/// The filter of a length and a real number; empty if the values are not these.
+std::vector<double> taps_of_number(const Task& task, const ChosenSettings& chosen) {
+  const SettableStage& stage = task.settings->stages.front();
+  const Setting& time = chosen.values.front();
+  if (time.name != stage.name || time.unit != stage.unit || chosen.values.size() > 2) return {};
+  const double samples = time.value * stage.unit_seconds / task.sample_period;
+  if (chosen.values.size() == 1) return samples < 0.5 ? std::vector<double>{1.0} : std::vector<double>{};
+  const Setting& number = chosen.values.back();
+  const bool of_time = chosen.family == SettingFamily::exponential;
+  const std::string unit = of_time ? "ms" : chosen.family == SettingFamily::gaussian ? "" : "Hz";
+  if (number.unit != unit || !(samples > 1.5 && samples < 2e6)) return {};
+  const double si = of_time ? 1e-3 * number.value : number.value;
+  const Filter filter(grid_taps(chosen.family, static_cast<int>(std::lround(samples)) - 1, si, task.sample_period));
+  return {filter.taps().begin(), filter.taps().end()};
+}
+
 /// The filter that the values to enter make.
 std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chosen) {
   const auto& stages = task.settings->stages;
+  if (chosen.values.empty()) return {};
+  if (chosen.family == SettingFamily::exponential || chosen.family == SettingFamily::gaussian ||
+      chosen.family == SettingFamily::windowed_sinc)
+    return taps_of_number(task, chosen);
   FilterSpec spec{.kind = Shape::averages};
   std::size_t s = 0;
   for (const Setting& setting : chosen.values) {
     if (setting.unit == "Hz") {
-      spec.pairs = setting.name == "ZV" ? 1 : 2;
-      spec.pair_delay = static_cast<int>(std::lround(0.5 / (setting.value * task.sample_period)));
+      const ShaperInfo* shaper = task.settings->shaper;
+      if (shaper == nullptr || setting.name != shaper->title) return {};
+      spec.pairs = shaper->pairs, spec.outer = shaper->outer;
+      spec.pair_delay = static_cast<int>(std::lround(shaper->delay_periods / (setting.value * task.sample_period)));
       continue;
     }
     if (s >= stages.size()) return {};

@@ -24,11 +24,11 @@ double nearest_squared(double p, double q, double cos_interior) {
 
 }  // namespace
 
-Cascade::Cascade(std::span<const int> lengths, int pairs, int pair_delay)
+Cascade::Cascade(std::span<const int> lengths, int pairs, int pair_delay, double outer)
     : averages_(static_cast<int>(lengths.size())) {
   double whole = static_cast<double>(1 << pairs);
   for (const int length : lengths) order_ += length - 1, whole *= length;
-  constexpr double copies[3][3] = {{1.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {1.0, 2.0, 1.0}};
+  const double copies[3][3] = {{1.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {4.0 * outer, 4.0 - 8.0 * outer, 4.0 * outer}};
   for (int copy = 0; copy <= pairs; ++copy) {
     for (unsigned set = 0; set < 1U << lengths.size(); ++set) {
       Term term{copy * pair_delay, copies[pairs][copy] / whole};

@@ -3,6 +3,8 @@
 #include <array>
 #include <span>
 
+#include <accdec/filter.hpp>
+
 namespace accdec {
 
 /// Moving averages in series, with pairs of impulses after them (`cascade_taps`), evaluated sample by sample. The tap
@@ -17,7 +19,8 @@ class Cascade {
   static constexpr int order_max = 2000;
 
   /// @param lengths  1 to 3, each >= 1  @param pairs  0 to 2  @param pair_delay  >= 1, samples
-  Cascade(std::span<const int> lengths, int pairs, int pair_delay);
+  /// @param outer  of two pairs: the first and the last impulse, see with_pairs
+  Cascade(std::span<const int> lengths, int pairs, int pair_delay, double outer = zvd_outer);
 
   int order() const { return order_; }
   /// b_k; 0 outside of 0 .. N.

@@ -65,12 +65,12 @@ struct Kind {
   int averages;
   int least_order;
   std::optional<RealParameter> parameter;
-  std::array<std::string_view, 2> with_pairs;  ///< names of the families with one pair and with two; empty: none
+  std::array<std::string_view, 4> with_shapers;  ///< names of the families with each of shaper_list; empty: none
 };
 
 const std::array<Kind, 9> kinds{{
-    {"boxcar", Shape::boxcar, 1, 0, {}, {"boxcar-zv", "boxcar-zvd"}},
-    {"trapezoid", Shape::trapezoid, 2, 0, {}, {"trapezoid-zv", "trapezoid-zvd"}},
+    {"boxcar", Shape::boxcar, 1, 0, {}, {"boxcar-zv", "boxcar-zvd", "boxcar-mzv", "boxcar-ei"}},
+    {"trapezoid", Shape::trapezoid, 2, 0, {}, {"trapezoid-zv", "trapezoid-zvd", "trapezoid-mzv", "trapezoid-ei"}},
     {"averages", Shape::averages, 3, 0, {}, {"averages-zv", "averages-zvd"}},
     {"s-curve", Shape::s_curve, 0, 2, {}, {}},
     {"hann", Shape::hann, 0, 2, {}, {}},
@@ -82,14 +82,18 @@ const std::array<Kind, 9> kinds{{
 
 std::vector<Family> make_families() {
   std::vector<Family> all;
-  for (const int pairs : {0, 1, 2}) {
+  const auto shapers = shaper_list();
+  for (std::size_t s = 0; s <= shapers.size(); ++s) {
+    const int pairs = s == 0 ? 0 : shapers[s - 1].pairs;
+    const double outer = s == 0 ? zvd_outer : shapers[s - 1].outer;
     for (const Kind& kind : kinds) {
-      const std::string_view name = pairs == 0 ? kind.name : kind.with_pairs[static_cast<std::size_t>(pairs) - 1];
+      const std::string_view name = s == 0 ? kind.name : kind.with_shapers[s - 1];
       if (name.empty()) continue;
-      std::string title = shape_title(kind.shape, pairs);
+      std::string title = shape_title(kind.shape, pairs, outer);
       // Here there are always three.
       if (kind.shape == Shape::averages) title.replace(0, info(kind.shape).title.size(), "three averages");
-      all.push_back({name, std::move(title), kind.shape, pairs, kind.averages, kind.least_order, kind.parameter});
+      all.push_back(
+          {name, std::move(title), kind.shape, pairs, outer, kind.averages, kind.least_order, kind.parameter});
     }
   }
   return all;
@@ -127,7 +131,7 @@ bool visit_cascades(const Family& family, int order, int pair_delay, int every, 
 }  // namespace
 
 FilterSpec Family::member(std::span<const int> lengths, int pair_delay) const {
-  FilterSpec spec{.kind = shape, .pairs = pairs, .pair_delay = pair_delay};
+  FilterSpec spec{.kind = shape, .pairs = pairs, .pair_delay = pair_delay, .outer = outer};
   for (const int length : lengths) spec.order += length - 1;
   if (shape == Shape::trapezoid) spec.ramp = lengths[1] - 1;
   if (shape == Shape::averages) spec.lengths.assign(lengths.begin(), lengths.end());
@@ -148,7 +152,10 @@ const Family* family_of(const FilterSpec& spec) {
   if (shape == Shape::averages && spec.lengths.size() == 1) shape = Shape::boxcar;
   if (shape == Shape::averages && spec.lengths.size() == 2) shape = Shape::trapezoid;
   if (shape == Shape::averages && spec.lengths.size() > 3) return nullptr;
-  return first_family([&](const Family& f) { return f.shape == shape && f.pairs == spec.pairs; });
+  const auto same_shaper = [&](const Family& f) {
+    return f.pairs == spec.pairs && (spec.pairs < 2 || std::abs(f.outer - spec.outer) < 1e-9);
+  };
+  return first_family([&](const Family& f) { return f.shape == shape && same_shaper(f); });
 }
 
 void visit_members(const Family& family, int order, int every, const MemberVisitor& visit) {

@@ -108,7 +108,7 @@ void FamilySearch::order(int n) {
 
 void FamilySearch::offer_cascade(std::span<const int> lengths, const FilterSpec& spec) {
   if (cheap_refusal(lengths, spec) || late()) return;  // of a million taps one takes 10 ms
-  const std::vector<double> taps = cascade_taps(lengths, spec.pairs, spec.pair_delay);
+  const std::vector<double> taps = cascade_taps(lengths, spec.pairs, spec.pair_delay, spec.outer);
   double sum = static_cast<double>(1 << spec.pairs);
   for (const int length : lengths) sum *= length;
   if (starts(taps, sum)) offer(spec);
@@ -117,24 +117,29 @@ void FamilySearch::offer_cascade(std::span<const int> lengths, const FilterSpec&
 /// What needs no taps: the plateau, the first step, the vibration at a few frequencies, a few samples, the errors.
 bool FamilySearch::cheap_refusal(std::span<const int> lengths, const FilterSpec& spec) {
   const double copies = static_cast<double>(1 << spec.pairs);
-  double first = 1.0 / copies, rest = 0.0;
+  double first = spec.pairs == 2 ? spec.outer : 1.0 / copies, rest = 0.0;
   for (const int length : lengths) first /= length, rest += length - 1;
   rest -= lengths.front() - 1;
   if (first > bounds_.step) return true;
   // The longest average has a plateau if it is longer than the others together. With copies, no tap there is below its
-  // share.
-  if (lengths.front() > rest && 1.0 / lengths.front() / copies > bounds_.most) return true;
+  // share of the largest.
+  const double largest = spec.pairs == 2 ? std::max(spec.outer, 1.0 - 2.0 * spec.outer) : 1.0 / copies;
+  if (lengths.front() > rest && largest / lengths.front() > bounds_.most) return true;
   if (rings(lengths, spec)) return true;
   if (spec.order + spec.pairs * spec.pair_delay > Cascade::order_max) return false;
-  const Cascade cascade(lengths, spec.pairs, spec.pair_delay);
+  const Cascade cascade(lengths, spec.pairs, spec.pair_delay, spec.outer);
   return fails_likewise(cascade) || too_slow(cascade);
 }
 
 bool FamilySearch::rings(std::span<const int> lengths, const FilterSpec& spec) {
   const std::array<int, 2> delays{spec.pair_delay, spec.pair_delay};
   const auto pairs = std::span(delays).first(static_cast<std::size_t>(spec.pairs));
+  const bool equal = spec.pairs < 2 || spec.outer == zvd_outer;
   for (Tone& tone : tones_) {
-    if (cascade_response(tone.phase, lengths, pairs) <= tone.residual_max * slack + 1e-12) continue;
+    const double left = equal ? cascade_response(tone.phase, lengths, pairs)
+                              : cascade_response(tone.phase, lengths, {}) *
+                                    std::abs(1.0 - 2.0 * spec.outer * (1.0 - std::cos(tone.phase * spec.pair_delay)));
+    if (left <= tone.residual_max * slack + 1e-12) continue;
     std::swap(tone, tones_.front());
     return true;
   }

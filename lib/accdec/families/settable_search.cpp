@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <accdec/families/family_search.hpp>
+#include <accdec/families/grid_family.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
 #include <accdec/filter.hpp>
@@ -16,7 +17,10 @@ namespace {
 class Members {
  public:
   Members(const Task& task, SettingFamily family)
-      : family_(family), pairs_(family == SettingFamily::shaper ? task.settings->shaper_pairs : 0) {
+      : task_(task),
+        family_(family),
+        shaper_(family == SettingFamily::shaper ? task.settings->shaper : nullptr),
+        pairs_(shaper_ != nullptr ? shaper_->pairs : 0) {
     for (const SettableStage& stage : task.settings->stages) {
       lengths_.push_back(settable_lengths(stage, task.sample_period, task.design.order_max + 1));
       // An average of one sample changes nothing: the stage is off. A pole of one sample is none.
@@ -26,12 +30,13 @@ class Members {
       std::vector<char> allowed(static_cast<std::size_t>(task.design.order_max) + 2, 0);
       for (const int length : lengths_.back()) allowed[static_cast<std::size_t>(length)] = 1;
       allowed_.push_back(std::move(allowed));
-      if (family == SettingFamily::one_pole) break;  // it has one time
+      if (family == SettingFamily::one_pole || find_grid_family(family) != nullptr) break;  // it has one time
     }
     current_.assign(lengths_.size(), 0);
   }
 
   void visit(int order, const MemberVisitor& visit) {
+    if (const GridFamily* grid = find_grid_family(family_)) return visit_grid(*grid, order, visit);
     if (family_ == SettingFamily::one_pole) {
       for (const int length : lengths_.front()) {
         const FilterSpec spec = length > 0 ? cut_pole(length) : FilterSpec{.kind = Shape::exponential, .ratio = 1.0};
@@ -53,7 +58,22 @@ class Members {
     return lengths;
   }
 
+  /// The real number of the member visited last, in steps; 0: off, or the family has none.
+  int multiple() const { return multiple_; }
+
  private:
+  void visit_grid(const GridFamily& grid, int order, const MemberVisitor& visit) {
+    if (allowed_.front()[static_cast<std::size_t>(order) + 1] == 0) return;
+    current_.front() = order + 1;
+    multiple_ = 0;
+    if (order == 0) return static_cast<void>(visit({.kind = Shape::boxcar}, {}));
+    if (order < grid.least_order) return;
+    const int last = largest_multiple(task_, family_, order);
+    for (multiple_ = 1; multiple_ <= last; ++multiple_) {
+      if (!visit(grid_member(task_, family_, order, multiple_), {})) return;
+    }
+  }
+
   /// Equal stages are in any order: their lengths fall.
   bool stage(std::size_t s, int left, const MemberVisitor& visit) {
     const bool as_before = s > 0 && lengths_[s] == lengths_[s - 1];
@@ -73,6 +93,7 @@ class Members {
 
   bool offer(const MemberVisitor& visit) {
     FilterSpec spec{.kind = Shape::averages, .pairs = pairs_, .pair_delay = pair_delay_};
+    if (shaper_ != nullptr) spec.outer = shaper_->outer;
     for (const int length : current_) {
       if (length > 1) spec.lengths.push_back(length), spec.order += length - 1;
     }
@@ -81,16 +102,14 @@ class Members {
     return visit(spec, spec.lengths);
   }
 
+  const Task& task_;
   SettingFamily family_;
-  int pairs_, pair_delay_ = 0;
+  const ShaperInfo* shaper_;
+  int pairs_, pair_delay_ = 0, multiple_ = 0;
   std::vector<std::vector<int>> lengths_;  ///< of each stage, rising
   std::vector<std::vector<char>> allowed_;
   std::vector<int> current_;
 };
-
-std::string shaper_word(int pairs) {
-  return pairs == 1 ? "ZV" : "ZVD";
-}
 
 /// Searches one family for what is below the best so far.
 void search_family(const Task& task, SettingFamily family, const std::function<bool()>& stop, SettableDesign& best) {
@@ -99,10 +118,12 @@ void search_family(const Task& task, SettingFamily family, const std::function<b
   const FamilySearch* search = nullptr;
   double cheapest = best.cost;
   std::vector<int> lengths;
+  int multiple = 0;
   const FamilySearch::Members visit_order = [&](int order, const MemberVisitor& visit) {
     members.visit(order, [&](const FilterSpec& spec, std::span<const int> own) {
       const bool more = visit(spec, own);
-      if (search->best() && search->cost() < cheapest) cheapest = search->cost(), lengths = members.lengths();
+      if (search->best() && search->cost() < cheapest)
+        cheapest = search->cost(), lengths = members.lengths(), multiple = members.multiple();
       return more;
     });
   };
@@ -116,9 +137,8 @@ void search_family(const Task& task, SettingFamily family, const std::function<b
   best.delays = found.delays();
   ChosenSettings chosen{.family = family, .filter = *found.best()};
   chosen.values = values_of(*task.settings, lengths, task.sample_period);
-  if (chosen.filter.pairs > 0)
-    chosen.values.push_back(
-        {shaper_word(chosen.filter.pairs), 0.5 / (chosen.filter.pair_delay * task.sample_period), "Hz"});
+  if (multiple > 0) chosen.values.push_back(grid_setting(task, family, multiple));
+  if (shaper_of(chosen.filter) != nullptr) chosen.values.push_back(shaper_setting(chosen.filter, task.sample_period));
   chosen.delays = best.delays.kinds;
   chosen.width = best.delays.width;
   best.chosen = std::move(chosen);
@@ -157,6 +177,11 @@ std::vector<Setting> values_of(const ControllerSettings& settings, const std::ve
     values.push_back({stage.name, std::round(1e9 * time / stage.unit_seconds) / 1e9, stage.unit});
   }
   return values;
+}
+
+Setting shaper_setting(const FilterSpec& filter, double period) {
+  const ShaperInfo& shaper = *shaper_of(filter);
+  return {std::string(shaper.title), shaper.delay_periods / (filter.pair_delay * period), "Hz"};
 }
 
 SettableDesign best_settings(const Task& task, double seconds, const std::atomic<bool>* cancel) {

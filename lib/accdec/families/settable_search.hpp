@@ -40,4 +40,7 @@ FilterSpec cut_pole(double time_constant);
 /// Settings of stages in a controller's words, off stages as 0. @param lengths  samples, one a stage; 0: off
 std::vector<Setting> values_of(const ControllerSettings& settings, const std::vector<int>& lengths, double period);
 
+/// The frequency to which a filter's shaper is set. @param filter  with a shaper
+Setting shaper_setting(const FilterSpec& filter, double period);
+
 }  // namespace accdec

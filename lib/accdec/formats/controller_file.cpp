@@ -73,7 +73,10 @@ FileKind make_controller_file() {
       text_of("title", "maker, control, kind of filter", "\"Siemens SINUMERIK 840D sl\"", true),
       text_of("note", "what else to set", "\"Set MD32402 = 4.\""),
       std::move(families),
-      as_in_tasks(setting_keys(), "shaper", "with family = \"shaper\": pairs of impulses", "zv"),
+      as_in_tasks(setting_keys(), "shaper", "with family = \"shaper\": impulses at whole samples", "zv"),
+      *find_key(setting_keys(), "time_constant_step_ms"),
+      *find_key(setting_keys(), "alpha_step"),
+      *find_key(setting_keys(), "cutoff_step_Hz"),
       as_in_tasks(controller_keys(), "delays", "how it delays the second leg of a corner", "not known"),
       {.name = "unknown",
        .type = KeyType::texts,
@@ -121,12 +124,15 @@ Controller read_controller(const Table& top, std::string name) {
   for (const std::string& word : top.texts("family")) controller.families.push_back(*setting_family_from_string(word));
   for (const std::string& word : top.texts("delays")) controller.delays.push_back(*delay_kind_from_string(word));
   controller.unknown = top.texts("unknown");
+  controller.time_constant_step = top.number("time_constant_step_ms").value_or(0.0);
+  controller.alpha_step = top.number("alpha_step").value_or(0.0);
+  controller.cutoff_step = top.number("cutoff_step_Hz").value_or(0.0);
   for (const Table& stage : top.tables("stage")) controller.stages.push_back(read_stage(stage));
   for (const Table& source : top.tables("source"))
     controller.sources.push_back({*source.text("fact"), *source.text("where")});
   const auto& families = controller.families;
   if (std::find(families.begin(), families.end(), SettingFamily::shaper) != families.end())
-    controller.shaper_pairs = top.word("shaper") == "zvd" ? 2 : 1;
+    controller.shaper = find_shaper(top.word("shaper"));
   const bool times = ControllerSettings{.families = families}.names_family();
   if (times && (controller.stages.empty() || controller.stages.size() > 3))
     top.fail(fmt::format("{} [[stage]] tables; this family needs 1 to 3", controller.stages.size()));
@@ -209,7 +215,10 @@ Controller find_controller(const std::string& name_or_path) {
 ControllerSettings settings_of(const Controller& controller, double period) {
   ControllerSettings settings;
   settings.families = controller.families;
-  settings.shaper_pairs = controller.shaper_pairs;
+  settings.shaper = controller.shaper;
+  if (controller.time_constant_step > 0.0) settings.time_constant_step = controller.time_constant_step;
+  if (controller.alpha_step > 0.0) settings.alpha_step = controller.alpha_step;
+  if (controller.cutoff_step > 0.0) settings.cutoff_step = controller.cutoff_step;
   settings.delays = controller.delays;
   for (const ControllerStage& stage : controller.stages) settings.stages.push_back(sampled(stage, period));
   return settings;

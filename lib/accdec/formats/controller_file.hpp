@@ -30,7 +30,8 @@ struct Controller {
   std::string title;  ///< maker, control, kind of filter
   std::string note;   ///< what else to set; may be empty
   std::vector<SettingFamily> families;
-  int shaper_pairs = 0;
+  const ShaperInfo* shaper = nullptr;
+  double time_constant_step = 0.0, alpha_step = 0.0, cutoff_step = 0.0;  ///< of the families' numbers, SI; 0: not given
   std::vector<ControllerStage> stages;
   std::vector<DelayKind> delays;     ///< empty: none is known
   std::vector<std::string> unknown;  ///< what could not be found

@@ -41,10 +41,13 @@ int own_order(const FilterSpec& spec) {
 
 void read_shaper(const Table& table, FilterSpec& spec) {
   if (table.has("shaper")) {
-    spec.pairs = table.word("shaper") == "zv" ? 1 : 2;
+    const ShaperInfo& shaper = *find_shaper(table.word("shaper"));
+    spec.pairs = shaper.pairs;
+    spec.outer = shaper.outer;
     spec.pair_delay = table.required_integer("shaper_delay");
   } else if (table.has("shaper_delay")) {
-    table.fail_at("shaper_delay", "`shaper_delay` needs `shaper`; allowed is shaper = \"zv\" or \"zvd\"");
+    table.fail_at("shaper_delay",
+                  "`shaper_delay` needs `shaper`; allowed is shaper = \"zv\", \"zvd\", \"mzv\" or \"ei\"");
   }
 }
 
@@ -91,8 +94,8 @@ nlohmann::ordered_json filter_to_json(const FilterSpec& spec) {
   if (const auto& parameter = info(spec.kind).parameter) {
     std::visit([&](auto member) { filter[std::string(parameter->key)] = spec.*member; }, parameter->member);
   }
-  if (spec.pairs > 0) {
-    filter["shaper"] = spec.pairs == 1 ? "zv" : "zvd";
+  if (const ShaperInfo* shaper = shaper_of(spec)) {
+    filter["shaper"] = shaper->name;
     filter["shaper_delay"] = spec.pair_delay;
   }
   return filter;

@@ -37,7 +37,11 @@ std::vector<Key> chosen_settings_keys() {
                   .required = true,
                   .empty_text = true},
                  {.name = "value", .meaning = "value in this unit; 0 is off", .required = true},
-                 {.name = "unit", .type = KeyType::text, .meaning = "unit in which it is entered", .required = true}};
+                 {.name = "unit",
+                  .type = KeyType::text,
+                  .meaning = "unit in which it is entered; empty if it has none",
+                  .required = true,
+                  .empty_text = true}};
   Key delays = name_key("delays", KeyType::words, "kind of delay at each corner, if the task names kinds", delay_kinds);
   delays.required = false;
   const auto width = [](std::string name, std::string meaning, bool nullable) {

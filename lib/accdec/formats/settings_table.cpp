@@ -18,7 +18,8 @@ using toml_input::Table;
 
 constexpr double longest_ms = 1e6;
 constexpr std::size_t most_stages = 3, longest_set = 1000;
-constexpr const char* shaper_names[] = {"zv", "zvd"};
+/// Numbers on a grid: more would only take time.
+constexpr double most_numbers = 1e4, largest_alpha = 6.0;
 
 template <class Names>
 std::vector<std::string> words_of(const Names& names) {
@@ -103,6 +104,37 @@ void read_stages(const Table& table, double period, ControllerSettings& settings
   for (SettableStage& stage : settings.stages) stage.length_set = set, stage.length_step = stage.length_max = 0.0;
 }
 
+/// The step of a family's real numbers.
+struct GridStep {
+  SettingFamily family;
+  const char* key;
+  double ControllerSettings::*step;
+};
+constexpr GridStep grid_steps[] = {
+    {SettingFamily::exponential, "time_constant_step_ms", &ControllerSettings::time_constant_step},
+    {SettingFamily::gaussian, "alpha_step", &ControllerSettings::alpha_step},
+    {SettingFamily::windowed_sinc, "cutoff_step_Hz", &ControllerSettings::cutoff_step}};
+
+void read_grid(const Table& table, double period, ControllerSettings& settings) {
+  for (const GridStep& grid : grid_steps) {
+    if (!table.has(grid.key)) continue;
+    if (std::find(settings.families.begin(), settings.families.end(), grid.family) == settings.families.end())
+      table.fail_at(grid.key, fmt::format("`{}` is of no use here; it goes with family = \"{}\"", grid.key,
+                                          to_string(grid.family)));
+    settings.*grid.step = *table.number(grid.key);
+  }
+  const double tau = settings.time_constant_step, nyquist = 0.5 / period;
+  if (tau > 0.0 && tau < 0.1 * period)
+    table.fail_at("time_constant_step_ms",
+                  fmt::format("`time_constant_step_ms` = {:.6g} is below a tenth of the sample period; the least is "
+                              "{:.6g}",
+                              1e3 * tau, 100.0 * period));
+  if (settings.cutoff_step < nyquist / most_numbers)
+    table.fail_at("cutoff_step_Hz", fmt::format("`cutoff_step_Hz` = {:.6g} gives more than {:.0f} frequencies up to "
+                                                "{:.6g} Hz; the least is {:.6g}",
+                                                settings.cutoff_step, most_numbers, nyquist, nyquist / most_numbers));
+}
+
 void read_families(const Table& table, double period, ControllerSettings& settings) {
   settings.families.clear();
   for (const std::string& word : table.texts("family")) {
@@ -114,13 +146,17 @@ void read_families(const Table& table, double period, ControllerSettings& settin
     return std::find(settings.families.begin(), settings.families.end(), family) != settings.families.end();
   };
   const bool shaper = has(SettingFamily::shaper);
-  if (shaper) settings.shaper_pairs = table.word("shaper") == shaper_names[1] ? 2 : 1;
+  if (shaper) settings.shaper = find_shaper(table.word("shaper"));
   if (!shaper && table.has("shaper"))
     table.fail_at("shaper", "`shaper` is of no use here; it goes with family = \"shaper\"");
   if (settings.names_family() && has(SettingFamily::taps))
     table.fail_at("family", "`family` names free taps and settings; no setting is faster than free taps, give either");
-  if (has(SettingFamily::one_pole) && table.boolean("symmetric"))
-    table.fail_at("symmetric", "`symmetric` = true leaves nothing of family = \"one-pole\": a pole is never symmetric");
+  for (const SettingFamily falling : {SettingFamily::one_pole, SettingFamily::exponential}) {
+    if (has(falling) && table.boolean("symmetric"))
+      table.fail_at("symmetric", fmt::format("`symmetric` = true leaves nothing of family = \"{}\", whose taps fall",
+                                             to_string(falling)));
+  }
+  read_grid(table, period, settings);
   if (settings.names_family()) return read_stages(table, period, settings);
   for (const std::string_view key : {"stages", "length_step_ms", "length_max_ms", "length_set_ms"}) {
     if (table.has(key))
@@ -219,9 +255,9 @@ std::vector<Key> setting_keys() {
            .example = "2"},
           {.name = "shaper",
            .type = KeyType::word,
-           .meaning = "with family = \"shaper\": pairs of impulses behind the averages",
-           .words = {shaper_names[0], shaper_names[1]},
-           .fallback = shaper_names[0],
+           .meaning = "with family = \"shaper\": impulses at whole samples behind the averages",
+           .words = words_of(shaper_list()),
+           .fallback = "zv",
            .example = "\"zv\""},
           time_key("length_step_ms", "with a family: step of its times, a multiple of the period; one, or one a stage",
                    "the period", "1"),
@@ -232,7 +268,24 @@ std::vector<Key> setting_keys() {
            .unit = "ms",
            .range = {0.0, longest_ms, true},
            .most = longest_set,
-           .example = "[0.5, 1, 2, 4, 8]"}};
+           .example = "[0.5, 1, 2, 4, 8]"},
+          {.name = "time_constant_step_ms",
+           .meaning = "with family = \"exponential\": its time constants are multiples, up to the longest filter",
+           .unit = "ms",
+           .range = {0.0, longest_ms, true},
+           .fallback = "the period",
+           .example = "0.5"},
+          {.name = "alpha_step",
+           .meaning = "with family = \"gaussian\": alpha, the half width over the standard deviation, is a multiple",
+           .range = {largest_alpha / most_numbers, largest_alpha},
+           .fallback = "0.1",
+           .example = "0.25"},
+          {.name = "cutoff_step_Hz",
+           .meaning = "with family = \"windowed-sinc\": cut-offs are multiples, up to 1 / (N T)",
+           .unit = "Hz",
+           .range = {0.0, 1e6, true},
+           .fallback = "1",
+           .example = "5"}};
 }
 
 std::vector<Key> controller_keys() {
@@ -319,13 +372,19 @@ void write_settings(const ControllerSettings& settings, Json& design, Json& cont
   if (settings.names_family()) {
     for (const SettingFamily family : settings.families) design["family"].push_back(to_string(family));
     design["stages"] = settings.stages.size();
-    if (settings.shaper_pairs > 0) design["shaper"] = shaper_names[settings.shaper_pairs - 1];
+    if (settings.shaper != nullptr) design["shaper"] = settings.shaper->name;
     const Json steps = in_ms(settings.stages, &SettableStage::length_step),
                caps = in_ms(settings.stages, &SettableStage::length_max);
     if (!steps.empty()) design["length_step_ms"] = steps;
     if (!caps.empty()) design["length_max_ms"] = caps;
     for (const double length : settings.stages.front().length_set)
       design["length_set_ms"].push_back(from_si({.unit = "ms"}, length));
+    for (const GridStep& grid : grid_steps) {
+      const bool has =
+          std::find(settings.families.begin(), settings.families.end(), grid.family) != settings.families.end();
+      const Key key = *find_key(setting_keys(), grid.key);
+      if (has && settings.*grid.step > 0.0) design[grid.key] = from_si(key, settings.*grid.step);
+    }
   }
   for (const DelayKind kind : settings.delays) controller["delays"].push_back(to_string(kind));
   write_parameters(settings, controller);

@@ -90,13 +90,13 @@ std::vector<Key> make_filter_keys() {
   }
   keys.push_back({.name = "shaper",
                   .type = KeyType::word,
-                  .meaning = "input shaper after the taps: one (`zv`) or two (`zvd`) pairs of impulses",
-                  .words = {"zv", "zvd"},
+                  .meaning = "input shaper after the taps: two impulses (`zv`) or three (`zvd`, `mzv`, `ei`)",
+                  .words = {"zv", "zvd", "mzv", "ei"},
                   .fallback = "no shaper",
                   .example = "\"zv\""});
   keys.push_back({.name = "shaper_delay",
                   .type = KeyType::integer,
-                  .meaning = "delay between the impulses of a pair; needed with `shaper`",
+                  .meaning = "delay from each impulse to the next; needed with `shaper`",
                   .unit = "samples",
                   .range = {1, order_limit},
                   .example = "12"});

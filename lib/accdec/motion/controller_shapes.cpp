@@ -10,15 +10,27 @@
 namespace accdec {
 namespace {
 
-void add_pairs(std::vector<double>& taps, int pairs, int delay) {
+/// Behind it the taps have 2^pairs times their sum.
+void add_pairs(std::vector<double>& taps, int pairs, int delay, double outer) {
   if (pairs < 0 || pairs > 2)
     throw std::invalid_argument(fmt::format("a shaper has 0 to 2 pairs of impulses, got {}", pairs));
+  if (!(outer > 0.0 && outer < 0.5))
+    throw std::invalid_argument(fmt::format("the first of three impulses is above 0 and below 1/2, got {}", outer));
+  const std::vector<double> single = pairs == 2 && outer != zvd_outer ? taps : std::vector<double>{};
   for (int p = 0; p < pairs; ++p) {
     if (delay < 1) throw std::invalid_argument(fmt::format("impulses need a delay >= 1 sample, got {}", delay));
     const std::size_t n = taps.size(), by = static_cast<std::size_t>(delay);
     taps.resize(n + by, 0.0);
     // Goes from the end, so that the added tap is still the one before the pair.
     for (std::size_t i = n + by; i-- > by;) taps[i] += taps[i - by];
+  }
+  if (pairs < 2 || outer == zvd_outer) return;
+  const std::size_t by = static_cast<std::size_t>(delay), n = single.size();
+  std::fill(taps.begin(), taps.end(), 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    taps[i] += 4.0 * outer * single[i];
+    taps[i + by] += (4.0 - 8.0 * outer) * single[i];
+    taps[i + 2 * by] += 4.0 * outer * single[i];
   }
 }
 
@@ -77,7 +89,7 @@ Filter gaussian(int order, double alpha) {
   return Filter(std::move(taps));
 }
 
-std::vector<double> cascade_taps(std::span<const int> lengths, int pairs, int delay) {
+std::vector<double> cascade_taps(std::span<const int> lengths, int pairs, int delay, double outer) {
   if (lengths.empty()) throw std::invalid_argument("a cascade of averages needs at least one length");
   if (lengths.size() > averages_max) {
     throw std::invalid_argument(
@@ -102,7 +114,7 @@ std::vector<double> cascade_taps(std::span<const int> lengths, int pairs, int de
       for (double& b : taps) b /= large;
     }
   }
-  add_pairs(taps, pairs, delay);
+  add_pairs(taps, pairs, delay, outer);
   return taps;
 }
 
@@ -110,9 +122,9 @@ Filter averages(std::span<const int> lengths) {
   return Filter(cascade_taps(lengths, 0, 0));
 }
 
-Filter with_pairs(const Filter& filter, int pairs, int delay) {
+Filter with_pairs(const Filter& filter, int pairs, int delay, double outer) {
   std::vector<double> taps(filter.taps().begin(), filter.taps().end());
-  add_pairs(taps, pairs, delay);
+  add_pairs(taps, pairs, delay, outer);
   return Filter(std::move(taps));
 }
 

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <type_traits>
 
@@ -12,6 +14,24 @@ namespace accdec {
 namespace {
 
 using Spec = FilterSpec;
+
+constexpr std::array<ShaperInfo, 4> shapers{{{"zv", "ZV", 1, zvd_outer, 0.5},
+                                             {"zvd", "ZVD", 2, zvd_outer, 0.5},
+                                             {"mzv", "MZV", 2, 1.0 - std::numbers::sqrt2 / 2.0, 0.375},
+                                             {"ei", "EI", 2, 0.25 * 1.05, 0.5}}};
+
+/// Null without pairs.
+const ShaperInfo* shaper_like(int pairs, double outer) {
+  for (const ShaperInfo& shaper : shapers) {
+    if (shaper.pairs == pairs && (pairs == 1 || std::abs(shaper.outer - outer) < 1e-9)) return &shaper;
+  }
+  return nullptr;
+}
+
+std::string_view title_like(int pairs, double outer) {
+  const ShaperInfo* shaper = shaper_like(pairs, outer);
+  return shaper != nullptr ? shaper->title : "three impulses";
+}
 
 const std::array<ShapeInfo, 10> shapes{{
     {Shape::boxcar, "boxcar", "average", true, {}, [](const Spec& s) { return boxcar(s.order); }},
@@ -55,15 +75,28 @@ std::optional<Shape> shape_from_string(std::string_view name) {
   return std::nullopt;
 }
 
-Filter make_filter(const FilterSpec& spec) {
-  const Filter filter = info(spec.kind).make(spec);
-  return spec.pairs == 0 ? filter : with_pairs(filter, spec.pairs, spec.pair_delay);
+std::span<const ShaperInfo> shaper_list() {
+  return shapers;
 }
 
-std::string shape_title(Shape shape, int pairs) {
+const ShaperInfo* find_shaper(std::string_view name) {
+  const auto* found = std::find_if(shapers.begin(), shapers.end(), [=](const ShaperInfo& s) { return s.name == name; });
+  return found == shapers.end() ? nullptr : found;
+}
+
+const ShaperInfo* shaper_of(const FilterSpec& spec) {
+  return shaper_like(spec.pairs, spec.outer);
+}
+
+Filter make_filter(const FilterSpec& spec) {
+  const Filter filter = info(spec.kind).make(spec);
+  return spec.pairs == 0 ? filter : with_pairs(filter, spec.pairs, spec.pair_delay, spec.outer);
+}
+
+std::string shape_title(Shape shape, int pairs, double outer) {
   const std::string_view title = info(shape).title;
   if (pairs == 0) return std::string(title);
-  return fmt::format("{}, {}", title.substr(0, title.find(" (")), pairs == 1 ? "ZV" : "ZVD");
+  return fmt::format("{}, {}", title.substr(0, title.find(" (")), title_like(pairs, outer));
 }
 
 std::string describe_parameters(const FilterSpec& spec, Digits digits) {
@@ -79,7 +112,7 @@ std::string describe_parameters(const FilterSpec& spec, Digits digits) {
     text = fmt::format("{} = {}", parameter->key, std::visit(value, parameter->member));
   }
   if (spec.pairs > 0)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", spec.pairs == 1 ? "ZV" : "ZVD", spec.pair_delay);
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", title_like(spec.pairs, spec.outer), spec.pair_delay);
   return text;
 }
 

@@ -42,8 +42,8 @@ std::string rows(const BaselineTable& t) {
           t.design.status == Status::optimal ? "proved" : t.design.message);
   if (t.own) {
     const Task& task = t.own->task;
-    add_row(table, "yours: " + shape_title(task.filter->kind, task.filter->pairs), describe_parameters(*task.filter),
-            *t.own, t.design);
+    add_row(table, "yours: " + shape_title(task.filter->kind, task.filter->pairs, task.filter->outer),
+            describe_parameters(*task.filter), *t.own, t.design);
   }
   // Families without a filter, grouped by the reason.
   std::vector<std::pair<std::string, std::string>> without;
@@ -202,7 +202,7 @@ std::string savings_text(const BaselineTable& table) {
   if (!table.own) return "";
   const FilterSpec& today = *table.own->task.filter;
   const std::string parameters = describe_parameters(today);
-  std::string text = fmt::format("\ntoday: {}, order {}{}: ", shape_title(today.kind, today.pairs),
+  std::string text = fmt::format("\ntoday: {}, order {}{}: ", shape_title(today.kind, today.pairs, today.outer),
                                  make_filter(today).order(), parameters.empty() ? "" : ", " + parameters);
   const std::optional<Savings> saved = savings(table);
   if (!saved) return text + table.own->message + "\n";

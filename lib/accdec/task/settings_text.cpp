@@ -29,9 +29,17 @@ std::string family_words(const ControllerSettings& settings, SettingFamily famil
     case SettingFamily::one_pole: return "one pole";
     case SettingFamily::shaper:
       return fmt::format("{} average{} with {}", settings.stages.size(), settings.stages.size() == 1 ? "" : "s",
-                         settings.shaper_pairs == 1 ? "ZV" : "ZVD");
+                         settings.shaper->title);
+    case SettingFamily::exponential: return "finite exponentials";
+    case SettingFamily::gaussian: return "Gaussians";
+    case SettingFamily::windowed_sinc: return "windowed sincs";
   }
   return "";
+}
+
+std::string_view family_member(SettingFamily family) {
+  if (family == SettingFamily::exponential) return "an exponential";
+  return family == SettingFamily::gaussian ? "a Gaussian" : "a windowed sinc";
 }
 
 /// The delays in words: ", exact stop at every corner".
@@ -57,6 +65,27 @@ std::string delays_in_words(const DesignResult& result) {
                         more > 0 ? fmt::format(" and {} more", more) : "");
   }
   return text;
+}
+
+bool has_real_number(SettingFamily family) {
+  return family == SettingFamily::exponential || family == SettingFamily::gaussian ||
+         family == SettingFamily::windowed_sinc;
+}
+
+/// "a Gaussian of 30 ms, alpha 2.4", or "TIME = 30 ms, alpha 2.4" where the control has a name for the length.
+std::string length_and_number(const ChosenSettings& settings) {
+  const Setting& length = settings.values.front();
+  std::string text = with_unit(length);
+  if (!length.name.empty()) {
+    text = fmt::format("{} = {}", length.name, text);
+  } else if (settings.values.size() == 1) {
+    return "no filter";
+  } else {
+    text = fmt::format("{} of {}", family_member(settings.family), text);
+  }
+  if (settings.values.size() == 1) return text;
+  const Setting& number = settings.values.back();
+  return fmt::format("{}, {} {:.9g}{}{}", text, number.name, number.value, number.unit.empty() ? "" : " ", number.unit);
 }
 
 std::string milliseconds(double seconds) {
@@ -95,7 +124,8 @@ std::string width_in_words(const WidthInterval& width) {
 }
 
 std::string settings_in_words(const ChosenSettings& settings) {
-  std::vector<std::string> named, plain, off;
+  if (has_real_number(settings.family)) return length_and_number(settings);
+  std::vector<std::string> named, plain;
   for (const Setting& setting : settings.values) {
     if (setting.unit == "Hz") continue;
     if (!setting.name.empty()) named.push_back(fmt::format("{} = {}", setting.name, with_unit(setting)));

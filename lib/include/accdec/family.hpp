@@ -33,6 +33,7 @@ struct Family {
   std::string title;      ///< "three averages, ZV", by shape_title: tables and figures
   Shape shape;
   int pairs;         ///< see FilterSpec
+  double outer;      ///< see FilterSpec
   int averages = 0;  ///< 1 to 3: members are the cascades of so many moving averages; 0: of none
   int least_order = 0;
   std::optional<RealParameter> parameter{};

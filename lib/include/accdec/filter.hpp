@@ -109,16 +109,34 @@ inline constexpr double averages_work_max = 5e8;
 /// @param lengths  1 to averages_max of them, each >= 1; see averages_work_max
 Filter averages(std::span<const int> lengths);
 
-/// The taps of such a cascade followed by pairs (with_pairs), not yet divided by their sum. They are whole numbers,
-/// exact up to 2^53. Their sum is 2^pairs times the product of the lengths. Beyond about 2^500 all are scaled by the
-/// same power of two.
-std::vector<double> cascade_taps(std::span<const int> lengths, int pairs, int delay);
+/// The first and the last of three impulses of a ZVD shaper.
+inline constexpr double zvd_outer = 0.25;
 
-/// A filter followed by equal impulses `delay` samples apart. They cancel an undamped vibration of period 2 delay T.
+/// The taps of such a cascade followed by pairs (with_pairs), not yet divided by their sum. Without MZV and EI they are
+/// whole numbers, exact up to 2^53. Their sum is 2^pairs times the product of the lengths. Beyond about 2^500 all are
+/// scaled by the same power of two.
+std::vector<double> cascade_taps(std::span<const int> lengths, int pairs, int delay, double outer = zvd_outer);
+
+/// A filter followed by impulses `delay` samples apart. Equal pairs cancel an undamped vibration of period 2 delay T.
 /// @param pairs  how many pairs (1/2 now, 1/2 after the delay): 1 is the ZV shaper of two impulses, 2 the ZVD of three
 ///               (Singer and Seering, J. Dyn. Sys. Meas. Control 112, 1990), 0 leaves the filter as it is; 0 to 2
 /// @param delay  samples, >= 1; each pair increases the order by it
-Filter with_pairs(const Filter& filter, int pairs, int delay);
+/// @param outer  of three impulses, the first and the last: 0 < outer < 1/2
+Filter with_pairs(const Filter& filter, int pairs, int delay, double outer = zvd_outer);
+
+/// An input shaper without damping: two or three impulses, equally far apart.
+struct ShaperInfo {
+  std::string_view name;   ///< in task files
+  std::string_view title;  ///< for people
+  int pairs;               ///< 1: two equal impulses, 2: three
+  double outer;            ///< the first and the last of three
+  double delay_periods;    ///< between impulses, in periods of the frequency to which it is set
+};
+/// ZV and ZVD; MZV as Klipper's klippy/extras/shaper_defs.py has it; EI, which leaves 5 % (Singhose, Seering, Singer,
+/// J. Mech. Des. 116, 1994).
+std::span<const ShaperInfo> shaper_list();
+/// Null for a name that is none.
+const ShaperInfo* find_shaper(std::string_view name);
 
 /// The shapes in which a filter can be given. All code that depends on the list of shapes takes it from `shape_list`.
 enum class Shape { boxcar, trapezoid, averages, s_curve, hann, blackman, blackman_sinc, gaussian, exponential, taps };
@@ -133,9 +151,12 @@ struct FilterSpec {
   std::vector<int> lengths{};  ///< averages: taps of each
   double ratio = 0.0;          ///< exponential: ratio of each tap to the one before
   double alpha = 0.0;          ///< gaussian: half width over standard deviation
-  int pairs = 0;               ///< any shape: number of pairs of impulses after it, see with_pairs: 0 none, 1 ZV, 2 ZVD
-  int pair_delay = 0;          ///< samples between the impulses of a pair
+  int pairs = 0;             ///< any shape: number of pairs of impulses after it, see with_pairs: 0 none, 1 ZV, 2 three
+  int pair_delay = 0;        ///< samples between the impulses of a pair
+  double outer = zvd_outer;  ///< of three impulses, the first and the last: ZVD, MZV or EI
 };
+/// The shaper behind a filter. Null: it has none.
+const ShaperInfo* shaper_of(const FilterSpec& spec);
 
 /// One parameter of a shape besides its order: its key in [filter], its member, its range.
 struct ShapeParameter {
@@ -166,7 +187,7 @@ std::optional<Shape> shape_from_string(std::string_view name);
 
 /// The shape's title with the pairs behind it, "two averages, ZVD"; what the title says in parentheses stands only
 /// without pairs.
-std::string shape_title(Shape shape, int pairs = 0);
+std::string shape_title(Shape shape, int pairs = 0, double outer = zvd_outer);
 
 /// The filter, with its pairs. @throws std::invalid_argument as the shapes do.
 Filter make_filter(const FilterSpec& spec);

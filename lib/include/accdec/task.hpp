@@ -22,16 +22,23 @@ enum class SettingFamily {
   taps,      ///< any taps
   averages,  ///< moving averages in series
   one_pole,  ///< an endless exponential, cut off where 1e-4 of the step is left
-  shaper     ///< moving averages in series, with pairs of impulses behind them
+  shaper,    ///< moving averages in series, with impulses behind them
+  // A length and one real number on a grid:
+  exponential,   ///< a finite exponential: length and time constant
+  gaussian,      ///< length and alpha
+  windowed_sinc  ///< Blackman's window times a sinc: length and cut-off frequency
 };
 struct SettingFamilyName {
   SettingFamily family;
   std::string_view name;  ///< in task files
 };
-inline constexpr std::array<SettingFamilyName, 4> setting_families{{{SettingFamily::taps, "taps"},
+inline constexpr std::array<SettingFamilyName, 7> setting_families{{{SettingFamily::taps, "taps"},
                                                                     {SettingFamily::averages, "averages"},
                                                                     {SettingFamily::one_pole, "one-pole"},
-                                                                    {SettingFamily::shaper, "shaper"}}};
+                                                                    {SettingFamily::shaper, "shaper"},
+                                                                    {SettingFamily::exponential, "exponential"},
+                                                                    {SettingFamily::gaussian, "gaussian"},
+                                                                    {SettingFamily::windowed_sinc, "windowed-sinc"}}};
 std::string_view to_string(SettingFamily family);
 std::optional<SettingFamily> setting_family_from_string(std::string_view name);
 
@@ -69,7 +76,11 @@ struct SettableStage {
 struct ControllerSettings {
   std::vector<SettingFamily> families{SettingFamily::taps};  ///< at least one; the best of all is designed
   std::vector<SettableStage> stages{};                       ///< 1 to 3 unless all that is designed are taps
-  int shaper_pairs = 0;             ///< SettingFamily::shaper: pairs of impulses, 1 for ZV and 2 for ZVD
+  const ShaperInfo* shaper = nullptr;                        ///< SettingFamily::shaper: which of shaper_list()
+  /// Steps of real numbers, whose members are multiples. The length of these families is the first stage's.
+  double time_constant_step = 0.0;  ///< SettingFamily::exponential, s; 0: the sample period
+  double alpha_step = 0.1;          ///< SettingFamily::gaussian; alpha is at most 6
+  double cutoff_step = 1.0;         ///< SettingFamily::windowed_sinc, Hz; at most 1 / (N T)
   std::vector<DelayKind> delays{};  ///< empty: any number of samples
   std::string controller{};         ///< its title, for people; may be empty
 

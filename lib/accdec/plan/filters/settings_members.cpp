@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <utility>
 
+#include <accdec/families/grid_family.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 
@@ -16,10 +18,11 @@ int nearest(const std::vector<int>& options, double length) {
   return *above - length < length - *(above - 1) ? *above : *(above - 1);
 }
 
-FilterSpec spec_of(SettingFamily family, const std::vector<int>& lengths, int pairs, int pair_delay) {
+FilterSpec spec_of(SettingFamily family, const std::vector<int>& lengths, const ShaperInfo* shaper, int pair_delay) {
   if (family == SettingFamily::one_pole)
     return lengths.front() > 0 ? cut_pole(lengths.front()) : FilterSpec{.kind = Shape::exponential, .ratio = 1.0};
-  FilterSpec spec{.kind = Shape::averages, .pairs = pairs, .pair_delay = pair_delay};
+  FilterSpec spec{.kind = Shape::averages};
+  if (shaper != nullptr) spec.pairs = shaper->pairs, spec.outer = shaper->outer, spec.pair_delay = pair_delay;
   for (const int length : lengths) {
     if (length > 1) spec.lengths.push_back(length), spec.order += length - 1;
   }
@@ -60,15 +63,38 @@ std::vector<SettingFamily> SettableMembers::families() const {
 }
 
 std::size_t SettableMembers::stages(SettingFamily family) const {
+  if (find_grid_family(family) != nullptr) return 2;
   return family == SettingFamily::one_pole ? 1 : averages_.size();
 }
 
 std::vector<int> SettableMembers::options(SettingFamily family, std::size_t stage) const {
+  if (const GridFamily* grid = find_grid_family(family); grid != nullptr && stage == 1) {
+    std::vector<int> multiples(static_cast<std::size_t>(largest_multiple(task_, family, grid->least_order)));
+    std::iota(multiples.begin(), multiples.end(), 1);
+    return multiples;
+  }
   return family == SettingFamily::one_pole ? poles_[stage] : averages_[stage];
+}
+
+void SettableMembers::add_grid(SettingFamily family, int length, double multiple,
+                               std::vector<SettableMember>& members) const {
+  const int order = length - 1, most_multiples = order > 0 ? largest_multiple(task_, family, order) : 0;
+  if (order < task_.design.order_min || order > task_.design.order_max) return;
+  SettableMember member{.family = family, .lengths = {length, 0}};
+  if (order == 0) {
+    member.spec = {.kind = Shape::boxcar};
+  } else {
+    if (order < find_grid_family(family)->least_order || most_multiples < 1) return;
+    member.lengths[1] = static_cast<int>(std::clamp<double>(std::round(multiple), 1.0, most_multiples));
+    member.spec = grid_member(task_, family, order, member.lengths[1]);
+  }
+  members.push_back(std::move(member));
 }
 
 void SettableMembers::add(SettingFamily family, const std::vector<double>& lengths, int pair_delay,
                           std::vector<SettableMember>& members) const {
+  if (find_grid_family(family) != nullptr)
+    return add_grid(family, nearest(averages_.front(), lengths[0]), lengths[1], members);
   SettableMember member{.family = family};
   for (std::size_t s = 0; s < stages(family); ++s)
     member.lengths.push_back(nearest(options(family, s), s < lengths.size() ? lengths[s] : 1.0));
@@ -77,9 +103,9 @@ void SettableMembers::add(SettingFamily family, const std::vector<double>& lengt
     if (averages_[s] == averages_[s - 1] && member.lengths[s] > member.lengths[s - 1])
       std::swap(member.lengths[s], member.lengths[s - 1]), s = 0;
   }
-  const int pairs = family == SettingFamily::shaper ? task_.settings->shaper_pairs : 0;
-  if (pairs > 0 && pair_delay < 1) return;
-  member.spec = spec_of(family, member.lengths, pairs, pairs > 0 ? pair_delay : 0);
+  const ShaperInfo* shaper = shaper_behind(family);
+  if (shaper != nullptr && pair_delay < 1) return;
+  member.spec = spec_of(family, member.lengths, shaper, pair_delay);
   if (member.order() < task_.design.order_min || member.order() > task_.design.order_max) return;
   members.push_back(std::move(member));
 }
@@ -87,17 +113,25 @@ void SettableMembers::add(SettingFamily family, const std::vector<double>& lengt
 std::vector<SettableMember> SettableMembers::spread() const {
   std::vector<SettableMember> members;
   for (const SettingFamily family : families()) {
-    const int pairs = family == SettingFamily::shaper ? task_.settings->shaper_pairs : 0;
     std::vector<int> pair_delays{0};
-    if (pairs > 0) {
+    if (const ShaperInfo* shaper = shaper_behind(family)) {
       pair_delays.clear();
-      for (int d = 1; d <= task_.design.order_max / pairs; d = std::max(d + 1, d * 4 / 3)) pair_delays.push_back(d);
-      for (const Mode& mode : task_.machine.modes)
-        pair_delays.push_back(
-            static_cast<int>(std::lround(1.0 / (mode.frequency_low + mode.frequency_high) / task_.sample_period)));
+      const int longest = task_.design.order_max / shaper->pairs;
+      for (int d = 1; d <= longest; d = std::max(d + 1, d * 4 / 3)) pair_delays.push_back(d);
+      for (const Mode& mode : task_.machine.modes) {
+        const double middle = 0.5 * (mode.frequency_low + mode.frequency_high);
+        pair_delays.push_back(static_cast<int>(std::lround(shaper->delay_periods / middle / task_.sample_period)));
+      }
     }
     for (const int delay : pair_delays) {
       for (double order = 1.0; order <= task_.design.order_max; order = std::max(order + 1.0, order * 4.0 / 3.0)) {
+        if (const GridFamily* grid = find_grid_family(family)) {
+          const int length = static_cast<int>(order) + 1;
+          const int last = largest_multiple(task_, family, std::max(length - 1, grid->least_order));
+          for (double multiple = 1.0; multiple <= last; multiple = std::max(multiple + 1.0, multiple * 4.0 / 3.0))
+            add(family, {order + 1.0, multiple}, 0, members);
+          continue;
+        }
         if (family == SettingFamily::one_pole) {
           add(family, {order / -std::log(pole_rest)}, 0, members);
           continue;
@@ -120,7 +154,8 @@ std::vector<SettableMember> SettableMembers::like(const FilterSpec& filter) cons
   if (filter.kind == Shape::boxcar || filter.kind == Shape::trapezoid)
     lengths = {filter.order - filter.ramp + 1.0, filter.ramp + 1.0};
   for (const SettingFamily family : families()) {
-    if (family != SettingFamily::one_pole && !lengths.empty()) add(family, lengths, filter.pair_delay, members);
+    const bool of_averages = family == SettingFamily::averages || family == SettingFamily::shaper;
+    if (of_averages && !lengths.empty()) add(family, lengths, filter.pair_delay, members);
   }
   return members;
 }
@@ -158,8 +193,24 @@ std::vector<SettableMember> SettableMembers::around(const SettableMember& member
   return members;
 }
 
+const ShaperInfo* SettableMembers::shaper_behind(SettingFamily family) const {
+  return family == SettingFamily::shaper ? task_.settings->shaper : nullptr;
+}
+
+void SettableMembers::list_grid(SettingFamily family) {
+  for (const int length : averages_.front()) {
+    const int last = length > 1 ? largest_multiple(task_, family, length - 1) : 1;
+    for (int multiple = 1; multiple <= last; ++multiple) {
+      if (static_cast<long>(all_.size()) >= most) return static_cast<void>(listed_ = false);
+      add_grid(family, length, multiple, all_);
+    }
+  }
+}
+
 void SettableMembers::list(SettingFamily family) {
-  const int pairs = family == SettingFamily::shaper ? task_.settings->shaper_pairs : 0;
+  if (find_grid_family(family) != nullptr) return list_grid(family);
+  const ShaperInfo* shaper = shaper_behind(family);
+  const int pairs = shaper != nullptr ? shaper->pairs : 0;
   std::vector<int> lengths;
   const std::function<void(int, int)> stage = [&](int left, int delay) {
     const std::size_t s = lengths.size();
@@ -188,10 +239,13 @@ ChosenSettings SettableMembers::chosen(const SettableMember& member) const {
   ChosenSettings chosen{.family = member.family, .filter = member.spec};
   std::vector<int> lengths = member.lengths;
   if (member.family != SettingFamily::one_pole) std::replace(lengths.begin(), lengths.end(), 1, 0);
+  if (find_grid_family(member.family) != nullptr) {
+    chosen.values = values_of(*task_.settings, {lengths.front()}, task_.sample_period);
+    if (lengths[1] > 0) chosen.values.push_back(grid_setting(task_, member.family, lengths[1]));
+    return chosen;
+  }
   chosen.values = values_of(*task_.settings, lengths, task_.sample_period);
-  if (member.spec.pairs > 0)
-    chosen.values.push_back(
-        {member.spec.pairs == 1 ? "ZV" : "ZVD", 0.5 / (member.spec.pair_delay * task_.sample_period), "Hz"});
+  if (shaper_of(member.spec) != nullptr) chosen.values.push_back(shaper_setting(member.spec, task_.sample_period));
   return chosen;
 }
 

@@ -9,7 +9,8 @@ namespace accdec {
 /// One setting of a family.
 struct SettableMember {
   SettingFamily family = SettingFamily::averages;
-  std::vector<int> lengths{};  ///< samples, one a stage; 1, or 0 of a pole, is off
+  /// Samples, one a stage; 1, or 0 of a pole, is off. With a real number: the length and the multiple of its step.
+  std::vector<int> lengths{};
   FilterSpec spec{};
 
   int order() const { return spec.order + spec.pairs * spec.pair_delay; }
@@ -44,7 +45,10 @@ class SettableMembers {
   /// With every time the nearest that can be set; empty where its order is out of bounds.
   void add(SettingFamily family, const std::vector<double>& lengths, int pair_delay,
            std::vector<SettableMember>& members) const;
+  void add_grid(SettingFamily family, int length, double multiple, std::vector<SettableMember>& members) const;
   void list(SettingFamily family);
+  void list_grid(SettingFamily family);
+  const ShaperInfo* shaper_behind(SettingFamily family) const;  ///< null: none
   std::vector<SettingFamily> families() const;
   std::size_t stages(SettingFamily family) const;
 

@@ -1,0 +1,225 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <accdec/task.hpp>
+
+// The best setting of a controller by brute force: every member, every delay and every width, by the formulas of the
+// model written once more.
+
+namespace accdec::testing {
+
+inline constexpr double none = std::numeric_limits<double>::infinity();
+
+inline std::vector<double> convolve(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> c(a.size() + b.size() - 1, 0.0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) c[i + j] += a[i] * b[j];
+  }
+  return c;
+}
+
+inline double response(const std::vector<double>& taps, int k) {
+  double sum = 0.0;
+  for (int i = 0; i < k && i < static_cast<int>(taps.size()); ++i) sum += taps[static_cast<std::size_t>(i)];
+  return sum;
+}
+
+/// sum b_i max(i - k, 0), or with sign -1 sum b_i max(k - i, 0).
+inline double way(const std::vector<double>& taps, int k, int sign) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < taps.size(); ++i) sum += taps[i] * std::max(0, sign * (static_cast<int>(i) - k));
+  return sum;
+}
+
+inline bool sample_holds(const Axis& axis, double v, double a, double jerk) {
+  const double force = axis.mass * a + axis.damping * v, slack = 1.0 + 1e-9;
+  return std::abs(v) <= axis.velocity_max * slack && std::abs(a) <= axis.acceleration_max * slack &&
+         std::abs(jerk) <= axis.jerk_max * slack && std::abs(force) <= axis.force_max * slack &&
+         force * v <= axis.power_max * slack && -force * v <= axis.regeneration_max * slack;
+}
+
+/// Rest, leg 1, the corner with this delay, leg 2, rest: all limits of a corner.
+inline bool holds(const Task& task, const TaskCorner& corner, const std::vector<double>& taps, int delay) {
+  const Corner& g = corner.geometry();
+  const double period = task.sample_period;
+  const int n = static_cast<int>(taps.size()) - 1;
+  const auto events = [&](int axis, int event, int k) {
+    const double in = g.feed_in * g.direction_in[axis], out = g.feed_out * g.direction_out[axis];
+    if (event == 0) return in * response(taps, k);
+    if (event == 1) return in * (1.0 - response(taps, k)) + out * response(taps, k - delay);
+    return out * (1.0 - response(taps, k));
+  };
+  double nearest = none, slowest = none;
+  for (int event = 0; event < 3; ++event) {
+    for (int k = 0; k <= n + delay + 3; ++k) {
+      double speed = 0.0;
+      for (int axis = 0; axis < 2; ++axis) {
+        const double v = events(axis, event, k), a = (v - events(axis, event, k - 1)) / period;
+        const double before = (events(axis, event, k - 1) - events(axis, event, k - 2)) / period;
+        if (!sample_holds(task.machine.axes[static_cast<std::size_t>(axis)], v, a, (a - before) / period)) return false;
+        speed += v * v;
+      }
+      if (event != 1) continue;
+      slowest = std::min(slowest, std::sqrt(speed));
+      const Eigen::VectorXd s = period * (g.feed_out * way(taps, k - delay, -1) * g.direction_out -
+                                          g.feed_in * way(taps, k, 1) * g.direction_in);
+      nearest = std::min(nearest, s.norm());
+    }
+  }
+  return nearest <= *corner.error_max * (1.0 + 1e-9) && slowest * (1.0 + 1e-9) >= corner.speed_min;
+}
+
+/// The cheapest delays of a filter, samples of the objective.
+inline double cheapest(const Task& task, const std::vector<double>& taps) {
+  const int n = static_cast<int>(taps.size()) - 1;
+  const auto& kinds = task.settings->delays;
+  const auto has = [&](DelayKind kind) { return std::find(kinds.begin(), kinds.end(), kind) != kinds.end(); };
+  const bool any = kinds.empty() || has(DelayKind::dwell);
+  std::vector<std::vector<bool>> good;
+  for (const TaskCorner& corner : task.corners) {
+    good.emplace_back();
+    for (int d = 0; d <= n + 2; ++d) good.back().push_back(holds(task, corner, taps, d));
+  }
+  std::vector<double> widths{none};
+  if (has(DelayKind::in_position)) {
+    for (const TaskCorner& corner : task.corners) {
+      for (int d = 0; d <= n; ++d) widths.push_back(corner.geometry().feed_in * way(taps, d, 1));
+    }
+    std::sort(widths.begin(), widths.end());
+    const std::vector<double> ends = widths;
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+      if (std::isfinite(ends[i + 1])) widths.push_back(0.5 * (ends[i] + ends[i + 1]));
+    }
+  }
+  double best = none;
+  for (const double width : widths) {
+    double cost = task.design.runs * (n + 1);
+    for (std::size_t j = 0; j < task.corners.size(); ++j) {
+      double least = none;
+      for (int d = 0; d <= n + 2; ++d) {
+        const double feed = task.corners[j].geometry().feed_in;
+        const bool by_width = has(DelayKind::in_position) && feed * way(taps, d, 1) <= width &&
+                              (d == 0 || feed * way(taps, d - 1, 1) > width);
+        const bool kind = any || (d == 0 && has(DelayKind::continuous)) || (d >= n && has(DelayKind::exact_stop));
+        if ((kind || by_width) && good[j][static_cast<std::size_t>(d)]) least = std::min<double>(least, d);
+      }
+      cost += task.corners[j].weight * least;
+    }
+    best = std::min(best, cost);
+  }
+  return best;
+}
+
+inline std::vector<double> average(int length) {
+  return std::vector<double>(static_cast<std::size_t>(length), 1.0 / length);
+}
+
+/// Two or three impulses a delay apart.
+inline std::vector<double> impulses(const std::string& shaper, int delay) {
+  const double root = std::sqrt(2.0);
+  std::vector<double> weights{0.5, 0.5};
+  if (shaper == "zvd") weights = {0.25, 0.5, 0.25};
+  if (shaper == "mzv") weights = {1.0 - 1.0 / root, root - 1.0, 1.0 - 1.0 / root};
+  if (shaper == "ei") weights = {0.2625, 0.475, 0.2625};
+  std::vector<double> taps((weights.size() - 1) * static_cast<std::size_t>(delay) + 1, 0.0);
+  for (std::size_t i = 0; i < weights.size(); ++i) taps[i * static_cast<std::size_t>(delay)] = weights[i];
+  return taps;
+}
+
+inline std::vector<double> divided_by_sum(std::vector<double> taps) {
+  double sum = 0.0;
+  for (const double tap : taps) sum += tap;
+  for (double& tap : taps) tap /= sum;
+  return taps;
+}
+
+/// Filters of a length and a number.
+inline std::vector<std::vector<double>> with_numbers(const Task& task, int length) {
+  std::vector<std::vector<double>> all;
+  const ControllerSettings& settings = *task.settings;
+  const int n = length - 1;
+  if (n == 0) return {{1.0}};
+  const double period = task.sample_period;
+  for (int m = 1;; ++m) {
+    std::vector<double> taps;
+    if (settings.families.front() == SettingFamily::exponential) {
+      const double tau = m * settings.time_constant_step;
+      if (tau > (task.design.order_max + 1) * period * 1.000001) return all;
+      for (int i = 0; i <= n; ++i) taps.push_back(std::exp(-i * period / tau));
+    } else if (settings.families.front() == SettingFamily::gaussian) {
+      const double alpha = m * settings.alpha_step;
+      if (alpha > 6.000001) return all;
+      for (int i = 0; i <= n; ++i) taps.push_back(std::exp(-0.5 * std::pow(alpha * (2.0 * i - n) / n, 2)));
+    } else {
+      const double f = m * settings.cutoff_step;
+      if (n < 2 || f > 1.000001 / (n * period)) return all;
+      for (int i = 0; i <= n; ++i) {
+        const double turn = 2.0 * std::numbers::pi * i / n, x = std::numbers::pi * f * period * (2.0 * i - n);
+        const double window = std::max(0.0, 0.42 - 0.5 * std::cos(turn) + 0.08 * std::cos(2.0 * turn));
+        taps.push_back((i == 0 || i == n ? 0.0 : window) *
+                       (std::abs(x) < 1e-12 ? 1.0 : std::max(0.0, std::sin(x) / x)));
+      }
+    }
+    all.push_back(divided_by_sum(taps));
+  }
+}
+
+/// The least cost of all members of the task's one family.
+inline double brute_force(const Task& task) {
+  const ControllerSettings& settings = *task.settings;
+  const SettableStage& stage = settings.stages.front();
+  std::vector<int> lengths;
+  for (int length = 1; length <= task.design.order_max + 1; ++length) {
+    const double time = length * task.sample_period;
+    const int step = std::max(1, static_cast<int>(std::lround(stage.length_step / task.sample_period)));
+    const bool capped = stage.length_max > 0.0 && time > stage.length_max * (1.0 + 1e-9);
+    if (length % step == 0 && !capped) lengths.push_back(length);
+  }
+  double best = none;
+  const auto offer = [&](const std::vector<double>& taps) {
+    const int order = static_cast<int>(taps.size()) - 1;
+    if (order >= task.design.order_min && order <= task.design.order_max) best = std::min(best, cheapest(task, taps));
+  };
+  if (settings.families.front() == SettingFamily::one_pole) {
+    for (const int tau : lengths) {
+      const int taps = static_cast<int>(std::ceil(std::log(1e4) * tau));
+      std::vector<double> pole;
+      double sum = 0.0;
+      for (int i = 0; i < taps; ++i) pole.push_back(std::exp(-static_cast<double>(i) / tau)), sum += pole.back();
+      for (double& tap : pole) tap /= sum;
+      if (taps - 1 <= task.design.order_max) offer(pole);
+    }
+    return best;
+  }
+  if (lengths.empty() || lengths.front() != 1) lengths.insert(lengths.begin(), 1);
+  const SettingFamily family = settings.families.front();
+  if (family != SettingFamily::averages && family != SettingFamily::shaper) {
+    for (const int length : lengths) {
+      for (const auto& taps : with_numbers(task, length)) offer(taps);
+    }
+    return best;
+  }
+  for (const int a : lengths) {
+    for (const int b : lengths) {
+      if (b > a) break;
+      if (settings.families.front() == SettingFamily::averages) {
+        offer(convolve(average(a), average(b)));
+        continue;
+      }
+      for (int delay = 1; delay <= task.design.order_max; ++delay) {
+        const std::vector<double> pair = impulses(std::string(settings.shaper->name), delay);
+        if (a + b + static_cast<int>(pair.size()) - 3 > task.design.order_max) break;
+        offer(convolve(convolve(average(a), average(b)), pair));
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace accdec::testing
