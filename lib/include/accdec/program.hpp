@@ -85,6 +85,13 @@ enum class Feeds {
 };
 
 /// What `accdec program` answers, whatever the plan; `accdec.program/2` in JSON.
+/// The force of an axis over a whole program, dwells and rests included.
+struct AxisLoad {
+  std::string axis;
+  double peak = 0.0;  ///< N, largest |F|
+  double rms = 0.0;   ///< N, root of the mean of F^2: what heats the drive
+};
+
 struct ProgramResult {
   std::string program;  ///< the file
   Status status = Status::failed;
@@ -125,6 +132,8 @@ struct ProgramResult {
   std::optional<ProgramSettings> settings;  ///< of a control, where the task asks for them
   bool has_today = false;                   ///< today's setting was planned, too
   std::string compensation;                 ///< why arcs that were to be widened are not; empty: nothing to say
+  std::vector<AxisLoad> loads;              ///< of the axes that have a mass or damping; of programs of up to
+                                            ///< `several_plans_max` blocks
   std::vector<FeedOverride> overrides;      ///< of programs of up to `several_plans_max` blocks
   VerificationReport verification;
   SolverReport solver;

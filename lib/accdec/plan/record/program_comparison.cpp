@@ -155,7 +155,7 @@ class Comparison {
 
   /// Results of earlier versions lack them.
   static bool newer(const std::string& name) {
-    return name == "control_must" || name == "feed_overrides" || name == "not_considered";
+    return name == "control_must" || name == "feed_overrides" || name == "not_considered" || name == "axis_loads";
   }
   bool skips(const std::string& name) const {
     if (found_again_ &&

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/result/axis_loads.hpp>
 #include <accdec/plan/result/feed_override.hpp>
 #include <accdec/program.hpp>
 #include <accdec/verify.hpp>
@@ -83,6 +84,7 @@ void judge_program(ProgramResult& result, const Machine& machine) {
     result.raised = raised_delays(result.plan.path, command->filter, result.sample_period, machine, command->delays);
   add_vibration(result, machine);
   judge_limits(result);
+  if (result.plan.path.blocks() <= several_plans_max) result.loads = axis_loads(result, machine);
   const FilteredCommand* command = result.plan.command();
   if (command != nullptr && result.plan.path.blocks() <= several_plans_max)
     result.overrides =

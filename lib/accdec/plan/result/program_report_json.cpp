@@ -28,6 +28,13 @@ Json limits_json(const ProgramResult& result) {
   return list;
 }
 
+Json loads_json(const ProgramResult& result) {
+  Json list = Json::array();
+  for (const AxisLoad& load : result.loads)
+    list.push_back({{"axis", load.axis}, {"force_peak_N", number(load.peak)}, {"force_rms_N", number(load.rms)}});
+  return list;
+}
+
 Json worst_corners_json(const ProgramResult& result) {
   Json list = Json::array();
   for (const CornerUse& corner : worst_corners(result, result.worst_shown)) {
@@ -117,6 +124,7 @@ std::string program_to_json(const ProgramResult& result) {
   json["samples"] = result.check.samples;
   add_times(json, result);
   json["limits"] = limits_json(result);
+  if (!result.loads.empty()) json["axis_loads"] = loads_json(result);
   json["verification"] = {{"performed", result.verification.performed},
                           {"feasible", result.verification.feasible},
                           {"max_violation", number(result.verification.max_violation)},

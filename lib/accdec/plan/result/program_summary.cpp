@@ -151,6 +151,9 @@ class SummaryText {
           use.kind == LimitKind::vibration ? fmt::format("{:.6g} Hz", use.frequency)
                                            : fmt::format("line {}", use.line));
     }
+    for (const AxisLoad& load : result_.loads)
+      put("  {:<14}{:<6}{:>12.6g}{:>12.6g} N, peak and root mean square over the program\n", "force", load.axis,
+          load.peak, load.rms);
   }
 
   const ProgramResult& result_;

@@ -1,0 +1,55 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/plan/result/axis_loads.hpp>
+#include <accdec/plan/result/samples.hpp>
+
+namespace accdec {
+namespace {
+
+/// Force of one axis, sample by sample, from rest on.
+class Loaded {
+ public:
+  Loaded(const Axis& axis, std::size_t dimension, double period)
+      : axis_(&axis), dimension_(dimension), period_(period) {}
+
+  std::size_t dimension() const { return dimension_; }
+  void look(double velocity) {
+    const double force = axis_->mass * (velocity - before_) / period_ + axis_->damping * velocity;
+    before_ = velocity;
+    peak_ = std::max(peak_, std::abs(force));
+    squares_ += force * force;
+  }
+  /// @param samples  of the whole program; those that were not looked at stand still
+  AxisLoad finish(const Toolpath& path, std::int64_t samples) {
+    look(0.0);
+    const double mean = static_cast<double>(squares_ / static_cast<long double>(std::max<std::int64_t>(samples, 1)));
+    return {path.axis_name(dimension_), peak_, std::sqrt(mean)};
+  }
+
+ private:
+  const Axis* axis_;
+  std::size_t dimension_;
+  double period_, before_ = 0.0, peak_ = 0.0;
+  long double squares_ = 0.0L;
+};
+
+}  // namespace
+
+std::vector<AxisLoad> axis_loads(const ProgramResult& result, const Machine& machine) {
+  std::vector<Loaded> loaded;
+  for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+    if (machine.axes[a].mass > 0.0 || machine.axes[a].damping > 0.0)
+      loaded.emplace_back(machine.axes[a], a, result.sample_period);
+  }
+  if (loaded.empty() || result.plan.empty()) return {};
+  const auto look = [&](std::int64_t, const double*, const double* velocity) {
+    for (Loaded& axis : loaded) axis.look(velocity[axis.dimension()]);
+  };
+  visit_samples(result, look, Rests::passed);
+  std::vector<AxisLoad> loads;
+  for (Loaded& axis : loaded) loads.push_back(axis.finish(result.plan.path, result.check.samples));
+  return loads;
+}
+
+}  // namespace accdec
