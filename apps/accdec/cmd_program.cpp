@@ -14,6 +14,7 @@
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/plan/record/program_record.hpp>
+#include <accdec/plan/result/emit.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/samples.hpp>
@@ -36,7 +37,7 @@ constexpr const char* no_per_leg =
     "to have one designed";
 
 struct Options {
-  std::string program, task, json, delays, samples, emit, figure, stream;
+  std::string program, task, json, delays, samples, emit, dwell_axis, figure, stream;
   std::string plan = "fixed", feeds = "choose", view = "auto";
   std::optional<double> arc_tolerance_um, tool_length_mm;
   ProgramFileOptions file;
@@ -153,7 +154,12 @@ void write_outputs(const Options& options, const Context& context, const Program
   };
   write(options.samples, motion, [&](std::ostream& out) { write_samples(result, out); });
   write(options.stream, result.verification.feasible, [&](std::ostream& out) { stream_samples(result, out); });
-  write(options.emit, true, [&](std::ostream& out) { emit_program(result, out); });
+  write(options.emit, true, [&](std::ostream& out) {
+    if (options.dwell_axis.empty())
+      emit_program(result, out);
+    else
+      emit_for_linuxcnc(result, options.dwell_axis.front(), out);
+  });
   OutputFiles files;
   if (!options.json.empty()) files.add(options.json, json);
   if (!options.delays.empty()) files.add(options.delays, delays_to_csv(result));
@@ -231,6 +237,12 @@ void add_outputs(CLI::App& command, Options& options) {
   add_output_option(command, "--emit", options.emit,
                     "Write the program back with the feeds, dwells and path modes that realise the plan; its G4 must "
                     "act before the filter");
+  command
+      .add_option("--dwell-axis", options.dwell_axis,
+                  "With --emit: for LinuxCNC, time delays by moves of this axis in G93 instead of G4. The program must "
+                  "not use it")
+      ->needs("--emit")
+      ->check(one_of({"A", "B", "C", "U", "V", "W"}));
   add_output_option(command, "--figure", options.figure,
                     "Draw the path with its errors and speeds, the delays, the speed over time with the limits that "
                     "bind, and where time is lost: .svg, .png or .pdf; .html is a page with zoom");

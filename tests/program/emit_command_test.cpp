@@ -60,6 +60,36 @@ TEST_F(ProgramCommand, EmittedDwellsAtStopsTakeNoMoreThanBefore) {
   EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
 }
 
+// A block that G61 ends and a move in inverse time lose a sample each in LinuxCNC: 20 ms of delay are a move of 18.
+TEST_F(ProgramCommand, EmittedForLinuxcncTimesDelaysByMoves) {
+  write("one.toml",
+        "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n[filter]\nkind = \"boxcar\"\n"
+        "order = 24\n");
+  write("part.ngc", "G21 G90 G64 P0.01 F6000\nG1 X20\nG1 Y20\nM2\n");
+  ASSERT_EQ(run("program part.ngc --task one.toml --feeds keep --emit e.ngc --delays d.csv").code, 0) << read("err");
+  const std::string dwell = read("e.ngc");
+  const std::size_t at = dwell.find("G4 P0.0");
+  ASSERT_NE(at, std::string::npos) << dwell;
+  const int delay = std::stoi(dwell.substr(at + 7));
+  ASSERT_GT(delay, 10);
+  ASSERT_EQ(run("program part.ngc --task one.toml --feeds keep --emit a.ngc --dwell-axis A").code, 0) << read("err");
+  const std::string text = read("a.ngc");
+  const std::string move = "\nG93\nG1 A0.01 F";
+  const std::size_t feed = text.find(move);
+  ASSERT_NE(feed, std::string::npos) << text;
+  EXPECT_NEAR(60e3 / std::stod(text.substr(feed + move.size())), delay - 2, 1e-6);
+  EXPECT_THAT(text, HasSubstr("\nG0 A0\nG61\nG1 X20 F6000\nG93"));
+  EXPECT_THAT(text, HasSubstr("\nG94\nG1 Y20 F6000\nM2"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("G4")));
+  write("third.ngc", "G21 G90 G64 P0.01 F6000\nG1 X20\nG1 U20\nM2\n");
+  EXPECT_NE(run("program third.ngc --task one.toml --feeds keep --emit b.ngc --dwell-axis U").code, 0);
+  EXPECT_THAT(read("err"), HasSubstr("axis U cannot time delays"));
+  write("dwells.ngc", "G21 G90 G64 P0.01 F6000\nG1 X20\nG4 P1\nG1 Y20\nM2\n");
+  EXPECT_NE(run("program dwells.ngc --task one.toml --feeds keep --emit b.ngc --dwell-axis A").code, 0);
+  EXPECT_THAT(read("err"), HasSubstr("the program dwells"));
+  EXPECT_NE(run("program part.ngc --task one.toml --dwell-axis A").code, 0) << "needs --emit";
+}
+
 // As rs274 reads it: a program's number moves nothing. With a word behind it, it is a loop or a subroutine.
 TEST_F(ProgramCommand, AProgramsNumberIsReadAndKept) {
   const std::string rest = "N10 G21 G90 G64 P0.05 (start)\nG1 X60 F3000 (cut)\nY60\nM30\n%\n";

@@ -24,11 +24,14 @@ def fail(why):
     sys.exit(1)
 
 
-def wait(condition, seconds, what):
-    begin = time.monotonic()
+def wait(condition, seconds, what, lasting=0.0):
+    """Until the condition has held for so long: between two blocks the queue may be empty for a moment."""
+    begin, held = time.monotonic(), None
     while True:
         status.poll()
-        if condition():
+        if not condition():
+            held = None
+        elif time.monotonic() - (held := held or time.monotonic()) >= lasting:
             return
         if time.monotonic() - begin > seconds:
             fail("no " + what + " within " + str(seconds) + " s")
@@ -53,7 +56,7 @@ sampler(True)
 command.auto(linuxcnc.AUTO_RUN, 0)
 wait(lambda: status.interp_state != linuxcnc.INTERP_IDLE, 20, "start of the program")
 wait(lambda: status.interp_state == linuxcnc.INTERP_IDLE and status.queue == 0 and status.inpos,
-     float(os.environ.get("PEER_SECONDS", "600")), "end of the program")
+     float(os.environ.get("PEER_SECONDS", "600")), "end of the program", lasting=0.5)
 time.sleep(0.1)
 sampler(False)
 overruns = subprocess.check_output(["halcmd", "getp", "sampler.0.overruns"], text=True).strip()

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/gcode/number.hpp>
+#include <accdec/plan/result/emit.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/blend_limits.hpp>
 #include <accdec/task/settings_text.hpp>
@@ -24,6 +26,7 @@ std::string words_to_set(const ProgramSettings& settings) {
 
 constexpr const char* set_remark = "(set these: ";
 constexpr const char* in_position_remark = "(G9:";
+constexpr const char* slowed_remark = "(rapid moves stand as G1";
 
 /// The kind of delay of a joint; any number of samples where the plan names none.
 DelayKind kind_of(const ProgramResult& result, std::size_t b) {
@@ -31,19 +34,70 @@ DelayKind kind_of(const ProgramResult& result, std::size_t b) {
   return known ? result.settings->chosen.delays[b] : DelayKind::dwell;
 }
 
+/// Moves of an unused axis that wait, see emit_for_linuxcnc.
+class TimedMoves {
+ public:
+  /// @param axis  0: there are none
+  explicit TimedMoves(char axis) : axis_(axis) {}
+  bool used() const { return axis_ != 0; }
+
+  void require(const ProgramResult& result) const {
+    const Toolpath& path = result.plan.path;
+    for (const std::size_t a : path.axes) {
+      if (program_axes[a] == axis_)
+        throw std::invalid_argument(fmt::format("axis {} cannot time delays: the program moves it", axis_));
+    }
+    for (const auto& passed : path.passed) {
+      if (passed.words.starts_with("G4"))
+        throw std::invalid_argument("the program dwells (G4), which LinuxCNC does not time in samples");
+    }
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      if (result.plan.delay(b) == lost_at_ends)
+        throw std::invalid_argument(
+            fmt::format("block {} has a delay of {} samples, which timed moves cannot have: they have 1, 3, 4, ..",
+                        b + 1, lost_at_ends));
+    }
+  }
+
+  std::string remark() const {
+    return fmt::format(
+        "(for LinuxCNC, with the filter behind joint.N.motor-pos-cmd: moves of axis {} time the delays)\n", axis_);
+  }
+  std::string begin() const { return used() ? fmt::format("G0 {}0\n", axis_) : ""; }
+
+  /// Away from 0, or back.
+  std::string wait(int delay, double period) {
+    const int samples = delay - lost_at_ends;
+    if (samples < 1) return "";
+    away_ = !away_;
+    return fmt::format("G93\nG1 {}{} F{}\nG94\n", axis_, away_ ? "0.01" : "0",
+                       plain_number(60.0 / (samples * period), 9));
+  }
+
+ private:
+  /// Samples that the ends of a block and of the move behind it take.
+  static constexpr int lost_at_ends = 2;
+
+  char axis_;
+  bool away_ = false;
+};
+
 /// Writes words line by line and passes them on in portions.
 class Emission {
  public:
-  Emission(const ProgramResult& result, std::ostream& out)
+  /// @param timed_axis  see emit_for_linuxcnc; 0: none
+  Emission(const ProgramResult& result, char timed_axis, std::ostream& out)
       : result_(result),
         path_(result.plan.path),
         filter_(result.plan.filter()),
         n_(path_.dimensions()),
         out_(out),
+        timed_(timed_axis),
         decimals_(decimals_needed()),
         written_(n_, "0") {}
 
   void write() {
+    if (timed_.used()) timed_.require(result_);
     const Machine machine = program_machine(result_.task_machine, path_);
     const BlendLimits limits(filter_, machine, result_.sample_period);
     // Read back, they are feed moves, and the remark stays.
@@ -82,19 +136,23 @@ class Emission {
     if (!path_.label.empty()) line("{}", path_.label);
     const double period = result_.sample_period * 1e3;
     line("(planned for a filter of {} taps at T = {} ms)", filter_.order() + 1, plain_number(period, 6));
-    line(
-        "(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to "
-        "rest)");
+    if (timed_.used())
+      text_.append(timed_.remark());
+    else
+      line(
+          "(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to "
+          "rest)");
     if (result_.settings) line("{}{})", set_remark, words_to_set(*result_.settings));
     if (result_.settings && result_.settings->chosen.width)
       line("{} the next block starts as soon as the axes are within the in-position width of the block's end)",
            in_position_remark);
-    else
+    else if (!timed_.used())
       line("(read back by: accdec program FILE --task TASK.toml --plan fixed --dwells-before-filter{})",
            result_.feeds_chosen ? "" : " --feeds keep");
     if (slowed_rapids) line("{} where the plan runs them slower than G0, which would break a limit)", slowed_remark);
     text_.append(filter_remarks(filter_));
     line("G21 G17 G90 G94");
+    text_.append(timed_.begin());
     position();
   }
 
@@ -124,8 +182,6 @@ class Emission {
       line("G1{} F{}", to, feed_);
     }
   }
-
-  static constexpr const char* slowed_remark = "(rapid moves stand as G1";
 
   /// Decimals of coordinates in mm. Rounding a position by q changes an acceleration by up to 4 q/T^2 and a jerk by
   /// 8 q/T^3. Both limits must still hold when the program is read back. Every block keeps its number of samples to
@@ -222,14 +278,16 @@ class Emission {
   void path_mode(std::size_t b) {
     if (b + 1 == path_.blocks()) return;
     std::string mode = "G64";
-    if (path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::exact_stop)
+    if (timed_.used()) {
+      if (result_.plan.delay(b) > 0) mode = "G61";
+    } else if (path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::exact_stop)
       mode = "G61.1";
     else if (path_.tolerance[b] == 0.0)
       mode = "G61";
     else if (path_.tolerance[b] < unlimited)
       mode = "G64 P" + plain_number((path_.tolerance[b] + moved(b + 1)) * 1e3, 9);
     // A straight joint with any tolerance or none; in the written text, coordinates may turn it by their rounding.
-    if (path_.joint[b] == Joint::straight && (mode == "G64" || mode == "G61")) {
+    if (!timed_.used() && path_.joint[b] == Joint::straight && (mode == "G64" || mode == "G61")) {
       if (mode_.starts_with("G64 P")) return;
       mode = "G64 P" + plain_number(next_tolerance(b), 9);
     }
@@ -288,6 +346,12 @@ class Emission {
   /// words passed on.
   void rest(std::size_t b) {
     const bool last = b + 1 == path_.blocks();
+    if (timed_.used() && !last) {
+      const std::string move = timed_.wait(result_.plan.delay(b), result_.sample_period);
+      text_.append(move);
+      if (!move.empty()) feed_.clear();
+      return;
+    }
     if (last || path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::in_position) return;
     int delay = result_.plan.delay(b);
     if (kind_of(result_, b) == DelayKind::exact_stop) delay -= filter_.last_nonzero_tap() - filter_.first_nonzero_tap();
@@ -299,6 +363,7 @@ class Emission {
   const Filter& filter_;
   std::size_t n_;
   std::ostream& out_;
+  TimedMoves timed_;
   const int decimals_;
   fmt::memory_buffer text_;
   std::string mode_, feed_;
@@ -310,7 +375,11 @@ class Emission {
 }  // namespace
 
 void emit_program(const ProgramResult& result, std::ostream& out) {
-  Emission(result, out).write();
+  Emission(result, 0, out).write();
+}
+
+void emit_for_linuxcnc(const ProgramResult& result, char axis, std::ostream& out) {
+  Emission(result, axis, out).write();
 }
 
 }  // namespace accdec
