@@ -20,7 +20,7 @@
 namespace accdec::cli {
 namespace {
 
-struct Options {
+struct CompareArguments {
   std::string suite, redraw, shard;
   std::vector<std::string> solvers;
   ComparisonRunOptions run;
@@ -39,7 +39,7 @@ void tell_missing_delays(const Suite& suite) {
   }
 }
 
-int run_cluster(const Options& options, const Context& context) {
+int run_cluster(const CompareArguments& options, const Context& context) {
   if (const std::string& folder = options.cluster.status; !folder.empty()) {
     const ClusterPlan plan = read_cluster_plan(folder, "compare");
     // The further arguments are --solvers and its list.
@@ -64,7 +64,7 @@ int run_cluster(const Options& options, const Context& context) {
   return submit_to_cluster(work, options.cluster, context);
 }
 
-void run(Options& options, Context& context) {
+void run(CompareArguments& options, Context& context) {
   if (!options.redraw.empty()) {
     const std::size_t files = redraw_comparison(options.redraw);
     if (!context.quiet) fmt::print("{} files made again from {}/raw.jsonl\n", files, options.redraw);
@@ -113,7 +113,7 @@ void run(Options& options, Context& context) {
 }  // namespace
 
 void add_compare(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CompareArguments>();
   CLI::App* command = app.add_subcommand("compare", "Compare solvers on a suite of problems, every answer verified");
   const auto suite =
       command->add_option("suite", options->suite, "Suite file: problems, solvers, limits")->type_name("SUITE.toml");

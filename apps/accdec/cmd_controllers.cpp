@@ -25,7 +25,7 @@ std::string times_of(const Controller& controller) {
   return text;
 }
 
-void print_list() {
+void print_controllers() {
   TextTable table({"controller", "what it is", "family", "times"});
   for (const std::size_t column : {1, 2, 3}) table.left(column);
   for (const Controller& controller : controllers())
@@ -68,7 +68,7 @@ void add_controllers(CLI::App& app, Context& context) {
   command->callback([name, &context] {
     if (context.quiet) return;
     if (name->empty())
-      print_list();
+      print_controllers();
     else
       print_controller(find_controller(*name));
   });

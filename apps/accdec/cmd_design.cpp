@@ -26,7 +26,7 @@
 namespace accdec::cli {
 namespace {
 
-struct Arguments {
+struct DesignArguments {
   std::string task, json, method, solver;
   double time_limit = 600.0;
   std::string gap = "0 %";
@@ -69,7 +69,7 @@ double search_seconds(const Task& task, double limit, double reading, bool quiet
 
 /// The options of the search but for its time, from the command line. Throws std::invalid_argument for options that
 /// exclude each other.
-DesignOptions asked_options(const Arguments& arguments, const Task& task, bool quiet) {
+DesignOptions asked_options(const DesignArguments& arguments, const Task& task, bool quiet) {
   DesignOptions options;
   // Naming a solver is asking for it.
   if (arguments.solver_given && arguments.method == "exact") {
@@ -102,7 +102,7 @@ DesignOptions asked_options(const Arguments& arguments, const Task& task, bool q
   return options;
 }
 
-void run(const Arguments& arguments, Context& context) {
+void run(const DesignArguments& arguments, Context& context) {
   const auto began = std::chrono::steady_clock::now();
   const Task task = read_task(arguments.task, {.response = Considered::common});
   warn(task, arguments.task, context);
@@ -149,7 +149,7 @@ void run(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_design(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DesignArguments>();
   CLI::App* command =
       app.add_subcommand("design", "Choose the filter, its order and the delays that a task leaves open");
   command->add_option("task", arguments->task, "Task file")->required()->type_name("TASK.toml");

@@ -16,12 +16,12 @@ namespace accdec::cli {
 
 namespace {
 
-struct Options {
+struct EvaluateArguments {
   std::string task, json;
   double circle_radius_mm = 0.0, circle_feed_mm_min = 0.0;
 };
 
-CircleRecord evaluate_circle(const Task& task, const Options& options) {
+CircleRecord evaluate_circle(const Task& task, const EvaluateArguments& options) {
   CircleRecord circle{options.circle_radius_mm * 1e-3, options.circle_feed_mm_min / 6e4, {}};
   const Filter filter = make_filter(*task.filter);
   if (!Response(task.machine, task.sample_period).common())
@@ -31,7 +31,7 @@ CircleRecord evaluate_circle(const Task& task, const Options& options) {
   return circle;
 }
 
-void print_circle(const Task& task, const Options& options, const CircleError& error) {
+void print_circle(const Task& task, const EvaluateArguments& options, const CircleError& error) {
   fmt::print(
       "\ncircle of radius {:g} mm at {:g} mm/min: smaller by {:.4f} um (simulated turn {:.4f} um, "
       "v^2 sigma^2/(2R) {:.4f} um with sigma = {:.4g} ms)\n",
@@ -46,7 +46,7 @@ void print_circle(const Task& task, const Options& options, const CircleError& e
 }  // namespace
 
 void add_evaluate(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EvaluateArguments>();
   CLI::App* command =
       app.add_subcommand("evaluate", "Print errors, times and limit use of a given filter with given delays");
   command->add_option("task", options->task, "Task file with a [filter] and delay_samples in every corner")

@@ -17,13 +17,13 @@
 namespace accdec::cli {
 namespace {
 
-struct Arguments {
+struct ExplainArguments {
   std::string task, json, by = "10 %";
   double time_limit = 300.0, design_time_limit = 10.0;
   bool verbose = false;
 };
 
-void run(const Arguments& arguments, Context& context) {
+void run(const ExplainArguments& arguments, Context& context) {
   const Task task = read_task(arguments.task, {.response = Considered::common});
   warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
@@ -51,7 +51,7 @@ void run(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_explain(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ExplainArguments>();
   CLI::App* command =
       app.add_subcommand("explain", "Show which limits bind, and what more room for each saves or makes possible");
   command->add_option("task", arguments->task, "Task file")->required()->type_name("TASK.toml");

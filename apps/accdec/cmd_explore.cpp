@@ -27,7 +27,7 @@
 namespace accdec::cli {
 namespace {
 
-struct Arguments {
+struct ExploreArguments {
   std::string file;  ///< a task, or a program that `task` is of
   std::string task;
   bool no_browser = false;
@@ -49,7 +49,7 @@ bool open_browser(const std::string& address) {
 }
 
 /// The text that the page begins with.
-std::string start_of(const Arguments& arguments, const Context& context) {
+std::string start_of(const ExploreArguments& arguments, const Context& context) {
   if (!arguments.task.empty()) {
     const Task task =
         read_task(arguments.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
@@ -66,7 +66,7 @@ std::string start_of(const Arguments& arguments, const Context& context) {
   return explore::start_json(task, arguments.file);
 }
 
-void run(const Arguments& arguments, Context& context) {
+void run(const ExploreArguments& arguments, Context& context) {
   if (arguments.file.empty() && !arguments.task.empty())
     throw std::invalid_argument("--task goes with a program: accdec explore PROGRAM.ngc --task TASK.toml");
   if (arguments.task.empty() && arguments.free_seconds > 0.0)
@@ -92,7 +92,7 @@ void run(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_explore(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ExploreArguments>();
   CLI::App* command = app.add_subcommand(
       "explore",
       "Open a page of this computer with a slider for every number of a task: each design is verified and proved");

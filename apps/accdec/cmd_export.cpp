@@ -15,10 +15,10 @@
 namespace accdec::cli {
 
 void add_export(CLI::App& app, Context& context) {
-  struct Arguments {
+  struct ExportArguments {
     std::string result, format, out = "-";
   };
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand("export", "Write a result's taps and delays for a controller or another tool");
   command->add_option("result", arguments->result, "Result file of evaluate, design or program")
       ->required()

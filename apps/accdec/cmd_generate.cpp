@@ -11,11 +11,11 @@
 namespace accdec::cli {
 
 void add_generate(CLI::App& app, Context&) {
-  struct Options {
+  struct GenerateArguments {
     std::string kind, out = "-";
     GenerateOptions generate;
   };
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<GenerateArguments>();
   CLI::App* command = app.add_subcommand("generate", "Write a test program of any length");
   command
       ->add_option("kind", options->kind,

@@ -16,7 +16,7 @@
 namespace accdec::cli {
 namespace {
 
-struct Options {
+struct IdentifyArguments {
   std::string log, task, out = "-", figure;
   std::optional<double> noise_um;
   bool prefilter = false;
@@ -53,7 +53,7 @@ Figure figure_of(const MotionLog& log, const Identification& found, double perio
   return figure;
 }
 
-void run(const Options& options, Context& context) {
+void run(const IdentifyArguments& options, Context& context) {
   const std::string type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
   require_outputs({options.out, options.figure}, {options.log, options.task});
@@ -79,7 +79,7 @@ void run(const Options& options, Context& context) {
 }  // namespace
 
 void add_identify(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<IdentifyArguments>();
   CLI::App* command = app.add_subcommand(
       "identify", "Find the filter of a controller or drive in a log of a straight move or a corner");
   command->add_option("log", options->log, "Table of times and positions of the axes, one row a sample period")

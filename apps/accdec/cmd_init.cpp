@@ -20,7 +20,7 @@
 namespace accdec::cli {
 namespace {
 
-struct Arguments {
+struct InitArguments {
   std::string machine{first_machine}, out = "-";
   bool list = false, force = false;
 };
@@ -37,16 +37,16 @@ std::string summary(std::string_view text) {
   return std::string(line.substr(std::min(line.find_first_not_of("# "), line.size())));
 }
 
-void print_list() {
+void print_machines() {
   TextTable table({"machine", "what it is"});
   table.left(1);
   for (const MachineFile& file : machine_files()) table.add({std::string(file.name), summary(file.text)});
   fmt::print("{}", table.str());
 }
 
-void run(const Arguments& arguments, const Context& context) {
+void run(const InitArguments& arguments, const Context& context) {
   if (arguments.list) {
-    print_list();
+    print_machines();
     return;
   }
   const bool to_file = arguments.out != "-";
@@ -70,7 +70,7 @@ const MachineFile& machine_file(std::string_view name) {
 }
 
 void add_init(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<InitArguments>();
   CLI::App* command = app.add_subcommand("init", "Write a commented task to start from");
   command->add_option("--machine", arguments->machine, "kind of machine, see --list (default mill)")
       ->check(one_of(names()));

@@ -22,14 +22,14 @@
 namespace accdec::cli {
 namespace {
 
-struct Arguments {
+struct OptimaArguments {
   std::vector<std::string> tasks;
   std::string out, growth;
   int halvings = 5;
   double time_limit = 120.0;
 };
 
-void run(const Arguments& arguments, Context& context) {
+void run(const OptimaArguments& arguments, Context& context) {
   // Everything is read before anything is computed: a bad tenth file must not cost the time of the first nine.
   std::vector<Task> tasks;
   for (const std::string& path : arguments.tasks) tasks.push_back(read_task(path, {.response = Considered::common}));
@@ -92,7 +92,7 @@ void run(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_optima(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<OptimaArguments>();
   CLI::App* command = app.add_subcommand(
       "optima", "Compute proved optima of many tasks, beside the best filters that controllers have");
   command->add_option("tasks", arguments->tasks, "Task files; a [filter] in them is ignored")

@@ -25,13 +25,13 @@ namespace accdec::cli {
 
 namespace {
 
-struct Options {
+struct PlotArguments {
   std::string result, out, corner, view = "auto";
 };
 
 /// As `accdec program --figure` draws it, which takes the program as it was read. Where it is not there any more, what
 /// the commands alone show.
-std::string draw_program(const std::string& text, const Options& options, const std::string& format) {
+std::string draw_program(const std::string& text, const PlotArguments& options, const std::string& format) {
   if (!options.corner.empty())
     throw std::invalid_argument("--corner goes with results of evaluate and design: a program is drawn whole");
   const ProgramRecord record = parse_program_record(text, options.result);
@@ -64,7 +64,7 @@ std::string draw_program(const std::string& text, const Options& options, const 
 }  // namespace
 
 void add_plot(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PlotArguments>();
   CLI::App* command = app.add_subcommand("plot", "Draw the motion, path, taps and frequency response of a result");
   command->add_option("result", options->result, "Result file")->required()->type_name("RESULT.json");
   add_output_option(*command, "--out", options->out, "Drawing to write, .svg, .png, .pdf or .html")->required();

@@ -36,7 +36,7 @@ constexpr const char* no_per_leg =
     "[filter] "
     "to have one designed";
 
-struct Options {
+struct ProgramArguments {
   std::string program, task, json, delays, samples, emit, dwell_axis, figure, stream;
   std::string plan = "fixed", feeds = "choose", view = "auto";
   std::optional<double> arc_tolerance_um, tool_length_mm;
@@ -47,7 +47,7 @@ struct Options {
 };
 
 /// The inputs of the result, for whoever rechecks it.
-ProgramInputs inputs_of(const Options& options, const ProgramFile& file) {
+ProgramInputs inputs_of(const ProgramArguments& options, const ProgramFile& file) {
   ProgramInputs inputs;
   inputs.program = options.program;
   inputs.program_hash = hash_of_file(options.program);
@@ -59,12 +59,13 @@ ProgramInputs inputs_of(const Options& options, const ProgramFile& file) {
   return inputs;
 }
 
-ProgramFilter choose_filter(const Options& options, const Context& context, const Toolpath& path, const Task& task) {
+ProgramFilter choose_filter(const ProgramArguments& options, const Context& context, const Toolpath& path,
+                            const Task& task) {
   StatusLine status(context.quiet || task.filter.has_value());
   return filter_for_program(path, task, options.file, [&](const std::string& line) { status.tell(line); });
 }
 
-void check_options(const Options& options) {
+void check_options(const ProgramArguments& options) {
   if (options.per_leg) throw std::invalid_argument(no_per_leg);
   const bool positions = options.plan != "fixed";
   const auto refuse = [&](const std::string& value, bool belongs, const char* name, const char* which) {
@@ -91,7 +92,8 @@ std::int64_t peak_memory() {
 }
 
 /// A free motion: Ctrl-C ends it with the best so far.
-ProgramResult free_motion(const Options& options, const Context& context, const ProgramFile& file, const Task& task) {
+ProgramResult free_motion(const ProgramArguments& options, const Context& context, const ProgramFile& file,
+                          const Task& task) {
   const Interrupt interrupt;
   std::optional<StatusLine> status;
   status.emplace(context.quiet, StatusLine::Lines::none, options.file.time_limit.value_or(0.0));
@@ -113,7 +115,8 @@ ProgramResult free_motion(const Options& options, const Context& context, const 
 }
 
 /// The plan asked for; none where no filter holds, which is said.
-std::optional<ProgramResult> plan_with(const Options& options, Context& context, ProgramFile& file, const Task& task) {
+std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context& context, ProgramFile& file,
+                                       const Task& task) {
   std::optional<ProgramResult> result;
   if (options.plan == "profiles") {
     StatusLine status(context.quiet);
@@ -142,8 +145,8 @@ std::optional<ProgramResult> plan_with(const Options& options, Context& context,
 
 /// The large files first, beside their targets; everything gets its name only when all is written. A motion for a
 /// controller that takes positions is only written where it holds: nothing behind it would slow it down.
-void write_outputs(const Options& options, const Context& context, const ProgramResult& result, const std::string& json,
-                   const std::string& figure) {
+void write_outputs(const ProgramArguments& options, const Context& context, const ProgramResult& result,
+                   const std::string& json, const std::string& figure) {
   std::vector<OutputFile> large;
   warn_of_size(options.samples, result.cycle_time / result.sample_period, result.plan.path.dimensions());
   const bool motion = result.verification.feasible || result.plan.command() != nullptr;
@@ -173,7 +176,7 @@ void write_outputs(const Options& options, const Context& context, const Program
   if (!context.quiet && !stdout_taken) std::fputs(program_summary(result).c_str(), stdout);
 }
 
-void run(Options& options, Context& context) {
+void run(ProgramArguments& options, Context& context) {
   check_options(options);
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
@@ -197,7 +200,7 @@ void run(Options& options, Context& context) {
   context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
 }
 
-void add_inputs(CLI::App& command, Options& options) {
+void add_inputs(CLI::App& command, ProgramArguments& options) {
   command.add_option("file", options.program, "RS-274, canonical calls (rs274 -g) or CSV of points and feeds")
       ->required()
       ->type_name("FILE");
@@ -230,7 +233,7 @@ void add_inputs(CLI::App& command, Options& options) {
   command.add_flag("--rapid-stops", options.file.rapid_stops, "Stop where rapid and feed moves meet");
 }
 
-void add_outputs(CLI::App& command, Options& options) {
+void add_outputs(CLI::App& command, ProgramArguments& options) {
   add_output_option(command, "--json", options.json, "Write the result to FILE, - for standard output");
   add_output_option(command, "--delays", options.delays, "Write the delay and error of every corner as CSV");
   add_output_option(command, "--samples", options.samples, "Write the sampled motion as CSV");
@@ -255,7 +258,7 @@ void add_outputs(CLI::App& command, Options& options) {
       ->capture_default_str();
 }
 
-void add_planning(CLI::App& command, Options& options) {
+void add_planning(CLI::App& command, ProgramArguments& options) {
   command
       .add_option(
           "--time-limit", options.file.time_limit,
@@ -293,7 +296,7 @@ void add_planning(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_program(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ProgramArguments>();
   CLI::App* command = app.add_subcommand(
       "program", "Plan a whole toolpath: choose feeds, filters and delays, simulate and verify every sample");
   add_inputs(*command, *options);

@@ -17,11 +17,11 @@
 namespace accdec::cli {
 
 void add_schema(CLI::App& app, Context&) {
-  struct Options {
+  struct SchemaArguments {
     std::string kind;
     bool markdown = false;
   };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SchemaArguments>();
   CLI::App* command = app.add_subcommand("schema", "Print the keys of a kind of file as a JSON Schema (draft 2020-12)");
   command->add_option("kind", options->kind, "task, study, suite, result or controller")
       ->type_name("KIND")

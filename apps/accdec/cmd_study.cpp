@@ -15,13 +15,13 @@
 namespace accdec::cli {
 namespace {
 
-struct Options {
+struct StudyArguments {
   std::string study, shard;
   StudyRunOptions run;
   ClusterOptions cluster;
 };
 
-int run_cluster(const Options& options, const Context& context) {
+int run_cluster(const StudyArguments& options, const Context& context) {
   if (const std::string& folder = options.cluster.status; !folder.empty()) {
     const ClusterPlan plan = read_cluster_plan(folder, "study");
     const Study study = read_study(plan.input);
@@ -42,7 +42,7 @@ int run_cluster(const Options& options, const Context& context) {
   return submit_to_cluster(work, options.cluster, context);
 }
 
-void print_summary(const Options& options, const Study& study, const StudySummary& s) {
+void print_summary(const StudyArguments& options, const Study& study, const StudySummary& s) {
   fmt::print(
       "{}\n{} points: {} computed in {:.1f} s ({:.1f} % of the workers' time inside the methods), {} from an earlier "
       "run{}\n",
@@ -63,7 +63,7 @@ void print_summary(const Options& options, const Study& study, const StudySummar
   }
 }
 
-void run(Options& options, Context& context) {
+void run(StudyArguments& options, Context& context) {
   require_work(options.cluster, options.study, options.run.out,
                "study needs STUDY.toml and --out DIR, or --status DIR");
   if (options.cluster.asked()) {
@@ -91,7 +91,7 @@ void run(Options& options, Context& context) {
 }  // namespace
 
 void add_study(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<StudyArguments>();
   CLI::App* command =
       app.add_subcommand("study", "Run a parameter study: many tasks from one, with tables, figures and a report");
   command->add_option("study", options->study, "Study file: base task, what varies, what to compute, figures")

@@ -64,12 +64,12 @@ Task task_of() {
   return task;
 }
 
-const std::vector<Leg> straight{{0.02, 0.0, 200, 0}};                          // 100 mm/s along x
+const std::vector<Leg> straight_legs{{0.02, 0.0, 200, 0}};                     // 100 mm/s along x
 const std::vector<Leg> corner{{0.015, 0.0, 150, 12}, {0.006, 0.012, 160, 0}};  // a delay of 12 samples
 
 TEST(Identify, FindsAveragesOfAStraightMove) {
   for (const std::vector<int>& lengths : std::vector<std::vector<int>>{{1}, {24}, {22, 22}, {23, 21}, {30, 4}}) {
-    const Identification found = identify(simulated(taps_of(lengths), straight, 1e-8, 1), task_of());
+    const Identification found = identify(simulated(taps_of(lengths), straight_legs, 1e-8, 1), task_of());
     EXPECT_EQ(found.fits.front().family, SettingFamily::averages);
     EXPECT_EQ(found.fits.front().filter.lengths, lengths);
     ASSERT_EQ(found.moves.size(), 1U);
@@ -103,7 +103,7 @@ TEST(Identify, SaysHowFarNeighboursAreBehind) {
   int right = 0;
   for (unsigned seed = 1; seed <= logs; ++seed) {
     const Identification found =
-        identify(simulated(a, straight, noise, seed), task_of(), {.noise = noise, .sigmas = 8.0});
+        identify(simulated(a, straight_legs, noise, seed), task_of(), {.noise = noise, .sigmas = 8.0});
     right += found.fits.front().filter.lengths == std::vector<int>{22, 22} ? 1 : 0;
     for (const FittedFilter& fit : found.fits) {
       if (fit.filter.lengths == std::vector<int>{23, 21}) mean += fit.sigmas * fit.sigmas / logs;
@@ -126,7 +126,7 @@ TEST(Identify, FindsTheTimeConstantOfAPole) {
 
 TEST(Identify, AnswersTapsWhereNoFamilyFits) {
   const std::vector<double> taps{1.0 / 12, 5.0 / 12, 5.0 / 12, 1.0 / 12};
-  const Identification found = identify(simulated(taps, straight, 1e-8, 4), task_of());
+  const Identification found = identify(simulated(taps, straight_legs, 1e-8, 4), task_of());
   ASSERT_EQ(found.fits.front().family, SettingFamily::taps);
   ASSERT_EQ(found.fits.front().filter.taps.size(), 4U);
   // A tap of 1 moves a sample of 100 um; the noise of second differences is below 1e-3 of it.
@@ -134,7 +134,7 @@ TEST(Identify, AnswersTapsWhereNoFamilyFits) {
 }
 
 TEST(Identify, RefusesLogsThatAreNoWholeMove) {
-  MotionLog log = simulated(taps_of({22}), straight, 0.0, 5);
+  MotionLog log = simulated(taps_of({22}), straight_legs, 0.0, 5);
   for (std::vector<double>& at : log.position) at.resize(150);
   EXPECT_THROW(identify(log, task_of()), std::invalid_argument);  // ends in motion
   EXPECT_THROW(identify(simulated(taps_of({22}), {{0.0, 0.0, 100, 0}}, 0.0, 6), task_of()), std::invalid_argument);

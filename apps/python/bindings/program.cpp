@@ -89,14 +89,14 @@ py::list candidates(const std::vector<PlanTime>& plans) {
   return list;
 }
 
-py::list bounds(const Program& r) {
+py::list bound_list(const Program& r) {
   py::list list;
   for (const NamedBound& b : bounds_of(r))
     list.append(py::dict(py::arg("name") = b.name, py::arg("time") = b.time, py::arg("motions") = b.motions));
   return list;
 }
 
-std::string describe(const Program& r) {
+std::string describe_program(const Program& r) {
   std::string text =
       fmt::format("<accdec.Program {}: {}, {:.6g} s", r.program,
                   r.plan.empty() ? std::string("no plan") : fmt::format("plan {}", r.plan.name()), r.cycle_time);
@@ -219,7 +219,7 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("fun", [](const Program& r) { return r.cycle_time; })
       .def_property_readonly("cycle_time", [](const Program& r) { return r.cycle_time; })
       .def_property_readonly("lower_bound", [](const Program& r) { return r.lower_bound; })
-      .def_property_readonly("bounds", &bounds)
+      .def_property_readonly("bounds", &bound_list)
       .def_property_readonly("x", &taps)
       .def_property_readonly("taps", &taps)
       .def_property_readonly("delays", &delays)
@@ -238,7 +238,7 @@ void bind_plan(py::module_& module) {
           "Plan "
           "\"profiles\" cannot be written so.")
       .def("samples", &samples, samples_doc)
-      .def("__repr__", &describe)
+      .def("__repr__", &describe_program)
       .def("__str__", [](const Program& r) { return program_summary(r); });
 }
 

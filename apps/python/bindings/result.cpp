@@ -59,7 +59,7 @@ py::object time_or_none(const DesignResult& r, double time) {
   return r.filter ? py::object(py::float_(time)) : py::object(py::none());
 }
 
-py::array_t<int> delays(const DesignResult& r) {
+py::array_t<int> delays_of(const DesignResult& r) {
   std::vector<int> list;
   for (const CornerResult& corner : r.corners) list.push_back(corner.delay);
   return py::array_t<int>(static_cast<py::ssize_t>(list.size()), list.data());
@@ -112,7 +112,7 @@ py::object certificate(const DesignResult& r) {
 }
 
 /// None for a task without families.
-py::object settings(const DesignResult& r) {
+py::object settings_or_none(const DesignResult& r) {
   return r.settings ? py::object(settings_dict(*r.settings, settings_answer(r))) : py::object(py::none());
 }
 
@@ -129,7 +129,7 @@ py::list keys() {
 }
 
 /// As SciPy shows its results; what is long is said to be there.
-std::string describe(const py::object& self) {
+std::string describe_result(const py::object& self) {
   std::string text;
   for (const char* const name : {"message", "success", "status", "outcome", "stop", "fun", "x", "mip_gap",
                                  "mip_dual_bound", "nfev", "order", "delays", "cycle_time", "corner_time"}) {
@@ -283,7 +283,7 @@ void bind_result(py::module_& module) {
                              [](const DesignResult& r) {
                                return r.filter ? py::object(py::int_(r.filter->order())) : py::object(py::none());
                              })
-      .def_property_readonly("delays", &delays)
+      .def_property_readonly("delays", &delays_of)
       .def_property_readonly("cycle_time", [](const DesignResult& r) { return time_or_none(r, r.cycle_time); })
       .def_property_readonly("corner_time", [](const DesignResult& r) { return time_or_none(r, r.corner_time); })
       .def_property_readonly("nfev", [](const DesignResult& r) { return r.solver.evaluations; })
@@ -293,7 +293,7 @@ void bind_result(py::module_& module) {
       .def_property_readonly("solver", [](const DesignResult& r) { return solver(r.solver); })
       .def_property_readonly("quantisation", &quantisation)
       .def_property_readonly("certificate", &certificate)
-      .def_property_readonly("settings", &settings)
+      .def_property_readonly("settings", &settings_or_none)
       .def_property_readonly("family_bound", [](const DesignResult& r) { return r.family_bound; })
       .def_property_readonly("free_taps", [](const DesignResult& r) { return r.free_taps; })
       .def_property_readonly("task", [](const DesignResult& r) { return std::make_shared<Task>(r.task); })
@@ -304,7 +304,7 @@ void bind_result(py::module_& module) {
             return py::bytes(export_taps(r, argument<std::string>("text", "format", format)));
           },
           py::arg("format"), "export_taps(format)\n\nThe bytes that `accdec.export` writes.")
-      .def("__repr__", &describe)
+      .def("__repr__", &describe_result)
       .def("__str__", &result_text)
       .def(py::pickle([](const DesignResult& r) { return result_to_json(r); },
                       [](const std::string& json) { return parse_result(json, "result"); }));

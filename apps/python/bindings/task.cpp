@@ -83,7 +83,7 @@ py::dict axis_dict(const Axis& axis) {
   return d;
 }
 
-std::string describe(const Task& task) {
+std::string describe_task(const Task& task) {
   std::string axes, corners;
   for (const Axis& axis : task.machine.axes) axes += (axes.empty() ? "" : ", ") + axis.name;
   for (const TaskCorner& corner : task.corners) corners += (corners.empty() ? "" : ", ") + corner.name;
@@ -200,7 +200,7 @@ void bind_task(py::module_& module) {
            })
       .def("__hash__", [](const Task& task) { return std::hash<std::string>()(task_to_json(task).dump()); })
       .def("__str__", &task_to_toml)
-      .def("__repr__", &describe)
+      .def("__repr__", &describe_task)
       .def(py::pickle([](const Task& task) { return task_to_json(task).dump(); },
                       [](const std::string& json) { return parse_task_json(json, "task", options_of(true, false)); }));
 }

@@ -12,7 +12,7 @@ namespace accdec {
 namespace {
 
 constexpr std::string_view taps_begin = "(filter taps: ";
-constexpr int longest = 1'000'000;  // taps
+constexpr int taps_max = 1'000'000;
 
 /// The whole of a text as a number; none if it is not one.
 template <class Number>
@@ -34,7 +34,7 @@ bool add_taps(std::string_view text, std::vector<double>& taps) {
       word.remove_prefix(star + 1);
     }
     const std::optional<double> tap = number<double>(word);
-    if (!tap || !(*tap >= 0.0) || count < 1 || static_cast<int>(taps.size()) > longest - count) return false;
+    if (!tap || !(*tap >= 0.0) || count < 1 || static_cast<int>(taps.size()) > taps_max - count) return false;
     taps.insert(taps.end(), static_cast<std::size_t>(count), *tap);
   }
   return true;

@@ -27,7 +27,7 @@ namespace {
 /// slower.
 constexpr std::size_t tuned_max = 2'000;
 constexpr double hopelessly_slower = 1.25;
-constexpr int rounds_max = 40;  // of mending feeds
+constexpr int feed_rounds_max = 40;  // of mending feeds
 
 /// Makes the plan of the result: the fastest requested plan that holds.
 class Planning {
@@ -59,7 +59,7 @@ class Planning {
   }
   void choose(const Toolpath& path) {
     if (path.blocks() <= several_plans_max || !path.given.empty()) as_commanded(path, true);
-    ScheduledPlan plan = schedule_feeds(path, filter_, task_.sample_period, machine_, rounds_max, deadline_);
+    ScheduledPlan plan = schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_);
     snap(plan);
     if (!result_.cycle_time_kept && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
     offer(std::move(plan), true);
