@@ -18,9 +18,10 @@ namespace accdec::arcs_test {
 namespace {
 
 using test::machine_of;
+using test::period;
 using test::Reference;
 
-constexpr double period = 1e-3, pi = std::numbers::pi;
+constexpr double pi = std::numbers::pi;
 
 /// A line of 20 mm into a circle of `turns` and a line out of it, all tangential. @param radius  mm
 std::string circle_program(double radius, int turns, double tolerance_mm, double rise = 0.0, double feed = 6000.0) {

@@ -13,12 +13,11 @@ namespace accdec {
 namespace {
 
 using test::path_of;
+using test::period;
 using test::random_program;
 using test::Reference;
 
-constexpr double period = 1e-3;
-
-Machine machine_of(double velocity, double acceleration, double jerk = unlimited) {
+Machine machine_within(double velocity, double acceleration, double jerk = unlimited) {
   Machine machine;
   Axis axis;
   axis.velocity_max = velocity;
@@ -70,7 +69,7 @@ void expect_holds(const ScheduledPlan& plan, const Filter& filter, const Machine
 TEST(FeedSchedule, RandomProgramsHoldByPlainConvolution) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     const bool jerk = seed % 3 == 0;
-    Machine machine = machine_of(0.2, 1.0 + seed % 4, jerk ? 50.0 : unlimited);
+    Machine machine = machine_within(0.2, 1.0 + seed % 4, jerk ? 50.0 : unlimited);
     if (seed % 4 == 1) {
       for (Axis& axis : machine.axes) {
         axis.mass = 30.0;
@@ -87,7 +86,7 @@ TEST(FeedSchedule, RandomProgramsHoldByPlainConvolution) {
 }
 
 TEST(FeedSchedule, ReversalsDoubledPointsAndTinyBlocksHold) {
-  const Machine machine = machine_of(0.2, 1.0);
+  const Machine machine = machine_within(0.2, 1.0);
   std::string text = "G64 P0.02\nG1 F6000 X10\nX0\nX0\nX10 Y0.001\nX0 Y0.002\n";
   for (int i = 0; i < 60; ++i)
     text += "X" + std::to_string(0.003 * i) + " Y" + std::to_string(i % 2 == 0 ? 0.002 : 0.006) + "\n";
@@ -100,7 +99,7 @@ TEST(FeedSchedule, ReversalsDoubledPointsAndTinyBlocksHold) {
 
 TEST(FeedSchedule, AStraightBlockStartsAndStopsAtTheWholeAcceleration) {
   // Steps of a tau every tau through a boxcar of tau are a constant acceleration: L/v + v/a in all, 20 divides 100.
-  const Machine machine = machine_of(0.2, 1.0);
+  const Machine machine = machine_within(0.2, 1.0);
   const Toolpath path = path_of("G1 F6000 X100\n", machine);
   const ScheduledPlan plan = schedule_feeds(path, boxcar(19), period, program_machine(machine, path));
   ASSERT_TRUE(all_holds(plan.plan));
@@ -110,7 +109,7 @@ TEST(FeedSchedule, AStraightBlockStartsAndStopsAtTheWholeAcceleration) {
 }
 
 TEST(FeedSchedule, AFeedBelowTheFirstStepIsKept) {
-  const Machine machine = machine_of(0.2, 1.0);
+  const Machine machine = machine_within(0.2, 1.0);
   const Toolpath path = path_of("G1 F600 X10\n", machine);
   const ScheduledPlan plan = schedule_feeds(path, boxcar(19), period, program_machine(machine, path));
   EXPECT_EQ(plan.path.blocks(), 1U);
@@ -120,7 +119,7 @@ TEST(FeedSchedule, AFeedBelowTheFirstStepIsKept) {
 TEST(FeedSchedule, ACircleIsCutByItsFiltersVariance) {
   // Points v T apart on a circle of radius R, averaged over n taps, lie on R sin(n w/2)/(n sin(w/2)), w = v T/R.
   constexpr double radius = 5e-3, feed = 0.06;
-  const Machine machine = machine_of(0.2, 1.0);
+  const Machine machine = machine_within(0.2, 1.0);
   LineSource source("test.ngc", "G64 P0.05\nG1 F3600 Y-10\nG3 X10 Y-10 I5 J0\nG3 X0 Y-10 I-5 J0\nG1 Y0\n");
   ToolpathOptions options;
   options.read.arc_tolerance = 1e-8;
@@ -148,7 +147,7 @@ TEST(FeedSchedule, ShortBlocksAreNotBoundByTheTimeTheirFeedWouldTakeToReach) {
   // A staircase of 1.44 mm at 100 mm/s: at the programmed feed a filter of 100 samples would be needed.
   std::string text = "G64 P0.05\nG91 G1 F6000\n";
   for (int i = 0; i < 100; ++i) text += i % 2 == 0 ? "X1.44\n" : "Y1.44\n";
-  const Machine machine = machine_of(0.2, 1.0);
+  const Machine machine = machine_within(0.2, 1.0);
   const Toolpath path = path_of(text, machine);
   const ScheduledPlan plan = schedule_feeds(path, boxcar(16), period, program_machine(machine, path));
   expect_holds(plan, boxcar(16), machine, "staircase");
@@ -160,7 +159,7 @@ TEST(FeedSchedule, ShortBlocksAreNotBoundByTheTimeTheirFeedWouldTakeToReach) {
 }
 
 TEST(FeedSchedule, TheSearchFindsNothingSlowerThanAnyLengthOfTheGrid) {
-  const Machine machine = machine_of(0.2, 1.0);
+  const Machine machine = machine_within(0.2, 1.0);
   const Toolpath path = path_of(random_program(3, 120), machine);
   const FilterSearch search = search_filter(path, period, machine, {});
   ASSERT_TRUE(search.filter);
@@ -179,7 +178,7 @@ TEST(FeedWindow, FindsTheTwoAveragesOfATrapezoid) {
 }
 
 TEST(FeedWindow, BrakingAndSpeedingUpHaveTheirOwnPower) {
-  Machine machine = machine_of(1.0, 100.0);
+  Machine machine = machine_within(1.0, 100.0);
   machine.axes.resize(1);
   machine.axes[0].mass = 10.0;
   machine.axes[0].damping = 20.0;

@@ -19,8 +19,8 @@ namespace {
 
 using test::machine_of;
 using test::path_of;
+using test::period;
 
-constexpr double period = 1e-3;
 constexpr std::array<double, 3> factors{0.5, 0.8, 1.2};
 
 /// The corner error of a right angle after a moving average of n samples, with longer legs. At sample k after

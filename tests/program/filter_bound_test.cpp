@@ -14,7 +14,7 @@
 namespace accdec {
 namespace {
 
-constexpr double period = 1e-3;
+using test::period;
 
 TEST(FilterBound, ExactStopsAreTheBoxcarsOfBothLegs) {
   // A boxcar of w taps lags by (w - 1)/2, and the other half of its length is left when its last tap begins.

@@ -15,9 +15,8 @@ namespace accdec {
 namespace {
 
 using test::path_of;
+using test::period;
 using test::random_program;
-
-constexpr double period = 1e-3;
 
 Machine machine(double ax, double ay) {
   Machine m;

@@ -20,10 +20,9 @@ namespace accdec {
 namespace {
 
 using test::path_of;
+using test::period;
 using test::random_program;
 using test::Reference;
-
-constexpr double period = 1e-3;
 
 TEST(Plan, EveryJointHoldsItsToleranceOnThePathByDefinition) {
   for (unsigned seed = 1; seed <= 10; ++seed) {

@@ -122,12 +122,12 @@ TEST(ProgramSettings, TheShortestDelayOfAControlIsThatOfItsKinds) {
   EXPECT_EQ(control_delay({{DelayKind::continuous}, 0.0}, filter, 1e-4, 1), std::nullopt);
 }
 
-constexpr const char* machine =
+constexpr const char* machine_text =
     "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n"
     "jerk_max_mm_s3 = 500000\n[program]\nerror_max_um = 20\n";
 
 TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
-  write("control.toml", std::string(machine) +
+  write("control.toml", std::string(machine_text) +
                             "[controller]\nname = \"sinumerik-840d\"\n[design]\nlength_max_ms = 40\n"
                             "[filter]\nkind = \"averages\"\nlengths = [32, 32]\n");
   write("part.ngc", corners);
@@ -156,7 +156,7 @@ TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
 }
 
 TEST_F(ProgramCommand, PlansOfPositionsAreRefusedForAControlWithOneFilter) {
-  write("control.toml", std::string(machine) + "[design]\nfamily = \"averages\"\nstages = 2\n");
+  write("control.toml", std::string(machine_text) + "[design]\nfamily = \"averages\"\nstages = 2\n");
   write("part.ngc", corners);
   for (const char* plan : {"profiles", "free"}) {
     const Output refused = run("program part.ngc --plan " + std::string(plan) + " --task control.toml --json r.json");
@@ -167,7 +167,7 @@ TEST_F(ProgramCommand, PlansOfPositionsAreRefusedForAControlWithOneFilter) {
 
 /// Up to 3 ms, an average passes vibrations of 20 Hz nearly whole.
 TEST_F(ProgramCommand, AFamilyWithoutASettingThatHoldsIsSaid) {
-  write("control.toml", std::string(machine) +
+  write("control.toml", std::string(machine_text) +
                             "[design]\nfamily = \"averages\"\nstages = 1\nlength_max_ms = 3\n"
                             "[[mode]]\nfrequency_Hz = [18, 22]\nresidual_max = 0.05\n");
   write("part.ngc", corners);

@@ -135,6 +135,8 @@ inline Toolpath path_of(const std::string& text, const Machine& machine = {}) {
   return read_toolpath(source, machine, {});
 }
 
+inline constexpr double period = 1e-3;  ///< s, of the programs in these tests
+
 /// Axes x, y, z, or the first of them, of equal limits in m, kg, s.
 inline Machine machine_of(double acceleration, double jerk = unlimited, double velocity = 0.2, int axes = 2) {
   Machine m;

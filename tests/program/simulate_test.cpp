@@ -13,10 +13,9 @@ namespace accdec {
 namespace {
 
 using test::path_of;
+using test::period;
 using test::random_program;
 using test::Reference;
-
-constexpr double period = 1e-3;
 
 std::vector<int> random_delays(const Toolpath& path, int largest, unsigned seed) {
   std::mt19937 random(seed);
