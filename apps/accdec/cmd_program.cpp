@@ -92,7 +92,7 @@ std::int64_t peak_memory() {
 }
 
 /// A free motion: Ctrl-C ends it with the best so far.
-ProgramResult free_motion(const ProgramArguments& options, const Context& context, const ProgramFile& file,
+ProgramResult free_motion(const ProgramArguments& options, const Context& context, ProgramFile& file,
                           const Task& task) {
   const Interrupt interrupt;
   std::optional<StatusLine> status;
@@ -109,8 +109,8 @@ ProgramResult free_motion(const ProgramArguments& options, const Context& contex
     status->tell(line);
   });
   status.reset();
-  const bool profiles = result.plan.name() != std::string("free");
-  if (profiles && result.verification.feasible) std::fprintf(stderr, "%s\n", last.c_str());
+  const bool other = result.plan.name() != std::string("free");
+  if (other && result.verification.feasible) std::fprintf(stderr, "%s\n", last.c_str());
   return result;
 }
 

@@ -39,7 +39,8 @@ Task task_of(double period, double jerk) {
 
 ProgramResult free_plan(const std::string& program, const Task& task, const FreeOptions& free = {},
                         const ProgramFileOptions& options = {}) {
-  return run_free_plan("test", file_of(program, task), task, options, free, {});
+  ProgramFile file = file_of(program, task);
+  return run_free_plan("test", file, task, options, free, {});
 }
 
 /// The plan holds for the check of results, which makes everything from the recorded samples again.
@@ -151,9 +152,6 @@ TEST(FreeMotion, RefusesByNameWhatItDoesNotKeep) {
   ProgramFileOptions options;
   options.feeds = Feeds::keep;
   EXPECT_THAT(refusal(task_of(1e-3, unlimited), options), HasSubstr("only plan fixed keeps feeds"));
-  options = {};
-  options.compensate_arcs = true;
-  EXPECT_THAT(refusal(task_of(1e-3, unlimited), options), HasSubstr("--compensate-arcs"));
 }
 
 // One fault each in a motion that holds.

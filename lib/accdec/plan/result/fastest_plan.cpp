@@ -8,6 +8,7 @@
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/files.hpp>
+#include <accdec/plan/result/along_plan.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 
 namespace accdec {
@@ -61,18 +62,21 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   if (!several) return profiles;
   profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
   if (options.deadline.over()) return profiles;
+  std::optional<AlongPlan> along = plan_along(profiles, task, options.deadline);
   ProgramFile copy = file;
   ProgramResult other = run_program_file(name, copy, task, options, tell);
-  if (other.plan.empty()) return profiles;
-  const PlanTime mine = time_of(profiles), theirs = time_of(other);
+  ProgramResult& best = along ? along->result : profiles;
+  if (along) along->result.candidates = {time_of(profiles)};
+  if (other.plan.empty()) return std::move(best);
+  const PlanTime mine = time_of(best), theirs = time_of(other);
   if (theirs.verified && (!mine.verified || theirs.time < mine.time)) {
     other.candidates = {mine};
     other.corner_bound = profiles.corner_bound;
     file.reading = copy.reading;
     return other;
   }
-  profiles.candidates = {theirs};
-  return profiles;
+  best.candidates.push_back(theirs);
+  return std::move(best);
 }
 
 }  // namespace

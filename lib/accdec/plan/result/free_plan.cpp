@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <accdec/files.hpp>
+#include <accdec/plan/result/along_plan.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
@@ -20,7 +22,6 @@ namespace {
 void refuse_options(const Toolpath& path, const ProgramFileOptions& options) {
   if (options.feeds == Feeds::keep)
     refuse("takes F as an upper bound and chooses the speed of every sample", "only plan fixed keeps feeds");
-  if (options.compensate_arcs) refuse("runs along arcs as they are", "leave out --compensate-arcs");
   if (!path.given.empty()) refuse("takes no delays from the program", "leave out --dwells-before-filter");
 }
 
@@ -40,18 +41,22 @@ void refuse_limits(const Task& task, const Toolpath& path) {
   }
 }
 
-FreeMotion as_motion(const Toolpath& path, const FreeSamples& samples) {
-  FreeMotion motion;
-  const auto n = static_cast<std::ptrdiff_t>(path.dimensions());
-  motion.position.assign(samples.position.begin() + n, samples.position.end());
-  const std::vector<std::size_t> legs = legs_of(path, samples);
-  for (std::size_t k = 1; k < legs.size(); ++k) motion.block.push_back(static_cast<std::uint32_t>(legs[k]));
-  return motion;
+/// Where a program has arcs, one filter may be faster than any motion that was found.
+std::optional<ProgramResult> fixed_beside(const std::string& name, ProgramFile& file, const Task& task,
+                                          ProgramFileOptions options) {
+  if (file.path.arcs.empty() || file.path.blocks() > several_plans_max || options.deadline.over()) return {};
+  if (options.time_limit) {
+    *options.time_limit *= 0.3;
+    options.deadline = Deadline(std::min(options.deadline.left(), *options.time_limit));
+  }
+  ProgramResult fixed = run_program_file(name, file, task, options, {});
+  if (fixed.plan.empty() || !fixed.verification.feasible) return {};
+  return fixed;
 }
 
 }  // namespace
 
-ProgramResult run_free_plan(const std::string& name, const ProgramFile& file, const Task& task,
+ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Task& task,
                             const ProgramFileOptions& options, FreeOptions free,
                             const std::function<void(const std::string&)>& tell) {
   refuse_options(file.path, options);
@@ -61,35 +66,43 @@ ProgramResult run_free_plan(const std::string& name, const ProgramFile& file, co
   ProgramResult profiles = plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task, options.deadline);
   if (file.path.blocks() <= several_plans_max)
     profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
-  if (!profiles.verification.feasible) return profiles;
+  ProgramFile copy = file;
+  std::optional<ProgramResult> fixed = fixed_beside(name, copy, task, options);
+  const auto answer = [&](ProgramResult result) {
+    if (fixed && (!result.verification.feasible || fixed->cycle_time < result.cycle_time)) {
+      std::swap(*fixed, result);
+      result.corner_bound = fixed->corner_bound;
+      file.reading = copy.reading;
+      if (tell) tell("plan fixed is faster than the free motion that was found");
+    }
+    if (fixed) result.candidates.push_back({fixed->plan.name(), fixed->cycle_time, fixed->verification.feasible});
+    result.solver.wall_time = seconds_since(start);
+    return result;
+  };
+  if (!profiles.verification.feasible) return answer(std::move(profiles));
+  std::optional<AlongPlan> along = plan_along(profiles, task, options.deadline);
   const Toolpath& path = profiles.plan.path;
   const Machine machine = program_machine(task.machine, path);
   const FreePath tube(path, machine, task.sample_period);
-  FreeSamples motion = sampled(path, *profiles.plan.trajectory(), task.sample_period);
+  FreeSamples motion =
+      along ? std::move(along->samples) : sampled(path, *profiles.plan.trajectory(), task.sample_period);
   free.deadline = options.deadline;
   const FreeReport report = shorten_motion(tube, motion, free);
-  ProgramResult result;
-  result.program = name;
-  result.sample_period = task.sample_period;
-  result.task_machine = task.machine;
-  result.programmed_blocks = profiles.programmed_blocks;
-  result.programmed_moves = profiles.programmed_moves;
-  result.feeds_chosen = true;
-  result.lower_bound = profiles.lower_bound;
-  result.corner_bound = profiles.corner_bound;
-  result.plan = {path, Trajectory{{}, Filter({1.0}), as_motion(path, motion)}};
+  ProgramResult result = with_samples(profiles, motion);
   const std::string broken = judge_free_motion(result, machine);
-  if (!broken.empty() || result.cycle_time > profiles.cycle_time) {
+  const ProgramResult& begun = along ? along->result : profiles;
+  if (!broken.empty() || result.cycle_time > begun.cycle_time) {
     if (!broken.empty() && tell) tell("plan free was refused by the check of its samples: " + broken);
-    profiles.solver.wall_time = seconds_since(start);
-    return profiles;
+    result = begun;
+  } else {
+    result.solver.method = "windows by interior point";
   }
-  result.candidates = {{"profiles", profiles.cycle_time, profiles.verification.feasible}};
-  result.solver.method = "windows by interior point";
+  if (result.plan.trajectory()->is_free()) result.candidates = {{"profiles", profiles.cycle_time, true}};
+  if (options.compensate_arcs)
+    result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";
   result.solver.evaluations = report.programmes;
-  result.solver.wall_time = seconds_since(start);
   if (report.ended && tell) tell("ended early with the best motion so far");
-  return result;
+  return answer(std::move(result));
 }
 
 }  // namespace accdec

@@ -8,13 +8,16 @@
 
 namespace accdec {
 
-/// `accdec program --plan free`: plan profiles, shortened by convex programmes over its samples. Verified; where
-/// nothing is gained, or the check of all samples refuses it, the answer is plan profiles.
-/// @param file  as read  @param free  threads, cancel and progress; the deadline is that of `options`
+/// `accdec program --plan free`: plan profiles with its arcs planned along the path (along_plan.hpp), shortened by
+/// convex programmes over its samples. Verified; where nothing is gained, or the check of all samples refuses it, the
+/// answer is the plan it began with. Programs with arcs are also planned with one filter; if that is faster, it is the
+/// answer.
+/// @param file  as read; its `reading` becomes that of the answer  @param free  threads, cancel and progress; the
+/// deadline is that of `options`
 /// @param tell  one line a step, may be empty
 /// @throws std::invalid_argument for a limit that this plan does not keep, by name, and for options that it does not
 ///         take
-ProgramResult run_free_plan(const std::string& name, const ProgramFile& file, const Task& task,
+ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Task& task,
                             const ProgramFileOptions& options, FreeOptions free,
                             const std::function<void(const std::string&)>& tell);
 

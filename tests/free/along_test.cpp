@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/plan/along/path_speed.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/free_plan.hpp>
+#include <accdec/plan/result/verify_program_result.hpp>
+
+#include "../program/reference.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace accdec {
+namespace {
+
+constexpr double T = 1e-3, acceleration = 1.0, feed = 0.1;
+constexpr double pi = std::numbers::pi;
+
+Task arc_task(double jerk) {
+  Task task;
+  task.sample_period = T;
+  task.machine = test::machine_of(acceleration, jerk, 0.5, 3);
+  // Given, so that no search ends by the clock.
+  FilterSpec filter;
+  filter.kind = Shape::boxcar;
+  filter.order = 5;
+  task.filter = filter;
+  return task;
+}
+
+ProgramResult arc_plan(const std::string& program, const Task& task, bool free, bool compensate) {
+  const TemporaryFolder folder;
+  const std::string name = folder.write("part.ngc", program);
+  ProgramFileOptions options;
+  options.compensate_arcs = compensate;
+  ProgramFile file = read_program_file(name, task, options, {});
+  return free ? run_free_plan(name, file, task, options, {}, {}) : run_fastest_plan(name, file, task, options, {});
+}
+
+void expect_verified(const ProgramResult& result, const Task& task) {
+  EXPECT_TRUE(result.verification.feasible) << result.message;
+  EXPECT_THAT(verify_program_result(result, task).reasons, testing::IsEmpty());
+}
+
+/// From rest to rest along a length: jerk j, acceleration at most a, speed at most v.
+class SCurve {
+ public:
+  SCurve(double length, double v, double a, double j) : length_(length), a_(a), j_(j) {
+    double low = 0.0, high = v;
+    for (int i = 0; i < 60; ++i) {
+      v_ = i == 0 ? v : 0.5 * (low + high);
+      (v_ * ramp() <= length ? low : high) = v_;
+      if (i == 0 && low == v) break;
+    }
+    v_ = low;
+    if (v_ < a_ * a_ / j_) a_ = std::sqrt(v_ * j_);
+  }
+  double time() const { return ramp() + length_ / v_; }
+  double at(double t) const {
+    t = std::clamp(t, 0.0, time());
+    if (t > 0.5 * time()) return length_ - at(time() - t);
+    const double whole = ramp();
+    if (t > whole) return 0.5 * v_ * whole + v_ * (t - whole);
+    if (t > 0.5 * whole) return 0.5 * v_ * whole - v_ * (whole - t) + early(whole - t);
+    return early(t);
+  }
+
+ private:
+  double ramp() const { return v_ >= a_ * a_ / j_ ? v_ / a_ + a_ / j_ : 2.0 * std::sqrt(v_ / j_); }
+  double early(double t) const {
+    const double rise = a_ / j_;
+    if (t <= rise) return j_ * t * t * t / 6.0;
+    const double since = t - rise;
+    return j_ * rise * rise * rise / 6.0 + 0.5 * a_ * rise * since + 0.5 * a_ * since * since;
+  }
+  double length_, a_, j_, v_ = 0.0;
+};
+
+/// A helix of a radius and a pitch; a circle at pitch 0.
+struct Helix {
+  double radius, pitch, turns;
+  double length() const { return turns * std::hypot(2.0 * pi * radius, pitch); }
+  /// Whether samples along it by an S-curve hold every axis' limits.
+  bool holds(const SCurve& curve, double jerk) const {
+    double before[3] = {radius, 0.0, 0.0}, velocity[3] = {}, change[3] = {};
+    const double count = std::ceil(curve.time() / T) + 3.0;
+    for (double k = 1.0; k <= count; ++k) {
+      const double share = curve.at(k * T) / length(), angle = 2.0 * pi * turns * share;
+      const double now[3] = {radius * std::cos(angle), radius * std::sin(angle), pitch * turns * share};
+      for (int a = 0; a < 3; ++a) {
+        const double v = (now[a] - before[a]) / T, b = (v - velocity[a]) / T;
+        if (std::abs(b) > acceleration || std::abs(b - change[a]) / T > jerk) return false;
+        before[a] = now[a];
+        velocity[a] = v;
+        change[a] = b;
+      }
+    }
+    return true;
+  }
+  /// The fastest S-curve with constant bounds along the path, by trying parts of feed, acceleration and jerk.
+  double fastest_s_curve(double jerk) const {
+    double best = unlimited;
+    const double top = std::min(feed, std::sqrt(acceleration * radius));
+    for (const double v : {1.0, 0.97, 0.93, 0.87, 0.8, 0.7, 0.6, 0.5}) {
+      for (const double a : {1.0, 0.85, 0.7, 0.5, 0.35, 0.2}) {
+        for (const double j : {0.99, 0.8, 0.6, 0.4, 0.2}) {
+          const SCurve curve(length(), v * top, a * acceleration, j * jerk);
+          if (curve.time() < best && holds(curve, jerk)) best = curve.time();
+        }
+      }
+    }
+    return best;
+  }
+  std::string program() const {
+    return fmt::format("G21 G90 G61 F{:.0f}\nG3 X0 Y0 I{:.6f} Z{:.6f} P{:.0f}\nM2\n", 6e4 * feed, -1e3 * radius,
+                       1e3 * pitch * turns, turns);
+  }
+};
+
+class RoundRuns : public ::testing::TestWithParam<Helix> {};
+
+// Speed and acceleration along the path change with its direction, so no S-curve of constant bounds is as fast.
+TEST_P(RoundRuns, AreFasterThanSCurvesAlongThePath) {
+  const Helix& helix = GetParam();
+  for (const double jerk : {20.0, 50.0, 200.0}) {
+    const Task task = arc_task(jerk);
+    const ProgramResult result = arc_plan(helix.program(), task, false, false);
+    expect_verified(result, task);
+    const double reference = helix.fastest_s_curve(jerk);
+    ASSERT_LT(reference, unlimited);
+    EXPECT_LE(result.cycle_time, reference + 2.0 * T) << helix.program() << jerk;
+    EXPECT_GE(result.cycle_time, 0.999 * helix.length() / feed);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RoundRuns,
+                         ::testing::Values(Helix{0.5e-3, 0.0, 1.0}, Helix{1e-3, 0.0, 3.0}, Helix{2e-3, 0.0, 1.0},
+                                           Helix{5e-3, 0.0, 1.0}, Helix{10e-3, 0.0, 2.0}, Helix{20e-3, 0.0, 1.0},
+                                           Helix{50e-3, 0.0, 1.0}, Helix{500e-3, 0.0, 1.0}, Helix{10e-3, 2e-3, 3.0},
+                                           Helix{3e-3, 5e-3, 2.0}));
+
+// 1.355 s is the optimum on the circle without a jerk limit.
+TEST(AlongArcs, TwoTurnsTakeLittleLongerThanWithoutAJerkLimit) {
+  const Helix two{10e-3, 0.0, 2.0};
+  const Task task = arc_task(50.0);
+  for (const bool free : {false, true}) {
+    for (const bool compensate : {false, true}) {
+      const ProgramResult result = arc_plan(two.program(), task, free, compensate);
+      expect_verified(result, task);
+      EXPECT_LE(result.cycle_time, 1.5);
+      EXPECT_GE(result.cycle_time, 1.355);
+      EXPECT_EQ(result.compensation.empty(), !(free && compensate));
+      double farthest = 0.0;
+      Motion motion(result.plan, T);
+      for (Sample sample; motion.next(sample);)
+        farthest = std::max(farthest, std::abs(std::hypot(sample.position[0] + 10e-3, sample.position[1]) - 10e-3));
+      EXPECT_LE(farthest, 2e-6);
+    }
+  }
+}
+
+// Without stops every piece would begin and end at rest.
+TEST(AlongArcs, MeetingLinesAndStopsHold) {
+  const char* const track = "G1 X30\nG3 X30 Y20 J10\nG1 X0\nG3 X0 Y0 J-10\nM2\n";
+  const char* const stopping =
+      "G1 X30\nG61.1\nG3 X30 Y20 J10\nG4 P0.05\nG1 X0\nG3 X0 Y0 J-10\nG64 P0.02\nG2 X5 Y5 R5\nM2\n";
+  for (const char* mode : {"G64 P0.02", "G64 P0.002", "G61"}) {
+    for (const char* rest : {track, stopping}) {
+      const std::string program = fmt::format("G21 G90 {} F6000\n{}", mode, rest);
+      for (const double jerk : {unlimited, 50.0}) {
+        const Task task = arc_task(jerk);
+        const ProgramResult fastest = arc_plan(program, task, false, false),
+                            free = arc_plan(program, task, true, false);
+        expect_verified(fastest, task);
+        expect_verified(free, task);
+        EXPECT_LE(free.cycle_time, fastest.cycle_time + 1e-9) << program << jerk;
+      }
+    }
+  }
+}
+
+// A line along one axis: acceleration and jerk of the closed form.
+TEST(PathSpeed, OfALineIsTheSCurve) {
+  for (const double length : {0.002, 0.02, 0.1}) {
+    PathSpeed speed;
+    speed.axes = 1;
+    speed.acceleration_max = {acceleration};
+    speed.jerk_max = {50.0};
+    const SCurve curve(length, feed, acceleration, 50.0);
+    const int cells = 400;
+    for (int i = 0; i <= cells; ++i) speed.node.push_back(i == cells ? length : curve.at(curve.time() * i / cells));
+    speed.cap.assign(speed.node.size(), feed * feed);
+    speed.first.assign(static_cast<std::size_t>(cells), 1.0);
+    speed.second.assign(static_cast<std::size_t>(cells), 0.0);
+    // A tenth of the speed of the S-curve holds.
+    std::vector<double> x(speed.node.size(), 0.0);
+    for (std::size_t i = 1; i + 1 < x.size(); ++i) {
+      const double step = curve.time() / cells, t = step * static_cast<double>(i);
+      const double v = 0.1 * (curve.at(t + 0.5 * step) - curve.at(t - 0.5 * step)) / step;
+      x[i] = v * v;
+    }
+    ASSERT_TRUE(speed.holds(x));
+    speed.solve(x, [] { return false; });
+    EXPECT_TRUE(std::all_of(x.begin(), x.end(), [](double v) { return v < feed * feed; }));
+    EXPECT_NEAR(speed.time(x), curve.time(), 0.01 * curve.time()) << length;
+  }
+}
+
+}  // namespace
+}  // namespace accdec
