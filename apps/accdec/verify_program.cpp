@@ -1,5 +1,6 @@
 #include "verify_program.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -74,8 +75,10 @@ double motion_seconds(const ProgramRecord& record) {
   }
   const Trajectory& trajectory = *result.plan.trajectory();
   if (trajectory.is_free()) return static_cast<double>(trajectory.free.block.size()) / samples_a_second;
-  double time = path.dwell_first + chain_time(trajectory.chain);
-  for (const auto& [block, dwell] : path.dwell) time += dwell;
+  constexpr double rest_seen = 1e4;  // samples
+  double time = std::min(path.dwell_first, rest_seen * result.sample_period) + chain_time(trajectory.chain);
+  // Long rests are passed over.
+  for (const auto& [block, dwell] : path.dwell) time += std::min(dwell, rest_seen * result.sample_period);
   const double rests = static_cast<double>(path.blocks()) * (trajectory.last.order() + 1.0);  // at most
   return (time / result.sample_period + rests) / samples_a_second;
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -8,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <accdec/files.hpp>
 #include <accdec/plan/along/path_speed.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
@@ -182,6 +184,20 @@ TEST(AlongArcs, MeetingLinesAndStopsHold) {
         EXPECT_LE(free.cycle_time, fastest.cycle_time + 1e-9) << program << jerk;
       }
     }
+  }
+}
+
+// Rest is rest: it is neither planned nor checked sample by sample.
+TEST(AlongArcs, ProgramsOfLongRestsAreAnsweredAtOnce) {
+  const Task task = arc_task(unlimited);
+  const std::string program = "G21 G90 G64 P0.05 F3000\nG1 X20\nG4 P1000000\nG1 X40\nG3 X40 Y0 I5\nM2\n";
+  for (const bool free : {false, true}) {
+    const auto start = std::chrono::steady_clock::now();
+    const ProgramResult result = arc_plan(program, task, free, false);
+    EXPECT_TRUE(result.verification.feasible) << result.message;
+    if (result.plan.trajectory() != nullptr) expect_verified(result, task);
+    EXPECT_GE(result.cycle_time, 1e6);
+    EXPECT_LE(seconds_since(start), 20.0);
   }
 }
 

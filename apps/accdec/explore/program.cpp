@@ -89,7 +89,8 @@ std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& 
   if (free_seconds > 0.0) {
     ProgramFileOptions options;
     options.deadline = Deadline(free_seconds);
-    ProgramResult best = run_free_plan(name, file, task, options, {}, tell);
+    ProgramFile copy = file;
+    ProgramResult best = run_free_plan(name, copy, task, options, {}, tell);
     // If no window gives way, the answer is the plan it began with.
     if (best.plan.trajectory() != nullptr && best.plan.trajectory()->is_free()) add(std::move(best));
   }

@@ -335,7 +335,8 @@ class Run {
 
 std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::size_t last, const Deadline& deadline) {
   for (std::size_t b = first; b < last; ++b) {
-    if (free.path.joint[b] != Joint::straight && free.path.tolerance[b] < least_tolerance) return {};
+    const Joint joint = free.path.joint[b];
+    if (joint == Joint::stop || (joint != Joint::straight && free.path.tolerance[b] < least_tolerance)) return {};
   }
   return Run(free, first, last, deadline).plan();
 }

@@ -6,7 +6,7 @@
 namespace accdec {
 namespace {
 
-constexpr double at_point = 1e-9;  // m
+constexpr double near_rest = 1e-9, at_rest = 1e-12;  // m
 
 /// Puts a motion together, run by run, from another and from runs along the path.
 class Joining {
@@ -18,34 +18,42 @@ class Joining {
   FreeSamples run(const Deadline& deadline) {
     std::size_t first = 0;
     for (std::size_t b = 0; b < free_.path.blocks(); ++b) {
-      if (!stops(b)) continue;
-      take(first, b, deadline);
+      const std::size_t end = stop_at(b);
+      if (end == 0) continue;
+      take(first, b, end, deadline);
       first = b + 1;
     }
     return std::move(result_);
   }
 
  private:
-  bool at(std::size_t sample, std::size_t point) const {
-    double most = 0.0;
+  /// m, of a sample from a point.
+  double distance(std::size_t sample, std::size_t point) const {
+    double sum = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
-      most = std::max(most, std::abs(motion_.position[sample * n_ + a] - free_.path.point(point)[a]));
-    return most <= at_point;
+      sum = std::hypot(sum, motion_.position[sample * n_ + a] - free_.path.point(point)[a]);
+    return sum;
   }
-  /// Whether the motion rests at the end of a block on a sample.
-  bool stops(std::size_t b) const {
-    if (b + 1 == free_.path.blocks()) return true;
+  /// The sample at which the motion rests at the end of a block; 0: it does not. Behind a last filter it comes to rest
+  /// slowly.
+  std::size_t stop_at(std::size_t b) const {
+    const std::size_t last = motion_.count(n_) - 1;
+    if (b + 1 == free_.path.blocks()) return last;
     const bool exact = free_.path.joint[b] != Joint::straight && free_.path.tolerance[b] < least_tolerance;
-    if (free_.path.joint[b] != Joint::stop && !exact) return false;
-    const double pass = motion_.passes[b];
-    return std::abs(pass - std::round(pass)) < 1e-6 && at(static_cast<std::size_t>(std::lround(pass)), b + 1);
+    if (free_.path.joint[b] != Joint::stop && !exact) return 0;
+    std::size_t best = 0;
+    double least = at_rest;
+    for (auto k = static_cast<std::size_t>(std::ceil(motion_.passes[b] - 1e-6));
+         k < last && distance(k, b + 1) <= near_rest; ++k) {
+      if (distance(k, b + 1) >= least) continue;
+      least = distance(k, b + 1);
+      best = k;
+    }
+    return best;
   }
-  /// Blocks first .. last.
-  void take(std::size_t first, std::size_t last, const Deadline& deadline) {
+  /// Blocks first .. last, at whose end the motion rests at sample `end`.
+  void take(std::size_t first, std::size_t last, std::size_t end, const Deadline& deadline) {
     const std::size_t begin = next_;
-    const std::size_t end = last + 1 == free_.path.blocks()
-                                ? motion_.count(n_) - 1
-                                : static_cast<std::size_t>(std::lround(motion_.passes[last]));
     next_ = end;
     const std::optional<AlongRun> along = deadline.over() ? std::nullopt : along_run(free_, first, last, deadline);
     const std::size_t rest = along ? rests(begin, end, first) : 0;
@@ -68,7 +76,7 @@ class Joining {
   std::size_t rests(std::size_t begin, std::size_t end, std::size_t first) const {
     if (first == 0) {
       std::size_t k = begin;
-      while (k + 1 < end && at(k + 1, 0)) ++k;
+      while (k + 1 < end && distance(k + 1, 0) <= at_rest) ++k;
       return free_.path.dwell_first > 0.0 ? k - begin : 0;
     }
     double time = 0.0;

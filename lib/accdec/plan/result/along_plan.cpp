@@ -21,6 +21,13 @@ bool keeps_limits(const Machine& machine) {
 
 }  // namespace
 
+bool rests_too_long(const Toolpath& path, double sample_period) {
+  constexpr double rests_max = 2e6;  // samples
+  double time = path.dwell_first;
+  for (const auto& [block, dwell] : path.dwell) time += dwell;
+  return time / sample_period > rests_max;
+}
+
 FreeMotion as_motion(const Toolpath& path, const FreeSamples& samples) {
   FreeMotion motion;
   const auto n = static_cast<std::ptrdiff_t>(path.dimensions());
@@ -49,7 +56,7 @@ std::optional<AlongPlan> plan_along(const ProgramResult& profiles, const Task& t
   const Machine machine = program_machine(task.machine, path);
   const Trajectory* trajectory = profiles.plan.trajectory();
   if (trajectory == nullptr || path.arcs.empty() || path.blocks() > several_plans_max || !keeps_limits(machine) ||
-      !profiles.verification.feasible)
+      !profiles.verification.feasible || rests_too_long(path, profiles.sample_period))
     return {};
   const auto start = std::chrono::steady_clock::now();
   const FreePath tube(path, machine, profiles.sample_period);

@@ -13,6 +13,9 @@ FreeMotion as_motion(const Toolpath& path, const FreeSamples& samples);
 /// A result with the samples of a plan, before it is judged. Bounds and counts of the program stay.
 ProgramResult with_samples(const ProgramResult& plan, const FreeSamples& samples);
 
+/// Whether a program rests for so long that a motion given by its samples would be nothing but rest.
+bool rests_too_long(const Toolpath& path, double sample_period);
+
 /// A plan and its samples.
 struct AlongPlan {
   ProgramResult result;

@@ -80,6 +80,10 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
     return result;
   };
   if (!profiles.verification.feasible) return answer(std::move(profiles));
+  if (rests_too_long(profiles.plan.path, task.sample_period)) {
+    if (tell) tell("dwells of more than two million samples are not written one by one: the plan stays what it is");
+    return answer(std::move(profiles));
+  }
   std::optional<AlongPlan> along = plan_along(profiles, task, options.deadline);
   const Toolpath& path = profiles.plan.path;
   const Machine machine = program_machine(task.machine, path);

@@ -283,7 +283,8 @@ SampleCheck look_at(const Plan& plan, double period, const Machine& machine, std
   SampleChecker checker(path, machine, period, errors, {});
   if (!trajectory.is_free()) {
     ProfileMotion motion(path, trajectory.chain, period, trajectory.last);
-    while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
+    for (; motion.next(); checker.rest(motion.pass_rest()))
+      checker.look(motion.position(), motion.place_first(), motion.place_last());
     return checker.finish();
   }
   TubeCheck tube(path, period);
