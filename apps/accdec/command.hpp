@@ -35,6 +35,7 @@ void add_identify(CLI::App& app, Context& context);
 void add_solvers(CLI::App& app, Context& context);
 void add_program(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);
+void add_instances(CLI::App& app, Context& context);
 void add_optima(CLI::App& app, Context& context);
 void add_study(CLI::App& app, Context& context);
 void add_compare(CLI::App& app, Context& context);

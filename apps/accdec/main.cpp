@@ -38,6 +38,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_optima(app, context);
   add_study(app, context);
   add_compare(app, context);
+  add_instances(app, context);
   add_program(app, context);
   add_generate(app, context);
   add_controllers(app, context);

@@ -27,6 +27,7 @@ constexpr const char* smoothing = "[controller]\nprefilter_taps = [0.25, 0.5, 0.
 const std::map<std::string, std::vector<std::string>> refusing{
     {"explore", {"task.toml"}},
     {"compare", {"suite.toml", "--out", "out"}},
+    {"instances", {"suite.toml", "--out", "instances", "--format", "nl"}},
     {"program", {"part.ngc", "--task", "task.toml"}},
     {"identify", {"log.csv", "--task", "task.toml"}},
 };

@@ -122,6 +122,11 @@ void Comparison::design_into(batch::Row& row, const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
   const CaseSpec& spec = subject.spec();
   const Competitor& competitor = settings_.solvers[entry.solver];
+  if (competitor.external) {
+    row["claim"] = to_string(solvers::Claim::refused);
+    row["message"] = "external solvers take margin and delay problems";
+    return;
+  }
   Task task = spec.task;
   task.design.order_min = task.design.order_max = spec.order;
   DesignOptions options;

@@ -30,6 +30,7 @@ class Line final : public nlp::Problem {
 }  // namespace
 
 void Competitor::warm_up() const {
+  if (external) return;
   solvers::Options options;
   options.native = native;
   options.time_limit = 0.01;  // random searches would run for a second

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,14 @@ struct Competitor {
   std::string name;    ///< in tables and figures, unique in a comparison
   std::string solver;  ///< registry name
   Form form = Form::suited;
-  std::map<std::string, std::string> native;  ///< the library's own options
+  std::map<std::string, std::string> native;        ///< the library's own options
+  std::shared_ptr<const solvers::Solver> external;  ///< a program of the user instead of a registered solver
 
   /// @throws std::invalid_argument for a solver that is not registered.
-  const solvers::Solver& registered() const { return solvers::find_solver(solver); }
+  const solvers::Solver& registered() const { return external ? *external : solvers::find_solver(solver); }
 
-  /// Solves a problem of one variable, so that the timed run does not include loading the library.
+  /// Solves a problem of one variable, so that the timed run does not include loading the library. Does nothing for a
+  /// program.
   /// @throws std::invalid_argument for options that the library does not have.
   void warm_up() const;
 

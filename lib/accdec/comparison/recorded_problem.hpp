@@ -20,6 +20,7 @@ class RecordedProblem final : public nlp::Problem {
   /// @param most_bytes  memory for points; when it is full they are judged at once, which costs time of the run
   RecordedProblem(const nlp::Problem& problem, Judge judge, std::size_t most_bytes = 64'000'000);
 
+  const nlp::Problem& recorded() const { return problem_; }
   /// Every new best point by the judge, in order. Judges the points not judged yet.
   const std::vector<nlp::Improvement>& history();
   /// The last of these; empty if there is none.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 
@@ -52,7 +53,7 @@ class SuiteReader {
     s.accuracy = top.required_number("accuracy");
     if (top.has("targets")) s.targets = top.numbers("targets");
     s.reference_time_limit = top.required_number("reference_time_limit_s");
-    read_competitors(top, solvers_, s);
+    read_competitors(top, std::filesystem::absolute(path_).parent_path().string(), solvers_, s);
     for (const comparison::Competitor& c : s.solvers) {
       text_ << fmt::format("{} {} {}", c.name, c.solver, static_cast<int>(c.form));
       for (const auto& [key, value] : c.native) text_ << fmt::format(" {}={}", key, value);

@@ -143,14 +143,28 @@ std::vector<Key> variant_keys() {
           free_table("options", "options by the library's own names", "{ mu_strategy = \"monotone\" }")};
 }
 
+std::vector<Key> external_keys() {
+  return {
+      required(text_key("name", "name in tables and figures", "", "\"my solver\"")),
+      required(text_key("command",
+                        "program and arguments, without a shell; {nl} or {cbf} (the problem), {answer}, {seconds} and "
+                        "{suite} (its folder) are replaced",
+                        "", "\"couenne {nl} -AMPL\"")),
+      word("reads", "format of the problem, as of `accdec instances`", {"nl", "cbf"}, "nl", "\"cbf\""),
+      word("answer",
+           "`sol`: AMPL's solution file; `values`: a claim (solved, acceptable, infeasible, unbounded, failed, time "
+           "limit), then a number for each variable",
+           {"sol", "values"}, "sol", "\"values\"")};
+}
+
 FileKind make_suite_file() {
   std::vector<std::string> entries = solver_names_with_forms();
   entries.emplace_back("all");
   Key notes = text_key("notes", "text below the title of the report", "", "\"Every algorithm.\"");
   notes.empty_text = notes.long_text = true;
   FileKind file{.name = "suite", .title = "accdec suite"};
-  Key solvers = names("solvers", "solvers that take part; may be left out if there are variants", entries, "solver",
-                      "[\"ipopt\", \"nlopt-slsqp/reduced\"]");
+  Key solvers = names("solvers", "solvers that take part; may be left out if there are other entries", entries,
+                      "solver", "[\"ipopt\", \"nlopt-slsqp/reduced\"]");
   solvers.allowed = "allowed are `all`, or names of `accdec solvers`, NAME/sparse and NAME/reduced";
   Key reduced = names("reduced", "solvers that get the reduced form although they accept equality rows", solver_names(),
                       "solver", "[\"nlopt-cobyla\"]");
@@ -159,8 +173,9 @@ FileKind make_suite_file() {
   for (Key& key : setting_keys()) file.keys.push_back(std::move(key));
   file.keys.push_back(reduced);
   file.keys.push_back(list("variant", "a further entry: a solver with options of its own", variant_keys()));
+  file.keys.push_back(list("external", "a further entry: a program that reads problems from files", external_keys()));
   file.keys.push_back(required(list("problem", "a task and what is asked of it", problem_keys())));
-  file.conditions = R"({"anyOf": [{"required": ["solvers"]}, {"required": ["variant"]}]})";
+  file.conditions = R"({"anyOf": [{"required": ["solvers"]}, {"required": ["variant"]}, {"required": ["external"]}]})";
   return file;
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/comparison/external_solver.hpp>
 #include <accdec/comparison/suite_keys.hpp>
 #include <accdec/comparison/suite_solvers.hpp>
 #include <accdec/files/suggestion.hpp>
@@ -73,11 +74,26 @@ Competitor read_variant(const Table& table) {
   return c;
 }
 
+Competitor read_external(const Table& table, const std::string& folder) {
+  comparison::External external{*table.text("name"), *table.text("command"), table.word("reads"), table.word("answer"),
+                                folder};
+  if (external.command.find("{" + external.reads + "}") == std::string::npos)
+    table.fail_at("command", fmt::format("`command` needs {{{}}}, the place of the problem's file", external.reads));
+  Competitor c;
+  c.name = external.name;
+  c.solver = "external";
+  c.form = Competitor::Form::sparse;
+  c.native = {{"command", external.command}, {"reads", external.reads}, {"answer", external.answer}};
+  c.external = std::make_shared<comparison::ExternalSolver>(std::move(external));
+  return c;
+}
+
 }  // namespace
 
-void read_competitors(const Table& top, const Names& instead, comparison::ComparisonSettings& settings) {
+void read_competitors(const Table& top, const std::string& folder, const Names& instead,
+                      comparison::ComparisonSettings& settings) {
   const Names names = solver_names(), known = solver_names_with_forms();
-  const auto variants = top.tables("variant");
+  const auto variants = top.tables("variant"), externals = top.tables("external");
   settings.reduced = known_solvers(top, "reduced", names);
   if (!instead.empty()) {
     if (const std::string message = objection(instead, known); !message.empty())
@@ -85,17 +101,18 @@ void read_competitors(const Table& top, const Names& instead, comparison::Compar
     for (const std::string& name : instead) settings.solvers.push_back(comparison::competitor_from_entry(name));
     return;
   }
-  if (!top.has("solvers") && variants.empty())
+  if (!top.has("solvers") && variants.empty() && externals.empty())
     top.fail(fmt::format("the suite needs `solvers`: \"all\" or a list of {}", fmt::join(names, ", ")));
   for (const std::string& name : top.text("solvers") == "all" ? names : known_solvers(top, "solvers", known))
     settings.solvers.push_back(comparison::competitor_from_entry(name));
-  for (const Table& table : variants) {
-    Competitor variant = read_variant(table);
-    const auto same = [&](const Competitor& c) { return c.name == variant.name; };
+  const auto add = [&](const Table& table, Competitor entry) {
+    const auto same = [&](const Competitor& c) { return c.name == entry.name; };
     if (std::any_of(settings.solvers.begin(), settings.solvers.end(), same))
-      table.fail(fmt::format("the name \"{}\" is taken already", variant.name));
-    settings.solvers.push_back(std::move(variant));
-  }
+      table.fail(fmt::format("the name \"{}\" is taken already", entry.name));
+    settings.solvers.push_back(std::move(entry));
+  };
+  for (const Table& table : variants) add(table, read_variant(table));
+  for (const Table& table : externals) add(table, read_external(table, folder));
 }
 
 }  // namespace accdec::toml_input

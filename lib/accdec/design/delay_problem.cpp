@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -152,6 +153,16 @@ void DelayProblem::find_slots(Closest& c) const {
   c.hessian_tt = hessian_slot(c.instant, c.instant);
   c.hessian_td = hessian_slot(c.instant, c.delay);
   c.hessian_dd = hessian_slot(c.delay, c.delay);
+}
+
+std::vector<Approach> DelayProblem::approaches() const {
+  if (reduced_) throw std::logic_error("the reduced form has no rows of distances");
+  std::vector<Approach> found;
+  for (const Closest& c : closest_) {
+    found.push_back({c.row_p, c.instant, -1, c.scale_in});
+    found.push_back({c.row_q, c.instant, c.delay, c.scale_out});
+  }
+  return found;
 }
 
 void DelayProblem::rows(std::span<const double> x, std::span<double> c) const {

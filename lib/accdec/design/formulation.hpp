@@ -27,6 +27,15 @@ class MarginProblem : public QuadraticProblem {
   int order_ = 0, sigma_ = 0;
 };
 
+/// A term scale * p(t) or scale * Q(t - d) of a row of `DelayProblem`. With B interpolated linearly, both are 1/2 sum_i
+/// b_i (f_i^2 - g_i^2). For Q, f_i = max(t - d - i, 0) and g_i = max(t - d - i - 1, 0). For p, f_i = max(i + 1 - t, 0)
+/// and g_i = max(i - t, 0).
+struct Approach {
+  int row = 0, instant = 0;
+  int delay = -1;  ///< variable of Q's d; -1: this is p
+  double scale = 0.0;
+};
+
 /// (b) Least weighted delay at given order with continuous delays d_j and free instants t_j of closest approach:
 ///   minimise sum_j w_j d_j  subject to  |S_j(t_j; d_j)|^2 <= E_j^2  and all limits.
 /// B is interpolated linearly between samples, which makes S(t) the quadratic B-spline of the sampled path, C1 in t and
@@ -35,9 +44,12 @@ class MarginProblem : public QuadraticProblem {
 class DelayProblem : public QuadraticProblem {
  public:
   DelayProblem(const Task& task, const FormulationOptions& options);
+  int order() const { return order_; }
   std::vector<double> start_from(const Filter& filter, std::span<const double> delays) const;
   /// d_j of a point, one per corner of the task.
   std::vector<double> delays(std::span<const double> x) const;
+  /// The terms that the quadratic part lacks. @throws std::logic_error in the reduced form
+  std::vector<Approach> approaches() const;
   /// t_j of a point; -1 for corners without an error bound.
   std::vector<double> instants(std::span<const double> x) const;
 

@@ -306,26 +306,34 @@ class RowBuilder {
 
 }  // namespace
 
-void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
-                    const FormulationOptions& options) {
+void add_blend_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
+                    const FormulationOptions& options, std::size_t corner) {
+  RowBuilder rows(problem, b, task, options);
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a)
+    rows.blend(a, task.corners[corner], options.blend_delays[corner]);
+  rows.supply(task.corners[corner], options.blend_delays[corner]);
+  rows.speed(task.corners[corner], options.blend_delays[corner]);
+}
+
+void add_common_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
+                     const FormulationOptions& options) {
   require_no_response(task.machine, "a nonlinear problem");
   RowBuilder rows(problem, b, task, options);
   rows.taps();
   for (const AxisLimit& limit : axis_limits) {
     if (limit.differences > 0) rows.ramp(limit, limit.differences);
   }
-  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
-    rows.start_and_stop(a);
-    for (std::size_t j = 0; j < task.corners.size(); ++j) rows.blend(a, task.corners[j], options.blend_delays[j]);
-  }
-  for (std::size_t j = 0; j < task.corners.size(); ++j) {
-    rows.supply(task.corners[j], options.blend_delays[j]);
-    rows.speed(task.corners[j], options.blend_delays[j]);
-  }
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) rows.start_and_stop(a);
   for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
     rows.vibration(task.machine.modes[i], options.mode_frequencies[i]);
   }
   if (task.design.symmetric) rows.symmetry();
+}
+
+void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
+                    const FormulationOptions& options) {
+  add_common_rows(problem, b, task, options);
+  for (std::size_t j = 0; j < task.corners.size(); ++j) add_blend_rows(problem, b, task, options, j);
 }
 
 std::vector<std::vector<double>> initial_frequencies(const Task& task, int order) {

@@ -45,6 +45,13 @@ CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int orde
 void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
                     const FormulationOptions& options);
 
+/// The part of these rows that depends on delays: blend and smallest speed of one corner.
+void add_blend_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
+                    const FormulationOptions& options, std::size_t corner);
+/// The other part.
+void add_common_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
+                     const FormulationOptions& options);
+
 /// A first grid for the bound of each mode's band: the ends, and points half of the response's shortest ripple apart.
 std::vector<std::vector<double>> initial_frequencies(const Task& task, int order);
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 #include <accdec/design/quadratic_problem.hpp>
@@ -76,6 +77,28 @@ void QuadraticProblem::add_product(int row, double coefficient, Affine left, Aff
   merge(left);
   merge(right);
   rows_[nth(row)].products.push_back({coefficient, std::move(left), std::move(right), {}, {}, {}});
+}
+
+Polynomial QuadraticProblem::polynomial(int row) const {
+  const Row& r = rows_[nth(row)];
+  Polynomial p;
+  p.affine = r.affine;
+  std::map<std::pair<int, int>, double> pairs;
+  for (const Product& product : r.products) {
+    const double c = product.coefficient;
+    p.affine.constant += c * product.left.constant * product.right.constant;
+    for (const auto& [i, l] : product.left.terms) {
+      p.affine.add(i, c * l * product.right.constant);
+      for (const auto& [j, t] : product.right.terms) pairs[std::minmax(i, j)] += c * l * t;
+    }
+    for (const auto& [j, t] : product.right.terms) p.affine.add(j, c * product.left.constant * t);
+  }
+  merge(p.affine);
+  std::erase_if(p.affine.terms, [](const auto& term) { return term.second == 0.0; });
+  for (const auto& [pair, c] : pairs) {
+    if (c != 0.0) p.products.push_back({pair.first, pair.second, c});
+  }
+  return p;
 }
 
 void QuadraticProblem::finish() {

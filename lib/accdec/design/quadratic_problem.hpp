@@ -23,6 +23,16 @@ struct Affine {
 Affine operator*(double factor, Affine a);
 Affine operator+(Affine a, const Affine& b);
 
+/// An affine form plus sum_n coefficient_n x_{first_n} x_{second_n}, with first <= second and no pair twice.
+struct Polynomial {
+  struct Product {
+    int first = 0, second = 0;
+    double coefficient = 0.0;
+  };
+  Affine affine;
+  std::vector<Product> products;
+};
+
 /// A problem with an affine objective. Its rows are an affine form plus products of two affine forms. In the cumulative
 /// variables, all limits of a corner motion at fixed delays have this form. Taps, accelerations, jerks and forces are
 /// affine with a few neighbours each. Power is one product; squared speeds and distances are sums of products.
@@ -42,6 +52,10 @@ class QuadraticProblem : public nlp::Problem {
   void omit_hessian() { with_hessian_ = false; }
   /// Compiles the sparsity patterns; call once, after the last add.
   void finish();
+
+  /// The quadratic part of a row, multiplied out. A derived class may add terms of its own to the row.
+  Polynomial polynomial(int row) const;
+  const Affine& objective_form() const { return objective_; }
 
   std::string name() const override { return name_; }
   int num_variables() const override { return static_cast<int>(variables_.size()); }

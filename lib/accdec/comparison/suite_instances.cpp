@@ -1,0 +1,187 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/batch/row_numbers.hpp>
+#include <accdec/comparison/suite_instances.hpp>
+#include <accdec/exact/exact.hpp>
+#include <accdec/files/output_files.hpp>
+#include <accdec/files/results_folder.hpp>
+#include <accdec/formats/manifest.hpp>
+#include <accdec/formats/task_writer.hpp>
+#include <accdec/result.hpp>
+
+namespace accdec::comparison {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The rows of a choice grow with the square of the order.
+constexpr int most_choice_order = 200;
+
+instances::Text text_of(const instances::Instance& instance, const std::string& format) {
+  if (format == "nl") return instances::nl_text(instance);
+  if (format == "mps") return instances::mps_text(instance);
+  if (format == "cbf") return instances::cbf_text(instance);
+  return instances::dat_s_text(instance);
+}
+
+std::string stem_of(const CaseSpec& spec) {
+  std::string stem;
+  for (const unsigned char c : spec.name) {
+    if (std::isalnum(c))
+      stem += static_cast<char>(std::tolower(c));
+    else if (!stem.empty() && stem.back() != '-')
+      stem += '-';
+  }
+  while (!stem.empty() && stem.back() == '-') stem.pop_back();
+  return fmt::format("{}.{}.{}", stem.empty() ? "problem" : stem, to_string(spec.question), spec.size);
+}
+
+/// One name a line. Readers end a name at a space.
+std::string lines(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    text += name;
+    std::replace(text.end() - static_cast<std::ptrdiff_t>(name.size()), text.end(), ' ', '_');
+    text += '\n';
+  }
+  return text;
+}
+
+/// Collects the files and the manifest.
+class Writer {
+ public:
+  Writer(const Suite& suite, const InstanceOptions& options) : suite_(suite), options_(options) {
+    manifest_["schema"] = "accdec.instances/1";
+    manifest_["command"] = options.command;
+    manifest_["suite"] = suite.settings.title;
+    manifest_["format"] = options.format;
+    manifest_["licence"] = "Apache-2.0";
+    manifest_["instances"] = Json::array();
+  }
+
+  void add(const CaseSpec& spec) {
+    if (options_.tell) options_.tell(spec.name);
+    const ComparisonCase subject(spec);
+    std::string stem = stem_of(spec);
+    for (int n = 2; std::find(stems_.begin(), stems_.end(), stem) != stems_.end(); ++n)
+      stem = fmt::format("{}.{}", stem_of(spec), n);
+    stems_.push_back(stem);
+    Json entry;
+    entry["problem"] = spec.name;
+    entry["family"] = spec.family;
+    entry["formulation"] = to_string(spec.question);
+    entry["asks"] = subject.asks();
+    entry["size"] = spec.size;
+    entry["order"] = spec.order;
+    try {
+      write(entry, stem, instance_of(subject));
+    } catch (const std::invalid_argument& reason) {
+      entry["file"] = nullptr;
+      entry["reason"] = reason.what();
+      ++summary_.left_out;
+    }
+    entry["expected"] = spec.infeasible ? "infeasible" : "feasible";
+    if (options_.optima) optimum(entry, stem, subject);
+    entry["task"] = task_to_json(spec.task);
+    manifest_["instances"].push_back(std::move(entry));
+  }
+
+  InstanceSummary finish() {
+    add_environment(manifest_, options_.version);
+    OutputFiles output;
+    output.add((std::filesystem::path(options_.out) / "manifest.json").string(), manifest_.dump(1) + "\n");
+    for (auto& [name, content] : files_)
+      output.add((std::filesystem::path(options_.out) / name).string(), std::move(content));
+    create_results_folder(options_.out);
+    output.commit();
+    return summary_;
+  }
+
+ private:
+  void write(Json& entry, const std::string& stem, const instances::Instance& instance) {
+    instances::Text text = text_of(instance, options_.format);
+    const std::string file = stem + "." + options_.format;
+    entry["file"] = file;
+    entry["class"] = text.kind;
+    entry["relation"] = text.relation;
+    entry["variables"] = text.columns.size();
+    entry["binary"] =
+        std::count_if(instance.variables.begin(), instance.variables.end(), [](const auto& v) { return v.binary; });
+    entry["rows"] = text.rows.size();
+    files_.emplace_back(file, std::move(text.content));
+    files_.emplace_back(stem + ".row", lines(text.rows));
+    files_.emplace_back(stem + ".col", lines(text.columns));
+    ++summary_.written;
+  }
+
+  void optimum(Json& entry, const std::string& stem, const ComparisonCase& subject) {
+    const double limit = suite_.settings.reference_time_limit;
+    Reference reference;
+    Json certificate = nullptr;
+    if (subject.spec().question == Question::design) {
+      Task task = subject.spec().task;
+      task.design.order_min = task.design.order_max = subject.spec().order;
+      ExactOptions exact;
+      exact.time_limit = limit;
+      const DesignResult result = design_exact(task, exact);
+      const double period = task.sample_period;
+      reference = {Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, nlp::infinity, "exact bound"};
+      if (result.status == Status::optimal)
+        reference = {Reference::Proof::optimal, reference.lower, result.objective() / period,
+                     "exact design at this order"};
+      if (result.status == Status::infeasible)
+        reference = {Reference::Proof::infeasible, nlp::infinity, nlp::infinity, "exact: " + result.message};
+      certificate = stem + ".proof.json";
+      files_.emplace_back(stem + ".proof.json", result_to_json(result));
+    } else {
+      reference = reference_of(subject, limit);
+    }
+    if (reference.proof != Reference::Proof::bound) ++summary_.proved;
+    entry["optimum"] = {{"proof", to_string(reference.proof)},
+                        {"lower", batch::number(reference.lower)},
+                        {"upper", batch::number(reference.upper)},
+                        {"method", reference.method},
+                        {"certificate", certificate}};
+  }
+
+  const Suite& suite_;
+  const InstanceOptions& options_;
+  Json manifest_;
+  std::vector<std::string> stems_;
+  std::vector<std::pair<std::string, std::string>> files_;
+  InstanceSummary summary_;
+};
+
+}  // namespace
+
+instances::Instance instance_of(const ComparisonCase& subject) {
+  const CaseSpec& spec = subject.spec();
+  if (spec.question == Question::design) {
+    if (spec.order > most_choice_order)
+      throw std::invalid_argument(
+          fmt::format("a whole choice is written down to order {}: its rows grow with the square", most_choice_order));
+    return instances::choice_instance(spec.task, spec.order);
+  }
+  const auto& problem = dynamic_cast<const QuadraticProblem&>(*subject.problem(false));
+  return instances::instance_of(problem, subject.start(false, 0, 1));
+}
+
+InstanceSummary write_instances(const Suite& suite, const InstanceOptions& options) {
+  constexpr std::array formats{"nl", "mps", "cbf", "dat-s"};
+  if (std::find(formats.begin(), formats.end(), options.format) == formats.end())
+    throw std::invalid_argument(fmt::format("--format {}: allowed are {}", options.format, fmt::join(formats, ", ")));
+  require_results_folder(options.out, {"accdec.instances/1", "command", "instances", "accdec instances "});
+  Writer writer(suite, options);
+  for (const CaseSpec& spec : suite.cases) writer.add(spec);
+  return writer.finish();
+}
+
+}  // namespace accdec::comparison

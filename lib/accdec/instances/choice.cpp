@@ -1,0 +1,181 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/exact/rows.hpp>
+#include <accdec/instances/instance.hpp>
+
+namespace accdec::instances {
+namespace {
+
+/// Builds `choice_instance`.
+class ChoiceBuilder {
+ public:
+  ChoiceBuilder(const Task& task, int order)
+      : task_(task), b_(add_cumulative_variables(problem_, order)), tap_max_(exact::ConvexRows(task).tap_max()) {
+    options_.order = order;
+    options_.margin = 0.0;
+    options_.mode_frequencies = initial_frequencies(task, order);
+    options_.blend_delays.assign(task.corners.size(), 0);
+  }
+
+  Instance build() {
+    add_common_rows(problem_, b_, task_, options_);
+    for (std::size_t j = 0; j < task_.corners.size(); ++j) corner(j);
+    const bool each = task_.design.objective == Objective::corner;
+    objective_.constant += each ? 0.0 : task_.design.runs * (order() + 1);
+    for (const TaskCorner& c : task_.corners) objective_.constant += each ? c.weight * (order() + 1) : 0.0;
+    problem_.set_objective(objective_);
+    problem_.set_name("whole choice of taps and delays");
+    problem_.finish();
+    Instance instance = instance_of(problem_, std::vector<double>(count(problem_.num_variables()), 0.0));
+    for (const int i : binary_) instance.variables[count(i)].binary = true;
+    for (int k = 1; k <= order(); ++k) instance.variables[count(k - 1)].start = k / (order() + 1.0);
+    return instance;
+  }
+
+ private:
+  static std::size_t count(int i) { return static_cast<std::size_t>(i); }
+  int order() const { return options_.order; }
+
+  int binary(std::string name) {
+    binary_.push_back(problem_.add_variable(std::move(name), {0.0, 1.0}));
+    return binary_.back();
+  }
+
+  /// Binary variables of sum 1, one for each value low .. high, and the value as their sum.
+  std::vector<int> choice(const std::string& name, int low, int high, Affine& value) {
+    std::vector<int> variables;
+    const int row = problem_.add_row("one " + name, {1.0, 1.0});
+    for (int v = low; v <= high; ++v) {
+      variables.push_back(binary(fmt::format("{} = {}", name, v)));
+      problem_.add_to_row(row, {0.0, {{variables.back(), 1.0}}});
+      if (v != 0) value.add(variables.back(), v);
+    }
+    return variables;
+  }
+
+  void corner(std::size_t j) {
+    const TaskCorner& corner = task_.corners[j];
+    const bool bounded = corner.error_max && *corner.error_max > 0.0;
+    int low = 0, high = order();
+    if (corner.delay)
+      low = high = *corner.delay;
+    else if (!corner.error_max)
+      high = 0;
+    else if (!bounded)
+      low = order();
+    Affine delay;
+    const std::vector<int> chosen = choice("delay, corner " + corner.name, low, high, delay);
+    objective_ += corner.weight * delay;
+    for (int d = low; d <= high; ++d) blend(j, d, chosen[count(d - low)]);
+    if (bounded) error(corner, delay);
+  }
+
+  /// Rows of the blend at one delay, which hold where `chosen` is 1.
+  void blend(std::size_t j, int delay, int chosen) {
+    QuadraticProblem rows;
+    const CumulativeVariables b = add_cumulative_variables(rows, order());
+    options_.blend_delays[j] = delay;
+    add_blend_rows(rows, b, task_, options_, j);
+    rows.finish();
+    for (int r = 0; r < rows.num_rows(); ++r) {
+      const Polynomial body = rows.polynomial(r);
+      const nlp::Bound bound = rows.row_bound(r);
+      const std::string name = fmt::format("{}, delay {}", rows.row_name(r), delay);
+      if (std::isfinite(bound.upper)) switched(name, body, 1.0, bound.upper, chosen);
+      if (std::isfinite(bound.lower)) switched(name, body, -1.0, -bound.lower, chosen);
+    }
+  }
+
+  /// sign * body <= bound + M (1 - chosen); no row if it holds anyway.
+  void switched(const std::string& name, const Polynomial& body, double sign, double bound, int chosen) {
+    const double m = largest(body, sign) - bound;
+    if (m <= 0.0) return;
+    const int row = problem_.add_row(name, {-nlp::infinity, bound + m});
+    problem_.add_to_row(row, sign * body.affine + Affine{0.0, {{chosen, m}}});
+    for (const auto& p : body.products)
+      problem_.add_product(row, sign * p.coefficient, {0.0, {{p.first, 1.0}}}, {0.0, {{p.second, 1.0}}});
+  }
+
+  /// Bound of sign * body over 0 <= B <= 1, and of its affine part over 0 <= taps <= tap_max with sum 1 as well.
+  double largest(const Polynomial& body, double sign) const {
+    double in_sums = 0.0, products = 0.0;
+    std::vector<double> of_tap(count(order()) + 1, 0.0);
+    for (const auto& [k, c] : body.affine.terms) {  // B_{k+1} = b_0 + .. + b_k
+      in_sums += std::max(0.0, sign * c);
+      for (int i = 0; i <= k; ++i) of_tap[count(i)] += sign * c;
+    }
+    for (const auto& p : body.products) products += std::max(0.0, sign * p.coefficient);
+    std::sort(of_tap.rbegin(), of_tap.rend());
+    double left = 1.0, in_taps = 0.0;
+    for (const double c : of_tap) {
+      const double tap = std::min(left, tap_max_);
+      in_taps += tap * c;
+      left -= tap;
+    }
+    // Rounding of the sums must not cut anything off.
+    return sign * body.affine.constant + products + std::min(in_sums, in_taps) * (1.0 + 1e-12) + 1e-12;
+  }
+
+  /// |S[k]|^2 <= 1 in units of the tolerance, with P = p(k) and Q = Q(m) at the chosen k and m = k - delay.
+  void error(const TaskCorner& corner, const Affine& delay) {
+    const double in = corner.geometry().feed_in * task_.sample_period / *corner.error_max;
+    const double out = corner.geometry().feed_out * task_.sample_period / *corner.error_max;
+    const double cosine = corner.geometry().cos_interior();
+    // |S| <= 1 bounds both distances: |S|^2 >= (1 - c^2) P^2.
+    const double most = (1.0 + 1e-9) / std::sqrt(std::max(1e-12, cosine < 0.0 ? 1.0 - cosine * cosine : 1.0));
+    Affine k, m;
+    // A given delay may be longer than the filter: then the legs do not overlap.
+    const int last = std::max(order(), corner.delay.value_or(0));
+    const std::vector<int> samples = choice("sample, corner " + corner.name, 0, last, k);
+    const std::vector<int> since = choice("sample after the delay, corner " + corner.name, 0, order(), m);
+    problem_.add_to_row(problem_.add_row("delay of corner " + corner.name, {0.0, 0.0}), delay + -1.0 * k + m);
+    const int p = tied(
+        "P " + corner.name, std::min(most, in * order()), [&](int i) { return in * b_.remaining_moment(i); },
+        [&](int i) { return in * std::max(0, order() - i); }, samples);
+    const int q = tied(
+        "Q " + corner.name, std::min(most, out * order()), [&](int i) { return out * b_.elapsed_moment(i); },
+        [&](int i) { return out * i; }, since);
+    const int row = problem_.add_row("corner error, corner " + corner.name, {-nlp::infinity, 1.0});
+    problem_.add_product(row, 1.0, {0.0, {{p, 1.0}}}, {0.0, {{p, 1.0}}});
+    problem_.add_product(row, 1.0, {0.0, {{q, 1.0}}}, {0.0, {{q, 1.0}}});
+    problem_.add_product(row, 2.0 * cosine, {0.0, {{p, 1.0}}}, {0.0, {{q, 1.0}}});
+  }
+
+  /// A variable in 0 .. most that equals form(i) where chosen[i] is 1. @param largest  value of form(i)
+  template <class Form, class Largest>
+  int tied(const std::string& name, double most, const Form& form, const Largest& largest,
+           const std::vector<int>& chosen) {
+    const int variable = problem_.add_variable(name, {0.0, most});
+    for (int i = 0; i < static_cast<int>(chosen.size()); ++i) {
+      const int one = chosen[count(i)];
+      const Affine difference = Affine{0.0, {{variable, 1.0}}} + -1.0 * form(i);
+      // difference <= most (1 - one) and -difference <= largest (1 - one)
+      add_below(fmt::format("{} from above, {}", name, i), difference, most, one);
+      add_below(fmt::format("{} from below, {}", name, i), -1.0 * difference, largest(i), one);
+    }
+    return variable;
+  }
+  void add_below(std::string name, const Affine& form, double m, int chosen) {
+    const int row = problem_.add_row(std::move(name), {-nlp::infinity, m});
+    problem_.add_to_row(row, form + Affine{0.0, {{chosen, m}}});
+  }
+
+  const Task& task_;
+  QuadraticProblem problem_;
+  CumulativeVariables b_;
+  double tap_max_;
+  FormulationOptions options_;
+  Affine objective_;
+  std::vector<int> binary_;
+};
+
+}  // namespace
+
+Instance choice_instance(const Task& task, int order) {
+  return ChoiceBuilder(task, order).build();
+}
+
+}  // namespace accdec::instances

@@ -1,0 +1,20 @@
+#include <accdec/instances/instance.hpp>
+
+namespace accdec::instances {
+
+Instance instance_of(const QuadraticProblem& problem, std::span<const double> start) {
+  Instance instance{problem.name(), 0, problem.objective_form(), {}, {}};
+  for (int i = 0; i < problem.num_variables(); ++i)
+    instance.variables.push_back(
+        {problem.variable_name(i), problem.variable_bound(i), start[static_cast<std::size_t>(i)]});
+  for (int r = 0; r < problem.num_rows(); ++r)
+    instance.rows.push_back({problem.row_name(r), problem.row_bound(r), problem.polynomial(r), {}});
+  if (const auto* delay = dynamic_cast<const DelayProblem*>(&problem)) {
+    instance.order = delay->order();
+    for (const Approach& a : delay->approaches())
+      instance.rows[static_cast<std::size_t>(a.row)].approaches.push_back(a);
+  }
+  return instance;
+}
+
+}  // namespace accdec::instances

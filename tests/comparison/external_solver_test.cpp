@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/comparison/comparison_case.hpp>
+#include <accdec/comparison/external_solver.hpp>
+#include <accdec/comparison/suite_file.hpp>
+#include <accdec/files/limited_process.hpp>
+
+#include "compare_command.hpp"
+
+namespace accdec {
+namespace {
+
+using comparison::External;
+using comparison::ExternalSolver;
+using solvers::Claim;
+using ::testing::HasSubstr;
+
+comparison::CaseSpec corner() {
+  comparison::CaseSpec spec;
+  spec.task = read_task(test_support::source_folder() + "/problems/corner/acceleration-jerk.toml");
+  spec.order = 30;
+  spec.delays = {12};
+  return spec;
+}
+
+/// A solver that is a script of the shell; $1 is the problem, $2 the answer.
+class ExternalScript : public testing::CommandInFolder {
+ protected:
+  solvers::Result answer_of(const std::string& script, const std::string& answer = "values", double seconds = 20.0) {
+    testing::write(home_ / "solver.sh", script);
+    const comparison::ComparisonCase subject(corner());
+    const nlp::Problem& problem = *subject.problem(false);
+    solvers::Options options;
+    options.time_limit = seconds;
+    return ExternalSolver({"mine", "sh {suite}/solver.sh {nl} {answer}", "nl", answer, home_.string()})
+        .solve(problem, subject.start(false, 0, 1), options);
+  }
+  /// Seconds a call takes.
+  template <class Call>
+  static double time_of(const Call& call) {
+    const auto began = std::chrono::steady_clock::now();
+    call();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  }
+};
+
+// The start of the .nl file as an answer: the section x has as many lines as variables.
+constexpr const char* echo_start = R"(n=$(sed -n 's/^x\([0-9]*\)$/\1/p' "$1")
+values=$(sed -n "/^x$n\$/,/^r\$/p" "$1" | sed '1d;$d' | cut -d' ' -f2)
+)";
+
+TEST_F(ExternalScript, AnswersComeBackInTheOrderOfTheProblem) {
+  const comparison::ComparisonCase subject(corner());
+  const std::vector<double> start = subject.start(false, 0, 1);
+  const auto values = answer_of(std::string(echo_start) + "printf 'solved\\n%s\\n' \"$values\" > \"$2\"\n");
+  EXPECT_EQ(values.claim, Claim::solved) << values.message;
+  EXPECT_EQ(values.x, start);
+  EXPECT_DOUBLE_EQ(values.claimed_objective, subject.problem(false)->objective(start));
+  const auto sol = answer_of(std::string(echo_start) + R"(
+printf 'mine 1.0: nearly there\n\nOptions\n3\n1\n1\n0\n7\n0\n%s\n%s\n%s\nobjno 0 100\n' "$n" "$n" "$values" > "$2"
+)",
+                             "sol");
+  EXPECT_EQ(sol.claim, Claim::acceptable) << sol.message;
+  EXPECT_EQ(sol.x, start);
+  EXPECT_THAT(sol.message, HasSubstr("nearly there"));
+}
+
+TEST_F(ExternalScript, BadAnswersFailWithTheReason) {
+  const struct {
+    const char *script, *message;
+  } bad[] = {{"exit 3", "exit code 3"},
+             {"echo help >&2", "help"},
+             {"printf 'solved\\n1\\n2\\n' > \"$2\"", "2 values"},
+             {"yes 1 | head -100000 | (echo solved; cat) > \"$2\"", "more than"},
+             {"printf 'solved\\n1\\nzwei\\n' > \"$2\"", "\"zwei\" where a number belongs"},
+             {"printf 'done\\n' > \"$2\"", "no claim"},
+             {"ln -s /dev/zero \"$2\"", "wrote no answer"},
+             {"mkdir \"$2\"", "wrote no answer"}};
+  for (const auto& [script, message] : bad) {
+    const auto result = answer_of(script);
+    EXPECT_EQ(result.claim, Claim::failed) << script;
+    EXPECT_EQ(result.verification.verdict, solvers::Verdict::none) << script;
+    EXPECT_THAT(result.message, HasSubstr(message)) << script;
+  }
+  for (const char* number : {"nan", "inf", "1e999"}) {
+    const auto result = answer_of(std::string(echo_start) + "(echo solved; echo " + number +
+                                  "; echo \"$values\" | tail -n +2) > \"$2\"\n");
+    EXPECT_EQ(result.claim, Claim::invalid_number) << number;
+    EXPECT_EQ(result.verification.verdict, solvers::Verdict::none) << number;
+  }
+  for (const char* text : {"", "Options\n", "no options", "x\n\nOptions\n3\n1\n1\n0\n7\n0\n5\n5\n"}) {
+    EXPECT_THROW(comparison::read_sol(text, 33), std::invalid_argument) << text;
+  }
+  const auto missing = ExternalSolver({"gone", "/nowhere/solver {nl}", "nl", "sol", "."})
+                           .solve(*comparison::ComparisonCase(corner()).problem(false),
+                                  comparison::ComparisonCase(corner()).start(false, 0, 1));
+  EXPECT_EQ(missing.claim, Claim::failed);
+  EXPECT_THAT(missing.message, HasSubstr("cannot be started: No such file"));
+}
+
+TEST_F(ExternalScript, HangingPrintingAndForkingEndsWithinTheLimit) {
+  solvers::Result result;
+  EXPECT_LT(time_of([&] { result = answer_of("sleep 600", "values", 0.5); }), 5.0);
+  EXPECT_EQ(result.claim, Claim::time_limit);
+  EXPECT_THAT(result.message, HasSubstr("ran longer than 0.5 s"));
+  EXPECT_LT(time_of([&] { result = answer_of("yes", "values", 30.0); }), 10.0);
+  EXPECT_EQ(result.claim, Claim::failed);
+  EXPECT_THAT(result.message, HasSubstr("printed more than 1000000 bytes"));
+  // Processes in sessions of their own, which outlive the script and those who started them.
+  const std::string mark = "4321" + std::to_string(::getpid());
+  EXPECT_LT(time_of([&] {
+              result = answer_of("for i in 1 2 3; do (setsid sleep " + mark + " &) ; done; setsid -f sleep " + mark +
+                                     "; sleep 0.2; echo failed > \"$2\"",
+                                 "values", 30.0);
+            }),
+            10.0);
+  EXPECT_EQ(result.claim, Claim::failed);
+  EXPECT_NE(
+      std::system(("cat /proc/[0-9]*/cmdline 2> /dev/null | tr '\\0' ' ' | grep -q 'slee[p] " + mark + "'").c_str()),
+      0);
+}
+
+TEST_F(ExternalScript, LargeFilesAreCutOff) {
+  ProcessLimits limits;
+  limits.seconds = 20.0;
+  limits.most_file_bytes = 100'000;
+  const LimitedOutput output =
+      run_limited({"dd", "if=/dev/zero", "of=large", "bs=1000", "count=1000000"}, home_.string(), limits);
+  EXPECT_LE(std::filesystem::file_size(home_ / "large"), 100'000u);
+  EXPECT_THAT(output.stopped, HasSubstr("wrote a file of more than 100000 bytes"));
+}
+
+class ExternalCommand : public testing::CompareCommand {};
+
+TEST_F(ExternalCommand, RunGoesOnWithABrokenSolver) {
+  suite(R"(["ipopt"])", R"([[external]]
+name = "hangs"
+command = "tail -f {nl}"
+[[external]]
+name = "gone"
+command = "/nowhere/solver {nl}"
+)",
+        1);
+  const std::string text = testing::content(home_ / "suite.toml");
+  std::string quick = text;
+  quick.replace(quick.find("time_limit_s = 60"), 17, "time_limit_s = 1");
+  testing::write(home_ / "suite.toml", quick);
+  const testing::Outcome outcome = run("compare suite.toml --out out --workers 2");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::string raw = testing::content(home_ / "out" / "raw.jsonl");
+  EXPECT_THAT(raw, HasSubstr("ran longer than 1 s"));
+  EXPECT_THAT(raw, HasSubstr("cannot be started: No such file"));
+  EXPECT_THAT(raw, HasSubstr("external solvers take margin and delay problems"));
+}
+
+TEST_F(ExternalCommand, SuitesAreCheckedBeforeAnythingRuns) {
+  suite(R"(["ipopt"])", "[[external]]\nname = \"a\"\ncommand = \"solver {cbf}\"\n");
+  testing::Outcome outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.output, HasSubstr("needs {nl}"));
+  suite(R"(["ipopt"])", "[[external]]\nname = \"ipopt\"\ncommand = \"solver {nl}\"\n");
+  outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.output, HasSubstr("the name \"ipopt\" is taken already"));
+  suite(R"(["ipopt"])", "[[external]]\nname = \"a\"\ncommand = \"s {nl}\"\nreads = \"lp\"\n");
+  outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.output, HasSubstr("suite.toml:"));
+  EXPECT_THAT(outcome.output, HasSubstr("cbf"));
+}
+
+// cvxopt, started as a program, reaches the reference of the exact method.
+TEST_F(ExternalCommand, ShippedConeSolverReachesTheReference) {
+  if (std::system("/usr/bin/python3 -c 'import cvxopt' > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "python3-cvxopt is not installed";
+  const testing::Outcome outcome =
+      run("compare '" + test_support::source_folder() + "/problems/suite/external.toml' --out out --workers 2");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  std::istringstream lines(testing::content(home_ / "out" / "raw.jsonl"));
+  std::vector<double> upper;
+  int reached = 0, refuted = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const auto row = nlohmann::json::parse(line);
+    if (row.value("record", "") == "problem") {
+      const auto at = row["case"].get<std::size_t>();
+      upper.resize(std::max(upper.size(), at + 1), NAN);
+      if (row["upper"].is_number()) upper[at] = row["upper"];
+    }
+    if (row.value("record", "") != "run" || row.value("solver", "") != "cvxopt") continue;
+    const auto at = row["case"].get<std::size_t>();
+    if (std::isfinite(upper[at])) {
+      EXPECT_EQ(row["claim"], "solved") << line;
+      EXPECT_NEAR(row["objective"].get<double>(), upper[at], 1e-4 * upper[at]) << line;
+      ++reached;
+    } else {
+      EXPECT_EQ(row["claim"], "infeasible") << line;
+      ++refuted;
+    }
+  }
+  EXPECT_EQ(reached, 6);
+  EXPECT_EQ(refuted, 3);
+}
+
+}  // namespace
+}  // namespace accdec

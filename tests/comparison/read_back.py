@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Solves instances of `accdec instances` with programs that are not ours: read_back.py TOOL FILE.
+
+TOOL is cbc, glpsol, csdp or cvxopt. Prints the optimum, "infeasible", or "missing" if the tool is not installed.
+"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+
+def run(*command):
+    return subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
+
+
+def cbc(file):
+    out = run("cbc", file, "solve")
+    if re.search(r"infeasible", out, re.I):
+        return "infeasible"
+    found = re.findall(r"(?:Optimal - objective value|Objective value:) *(\S+)", out)
+    return found[-1] if found and "Coin0008I accdec read with 0 errors" in out else out[-2000:]
+
+
+def glpsol(file):
+    with tempfile.TemporaryDirectory() as folder:
+        answer = os.path.join(folder, "answer")
+        out = run("glpsol", "--freemps", file, "-o", answer)
+        if re.search(r"NO (PRIMAL )?FEASIBLE SOLUTION", out):
+            return "infeasible"
+        with open(answer, encoding="ascii") as text:
+            return re.search(r"Objective: +\S+ = (\S+)", text.read())[1]
+
+
+def csdp(file):
+    out = run("csdp", file)
+    if re.search(r"SDP is (primal|dual) infeasible", out):
+        return "infeasible"
+    primal, dual = (float(re.search(kind + r" objective value: *(\S+)", out)[1]) for kind in ("Primal", "Dual"))
+    return f"{primal!r} {dual!r}"
+
+
+def cvxopt(file):
+    sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "..", "problems", "suite"))
+    import cone_solver
+    status, objective, _ = cone_solver.solve(file)
+    return {"primal infeasible": "infeasible", "optimal": repr(objective)}.get(status, status)
+
+
+def main():
+    tool, file = sys.argv[1:]
+    if tool == "cvxopt":
+        try:
+            import cvxopt as _  # noqa: F401
+        except ImportError:
+            return print("missing")
+    elif not shutil.which(tool):
+        return print("missing")
+    print({"cbc": cbc, "glpsol": glpsol, "csdp": csdp, "cvxopt": cvxopt}[tool](file))
+
+
+main()
