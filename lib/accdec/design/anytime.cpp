@@ -11,6 +11,7 @@
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/families/quick_search.hpp>
+#include <accdec/family.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
@@ -99,6 +100,7 @@ class Anytime {
     judge();
     if (settled()) return *exact_;
     if (best_ && best_->status == Status::optimal) return finish();
+    families();
     local("nlopt-slsqp", 0.3);
     local(options_.solver, 1.0);
     return finish();
@@ -186,6 +188,19 @@ class Anytime {
     if (over()) return;
     if (auto result = quick_member(task_, std::min(share * options_.time_limit, left()), options_.cancel))
       offer_design(std::move(*result));
+  }
+
+  /// Where nothing better may follow, at least the filters that controls have are searched in earnest.
+  void families() {
+    if (over() || task_.filter) return;
+    constexpr double most = 2.0;  // s; the two-stage averages take a few ms
+    for (FamilyResult& member : best_members(task_, std::min(most, left()), options_.cancel)) {
+      if (!member.spec || !member.result.has_design()) continue;
+      DesignResult found = std::move(member.result);
+      found.task = task_;
+      found.solver.method = "shapes", found.solver.name = "family search", found.solver.version = "accdec";
+      offer_design(std::move(found));
+    }
   }
 
   /// A bound without power, regeneration and smallest speed also holds with them.

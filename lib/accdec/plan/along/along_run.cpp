@@ -17,6 +17,19 @@ constexpr std::size_t nodes_max = 400'000;
 
 using Vector = std::array<double, program_axis_count>;
 
+constexpr int first_rounds = 2, rounds = 7;
+
+struct Caps {
+  double feed = unlimited, tolerance = unlimited;  // of a piece: m/s, m
+};
+
+/// m, of the chords of an arc.
+double sagitta(const SmoothPath::Piece& piece) {
+  const double chords = static_cast<double>(piece.last - piece.first + 1);
+  const double quarter = std::sin(0.25 * piece.arc->angle / chords);
+  return 2.0 * (piece.radius + std::max(0.0, piece.wider)) * quarter * quarter;
+}
+
 class Run {
  public:
   Run(const FreePath& free, std::size_t first, std::size_t last, const Deadline& deadline)
@@ -50,12 +63,6 @@ class Run {
   }
 
  private:
-  static constexpr int first_rounds = 2, rounds = 7;
-
-  struct Caps {
-    double feed = unlimited, tolerance = unlimited;  // of a piece: m/s, m
-  };
-
   /// Velocity and force leave the acceleration of the fastest feed.
   bool set_limits() {
     problem_.axes = n_;
@@ -86,12 +93,6 @@ class Run {
       caps_.push_back(caps);
     }
     return true;
-  }
-  /// m, of the chords of an arc.
-  static double sagitta(const SmoothPath::Piece& piece) {
-    const double chords = static_cast<double>(piece.last - piece.first + 1);
-    const double quarter = std::sin(0.25 * piece.arc->angle / chords);
-    return 2.0 * (piece.radius + std::max(0.0, piece.wider)) * quarter * quarter;
   }
 
   /// Largest squared speed in a place of a piece.
