@@ -92,6 +92,7 @@ TEST_F(ProgramCommand, DwellsOfDaysAreDrawnAndAbsurdOnesRefused) {
         run(std::string("program part.ngc --task task.toml --figure f.svg --json r.json --plan ") + plan);
     EXPECT_EQ(drawn.code, 0) << drawn.err;
     EXPECT_GT(number_of("r.json", "cycle_time_s"), 1e6);
+    EXPECT_EQ(run("verify r.json").code, 0) << read("out") << read("err");
     EXPECT_EQ(run(std::string("program part.ngc --task task.toml --figure f.html --plan ") + plan).code, 0);
   }
   write("part.ngc", "G21 G64 P0.05 F3000\nG1 X10\nG4 P10000000000\nG1 Y10\nM2\n");

@@ -17,12 +17,18 @@ std::int64_t samples_of(double time, double period) {
   return static_cast<std::int64_t>(std::ceil(samples - (1e-9 + 1e-11 * samples)));
 }
 
+/// The longest rest that is written down: the motion has come to rest, and so have three differences of it.
+std::int64_t rest_max(const BlockFilters& legs) {
+  return legs.order_max() + 8;
+}
+
 /// Position of the command at every sample, and the filter that its step to there passes.
 struct CommandSamples {
   std::vector<std::vector<double>> at;  // by axis
   std::vector<std::uint16_t> filter;    // by sample
   std::vector<double> reached;          // by block: sample at which its end is reached
   std::vector<std::int64_t> rest;       // by block: samples of rest after it
+  std::vector<DirectMotion::Cut> cuts;
   std::int64_t end_of_motion = 0, last_rest = 0;
 };
 
@@ -35,7 +41,7 @@ class Commander {
   }
 
   CommandSamples run() {
-    for (std::int64_t k = samples_of(path_.dwell_first, period_); k > 0; --k) put(path_.point(0), 0);
+    stand(path_.point(0), 0, samples_of(path_.dwell_first, period_));
     out_.reached.resize(path_.blocks());
     out_.rest.resize(path_.blocks());
     for (std::size_t first = 0; first < path_.blocks();) {
@@ -92,8 +98,15 @@ class Commander {
       out_.last_rest = dwell;
       return;
     }
-    out_.rest[b] = delays_[b] + dwell;
-    for (std::int64_t k = 0; k < out_.rest[b]; ++k) put(path_.point(b + 1), legs_.index(b));
+    out_.rest[b] = stand(path_.point(b + 1), legs_.index(b), delays_[b] + dwell);
+  }
+
+  /// @returns how many of these samples are written down
+  std::int64_t stand(const double* point, std::size_t filter, std::int64_t samples) {
+    const std::int64_t written = std::min(samples, rest_max(legs_));
+    for (std::int64_t k = 0; k < written; ++k) put(point, filter);
+    if (samples > written) out_.cuts.push_back({now() + 1, samples - written});
+    return written;
   }
 
   const Toolpath& path_;
@@ -113,10 +126,21 @@ int BlockFilters::order_max() const {
 
 double direct_motion_steps(const Toolpath& path, double sample_period, std::span<const int> delays,
                            const BlockFilters& legs) {
-  double samples = path.dwell_first / sample_period;
-  for (std::size_t b = 0; b < path.blocks(); ++b) samples += path.duration[b] / sample_period + delays[b];
-  for (const auto& [block, time] : path.dwell) samples += time / sample_period;
+  const auto most = static_cast<double>(rest_max(legs));
+  const auto rest = [&](double time) { return std::min(time / sample_period, most); };
+  double samples = rest(path.dwell_first);
+  for (std::size_t b = 0; b < path.blocks(); ++b)
+    samples += path.duration[b] / sample_period + std::min<double>(delays[b], most);
+  for (const auto& [block, time] : path.dwell) samples += rest(time);
   return samples * static_cast<double>(path.dimensions()) * (legs.order_max() + 1.0);
+}
+
+std::int64_t DirectMotion::kept(std::int64_t k) const {
+  for (const Cut& cut : cuts) {
+    if (k < cut.before) break;
+    k = std::max(cut.before, k - cut.count);  // a sample left out rests as the next one does
+  }
+  return k;
 }
 
 DirectMotion direct_motion(const Toolpath& path, double sample_period, std::span<const int> delays,
@@ -125,6 +149,8 @@ DirectMotion direct_motion(const Toolpath& path, double sample_period, std::span
   const auto commanded = static_cast<std::int64_t>(command.filter.size());
   DirectMotion motion;
   motion.samples = command.end_of_motion + command.last_rest;
+  for (const DirectMotion::Cut& cut : command.cuts) motion.samples += cut.count;
+  motion.cuts = command.cuts;
   const auto all = static_cast<std::size_t>(commanded + legs.order_max() + 4);
   for (const std::vector<double>& at : command.at) {
     std::vector<long double> moved(all, 0.0L);

@@ -23,13 +23,20 @@ struct BlockFilters {
 /// The motion of a whole program, straight from the definitions (CommandTiming defines a command). Every sample of the
 /// command is written down. Each step is spread over the next samples by the taps of its block's filter, and the sums
 /// are the motion. It shares no code with simulate_program, keeps every sample in memory and takes
-/// O(samples taps axes): for rechecks of small programs.
+/// O(samples taps axes): for rechecks of small programs. Long rests are cut short where nothing moves any more.
 struct DirectMotion {
   struct Window {
-    std::int64_t first = 0, last = 0;  ///< samples in which the motion passes a joint
+    std::int64_t first = 0, last = 0;  ///< kept samples in which the motion passes a joint
   };
+  struct Cut {
+    std::int64_t before = 0, count = 0;  ///< so many samples of rest are left out before this kept one
+  };
+  /// The kept sample with the motion of sample k.
+  std::int64_t kept(std::int64_t k) const;
+
   std::int64_t samples = 0;                   ///< as Simulation::samples
-  std::vector<std::vector<double>> position;  ///< of every axis, m, by sample; rest before and after included
+  std::vector<Cut> cuts;                      ///< ascending
+  std::vector<std::vector<double>> position;  ///< of every axis, m, by kept sample; rest before and after included
   std::vector<std::vector<double>> velocity;  ///< m/s
   std::vector<Window> windows;                ///< one per block except the last, for the joint at its end
 };

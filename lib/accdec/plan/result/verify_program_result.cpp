@@ -43,7 +43,7 @@ struct Worst {
 class UseOfLimit {
  public:
   UseOfLimit(const DirectMotion& motion, const Axis& axis, std::size_t a, const AxisLimit& limit, double period)
-      : velocity_(motion.velocity[a]), axis_(axis), limit_(limit), period_(period) {}
+      : motion_(motion), velocity_(motion.velocity[a]), axis_(axis), limit_(limit), period_(period) {}
 
   double bound() const { return axis_.*limit_.bound; }
   double value_at(std::size_t k) const {
@@ -63,12 +63,14 @@ class UseOfLimit {
   /// of this one.
   bool is_worst(std::int64_t k, const Worst& worst) const {
     if (worst.use == 0.0) return k == 0;
+    k = motion_.kept(k);
     if (k < 0 || k >= static_cast<std::int64_t>(velocity_.size())) return false;
     return std::abs(utilisation_of(limit_.kind, value_at(static_cast<std::size_t>(k)), bound()) - worst.use) <=
            2.0 * rounding;
   }
 
  private:
+  const DirectMotion& motion_;
   const std::vector<double>& velocity_;
   const Axis& axis_;
   const AxisLimit& limit_;
@@ -155,7 +157,8 @@ class CommandCheck {
 
   /// m, of the motion from the end of block b, d samples after the command has reached it.
   double distance(const DirectMotion& motion, std::size_t b, int d) const {
-    const auto k = static_cast<std::size_t>(motion.windows[b].first + d);
+    // An order later the motion has come to rest.
+    const auto k = static_cast<std::size_t>(motion.windows[b].first + std::min(d, command_.filter.order() + 1));
     double square = 0.0;
     for (std::size_t a = 0; a < path_.dimensions(); ++a)
       square += std::pow(motion.position[a][k] - path_.point(b + 1)[a], 2);
