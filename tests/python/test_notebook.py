@@ -52,4 +52,4 @@ def test_the_constructor_names_every_field():
                                        text=True).stdout)["properties"]
     lists = {"axis": "axes", "corner": "corners", "mode": "modes"}
     keys = [key for key in [*schema, *schema["design"]["properties"]] if key not in ("design", "program")]
-    assert {lists.get(key, key.removesuffix("_ms")) for key in keys} <= set(names)
+    assert {lists.get(key, key.removesuffix("_ms").removesuffix("_Hz")) for key in keys} <= set(names)

@@ -127,8 +127,9 @@ runs : float, optional
 coefficient_bits : int, optional
     Taps in whole numbers over 2^bits, 8 to 31; the result's `quantisation` has them.
 family : str or list of str, optional
-    "averages", "one-pole", "shaper": settings of a controller instead of free taps, with stages, shaper, and
-    length_step, length_max, length_set (s).
+    "averages", "one-pole", "exponential", "gaussian", "windowed-sinc", "shaper": settings of a controller instead of
+    free taps, with stages, shaper, and length_step, length_max, length_set (s). The real numbers of a family have
+    steps, too: time_constant_step (s), alpha_step, cutoff_step (Hz).
 controller : dict, optional
     name or file: of a controller, see `accdec controllers`; delays: the kinds of delay that it has; prefilter_taps:
     its own smoothing of every axis.
