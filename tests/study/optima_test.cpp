@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <accdec/family.hpp>
 #include <accdec/study/optima.hpp>
 #include <accdec/study/optima_report.hpp>
 
