@@ -234,7 +234,7 @@ TEST_F(ProgramResult, WithoutCommandsItIsNotAccepted) {
 TEST_F(ProgramResult, CostsAreEstimatedFirst) {
   ASSERT_EQ(plan().code, 0);
   Json absurd = json();
-  absurd["commands"]["delay_samples"][0] = 2000000000;
+  absurd["commands"]["duration_s"][0] = 2e6;
   const Outcome outcome = changed(absurd);
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("would take about"));

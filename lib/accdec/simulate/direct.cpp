@@ -138,7 +138,8 @@ double direct_motion_steps(const Toolpath& path, double sample_period, std::span
 std::int64_t DirectMotion::kept(std::int64_t k) const {
   for (const Cut& cut : cuts) {
     if (k < cut.before) break;
-    k = std::max(cut.before, k - cut.count);  // a sample left out rests as the next one does
+    // A sample left out rests as the one before the cut does.
+    k = k < cut.before + cut.count ? cut.before - 1 : k - cut.count;
   }
   return k;
 }
