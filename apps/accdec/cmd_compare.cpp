@@ -107,7 +107,7 @@ void run(CompareArguments& options, Context& context) {
     fmt::print("{} entries that the suite no longer asks for are kept in {}/earlier.jsonl\n", s.set_aside,
                options.run.out);
   }
-  fmt::print("Results: {}/report.html, raw.jsonl, tables in CSV, figures, manifest.json\n", options.run.out);
+  fmt::print("Results: {}/report.html, raw.jsonl, tables in CSV, figures, manifest.json\n", printable(options.run.out));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/paper/paper_report.hpp>
 #include <accdec/paper/paper_tables.hpp>
 
@@ -34,7 +35,7 @@ void add_paper(CLI::App& app, Context& context) {
     int wrong = 0;
     for (const paper::Table& table : tables) wrong += table.disagreements();
     if (!context.quiet) std::fputs(paper::tables_text(tables).c_str(), stdout);
-    if (!context.quiet) std::printf("figures, numbers and report: %s\n", folder->c_str());
+    if (!context.quiet) std::printf("figures, numbers and report: %s\n", printable(*folder).c_str());
     if (wrong > 0) std::fprintf(stderr, "%d entries of the paper's tables do not agree\n", wrong);
     context.exit_code = wrong > 0 ? exit_no_answer : exit_ok;
   });

@@ -157,7 +157,9 @@ void write_outputs(const ProgramArguments& options, const Context& context, cons
   };
   write(options.samples, motion, [&](std::ostream& out) { write_samples(result, out); });
   write(options.stream, result.verification.feasible, [&](std::ostream& out) { stream_samples(result, out); });
-  write(options.emit, true, [&](std::ostream& out) {
+  if (!options.emit.empty() && !result.verification.feasible)
+    std::fprintf(stderr, "--emit: nothing is written, because no control may run a plan that breaks a limit\n");
+  write(options.emit, result.verification.feasible, [&](std::ostream& out) {
     if (options.dwell_axis.empty())
       emit_program(result, out);
     else

@@ -24,10 +24,10 @@ std::int64_t rest_max(const BlockFilters& legs) {
 
 /// Position of the command at every sample, and the filter that its step to there passes.
 struct CommandSamples {
-  std::vector<std::vector<double>> at;  // by axis
-  std::vector<std::uint16_t> filter;    // by sample
-  std::vector<double> reached;          // by block: sample at which its end is reached
-  std::vector<std::int64_t> rest;       // by block: samples of rest after it
+  std::vector<std::vector<long double>> at;  // by axis; jerk is a third difference of it
+  std::vector<std::uint16_t> filter;         // by sample
+  std::vector<double> reached;               // by block: sample at which its end is reached
+  std::vector<std::int64_t> rest;            // by block: samples of rest after it
   std::vector<DirectMotion::Cut> cuts;
   std::int64_t end_of_motion = 0, last_rest = 0;
 };
@@ -56,7 +56,8 @@ class Commander {
 
  private:
   std::int64_t now() const { return static_cast<std::int64_t>(out_.filter.size()) - 1; }
-  void put(const double* point, std::size_t filter) {
+  template <class Number>
+  void put(const Number* point, std::size_t filter) {
     for (std::size_t a = 0; a < out_.at.size(); ++a) out_.at[a].push_back(point[a]);
     out_.filter.push_back(static_cast<std::uint16_t>(filter));
   }
@@ -66,22 +67,24 @@ class Commander {
     double time = 0.0;
     for (std::size_t b = first; b <= last; ++b) time += path_.duration[b];
     const std::int64_t samples = std::max<std::int64_t>(1, samples_of(time, period_)), from = now();
-    const double stretch = static_cast<double>(samples) * period_ / time;
-    std::vector<double> point(path_.dimensions());
+    const long double stretch = static_cast<long double>(samples) * period_ / time;
+    std::vector<long double> point(path_.dimensions());
     std::size_t b = first;
-    double begun = 0.0;  // samples after `from` at which block b begins
+    long double begun = 0.0L;  // samples after `from` at which block b begins
     for (std::int64_t k = 1; k <= samples; ++k) {
-      const auto t = static_cast<double>(k);
-      double lasts = path_.duration[b] * stretch / period_;
+      const auto t = static_cast<long double>(k);
+      long double lasts = path_.duration[b] * stretch / period_;
       while (b < last && begun + lasts <= t + 1e-9) {
         begun += lasts;
-        out_.reached[b] = static_cast<double>(from) + begun;
+        out_.reached[b] = static_cast<double>(static_cast<long double>(from) + begun);
         ++b;
         lasts = path_.duration[b] * stretch / period_;
       }
-      const double part = k == samples ? 1.0 : std::clamp((t - begun) / lasts, 0.0, 1.0);
-      for (std::size_t a = 0; a < point.size(); ++a)
-        point[a] = path_.point(b)[a] + part * (path_.point(b + 1)[a] - path_.point(b)[a]);
+      const long double part = k == samples ? 1.0L : std::clamp((t - begun) / lasts, 0.0L, 1.0L);
+      for (std::size_t a = 0; a < point.size(); ++a) {
+        const long double start = path_.point(b)[a];
+        point[a] = start + part * (path_.point(b + 1)[a] - start);
+      }
       put(point.data(), legs_.index(b));
     }
     // Blocks shorter than the rest of the last sample.
@@ -153,11 +156,11 @@ DirectMotion direct_motion(const Toolpath& path, double sample_period, std::span
   for (const DirectMotion::Cut& cut : command.cuts) motion.samples += cut.count;
   motion.cuts = command.cuts;
   const auto all = static_cast<std::size_t>(commanded + legs.order_max() + 4);
-  for (const std::vector<double>& at : command.at) {
+  for (const std::vector<long double>& at : command.at) {
     std::vector<long double> moved(all, 0.0L);
     for (std::int64_t k = 1; k < commanded; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      const long double step = static_cast<long double>(at[i]) - at[i - 1];
+      const long double step = at[i] - at[i - 1];
       if (step == 0.0L) continue;
       const auto taps = legs.filters[command.filter[i]].taps();
       for (std::size_t j = 0; j < taps.size(); ++j) moved[i + j] += step * taps[j];
