@@ -55,8 +55,8 @@ void print_summary(const StudyArguments& options, const Study& study, const Stud
         s.lost);
   }
   if (s.finished) {
-    fmt::print("Results: {0}/report.html, rows.csv, rows.jsonl, manifest.json, {1} figures\n", printable(options.run.out),
-               study.figures.size());
+    fmt::print("Results: {0}/report.html, rows.csv, rows.jsonl, manifest.json, {1} figures\n",
+               printable(options.run.out), study.figures.size());
   } else {
     fmt::print("Shard {}/{} is done; put all together with `accdec study {} --out DIR --merge {}`\n", options.run.shard,
                options.run.shards, shell_quoted(options.study), shell_quoted(options.run.out));

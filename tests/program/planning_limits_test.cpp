@@ -102,16 +102,6 @@ TEST_F(ProgramCommand, DwellsOfDaysAreDrawnAndAbsurdOnesRefused) {
   EXPECT_THAT(refused.err, HasSubstr("the dwell takes more than 1e9 s"));
 }
 
-// Jerk is a third difference of places: at short periods the check of a long move must not round them.
-TEST_F(ProgramCommand, ALongMoveAtAShortPeriodIsVerified) {
-  write("short.toml",
-        "sample_period_ms = 0.25\n[filter]\nkind = \"boxcar\"\norder = 12\n[[axis]]\nacceleration_max_mm_s2 = 3000\n"
-        "jerk_max_mm_s3 = 50000\nvelocity_max_mm_s = 100\n");
-  write("part.ngc", "G21 G90\nG0 X36.1\nM2\n");
-  ASSERT_EQ(run("program part.ngc --task short.toml --json r.json").code, 0) << read("err");
-  EXPECT_EQ(run("verify r.json").code, 0) << read("out");
-}
-
 // Two turns of R10 under G61: widened arcs hold their joints only at feeds far below those of arcs as they are.
 TEST_F(ProgramCommand, WideningArcsNeverTakesLonger) {
   write("arcs.toml",
