@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include <accdec/files/base64.hpp>
 #include <accdec/files/packed_text.hpp>
 #include <accdec/formats/generated/accdec_commit.hpp>
 #include <accdec/formats/manifest.hpp>
@@ -25,18 +26,6 @@ void put(std::string& bytes, std::uint32_t value, int count) {
   for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> 8 * i & 255);
 }
 
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t word = 0;
-    for (std::size_t j = 0; j < 3; ++j)
-      word = word << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0U);
-    for (std::size_t j = 0; j < 4; ++j) text += i + j <= bytes.size() ? letters[word >> (18 - 6 * j) & 63U] : '=';
-  }
-  return text;
-}
-
 }  // namespace
 
 /// A gzip file whose blocks are stored as they are (RFC 1951, 3.2.4).
@@ -53,7 +42,7 @@ std::string pack_text(std::string_view text) {
   }
   put(bytes, checksum(text), 4);
   put(bytes, static_cast<std::uint32_t>(text.size()), 4);
-  return base64(bytes);
+  return to_base64(bytes);
 }
 
 /// The page never asks for it.
