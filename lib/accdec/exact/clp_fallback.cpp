@@ -3,7 +3,7 @@
 
 namespace accdec::exact {
 
-LpSolution solve_by_clp(const DualSimplex& lp, const std::function<bool()>& stop) {
+LpSolution solve_by_clp(const LpRows& lp, const std::function<bool()>& stop) {
   static auto* const solve = solvers::module_function<decltype(accdec_solve_by_clp)>("clp", "accdec_solve_by_clp");
   LpSolution solution;
   solve(lp, stop, solution);

@@ -14,14 +14,14 @@ struct LpSolution {
   std::vector<double> point, multipliers;
 };
 
-/// Solves the linear program as given to `lp` with Clp, from the start. It is used for the few programs where the dense
+/// Solves a linear program with Clp, from the start. It is used for the few programs where the dense
 /// tableau loses its digits.
 /// @param stop  polled between iterations; may be empty
 /// @throws std::runtime_error if Clp's module cannot be loaded (solvers/module.hpp)
-LpSolution solve_by_clp(const DualSimplex& lp, const std::function<bool()>& stop);
+LpSolution solve_by_clp(const LpRows& lp, const std::function<bool()>& stop);
 
 }  // namespace accdec::exact
 
 /// In Clp's module.
-extern "C" void accdec_solve_by_clp(const accdec::exact::DualSimplex& lp, const std::function<bool()>& stop,
+extern "C" void accdec_solve_by_clp(const accdec::exact::LpRows& lp, const std::function<bool()>& stop,
                                     accdec::exact::LpSolution& solution);

@@ -13,7 +13,7 @@ double clp_bound(double bound) {
   return std::isinf(bound) ? std::copysign(COIN_DBL_MAX, bound) : bound;
 }
 
-void copy(const DualSimplex& lp, ClpSimplex& clp) {
+void copy(const LpRows& lp, ClpSimplex& clp) {
   clp.resize(0, lp.columns());
   for (int j = 0; j < lp.columns(); ++j) {
     clp.setColumnBounds(j, clp_bound(lp.low(j)), clp_bound(lp.high(j)));
@@ -34,7 +34,7 @@ void copy(const DualSimplex& lp, ClpSimplex& clp) {
 }
 
 /// Duals of the least sum by which the rows have to be broken.
-std::vector<double> least_infeasibility(const DualSimplex& lp, const ClpSimplex& clp) {
+std::vector<double> least_infeasibility(const LpRows& lp, const ClpSimplex& clp) {
   ClpSimplex phase(clp);
   for (int j = 0; j < lp.columns(); ++j) phase.setObjectiveCoefficient(j, 0.0);
   for (int r = 0; r < lp.rows(); ++r) {
@@ -49,7 +49,7 @@ std::vector<double> least_infeasibility(const DualSimplex& lp, const ClpSimplex&
   return {dual, dual + phase.numberRows()};
 }
 
-LpSolution solve(const DualSimplex& lp, const std::function<bool()>& stop) {
+LpSolution solve(const LpRows& lp, const std::function<bool()>& stop) {
   using Status = DualSimplex::Status;
   ClpSimplex clp;
   clp.setLogLevel(0);
@@ -88,7 +88,7 @@ LpSolution solve(const DualSimplex& lp, const std::function<bool()>& stop) {
 }  // namespace
 }  // namespace accdec::exact
 
-void accdec_solve_by_clp(const accdec::exact::DualSimplex& lp, const std::function<bool()>& stop,
+void accdec_solve_by_clp(const accdec::exact::LpRows& lp, const std::function<bool()>& stop,
                          accdec::exact::LpSolution& solution) {
   solution = accdec::exact::solve(lp, stop);
 }

@@ -7,254 +7,266 @@
 namespace accdec::exact {
 namespace {
 
-/// A pivot of a refactorisation below this says that the basis is singular.
-constexpr double singular = 1e-9;
+constexpr double dual_tolerance = 1e-9;
+constexpr double smallest_pivot = 1e-8;
+constexpr double smallest_entry = 1e-11;  ///< entries of a pivot row below this are rounding
+constexpr double far = 1e7;               ///< stands for an infinite bound until the basis is dual feasible
 
-std::size_t at(int i) {
+std::size_t nth(int i) {
   return static_cast<std::size_t>(i);
 }
 
 }  // namespace
 
 DualSimplex::DualSimplex(int columns)
-    : columns_(columns),
-      stride_((at(columns) + 3) / 4 * 4),
-      cost_(at(columns), 0.0),
-      low_(at(columns), 0.0),
-      high_(at(columns), infinity),
-      nonbasic_(at(columns)),
-      slot_(at(columns)),
-      value_(at(columns), 0.0),
-      at_(at(columns), lower),
-      dual_(stride_, 0.0),
-      is_row_(stride_, 0.0),
-      expressed_(stride_, 0.0),
-      pivot_row_(stride_, 0.0),
-      point_(at(columns), 0.0) {
-  for (int j = 0; j < columns; ++j) nonbasic_[at(j)] = j, slot_[at(j)] = -1 - j;
-}
-
-void DualSimplex::set_cost(int column, double cost) {
-  cost_[at(column)] = cost;
-}
-void DualSimplex::set_column_bounds(int column, double low, double high) {
-  low_[at(column)] = low, high_[at(column)] = high;
-}
-void DualSimplex::set_row_bounds(int row, double low, double high) {
-  low_[at(columns_ + row)] = low, high_[at(columns_ + row)] = high;
-}
-
-double DualSimplex::activity(int row, const std::vector<double>& x) const {
-  double sum = 0.0;
-  const Row& r = rows_[at(row)];
-  for (std::size_t e = 0; e < r.columns.size(); ++e) sum += r.values[e] * x[at(r.columns[e])];
-  return sum;
-}
-
-void DualSimplex::set_row(int row, std::span<const int> columns, std::span<const double> values) {
-  Row& r = rows_[at(row)];
-  r.columns.assign(columns.begin(), columns.end());
-  r.values.assign(values.begin(), values.end());
-  r.is_short = columns.size() <= most_short;
-  if (!r.is_short) return;
-  ShortRow& s = short_rows_[at(row)];
-  std::ranges::copy(columns, s.columns.begin());
-  std::ranges::copy(values, s.values.begin());
-  s.size = columns.size();
-}
-
-/// Whether the variable has a row of the tableau while it is basic.
-bool DualSimplex::is_stored(int variable) const {
-  return variable < columns_ || !rows_[at(variable - columns_)].is_short;
-}
+    : basis_(columns),
+      answer_(columns),
+      value_(nth(columns), 0.0),
+      at_(nth(columns), lower),
+      dual_(basis_.width(), 0.0) {}
 
 void DualSimplex::add_row(std::span<const int> columns, std::span<const double> values, double low, double high) {
-  rows_.emplace_back();
-  short_rows_.emplace_back();
-  set_row(rows() - 1, columns, values);
-  low_.push_back(low);
-  high_.push_back(high);
+  basis_.add_row(columns, values, low, high);
   value_.push_back(0.0);
   at_.push_back(lower);
-  slot_.push_back(unstored);
-  make_basic(rows() - 1);
-}
-
-int DualSimplex::append_tableau_row(int basic) {
-  basic_.push_back(basic);
-  tableau_.resize(basic_.size() * stride_);
-  return slot_[at(basic)] = static_cast<int>(basic_.size()) - 1;
-}
-
-/// Makes the value of a row basic that has no place yet.
-void DualSimplex::make_basic(int row) {
-  slot_[at(columns_ + row)] = unstored;
-  if (is_stored(columns_ + row)) express(row, tableau_row(append_tableau_row(columns_ + row)));
-}
-
-/// Writes a row's value in terms of the nonbasic variables.
-void DualSimplex::express(int row, double* in_nonbasics) const {
-  std::fill(in_nonbasics, in_nonbasics + stride_, 0.0);
-  const Row& r = rows_[at(row)];
-  for (std::size_t e = 0; e < r.columns.size(); ++e) {
-    const double a = r.values[e];
-    const int i = slot_[at(r.columns[e])];
-    if (i < 0)
-      in_nonbasics[-1 - i] += a;
-    else
-      add_multiple(in_nonbasics, tableau_row(i), a, stride_);
-  }
-}
-
-/// A basic variable's row of the tableau, until the next change of it.
-const double* DualSimplex::in_nonbasics(int basic) {
-  const int i = slot_[at(basic)];
-  if (i != unstored) return tableau_row(i);
-  express(basic - columns_, expressed_.data());
-  return expressed_.data();
-}
-
-/// Entry of a basic variable's row at the position of a nonbasic row.
-double DualSimplex::entry(int basic, int position) const {
-  const int i = slot_[at(basic)];
-  if (i != unstored) return tableau_row(i)[position];
-  const Row& r = rows_[at(basic - columns_)];
-  double sum = 0.0;
-  for (std::size_t e = 0; e < r.columns.size(); ++e) {
-    if (const int from = slot_[at(r.columns[e])]; from >= 0) sum += r.values[e] * tableau_row(from)[position];
-  }
-  return sum;
-}
-
-/// Makes an active row basic in exchange for another variable, if possible one with a cost: the remaining row then
-/// costs nothing.
-bool DualSimplex::free_row(int row) {
-  const int position = -1 - slot_[at(columns_ + row)];
-  int best = -1, costly = -1;
-  double largest = 0.0, costly_largest = 0.0;
-  for (int v = 0; v < static_cast<int>(slot_.size()); ++v) {
-    if (slot_[at(v)] < 0) continue;
-    const double size = std::abs(entry(v, position));
-    if (size > largest) largest = size, best = v;
-    if (v < columns_ && cost_[at(v)] != 0.0 && size > costly_largest) costly_largest = size, costly = v;
-  }
-  if (costly >= 0 && costly_largest > 1e-3 * largest) best = costly;
-  if (best < 0 || largest < singular) return false;
-  exchange(best, in_nonbasics(best), position);
-  return true;
-}
-
-void DualSimplex::drop_tableau_row(int i) {
-  const int last = static_cast<int>(basic_.size()) - 1;
-  if (i != last) {
-    std::copy_n(tableau_row(last), stride_, tableau_row(i));
-    basic_[at(i)] = basic_[at(last)];
-    slot_[at(basic_[at(i)])] = i;
-  }
-  basic_.pop_back();
-  tableau_.resize(basic_.size() * stride_);
 }
 
 void DualSimplex::replace_row(int row, std::span<const int> columns, std::span<const double> values, double low,
                               double high) {
   set_row_bounds(row, low, high);
-  const Row& old = rows_[at(row)];
-  if (std::ranges::equal(old.columns, columns) && std::ranges::equal(old.values, values)) return;
-  const int i = slot_[at(columns_ + row)];
-  set_row(row, columns, values);
-  if (i >= 0) {
-    if (i != unstored) drop_tableau_row(i);
-    return make_basic(row);
-  }
-  // The new row in terms of the old one and the other nonbasics, then solved for the old one, which goes.
-  const int position = -1 - i;
-  express(row, expressed_.data());
-  double largest = 0.0;
-  for (int j = 0; j < columns_; ++j) largest = std::max(largest, std::abs(expressed_[at(j)]));
-  if (std::abs(expressed_[at(position)]) > 0.01 * largest)
-    eliminate(expressed_.data(), position, -1);
-  else if (!free_row(row))
-    start_cold();
-  else if (const int freed = slot_[at(columns_ + row)]; freed != unstored)
-    express(row, tableau_row(freed));
+  basis_.replace_row(row, columns, values);
 }
 
 void DualSimplex::remove_row(int row) {
-  if (active(row) && !free_row(row)) start_cold();
-  if (const int i = slot_[at(columns_ + row)]; i != unstored) drop_tableau_row(i);
-  const int last = rows() - 1;
-  if (row != last) {
-    const auto from = at(columns_ + last), to = at(columns_ + row);
-    std::swap(rows_[at(row)], rows_[at(last)]);
-    short_rows_[at(row)] = short_rows_[at(last)];
-    low_[to] = low_[from], high_[to] = high_[from], value_[to] = value_[from], at_[to] = at_[from];
-    const int i = slot_[to] = slot_[from];
-    if (i != unstored) (i < 0 ? nonbasic_[at(-1 - i)] : basic_[at(i)]) = columns_ + row;
-  }
-  rows_.pop_back();
-  short_rows_.pop_back();
-  low_.pop_back(), high_.pop_back(), value_.pop_back(), at_.pop_back(), slot_.pop_back();
+  basis_.remove_row(row);
+  const auto to = nth(columns() + row);
+  value_[to] = value_.back(), at_[to] = at_.back();
+  value_.pop_back(), at_.pop_back();
 }
 
-void DualSimplex::start_cold() {
-  for (int j = 0; j < columns_; ++j) {
-    nonbasic_[at(j)] = j;
-    slot_[at(j)] = -1 - j;
-    is_row_[at(j)] = 0.0;
+DualSimplex::Status DualSimplex::solve() {
+  for (int v = 0; v < given().variables(); ++v) {
+    if (given().low(v) <= given().high(v)) continue;
+    answer_.take_contradiction(given(), v);
+    return Status::trouble;
   }
-  basic_.clear();
-  tableau_.clear();
-  for (int r = 0; r < rows(); ++r) make_basic(r);
-}
-
-/// Rebuilds the tableau from the rows as given, for the same basis or, if that is singular, one near it.
-void DualSimplex::refactor() {
-  std::vector<int> active_rows;
-  std::vector<char> wanted(at(columns_), 0);
-  for (const int v : nonbasic_) {
-    if (v >= columns_) active_rows.push_back(v);
-  }
-  for (const int v : basic_) {
-    if (v < columns_) wanted[at(v)] = 1;
-  }
+  Status status = attempt();
+  if (status != Status::trouble) return status;
+  basis_.refactor();
+  status = attempt();
+  if (status != Status::trouble) return status;
   start_cold();
-  for (const int v : active_rows) {
-    const double* row = in_nonbasics(v);
-    int best = -1;
-    for (int j = 0; j < columns_; ++j) {
-      const int c = nonbasic_[at(j)];
-      if (c >= columns_ || wanted[at(c)] == 0) continue;
-      if (best < 0 || std::abs(row[j]) > std::abs(row[best])) best = j;
-    }
-    if (best >= 0 && std::abs(row[best]) > singular) exchange(v, row, best);
+  return attempt();
+}
+
+DualSimplex::Status DualSimplex::attempt() {
+  moved_ = false;
+  compute_duals();
+  settle_nonbasics();
+  compute_basics();
+  for (int round = 0; round < 6; ++round) {
+    const Status status = iterate();
+    if (status != Status::optimal) return status;
+    if (!moved_) break;
+    // Moved reduced costs are reset. Bounded variables with a wrong sign go to their other bound.
+    moved_ = false;
+    compute_duals();
+    if (dual_feasible()) break;
+    if (round == 5) return Status::trouble;
+    settle_nonbasics();
+    compute_basics();
+  }
+  for (int j = 0; j < columns(); ++j) {
+    const At state = at_[nth(basis_.nonbasic(j))];
+    if (state < far_below) continue;
+    return std::abs(dual_[nth(j)]) > dual_tolerance ? Status::unbounded : Status::trouble;
+  }
+  return answer_.take_point(basis_, value_, dual_) ? Status::optimal : Status::trouble;
+}
+
+void DualSimplex::compute_duals() {
+  std::fill(dual_.begin(), dual_.end(), 0.0);
+  for (int j = 0; j < columns(); ++j) {
+    if (basis_.nonbasic(j) < columns()) dual_[nth(j)] = given().cost(basis_.nonbasic(j));
+  }
+  const std::span<const int> basic = basis_.basic();
+  for (std::size_t i = 0; i < basic.size(); ++i) {
+    if (basic[i] >= columns() || given().cost(basic[i]) == 0.0) continue;
+    add_multiple(dual_.data(), basis_.entries(static_cast<int>(i)), given().cost(basic[i]), basis_.width());
   }
 }
 
-/// Solves a row for the nonbasic variable at a position, and puts that into all rows of the tableau but one.
-void DualSimplex::eliminate(const double* row, int position, int but) {
-  const double inverse = 1.0 / row[position];
-  for (std::size_t j = 0; j < stride_; ++j) pivot_row_[j] = row[j] * -inverse;
-  pivot_row_[at(position)] = inverse;
-  add_multiples_of_row(tableau_.data(), basic_.size(), stride_, pivot_row_.data(), at(position), but);
-  ++pivots_;
+bool DualSimplex::dual_feasible() const {
+  for (int j = 0; j < columns(); ++j) {
+    const int v = basis_.nonbasic(j);
+    if (given().fixed(v)) continue;
+    const double d = dual_[nth(j)];
+    if ((d > dual_tolerance && at_[nth(v)] != lower) || (d < -dual_tolerance && at_[nth(v)] != upper)) return false;
+  }
+  return true;
 }
 
-/// A basic variable, with its row, for the nonbasic one at a position.
-void DualSimplex::exchange(int out, const double* row, int position) {
-  int i = slot_[at(out)];
-  eliminate(row, position, i);
-  const int in = nonbasic_[at(position)];
-  nonbasic_[at(position)] = out;
-  slot_[at(out)] = -1 - position;
-  is_row_[at(position)] = out >= columns_ ? 1.0 : 0.0;
-  if (is_stored(in)) {
-    if (i == unstored) i = append_tableau_row(in);
-    std::ranges::copy(pivot_row_, tableau_row(i));
-    basic_[at(i)] = in;
-    slot_[at(in)] = i;
-  } else {
-    slot_[at(in)] = unstored;
-    if (i != unstored) drop_tableau_row(i);
+/// Puts every nonbasic variable at the bound its reduced cost asks for.
+void DualSimplex::settle_nonbasics() {
+  for (int j = 0; j < columns(); ++j) {
+    const int variable = basis_.nonbasic(j);
+    const auto v = nth(variable);
+    const double d = dual_[nth(j)], low = given().low(variable), high = given().high(variable);
+    const bool has_low = low > -infinity, has_high = high < infinity;
+    // If the bound that it asks for is missing, a reduced cost this small counts as rounding.
+    const bool rounding = std::abs(d) < 1e-7;
+    if (has_low && (d > dual_tolerance || !has_high || (d >= -dual_tolerance && value_[v] - low <= high - value_[v])) &&
+        (d >= -dual_tolerance || rounding || has_high)) {
+      at_[v] = lower;
+    } else if (has_high && (d < dual_tolerance || rounding)) {
+      at_[v] = upper;
+    } else if (!has_low && !has_high && rounding) {
+      at_[v] = free;
+    } else {
+      at_[v] = d > 0.0 ? far_below : far_above;
+    }
+    switch (at_[v]) {
+      case lower: value_[v] = low; break;
+      case upper: value_[v] = high; break;
+      case free: value_[v] = 0.0; break;
+      case far_below: value_[v] = given().least_activity(variable, far); break;
+      case far_above: value_[v] = given().most_activity(variable, far); break;
+    }
+  }
+}
+
+void DualSimplex::compute_basics() {
+  std::vector<double>& x = scratch_;
+  x.assign(basis_.width(), 0.0);
+  for (int j = 0; j < columns(); ++j) x[nth(j)] = value_[nth(basis_.nonbasic(j))];
+  const std::span<const int> basic = basis_.basic();
+  for (std::size_t i = 0; i < basic.size(); ++i)
+    value_[nth(basic[i])] = dot(basis_.entries(static_cast<int>(i)), x.data(), basis_.width());
+  basis_.compute_unstored(value_);
+}
+
+DualSimplex::Status DualSimplex::iterate() {
+  const int most = 200 + 30 * given().variables();
+  for (int count = 1; count <= most; ++count) {
+    if (count % 16 == 0 && stop_ && stop_()) return Status::stopped;
+    // After this many pivots the method may be cycling.
+    if (count % (5 * given().variables() + 50) == 0) perturb();
+    const int v = leaving_variable();
+    if (v < 0) return Status::optimal;
+    const double* row = basis_.in_nonbasics(v);
+    const double above = value_[nth(v)] - given().high(v), below = given().low(v) - value_[nth(v)];
+    const double sigma = above > below ? 1.0 : -1.0;
+    const int position = entering_position(row, sigma, std::max(above, below));
+    if (position < 0) return answer_.take_ray(basis_, v, row, sigma) ? Status::infeasible : Status::trouble;
+    if (std::abs(row[position]) < smallest_pivot) return Status::trouble;
+    step(v, row, position, sigma);
+  }
+  return Status::trouble;
+}
+
+/// Largest infeasibility in the norm of the row of the basis' inverse.
+int DualSimplex::leaving_variable() {
+  int best = -1;
+  double largest = 0.0;
+  const auto consider = [&](int v) {
+    const double x = value_[nth(v)], infeasibility = std::max(x - given().high(v), given().low(v) - x);
+    if (!(infeasibility > primal_tolerance)) return;
+    const double own = v >= columns() ? 1.0 : 1e-6, square = infeasibility * infeasibility;
+    if (square <= own * largest) return;
+    const double rate = square / (own + basis_.square_in_rows(v));
+    if (rate > largest) largest = rate, best = v;
+  };
+  for (const int v : basis_.basic()) consider(v);
+  for (int v = columns(); v < given().variables(); ++v) {
+    if (basis_.is_unstored(v)) consider(v);
+  }
+  return best;
+}
+
+/// The column that enters; sets `flips_`. @return -1: there is none
+int DualSimplex::entering_position(const double* row, double sigma, double infeasibility) {
+  ratio_test_.begin();
+  for (int j = 0; j < columns(); ++j) {
+    const double a = sigma * row[j];
+    if (std::abs(a) < smallest_entry) continue;
+    const int v = basis_.nonbasic(j);
+    if (given().fixed(v)) continue;
+    const At state = at_[nth(v)];
+    const bool rises = state == lower || state == far_below || state == free;
+    const bool falls = state == upper || state == far_above || state == free;
+    if ((a < 0.0 && rises) || (a > 0.0 && falls)) {
+      const double d = state == free ? 0.0 : std::max(0.0, falls ? -dual_[nth(j)] : dual_[nth(j)]);
+      const double size = std::abs(a);
+      ratio_test_.add({j, d, size, state >= free ? infinity : size * (given().high(v) - given().low(v))});
+    }
+  }
+  return ratio_test_.choose(infeasibility, flips_);
+}
+
+/// Moves the nonbasic variables in `flips_` to their other bounds.
+void DualSimplex::flip() {
+  if (flips_.empty()) return;
+  std::vector<double>& moves = scratch_;
+  moves.assign(basis_.width(), 0.0);
+  for (const int j : flips_) {
+    const int v = basis_.nonbasic(j);
+    const bool rises = at_[nth(v)] == lower;
+    const double from = rises ? given().low(v) : given().high(v), to = rises ? given().high(v) : given().low(v);
+    moves[nth(j)] = to - from;
+    value_[nth(v)] = to;
+    at_[nth(v)] = rises ? upper : lower;
+  }
+  const std::span<const int> basic = basis_.basic();
+  for (std::size_t k = 0; k < basic.size(); ++k)
+    value_[nth(basic[k])] += dot(basis_.entries(static_cast<int>(k)), moves.data(), basis_.width());
+}
+
+void DualSimplex::step(int leaving, const double* row, int position, double sigma) {
+  // Reduced costs.
+  const double a = sigma * row[position];
+  const double t = std::max(0.0, -dual_[nth(position)] / a);
+  add_multiple(dual_.data(), row, t * sigma, basis_.width());
+  dual_[nth(position)] = -sigma * t;
+  flip();
+  // Values.
+  if (!flips_.empty() && basis_.is_unstored(leaving))
+    value_[nth(leaving)] = given().activity(leaving - columns(), value_);
+  const double bound = sigma > 0.0 ? given().high(leaving) : given().low(leaving);
+  const double move = (bound - value_[nth(leaving)]) / row[position];
+  const std::span<const int> basic = basis_.basic();
+  for (std::size_t k = 0; k < basic.size(); ++k)
+    value_[nth(basic[k])] += basis_.entries(static_cast<int>(k))[position] * move;
+  const int entering = basis_.nonbasic(position);
+  value_[nth(entering)] += move;
+  value_[nth(leaving)] = bound;
+  at_[nth(leaving)] = sigma > 0.0 ? upper : lower;
+  basis_.exchange(leaving, row, position);
+  basis_.compute_unstored(value_);
+  reset_wrong_duals();
+}
+
+/// Sets reduced costs to 0 that are on the wrong side by less than the tolerance.
+void DualSimplex::reset_wrong_duals() {
+  for (int j = 0; j < columns(); ++j) {
+    const At state = at_[nth(basis_.nonbasic(j))];
+    double& d = dual_[nth(j)];
+    const bool wrong =
+        ((state == lower || state == far_below) && d < 0.0) || ((state == upper || state == far_above) && d > 0.0);
+    if (!wrong) continue;
+    if (std::abs(d) > 1e-12) moved_ = true;
+    d = 0.0;
+  }
+}
+
+/// Moves the reduced costs away from zero, each by a different amount, to break ties.
+void DualSimplex::perturb() {
+  moved_ = true;
+  for (int j = 0; j < columns(); ++j) {
+    random_ = random_ * 1664525u + 1013904223u;
+    const double by = 1e-7 * (1.0 + static_cast<double>(random_ >> 8) / 16777216.0);
+    const At state = at_[nth(basis_.nonbasic(j))];
+    if (state == lower) dual_[nth(j)] += by;
+    if (state == upper) dual_[nth(j)] -= by;
   }
 }
 

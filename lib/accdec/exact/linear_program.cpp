@@ -38,9 +38,9 @@ double LinearProgram::tap_bound(int column) const {
 }
 
 const LpSolution& LinearProgram::solve() {
-  if (clp_alone_) return solution_ = solve_by_clp(lp_, stop_);
+  if (clp_alone_) return solution_ = solve_by_clp(lp_.given(), stop_);
   solution_.status = lp_.solve();
-  if (solution_.status == DualSimplex::Status::trouble) return solution_ = solve_by_clp(lp_, stop_);
+  if (solution_.status == DualSimplex::Status::trouble) return solution_ = solve_by_clp(lp_.given(), stop_);
   solution_.objective = lp_.objective();
   solution_.point.assign(lp_.point().begin(), lp_.point().end());
   solution_.multipliers.assign(lp_.multipliers().begin(), lp_.multipliers().end());
