@@ -6,6 +6,8 @@
 #include <accdec/design/identify.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/formats/motion_log_file.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task.hpp>
@@ -53,9 +55,23 @@ Figure figure_of(const MotionLog& log, const Identification& found, double perio
   return figure;
 }
 
+/// Smoothing is considered; every other response is refused where it stands.
+Task task_of(const std::string& path) {
+  TaskOptions choices{.require_corners = false, .axes = static_cast<int>(program_axis_count)};
+  choices.response = Considered::any;
+  Task task = read_task(path, choices);
+  Machine others = task.machine;
+  others.prefilter_taps.clear();
+  const bool servo = !Response(others, task.sample_period).ideal();
+  choices.response = Considered::none;
+  return servo || has_dry_friction(others) || limits_supply(others) ? read_task(path, choices) : task;
+}
+
 void run(const IdentifyArguments& options, Context& context) {
   const std::string type = options.figure.empty() ? "" : figure_format(options.figure);
-  const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
+  Task task = task_of(options.task);
+  // Else the smoothing found would be what comes in front of the one known.
+  if (options.prefilter) task.machine.prefilter_taps.clear();
   require_outputs({options.out, options.figure}, {options.log, options.task});
   const MotionLog log = read_motion_log(options.log, task.sample_period);
   IdentifyOptions choices;
@@ -87,7 +103,8 @@ void add_identify(CLI::App& app, Context& context) {
       ->type_name("LOG.csv");
   command
       ->add_option("--task", options->task,
-                   "Task with the sample period. If it names families, only these are looked at")
+                   "Task with the sample period. If it names families, only these are looked at. Its [controller] "
+                   "prefilter_taps stand behind the filter found")
       ->required()
       ->type_name("TASK.toml");
   add_output_option(*command, "--out", options->out, "Write [filter] to FILE; - is standard output, the default");
@@ -97,8 +114,10 @@ void add_identify(CLI::App& app, Context& context) {
                    "Standard deviation of the positions. Default: what the best fit leaves")
       ->check(number_between(1e-9, 1e6))
       ->type_name("UM");
-  command->add_flag("--prefilter", options->prefilter,
-                    "Write [controller] prefilter_taps: smoothing of the control's own behind the filter designed");
+  command->add_flag(
+      "--prefilter", options->prefilter,
+      "Write [controller] prefilter_taps: smoothing of the control's own behind the filter designed. The task's "
+      "own do not count then");
   command->callback([options, &context] { run(*options, context); });
 }
 

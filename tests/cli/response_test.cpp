@@ -77,6 +77,7 @@ TEST_F(ResponseOfTasks, OtherCommandsRefuseItByName) {
                   "formulation = [\"margin\"]\norder = 20\n");
     for (const auto& [command, arguments] : refusing) {
       SCOPED_TRACE(command + " with " + key);
+      if (command == "identify" && key == "prefilter_taps") continue;  // stands behind what is found
       std::vector<std::string> call{command};
       for (const std::string& argument : arguments)
         call.push_back(argument.find('.') != std::string::npos || argument == "out" ? folder_.path(argument)

@@ -72,6 +72,7 @@ TEST(Identify, FindsAveragesOfAStraightMove) {
     const Identification found = identify(simulated(taps_of(lengths), straight_legs, 1e-8, 1), task_of());
     EXPECT_EQ(found.fits.front().family, SettingFamily::averages);
     EXPECT_EQ(found.fits.front().filter.lengths, lengths);
+    EXPECT_EQ(found.moves[0].last_step, 1.0);
     ASSERT_EQ(found.moves.size(), 1U);
     EXPECT_EQ(found.moves[0].first, 39);  // the last sample at the start
     EXPECT_EQ(found.moves[0].samples, 200);
@@ -130,7 +131,44 @@ TEST(Identify, AnswersTapsWhereNoFamilyFits) {
   ASSERT_EQ(found.fits.front().family, SettingFamily::taps);
   ASSERT_EQ(found.fits.front().filter.taps.size(), 4U);
   // A tap of 1 moves a sample of 100 um; the noise of second differences is below 1e-3 of it.
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(found.fits.front().filter.taps[i], taps[i], 2e-3);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(found.fits.front().filter.taps[i], taps[i], 1e-3);
+  const Identification exact = identify(simulated(taps, straight_legs, 0.0, 4), task_of());
+  ASSERT_EQ(exact.fits.front().filter.taps.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(exact.fits.front().filter.taps[i], taps[i], 1e-5);
+}
+
+TEST(Identify, FindsWhatIsInFrontOfTheSmoothingOfTheControl) {
+  Task task = task_of();
+  task.machine.prefilter_taps = {1.0 / 12, 5.0 / 12, 5.0 / 12, 1.0 / 12};
+  std::vector<double> taps(25 + 3, 0.0);
+  const std::vector<double> designed = taps_of({18, 8});
+  for (std::size_t i = 0; i < designed.size(); ++i) {
+    for (std::size_t j = 0; j < 4; ++j) taps[i + j] += designed[i] * task.machine.prefilter_taps[j];
+  }
+  EXPECT_EQ(identify(simulated(taps, straight_legs, 1e-8, 8), task).fits.front().filter.lengths,
+            (std::vector<int>{18, 8}));
+  const Identification at_corner = identify(simulated(taps, corner, 1e-8, 9), task);
+  EXPECT_EQ(at_corner.fits.front().filter.lengths, (std::vector<int>{18, 8}));
+  EXPECT_EQ(at_corner.moves[1].first - at_corner.moves[0].first - at_corner.moves[0].samples, 12);
+}
+
+/// A move of 20.04 mm in steps of 0.1 mm ends with one of 0.04 mm.
+TEST(Identify, TheLastStepOfAMoveMayBeShorter) {
+  const std::vector<Leg> legs{{0.02, 0.0, 200, 0}, {0.00004, 0.0, 1, 0}};
+  const Identification found = identify(simulated(taps_of({18, 8}), legs, 1e-8, 10), task_of());
+  EXPECT_EQ(found.fits.front().filter.lengths, (std::vector<int>{18, 8}));
+  ASSERT_EQ(found.moves.size(), 1U);
+  EXPECT_EQ(found.moves[0].samples, 201);
+  EXPECT_NEAR(found.moves[0].last_step, 0.4, 0.001);
+  EXPECT_NEAR(found.moves[0].way[0], 0.02004, 1e-7);
+}
+
+TEST(Identify, RefusesServosAndSpeedsThatNoMachineHas) {
+  Task task = task_of();
+  task.machine.axes.resize(2);
+  task.machine.axes[0].servo_gain = 100.0;
+  EXPECT_THROW(identify(simulated(taps_of({22}), straight_legs, 0.0, 5), task), std::invalid_argument);
+  EXPECT_THROW(identify(simulated(taps_of({22}), {{20.0, 0.0, 200, 0}}, 0.0, 5), task_of()), std::invalid_argument);
 }
 
 TEST(Identify, RefusesLogsThatAreNoWholeMove) {

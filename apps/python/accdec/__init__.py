@@ -18,6 +18,7 @@ from ._core import (Explanation, InputError, OutputError, Program, Recheck, Resu
                     __version__)
 from ._design import design, evaluate, read_result, verify
 from ._explain import baselines, explain
+from ._identify import identify
 from ._motion import residual_vibration, simulate, smallest_delay, taps
 from ._nlp import Problem, problem, register_solver, solve, solvers
 from ._plot import export, plot
@@ -28,7 +29,7 @@ del _notebook  # it has given the classes what notebooks ask for
 
 __all__ = [
     "Explanation", "InputError", "OutputError", "Problem", "Program", "Recheck", "Result",
-    "StopRun", "Task", "__version__", "baselines", "compare", "design", "evaluate", "explain", "export", "plot",
-    "problem", "program", "read_result", "register_solver", "residual_vibration", "simulate", "smallest_delay", "solve",
-    "solvers", "study", "taps", "verify",
+    "StopRun", "Task", "__version__", "baselines", "compare", "design", "evaluate", "explain", "export",
+    "identify", "plot", "problem", "program", "read_result", "register_solver", "residual_vibration", "simulate",
+    "smallest_delay", "solve", "solvers", "study", "taps", "verify",
 ]

@@ -182,6 +182,9 @@ def explain(task: Task, *, share: float, time_limit: float, design_time_limit: f
 def baselines(task: Task, *, finer: int, time_limit: float,
               progress: Optional[Callable[[str], object]]) -> list[dict[str, Any]]: ...
 
+def identify(task: Task, *, file: str, axes: Sequence[str], positions: Sequence[Sequence[float]],
+             noise: Optional[float], progress: Optional[Callable[[str], object]]) -> dict[str, Any]: ...
+
 class ProblemHandle:
     @property
     def name(self) -> str: ...

@@ -22,6 +22,7 @@ void bind_task(py::module_& module);
 void bind_result(py::module_& module);
 void bind_design(py::module_& module);
 void bind_explain(py::module_& module);
+void bind_identify(py::module_& module);
 void bind_motion(py::module_& module);
 void bind_nlp(py::module_& module);
 void bind_figure(py::module_& module);

@@ -9,6 +9,7 @@ PYBIND11_MODULE(_core, module) {
   bind_result(module);
   bind_design(module);
   bind_explain(module);
+  bind_identify(module);
   bind_motion(module);
   bind_nlp(module);
   bind_figure(module);

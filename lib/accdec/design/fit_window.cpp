@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -29,9 +30,28 @@ double moved_at(const std::vector<double>& way, int m) {
   return m <= last ? way[static_cast<std::size_t>(m)] : way.back() + (m - last);
 }
 
+/// The part that a leg has moved m samples after it began: of its full steps, or of its last one.
+double part_moved(const std::vector<double>& reached, int m, int count, bool last_step) {
+  if (last_step) return moved_at(reached, m - count) - moved_at(reached, m - count - 1);
+  return (moved_at(reached, m) - moved_at(reached, m - count)) / count;
+}
+
+Filter behind(const Filter& filter, const Filter& smoothing) {
+  if (smoothing.order() == 0) return filter;
+  std::vector<double> taps(static_cast<std::size_t>(filter.order() + smoothing.order()) + 1, 0.0);
+  for (int i = 0; i <= filter.order(); ++i) {
+    for (int j = 0; j <= smoothing.order(); ++j)
+      taps[static_cast<std::size_t>(i) + static_cast<std::size_t>(j)] += filter.tap(i) * smoothing.tap(j);
+  }
+  return Filter(std::move(taps));
+}
+
 }  // namespace
 
-FitWindow::FitWindow(const MotionLog& log, const LoggedCommand& command, int order_max) : log_(log), command_(command) {
+FitWindow::FitWindow(const MotionLog& log, const LoggedCommand& command, int order_max,
+                     const std::vector<double>& smoothing)
+    : log_(log), command_(command), smoothing_(smoothing.empty() ? std::vector{1.0} : smoothing) {
+  order_max += smoothing_.order();
   const auto samples = static_cast<int>(log.samples());
   const auto near_event = [&](int k) {
     return std::any_of(command.legs.begin(), command.legs.end(), [&](const LoggedCommand::Leg& leg) {
@@ -56,14 +76,13 @@ FitWindow::FitWindow(const MotionLog& log, const LoggedCommand& command, int ord
 CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vector<int>& first,
                              const std::vector<int>& count) const {
   const auto rows = static_cast<Eigen::Index>(rows_.size()), legs = static_cast<Eigen::Index>(first.size());
-  Eigen::MatrixXd basis(rows, legs + 1);
+  const Eigen::Index parts = last_steps_ ? 2 * legs : legs;
+  Eigen::MatrixXd basis(rows, parts + 1);
   basis.col(0).setOnes();
-  for (Eigen::Index s = 0; s < legs; ++s) {
-    const int begin = first[static_cast<std::size_t>(s)], n = count[static_cast<std::size_t>(s)];
-    for (Eigen::Index r = 0; r < rows; ++r) {
-      const int k = rows_[static_cast<std::size_t>(r)];
-      basis(r, s + 1) = (moved_at(reached, k - begin) - moved_at(reached, k - begin - n)) / n;
-    }
+  for (Eigen::Index s = 0; s < parts; ++s) {
+    const auto leg = static_cast<std::size_t>(s % legs);
+    for (Eigen::Index r = 0; r < rows; ++r)
+      basis(r, s + 1) = part_moved(reached, rows_[static_cast<std::size_t>(r)] - first[leg], count[leg], s >= legs);
   }
   CommandFit fit{0.0, first, count, {}};
   fit.coefficients = (basis.transpose() * basis).ldlt().solve(basis.transpose() * at_);
@@ -71,7 +90,12 @@ CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vect
   return fit;
 }
 
-CommandFit FitWindow::fit(const Filter& filter, int around) const {
+CommandFit FitWindow::refit(const Filter& filter, const CommandFit& fit) const {
+  return fit_at(moved(behind(filter, smoothing_)), fit.first, fit.count);
+}
+
+CommandFit FitWindow::fit(const Filter& designed, int around) const {
+  const Filter filter = behind(designed, smoothing_);
   const std::vector<double> reached = moved(filter);
   const std::size_t legs = command_.legs.size();
   std::vector<int> first, count;
@@ -98,16 +122,16 @@ CommandFit FitWindow::fit(const Filter& filter, int around) const {
 }
 
 std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const CommandFit& fit) const {
-  const std::vector<double> reached = moved(filter);
+  const std::vector<double> reached = moved(behind(filter, smoothing_));
   std::vector<std::vector<double>> positions;
   for (std::size_t a = 0; a < log_.axes.size(); ++a) {
     const auto axis = static_cast<Eigen::Index>(a);
     std::vector<double>& position = positions.emplace_back(log_.samples(), fit.coefficients(0, axis));
     for (std::size_t k = 0; k < position.size(); ++k) {
-      for (std::size_t s = 0; s < fit.first.size(); ++s) {
-        const int m = static_cast<int>(k) - fit.first[s];
-        position[k] += fit.coefficients(static_cast<Eigen::Index>(s) + 1, axis) *
-                       (moved_at(reached, m) - moved_at(reached, m - fit.count[s])) / fit.count[s];
+      for (Eigen::Index s = 0; s + 1 < fit.coefficients.rows(); ++s) {
+        const std::size_t legs = fit.first.size(), part = static_cast<std::size_t>(s), leg = part % legs;
+        position[k] += fit.coefficients(s + 1, axis) *
+                       part_moved(reached, static_cast<int>(k) - fit.first[leg], fit.count[leg], part >= legs);
       }
     }
   }
@@ -115,6 +139,7 @@ std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const Co
 }
 
 Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
+  const std::vector<double> reached = moved(smoothing_);
   const auto rows = static_cast<Eigen::Index>(rows_.size()), axes = at_.cols();
   Eigen::MatrixXd a(rows * axes, order + 1);
   Eigen::VectorXd b(rows * axes);
@@ -124,10 +149,10 @@ Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
       b(axis * rows + r) = at_(r, axis) - fit.coefficients(0, axis);
       for (int i = 0; i <= order; ++i) {
         double way = 0.0;
-        for (std::size_t s = 0; s < fit.first.size(); ++s) {
-          const int m = k - fit.first[s] - i;
-          way += fit.coefficients(static_cast<Eigen::Index>(s) + 1, axis) *
-                 (std::max(m, 0) - std::max(m - fit.count[s], 0)) / fit.count[s];
+        for (Eigen::Index s = 0; s + 1 < fit.coefficients.rows(); ++s) {
+          const std::size_t legs = fit.first.size(), part = static_cast<std::size_t>(s), leg = part % legs;
+          way +=
+              fit.coefficients(s + 1, axis) * part_moved(reached, k - fit.first[leg] - i, fit.count[leg], part >= legs);
         }
         a(axis * rows + r, i) = way;
       }

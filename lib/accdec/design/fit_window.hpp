@@ -15,15 +15,20 @@ namespace accdec {
 struct CommandFit {
   double squares = 0.0;           ///< m^2, sum of squared differences
   std::vector<int> first, count;  ///< of each leg, samples
-  Eigen::MatrixXd coefficients;   ///< start and ways by rows, m; axes by columns
+  /// Start, then ways of the legs' full steps, then those of their last steps if these may be shorter, by rows, m; axes
+  /// by columns.
+  Eigen::MatrixXd coefficients;
 };
 
 /// The samples of a log that a filter decides: around starts and stops. Keeps references.
 class FitWindow {
  public:
   /// @param order_max  of the filters to be fitted
-  FitWindow(const MotionLog& log, const LoggedCommand& command, int order_max);
+  /// @param smoothing  taps of the control's own, behind every filter; empty: none
+  FitWindow(const MotionLog& log, const LoggedCommand& command, int order_max, const std::vector<double>& smoothing);
 
+  /// Whether a leg may end with a step of its own: what is left where its way is no whole number of steps.
+  void allow_last_steps(bool allow) { last_steps_ = allow; }
   /// The best fit over commands near those that the constant speeds say: legs begin on a sample and last whole samples.
   /// @param around  how many samples each number may be off
   CommandFit fit(const Filter& filter, int around) const;
@@ -31,16 +36,18 @@ class FitWindow {
   std::vector<std::vector<double>> model(const Filter& filter, const CommandFit& fit) const;
   /// Any taps >= 0 of this order, by least squares; the command as of a fit.
   Filter free_taps(const CommandFit& fit, int order) const;
+  /// The same command, with the ways that fit this filter best.
+  CommandFit refit(const Filter& filter, const CommandFit& fit) const;
   /// Values that are compared.
   long values() const { return static_cast<long>(rows_.size()) * log_.axes.size(); }
 
  private:
   CommandFit fit_at(const std::vector<double>& reached, const std::vector<int>& first,
                     const std::vector<int>& count) const;
-  double leg_at(const std::vector<double>& reached, double k) const;
-
   const MotionLog& log_;
   const LoggedCommand& command_;
+  Filter smoothing_;
+  bool last_steps_ = false;
   std::vector<int> rows_;  // samples that are compared
   Eigen::MatrixXd at_;     // m, of these; axes by columns
 };

@@ -19,6 +19,10 @@ constexpr double noise_more = 1.33;
 /// Part of a sample's way that a fit may leave.
 constexpr double unexplained = 0.1;
 constexpr double noise_least = 1e-12;  // m; rounding
+constexpr double sure = 20.0;          // of a logarithm of likelihoods, twice
+/// Part of a sample's way that a family may leave more than free taps: smoothing that was measured is as exact.
+constexpr double model_part = 1e-4;
+constexpr double fastest = 20.0;  // m/s; no axis of a machine tool comes near it
 
 struct Candidate {
   FittedFilter fitted;
@@ -34,17 +38,55 @@ class Identifier {
         command_(logged_command(log)),
         // Where a ramp begins and ends is hidden in the noise, and by cascades that begin slowly.
         order_max_(std::min(task.design.order_max, command_.longest_ramp * 8 / 5 + 10)),
-        window_(log, command_, order_max_) {}
+        window_(log, command_, order_max_, task.machine.prefilter_taps) {}
 
   Identification run() {
-    if (asked(SettingFamily::averages)) averages();
-    if (asked(SettingFamily::one_pole)) pole();
-    refine();
-    taps();
+    require_believable();
+    look();
+    const double whole = least_squares();
+    const std::vector<Candidate> candidates = all_;
+    const FittedFilter taps = taps_;
+    window_.allow_last_steps(true);
+    look();
+    // Last steps are more numbers to fit: they must explain more.
+    const double values = static_cast<double>(window_.values());
+    const double numbers = static_cast<double>(command_.legs.size() * log_.axes.size());
+    if (values * std::log(whole / least_squares()) < numbers * std::log(values) + sure) {
+      window_.allow_last_steps(false);
+      all_ = candidates, taps_ = taps;
+    }
     return answer();
   }
 
  private:
+  /// All candidates, and free taps.
+  void look() {
+    all_.clear();
+    if (asked(SettingFamily::averages)) averages();
+    if (asked(SettingFamily::one_pole)) pole();
+    refine();
+    taps();
+  }
+  double least_squares() const {
+    const double rounding = noise_least * noise_least * static_cast<double>(window_.values());
+    return std::max(rounding, all_.empty() ? taps_squares_ : std::min(taps_squares_, all_.front().squares));
+  }
+
+  void require_believable() const {
+    for (const Axis& axis : task_.machine.axes) {
+      if (axis.servo_gain < unlimited || !axis.response_taps.empty())
+        throw std::invalid_argument(
+            "identify does not consider the servo of an axis (servo_gain_1_s, response_taps); leave it out, and what "
+            "is found is filter and servo together");
+    }
+    const double feed = command_.step / task_.sample_period;
+    if (feed > fastest)
+      throw std::invalid_argument(
+          fmt::format("the log moves at {:.4g} m/s; allowed are {:g} m/s: are the units of the "
+                      "positions right?",
+                      feed, fastest));
+  }
+
   bool asked(SettingFamily family) const {
     if (!task_.settings || !task_.settings->names_family()) return true;
     const auto& families = task_.settings->families;
@@ -147,7 +189,15 @@ class Identifier {
     CommandFit fit = window_.fit(like, 2);
     const int early = std::max(2, order_max_ / 8);
     for (int& first : fit.first) first -= early;
-    const Filter found = window_.free_taps(fit, like.order() + 2 * early);
+    // Ways are refitted with the taps, and taps with these ways: those of the family's fit make up for its taps.
+    Filter found = window_.free_taps(fit, like.order() + 2 * early);
+    constexpr int most_rounds = 30;
+    for (int round = 0; round < most_rounds; ++round) {
+      const double before = fit.squares;
+      fit = window_.refit(found, fit);
+      if (round > 0 && fit.squares > 0.99 * before) break;
+      found = window_.free_taps(fit, like.order() + 2 * early);
+    }
     std::vector<double> taps(found.taps().begin(), found.taps().end());
     // A tap is a second difference of positions, which has about the noise times the root of six.
     const double least =
@@ -161,7 +211,8 @@ class Identifier {
     taps_.filter = {
         .kind = Shape::taps, .order = trimmed.order(), .taps = {trimmed.taps().begin(), trimmed.taps().end()}};
     taps_.parameters = trimmed.order() + 1;
-    taps_.rms = rms(window_.fit(trimmed, 2).squares, taps_.parameters);
+    taps_squares_ = window_.fit(trimmed, 2).squares;
+    taps_.rms = rms(taps_squares_, taps_.parameters);
   }
 
   Identification answer() {
@@ -173,7 +224,8 @@ class Identifier {
           fmt::format("the log is no straight move and no corner from rest to rest, or has too much noise: the best "
                       "fit leaves {:.4g} um rms; allowed are {:.4g} um, a part of {:g} of a sample's way",
                       1e6 * std::min(best, taps_.rms), 1e6 * unexplained * command_.step, unexplained));
-    if (best > noise_more * taps_.rms + noise_least + options_.noise.value_or(0.0)) {
+    const double more = noise_least + model_part * command_.step + options_.noise.value_or(0.0);
+    if (best > noise_more * taps_.rms + more) {
       result.fits = {taps_};
       result.noise = options_.noise.value_or(taps_.rms);
     } else {
@@ -183,9 +235,19 @@ class Identifier {
     const Filter filter = make_filter(result.fits.front().filter);
     const CommandFit fit = window_.fit(filter, 2);
     result.modelled = window_.model(filter, fit);
-    for (std::size_t s = 0; s < fit.first.size(); ++s) {
-      const Eigen::VectorXd way = fit.coefficients.row(static_cast<Eigen::Index>(s) + 1);
-      result.moves.push_back({fit.first[s], fit.count[s], {way.data(), way.data() + way.size()}});
+    const auto legs = static_cast<Eigen::Index>(fit.first.size());
+    for (Eigen::Index s = 0; s < legs; ++s) {
+      const auto leg = static_cast<std::size_t>(s);
+      Eigen::VectorXd way = fit.coefficients.row(s + 1);
+      LoggedMove move{.first = fit.first[leg], .samples = fit.count[leg]};
+      if (fit.coefficients.rows() > legs + 1) {
+        const Eigen::VectorXd last = fit.coefficients.row(legs + s + 1);
+        move.last_step = last.dot(way) * move.samples / way.squaredNorm();
+        ++move.samples;
+        way += last;
+      }
+      move.way.assign(way.data(), way.data() + way.size());
+      result.moves.push_back(std::move(move));
     }
     return result;
   }
@@ -219,6 +281,7 @@ class Identifier {
   FitWindow window_;
   std::vector<Candidate> all_;
   FittedFilter taps_;
+  double taps_squares_ = 0.0;
 };
 
 }  // namespace

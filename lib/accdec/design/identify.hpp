@@ -23,7 +23,8 @@ struct FittedFilter {
 /// The command that was found in a log, straight moves at constant feeds from rest to rest.
 struct LoggedMove {
   int first = 0, samples = 0;  ///< sample in which the command begins, and how many it moves
-  std::vector<double> way;     ///< m, by axis
+  double last_step = 1.0;      ///< part of the others that the last sample moves
+  std::vector<double> way{};   ///< m, by axis
 };
 
 /// The answer to a log: the filters that its motion may have passed.
@@ -43,12 +44,14 @@ struct IdentifyOptions {
 
 /// Finds the filter behind a logged straight move or corner from rest to rest. The command is a run of whole samples at
 /// one feed, or two with a rest between them. Its samples, feeds and place follow from the parts of the log at constant
-/// speed; its length and place are fitted with every filter. Looked at are one to three averages of every length, and
+/// speed; its length and place are fitted with every filter. The last sample of a leg may move less than the others, if
+/// the log fits much better so. Looked at are one to three averages of every length, and
 /// an endless pole of any time constant. With a task that names families only these are. If none of them fits as well
-/// as free taps do, up to a third more noise, taps are the answer.
-/// @param task  its sample period is that of the log; its largest order bounds the filters
-/// @throws std::invalid_argument if the log does not begin and end at rest, or if no part of a leg has a constant
-///         speed
+/// as free taps do, up to a third more noise, taps are the answer. The task's `prefilter_taps` stand behind every
+/// filter: what is found is the filter in front of them.
+/// @param task  its sample period is that of the log; its largest order bounds the filters; without servos
+/// @throws std::invalid_argument if the log does not begin and end at rest, if no part of a leg has a constant speed,
+///         or if it moves faster than any machine
 Identification identify(const MotionLog& log, const Task& task, const IdentifyOptions& options = {});
 
 }  // namespace accdec

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -211,9 +212,10 @@ std::string identified_to_toml(const Identification& found, const MotionLog& log
   for (std::size_t i = 0; i < found.moves.size(); ++i) {
     double way = 0.0;
     for (const double w : found.moves[i].way) way = std::hypot(way, w);
-    text += fmt::format("# {}: {:.6g} mm in {} samples, {:.6g} mm/min, from sample {}\n",
-                        found.moves.size() == 1 ? "straight move" : fmt::format("leg {}", i + 1), 1e3 * way,
-                        found.moves[i].samples, 6e4 * way / (found.moves[i].samples * period), found.moves[i].first);
+    text += fmt::format(
+        "# {}: {:.6g} mm in {} samples, {:.6g} mm/min, from sample {}\n",
+        found.moves.size() == 1 ? "straight move" : fmt::format("leg {}", i + 1), 1e3 * way, found.moves[i].samples,
+        6e4 * way / ((found.moves[i].samples - 1.0 + found.moves[i].last_step) * period), found.moves[i].first);
   }
   if (found.moves.size() == 2)
     text += fmt::format("# delay at the corner: {} samples\n",
