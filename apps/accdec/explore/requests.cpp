@@ -38,7 +38,7 @@ Answer problem(int status, std::string_view what) {
 }
 
 Task task_of(const Question& question) {
-  Task task = parse_task_json(question.body, "task");
+  Task task = parse_task_json(question.body, "task", {.response = Considered::common});
   require_small(task.corners.size());
   return task;
 }
@@ -183,7 +183,8 @@ std::string start_json(const Task& task, const std::string& name) {
   for (const Key& key : task_file().keys) json["keys"].push_back(key_json(key));
   for (const cli::MachineFile& file : cli::machine_files())
     json["shipped"].push_back(
-        {{"name", file.name}, {"task", task_to_json(parse_task(file.text, std::string(file.name)))}});
+        {{"name", file.name},
+         {"task", task_to_json(parse_task(file.text, std::string(file.name), {.response = Considered::common}))}});
   return dumped(json);
 }
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <accdec/machine.hpp>
-#include <accdec/machine/limits.hpp>
 #include <accdec/machine/signed_value.hpp>
 #include <accdec/task/simulation.hpp>
 
@@ -29,7 +28,7 @@ bool shown(const AxisLimit& limit, const Machine& machine) {
 }
 
 /// One quantity of every axis that moves.
-Json quantity_json(const AxisLimit& limit, const SampledMotion& motion, const TaskCorner& corner, const Task& task) {
+Json quantity_json(const AxisLimit& limit, const SampledResponse& sampled, const TaskCorner& corner, const Task& task) {
   const LimitName& name = limit_name(limit.kind);
   Json axes = Json::array();
   for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
@@ -38,12 +37,10 @@ Json quantity_json(const AxisLimit& limit, const SampledMotion& motion, const Ta
     if (std::max(std::abs(legs.direction_in[a]), std::abs(legs.direction_out[a])) < 1e-12) continue;
     const Axis& axis = task.machine.axes[i];
     if (limit.load && !(axis.*limit.bound < unlimited)) continue;
-    AxisSampler sampler(axis, task.sample_period, still_part * std::max(legs.feed_in, legs.feed_out));
+    const double still = still_part * std::max(legs.feed_in, legs.feed_out);
     std::vector<double> values;
-    for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n) {
-      const AxisState state = sampler.next(motion.velocity(n, a), motion.acceleration(n, a));
+    for (const AxisState& state : axis_states(sampled, axis, a, task.sample_period, still))
       values.push_back(signed_value(state, limit.kind) * name.per_si);
-    }
     axes.push_back({{"name", axis.name}, {"bound", bound_json(axis, limit)}, {"values", std::move(values)}});
   }
   return {{"kind", name.name}, {"unit", name.unit}, {"axes", std::move(axes)}};
@@ -86,8 +83,9 @@ void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner,
 Json view_json(const DesignResult& result, std::size_t index) {
   const Task& task = result.task;
   const TaskCorner& corner = task.corners[index];
-  const SampledMotion motion =
-      simulate_corner(*result.filter, corner.geometry(), result.corners[index].delay, task.sample_period);
+  const SampledResponse sampled = simulate_response(*result.filter, corner.geometry(), result.corners[index].delay,
+                                                    task.sample_period, task.machine);
+  const SampledMotion& motion = sampled.motion();
   std::vector<double> time;
   for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
     time.push_back(static_cast<double>(n - motion.corner) * task.sample_period * 1e3);
@@ -97,7 +95,7 @@ Json view_json(const DesignResult& result, std::size_t index) {
   add_path(view, motion, corner, task.machine);
   view["quantities"] = Json::array();
   for (const AxisLimit& limit : axis_limits) {
-    if (shown(limit, task.machine)) view["quantities"].push_back(quantity_json(limit, motion, corner, task));
+    if (shown(limit, task.machine)) view["quantities"].push_back(quantity_json(limit, sampled, corner, task));
   }
   return view;
 }

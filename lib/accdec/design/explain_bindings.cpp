@@ -20,16 +20,12 @@ struct Span {
 
 void axis_bindings(const SampledResponse& sampled, double period, const Axis& axis, Eigen::Index a,
                    const std::string& corner, std::vector<Binding>& out) {
-  const SampledMotion &m = sampled.command, &moved = sampled.motion();
+  const SampledMotion& m = sampled.command;
   const Span spans[] = {{Event::start, m.start, m.cruise_in},
                         {Event::blend, m.corner, m.cruise_out},
                         {Event::stop, m.stop, static_cast<int>(m.velocity.rows()) - 1}};
   const double still = still_part * std::max(m.velocity.row(m.cruise_in).norm(), m.velocity.row(m.cruise_out).norm());
-  AxisSampler sampler(axis, period, still);
-  std::vector<AxisState> states;
-  for (Eigen::Index row = 0; row < m.velocity.rows(); ++row)
-    states.push_back(with_load(sampler.next(m.velocity(row, a), m.acceleration(row, a)), axis, moved.velocity(row, a),
-                               moved.acceleration(row, a), still));
+  const std::vector<AxisState> states = axis_states(sampled, axis, a, period, still);
   for (const AxisLimit& limit : axis_limits) {
     const double bound = axis.*limit.bound;
     if (bound >= unlimited) continue;

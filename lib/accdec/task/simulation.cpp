@@ -180,4 +180,16 @@ SampledResponse simulate_response(const Filter& filter, const Corner& corner, in
   return sampled;
 }
 
+std::vector<AxisState> axis_states(const SampledResponse& sampled, const Axis& axis, Eigen::Index a,
+                                   double sample_period, double still) {
+  const SampledMotion &command = sampled.command, &motion = sampled.motion();
+  AxisSampler sampler(axis, sample_period, still);
+  std::vector<AxisState> states;
+  for (Eigen::Index n = 0; n < command.velocity.rows(); ++n) {
+    const AxisState state = sampler.next(command.velocity(n, a), command.acceleration(n, a));
+    states.push_back(with_load(state, axis, motion.velocity(n, a), motion.acceleration(n, a), still));
+  }
+  return states;
+}
+
 }  // namespace accdec

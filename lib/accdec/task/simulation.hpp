@@ -8,6 +8,7 @@
 #include <accdec/corner.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/machine/limits.hpp>
 
 namespace accdec {
 
@@ -41,5 +42,11 @@ struct SampledResponse {
 /// Axes may differ.
 SampledResponse simulate_response(const Filter& filter, const Corner& corner, int delay, double sample_period,
                                   const Machine& machine);
+
+/// State of an axis in every row: velocity, acceleration and jerk of the command, force and power of the motion.
+/// @param a      column of the axis
+/// @param still  m/s; a slower motion counts as rest for dry friction
+std::vector<AxisState> axis_states(const SampledResponse& sampled, const Axis& axis, Eigen::Index a,
+                                   double sample_period, double still);
 
 }  // namespace accdec

@@ -3,6 +3,9 @@ import { make, unit } from "./format.js";
 import { slider } from "./slider.js";
 import { barredBy, firstTable, firstValue, neededBy, otherWay, shortName } from "./keys.js";
 
+// On a phone all groups are folded at first, as the answer stands below them.
+const narrow = globalThis.matchMedia?.("(max-width: 760px)").matches ?? false;
+
 export class Controls {
   constructor(form, keys, state) {
     Object.assign(this, { form, keys, state, apart: false, open: new Map() });
@@ -35,7 +38,7 @@ export class Controls {
   }
 
   group(title, rows, name, tools = []) {
-    const open = this.open.get(name) ?? !["task", "design", "filter", "program"].includes(name);
+    const open = this.open.get(name) ?? !(narrow || ["task", "design", "filter", "program"].includes(name));
     const element = make(
       "details",
       { open, class: "group" },

@@ -190,6 +190,19 @@ function compared() {
   return page.chosen.filter ? found(page.member) : found(page.today);
 }
 
+/** The samples of a view between the start that ends and the stop that begins: the legs are as short as they can be. */
+function blendOnly(view) {
+  const cut = (values) => values.slice(view.events.blend - 1, view.events.stop + 1);
+  const axes = (q) => q.axes.map((axis) => ({ ...axis, values: cut(axis.values) }));
+  return {
+    ...view,
+    time_ms: cut(view.time_ms),
+    speed_mm_s: cut(view.speed_mm_s),
+    path: { ...view.path, off_um: cut(view.path.off_um) },
+    quantities: view.quantities.map((q) => ({ ...q, axes: axes(q) })),
+  };
+}
+
 function drawNow() {
   const answer = found(page.design);
   summary(page, state.task);
@@ -218,15 +231,12 @@ function drawNow() {
     { view, corner: result.corners[i], tolerance },
     old ? { view: old, tolerance: null } : null,
   );
-  const end = (v) =>
-    v.time_ms[
-      Math.min(v.time_ms.length - 1, v.events.blend + result.filter.order + result.corners[i].delay_samples + 2)
-    ];
-  const last = Math.max(
-    end(view),
-    old ? period * (before.result.filter.order + before.result.corners[i].delay_samples + 2) : 0,
-  );
-  const x = page.whole ? null : [-3 * period, last + 2 * period];
+  const ends = ({ result }) => {
+    const { delay_samples, settling_time_s = 0 } = result.corners[i];
+    return period * (result.filter.order + delay_samples + 4) + settling_time_s * 1e3;
+  };
+  const x = page.whole ? null : [-period, Math.max(ends(answer), old ? ends(before) : 0)];
+  const [shown, shownBefore] = page.whole ? [view, old] : [blendOnly(view), old && blendOnly(old)];
   const distance = (v, before) => ({
     label: before ? "before" : "design",
     time: v.time_ms,
@@ -234,8 +244,8 @@ function drawNow() {
     axis: 0,
     before,
   });
-  off.show([distance(view, false), ...(old ? [distance(old, true)] : [])], [], { period, x });
-  motion.show(view, old, period, x);
+  off.show([distance(shown, false), ...(old ? [distance(shownBefore, true)] : [])], [], { period, x });
+  motion.show(shown, shownBefore, period, x);
 }
 
 function drawFamilies() {

@@ -58,11 +58,11 @@ export function familyTable(all, own, design, period, chosen, choose, open) {
             title,
           )
         : make("b", {}, title),
-      text,
-      d,
       ms(objective),
       more(objective),
       bar(objective),
+      text,
+      d,
     ],
   });
   const rows = [];
@@ -94,7 +94,7 @@ export function familyTable(all, own, design, period, chosen, choose, open) {
         f.old,
       ),
     );
-  const parts = [table(["filter", "set", "delay", "time / ms", "more", ""], rows)];
+  const parts = [table(["filter", "time / ms", "more", "", "set", "delay"], rows)];
   if (rest.length) {
     const reasons = new Map();
     for (const f of rest) reasons.set(f.message, [...(reasons.get(f.message) ?? []), f.title]);
