@@ -1,6 +1,4 @@
-#include <limits>
-
-#include <accdec/exact/joint_prover.hpp>
+#include <accdec/exact/joint.hpp>
 #include <accdec/files/side_by_side.hpp>
 
 // The start of the joint proof: the least order, and lemmas of single corners.
@@ -9,13 +7,12 @@ namespace accdec::exact {
 
 /// Excludes the orders that no filter has.
 void Joint::begin() {
-  std::vector<proof::Node> tree;
-  const std::vector<int> all(task_.corners.size(), -1);
-  for (int none = least_ - 1; none >= node(0).n1 && none >= least_ - 3 && !stop_(); --none) {
-    if (!refutes(*provers_[0], false, none, all, 2000, tree)) continue;
-    add(lemma(*provers_[0], false, none, all, std::move(tree)));
-    split(0, -1, none);
-    node(1).lemma = 0;
+  for (int none = least_ - 1; none >= tree_[0].n1 && none >= least_ - 3 && !stop_(); --none) {
+    auto lemma = provers_[0]->no_filter_up_to(none);
+    if (!lemma) continue;
+    lemmas_.add(std::move(*lemma));
+    tree_.split(0, -1, none);
+    tree_[1].lemma = 0;
     tip_ = 2;
     break;
   }
@@ -25,67 +22,30 @@ void Joint::begin() {
 /// From here on, nodes of short and of long filters are separate.
 void Joint::branch() {
   branched_ = true;
-  if (short_ >= task_.design.order_max || node(tip_).n1 > short_) return push(tip_, 0.0);
-  split(tip_, -1, short_);
-  const int first = node(tip_).first, second = node(tip_).second;
-  push(first, 0.0);
-  push(second, 0.0);
+  if (tree_.most_short() >= task_.design.order_max || tree_[tip_].n1 > tree_.most_short()) return tree_.push(tip_, 0.0);
+  tree_.split(tip_, -1, tree_.most_short());
+  const int first = tree_[tip_].first, second = tree_[tip_].second;
+  tree_.push(first, 0.0);
+  tree_.push(second, 0.0);
 }
 
-/// A lemma of one corner: the longest delay above `low` that no filter has, by bisection.
-std::optional<Joint::Lemma> Joint::longest_refuted(Prover& prover, std::size_t j, bool wide, int low) const {
-  const int shorter = std::min(task_.design.order_max, least_ + least_ / 4 + 2);
-  std::vector<int> most(task_.corners.size(), -1);
-  std::vector<proof::Node> tree, best;
-  // The best design's delay holds, perhaps with another order only.
-  int high = std::min(designs_.best->delays[j], shorter + 2);
-  const long budget = wide ? 200 : std::numeric_limits<long>::max() / 2;
-  while (high - low > 1 && !stop_()) {
-    most[j] = low + (high - low) / 2;
-    if (refutes(prover, wide, shorter, most, budget, tree)) {
-      low = most[j];
-      best = std::move(tree);
-    } else {
-      high = most[j];
-    }
-  }
-  if (best.empty()) return std::nullopt;
-  most[j] = low;
-  return lemma(prover, wide, shorter, most, std::move(best));
-}
-
-/// Lemmas of one corner. A few linear programs through a window show as much for filters of any order as many linear
-/// programs do for short ones. Together these lemmas are a first bound. Limits that a window does not see are examined
-/// with short filters.
-std::vector<Joint::Lemma> Joint::single_corner(Prover& prover, std::size_t j) const {
-  std::vector<Lemma> lemmas;
-  if (task_.corners[j].delay) return lemmas;
-  int low = -1;
-  if (task_.corners[j].error_max) {
-    if (auto found = longest_refuted(prover, j, true, -1)) {
-      low = found->delays.front().delay;
-      lemmas.push_back(std::move(*found));
-    }
-  }
-  if (!sees_all_ || !task_.corners[j].error_max) {
-    if (auto found = longest_refuted(prover, j, false, low)) lemmas.push_back(std::move(*found));
-  }
-  return lemmas;
-}
-
-/// Finds the first lemmas of the next few corners.
+/// Finds the first lemmas of the next few corners. Together these lemmas are a first bound.
 void Joint::first_lemmas() {
   const std::size_t count = std::min(provers_.size(), task_.corners.size() - next_corner_);
-  std::vector<std::vector<Lemma>> found(count);
+  const int shorter = std::min(task_.design.order_max, least_ + least_ / 4 + 2);
+  std::vector<std::vector<JointLemma>> found(count);
   share();
-  side_by_side(count, threads_, [&](std::size_t i) { found[i] = single_corner(*provers_[i], next_corner_ + i); });
+  side_by_side(count, threads_, [&](std::size_t i) {
+    const std::size_t j = next_corner_ + i;
+    found[i] = provers_[i]->single_corner(j, shorter, designs_.best->delays[j]);
+  });
   share();
   if (stop_()) return;
-  for (std::vector<Lemma>& lemmas : found) {
-    for (Lemma& lemma : lemmas) {
+  for (std::vector<JointLemma>& lemmas : found) {
+    for (JointLemma& lemma : lemmas) {
       const bool wide = lemma.wide;
       const proof::CornerDelay at = lemma.delays.front();
-      add(std::move(lemma));
+      lemmas_.add(std::move(lemma));
       if (wide) close_first(static_cast<int>(lemmas_.size()) - 1, at);
     }
   }
@@ -94,12 +54,12 @@ void Joint::first_lemmas() {
 
 /// Splits the open node at a delay that a lemma forbids.
 void Joint::close_first(int lemma, const proof::CornerDelay& at) {
-  const Node& open = node(tip_);
+  const JointNode& open = tree_[tip_];
   const auto j = static_cast<std::size_t>(at.corner);
   if (at.delay < open.d1[j] || at.delay >= open.d2[j]) return;
-  split(tip_, at.corner, at.delay);
-  node(node(tip_).first).lemma = lemma;
-  tip_ = node(tip_).second;
+  tree_.split(tip_, at.corner, at.delay);
+  tree_[tree_[tip_].first].lemma = lemma;
+  tip_ = tree_[tip_].second;
 }
 
 }  // namespace accdec::exact
