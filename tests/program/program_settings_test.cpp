@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <accdec/filter.hpp>
 #include <accdec/plan/command/program_plan.hpp>
@@ -136,6 +137,10 @@ TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
   const std::string out = read("out");
   EXPECT_EQ(out.find("Set these: MD32410"), 0U) << out;
   EXPECT_THAT(out, HasSubstr("Today's setting takes"));
+  EXPECT_THAT(out, HasSubstr("ree taps"));
+  // No plan undercuts the bound of any motion.
+  const nlohmann::json record = nlohmann::json::parse(read("r.json"));
+  EXPECT_GE(record["settings"]["free_taps_s"].get<double>(), record["lower_bound_s"].get<double>());
   EXPECT_THAT(read("r.html"), HasSubstr("Set these: MD32410"));
   EXPECT_THAT(read("e.ngc"), HasSubstr("(set these: MD32410"));
   EXPECT_EQ(read("e.ngc").find("\nG4 "), std::string::npos) << "the control has no dwells";

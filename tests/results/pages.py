@@ -189,6 +189,32 @@ def peers(page):
                       f"{motion_time(samples):.3f}")
 
 
+@check_of("program/linuxcnc-loop.md")
+def linuxcnc_loop(page):
+    """What is predicted; what LinuxCNC logged is in the tables that its scripts wrote."""
+    sys.path.insert(0, str(page.source / "tests/peers"))
+    import loop
+
+    logged = page.rows("motion", "samples predicted")
+    for row, wrote in zip(logged, page.csv("linuxcnc-loop.csv")):
+        page.same(row["motion"], [row["samples predicted"], row["samples logged"], row["delays, ms"],
+                                  row["largest difference, um"]], list(wrote.values())[1:])
+    times = page.rows("program", "predicted, ms")
+    page.same("table of times", [sorted(row.values()) for row in times],
+              [sorted(row.values()) for row in page.csv("linuxcnc-identify.csv")])
+    (page.folder / "corner.ngc").write_text(loop.CORNER)
+    samples = page.folder / "samples.csv"
+    page.run("program", page.folder / "corner.ngc", "--task", page.task(loop.CORNER_TASK), "--samples", samples, "--quiet")
+    # The smoothing of four taps moves three samples longer; the last change ends at rest.
+    page.same("corner", logged[0]["samples predicted"], str(round(1e3 * motion_time(samples)) + 3 - 1))
+    mill = re.sub(r"(?ms)^\[filter\].*?(?=^\[\[)", '[filter]\nkind = "averages"\nlengths = [18, 7]\n',
+                  (page.source / "problems/program/mill.toml").read_text())
+    for name in ("zigzag", "star"):
+        plan = page.result("program", page.source / f"problems/program/{name}.ngc", "--feeds", "keep", "--task",
+                           page.task(mill))
+        page.same(name, page.row(times, "program", name)["predicted, ms"], f"{1e3 * plan['cycle_time_s']:.0f}")
+
+
 @check_of("program/controllers.md")
 def controllers(page):
     """A control without kinds of delays takes as long as its filter, given to the task."""

@@ -66,6 +66,7 @@ class Refutation {
   std::string rule() {
     if (const auto limit = broken_by_legs()) return std::string(to_string(*limit));
     if (rings()) return "vibration";
+    for (std::size_t j = 0; j < task_.corners.size(); ++j) least_.push_back(least_delay(j));
     bool simulated = false;
     for (;;) {
       const std::optional<std::vector<int>> delays = cheap_delays();
@@ -83,7 +84,20 @@ class Refutation {
   }
   double tap(int i) const { return i < 0 || i > member_.order() ? 0.0 : member_.taps[static_cast<std::size_t>(i)]; }
 
-  std::optional<LimitKind> broken_by_legs() const {
+  /// Whether a leg at this speed keeps the limits by far more than rounding, by its largest tap and step of taps.
+  bool surely_holds(const Axis& axis, double speed) const {
+    constexpr double below = 1.0 - 1e-9;
+    const double period = task_.sample_period;
+    return std::min({axis.force_max, axis.power_max, axis.regeneration_max}) >= unlimited &&
+           speed <= below * axis.velocity_max && speed * tallest_ <= below * axis.acceleration_max * period &&
+           speed * steepest_ <= below * axis.jerk_max * period * period;
+  }
+
+  std::optional<LimitKind> broken_by_legs() {
+    for (int i = 0; i <= member_.order() + 1; ++i) {
+      tallest_ = std::max(tallest_, tap(i));
+      steepest_ = std::max(steepest_, std::abs(tap(i) - tap(i - 1)));
+    }
     const double period = task_.sample_period;
     for (const TaskCorner& corner : granted_.corners) {
       const Corner& g = corner.geometry();
@@ -91,6 +105,7 @@ class Refutation {
         const Axis& axis = granted_.machine.axes[x];
         const auto e = static_cast<Eigen::Index>(x);
         const double in = g.feed_in * g.direction_in[e], out = g.feed_out * g.direction_out[e];
+        if (surely_holds(axis, std::max(std::abs(in), std::abs(out)))) continue;
         for (int k = 0; k <= member_.order() + 2; ++k) {
           const double now = tap(k - 1) / period, before = tap(k - 2) / period;
           if (const auto limit = broken(axis, in * at(member_.gone, k), in * now, in * before, period)) return limit;
@@ -163,11 +178,41 @@ class Refutation {
     return task_.settings->delays.empty() || kind(DelayKind::dwell) || kind(DelayKind::timed_axis);
   }
 
+  /// A delay below which the corner's error is too large. At every shorter delay, leg 2 is at least as far away sample
+  /// by sample. The nearest of all such positions therefore bounds the error of them all.
+  int least_delay(std::size_t j) const {
+    const TaskCorner& corner = granted_.corners[j];
+    if (task_.corners[j].delay) return *task_.corners[j].delay;
+    if (!corner.error_max) return 0;
+    const Corner& g = corner.geometry();
+    const double period = task_.sample_period, cosine = g.cos_interior();
+    const double allowed = *corner.error_max * *corner.error_max * (1.0 + 1e-9);
+    const auto too_far = [&](int delay) {
+      for (int k = 0; k <= member_.order() + delay + 2; ++k) {
+        const double p = g.feed_in * period * at(member_.way_left, k);
+        const double beyond = std::max(0, k - delay - member_.order() - 1);
+        double q = g.feed_out * period * (k <= delay ? 0.0 : at(member_.way_gone, k - delay) + beyond);
+        q = std::max(q, -p * cosine);  // the nearest, if that is farther along leg 2
+        if (p * p + q * q + 2.0 * p * q * cosine <= allowed) return false;
+      }
+      return true;
+    };
+    int first = 0, last = longest_;
+    while (first < last) {
+      const int middle = first + (last - first) / 2;
+      if (too_far(middle))
+        first = middle + 1;
+      else
+        last = middle;
+    }
+    return first;
+  }
+
   /// The shortest delay without a width; -1: none.
-  int plain_delay(std::size_t j, double room) {
+  int plain_delay(std::size_t j, int least, double room) {
     const std::optional<int> given = task_.corners[j].delay;
     if (given) return holds(j, *given) ? *given : -1;
-    const int first = any_delay() ? 0 : apart();
+    const int first = std::max(any_delay() ? 0 : apart(), least);
     if (!any_delay() && kind(DelayKind::continuous) && holds(j, 0)) return 0;
     if (!any_delay() && !kind(DelayKind::exact_stop)) return -1;
     for (int d = first; d <= longest_; ++d) {
@@ -188,8 +233,11 @@ class Refutation {
   /// Delays that hold all limits within the room, of any kind that the controller has.
   std::optional<std::vector<int>> cheap_delays() {
     const std::size_t corners = task_.corners.size();
+    double least_cost = 0.0;
+    for (std::size_t j = 0; j < corners; ++j) least_cost += cost_.delay[j] * least_[j];
+    if (least_cost >= room_) return std::nullopt;
     std::vector<int> plain;
-    for (std::size_t j = 0; j < corners; ++j) plain.push_back(plain_delay(j, room_));
+    for (std::size_t j = 0; j < corners; ++j) plain.push_back(plain_delay(j, least_[j], room_));
     if (auto found = within(plain)) return found;
     if (any_delay() || !kind(DelayKind::in_position)) return std::nullopt;
     std::vector<double> widths{none};
@@ -249,6 +297,8 @@ class Refutation {
   const std::function<bool()>& stop_;
   LinearCost cost_;
   int longest_;
+  double tallest_ = 0.0, steepest_ = 0.0;        ///< largest tap, and largest difference of neighbours
+  std::vector<int> least_;                       ///< of each corner: every shorter delay breaks its error bound
   std::vector<std::vector<signed char>> known_;  ///< of each corner and delay
 };
 

@@ -73,6 +73,9 @@ struct ProgramSettings {
   long members = 0, tried = 0;    ///< settings that the families have; of these planned
   bool complete = false;          ///< none of the others can be faster
   std::optional<double> today{};  ///< s, of the same program with today's setting, if it is known and holds all limits
+  /// s, of the fastest plan found with free taps and delays of any number of samples. None is looked for in programs of
+  /// more than `several_plans_max` blocks, or after the deadline.
+  std::optional<double> free_taps{};
 };
 
 /// The treatment of programmed feeds.

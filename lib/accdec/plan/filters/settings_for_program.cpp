@@ -194,6 +194,16 @@ SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, 
   return result;
 }
 
+namespace {
+
+std::string beside_free_taps(double free, double time) {
+  const double less = time - free;
+  if (!(less > 1e-9 * time)) return " With free taps, no faster plan was found.";
+  return fmt::format(" Free taps would take {:.6g} s ({:.1f} % less) or less.", free, 100.0 * less / time);
+}
+
+}  // namespace
+
 std::string program_settings_answer(const ProgramSettings& settings, double time, bool has_today) {
   std::string text = fmt::format("Set these: {}", settings_in_words(settings.chosen));
   if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
@@ -207,6 +217,7 @@ std::string program_settings_answer(const ProgramSettings& settings, double time
               ? fmt::format("no other of {} settings is planned faster.", settings.members)
               : fmt::format("the fastest of {} settings planned, of {}{}.", settings.tried, settings.members,
                             settings.members >= SettableMembers::most ? " or more" : "");
+  if (settings.free_taps) text += beside_free_taps(*settings.free_taps, time);
   if (settings.today) {
     const double saved = *settings.today - time;
     text += fmt::format(" Today's setting takes {:.6g} s; ", *settings.today);

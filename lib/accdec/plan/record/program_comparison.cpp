@@ -220,7 +220,7 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   if (record.schema == ProgramSchema::program_2) comparison.check_other_rules(recorded, again, found);
   ProgramDifferences differences = comparison.take();
   if (record.result.settings) {
-    for (const char* name : {"members", "tried", "complete", "today_s"})
+    for (const char* name : {"members", "tried", "complete", "free_taps_s", "today_s"})
       differences.skipped.push_back(std::string("settings.") + name);
   }
   return differences;

@@ -47,6 +47,7 @@ Json program_settings_to_json(const ProgramResult& result) {
   json["members"] = settings.members;
   json["tried"] = settings.tried;
   json["complete"] = settings.complete;
+  if (settings.free_taps) json["free_taps_s"] = *settings.free_taps;
   if (result.has_today) json["today_s"] = settings.today ? Json(*settings.today) : Json(nullptr);
   if (!settings.chosen.delays.empty() && result.plan.path.blocks() <= recorded_blocks_max) {
     json["delays"] = Json::array();
@@ -68,6 +69,7 @@ void read_program_settings(const Json& json, ProgramResult& result) {
   settings.members = count(json.at("members"));
   settings.tried = count(json.at("tried"));
   settings.complete = json.at("complete").get<bool>();
+  if (json.contains("free_taps_s")) settings.free_taps = json["free_taps_s"].get<double>();
   result.has_today = json.contains("today_s");
   if (result.has_today && !json["today_s"].is_null()) settings.today = json["today_s"].get<double>();
   for (const Json& word : json.value("delays", Json::array())) {

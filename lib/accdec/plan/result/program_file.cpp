@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -228,8 +229,25 @@ void offer_kept(const std::string& name, ProgramFile& file, const Task& task, co
   result.solver.wall_time = wall_time;
 }
 
-/// Adds the settings, with how the control gives the delays, and the time that today's setting takes.
-/// @param programmed  empty: today's setting is not planned
+/// The time of the program with a filter designed for it, of any taps, and delays of any number of samples.
+std::optional<double> time_of_free_taps(const std::string& name, const Toolpath& programmed, const Task& task,
+                                        const ProgramFileOptions& options) {
+  constexpr double longest = 10.0;  // s, for the filter, and as long for the plan
+  Task any = task;
+  any.settings.reset();
+  any.filter.reset();
+  ProgramFileOptions bounded = options;
+  bounded.time_limit = std::min(2.0 * std::min(longest, filter_seconds(programmed, options)), options.deadline.left());
+  bounded.deadline = Deadline(*bounded.time_limit);
+  const ProgramFilter designed = filter_for_program(programmed, any, bounded, {});
+  if (!designed.filter || bounded.deadline.over()) return std::nullopt;
+  const ProgramResult plan =
+      run_program(name, programmed, *designed.filter, any, false, options.feeds, bounded.deadline);
+  return plan.verification.feasible ? std::optional<double>(plan.cycle_time) : std::nullopt;
+}
+
+/// Adds the settings, with how the control gives the delays, and the times that today's setting and free taps take.
+/// @param programmed  empty: neither is planned
 void say_settings(ProgramResult& result, const ProgramFilter& choice, const Toolpath& programmed, const Task& task,
                   const ProgramFileOptions& options) {
   result.settings = choice.settings;
@@ -243,12 +261,16 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Tool
   const Machine machine = program_machine(task.machine, result.plan.path);
   result.raised = raised_delays(result.plan.path, command.filter, task.sample_period, machine, command.delays);
   if (programmed.blocks() == 0 || options.deadline.over()) return;
-  Toolpath path = programmed;
-  path.control = {task.settings->delays, choice.today->width};
-  const ProgramResult today = run_program(result.program, std::move(path), make_filter(choice.today->chosen.filter),
-                                          task, false, options.feeds, options.deadline);
-  result.has_today = true;
-  if (today.verification.feasible) result.settings->today = today.cycle_time;
+  if (choice.today) {
+    Toolpath path = programmed;
+    path.control = {task.settings->delays, choice.today->width};
+    const ProgramResult today = run_program(result.program, std::move(path), make_filter(choice.today->chosen.filter),
+                                            task, false, options.feeds, options.deadline);
+    result.has_today = true;
+    if (today.verification.feasible) result.settings->today = today.cycle_time;
+  }
+  if (!options.deadline.over())
+    result.settings->free_taps = time_of_free_taps(result.program, programmed, task, options);
 }
 
 /// With arcs as they were read: widened where options.compensate_arcs says so.
@@ -258,7 +280,7 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
                      file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
   const bool kept = options.feeds == Feeds::choose && choice.designed && file.path.blocks() <= several_plans_max &&
                     (!options.compensate_arcs || file.path.arcs.empty());
-  const Toolpath programmed = choice.today && file.path.blocks() <= several_plans_max ? file.path : Toolpath{};
+  const Toolpath programmed = choice.settings && file.path.blocks() <= several_plans_max ? file.path : Toolpath{};
   const auto plan = [&](Toolpath path, Feeds feeds) {
     set_control(path, task, choice);
     return run_program(name, std::move(path), *choice.filter, task, options.filter_bound, feeds, options.deadline);

@@ -110,6 +110,8 @@ class CommandCheck {
   void check_filter() {
     const bool families = task_.settings && task_.settings->names_family();
     if (result_.settings && !families) return wrong("settings are recorded, the task asks for none");
+    if (result_.settings && result_.settings->free_taps.value_or(unlimited) < result_.lower_bound * (1.0 - rounding))
+      wrong("settings.free_taps_s is below the bound of any filter");
     if (result_.settings) return compare_setting(task_, result_.settings->chosen, command_.filter, report_.reasons);
     // Else the program brought its filter along, or the task gives it.
     if (families || !task_.filter) return;
