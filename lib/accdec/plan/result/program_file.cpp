@@ -15,6 +15,7 @@
 #include <accdec/gcode/read_error.hpp>
 #include <accdec/gcode/run_rs274.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
