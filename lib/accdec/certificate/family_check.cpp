@@ -66,7 +66,12 @@ class Refutation {
   std::string rule() {
     if (const auto limit = broken_by_legs()) return std::string(to_string(*limit));
     if (rings()) return "vibration";
-    for (std::size_t j = 0; j < task_.corners.size(); ++j) least_.push_back(least_delay(j));
+    double least_cost = 0.0;
+    for (std::size_t j = 0; j < task_.corners.size(); ++j) {
+      least_.push_back(least_delay(j));
+      least_cost += cost_.delay[j] * least_.back();
+      if (least_cost >= room_) return "delays";
+    }
     bool simulated = false;
     for (;;) {
       const std::optional<std::vector<int>> delays = cheap_delays();
@@ -233,9 +238,6 @@ class Refutation {
   /// Delays that hold all limits within the room, of any kind that the controller has.
   std::optional<std::vector<int>> cheap_delays() {
     const std::size_t corners = task_.corners.size();
-    double least_cost = 0.0;
-    for (std::size_t j = 0; j < corners; ++j) least_cost += cost_.delay[j] * least_[j];
-    if (least_cost >= room_) return std::nullopt;
     std::vector<int> plain;
     for (std::size_t j = 0; j < corners; ++j) plain.push_back(plain_delay(j, least_[j], room_));
     if (auto found = within(plain)) return found;
