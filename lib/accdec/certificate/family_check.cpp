@@ -47,6 +47,31 @@ std::optional<LimitKind> broken(const Axis& axis, double v, double a, double bef
   return std::nullopt;
 }
 
+/// What bounds a member's acceleration and jerk at any speed.
+struct Steepness {
+  double tap = 0.0, step = 0.0;  ///< the largest tap, and the largest difference of neighbours
+
+  /// Whether a leg at this speed keeps the limits by more than rounding.
+  bool surely_holds(const Axis& axis, double speed, double period) const {
+    constexpr double below = 1.0 - 1e-9;
+    return std::min({axis.force_max, axis.power_max, axis.regeneration_max}) >= unlimited &&
+           speed <= below * axis.velocity_max && speed * tap <= below * axis.acceleration_max * period &&
+           speed * step <= below * axis.jerk_max * period * period;
+  }
+};
+
+Steepness steepness_of(const FamilyMember& member) {
+  Steepness steep;
+  double before = 0.0;
+  for (const double tap : member.taps) {
+    steep.tap = std::max(steep.tap, tap);
+    steep.step = std::max(steep.step, std::abs(tap - before));
+    before = tap;
+  }
+  steep.step = std::max(steep.step, before);
+  return steep;
+}
+
 /// Refutes one member.
 class Refutation {
  public:
@@ -89,20 +114,8 @@ class Refutation {
   }
   double tap(int i) const { return i < 0 || i > member_.order() ? 0.0 : member_.taps[static_cast<std::size_t>(i)]; }
 
-  /// Whether a leg at this speed keeps the limits by far more than rounding, by its largest tap and step of taps.
-  bool surely_holds(const Axis& axis, double speed) const {
-    constexpr double below = 1.0 - 1e-9;
-    const double period = task_.sample_period;
-    return std::min({axis.force_max, axis.power_max, axis.regeneration_max}) >= unlimited &&
-           speed <= below * axis.velocity_max && speed * tallest_ <= below * axis.acceleration_max * period &&
-           speed * steepest_ <= below * axis.jerk_max * period * period;
-  }
-
-  std::optional<LimitKind> broken_by_legs() {
-    for (int i = 0; i <= member_.order() + 1; ++i) {
-      tallest_ = std::max(tallest_, tap(i));
-      steepest_ = std::max(steepest_, std::abs(tap(i) - tap(i - 1)));
-    }
+  std::optional<LimitKind> broken_by_legs() const {
+    const Steepness steep = steepness_of(member_);
     const double period = task_.sample_period;
     for (const TaskCorner& corner : granted_.corners) {
       const Corner& g = corner.geometry();
@@ -110,7 +123,7 @@ class Refutation {
         const Axis& axis = granted_.machine.axes[x];
         const auto e = static_cast<Eigen::Index>(x);
         const double in = g.feed_in * g.direction_in[e], out = g.feed_out * g.direction_out[e];
-        if (surely_holds(axis, std::max(std::abs(in), std::abs(out)))) continue;
+        if (steep.surely_holds(axis, std::max(std::abs(in), std::abs(out)), period)) continue;
         for (int k = 0; k <= member_.order() + 2; ++k) {
           const double now = tap(k - 1) / period, before = tap(k - 2) / period;
           if (const auto limit = broken(axis, in * at(member_.gone, k), in * now, in * before, period)) return limit;
@@ -299,7 +312,6 @@ class Refutation {
   const std::function<bool()>& stop_;
   LinearCost cost_;
   int longest_;
-  double tallest_ = 0.0, steepest_ = 0.0;        ///< largest tap, and largest difference of neighbours
   std::vector<int> least_;                       ///< of each corner: every shorter delay breaks its error bound
   std::vector<std::vector<signed char>> known_;  ///< of each corner and delay
 };
