@@ -199,6 +199,8 @@ void run(ProgramArguments& options, Context& context) {
                 figure_type.empty()
                     ? ""
                     : program_figure(result, programmed, task.machine, figure_type, view_from(options.view)));
+  if (result.verification.feasible && options.file.deadline.over())
+    std::fprintf(stderr, "the time limit ended the search: a longer --time-limit may find a faster plan\n");
   context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
 }
 

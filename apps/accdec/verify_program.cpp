@@ -44,7 +44,7 @@ std::optional<Toolpath> read_again(const ProgramRecord& record, std::vector<std:
   try {
     LineSource source{std::filesystem::path(in.program)};
     ToolpathOptions reading = in.reading;
-    reading.read.tools = in.interpreted && in.tools.given();
+    reading.read.tools = in.tools.given();
     Toolpath programmed = read_toolpath(source, record.task.machine, reading);
     if (in.interpreted) reasons.push_back("inputs.interpreted is recorded, but accdec reads the program itself");
     return programmed;

@@ -144,7 +144,7 @@ TEST_F(ProgramResult, OnlyFeasibleAndFailedAreStatusesOfPrograms) {
   bad["status"] = "optimal";
   const Outcome outcome = changed(bad);
   EXPECT_EQ(outcome.code, 2) << outcome.out;
-  EXPECT_THAT(outcome.err, HasSubstr("status is \"optimal\"; a program's is \"feasible\" or \"failed\""));
+  EXPECT_THAT(outcome.err, HasSubstr("status: \"optimal\" is unknown; allowed are feasible, failed"));
 }
 
 TEST_F(ProgramResult, SaysWhatItLeavesOut) {

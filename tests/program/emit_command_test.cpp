@@ -23,7 +23,8 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
         "%\nN10 G21 G90 G64 P0.05 (start)\nT1 M6\nG54 G43 H1\nS12000 M3\nM8\nG0 X10 Y10\nG1 X60 F3000\nG4 P0.5\nY30 "
         "M1\nG61.1\n"
         "Y60\nG61\nG64 P0.02\nX10 S8000.5\nG20\nG1 X1 F100\nM5 M9\nM30\n");
-  ASSERT_EQ(run("program part.ngc --feeds keep --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
+  ASSERT_EQ(run("program part.ngc --feeds keep --task task.toml --tool-length 0 --json r.json --emit e.ngc").code, 0)
+      << read("err");
   const std::string text = read("e.ngc");
   std::size_t at = 0;
   for (const char* words :
@@ -35,14 +36,13 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
     at = found + 1;
   }
   EXPECT_THAT(text, ::testing::Not(::testing::ContainsRegex("[0-9]e-"))) << "numbers of programs have no exponents";
-  ASSERT_EQ(
-      run("program e.ngc --feeds keep --task task.toml --dwells-before-filter --json again.json --emit again.ngc").code,
-      0)
-      << read("err");
+  EXPECT_THAT(text, HasSubstr("--feeds keep --tool-length 0)"));
+  const std::string again = "program e.ngc --feeds keep --tool-length 0 --task task.toml ";
+  ASSERT_EQ(run(again + "--dwells-before-filter --json again.json --emit again.ngc").code, 0) << read("err");
   EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
   EXPECT_EQ(read("again.ngc"), text);
   // Read as any program, a dwell is an exact stop as well.
-  ASSERT_EQ(run("program e.ngc --feeds keep --task task.toml --json stops.json").code, 0) << read("err");
+  ASSERT_EQ(run(again + "--json stops.json").code, 0) << read("err");
   EXPECT_GT(number_of("stops.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
 }
 
@@ -97,7 +97,8 @@ TEST_F(ProgramCommand, AProgramsNumberIsReadAndKept) {
   ASSERT_EQ(run("program plain.ngc --feeds keep --task task.toml --json plain.json --emit plain-e.ngc").code, 0);
   for (const char* number : {"O0001", "o7", "  O0001 (PART) ; of two"}) {
     write("part.ngc", "%\n" + std::string(number) + "\n" + rest);
-    ASSERT_EQ(run("program part.ngc --feeds keep --task task.toml --json r.json --emit e.ngc").code, 0) << read("err");
+    ASSERT_EQ(run("program part.ngc --feeds keep --task task.toml --tool-length 0 --json r.json --emit e.ngc").code, 0)
+        << read("err");
     EXPECT_EQ(read("err").find("rs274"), std::string::npos) << read("err");
     EXPECT_EQ(number_of("r.json", "cycle_time_s"), number_of("plain.json", "cycle_time_s"));
     const std::string text = read("e.ngc"), word = std::string(number).substr(std::string(number).find_first_of("Oo"));

@@ -175,13 +175,16 @@ TEST_F(Interpreter, WordsOfWorkOffsetsThatAreLeftOutAreNamed) {
 TEST_F(ProgramCommand, WhatActsOnTheMachineAloneIsSaid) {
   const std::string start = "G21 G90 G61.1 F300\n";
   write("part.ngc", start + "G0 Z5\nG43 H1\nG55\nG1 Z-1\nG54 X1\nM2\n");
-  ASSERT_EQ(run("program part.ngc --task task.toml --emit e.ngc").code, 0) << read("err");
-  EXPECT_THAT(read("err"), HasSubstr("part.ngc:3: G43: lengths of tools count as 0"));
+  ASSERT_EQ(run("program part.ngc --task task.toml --emit e.ngc").code, 2) << "no rs274 is needed for this";
+  EXPECT_THAT(read("err"), HasSubstr("part.ngc:3:1: G43 takes the length of a tool"));
+  EXPECT_THAT(read("err"), HasSubstr("--tool-table FILE; or --tool-length 0"));
+  ASSERT_EQ(run("program part.ngc --task task.toml --tool-length 0 --emit e.ngc").code, 0) << read("err");
   EXPECT_THAT(read("err"), HasSubstr("part.ngc:4: G55 selects a second work offset"));
   const std::string text = read("e.ngc");
   for (const char* words : {"(G43: lengths", "(work offsets: line 4 selects G55;", "G43 H1\n", "G55\n", "G54\n"})
     EXPECT_THAT(text, HasSubstr(words));
-  ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --emit again.ngc").code, 0) << read("err");
+  ASSERT_EQ(run("program e.ngc --task task.toml --dwells-before-filter --tool-length 0 --emit again.ngc").code, 0)
+      << read("err");
   const std::string again = read("again.ngc");
   EXPECT_EQ(again.find("(work offsets"), again.rfind("(work offsets")) << "said once, however often it is written";
   EXPECT_NE(again.find("(work offsets: line 4"), std::string::npos);

@@ -144,7 +144,9 @@ Json base_of(Task task, const Toolpath& path) {
 
 std::string program_start_json(const std::string& name, const Task& task, double free_seconds,
                                const std::function<void(const std::string&)>& tell) {
-  const ProgramFile file = read_program_file(name, task, {}, tell);
+  ProgramFileOptions options;
+  options.tools.length = 0.0;  // the page shows the way of the tool's tip
+  const ProgramFile file = read_program_file(name, task, options, tell);
   const Toolpath& path = file.path;
   const Machine machine = program_machine(task.machine, path);
   Json program{{"name", name},

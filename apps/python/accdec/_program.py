@@ -18,8 +18,8 @@ _FLAGS = ("rapid_stops", "dwells_before_filter", "filter_bound", "compensate_arc
 def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str = "fixed", feeds: str = "choose",
             arc_tolerance: Optional[float] = None, time_limit: Optional[float] = None, rapid_stops: bool = False,
             dwells_before_filter: bool = False, filter_bound: bool = False, compensate_arcs: bool = False,
-            tool_table: Union[str, "os.PathLike[str]"] = "", progress: Progress = None
-            ) -> Program:
+            tool_table: Union[str, "os.PathLike[str]"] = "", tool_length: Optional[float] = None,
+            progress: Progress = None) -> Program:
     """Plan a whole program: choose filter, feeds and the delay of every corner, and verify every sample by simulation.
 
     Parameters
@@ -43,6 +43,8 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
         As on the command line. The last one compensates the filter's radius error of arcs; not with "keep".
     tool_table : path, optional
         LinuxCNC's tool table, for programs that rs274 must run.
+    tool_length : float, optional
+        m, length of every tool for G43, in place of a table; 0 if the program's Z is always that of the tool's tip.
     progress : bool or callable, optional
 
     Returns
@@ -72,6 +74,11 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
         arguments.number("arc_tolerance", arc_tolerance, "allowed is 1e-9 to 1e-2 (m)", 1e-9, 1e-2)
     if time_limit is not None:
         arguments.seconds("time_limit", time_limit)
+    if tool_length is not None:
+        arguments.number("tool_length", tool_length, "allowed is -1000 to 1000 (m)", -1e3, 1e3)
+        if os.fspath(tool_table):
+            raise ValueError("tool_length and tool_table exclude each other")
     return _core.program(arguments.path("file", file), as_task(task, program=True), plan=plan, keep_feeds=keep,
                          arc_tolerance=arc_tolerance, time_limit=time_limit, **flags,
-                         tool_table=arguments.path("tool_table", tool_table), progress=arguments.listener(progress))
+                         tool_table=arguments.path("tool_table", tool_table), tool_length=tool_length,
+                         progress=arguments.listener(progress))

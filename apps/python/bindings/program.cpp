@@ -253,10 +253,11 @@ void bind_program(py::module_& module) {
       [](const std::string& file, const std::shared_ptr<Task>& task, const std::string& how, bool keep_feeds,
          std::optional<double> arc_tolerance, std::optional<double> time_limit, bool rapid_stops,
          bool dwells_before_filter, bool filter_bound, bool compensate_arcs, const std::string& tool_table,
-         const py::object& progress) {
+         std::optional<double> tool_length, const py::object& progress) {
         ProgramFileOptions options;
         if (arc_tolerance) options.arc_tolerance = *arc_tolerance;
         options.tools.table = tool_table;
+        options.tools.length = tool_length;
         options.rapid_stops = rapid_stops;
         options.dwells_before_filter = dwells_before_filter;
         options.feeds = keep_feeds ? Feeds::keep : Feeds::choose;
@@ -268,7 +269,7 @@ void bind_program(py::module_& module) {
       },
       py::arg("file"), py::arg("task"), py::kw_only(), py::arg("plan"), py::arg("keep_feeds"), py::arg("arc_tolerance"),
       py::arg("time_limit"), py::arg("rapid_stops"), py::arg("dwells_before_filter"), py::arg("filter_bound"),
-      py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("progress"));
+      py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("tool_length"), py::arg("progress"));
   module.def(
       "program_figure",
       [](const Program& result) {

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <climits>
+#include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -50,13 +53,33 @@ class Value {
   }
   bool has(std::string_view key) const { return json_.contains(key) && !json_.at(std::string(key)).is_null(); }
   Value operator[](std::string_view key) const {
-    return {json_.at(std::string(key)), fmt::format("{}/{}", pointer_, key)};
+    if (!json_.is_object()) wrong_type("an object");
+    const auto found = json_.find(std::string(key));
+    if (found == json_.end()) fail(fmt::format("lacks the member `{}`", key));
+    return {*found, fmt::format("{}/{}", pointer_, key)};
   }
   std::vector<Value> elements() const {
     if (!json_.is_array()) wrong_type("an array");
     std::vector<Value> values;
     for (std::size_t i = 0; i < json_.size(); ++i) values.emplace_back(json_[i], fmt::format("{}/{}", pointer_, i));
     return values;
+  }
+  /// Lists may be long: an element gets its path only where it is wrong.
+  std::vector<double> numbers() const {
+    return list<double>([](const Json& json) { return json.is_number(); },
+                        [](const Value& value) { return value.number(); });
+  }
+  /// null stands for infinity.
+  std::vector<double> numbers_or_infinity() const {
+    return list<double>([](const Json& json) { return json.is_number(); },
+                        [](const Value& value) { return value.number_or_infinity(); });
+  }
+  template <class Integer>
+  std::vector<Integer> integers() const {
+    constexpr long small = 100;  // in every type
+    return list<Integer>(
+        [](const Json& json) { return json.is_number_unsigned() && json.get<unsigned long>() <= small; },
+        [](const Value& value) { return value.template integer<Integer>(); });
   }
   std::string text() const {
     if (!json_.is_string()) wrong_type("a string");
@@ -80,6 +103,13 @@ class Value {
       fail(fmt::format("{} is out of range; allowed is {} .. {}", x, low, high));
     return json_.get<long>();
   }
+  /// Any whole number that is not negative and that the type holds.
+  template <class Integer>
+  Integer integer() const {
+    constexpr auto most =
+        static_cast<long>(std::min<std::uintmax_t>(std::numeric_limits<Integer>::max(), LONG_MAX / 2));
+    return static_cast<Integer>(integer(0, most));
+  }
   /// The enumerator whose `to_string` is the text.
   template <class Enum>
   Enum word(std::initializer_list<Enum> all) const {
@@ -99,6 +129,19 @@ class Value {
   const std::string& pointer() const { return pointer_; }
 
  private:
+  /// @param plain  whether a JSON value is the number itself
+  template <class Number, class Plain, class Read>
+  std::vector<Number> list(const Plain& plain, const Read& read) const {
+    if (!json_.is_array()) wrong_type("an array");
+    std::vector<Number> values;
+    values.reserve(json_.size());
+    for (std::size_t i = 0; i < json_.size(); ++i) {
+      values.push_back(plain(json_[i]) ? json_[i].get<Number>()
+                                       : read(Value(json_[i], fmt::format("{}/{}", pointer_, i))));
+    }
+    return values;
+  }
+
   const Json& json_;
   std::string pointer_;
 };

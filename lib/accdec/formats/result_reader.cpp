@@ -11,9 +11,9 @@
 
 #include <accdec/files/check_keys.hpp>
 #include <accdec/files/file_kind.hpp>
-#include <accdec/files/json_position.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/certificate_json.hpp>
+#include <accdec/formats/json_text.hpp>
 #include <accdec/formats/json_value.hpp>
 #include <accdec/formats/result_keys.hpp>
 #include <accdec/formats/settings_json.hpp>
@@ -289,23 +289,6 @@ DesignResult read_members(const Json& json, const std::string& name) {
   return result;
 }
 
-/// "/corners/0/name" as "corners[0].name".
-std::string readable(const std::string& pointer) {
-  std::string text;
-  for (std::size_t at = 1; at <= pointer.size() && !pointer.empty();) {
-    const std::size_t end = std::min(pointer.find('/', at), pointer.size());
-    const std::string step = pointer.substr(at, end - at);
-    const bool index =
-        !step.empty() && std::all_of(step.begin(), step.end(), [](char c) { return c >= '0' && c <= '9'; });
-    if (index)
-      text += "[" + step + "]";
-    else
-      text += (text.empty() ? "" : ".") + step;
-    at = end + 1;
-  }
-  return text.empty() ? "the result" : text;
-}
-
 /// The same errors with their places in the file. Only a few are shown, so finding the places is quick.
 InputErrors positioned(const std::vector<InputError>& errors, bool at_least, std::string_view text,
                        const std::string& name) {
@@ -313,9 +296,7 @@ InputErrors positioned(const std::vector<InputError>& errors, bool at_least, std
   std::vector<InputError> all;
   for (const InputError& error : errors) {
     if (all.size() == most) break;
-    const auto [line, column] = line_and_column(text, locate(text, error.pointer()));
-    all.emplace_back(name, line, column, fmt::format("{}: {}", readable(error.pointer()), error.message()),
-                     error.pointer());
+    all.push_back(at_its_place(error, text, name));
   }
   sort_by_position(all);
   const std::size_t left_out = errors.size() - all.size();
@@ -329,32 +310,7 @@ DesignResult parse_result(std::string_view text, const std::string& name) {
     throw InputError(name, 1, 1, "the file is empty; a result is JSON with schema \"accdec.result/1\"");
   if (const std::string wrong = wrong_kind(text, InputKind::result); !wrong.empty())
     throw InputError(name, 1, 1, wrong);
-  // The parser takes it as the end of the file and ignores the rest.
-  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
-    const auto [line, column] = line_and_column(text, zero);
-    throw InputError(name, line, column, "a zero byte; a result is text");
-  }
-  Json json;
-  try {
-    json = Json::parse(text.begin(), text.end());
-  } catch (const Json::parse_error& error) {
-    const auto [line, column] = line_and_column(text, error.byte > 0 ? error.byte - 1 : 0);
-    // "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error while ..." without its own head.
-    std::string message = error.what();
-    if (const auto head = message.find(": "); head != std::string::npos) message.erase(0, head + 2);
-    throw InputError(name, line, column, "not valid JSON: " + message);
-  } catch (const Json::out_of_range& error) {
-    throw InputError(name, 1, 1,
-                     fmt::format("a number is beyond double precision ({}); all must be finite", error.what()));
-  }
-  if (const auto at = json_too_deep(text)) {
-    const auto [line, column] = line_and_column(text, *at);
-    throw InputError(name, line, column, "brackets nest more than 64 deep; no result does");
-  }
-  if (const auto at = duplicate_key(text)) {
-    const auto [line, column] = line_and_column(text, *at);
-    throw InputError(name, line, column, "this key stands twice in its object; each may stand once");
-  }
+  const Json json = parse_json_text(text, name);
   try {
     return read_members(json, name);
   } catch (const InputErrors& errors) {

@@ -148,6 +148,8 @@ std::string refusal(const std::string& program, const std::string& copy, std::st
   return fmt::format("{}: refused by rs274: {}", program, errors);
 }
 
+constexpr std::string_view of_a_tool = "of a tool, which LinuxCNC has in its tool table:";
+
 /// rs274 has tools of its own where it is given none: lengths and diameters that nobody meant.
 void refuse_own_tools(const std::string& program, std::string_view text, std::string_view calls,
                       const ProgramTools& tools) {
@@ -164,10 +166,9 @@ void refuse_own_tools(const std::string& program, std::string_view text, std::st
     // With the length or diameter as words of the line itself.
     if (words.find(length ? "G43.1" : "G41.1") != std::string::npos || words.find("G42.1") != std::string::npos)
       continue;
-    throw std::invalid_argument(fmt::format(
-        "{}:{}:1: {} of a tool, which LinuxCNC has in its tool table: --tool-table FILE{}", program, number,
-        length ? "G43 takes the length" : "G41 and G42 take the diameter",
-        length ? "; or --tool-length 0, where the program's Z is that of the tool's tip all the time" : ""));
+    if (length) throw std::invalid_argument(no_tool_length(program, static_cast<std::int64_t>(number)));
+    throw std::invalid_argument(
+        fmt::format("{}:{}:1: G41 and G42 take the diameter {} --tool-table FILE", program, number, of_a_tool));
   }
 }
 
@@ -186,6 +187,13 @@ void refuse_set_tools(const std::string& program, std::string_view calls, const 
 }
 
 }  // namespace
+
+std::string no_tool_length(const std::string& program, std::int64_t line) {
+  return fmt::format(
+      "{}:{}:1: G43 takes the length {} --tool-table FILE; or --tool-length 0, where the program's Z is that of the "
+      "tool's tip all the time",
+      program, line, of_a_tool);
+}
 
 std::string numbered_lines(std::string_view text) {
   std::string out;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -16,6 +17,9 @@ namespace accdec {
 /// @throws ReadError              as read_toolpath
 Toolpath read_interpreted(const std::filesystem::path& program, const ProgramTools& tools, const Machine& machine,
                           const ToolpathOptions& options);
+
+/// The message for a program whose G43 on a line takes a tool length that nobody gave; it names the options that do.
+std::string no_tool_length(const std::string& program, std::int64_t line);
 
 /// The program with the number of every line as its N word, of `line_number_digits` digits. Lines that do nothing,
 /// lines with O words and lines too long for it stay as they are.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,25 @@ namespace {
 constexpr double longest = 1e9;    // s, of a move or a dwell
 constexpr double nothing = 1e-12;  // m; moves shorter than this have no direction worth the name
 
+/// Whether the second arc goes on along the circle or helix of the first, up to the digits of programs.
+bool same_circle(const Arc& a, const Arc& b) {
+  constexpr double digits = 1e-6;  // m
+  const auto radius = [](const Arc& arc, const ProgramPoint& p) {
+    return std::hypot(p[arc.first] - arc.center_first, p[arc.second] - arc.center_second);
+  };
+  const double r = radius(a, a.to);
+  bool same = a.first == b.first && a.second == b.second && a.angle * b.angle > 0.0 && r > 1e3 * digits &&
+              std::hypot(a.center_first - b.center_first, a.center_second - b.center_second) <= digits;
+  for (const auto& [arc, point] : {std::pair{&a, &a.from}, std::pair{&b, &b.to}})
+    same = same && std::abs(radius(*arc, *point) - r) <= digits;
+  for (std::size_t i = 0; i < program_axis_count && same; ++i) {
+    if (i == a.first || i == a.second) continue;
+    const double slope = (a.to[i] - a.from[i]) / a.angle - (b.to[i] - b.from[i]) / b.angle;
+    same = std::abs(slope) <= digits;
+  }
+  return same;
+}
+
 class Builder : public MoveSink {
  public:
   Builder(const LineSource& source, const Machine& machine, const ToolpathOptions& options)
@@ -27,6 +47,7 @@ class Builder : public MoveSink {
   void begin(const ProgramPoint& at) override { path_.begin = position_ = at; }
   void move(const Move& move) override;
   void arc(const Arc& arc, int chords) override {
+    goes_on_ = after_arc_ && same_circle(arc_, arc);
     arc_ = arc;
     arc_chords_ = chords;
   }
@@ -59,6 +80,7 @@ class Builder : public MoveSink {
   double rapid_duration(const Move& move) const;
   double limited_duration(const Move& move);
   void close_joint(const Move& next);
+  double exact_tolerance(std::size_t b) const;
   void give_delay(std::size_t b);
   void keep_arc(std::size_t b);
   void keep_system() {
@@ -82,6 +104,8 @@ class Builder : public MoveSink {
   Move last_;
   std::array<double, 3> feed_way_{};  // m, of every plane
   bool stopped_ = false;
+  bool after_arc_ = false;  // the last move was of an arc
+  bool goes_on_ = false;    // the arc that begins with the next move goes on along the circle of the last one
   Arc arc_;
   int arc_chords_ = 0;  // of the arc that are still to come
 };
@@ -200,7 +224,7 @@ void Builder::close_joint(const Move& next) {
   if (stop) {
     joint = Joint::stop;
   } else {
-    tolerance = last_.control == PathControl::exact_path ? 0.0 : last_.tolerance;
+    tolerance = last_.control == PathControl::exact_path ? exact_tolerance(b) : last_.tolerance;
     if (tolerance < 0.0 && options_.error_max) tolerance = *options_.error_max;
     if (tolerance < 0.0 && joint == Joint::straight) tolerance = unlimited;
     if (tolerance < 0.0) {
@@ -219,6 +243,11 @@ void Builder::close_joint(const Move& next) {
   path_.tolerance.back() = tolerance;
 }
 
+/// Where an arc goes on along the circle of the last one, the path is exact as inside an arc. Else no error is granted.
+double Builder::exact_tolerance(std::size_t b) const {
+  return goes_on_ && b > 0 && path_.inside_arc[b - 1] != 0 ? path_.tolerance[b - 1] : 0.0;
+}
+
 /// Block b is a chord of the present arc.
 void Builder::keep_arc(std::size_t b) {
   const auto column = [&](std::size_t axis) {
@@ -227,8 +256,8 @@ void Builder::keep_arc(std::size_t b) {
   const auto block = static_cast<std::uint32_t>(b);
   // An axis of the plane that never moves has no column; then only the chords represent the arc.
   if (column(arc_.first) == path_.axes.size() || column(arc_.second) == path_.axes.size()) return;
-  const bool goes_on = !path_.arcs.empty() && path_.arcs.back().last + 1 == b && b > 0 && path_.inside_arc[b - 1] != 0;
-  if (!goes_on) {
+  const bool same = !path_.arcs.empty() && path_.arcs.back().last + 1 == b && b > 0 && path_.inside_arc[b - 1] != 0;
+  if (!same) {
     PathArc& arc = path_.arcs.emplace_back();
     arc.first = block;
     arc.x = column(arc_.first);
@@ -290,7 +319,8 @@ void Builder::move(const Move& move) {
   if (!move.rapid) feed_way_[static_cast<std::size_t>(move.plane)] += std::sqrt(length2);
   position_ = move.to;
   last_ = move;
-  stopped_ = false;
+  after_arc_ = of_arc;
+  stopped_ = goes_on_ = false;
 }
 
 Toolpath Builder::finish() {

@@ -43,13 +43,18 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
     text.replace(at, from.size(), to);
 }
 
-/// gnuplot names the drawing "Gnuplot" and curves without a title "gnuplot_plot_1a", which browsers show at the
-/// pointer.
+/// gnuplot names itself in the drawing: as its title and description, which browsers show at the pointer, as titles of
+/// curves that have none, and in the names of groups.
 void name_drawing(std::string& svg, const std::string& title) {
   constexpr std::string_view own = "<title>Gnuplot</title>", begin = "<title>gnuplot_plot_", end = "</title>";
   replace_all(svg, own, title.empty() ? "" : "<title>" + html_escaped(clean_title(title)) + "</title>");
   for (std::size_t at = 0; (at = svg.find(begin, at)) != std::string::npos;)
     svg.erase(at, svg.find(end, at) + end.size() - at);
+  constexpr std::string_view maker = "<desc>Produced by GNUPLOT", maker_end = "</desc>\n";
+  if (const std::size_t at = svg.find(maker); at != std::string::npos)
+    svg.erase(at, svg.find(maker_end, at) + maker_end.size() - at);
+  replace_all(svg, "id=\"gnuplot_plot_", "id=\"curve_");
+  replace_all(svg, "id=\"gnuplot_canvas", "id=\"drawing");
 }
 
 }  // namespace

@@ -16,6 +16,9 @@ inline std::int64_t whole_samples(double length) {
   return static_cast<std::int64_t>(std::ceil(length - 1e-9 - 1e-11 * length));
 }
 
+/// A joint this near a sample, in samples, counts as on it. Positions are those of its own time.
+inline constexpr double near_sample = 1e-9;
+
 /// How a program becomes a stream of command samples. The time model, the simulation and the planner share this
 /// definition.
 ///
@@ -97,33 +100,36 @@ void emit_commands(const CommandTiming& timing, std::size_t first, std::size_t l
   for (std::size_t run = first; run <= last;) {
     const std::size_t end = timing.run_end(run);
     const double length = timing.run_length(run, end);
-    const std::int64_t samples = CommandTiming::run_samples(length);
-    const double scale = static_cast<double>(samples) / (length * timing.sample_period());
-    const auto run_end = static_cast<double>(k + samples);
-    double t = static_cast<double>(k);
+    std::int64_t left = CommandTiming::run_samples(length);
+    const double scale = static_cast<double>(left) / (length * timing.sample_period());
+    // Times within a run count from sample k, so that long runs lose no digits.
+    double t = 0.0;
+    AxisRow<axes> part{};  // moved in the sample under way, before block b
     for (std::size_t b = run; b <= end; ++b) {
-      const double tau = path.duration[b] * scale;
-      double e = b == end ? run_end : t + tau;
-      // NOLINTNEXTLINE(bugprone-incorrect-roundings): of a half neither neighbour is near enough to be taken
-      const auto nearest = static_cast<double>(static_cast<std::int64_t>(e + 0.5));
-      if (std::abs(e - nearest) < 1e-9) e = nearest;
-      e = std::min(e, run_end);
-      const auto reached = static_cast<std::int64_t>(e);
-      if (reached > k) {  // else the block ends within the sample under way
-        const double* p = path.point(b);
-        const double per_sample = 1.0 / tau, whole = static_cast<double>(k);
+      const double tau = path.duration[b] * scale, whole = static_cast<double>(left);
+      const double e = b == end ? whole : std::min(t + tau, whole);
+      const auto count = static_cast<std::int64_t>(e + near_sample);
+      const double* p = path.point(b);
+      if (count > 0) {
+        const double per_sample = 1.0 / tau, after = e - static_cast<double>(count);
+        const bool begins_sample = std::abs(t) < near_sample;
         AxisRow<axes> u0{}, u{};
         for (std::size_t i = 0; i < n; ++i) {
           u[i] = (p[n + i] - p[i]) * per_sample;
-          const double to = p[n + i] - u[i] * (e - (whole + 1.0));  // where the sample under way ends
-          u0[i] = t > whole ? to - at[i] : u[i];
-          at[i] = p[n + i] - u[i] * (e - static_cast<double>(reached));
+          // A jerk is a small difference of steps: a difference of positions would lose its digits.
+          u0[i] = begins_sample ? u[i] : part[i] + u[i] * (1.0 - t);
+          part[i] = u[i] * after;
+          at[i] = p[n + i] - part[i];
         }
-        sink.command(u0, u, reached - k, at);
-        k = reached;
+        sink.command(u0, u, count, at);
+        k += count;
+        left -= count;
+        t = after;
+      } else {  // the block ends within the sample under way
+        for (std::size_t i = 0; i < n; ++i) part[i] += p[n + i] - p[i];
+        t = e;
       }
-      t = e;
-      if (b < end) sink.joint(b, e, 0);
+      if (b < end) sink.joint(b, static_cast<double>(k) + (std::abs(t) < near_sample ? 0.0 : t), 0);
     }
     if (end == last) break;
     std::int64_t rest = timing.delay(end);

@@ -80,7 +80,8 @@ class Commander {
         ++b;
         lasts = path_.duration[b] * stretch / period_;
       }
-      const long double part = k == samples ? 1.0L : std::clamp((t - begun) / lasts, 0.0L, 1.0L);
+      // A block that begins this little later is extended backwards: a step back to its start would change the jerk.
+      const long double part = k == samples ? 1.0L : std::min((t - begun) / lasts, 1.0L);
       for (std::size_t a = 0; a < point.size(); ++a) {
         const long double start = path_.point(b)[a];
         point[a] = start + part * (path_.point(b + 1)[a] - start);

@@ -85,12 +85,16 @@ void TubeCheck::look(const double* position, std::size_t block) {
   const double feed = std::max(feed_[block], feed_[block_]);
   if (speed > feed * (1.0 + feed_slack) + 2.0 * at_point)
     wrong(fmt::format("moves at {:.6g} mm/s, programmed are {:.6g}", 1e3 * speed, 1e3 * feed), block);
+  left_ = left_ || distance(position, path_.point(0), n) > at_point;
+  if (!left_) rested_first_ = sample_;
   std::copy_n(position, n, before_.begin());
   block_ = block;
   look_stops(block);
 }
 
 std::string TubeCheck::finish() {
+  if (static_cast<double>(rested_first_) * period_ < path_.dwell_first - 1e-9)
+    wrong("does not rest for the dwell before its first move", 0);
   for (const auto& [b, time] : path_.dwell) {
     // The first sample that stands there begins the dwell.
     if (static_cast<double>(rested_[b] - 1) * period_ < time - 1e-9) wrong("does not rest for its dwell", b);

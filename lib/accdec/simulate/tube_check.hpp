@@ -35,7 +35,8 @@ class TubeCheck {
   std::vector<double> radius_, feed_, before_;
   std::vector<std::int64_t> rested_;  // of every block: samples exactly at its end
   std::size_t block_ = 0;
-  std::int64_t sample_ = 0;
+  std::int64_t sample_ = 0, rested_first_ = 0;
+  bool left_ = false;  // the first point
   std::string wrong_;
 };
 

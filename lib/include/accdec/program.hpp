@@ -210,15 +210,19 @@ struct ProgramFilter {
   bool designed = false;  ///< for this program, not given
 };
 /// @param time_limit  s, for the design by `design_task`  @param progress  one line a step, may be empty
+/// @param deadline    of the whole command: ends the comparison of designs by their plans
 ProgramFilter design_program_filter(const Toolpath& path, const Task& task, double time_limit,
-                                    const std::function<void(const std::string&)>& progress);
+                                    const std::function<void(const std::string&)>& progress,
+                                    const Deadline& deadline = {});
 
 /// The filter for a program whose feeds are chosen. It is the best trapezoid by search_filter. If none holds, or if
 /// vibration bounds, force, power or a jerk limit alone may favour other taps, the filter of design_program_filter is
 /// tried too. It is taken if it is faster by a plan of the program.
 /// @param time_limit  s; a fraction of it for the search
+/// @param deadline    as of design_program_filter
 ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, double time_limit,
-                                      const std::function<void(const std::string&)>& progress);
+                                      const std::function<void(const std::string&)>& progress,
+                                      const Deadline& deadline = {});
 
 /// How a program file is read and planned. Unset options follow from the task and the feeds.
 struct ProgramFileOptions {

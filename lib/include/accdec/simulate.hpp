@@ -227,7 +227,7 @@ struct Toolpath {
     std::int64_t line = 0;  ///< 0: in force from the start
   };
   std::vector<Selected> systems;          ///< G54 to G59.3 with moves in them, each once, by their first line
-  std::optional<std::int64_t> length_at;  ///< line of the first G43 whose length counts as 0
+  std::optional<std::int64_t> length_at;  ///< line of the first G43 that takes a length, which counts as 0
   std::int64_t empty_moves = 0;           ///< moves of no length that were left out
 
   std::size_t blocks() const { return duration.size(); }

@@ -117,7 +117,7 @@ namespace {
 ProgramPlan plan_with(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                       const Deadline& deadline, bool ramps) {
   PairwiseDelays pairwise = pairwise_delays(path, filter, sample_period, machine);
-  std::vector<SlowedFeeds> too_fast = limit_feeds(path, filter, sample_period, machine, pairwise, ramps);
+  std::vector<SlowedFeeds> too_fast = limit_feeds(path, filter, sample_period, machine, pairwise, ramps, deadline);
   const auto keep_given = [&] {
     for (const auto& [block, delay] : path.given) {
       int& d = pairwise.delays[block];

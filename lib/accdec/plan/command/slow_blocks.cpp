@@ -139,16 +139,17 @@ class FeedLimiter {
 }  // namespace
 
 std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                                     PairwiseDelays& delays, bool ramps) {
+                                     PairwiseDelays& delays, bool ramps, const Deadline& deadline) {
   if (machine.axes.empty()) return {};
   FeedLimiter limiter(path, filter, sample_period, machine);
   // A shorter reach at a lower feed may leave the next block out, and legs that meet slower make others meet faster: a
   // few rounds. Where ramps do not settle it, whole legs in the end.
-  for (int round = 0; round < 12; ++round) {
+  for (int round = 0; round < 12 && !deadline.over(); ++round) {
     bool slowed = limiter.slow(0, End::start, limiter.reach());
     slowed = limiter.slow(path.blocks() - 1, End::stop, limiter.reach()) || slowed;
     const double reach = round < 8 ? limiter.reach() : std::numeric_limits<double>::infinity();
     for (const std::size_t b : delays.impossible) {
+      if (deadline.over()) break;
       // Inside a leg the feed need not fall to that of a stop: only its step must hold.
       if (ramps && round < 8 && !ends_leg(path, b)) {
         slowed = limiter.ramp(b) || slowed;

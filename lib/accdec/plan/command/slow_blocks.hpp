@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <accdec/files.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
@@ -17,8 +18,9 @@ namespace accdec {
 /// @param delays  of the path; found again when feeds change
 /// @param ramps  where feeds change inside a leg, lower them to what passes that joint instead; correct for each joint
 /// alone
+/// @param deadline  ends it; then limits may be broken
 /// @return one entry a limit.
 std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                                     PairwiseDelays& delays, bool ramps);
+                                     PairwiseDelays& delays, bool ramps, const Deadline& deadline);
 
 }  // namespace accdec

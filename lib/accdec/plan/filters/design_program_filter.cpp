@@ -37,11 +37,12 @@ double program_time(const Toolpath& path, const Filter& filter, const Task& task
 }
 
 /// The time of the simulated plan, with all overlaps. Unlimited if the plan does not hold.
-double planned_time(const Toolpath& path, const Filter& filter, const Task& task, const Machine& machine) {
+double planned_time(const Toolpath& path, const Filter& filter, const Task& task, const Machine& machine,
+                    const Deadline& deadline) {
   Toolpath copy = path;
   limit_rapids(copy, filter, task.sample_period, machine);
   snap_durations(copy, filter, task.sample_period, machine);
-  const ProgramPlan plan = plan_program(copy, filter, task.sample_period, machine);
+  const ProgramPlan plan = plan_program(copy, filter, task.sample_period, machine, true, deadline);
   for (const LimitUse& use : plan.simulation.limits) {
     if (use.utilisation > 1.0 + verification_tolerance) return unlimited;
   }
@@ -84,8 +85,8 @@ DesignResult two_averages_for(const Toolpath& path, const Task& task, const Mach
 class Candidates {
  public:
   Candidates(const Toolpath& path, const Task& task, const Machine& machine,
-             const std::function<void(const std::string&)>& progress)
-      : path_(path), task_(task), machine_(machine), progress_(progress) {}
+             const std::function<void(const std::string&)>& progress, const Deadline& deadline)
+      : path_(path), task_(task), machine_(machine), progress_(progress), deadline_(deadline) {}
 
   void offer(const DesignResult& design, const std::string& name) {
     evaluations_ += design.solver.evaluations;
@@ -115,10 +116,12 @@ class Candidates {
     for (std::size_t i = 0; i < all_.size() && static_cast<long>(i) < simulated; ++i) {
       const Candidate& c = all_[i];
       if (c.predicted >= shortest) break;  // a plan is not faster than its prediction
+      if (i > 0 && deadline_.over()) break;
       simulate(*c.design.filter, c, best, shortest);
       // Where moves overlap, limits that each move holds alone may break together. A gentler filter can save the time
       // that repair costs.
-      for (double factor = 1.2; i == 0 && shortest > 1.005 * c.predicted && factor < 4.0; factor *= 1.2) {
+      for (double factor = 1.2; i == 0 && shortest > 1.005 * c.predicted && factor < 4.0 && !deadline_.over();
+           factor *= 1.2) {
         const Filter gentler =
             stretched(*c.design.filter, static_cast<int>(std::ceil((c.design.filter->order() + 1) * factor)));
         if (gentler.order() > task_.design.order_max) break;
@@ -156,7 +159,7 @@ class Candidates {
     best.solver.claimed = c.design.solver.claimed;
   }
   void simulate(const Filter& filter, const Candidate& c, ProgramFilter& best, double& shortest) const {
-    const double time = planned_time(path_, filter, task_, machine_);
+    const double time = planned_time(path_, filter, task_, machine_, deadline_);
     tell(c.name, filter, time, "simulated");
     if (!(time < shortest)) return;
     shortest = time;
@@ -167,6 +170,7 @@ class Candidates {
   const Task& task_;
   const Machine& machine_;
   const std::function<void(const std::string&)>& progress_;
+  const Deadline& deadline_;
   std::vector<Candidate> all_;
   std::string reason_;
   long evaluations_ = 0;
@@ -209,11 +213,11 @@ void offer_designs(const Task& representative, Candidates& candidates, double ti
 }  // namespace
 
 ProgramFilter design_program_filter(const Toolpath& path, const Task& task, double time_limit,
-                                    const std::function<void(const std::string&)>& progress) {
+                                    const std::function<void(const std::string&)>& progress, const Deadline& deadline) {
   const auto start = std::chrono::steady_clock::now();
   const Task representative = representative_task(path, task);
   const Machine machine = program_machine(task.machine, path);
-  Candidates candidates(path, task, machine, progress);
+  Candidates candidates(path, task, machine, progress, deadline);
   // About as much work as reading a program of 50 million blocks.
   const long evaluations = std::clamp(50'000'000L / static_cast<long>(path.blocks()), 40L, 2000L);
   candidates.offer(two_averages_for(path, task, machine, evaluations, 0.2 * time_limit),
@@ -237,7 +241,8 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
 }
 
 ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, double time_limit,
-                                      const std::function<void(const std::string&)>& progress) {
+                                      const std::function<void(const std::string&)>& progress,
+                                      const Deadline& deadline) {
   const auto start = std::chrono::steady_clock::now();
   const Machine machine = program_machine(task.machine, path);
   FilterSearchOptions options;
@@ -253,19 +258,21 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
   });
   ProgramFilter best;
   if (!search.filter || others || !machine.modes.empty()) {
-    best = design_program_filter(path, task, time_limit, progress);
+    const double left = std::max(0.05, std::min(time_limit, 0.5 * deadline.left()));
+    best = design_program_filter(path, task, left, progress, deadline);
     if (!best.filter) best.message = best.message.empty() ? "no filter holds the limits" : best.message;
   }
   // A plan that would hold after more rounds must not lose against one at the programmed feeds.
   const int rounds = path.blocks() <= short_program ? 40 : 3;
   // As in the planner: with chosen feeds or, for programs that are short enough for both plans, with programmed feeds.
   const auto time = [&](const Filter& filter) {
-    const ScheduledPlan plan = schedule_feeds(path, filter, task.sample_period, machine, rounds);
+    if (deadline.over()) return program_time(path, filter, task, machine);
+    const ScheduledPlan plan = schedule_feeds(path, filter, task.sample_period, machine, rounds, deadline);
     const double chosen =
         all_holds(plan.plan) ? static_cast<double>(plan.plan.simulation.samples) * task.sample_period : unlimited;
     // A plan at programmed feeds is not faster than its prediction and takes many times as long to compute.
     if (path.blocks() > several_plans_max || program_time(path, filter, task, machine) >= chosen) return chosen;
-    return std::min(chosen, planned_time(path, filter, task, machine));
+    return std::min(chosen, planned_time(path, filter, task, machine, deadline));
   };
   if (search.filter && (!best.filter || time(*search.filter) <= time(*best.filter))) {
     best.filter = search.filter;

@@ -118,10 +118,12 @@ class Search {
     }
     double time = 0.0;
     for (const Toolpath& part : parts_) {
-      const ScheduledPlan plan = schedule_feeds(part, filter, period_, machine_, rounds_to_judge);
+      const ScheduledPlan plan = schedule_feeds(part, filter, period_, machine_, rounds_to_judge, end_);
       // A plan that does not hold yet needs slightly more time.
       time += static_cast<double>(plan.plan.simulation.samples) * period_ * (all_holds(plan.plan) ? 1.0 : 1.01);
     }
+    // A plan that was not finished is judged only where there is no other.
+    if (late() && search_.cost() < unlimited) return unlimited;
     if (options_.progress && time < search_.cost())
       options_.progress(fmt::format("{} taps: {:.4f} s", filter.order() + 1, time));
     return time;
@@ -132,6 +134,7 @@ class Search {
   const Machine& machine_;
   const FilterSearchOptions& options_;
   std::chrono::steady_clock::time_point start_;
+  const Deadline end_{options_.time_limit};
   double ramp_ = 0.0;  // samples from no acceleration to the largest at the largest jerk
   int longest_ = 4;
   TrialSearch search_;

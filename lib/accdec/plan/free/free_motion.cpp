@@ -6,6 +6,7 @@
 
 #include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/free/shorten.hpp>
+#include <accdec/simulate/command_stream.hpp>
 
 namespace accdec {
 namespace {
@@ -17,7 +18,9 @@ class Parts {
  public:
   Parts(const FreePath& free, const FreeSamples& motion, bool shifted) : free_(free), motion_(motion) {
     const std::size_t n = free.dimensions(), last = motion.count(n) - 1;
-    std::size_t begin = 1, first_joint = 0;
+    // A dwell before the first move is no part of it.
+    std::size_t begin = 1 + static_cast<std::size_t>(whole_samples(free.path.dwell_first / free.period));
+    std::size_t first_joint = 0;
     for (std::size_t j = 0; j < free.path.blocks(); ++j) {
       if (free.path.joint[j] != Joint::stop) continue;
       const std::size_t stop =

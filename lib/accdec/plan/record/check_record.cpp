@@ -95,6 +95,8 @@ RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, 
 RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed) {
   ProgramResultCheck check = verify_program_result(record.result, record.task, record.filters);
   compare_names(record, check.reasons);
+  if (record.result.plan.path.tolerance.back() < unlimited || record.result.errors.back() != 0.0)
+    check.reasons.emplace_back("the last block ends in no joint: its tolerance must be null, and its error 0");
   std::vector<std::string> skip;
   if (!programmed) skip = of_the_program;
   // The plan of a filter a leg is made no more: its delays are compared with the tolerances, not with others.

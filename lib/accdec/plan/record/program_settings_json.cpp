@@ -1,5 +1,4 @@
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -12,21 +11,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-long count(const Json& json) {
-  if (!json.is_number_integer() || json.get<double>() < 0.0)
-    throw std::invalid_argument("settings: a count is no whole number: " + json.dump());
-  return json.get<long>();
-}
-
-std::optional<WidthInterval> width_of(const Json& json) {
-  if (!json.contains("width_m")) return std::nullopt;
-  const WidthInterval width{json.at("width_low_m").get<double>(),
-                            json.at("width_high_m").is_null() ? unlimited : json.at("width_high_m").get<double>()};
+std::optional<WidthInterval> width_of(const Value& json) {
+  if (!json.has("width_m")) return std::nullopt;
+  const WidthInterval width{json["width_low_m"].number(), json["width_high_m"].number_or_infinity()};
   if (!(width.low >= 0.0 && width.low < width.high))
-    throw std::invalid_argument("settings.width_low_m must be below settings.width_high_m, and not below 0");
-  if (!(std::abs(json.at("width_m").get<double>() - width.middle()) <= 1e-9 * width.middle()))
-    throw std::invalid_argument(
-        fmt::format("settings.width_m must be the middle of its interval, {:.9g}", width.middle()));
+    json["width_low_m"].fail("must be below width_high_m, and not below 0");
+  if (!(std::abs(json["width_m"].number() - width.middle()) <= 1e-9 * width.middle()))
+    json["width_m"].fail(fmt::format("must be the middle of its interval, {:.9g}", width.middle()));
   return width;
 }
 
@@ -56,29 +47,29 @@ Json program_settings_to_json(const ProgramResult& result) {
   return json;
 }
 
-void read_program_settings(const Json& json, ProgramResult& result) {
+void read_program_settings(const Value& json, ProgramResult& result) {
   ProgramSettings& settings = result.settings.emplace();
-  const auto family = setting_family_from_string(json.at("family").get<std::string>());
-  if (!family) throw std::invalid_argument("settings.family is no family of settings");
+  const auto family = setting_family_from_string(json["family"].text());
+  if (!family) json["family"].fail("is no family of settings");
   settings.chosen.family = *family;
-  for (const Json& value : json.at("values")) {
-    settings.chosen.values.push_back(
-        {value.at("name").get<std::string>(), value.at("value").get<double>(), value.at("unit").get<std::string>()});
-  }
+  for (const Value& value : json["values"].elements())
+    settings.chosen.values.push_back({value["name"].text(), value["value"].number(), value["unit"].text()});
   settings.chosen.width = width_of(json);
-  settings.members = count(json.at("members"));
-  settings.tried = count(json.at("tried"));
-  settings.complete = json.at("complete").get<bool>();
-  if (json.contains("free_taps_s")) settings.free_taps = json["free_taps_s"].get<double>();
-  result.has_today = json.contains("today_s");
-  if (result.has_today && !json["today_s"].is_null()) settings.today = json["today_s"].get<double>();
-  for (const Json& word : json.value("delays", Json::array())) {
-    const auto kind = delay_kind_from_string(word.get<std::string>());
-    if (!kind) throw std::invalid_argument("settings.delays has a word that is no kind of delay: " + word.dump());
-    settings.chosen.delays.push_back(*kind);
+  settings.members = json["members"].integer<long>();
+  settings.tried = json["tried"].integer<long>();
+  settings.complete = json["complete"].boolean();
+  if (json.has("free_taps_s")) settings.free_taps = json["free_taps_s"].number();
+  result.has_today = json.json().contains("today_s");
+  if (result.has_today) settings.today = json["today_s"].optional_number();
+  if (json.has("delays")) {
+    for (const Value& word : json["delays"].elements()) {
+      const auto kind = delay_kind_from_string(word.text());
+      if (!kind) word.fail("is no kind of delay");
+      settings.chosen.delays.push_back(*kind);
+    }
   }
-  if (json.at("answer") != program_settings_answer(settings, result.cycle_time, result.has_today))
-    throw std::invalid_argument("settings.answer is not what the other members say");
+  if (json["answer"].text() != program_settings_answer(settings, result.cycle_time, result.has_today))
+    json["answer"].fail("is not what the other members say");
 }
 
 }  // namespace accdec

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <accdec/formats/json_value.hpp>
 #include <accdec/program.hpp>
 
 // Internal to the room: a control's settings in results of programs.
@@ -14,7 +15,7 @@ namespace accdec {
 nlohmann::ordered_json program_settings_to_json(const ProgramResult& result);
 
 /// Reads what `program_settings_to_json` wrote into the result. The filter of the settings stays empty: the result has
-/// its taps. @throws std::invalid_argument, nlohmann::json::exception for what it never writes
-void read_program_settings(const nlohmann::ordered_json& json, ProgramResult& result);
+/// its taps. @throws Mistake for what it never writes
+void read_program_settings(const Value& json, ProgramResult& result);
 
 }  // namespace accdec

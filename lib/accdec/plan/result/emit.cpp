@@ -147,8 +147,8 @@ class Emission {
       line("{} the next block starts as soon as the axes are within the in-position width of the block's end)",
            in_position_remark);
     else if (!timed_.used())
-      line("(read back by: accdec program FILE --task TASK.toml --plan fixed --dwells-before-filter{})",
-           result_.feeds_chosen ? "" : " --feeds keep");
+      line("(read back by: accdec program FILE --task TASK.toml --plan fixed --dwells-before-filter{}{})",
+           result_.feeds_chosen ? "" : " --feeds keep", path_.length_at ? " --tool-length 0" : "");
     if (slowed_rapids) line("{} where the plan runs them slower than G0, which would break a limit)", slowed_remark);
     text_.append(filter_remarks(filter_));
     line("G21 G17 G90 G94");

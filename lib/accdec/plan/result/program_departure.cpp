@@ -78,6 +78,7 @@ class DepartureWalk {
         return "is commanded above its programmed feed";
       if (distance(end, to, n) <= departure_rounding && !goes_on_to(to)) return nullptr;
       if (commanded_.joint[at_] != Joint::straight || own_.contains(at_)) return "the commands stop inside it";
+      if (commanded_.tolerance[at_] < unlimited) return "a tolerance is recorded inside it";
     }
   }
 

@@ -71,13 +71,13 @@ void say_systems(Toolpath& path, const std::string& file, bool interpreted, cons
 }
 
 /// What our own reader makes of the tools.
+/// @throws std::invalid_argument if the program takes a length that nobody gave
 void say_tools(Toolpath& path, const std::string& file, const ProgramTools& tools, const Tell& tell) {
   if (path.length_at) {
-    const std::string zero = "lengths of tools count as 0 in the plan";
     const std::string line = std::to_string(*path.length_at);
-    remark(path, "(G43: ", zero + ", from line " + line + " on; G43 acts on the machine)");
-    if (tell && !tools.length)
-      tell(file + ":" + line + ": G43: " + zero + "; give them by --tool-table FILE, or --tool-length 0 for none");
+    if (!tools.length) throw std::invalid_argument(no_tool_length(file, *path.length_at));
+    remark(path,
+           "(G43: ", "lengths of tools count as 0 in the plan, from line " + line + " on; G43 acts on the machine)");
     return;
   }
   const std::string given = !tools.table.empty() ? tools.table : tools.length ? "--tool-length" : "";
@@ -196,8 +196,9 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
     return given;
   }
   const double limit = filter_seconds(path, options);
-  ProgramFilter designed = options.feeds == Feeds::keep ? design_program_filter(path, task, limit, tell)
-                                                        : design_filter_for_feeds(path, task, limit, tell);
+  ProgramFilter designed = options.feeds == Feeds::keep
+                               ? design_program_filter(path, task, limit, tell, options.deadline)
+                               : design_filter_for_feeds(path, task, limit, tell, options.deadline);
   designed.designed = true;
   return designed;
 }
@@ -325,15 +326,20 @@ std::string compensation_note(const ProgramResult& plain, const ProgramResult& w
 ProgramResult plan_program_file(const std::string& name, ProgramFile& file, const ProgramFilter& choice,
                                 const Task& task, const ProgramFileOptions& options) {
   if (!options.compensate_arcs || file.path.arcs.empty()) return plan_as_read(name, file, choice, task, options);
+  // First without compensation, so that a time limit cannot make the answer slower than that.
   ProgramFile plain = file;
   plain.path.widen_arcs = plain.reading.widen_arcs = false;
-  ProgramResult widened = plan_as_read(name, file, choice, task, options);
-  if (options.deadline.over() && widened.verification.feasible) return widened;
   ProgramFileOptions as_programmed = options;
   as_programmed.compensate_arcs = false;
   const ProgramFilter own = filter_for_program(plain.path, task, as_programmed, {});
-  if (!own.filter) return widened;
+  if (!own.filter) return plan_as_read(name, file, choice, task, options);
   ProgramResult result = plan_as_read(name, plain, own, task, as_programmed);
+  if (options.deadline.over() && result.verification.feasible) {
+    result.compensation = "arcs are commanded as programmed: the time limit ended before a plan that widens them";
+    file.reading = plain.reading;
+    return result;
+  }
+  ProgramResult widened = plan_as_read(name, file, choice, task, options);
   const bool faster = !widened.verification.feasible || result.cycle_time < widened.cycle_time;
   if (!result.verification.feasible || !faster) return widened;
   result.compensation = compensation_note(result, widened);

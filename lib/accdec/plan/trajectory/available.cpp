@@ -72,10 +72,14 @@ double AvailableAcceleration::feed(const double* u, std::size_t dimensions, doub
   return low;
 }
 
-std::optional<double> longest_jerk_time(const Machine& machine) {
+std::optional<double> longest_jerk_time(const Machine& machine, double fastest) {
   std::optional<double> longest;
   for (const Axis& axis : machine.axes) {
-    if (axis.jerk_max < unlimited) longest = std::max(longest.value_or(0.0), at_speed(axis, 0.0) / axis.jerk_max);
+    if (!(axis.jerk_max < unlimited)) continue;
+    double most = at_speed(axis, 0.0);
+    if (most >= no_machine)
+      most = std::min(most, std::sqrt(2.0 * std::min(fastest, axis.velocity_max) * axis.jerk_max));
+    longest = std::max(longest.value_or(0.0), most / axis.jerk_max);
   }
   return longest;
 }

@@ -50,7 +50,8 @@ class AvailableAcceleration {
   bool depends_ = false;
 };
 
-/// The longest a_max/j_max of the axes with a jerk limit, s; none without such an axis.
-std::optional<double> longest_jerk_time(const Machine& machine);
+/// The longest a_max/j_max of the axes with a jerk limit, s; none without such an axis. An axis without a limit of
+/// acceleration has as much as reversing from the fastest speed (m/s) needs, sqrt(2 v j_max).
+std::optional<double> longest_jerk_time(const Machine& machine, double fastest);
 
 }  // namespace accdec

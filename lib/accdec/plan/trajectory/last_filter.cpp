@@ -155,7 +155,7 @@ std::vector<std::vector<int>> choices_of_pairs(const Machine& modes, double peri
 
 }  // namespace
 
-std::vector<Filter> last_filters(const Machine& machine, double period, std::size_t most) {
+std::vector<Filter> last_filters(const Machine& machine, double period, double fastest, std::size_t most) {
   Machine modes;
   double slowest = unlimited;
   for (const Mode& mode : machine.modes) {
@@ -163,7 +163,7 @@ std::vector<Filter> last_filters(const Machine& machine, double period, std::siz
     modes.modes.push_back(mode);
     slowest = std::min(slowest, mode.frequency_low);
   }
-  const std::optional<double> jerk_time = longest_jerk_time(machine);
+  const std::optional<double> jerk_time = longest_jerk_time(machine, fastest);
   std::vector<Filter> found;
   if (modes.modes.empty()) {
     if (!jerk_time) return {boxcar(0)};

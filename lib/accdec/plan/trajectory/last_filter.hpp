@@ -49,7 +49,8 @@ class LastFilter {
 /// Last filters to try for a machine. With a jerk limit these are boxcars of about a_max/j_max. With vibration bounds,
 /// they are boxcars, two averages, and these with one or two pairs of equal impulses, as far as they hold the bounds.
 /// They are sorted by deviation, at most `most`. Empty if none does.
-std::vector<Filter> last_filters(const Machine& machine, double period, std::size_t most = 24);
+std::vector<Filter> last_filters(const Machine& machine, double period, double fastest = unlimited,
+                                 std::size_t most = 24);
 
 /// The same taps convolved.
 Filter convolved(const Filter& a, const Filter& b);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <accdec/plan/feeds/stretches.hpp>
@@ -43,6 +44,18 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
   return plan;
 }
 
+/// m/s, of the blocks at their feeds.
+double fastest(const Toolpath& path) {
+  double speed = 0.0;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    double length = 0.0;
+    for (std::size_t a = 0; a < path.dimensions(); ++a)
+      length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
+    speed = std::max(speed, length / path.duration[b]);
+  }
+  return speed;
+}
+
 /// Up to this number of blocks, last filters are compared by the whole program.
 constexpr std::size_t predicted_whole_max = 40'000;
 
@@ -62,7 +75,7 @@ double predicted_time(const Toolpath& path, const Machine& machine, double sampl
 
 ProfilePlan plan_profiles(const Toolpath& path, const Machine& machine, double sample_period,
                           const Deadline& deadline) {
-  const std::vector<Filter> filters = last_filters(machine, sample_period);
+  const std::vector<Filter> filters = last_filters(machine, sample_period, fastest(path));
   if (filters.empty()) {
     throw std::invalid_argument(
         "plan profiles finds no filter for the vibration bounds ([[mode]]) among averages and pairs of impulses up to "

@@ -1,0 +1,68 @@
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "program_command.hpp"
+
+// What `accdec program` says of fine periods, dwells and circles is so.
+
+namespace {
+
+using accdec::test::ProgramCommand;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// At short periods a limit of jerk is a difference of steps that agree in six digits.
+TEST_F(ProgramCommand, JerksOfShortPeriodsAreRecordedAsTheyAre) {
+  for (const char* period : {"0.25", "0.1"}) {
+    write("fine.toml", "sample_period_ms = " + std::string(period) +
+                           "\n[filter]\nkind = \"boxcar\"\norder = 12\n[[axis]]\nvelocity_max_mm_s = 100\n"
+                           "acceleration_max_mm_s2 = 3000\njerk_max_mm_s3 = 50000\n");
+    for (const char* move : {"G0 X77.7", "G0 X20", "G0 X50.5", "G1 F3000 X77.7", "G1 F3000 X7.7 Y3.1"}) {
+      write("part.ngc", std::string(move) + "\n");
+      ASSERT_EQ(run("program part.ngc --task fine.toml --json r.json").code, 0) << read("err");
+      EXPECT_THAT(run("verify r.json").out, StartsWith("accepted: ")) << period << " " << move;
+    }
+  }
+}
+
+// A machine waits for its spindle before the first move, whatever the plan.
+TEST_F(ProgramCommand, ADwellBeforeTheFirstMoveIsKept) {
+  write("free.toml",
+        "sample_period_ms = 0.5\n[[axis]]\nvelocity_max_mm_s = 100\nacceleration_max_mm_s2 = 8000\n"
+        "jerk_max_mm_s3 = 400000\n");
+  const std::string moves = "G1 X0.393 Y0.007\nX13.075 Y-0.965\nX0.7\n";
+  for (const char* plan : {"fixed", "profiles", "free"}) {
+    const auto seconds = [&](const std::string& before) {
+      write("part.ngc", "G64 P0.05 F3000\n" + before + moves);
+      EXPECT_EQ(run("program part.ngc --task free.toml --json r.json --plan " + std::string(plan)).code, 0);
+      EXPECT_THAT(run("verify r.json").out, StartsWith("accepted: ")) << plan;
+      return 0.5e-3 * number_of("r.json", "samples");
+    };
+    EXPECT_NEAR(seconds("G4 P0.123\n"), seconds("") + 0.123, 0.01) << plan;
+  }
+}
+
+// G61 passes the point exactly; only G61.1 stops there. Two turns in two blocks are the motion of two turns in one.
+TEST_F(ProgramCommand, ArcsThatGoOnAlongTheirCircleDoNotStopUnderG61) {
+  write("circle.toml",
+        "sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 1000\n"
+        "jerk_max_mm_s3 = 50000\n");
+  const auto seconds = [&](const std::string& moves, const std::string& options) {
+    write("part.ngc", "G21 G90 F6000\n" + moves);
+    EXPECT_EQ(run("program part.ngc --task circle.toml --json r.json --time-limit 20 " + options).code, 0);
+    EXPECT_THAT(run("verify r.json").out, StartsWith("accepted: "));
+    return 1e-3 * number_of("r.json", "samples");
+  };
+  const double one = seconds("G61\nG2 I10 P2\n", "--plan profiles");
+  for (const char* options : {"--plan profiles", "--plan profiles --compensate-arcs"}) {
+    EXPECT_NEAR(seconds("G61\nG2 I10\nG2 I10\n", options), one, 0.01) << options;
+    EXPECT_NEAR(seconds("G61\nG2 X10 Y10 I10\nG2 X0 Y0 J-10\nG2 I10\n", options), one, 0.01) << options;
+  }
+  const double stops = seconds("G61.1\nG2 I10\nG2 I10\n", "--plan profiles");
+  EXPECT_GT(stops, one + 0.05);
+  EXPECT_GT(seconds("G61\nG2 I10\nG2 I11\n", "--plan profiles"), one) << "another circle";
+}
+
+}  // namespace
