@@ -36,6 +36,34 @@ bool same_circle(const Arc& a, const Arc& b) {
   return same;
 }
 
+/// The arc under way and the one before it.
+class ArcSequence {
+ public:
+  void begin(const Arc& arc, int chords) {
+    goes_on_ = after_arc_ && same_circle(arc_, arc);
+    arc_ = arc;
+    chords_ = chords;
+  }
+  /// Counts a move. @return whether it is a chord of the arc
+  bool take() {
+    const bool of_arc = chords_ > 0;
+    chords_ -= of_arc ? 1 : 0;
+    return of_arc;
+  }
+  void moved(bool of_arc) {
+    after_arc_ = of_arc;
+    goes_on_ = false;
+  }
+  /// The arc that begins with the next move goes on along the circle of the last one.
+  bool goes_on() const { return goes_on_; }
+  const Arc& arc() const { return arc_; }
+
+ private:
+  Arc arc_;
+  int chords_ = 0;  // of the arc that are still to come
+  bool after_arc_ = false, goes_on_ = false;
+};
+
 class Builder : public MoveSink {
  public:
   Builder(const LineSource& source, const Machine& machine, const ToolpathOptions& options)
@@ -46,11 +74,7 @@ class Builder : public MoveSink {
 
   void begin(const ProgramPoint& at) override { path_.begin = position_ = at; }
   void move(const Move& move) override;
-  void arc(const Arc& arc, int chords) override {
-    goes_on_ = after_arc_ && same_circle(arc_, arc);
-    arc_ = arc;
-    arc_chords_ = chords;
-  }
+  void arc(const Arc& arc, int chords) override { arcs_.begin(arc, chords); }
   void stop(double dwell) override {
     if (!(dwell <= longest)) source_.fail(1, "the dwell takes more than 1e9 s");
     if (dwell > 0.0) keep("G4 P" + plain_number(dwell, 9), true);
@@ -104,10 +128,7 @@ class Builder : public MoveSink {
   Move last_;
   std::array<double, 3> feed_way_{};  // m, of every plane
   bool stopped_ = false;
-  bool after_arc_ = false;  // the last move was of an arc
-  bool goes_on_ = false;    // the arc that begins with the next move goes on along the circle of the last one
-  Arc arc_;
-  int arc_chords_ = 0;  // of the arc that are still to come
+  ArcSequence arcs_;
 };
 
 void Builder::add_axes(unsigned moving) {
@@ -245,37 +266,37 @@ void Builder::close_joint(const Move& next) {
 
 /// Where an arc goes on along the circle of the last one, the path is exact as inside an arc. Else no error is granted.
 double Builder::exact_tolerance(std::size_t b) const {
-  return goes_on_ && b > 0 && path_.inside_arc[b - 1] != 0 ? path_.tolerance[b - 1] : 0.0;
+  return arcs_.goes_on() && b > 0 && path_.inside_arc[b - 1] != 0 ? path_.tolerance[b - 1] : 0.0;
 }
 
 /// Block b is a chord of the present arc.
 void Builder::keep_arc(std::size_t b) {
+  const Arc& from = arcs_.arc();
   const auto column = [&](std::size_t axis) {
     return static_cast<std::size_t>(std::find(path_.axes.begin(), path_.axes.end(), axis) - path_.axes.begin());
   };
   const auto block = static_cast<std::uint32_t>(b);
   // An axis of the plane that never moves has no column; then only the chords represent the arc.
-  if (column(arc_.first) == path_.axes.size() || column(arc_.second) == path_.axes.size()) return;
+  if (column(from.first) == path_.axes.size() || column(from.second) == path_.axes.size()) return;
   const bool same = !path_.arcs.empty() && path_.arcs.back().last + 1 == b && b > 0 && path_.inside_arc[b - 1] != 0;
   if (!same) {
     PathArc& arc = path_.arcs.emplace_back();
     arc.first = block;
-    arc.x = column(arc_.first);
-    arc.y = column(arc_.second);
-    arc.center_x = arc_.center_first;
-    arc.center_y = arc_.center_second;
+    arc.x = column(from.first);
+    arc.y = column(from.second);
+    arc.center_x = from.center_first;
+    arc.center_y = from.center_second;
     const auto radius = [&](const ProgramPoint& p) {
-      return std::hypot(p[arc_.first] - arc_.center_first, p[arc_.second] - arc_.center_second);
+      return std::hypot(p[from.first] - from.center_first, p[from.second] - from.center_second);
     };
-    arc.radius = 0.5 * (radius(arc_.from) + radius(arc_.to));
-    arc.angle = arc_.angle;
+    arc.radius = 0.5 * (radius(from.from) + radius(from.to));
+    arc.angle = from.angle;
   }
   path_.arcs.back().last = block;
 }
 
 void Builder::move(const Move& move) {
-  const bool of_arc = arc_chords_ > 0;
-  arc_chords_ -= of_arc ? 1 : 0;
+  const bool of_arc = arcs_.take();
   unsigned moving = 0;
   double length2 = 0.0;
   for (std::size_t a = 0; a < program_axis_count; ++a) {
@@ -319,8 +340,8 @@ void Builder::move(const Move& move) {
   if (!move.rapid) feed_way_[static_cast<std::size_t>(move.plane)] += std::sqrt(length2);
   position_ = move.to;
   last_ = move;
-  after_arc_ = of_arc;
-  stopped_ = goes_on_ = false;
+  arcs_.moved(of_arc);
+  stopped_ = false;
 }
 
 Toolpath Builder::finish() {

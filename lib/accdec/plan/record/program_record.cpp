@@ -93,7 +93,7 @@ class Reader {
   }
 
   static std::string one_of(const Value& json, std::initializer_list<std::string_view> words) {
-    const std::string given = json.text();
+    std::string given = json.text();
     if (std::find(words.begin(), words.end(), given) == words.end())
       json.fail(fmt::format("\"{}\" is unknown; allowed are {}", given, fmt::join(words, ", ")));
     return given;
