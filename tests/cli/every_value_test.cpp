@@ -85,8 +85,7 @@ TEST_F(ProgramResult, ValuesOfDesignsOfOtherKindsAreNamedInItsOwnWords) {
   for_each_wrong(json(), [&](const Json& bad, const std::string& what) { expect_house_message(changed(bad), what); });
 }
 
-// Beside what is said not to be checked, only this may be another number: chords of arcs follow from the arc tolerance,
-// and a slightly other one gives the same chords.
+// The arc tolerance is doubled, because a slightly larger one gives the same chords.
 TEST_F(ProgramResult, NoNumberOfInputsAndCommandsCanBeForged) {
   for (const char* how : {"fixed", "profiles", "free"}) {
     if (how != std::string("fixed")) {

@@ -9,8 +9,8 @@
 
 namespace accdec {
 
-/// The tree of a result's text. @throws InputError with line and column of what is no JSON or no result's: zero bytes,
-/// numbers beyond double precision, brackets that nest too deep, a key twice in one object
+/// The tree of a result's text. Zero bytes, numbers beyond double precision, brackets that nest too deep and a key
+/// twice in one object are refused. @throws InputError with line and column
 nlohmann::ordered_json parse_json_text(std::string_view text, const std::string& name);
 
 /// An error of a tree's value, at its place in the text, with the value's path in words: "corners[0].name: ...".
