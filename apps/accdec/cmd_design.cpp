@@ -40,14 +40,14 @@ struct DesignArguments {
 
 /// Half of what is left is for the table of the task's period, the rest for that of a shorter one.
 study::BaselineTable full_table(const Task& task, const DesignResult& design, DesignOptions options, double left) {
-  options.certificate = false;
+  options.exact.certificate = false;
   options.time_limit = 0.5 * left;
   return task.filter ? study::compare_with_baselines(task, options)
                      : study::compare_with_baselines(design, task, options);
 }
 
 void print_full_tables(const study::BaselineTable& here, const Task& task, DesignOptions options, double left) {
-  options.certificate = false;
+  options.exact.certificate = false;
   options.time_limit = left;
   const auto quarter = study::compare_with_baselines(study::at_shorter_period(task, 4), options);
   fmt::print("{}", study::baseline_text(here, quarter));
@@ -76,27 +76,27 @@ DesignOptions asked_options(const DesignArguments& arguments, const Task& task, 
     throw std::invalid_argument("--method exact and --solver exclude each other: a solver is used by --method nlp");
   }
   options.method = arguments.method == "nlp" || arguments.solver_given ? Method::nlp : Method::exact;
-  if (arguments.solver_given) options.solver = arguments.solver;
+  if (arguments.solver_given) options.nlp.solver = arguments.solver;
   if (!arguments.native.empty() && (options.method == Method::exact || task.filter)) {
     throw std::invalid_argument(
         task.filter ? "--option: the filter is given, so its delays are enumerated and no solver is used"
                     : "--option NAME=VALUE goes with --solver: the exact method takes none");
   }
   if (task.filter && arguments.solver_given && !quiet) {
-    fmt::print(stderr, "the filter is given: its delays are enumerated, {} is not used\n", options.solver);
+    fmt::print(stderr, "the filter is given: its delays are enumerated, {} is not used\n", options.nlp.solver);
   }
-  options.gap = fraction(arguments.gap).value_or(0.0);
-  if (options.gap > 0.0 && options.method == Method::nlp) {
+  options.exact.gap = fraction(arguments.gap).value_or(0.0);
+  if (options.exact.gap > 0.0 && options.method == Method::nlp) {
     throw std::invalid_argument("--gap goes with the exact method: no other proves a bound");
   }
-  options.solver_options.seed = arguments.seed;
-  options.certificate = !arguments.no_certificate;
-  options.threads = arguments.threads;
+  options.nlp.options.seed = arguments.seed;
+  options.exact.certificate = !arguments.no_certificate;
+  options.exact.threads = arguments.threads;
   for (const std::string& pair : arguments.native) {
     const auto equals = pair.find('=');
     if (equals == std::string::npos)
       throw std::invalid_argument(fmt::format("--option takes NAME=VALUE, got \"{}\"", pair));
-    options.solver_options.native[pair.substr(0, equals)] = pair.substr(equals + 1);
+    options.nlp.options.native[pair.substr(0, equals)] = pair.substr(equals + 1);
   }
   options.cancel = &Interrupt::asked();
   return options;

@@ -38,9 +38,9 @@ feed_in_mm_min = 6000
 
 TEST(DesignTask, EveryRunOfTheExactMethodGetsTheOptions) {
   DesignOptions options;
-  options.threads = 3;
-  options.gap = 0.25;
-  options.certificate = false;
+  options.exact.threads = 3;
+  options.exact.gap = 0.25;
+  options.exact.certificate = false;
   const ExactOptions exact = exact_options(options, 7.0);
   EXPECT_EQ(exact.threads, 3);
   EXPECT_EQ(exact.gap, 0.25);
@@ -156,7 +156,7 @@ TEST(DesignTask, SeveralCornersAreNeverWorseThanALocalSolverAlone) {
   const DesignResult best = design_task(task, options);
   options.method = Method::nlp;
   for (const char* solver : {"nlopt-slsqp", "ipopt"}) {
-    options.solver = solver;
+    options.nlp.solver = solver;
     options.time_limit = 5.0;
     const DesignResult alone = design_task(task, options);
     if (alone.status == Status::feasible) {
@@ -187,14 +187,14 @@ TEST(DesignTask, ASolverThatRefusesDoesNotEndTheDesign) {
 TEST(DesignTask, StepsThatWouldTakeTooLongAreNotBegun) {
   DesignOptions options;
   options.method = Method::nlp;
-  options.solver = "ipopt";
+  options.nlp.solver = "ipopt";
   options.time_limit = 1.0;
   const DesignResult result = design_nlp(many_corners(20'000), options);
   EXPECT_EQ(result.status, Status::failed);
   EXPECT_EQ(result.stop, StopReason::time_limit);
   EXPECT_THAT(result.message, HasSubstr("a step of a local solver on 20000 corners"));
   // A dense factorisation of as many rows and variables as taps: memory or hours.
-  options.solver = "ceres-al";
+  options.nlp.solver = "ceres-al";
   Task task = straight_start(20'000, "error_max_um = 50\n");
   task.design.order_min = 20'000;
   EXPECT_THROW(design_task(task, options), std::invalid_argument);
@@ -222,7 +222,7 @@ error_max_um = 10
   EXPECT_TRUE(verify_result(result).accepted);
   DesignOptions local;
   local.method = Method::nlp;
-  local.solver = "nlopt-slsqp";
+  local.nlp.solver = "nlopt-slsqp";
   const DesignResult other = design_task(task, local);
   ASSERT_TRUE(other.has_design()) << other.message;
   EXPECT_LE(result.objective(), other.objective());

@@ -172,7 +172,7 @@ TEST(DesignTask, NamesToleranceAndSmallestSpeedThatContradict) {
 TEST(DesignTask, UnknownSolverListsTheKnown) {
   DesignOptions options;
   options.method = Method::nlp;
-  options.solver = "cplex";
+  options.nlp.solver = "cplex";
   const Task task = plane_task({}, plane_corner("A", 90, 0, 0.1, 0.1), 50e-6);
   try {
     design_task(task, options);

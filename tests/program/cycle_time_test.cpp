@@ -93,7 +93,7 @@ TEST(CycleTime, IsThatOfAProgramThatPassesTheCorners) {
     const Task task = read_task(path);
     DesignOptions options;
     options.time_limit = 5.0;  // what is proved by then does not matter here
-    options.certificate = false;
+    options.exact.certificate = false;
     const DesignResult design = design_task(task, options);
     ASSERT_TRUE(design.filter.has_value()) << design.message;
     const Realised program = realise(task, design);

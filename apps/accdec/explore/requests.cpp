@@ -47,7 +47,7 @@ DesignOptions options_of(const Question& question) {
   DesignOptions options;
   options.time_limit = question.seconds;
   options.cancel = question.cancel;
-  options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options.exact.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   return options;
 }
 

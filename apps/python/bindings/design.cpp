@@ -31,15 +31,15 @@ struct Arguments {
 DesignOptions options_of(const Arguments& given) {
   DesignOptions options;
   options.method = given.method == "nlp" ? Method::nlp : Method::exact;
-  options.solver = given.solver;
+  options.nlp.solver = given.solver;
   options.time_limit = given.time_limit;
-  options.gap = given.gap;
-  options.threads = given.threads;
-  options.solver_options.seed = given.seed;
-  options.solver_options.native = given.native;
-  options.certificate = given.certificate;
-  options.reduced = given.reduced;
-  if (given.start) options.start = Filter(*given.start);
+  options.exact.gap = given.gap;
+  options.exact.threads = given.threads;
+  options.nlp.options.seed = given.seed;
+  options.nlp.options.native = given.native;
+  options.exact.certificate = given.certificate;
+  options.nlp.reduced = given.reduced;
+  if (given.start) options.nlp.start = Filter(*given.start);
   return options;
 }
 

@@ -131,18 +131,18 @@ void Comparison::design_into(batch::Row& row, const ScheduledRun& entry) const {
   task.design.order_min = task.design.order_max = spec.order;
   DesignOptions options;
   options.method = Method::nlp;
-  options.solver = competitor.solver;
-  options.time_limit = options.solver_options.time_limit = time_limit(entry);
-  options.solver_options.tolerance = settings_.tolerance;
-  options.solver_options.evaluation_limit = settings_.evaluation_limit;
-  options.solver_options.own_budget = false;
-  options.solver_options.native = competitor.native;
-  options.solver_options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
-  options.start = subject.start_filter(entry.start, settings_.seed);
-  options.reduced = competitor.wants_reduced(settings_.reduced);
+  options.nlp.solver = competitor.solver;
+  options.time_limit = options.nlp.options.time_limit = time_limit(entry);
+  options.nlp.options.tolerance = settings_.tolerance;
+  options.nlp.options.evaluation_limit = settings_.evaluation_limit;
+  options.nlp.options.own_budget = false;
+  options.nlp.options.native = competitor.native;
+  options.nlp.options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
+  options.nlp.start = subject.start_filter(entry.start, settings_.seed);
+  options.nlp.reduced = competitor.wants_reduced(settings_.reduced);
   const auto began = Clock::now();
   std::vector<nlp::Improvement> history;
-  options.improved = [&](double objective, const nlp::Counts& so_far) {
+  options.nlp.improved = [&](double objective, const nlp::Counts& so_far) {
     history.push_back({std::max(so_far.objective, so_far.rows), seconds_since(began) - so_far.verification_time,
                        objective / task.sample_period});
   };

@@ -81,7 +81,7 @@ class Anytime {
     const bool dense = several && task_.design.order_min <= dense_order_max;
     if (dense) local("nlopt-slsqp", 0.4 * share);
     // A proof this close to its end soon finds what a second solver could find.
-    if (!dense || !exact_->gap || *exact_->gap > 0.05) local(options_.solver, share);
+    if (!dense || !exact_->gap || *exact_->gap > 0.05) local(options_.nlp.solver, share);
     if (several || !convex || !exact_->has_design()) exact(1.0);
     if (settled()) return *exact_;
     return finish();
@@ -102,7 +102,7 @@ class Anytime {
     if (best_ && best_->status == Status::optimal) return finish();
     families();
     local("nlopt-slsqp", 0.3);
-    local(options_.solver, 1.0);
+    local(options_.nlp.solver, 1.0);
     return finish();
   }
 
@@ -115,7 +115,7 @@ class Anytime {
     const int least = std::min(most, std::max(task_.design.order_min, order_lower_bound(task_, most)));
     const bool small = task_.corners.size() <= 100 && least <= 10'000;
     shapes(small ? 0.4 : 1.0);
-    if (small) local(options_.solver, 1.0);
+    if (small) local(options_.nlp.solver, 1.0);
     return finish();
   }
 
@@ -126,7 +126,9 @@ class Anytime {
   bool over() const { return left() <= 0.0 || (options_.cancel != nullptr && options_.cancel->load()); }
   bool settled() const { return exact_->status == Status::optimal || exact_->status == Status::infeasible; }
   bool has_bound() const { return exact_->lower_bound || bound_; }
-  bool close_enough() const { return options_.gap > 0.0 && exact_ && exact_->gap && *exact_->gap <= options_.gap; }
+  bool close_enough() const {
+    return options_.exact.gap > 0.0 && exact_ && exact_->gap && *exact_->gap <= options_.exact.gap;
+  }
   void tell(const std::string& line) const {
     if (options_.progress) options_.progress(line);
   }
@@ -146,7 +148,7 @@ class Anytime {
       };
     }
     DesignResult result = exact_run_.go_on(exact);
-    if (options_.certificate && !result.certificate) {
+    if (options_.exact.certificate && !result.certificate) {
       // Stopped before anything was proved: a bound that nobody can check is no bound.
       result.lower_bound.reset();
       result.gap.reset();
@@ -166,8 +168,8 @@ class Anytime {
     if (task_.corners.size() > 1 && exact_->has_design() && share * options_.time_limit < least) return;
     DesignOptions options = options_;
     options.method = Method::nlp;
-    options.solver = solver;
-    if (solver != options_.solver) options.solver_options.native.clear();
+    options.nlp.solver = solver;
+    if (solver != options_.nlp.solver) options.nlp.options.native.clear();
     options.time_limit = std::min(share * options_.time_limit, left());
     tell(fmt::format("looking for a design with {} for at most {:.2g} s", solver, options.time_limit));
     DesignResult result;
@@ -205,7 +207,7 @@ class Anytime {
 
   /// A bound without power, regeneration and smallest speed also holds with them.
   void bound_of_part(const Task& part, double share) {
-    if (over() || !options_.certificate) return;
+    if (over() || !options_.exact.certificate) return;
     ExactOptions exact = exact_options(options_, std::min(share * options_.time_limit, left()));
     exact.gap = 0.0;
     DesignResult found = design_exact(part, exact);
@@ -349,10 +351,10 @@ void judge_gap(DesignResult& result) {
 ExactOptions exact_options(const DesignOptions& options, double time_limit) {
   ExactOptions exact;
   exact.time_limit = time_limit;
-  exact.gap = options.gap;
+  exact.gap = options.exact.gap;
   exact.cancel = options.cancel;
-  exact.certificate = options.certificate;
-  exact.threads = options.threads;
+  exact.certificate = options.exact.certificate;
+  exact.threads = options.exact.threads;
   return exact;
 }
 

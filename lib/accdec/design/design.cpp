@@ -42,7 +42,7 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   if (proof.status == Status::infeasible) return proof;
   if (proof.has_design()) {
     // The limits that the local search named are not in conflict.
-    nlp.message = fmt::format("{} found no design{}; there is one: the exact method has {:g} ms", options.solver,
+    nlp.message = fmt::format("{} found no design{}; there is one: the exact method has {:g} ms", options.nlp.solver,
                               nlp.solver.claimed.empty() ? fmt::format(" ({})", nlp.message)
                                                          : fmt::format(" (last claim: {})", nlp.solver.claimed),
                               1e3 * proof.objective());
@@ -96,7 +96,7 @@ void require_designable(const Task& task, const DesignOptions& options) {
 
 DesignResult design_task(const Task& task, const DesignOptions& options) {
   // An unknown solver is a usage error for every task.
-  if (options.method == Method::nlp) solvers::find_solver(options.solver);
+  if (options.method == Method::nlp) solvers::find_solver(options.nlp.solver);
   const std::vector<std::string> conflicts = contradictions(task);
   if (!conflicts.empty()) {
     DesignResult result;

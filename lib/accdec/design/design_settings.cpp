@@ -153,7 +153,7 @@ DesignResult design_settings(const Task& asked, const DesignOptions& options) {
   result.solver.wall_time = seconds_since(began);
   result.stop = best.complete ? StopReason::finished : StopReason::time_limit;
   if (!best.complete && options.cancel != nullptr && options.cancel->load()) result.stop = StopReason::interrupted;
-  if (!options.certificate) result.certificate.reset();
+  if (!options.exact.certificate) result.certificate.reset();
   return result;
 }
 

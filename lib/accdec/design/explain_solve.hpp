@@ -37,7 +37,7 @@ class ExplainSolver {
     ++explanation_.solves;
     DesignOptions design = options_.design;
     design.progress = nullptr;
-    if (any) design.gap = 0.999;
+    if (any) design.exact.gap = 0.999;
     Solved solved;
     solved.result = designed(task, design);
     solved.designed = solved.result.filter.has_value();

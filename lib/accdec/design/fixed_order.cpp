@@ -50,8 +50,8 @@ std::string step_too_long(const Task& task, int order, double time_limit) {
 }
 
 FixedOrderDesigner::FixedOrderDesigner(const Task& task, const DesignOptions& options)
-    : task_(task), options_(options), solver_(solvers::find_solver(options.solver)) {
-  reduced_ = options.reduced.value_or(false) || !solver_.capabilities().equality_rows;
+    : task_(task), options_(options), solver_(solvers::find_solver(options.nlp.solver)) {
+  reduced_ = options.nlp.reduced.value_or(false) || !solver_.capabilities().equality_rows;
   filter_cost_ = cost_of(task).filter;
   for (const TaskCorner& corner : task.corners) {
     const auto& in = corner.geometry().direction_in;
@@ -61,7 +61,7 @@ FixedOrderDesigner::FixedOrderDesigner(const Task& task, const DesignOptions& op
 }
 
 solvers::Result FixedOrderDesigner::solve(const nlp::Problem& problem, const std::vector<double>& start) {
-  solvers::Options options = options_.solver_options;
+  solvers::Options options = options_.nlp.options;
   options.cancel = options_.cancel;
   options.time_limit = std::min(options.time_limit, std::max(0.01, options_.time_limit - elapsed()));
   solvers::Result result = solver_.solve(problem, start, options);
@@ -144,7 +144,7 @@ const std::optional<FixedOrderDesigner::Relaxed>& FixedOrderDesigner::relaxed(in
 std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) {
   std::optional<Relaxed> best;
   bool consistent = true, parted = false;
-  Filter start = options_.start && options_.start->order() == order ? *options_.start : guess(order);
+  Filter start = options_.nlp.start && options_.nlp.start->order() == order ? *options_.nlp.start : guess(order);
   std::vector<double> delays = guess_delays(start);
   for (int pass = 0; pass < 8 && !stopped(); ++pass) {
     // When the legs do not overlap, a blend is a stop and a start: its limits cannot be looser.

@@ -225,7 +225,7 @@ class Search {
     const double cost = result.objective() / task_.sample_period;
     if (!incumbent_ || cost < incumbent_->cost - 1e-9) {
       incumbent_ = Candidate{cost, delays, *filter};
-      if (options_.improved) options_.improved(result.objective(), at_.counts());
+      if (options_.nlp.improved) options_.nlp.improved(result.objective(), at_.counts());
       at_.tell(fmt::format("N = {}: verified {} time {:.3f} ms", order, to_string(task_.design.objective),
                            result.objective() * 1e3));
     }
@@ -250,14 +250,14 @@ class Search {
   /// Why there is no design, as far as a local solver can tell: limits such that, without any one of them, it finds a
   /// design.
   std::string no_design() const {
-    std::string message =
-        fmt::format("{} found no design up to order {} ([design] order_max)", options_.solver, task_.design.order_max);
+    std::string message = fmt::format("{} found no design up to order {} ([design] order_max)", options_.nlp.solver,
+                                      task_.design.order_max);
     // Finding the conflicting limits takes many small searches: they share the rest of the time.
     bool in_time = true;
     const auto has_design = [&](const Task& task) {
       DesignOptions quiet = options_;
       quiet.progress = nullptr;
-      quiet.improved = nullptr;
+      quiet.nlp.improved = nullptr;
       quiet.time_limit = options_.time_limit - at_.elapsed();
       in_time = in_time && quiet.time_limit > 0.0;
       return in_time && Search(task, quiet).has_relaxed_design();
@@ -282,7 +282,7 @@ class Search {
 }  // namespace
 
 DesignResult design_nlp(const Task& task, const DesignOptions& options) {
-  solvers::find_solver(options.solver);
+  solvers::find_solver(options.nlp.solver);
   const int last = task.design.order_max;
   const int first = std::min(last, std::max(task.design.order_min, order_lower_bound(task, last)));
   if (std::string why = step_too_long(task, first, options.time_limit); !why.empty()) {

@@ -171,7 +171,7 @@ class QuantisedDesign {
   void offer_design_of(Task task) {
     task.design.coefficient_bits = 0;
     DesignOptions options = options_;
-    options.certificate = false;
+    options.exact.certificate = false;
     options.time_limit = 0.25 * std::max(0.05, options_.time_limit - seconds_since(began_));
     const DesignResult room = design_task(task, options);
     if (!room.has_design() || (best_ && room.objective() >= best_->objective() * (1.0 - 1e-12))) return;

@@ -64,7 +64,7 @@ std::vector<Key> method_keys() {
               .noun = "computation",
               .example = "[\"optimum\", \"shapes\"]",
               .required = true};
-  Key solver = word("solver", "solver of method nlp", solver_names, DesignOptions().solver);
+  Key solver = word("solver", "solver of method nlp", solver_names, DesignOptions().nlp.solver);
   solver.noun = "solver";
   solver.allowed = "allowed is a name of `accdec solvers`";
   return {compute,

@@ -62,9 +62,9 @@ class StudyReader {
       }
     }
     study.design.method = top.word("method") == "nlp" ? Method::nlp : Method::exact;
-    study.design.solver = top.word("solver");
+    study.design.nlp.solver = top.word("solver");
     study.design.time_limit = top.required_number("time_limit_s");
-    study.design.certificate = false;
+    study.design.exact.certificate = false;
     // A design may call Ipopt, whose linear solver keeps static state; everything else here is safe in threads.
     const bool designs =
         std::find(study.computations.begin(), study.computations.end(), "optimum") != study.computations.end();
@@ -255,7 +255,7 @@ class StudyReader {
     std::ostringstream text;
     text << sampling_ << '\n'
          << fmt::format("{}\n{} {} {}\n", fmt::join(study.computations, " "), static_cast<int>(study.design.method),
-                        study.design.solver, study.design.time_limit);
+                        study.design.nlp.solver, study.design.time_limit);
     for (std::size_t c = 0; c < places_.names.size(); ++c)
       text << places_.names[c] << '\n' << tasks.cases[c].tree << '\n';
     for (const auto& v : places_.variations)

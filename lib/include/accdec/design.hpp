@@ -21,19 +21,27 @@ enum class Method {
 
 struct DesignOptions {
   Method method = Method::exact;
-  std::string solver = "ipopt";                      ///< registry name, for Method::nlp
-  solvers::Options solver_options;                   ///< tolerance, seed, native options of every single solve
   double time_limit = 600.0;                         ///< s, for the whole design
-  double gap = 0.0;                                  ///< exact: ends once (best - bound)/best is at most this
   const std::atomic<bool>* cancel = nullptr;         ///< ends the search early with the best verified design so far
   std::function<void(const std::string&)> progress;  ///< one line per step; may be empty
-  /// Method::nlp: called with every verified design that is shorter than the one before, and the counts so far.
-  std::function<void(double objective, const nlp::Counts& so_far)> improved;
-  std::optional<Filter> start;  ///< Method::nlp: the start at its order; otherwise a trapezoid
-  std::optional<bool> reduced;  ///< Method::nlp: substitute positions into their bounds; else only where the solver
-                                ///< needs it
-  bool certificate = true;      ///< exact: keep the proof in the result
-  int threads = 1;              ///< exact: for the proof of several corners; the answer does not depend on it
+
+  struct Exact {
+    double gap = 0.0;         ///< ends once (best - bound)/best is at most this
+    bool certificate = true;  ///< keep the proof in the result
+    int threads = 1;          ///< for the proof of several corners; the answer does not depend on it
+  };
+  Exact exact;  ///< for Method::exact
+
+  /// A task with limits that the exact method does not know is designed by these, too.
+  struct Nlp {
+    std::string solver = "ipopt";  ///< registry name
+    solvers::Options options;      ///< tolerance, seed, native options of every single solve
+    std::optional<Filter> start;   ///< the start at its order; otherwise a trapezoid
+    std::optional<bool> reduced;   ///< substitute positions into their bounds; else only where the solver needs it
+    /// Called with every verified design that is shorter than the one before, and the counts so far.
+    std::function<void(double objective, const nlp::Counts& so_far)> improved;
+  };
+  Nlp nlp;  ///< for Method::nlp
 };
 
 /// Chooses what the task leaves open (filter, order, delays) for the least cycle time within all limits.

@@ -189,7 +189,7 @@ void offer_designs(const Task& representative, Candidates& candidates, double ti
     shorter.design.order_max = std::clamp(*order, representative.design.order_min, representative.design.order_max);
   DesignOptions options;
   options.time_limit = 0.3 * time_limit;
-  options.certificate = false;
+  options.exact.certificate = false;
   const auto offer = [&](const Task& task, const std::string& order) {
     DesignResult design = design_task(task, options);
     candidates.offer(design, (design.solver.name.empty() ? design.solver.method : design.solver.name) + order);
