@@ -22,7 +22,7 @@ def constant_feed(problem):
         if corner.speed_min > min(corner.feed_in, corner.feed_out):
             return f"corner {corner.name}: its smallest speed is above a feed"
     longest = 10**6 if problem.given_filter else problem.order_max
-    for mode in problem.modes:
+    for mode in (m for m in problem.modes if m.least_damping == 0):
         # At n/T every filter leaves 1; e cycles a sample from there at least cos(2 pi e N) >= 1 - (2 pi e N)^2/2.
         cycles = max(1, round((mode.low + mode.high) / 2 * problem.period))
         nearest = min(max(Fraction(cycles) / problem.period, mode.low), mode.high)

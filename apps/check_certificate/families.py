@@ -1,10 +1,11 @@
 """Proofs about families of a controller's filters: every member that could be shorter breaks a limit or needs delays
 that cost too much."""
 from fractions import Fraction
+from itertools import product
 from math import ceil
 
 from delays import breaks_a_limit, breaks_axis, too_far
-from enclosure import PI, UNIT, ZERO, cos_sin, exact
+from enclosure import PI, UNIT, ZERO, cos_sin, exact, exponential, square_root
 from problem import NotCovered, Refused, number, refuse_if, whole
 
 IMPULSES = {"zv": [1, 1], "zvd": [1, 2, 1], "ei": [21, 38, 21]}  # in whole numbers; those of mzv are not rational
@@ -77,11 +78,14 @@ def _members(family, task, end):
 
 def _rings(problem, taps):
     for mode in problem.modes:
-        for f in (mode.low, (mode.low + mode.high) / 2, mode.high):
-            cosines = sines = ZERO
-            for i, b in enumerate(taps):
-                cosine, sine = cos_sin(PI * exact(2 * f * problem.period * i))
-                cosines, sines = cosines + cosine.times(b), sines + sine.times(b)
+        for f, z in product((mode.low, (mode.low + mode.high) / 2, mode.high), {mode.least_damping, mode.most_damping}):
+            natural = PI * exact(2 * f * problem.period)
+            turn, fall = natural * square_root(exact(1 - z * z)), exponential(-(natural * exact(z)))
+            cosines, sines, fallen = ZERO, ZERO, UNIT
+            for i, b in reversed(list(enumerate(taps))):
+                cosine, sine = cos_sin(turn.times(i))
+                cosines, sines = cosines + (fallen * cosine).times(b), sines + (fallen * sine).times(b)
+                fallen = fallen * fall if z else UNIT
             bound = exact(mode.residual * sum(taps))
             if (cosines * cosines + sines * sines).lo > (bound * bound).hi:
                 return True

@@ -23,7 +23,7 @@ REST = Fraction(1, 10**12)  # a servo's response ends where less is left, which 
 LONGEST = 50000  # taps of a response
 
 Axis = namedtuple("Axis", "mass damping coulomb limits")  # limits: those given, by kind
-Mode = namedtuple("Mode", "low high residual")
+Mode = namedtuple("Mode", "low high residual least_damping most_damping", defaults=(0, 0))
 
 
 class Refused(Exception):
@@ -129,9 +129,14 @@ def _corner(table, axes):
 
 
 def _mode(table):
-    band = table["frequency_Hz"]
-    low, high = [number(f) for f in (band if isinstance(band, list) else [band, band])]
-    return Mode(low, high, max(number(table["residual_max"]) * WIDER, FLOOR) + FLOOR / 10)
+    if "frequency_spread" in table:
+        raise NotCovered("a spread of frequencies that is not written as a band")
+    (low, high), (least, most) = [
+        [number(x) for x in (end if isinstance(end, list) else [end, end])]
+        for end in (table["frequency_Hz"], table.get("damping_ratio", 0))
+    ]
+    refuse_if(not 0 <= least <= most < 1, "a damping ratio is out of range")
+    return Mode(low, high, max(number(table["residual_max"]) * WIDER, FLOOR) + FLOOR / 10, least, most)
 
 
 def read(task):

@@ -1,7 +1,7 @@
 """Limits of a task as rows `terms <= bound`, from the names a certificate gives them. A row holds for every design in
 the part of the search that it is asked for; README.md of lib/accdec/certificate has the formulas."""
 import chords
-from enclosure import BITS, ONE, PI, UNIT, ZERO, Enclosure, cos_sin, exact
+from enclosure import BITS, ONE, PI, UNIT, ZERO, Enclosure, cos_sin, exact, exponential, square_root
 from problem import NotCovered, number, refuse_if, whole
 from tube import Plant, tube
 
@@ -265,6 +265,19 @@ class Rows:
             error += each
         row.limit(exact(mode.residual))
 
+    def damped_vibration(self, row, box, m, frequency, damping, angle):
+        """What is left at the last tap: tap i has fallen by exp(-z w (N - i) T) there."""
+        mode, frequency, z = member(self.problem.modes, m, "a mode"), number(frequency), number(damping)
+        refuse_if(not mode.low <= frequency <= mode.high, "a multiplier's frequency is outside its band")
+        refuse_if(not mode.least_damping <= z <= mode.most_damping, "a multiplier's damping is outside its range")
+        natural = PI * exact(2 * frequency * self.problem.period)
+        turn, fall = natural * square_root(exact(1 - z * z)), exponential(-(natural * exact(z)))
+        phase, fallen = exact(number(angle)), UNIT
+        for i in range(box.order, -1, -1):
+            row.term(TAPS, i, fallen * cos_sin(turn.times(i) - phase)[0])
+            fallen = fallen * fall
+        row.limit(exact(mode.residual))
+
     def response(self, row, box, k, sign):
         if not 1 <= whole(k) <= box.order:
             return
@@ -274,7 +287,7 @@ class Rows:
 
 
 # Rows of the command, and of what is known of the motion behind a servo.
-BEHIND_A_SERVO = {"jerk", "blend acceleration", "blend jerk", "error", "budget", "vibration"}
+BEHIND_A_SERVO = {"jerk", "blend acceleration", "blend jerk", "error", "budget", "vibration", "damped vibration"}
 # Name in the file: what makes the row; how many entries it has between its name and its multiplier; whether it can
 # speak of filters of any order. Then follows what else the name says.
 KINDS = {
@@ -285,7 +298,7 @@ KINDS = {
     "blend force": (Rows.blend, 4, True, "force"),
     "error": (Rows.error, 2, True),
     "range error": (Rows.range_error, 8, False), "budget": (Rows.budget, 0, False),
-    "vibration": (Rows.vibration, 3, True),
+    "vibration": (Rows.vibration, 3, True), "damped vibration": (Rows.damped_vibration, 4, False),
     "power start": (chords.event_power, 4, False, False), "regeneration stop": (chords.event_power, 4, False, True),
     "blend power": (chords.blend_power, 6, False, "power"),
     "blend regeneration": (chords.blend_power, 6, False, "regeneration"),

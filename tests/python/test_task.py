@@ -66,6 +66,18 @@ def test_goes_and_comes_back_to_the_last_bit():
         assert pickle.loads(pickle.dumps(task)) == task
 
 
+def test_a_damped_mode_is_a_rectangle():
+    def task(**mode):
+        return accdec.Task(sample_period=1e-3, corners={"angle": 1.0, "feed_in": 0.1, "error_max": 1e-4},
+                           modes={"residual_max": 0.1, **mode})
+
+    robust = task(frequency=40, frequency_spread=0.1, damping_ratio=[0.02, 0.1])
+    assert robust == task(frequency=[36, 44], damping_ratio=[0.02, 0.1]) != task(frequency=[36, 44])
+    assert accdec.Task.parse(robust.to_toml()) == robust
+    with pytest.raises(accdec.InputError, match="runs downwards"):
+        task(frequency=40, damping_ratio=[0.1, 0.02])
+
+
 def test_writes_and_reads_files(tmp_path):
     path = tmp_path / "task.toml"
     from_si().write(path)

@@ -117,7 +117,8 @@ corners : dict or list of dict
     angle (or direction_in and direction_out), feed_in, feed_out, error_max, speed_min, delay, weight, heading, turn,
     name.
 modes : dict or list of dict, optional
-    frequency (Hz, or a band [low, high]) and residual_max (0 .. 1).
+    frequency (Hz, or a band [low, high]; or one with frequency_spread), damping_ratio (0 .. 0.9, or a range [low,
+    high]) and residual_max (0 .. 1).
 filter : array_like or dict, optional
     Taps, or a shape as {"kind": "trapezoid", "order": 30, "ramp": 8}; left open it is designed.
 order_min, order_max : int, optional

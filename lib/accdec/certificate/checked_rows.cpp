@@ -156,7 +156,9 @@ void CheckedRows::add(const proof::Term& term, CheckedBox& box, CheckedSum& sum)
 
 void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) const {
   const auto inside = [&](int tap) { return tap >= 1 && tap < box.order; };
-  bool all = std::holds_alternative<proof::Error>(row) || std::holds_alternative<proof::Vibration>(row);
+  // The rest of a damped vibration depends on how far the filter's end is.
+  const auto* vibration = std::get_if<proof::Vibration>(&row);
+  bool all = std::holds_alternative<proof::Error>(row) || (vibration != nullptr && vibration->damping == 0.0);
   if (const auto* difference = std::get_if<proof::TapDifference>(&row))
     all = inside(difference->sample) && inside(difference->sample - differences(difference->limit).value_or(0));
   if (const auto* force = std::get_if<proof::EventForce>(&row)) all = inside(force->sample - 1);
@@ -242,12 +244,21 @@ void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, C
   response_.require_no_smoothing();
   if (!(row.frequency >= mode.frequency_low && row.frequency <= mode.frequency_high))
     throw Rejected("a multiplier's frequency is outside its band");
-  const Interval w = two_pi() * Interval(row.frequency) * period();
-  for (std::size_t i = 0; i < sum.taps.size(); ++i) {
+  if (!(row.damping >= mode.damping_low && row.damping <= mode.damping_high && row.damping < 1.0))
+    throw Rejected("a multiplier's damping is outside its range");
+  const Interval natural = two_pi() * Interval(row.frequency) * period(), z(row.damping);
+  const bool damped = row.damping > 0.0;
+  const Interval w = damped ? natural * square_root((Interval(1.0) - z) * (Interval(1.0) + z)) : natural;
+  // From tap i on, the vibration falls until the last tap of the longest filter of the part. Shorter filters have
+  // fallen less there, so what they leave is bounded, too.
+  const Interval fall = damped ? interval_exp(-1.0 * natural * z) : Interval(1.0);
+  Interval fallen = weight;
+  for (std::size_t i = sum.taps.size(); i-- > 0;) {
     // The taps that an end of the window stands for may have any phase.
     const bool end = box.window && (i == 0 || i + 1 == sum.taps.size());
     const Interval phase = end ? Interval(-1.0) : interval_cos(w * static_cast<double>(i) - Interval(row.angle));
-    sum.taps[i] = sum.taps[i] + weight * phase;
+    sum.taps[i] = sum.taps[i] + fallen * phase;
+    if (damped) fallen = fallen * fall;
   }
   sum.rhs = sum.rhs + weight * Interval(mode.residual_max);
 }

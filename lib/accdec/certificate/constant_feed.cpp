@@ -22,9 +22,9 @@ std::string broken_on_leg(const Axis& axis, const Interval& component, double fe
   return {};
 }
 
-/// A frequency n/T that a mode's band holds: sum_i b_i exp(-2 pi j n i) is 1 for every filter.
+/// A frequency n/T that an undamped mode's band holds: sum_i b_i exp(-2 pi j n i) is 1 for every filter.
 std::string broken_by_sampling(const Mode& mode, double period) {
-  if (!(mode.residual_max < 1.0)) return {};
+  if (!(mode.residual_max < 1.0) || !mode.undamped()) return {};
   const Interval low = Interval(mode.frequency_low) * Interval(period),
                  high = Interval(mode.frequency_high) * Interval(period);
   const double cycles = std::max(1.0, std::round(high.lo - 0.5 * (high.lo - low.hi)));

@@ -135,20 +135,30 @@ class Refutation {
     return std::nullopt;
   }
 
-  /// At frequencies closer together than the response can hide a peak between.
+  /// At frequencies closer together than the response can hide a peak between, and a few damping ratios.
   bool rings() const {
+    constexpr int ratios = 4;
     for (const Mode& mode : granted_.machine.modes) {
-      const double band = mode.frequency_high - mode.frequency_low;
+      const double band = mode.frequency_high - mode.frequency_low, spread = mode.damping_high - mode.damping_low;
       const int steps = 2 + static_cast<int>(std::min(1e5, 8.0 * band * task_.sample_period * (member_.order() + 1)));
-      for (int i = 0; i <= steps; ++i) {
-        const double f = mode.frequency_low + band * i / steps;
-        const std::complex<double> turn = std::polar(1.0, -2.0 * std::numbers::pi * f * task_.sample_period);
-        std::complex<double> sum = 0.0;
-        for (std::size_t t = member_.taps.size(); t-- > 0;) sum = sum * turn + member_.taps[t];
-        if (std::abs(sum) > mode.residual_max) return true;
+      for (int i = 0; i <= steps * (ratios + 1); ++i) {
+        const int line = i / (steps + 1);
+        if (line > (spread > 0.0 ? ratios : 0)) break;
+        const double f = mode.frequency_low + band * (i % (steps + 1)) / steps;
+        if (left(f, mode.damping_low + spread * line / ratios) > mode.residual_max) return true;
       }
     }
     return false;
+  }
+
+  /// Amplitude of a vibration at the last tap.
+  double left(double frequency, double damping) const {
+    const double w = 2.0 * std::numbers::pi * frequency * task_.sample_period;
+    const std::complex<double> turn =
+        std::polar(std::exp(-damping * w), -w * std::sqrt((1.0 - damping) * (1.0 + damping)));
+    std::complex<double> sum = 0.0;
+    for (const double tap : member_.taps) sum = sum * turn + tap;
+    return std::abs(sum);
   }
 
   bool holds(std::size_t j, int delay) {

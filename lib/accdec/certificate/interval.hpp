@@ -58,4 +58,10 @@ inline Interval interval_sin(const Interval& x) {
   return {std::max(-1.0, s - reach), std::min(1.0, s + reach)};
 }
 
+/// The library's exponential is accurate to an ulp; two more on either side cover it.
+inline Interval interval_exp(const Interval& x) {
+  constexpr double ulps = 4.0 * std::numeric_limits<double>::epsilon(), least = std::numeric_limits<double>::min();
+  return {std::max(0.0, std::exp(x.lo) * (1.0 - ulps) - least), std::exp(x.hi) * (1.0 + ulps) + least};
+}
+
 }  // namespace accdec

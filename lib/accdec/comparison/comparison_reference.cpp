@@ -40,7 +40,12 @@ Task with_frequencies(const CaseSpec& spec) {
     for (const double f : frequencies[m]) {
       Mode mode = spec.task.machine.modes[m];
       mode.frequency_low = mode.frequency_high = f;
-      task.machine.modes.push_back(mode);
+      for (const double damping : {mode.damping_low, mode.damping_high}) {
+        Mode one = mode;
+        one.damping_low = one.damping_high = damping;
+        task.machine.modes.push_back(one);
+        if (mode.damping_low == mode.damping_high) break;
+      }
     }
   }
   return task;

@@ -62,7 +62,7 @@ std::vector<Binding> find_bindings(const DesignResult& design) {
   }
   for (const LimitUse& use : design.limits) {
     if (use.kind == LimitKind::vibration && full(use))
-      found.push_back({use.kind, "", "", Event::none, {}, use.bound, use.frequency});
+      found.push_back({use.kind, "", "", Event::none, {}, use.bound, use.frequency, use.damping});
   }
   return found;
 }

@@ -5,6 +5,7 @@
 
 #include <accdec/design.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/mode_text.hpp>
 
 namespace accdec {
 namespace {
@@ -66,9 +67,7 @@ Lever speed_lever(const TaskCorner& corner, std::size_t j) {
 
 Lever mode_lever(const Mode& mode, std::size_t i) {
   Lever lever = limit_lever(LimitKind::vibration, mode.residual_max);
-  lever.name = mode.frequency_low == mode.frequency_high
-                   ? fmt::format("vibration {:.6g} Hz", mode.frequency_low)
-                   : fmt::format("vibration {:.6g} to {:.6g} Hz", mode.frequency_low, mode.frequency_high);
+  lever.name = "vibration " + range_of(mode);
   lever.key = fmt::format("mode.{}.residual_max", i);
   lever.frequency_low = mode.frequency_low;
   lever.frequency_high = mode.frequency_high;

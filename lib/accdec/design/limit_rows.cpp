@@ -200,27 +200,35 @@ class RowBuilder {
   void vibration(const Mode& mode, const std::vector<double>& frequencies) {
     if (mode.residual_max >= 1.0) return;
     for (const double f : frequencies) {
-      const double w = 2.0 * std::numbers::pi * f * period_;
-      Affine real, imaginary;
-      for (int i = 0; i <= b_.order(); ++i) {
-        real += std::cos(w * i) * b_.tap(i);
-        imaginary += std::sin(w * i) * b_.tap(i);
-      }
-      const std::string name = fmt::format("vibration at {:.6g} Hz", f);
-      if (mode.residual_max == 0.0) {
-        affine(name + ", cosine", real, {0.0, 0.0});
-        affine(name + ", sine", imaginary, {0.0, 0.0});
-        continue;
-      }
-      if (!options_.reduced) {
-        real = defined_variable("C at " + name, real);
-        imaginary = defined_variable("S at " + name, imaginary);
-      }
-      const int row = problem_.add_row(name, {-nlp::infinity, one_ * one_});
-      const double scale = 1.0 / (mode.residual_max * mode.residual_max);
-      problem_.add_product(row, scale, real, real);
-      problem_.add_product(row, scale, imaginary, imaginary);
+      vibration(mode.residual_max, f, mode.damping_low);
+      if (mode.damping_high > mode.damping_low) vibration(mode.residual_max, f, mode.damping_high);
     }
+  }
+
+  void vibration(double bound, double frequency, double damping) {
+    const double natural = 2.0 * std::numbers::pi * frequency * period_;
+    const double w = natural * std::sqrt(1.0 - damping * damping);
+    Affine real, imaginary;
+    for (int i = 0; i <= b_.order(); ++i) {
+      const double left = std::exp(-damping * natural * (b_.order() - i));
+      real += left * std::cos(w * i) * b_.tap(i);
+      imaginary += left * std::sin(w * i) * b_.tap(i);
+    }
+    std::string name = fmt::format("vibration at {:.6g} Hz", frequency);
+    if (damping > 0.0) name += fmt::format(", damping {:.6g}", damping);
+    if (bound == 0.0) {
+      affine(name + ", cosine", real, {0.0, 0.0});
+      affine(name + ", sine", imaginary, {0.0, 0.0});
+      return;
+    }
+    if (!options_.reduced) {
+      real = defined_variable("C at " + name, real);
+      imaginary = defined_variable("S at " + name, imaginary);
+    }
+    const int row = problem_.add_row(name, {-nlp::infinity, one_ * one_});
+    const double scale = 1.0 / (bound * bound);
+    problem_.add_product(row, scale, real, real);
+    problem_.add_product(row, scale, imaginary, imaginary);
   }
 
   void symmetry() {

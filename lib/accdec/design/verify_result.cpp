@@ -93,7 +93,7 @@ double floor_of(const LimitUse& use) {
 bool in_band(const Task& task, const LimitUse& use) {
   return std::any_of(task.machine.modes.begin(), task.machine.modes.end(), [&](const Mode& mode) {
     return same_bound(use.bound, mode.residual_max) && use.frequency >= mode.frequency_low &&
-           use.frequency <= mode.frequency_high;
+           use.frequency <= mode.frequency_high && use.damping >= mode.damping_low && use.damping <= mode.damping_high;
   });
 }
 

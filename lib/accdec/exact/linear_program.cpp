@@ -163,14 +163,15 @@ double LinearProgram::vibration_scale(const proof::Vibration& id) const {
   return bound > 0.01 ? 1.0 / bound : 1.0;
 }
 
-void LinearProgram::draft_vibration(const proof::Vibration& id) {
+void LinearProgram::draft_vibration(const proof::Vibration& id, const Box& box) {
   const double scale = vibration_scale(id);
   draft_.clear();
   on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
   if (window_)
     add_window_vibration(model_, id, scale, on_tap_);
-  else
-    model_.rows.add_vibration(id, scale, on_tap_);
+  else  // damping counts from the box's last tap; without, a row serves every order
+    model_.rows.add_vibration(
+        id, scale, id.damping > 0.0 ? std::span(on_tap_).first(static_cast<std::size_t>(box.order) + 1) : on_tap_);
   for (int i = 0; i <= largest_; ++i) draft_.add(i, on_tap_[static_cast<std::size_t>(i)]);
   const double residual = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
   draft_.high = scale * residual * (1.0 + slack_);
@@ -226,7 +227,13 @@ bool LinearProgram::carry_over(int row, const Box& box, bool symmetric) {
   Id& id = ids_[static_cast<std::size_t>(row)];
   const bool active = lp_.active(row);
   if (const auto* equation = std::get_if<Equation>(&id)) return symmetric && equation->order == box.order;
-  if (limit_of<proof::Vibration>(id) != nullptr) return active || lp_.rows() - base_rows_ <= most_vibration_rows;
+  if (const auto* vibration = limit_of<proof::Vibration>(id)) {
+    if (!active && lp_.rows() - base_rows_ > most_vibration_rows) return false;
+    if (vibration->damping == 0.0) return true;
+    draft_vibration(*vibration, box);
+    lp_.replace_row(row, draft_.columns, draft_.values, draft_.low, draft_.high);
+    return true;
+  }
   if (limit_of<proof::Budget>(id) != nullptr) {
     if (!box.budget) return false;
     draft_budget(box);

@@ -89,7 +89,7 @@ class LinearProgram {
   void add_base_rows();
   void draft_limit(const SparseRow& row, double scale, bool both, bool soft = false);
   void draft_cone(const proof::Error& id, const Box& box);
-  void draft_vibration(const proof::Vibration& id);
+  void draft_vibration(const proof::Vibration& id, const Box& box);
   void add_cone(std::size_t j, double angle, const Box& box);
   void add_symmetry(const Box& box);
   void draft_budget(const Box& box);
@@ -105,7 +105,7 @@ class LinearProgram {
     });
   }
   bool add_limit(const proof::Row& id, const Box& box);
-  bool add_vibration(const proof::Vibration& id);
+  bool add_vibration(const proof::Vibration& id, const Box& box);
   bool carry_over(int row, const Box& box, bool symmetric);
   // Draft the row of one limit in a new box; false: it says nothing there.
   bool redraft(const proof::Error& id, const Box& box);

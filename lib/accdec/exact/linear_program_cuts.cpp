@@ -67,12 +67,13 @@ bool LinearProgram::cut_cones(const Filter& filter, const Box& box, double allow
   return added;
 }
 
-bool LinearProgram::add_vibration(const proof::Vibration& id) {
+bool LinearProgram::add_vibration(const proof::Vibration& id, const Box& box) {
   const auto same = [&](const proof::Vibration& old) {
-    return old.mode == id.mode && old.frequency == id.frequency && std::abs(old.angle - id.angle) < same_angle;
+    return old.mode == id.mode && old.frequency == id.frequency && old.damping == id.damping &&
+           std::abs(old.angle - id.angle) < same_angle;
   };
   if (known<proof::Vibration>(same)) return false;
-  draft_vibration(id);
+  draft_vibration(id, box);
   add(id);
   return true;
 }
@@ -83,20 +84,23 @@ bool LinearProgram::cut_vibration(const Filter& filter, const Box& box) {
   const auto uses = vibration_utilisation(filter, t, model_.task().machine);
   for (std::size_t m = 0; m < uses.size(); ++m) {
     if (uses[m].value <= uses[m].bound * (1.0 + broken()) + 1e-13) continue;
-    proof::Vibration id{static_cast<int>(m), uses[m].frequency, 0.0};
+    proof::Vibration id{static_cast<int>(m), uses[m].frequency, 0.0, uses[m].damping};
+    if (window_ && !inside_window(id, box)) continue;
+    const double natural = 2.0 * std::numbers::pi * id.frequency * t;
+    const double turn = natural * std::sqrt((1.0 - id.damping) * (1.0 + id.damping));
     double c = 0.0, s = 0.0;
     for (int i = 0; i <= box.order; ++i) {
-      const double w = 2.0 * std::numbers::pi * id.frequency * t * i;
-      c += filter.tap(i) * std::cos(w);
-      s += filter.tap(i) * std::sin(w);
+      const double left = filter.tap(i) * std::exp(-id.damping * natural * (box.order - i));
+      c += left * std::cos(turn * i);
+      s += left * std::sin(turn * i);
     }
     id.angle = std::atan2(s, c);
-    if (!add_vibration(id)) continue;
+    if (!add_vibration(id, box)) continue;
     added = true;
     // A zero response needs both components held.
     if (uses[m].bound >= 1e-6) continue;
     id.angle += 0.5 * std::numbers::pi;
-    add_vibration(id);
+    add_vibration(id, box);
   }
   return added;
 }

@@ -24,6 +24,7 @@ struct Shift {
   bool operator()(proof::Blend& row) const { return later(row.sample, 1); }
   bool operator()(proof::Error&) const { return true; }
   bool operator()(proof::Vibration& row) const {
+    if (row.damping > 0.0) return false;  // it would count from another last tap
     row.angle += 2.0 * std::numbers::pi * row.frequency * model.task().sample_period * by;
     return true;
   }

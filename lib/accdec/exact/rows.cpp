@@ -178,25 +178,24 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
   return broken;
 }
 
-double ConvexRows::vibration_coefficient(const proof::Vibration& id, int i) const {
-  return std::cos(2.0 * std::numbers::pi * id.frequency * task_.sample_period * i - id.angle);
-}
-
 void ConvexRows::add_vibration(const proof::Vibration& id, double y, std::span<double> taps) const {
   // The cosine is the expensive part. So it is advanced by rotation and computed directly now and then, before rounding
-  // adds up.
+  // adds up. A damped vibration falls from every tap to the last.
   constexpr std::size_t afresh = 16;
-  const double turn = 2.0 * std::numbers::pi * id.frequency * task_.sample_period, c = std::cos(turn),
-               s = std::sin(turn);
+  const double natural = 2.0 * std::numbers::pi * id.frequency * task_.sample_period;
+  const double turn = natural * std::sqrt((1.0 - id.damping) * (1.0 + id.damping)), decay = id.damping * natural;
+  const double fall = std::exp(-decay), c = fall * std::cos(turn), s = fall * std::sin(turn);
   double x = 0.0, z = 0.0;
-  for (std::size_t i = 0; i < taps.size(); ++i) {
-    if (i % afresh == 0) {
+  for (std::size_t i = taps.size(); i-- > 0;) {
+    const std::size_t before_last = taps.size() - 1 - i;
+    if (before_last % afresh == 0) {
       const double at = turn * static_cast<double>(i) - id.angle;
-      x = std::cos(at), z = std::sin(at);
+      const double left = std::exp(-decay * static_cast<double>(before_last));
+      x = left * std::cos(at), z = left * std::sin(at);
     } else {
-      const double before = x;
-      x = c * before - s * z;
-      z = s * before + c * z;
+      const double after = x;
+      x = c * after + s * z;
+      z = c * z - s * after;
     }
     taps[i] += y * x;
   }

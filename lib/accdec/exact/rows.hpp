@@ -76,9 +76,7 @@ class ConvexRows {
   SparseRow row(const proof::Blend& id, const Box& box) const;
   /// Blend rows that `taps` breaks by more than `slack`.
   std::vector<proof::Row> broken_blend_rows(const Filter& filter, const Box& box, double slack) const;
-  /// Dense coefficient of tap i in a vibration row.
-  double vibration_coefficient(const proof::Vibration& id, int i) const;
-  /// Adds y times the coefficients of the first taps.
+  /// Adds y times the coefficients of a vibration row. @param taps  all of a filter, as damping counts from the last
   void add_vibration(const proof::Vibration& id, double y, std::span<double> taps) const;
 
  private:

@@ -42,15 +42,18 @@ proof::Node widest_split(const LimitModel& model, const Box& box) {
 
 }  // namespace
 
-Filter trimmed(const Filter& filter, const DesignBounds& bounds) {
+Filter trimmed(const Filter& filter, const Task& task) {
+  const DesignBounds& bounds = task.design;
+  const bool damped = std::any_of(task.machine.modes.begin(), task.machine.modes.end(),
+                                  [](const Mode& mode) { return mode.damping_high > 0.0; });
   std::vector<double> taps(filter.taps().begin(), filter.taps().end());
   const auto longer = [&](std::size_t by) {
     return static_cast<int>(taps.size()) - 1 - static_cast<int>(by) >= std::max(bounds.order_min, 0);
   };
   if (bounds.symmetric) {
-    while (longer(2) && taps.front() == 0.0 && taps.back() == 0.0) taps.pop_back(), taps.erase(taps.begin());
+    while (!damped && longer(2) && taps.front() == 0.0 && taps.back() == 0.0) taps.pop_back(), taps.erase(taps.begin());
   } else {
-    while (longer(1) && taps.back() == 0.0) taps.pop_back();
+    while (!damped && longer(1) && taps.back() == 0.0) taps.pop_back();
     while (longer(1) && taps.front() == 0.0) taps.erase(taps.begin());
   }
   return Filter(std::move(taps));
@@ -91,7 +94,7 @@ Filter Search::mended(const Filter& filter, const Box& box, bool symmetric, cons
   double margin = 0.0;
   Filter tried = filter;
   for (int attempt = 0; attempt < 5; ++attempt) {
-    const VerificationReport report = verify_by_simulation(task_, trimmed(tried, task_.design), delays);
+    const VerificationReport report = verify_by_simulation(task_, trimmed(tried, task_), delays);
     if (report.feasible) return tried;
     // A larger violation is not rounding.
     if (report.max_violation > 1e-6 || margin < 0.0) break;
@@ -118,7 +121,7 @@ void Search::offer(Filter filter) {
       taps[i] = taps[taps.size() - 1 - i] = 0.5 * (taps[i] + taps[taps.size() - 1 - i]);
     filter = Filter(std::move(taps));
   }
-  filter = trimmed(filter, task_.design);
+  filter = trimmed(filter, task_);
   if (filter.order() < task_.design.order_min || filter.order() > task_.design.order_max) return;
   const auto delays = delays_by_formula(filter, task_, best ? best->value : std::numeric_limits<double>::infinity());
   if (delays) consider(std::move(filter), *delays);
@@ -241,7 +244,7 @@ Search::State Search::refute_single(Box box, Outcome outcome) {
   std::vector<int> delays;
   for (const CornerBox& b : box.corners) delays.push_back(b.d1);
   const auto found = [&](const Filter& filter, const Box& of) {
-    consider(trimmed(mended(filter, of, task_.design.symmetric, delays), task_.design), delays);
+    consider(trimmed(mended(filter, of, task_.design.symmetric, delays), task_), delays);
     return best && best->value < target_ * (1.0 - 1e-9) ? State::found : undecided();
   };
   if (!task_.design.symmetric) {

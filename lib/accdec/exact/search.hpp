@@ -45,7 +45,8 @@ struct Candidate {
 };
 
 /// The filter without zero taps at its ends, but not below the smallest order allowed. Symmetric taps stay symmetric.
-Filter trimmed(const Filter& filter, const DesignBounds& bounds);
+/// Zeros at the end stay if a mode is damped: in their time it dies away.
+Filter trimmed(const Filter& filter, const Task& task);
 
 /// Where to split for the limit that is broken most. The split is at the filter's own response, where both parts'
 /// chords meet the limit, but not too close to an end. None if no limit outside the convex class is broken. Sample 0:

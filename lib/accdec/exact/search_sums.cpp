@@ -78,7 +78,7 @@ Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
   std::vector<int> delays;
   for (const CornerBox& b : box.corners) delays.push_back(b.d1);
   const auto found = [&](const Filter& filter) {
-    consider(trimmed(mended(filter, box, symmetric, delays), task_.design), delays);
+    consider(trimmed(mended(filter, box, symmetric, delays), task_), delays);
     return best && best->value < target_ * (1.0 - 1e-9);
   };
   const auto split = widest_break(model_, *outcome.filter, box);

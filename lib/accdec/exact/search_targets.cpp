@@ -73,7 +73,7 @@ Search::State Search::go_on(State state, const Box& box) {
 /// A single delay and sample that the chords do not refute: the shortest value there limits what the chords can prove.
 Search::State Search::reach_by_chords(const Box& box, const Outcome& outcome) {
   if (outcome.kind != Outcome::feasible) return undecided();
-  const Filter filter = trimmed(*outcome.filter, task_.design);
+  const Filter filter = trimmed(*outcome.filter, task_);
   reached_ = std::min(reached_, value_of_one(task_, filter.order(), box.corners.front().d1));
   return State::found;
 }

@@ -52,6 +52,7 @@ FamilySearch::FamilySearch(const Task& task, const Family& baseline, double belo
     }
   }
   for (const Mode& mode : on_taps_->machine.modes) {
+    if (!mode.undamped()) continue;
     for (const double f : {mode.frequency_low, 0.5 * (mode.frequency_low + mode.frequency_high), mode.frequency_high}) {
       tones_.push_back({2.0 * pi * f * period, mode.residual_max});
     }

@@ -41,6 +41,10 @@ auto parts(const proof::Budget&) {
 auto parts(const proof::Vibration& r) {
   return std::tuple(Name("vibration"), r.mode, r.frequency, r.angle);
 }
+/// The same with damping.
+auto damped_parts(const proof::Vibration& r) {
+  return std::tuple(Name("damped vibration"), r.mode, r.frequency, r.damping, r.angle);
+}
 auto parts(const proof::EventPower& r) {
   return std::tuple(Name(r.stop ? "regeneration stop" : "power start"), r.axis, r.sample, r.low, r.high);
 }
@@ -140,7 +144,10 @@ class Writer {
   }
 
   void put(const proof::Term& term) {
-    std::visit([&](const auto& row) { put(std::tuple_cat(parts(row), std::tuple(term.multiplier))); }, term.row);
+    const std::tuple last(term.multiplier);
+    if (const auto* vibration = std::get_if<proof::Vibration>(&term.row); vibration && vibration->damping > 0.0)
+      return put(std::tuple_cat(damped_parts(*vibration), last));
+    std::visit([&](const auto& row) { put(std::tuple_cat(parts(row), last)); }, term.row);
   }
   void put(const proof::Node& node) {
     std::visit([&](const auto& n) { put_node(n); }, node);

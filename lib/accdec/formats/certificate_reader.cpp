@@ -98,6 +98,7 @@ proof::Row read_row(const Entry& e) {
   if (is("range error", 8)) return proof::RangeError{e.integer(1), e.number(2), read_tangent(e, 3), read_tangent(e, 6)};
   if (is("budget", 0)) return proof::Budget{};
   if (is("vibration", 3)) return proof::Vibration{e.integer(1), e.number(2), e.number(3)};
+  if (is("damped vibration", 4)) return proof::Vibration{e.integer(1), e.number(2), e.number(4), e.number(3)};
   if (is("power start", 4)) return event_power(false);
   if (is("regeneration stop", 4)) return event_power(true);
   if (is("blend power", 6)) return blend_power(false);

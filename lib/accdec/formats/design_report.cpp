@@ -11,6 +11,7 @@
 
 #include <accdec/files/shown_text.hpp>
 #include <accdec/formats/design_report.hpp>
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/task/not_considered.hpp>
 #include <accdec/task/settings_text.hpp>
 
@@ -83,7 +84,7 @@ ReportTable limit_report(const DesignResult& result) {
     std::string kind(to_string(use->kind));
     std::replace(kind.begin(), kind.end(), '_', ' ');
     std::string where = use->kind == LimitKind::vibration
-                            ? fmt::format("at {:.4g} Hz", use->frequency)
+                            ? place_of_vibration(*use, 4)
                             : fmt::format("{} {}, k = {}", use->corner, to_string(use->event), use->sample);
     if (use->utilisation > 1.0 + result.verification.tolerance) where += "  BROKEN";
     table.rows.push_back({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),

@@ -6,6 +6,7 @@
 
 #include <accdec/formats/design_report.hpp>
 #include <accdec/formats/explanation.hpp>
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/task/not_considered.hpp>
 
 namespace accdec {
@@ -76,7 +77,7 @@ std::string binding_text(const Explanation& e, bool samples) {
     std::replace(what.begin(), what.end(), '_', ' ');
     const bool same =
         before != nullptr && before->kind == b.kind && before->axis == b.axis && before->corner == b.corner;
-    const std::string where = b.kind == LimitKind::vibration ? fmt::format("at {:.6g} Hz", b.frequency)
+    const std::string where = b.kind == LimitKind::vibration ? place_of_vibration(b)
                               : samples ? fmt::format("k = {} of the {}", ranges(b.samples), to_string(b.event))
                                         : std::string(to_string(b.event));
     if (same) {

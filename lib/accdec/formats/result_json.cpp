@@ -110,6 +110,7 @@ void write_limit(ListWriter& writer, const LimitUse& use) {
       .member("utilisation", use.utilisation)
       .member("sample", use.sample);
   if (use.kind == LimitKind::vibration) writer.member("frequency_Hz", use.frequency);
+  if (use.damping > 0.0) writer.member("damping_ratio", use.damping);
 }
 
 /// The members of an object as text, without its brackets.

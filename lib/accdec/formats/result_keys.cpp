@@ -97,7 +97,8 @@ Key limits() {
        nullable(number("value", "largest value; null: infinite")), number("bound", "allowed value"),
        nullable(number("utilisation", "value / bound; null: infinite")),
        integer("sample", "sample of the largest value", "samples", {-10.0 * order_limit, 10.0 * order_limit}),
-       optional(nullable(number("frequency_Hz", "frequency of a vibration", "Hz")))});
+       optional(nullable(number("frequency_Hz", "frequency of a vibration", "Hz"))),
+       optional(number("damping_ratio", "damping ratio of a vibration; left out if 0"))});
 }
 
 Key circle() {

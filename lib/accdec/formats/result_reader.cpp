@@ -167,6 +167,7 @@ LimitUse read_limit(const Json& json) {
   use.utilisation = number_or_infinity(json["utilisation"]);
   use.sample = json["sample"];
   if (const auto frequency = optional_number(json, "frequency_Hz")) use.frequency = *frequency;
+  use.damping = optional_number(json, "damping_ratio").value_or(0.0);
   return use;
 }
 

@@ -98,6 +98,12 @@ Json mode_json(const Mode& mode) {
     table.value("frequency_Hz", mode.frequency_low);
   else
     table.value("frequency_Hz", {mode.frequency_low, mode.frequency_high});
+  if (mode.damping_high > 0.0) {
+    if (mode.damping_low == mode.damping_high)
+      table.value("damping_ratio", mode.damping_low);
+    else
+      table.value("damping_ratio", {mode.damping_low, mode.damping_high});
+  }
   table.number("residual_max", mode.residual_max);
   return table.json();
 }

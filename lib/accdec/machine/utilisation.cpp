@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -144,125 +143,6 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
     }
   }
   supply_uses(power, std::min(0, delay), machine, corner_name, uses);
-  return uses;
-}
-
-double residual_vibration(const Filter& filter, double frequency, double sample_period) {
-  const double w = 2.0 * std::numbers::pi * frequency * sample_period;
-  double c = 0.0, s = 0.0;
-  const auto taps = filter.taps();
-  for (std::size_t i = 0; i < taps.size(); ++i) {
-    const double x = w * static_cast<double>(i);
-    c += taps[i] * std::cos(x);
-    s += taps[i] * std::sin(x);
-  }
-  return std::hypot(c, s);
-}
-
-namespace {
-
-/// |H|^2 and half its derivative with respect to w = 2 pi f T, by Horner's rule on H and dH/dz.
-struct Response {
-  double square, slope;
-};
-
-Response response(const Filter& filter, double frequency, double sample_period) {
-  const double w = 2.0 * std::numbers::pi * frequency * sample_period;
-  const double zr = std::cos(w), zi = -std::sin(w);
-  double hr = 0.0, hi = 0.0, dr = 0.0, di = 0.0;
-  const auto taps = filter.taps();
-  for (std::size_t i = taps.size(); i-- > 0;) {
-    const double r = dr * zr - di * zi + hr, im = dr * zi + di * zr + hi;
-    dr = r;
-    di = im;
-    const double h = hr * zr - hi * zi + taps[i];
-    hi = hr * zi + hi * zr;
-    hr = h;
-  }
-  // dH/dw = -j z dH/dz; d|H|^2/dw = 2 Re(conj(H) dH/dw).
-  const double gr = zr * di + zi * dr, gi = zi * di - zr * dr;
-  return {hr * hr + hi * hi, hr * gr + hi * gi};
-}
-
-/// Finds the frequency with the largest |H|^2 on a mode's band, by branch and bound over intervals. Between two points
-/// with known value and slope, the cubic through them is off by at most h^4/384 times the fourth derivative. For a
-/// trigonometric polynomial of degree N with values up to 1, that derivative is at most (2 pi N T)^4 (Bernstein's
-/// inequality).
-double worst_frequency(const Filter& filter, const Mode& mode, double sample_period,
-                       const std::function<bool()>& stop) {
-  struct Point {
-    double f;
-    Response r;
-  };
-  const auto at = [&](double f) { return Point{f, response(filter, f, sample_period)}; };
-  Point best = at(mode.frequency_low);
-  const double width = mode.frequency_high - mode.frequency_low;
-  if (width <= 0.0) return best.f;
-  const auto consider = [&](const Point& p) {
-    if (p.r.square > best.r.square) best = p;
-  };
-  const double degree = 2.0 * std::numbers::pi * sample_period * std::max(1, filter.order());
-  const auto cubic_error = [&](double h) { return std::pow(degree * h, 4) / 384.0; };
-  // Largest value of the cubic between two points, at its ends or where its slope changes from up to down.
-  const auto cubic_max = [&](const Point& a, const Point& b) {
-    const double h = b.f - a.f, unit = 4.0 * std::numbers::pi * sample_period * h;
-    const double ma = a.r.slope * unit, mb = b.r.slope * unit, rise = b.r.square - a.r.square;
-    const double c3 = ma + mb - 2.0 * rise, c2 = 3.0 * rise - 2.0 * ma - mb;
-    double largest = std::max(a.r.square, b.r.square);
-    const double root = c2 * c2 - 3.0 * c3 * ma;
-    if (root < 0.0) return largest;
-    for (const double x :
-         {(-c2 - std::sqrt(root)) / (3.0 * c3), (-c2 + std::sqrt(root)) / (3.0 * c3), -0.5 * ma / c2}) {
-      if (x > 0.0 && x < 1.0) largest = std::max(largest, a.r.square + x * (ma + x * (c2 + x * c3)));
-    }
-    return largest;
-  };
-  std::vector<std::pair<Point, Point>> open;
-  const int cells = std::max(1, static_cast<int>(std::ceil(8.0 * width * sample_period * (filter.order() + 1))));
-  Point last = best;
-  for (int i = 1; i <= cells && !(stop && stop()); ++i) {
-    const Point next = at(mode.frequency_low + width * (i == cells ? 1.0 : static_cast<double>(i) / cells));
-    consider(next);
-    open.emplace_back(last, next);
-    last = next;
-  }
-  // Far below the bound the last digits do not matter; elsewhere 1e-12 of the square is precise enough. The error term
-  // uses only |H| <= 1, so for bounds of 1e-5 and less the loop ends by its count.
-  const double floor = 1e-10 * mode.residual_max * mode.residual_max;
-  for (int left = 4096 + 64 * cells; !open.empty() && left > 0 && !(stop && stop()); --left) {
-    const auto [a, b] = open.back();
-    open.pop_back();
-    if (cubic_max(a, b) + cubic_error(b.f - a.f) <= std::max(best.r.square * (1.0 + 1e-12), floor)) continue;
-    const Point middle = at(0.5 * (a.f + b.f));
-    if (middle.f <= a.f || middle.f >= b.f) continue;
-    consider(middle);
-    open.emplace_back(a, middle);
-    open.emplace_back(middle, b);
-  }
-  return best.f;
-}
-
-}  // namespace
-
-std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine,
-                                            const std::function<bool()>& stop) {
-  require_period(sample_period);
-  std::vector<LimitUse> uses;
-  for (const Mode& mode : machine.modes) {
-    if (!(mode.frequency_low > 0.0 && mode.frequency_high >= mode.frequency_low &&
-          std::isfinite(mode.frequency_high))) {
-      throw std::invalid_argument(fmt::format("mode needs 0 < frequency_low <= frequency_high, got {} to {} Hz",
-                                              mode.frequency_low, mode.frequency_high));
-    }
-    const double best_f = worst_frequency(filter, mode, sample_period, stop);
-    LimitUse use;
-    use.kind = LimitKind::vibration;
-    use.frequency = best_f;
-    use.value = residual_vibration(filter, best_f, sample_period);
-    use.bound = mode.residual_max;
-    use.utilisation = utilisation_of(use.kind, use.value, mode.residual_max);
-    uses.push_back(use);
-  }
   return uses;
 }
 

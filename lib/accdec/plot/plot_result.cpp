@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -224,16 +225,27 @@ Panel response_panel(const Filter& filter, double sample_period, const std::vect
                             binding_style,
                             true});
   }
-  Series response{"", {}, {}, Mark::line, design_style, true};
-  // Each takes a pass over all taps.
-  const int points = static_cast<int>(std::clamp(1e8 / (filter.order() + 1.0), 100.0, 800.0));
-  for (int i = 0; i <= points; ++i) {
-    const double f = top * i / points;
-    response.x.push_back(f);
-    response.y.push_back(std::max(residual_vibration(filter, f, sample_period), 1e-6));
-  }
   panel.x.min = 0.0, panel.x.max = top;
-  panel.series.push_back(response);
+  std::set<double> dampings;
+  for (const Mode& mode : modes) dampings.insert({mode.damping_low, mode.damping_high});
+  if (dampings.empty()) dampings.insert(0.0);
+  // Each point takes a pass over all taps.
+  const int points = static_cast<int>(std::clamp(1e8 / (filter.order() + 1.0), 100.0, 800.0));
+  for (const double damping : dampings) {
+    const bool first = damping == *dampings.begin();
+    Series response{*dampings.rbegin() > 0.0 ? fmt::format("damping {:.4g}", damping) : "",
+                    {},
+                    {},
+                    Mark::line,
+                    first ? design_style : baseline_style,
+                    true};
+    for (int i = 0; i <= points; ++i) {
+      const double f = top * i / points;
+      response.x.push_back(f);
+      response.y.push_back(std::max(residual_vibration(filter, f, sample_period, damping), 1e-6));
+    }
+    panel.series.push_back(std::move(response));
+  }
   return panel;
 }
 

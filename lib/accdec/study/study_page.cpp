@@ -9,6 +9,7 @@
 
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/plot/html.hpp>
 #include <accdec/study/study_page.hpp>
 
@@ -89,10 +90,9 @@ std::string limits_html(const Study& study, const Task& task) {
                             cell("feed_out_mm_min", 6e4 * geometry.feed_out),
                             cell("error_max_um", 1e6 * c.error_max.value_or(unlimited))});
   }
-  HtmlTable modes{{"vibration from / Hz", "to / Hz", "residual at most"}, {}};
+  HtmlTable modes{{"vibration", "residual at most"}, {}};
   for (const Mode& mode : task.machine.modes)
-    modes.rows.push_back({fmt::format("{:g}", mode.frequency_low), fmt::format("{:g}", mode.frequency_high),
-                          fmt::format("{:g}", mode.residual_max)});
+    modes.rows.push_back({range_of(mode), fmt::format("{:g}", mode.residual_max)});
   return html_table(axes) + html_table(corners) + (modes.rows.empty() ? "" : html_table(modes));
 }
 

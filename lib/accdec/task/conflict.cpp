@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/task/conflict.hpp>
 
 namespace accdec {
@@ -47,8 +48,7 @@ std::vector<Limit> limits_of(const Task& task, bool each_axis) {
   }
   for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
     const Mode& mode = task.machine.modes[i];
-    limits.push_back({fmt::format("vibration {:.6g} to {:.6g} Hz", mode.frequency_low, mode.frequency_high),
-                      [i](Task& t) { t.machine.modes[i].residual_max = 1.0; }});
+    limits.push_back({"vibration " + range_of(mode), [i](Task& t) { t.machine.modes[i].residual_max = 1.0; }});
   }
   if (task.design.symmetric) limits.push_back({"symmetry", [](Task& t) { t.design.symmetric = false; }});
   return limits;

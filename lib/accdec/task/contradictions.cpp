@@ -46,6 +46,7 @@ std::vector<std::string> contradictions(const Task& task) {
                       corner.name, *corner.error_max, fastest, corner.speed_min));
   }
   for (const Mode& mode : task.machine.modes) {
+    if (!mode.undamped()) continue;
     // After sampling, a whole number of cycles per period looks like 0 Hz, which every filter passes fully.
     const double alias = std::ceil(mode.frequency_low * task.sample_period - 1e-12);
     if (mode.residual_max * (1.0 + granted_tolerance) < 1.0 && alias >= 1.0 &&

@@ -34,7 +34,8 @@ bool holds_without_blends(const BlendLimits& limits, const Filter& filter, const
   // searched.
   for (const Mode& mode : task.machine.modes) {
     for (const double f : {mode.frequency_low, 0.5 * (mode.frequency_low + mode.frequency_high), mode.frequency_high}) {
-      if (residual_vibration(command, f, task.sample_period) > mode.residual_max * formula_slack) return false;
+      if (residual_vibration(command, f, task.sample_period, mode.damping_low) > mode.residual_max * formula_slack)
+        return false;
     }
   }
   for (const LimitUse& use : vibration_utilisation(command, task.sample_period, task.machine, stop)) {

@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -13,10 +11,12 @@
 
 #include <accdec/files/side_by_side.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verification_cost.hpp>
 #include <accdec/task/verified_axes.hpp>
+#include <accdec/task/verified_vibration.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -98,15 +98,6 @@ double settling_time(const SampledMotion& m, const TaskCorner& corner, int order
   return samples * period;
 }
 
-/// Amplitude left in an undamped oscillator of frequency f that the taps hit one after another. It is 1 for a single
-/// hit by the whole sum.
-double residual_amplitude(const Filter& filter, double frequency, double period) {
-  const std::complex<double> rotation = std::polar(1.0, 2.0 * std::numbers::pi * frequency * period);
-  std::complex<double> state = 0.0;
-  for (const double b : filter.taps()) state = state * rotation + b;
-  return std::abs(state);
-}
-
 struct Measures {
   std::vector<LimitUse> uses;
   std::vector<CornerResult> corners;
@@ -162,48 +153,6 @@ Filter smoothed_filter(const Filter& filter, const Machine& machine) {
   return Filter(std::move(taps));
 }
 
-LimitUse vibration_limit(const Filter& filter, const Mode& mode, double period) {
-  // The response is band-limited to N T. Grid points are a sixteenth of its shortest ripple apart. So a parabola
-  // through three of them locates a peak precisely enough that the amplitude does not change.
-  const double width = mode.frequency_high - mode.frequency_low;
-  const int cells = width > 0.0 ? 16 + static_cast<int>(16.0 * width * period * (filter.order() + 1)) : 0;
-  LimitUse use;
-  use.kind = LimitKind::vibration;
-  use.bound = mode.residual_max;
-  use.frequency = mode.frequency_low;
-  const auto consider = [&](double f) {
-    const double r = residual_amplitude(filter, f, period);
-    if (r > use.value) use.value = r, use.frequency = f;
-    return r;
-  };
-  if (cells == 0) {
-    consider(mode.frequency_low);
-  } else {
-    const double h = width / cells;
-    std::vector<double> r(static_cast<std::size_t>(cells) + 1);
-    for (int i = 0; i <= cells; ++i) r[static_cast<std::size_t>(i)] = consider(mode.frequency_low + h * i);
-    for (int i = 0; i <= cells; ++i) {
-      const auto u = static_cast<std::size_t>(i);
-      // The peak of the first or last cell may be nearer to the band's end than to the next point.
-      if ((i > 0 && r[u] < r[u - 1]) || (i < cells && r[u] < r[u + 1])) continue;
-      double centre = mode.frequency_low + h * i, step = h;
-      for (int refine = 0; refine < 12; ++refine) {
-        const double left = residual_amplitude(filter, centre - step, period),
-                     here = residual_amplitude(filter, centre, period),
-                     right = residual_amplitude(filter, centre + step, period);
-        const double curvature = left - 2.0 * here + right;
-        if (curvature < 0.0) centre += std::clamp(0.5 * step * (left - right) / curvature, -step, step);
-        step *= 0.25;
-      }
-      consider(std::clamp(centre, mode.frequency_low, mode.frequency_high));
-    }
-  }
-  use.utilisation = utilisation_of(use.kind, use.value, use.bound);
-  // A residual bound of 0 holds if the residual is 0 up to rounding.
-  if (use.bound == 0.0 && use.value < 1e-12) use.utilisation = 0.0;
-  return use;
-}
-
 }  // namespace
 
 VerificationReport verify_by_simulation(const Task& task, const Filter& filter, const std::vector<int>& delays,
@@ -215,7 +164,7 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
   auto [uses, measured] = measure_corners(task, filter, delays);
   if (!task.machine.modes.empty()) {
     const Filter command = smoothed_filter(filter, task.machine);
-    for (const Mode& mode : task.machine.modes) uses.push_back(vibration_limit(command, mode, task.sample_period));
+    for (const Mode& mode : task.machine.modes) uses.push_back(verified_vibration(command, mode, task.sample_period));
   }
 
   VerificationReport report;
@@ -247,7 +196,7 @@ Task corner_alone(const Task& task, const TaskCorner& corner) {
 
 double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use) {
   if (use.kind == LimitKind::vibration)
-    return residual_amplitude(smoothed_filter(filter, task.machine), use.frequency, task.sample_period);
+    return amplitude_left(smoothed_filter(filter, task.machine), use.frequency, use.damping, task.sample_period);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].name != use.corner) continue;
     const SampledResponse sampled =
@@ -309,7 +258,7 @@ std::string describe(const LimitUse& use) {
   std::replace(text.begin(), text.end(), '_', ' ');
   if (!use.axis.empty()) text += " " + use.axis;
   text += fmt::format(": {:.1f} %", 100.0 * use.utilisation);
-  if (use.kind == LimitKind::vibration) return text + fmt::format(" at {:.4g} Hz", use.frequency);
+  if (use.kind == LimitKind::vibration) return text + " " + place_of_vibration(use, 4);
   text += fmt::format(" at k = {} of the {}", use.sample, to_string(use.event));
   if (!use.corner.empty()) text += ", corner " + use.corner;
   return text;

@@ -70,6 +70,7 @@ struct Vibration {
   int mode = 0;
   double frequency = 0.0;  ///< Hz
   double angle = 0.0;      ///< rad
+  double damping = 0.0;    ///< damping ratio
   bool operator==(const Vibration&) const = default;
 };
 /// Chord of the power of one axis at the start, or of its regeneration at the stop, over the speeds low .. high (m/s).

@@ -123,6 +123,7 @@ struct Binding {
   std::vector<int> samples;  ///< k within the event, ascending; empty for vibration
   double bound = 0.0;        ///< SI
   double frequency = 0.0;    ///< Hz, vibration only
+  double damping = 0.0;      ///< damping ratio, vibration only
 };
 
 /// Saving by more room for some limits, in s of the objective, compared with the design found.

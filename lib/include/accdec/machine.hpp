@@ -34,12 +34,17 @@ struct Axis {
   double coulomb = 0.0;                 ///< N, dry friction against the motion: F = m a' + c V' + coulomb sign(V')
 };
 
-/// Residual vibration bound: |sum_i b_i exp(-2 pi j f i T)| <= residual_max for every f in [frequency_low,
-/// frequency_high].
+/// Residual vibration bound: |sum_i b_i exp(-(z w + j w sqrt(1 - z^2)) (N - i) T)| <= residual_max, w = 2 pi f. It holds
+/// for all undamped natural frequencies f and damping ratios z of the two ranges. The left side is the amplitude at the
+/// last tap over that of an unfiltered step (Singer and Seering, J. Dyn. Syst. Meas. Control 112, 1990).
 struct Mode {
   double frequency_low = 0.0;   ///< Hz, > 0
   double frequency_high = 0.0;  ///< Hz, >= frequency_low
   double residual_max = 0.0;    ///< 0 <= residual_max; 1 or more never binds
+  double damping_low = 0.0;     ///< damping ratio, 0 <= damping_low <= damping_high < 1
+  double damping_high = 0.0;
+  /// Whether an undamped vibration is one of those bounded.
+  bool undamped() const { return damping_low == 0.0; }
 };
 
 struct Machine {
@@ -113,6 +118,7 @@ struct LimitUse {
   double utilisation = 0.0;
   int sample = 0;          ///< k of the worst sample within its event
   double frequency = 0.0;  ///< Hz, the worst frequency; vibration only
+  double damping = 0.0;    ///< the worst damping ratio; vibration only
   std::uint32_t line = 0;  ///< of a program: of the block where it occurred; 0 for vibration, and in tasks
 };
 
@@ -125,13 +131,14 @@ double utilisation_of(LimitKind kind, double value, double bound);
 std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corner, int delay, double sample_period,
                                        const Machine& machine, const std::string& corner_name = "");
 
-/// Residual vibration of a filter at frequency f in Hz: |sum_i b_i exp(-2 pi j f i T)|, 0 .. 1.
-double residual_vibration(const Filter& filter, double frequency, double sample_period);
+/// Residual vibration of a filter at frequency f in Hz and damping ratio z, see `Mode`: 0 .. 1.
+double residual_vibration(const Filter& filter, double frequency, double sample_period, double damping = 0.0);
 
-/// The worst frequency of every mode's band, by branch and bound from a grid finer than the response's ripples. O((N +
-/// 1) * grid), grid = 8 (N + 1) T (high - low).
+/// The worst frequency and damping of every mode. Without damping by branch and bound from a grid finer than the
+/// response's ripples, O((N + 1) * grid), grid = 8 (N + 1) T (high - low). With damping on the edges of the rectangle
+/// of frequencies and damping ratios, as the largest value of an analytic function is on the edge.
 /// @param stop  polled at every frequency; when it returns true, the result so far is used, which may be too small
-/// @throws std::invalid_argument on a band or sample period out of range.
+/// @throws std::invalid_argument on a band, a damping ratio or a sample period out of range.
 std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine,
                                             const std::function<bool()>& stop = {});
 

@@ -3,15 +3,22 @@ import { Chart, colour } from "./curves.js";
 
 const points = 300;
 
-/** |sum b_i exp(-2 pi j f i T)| */
-function left(taps, f, period) {
-  const turn = 2 * Math.PI * f * period;
-  const c = Math.cos(turn),
-    s = Math.sin(turn);
+/** |sum b_i exp(-(z + j sqrt(1 - z^2)) 2 pi f (N - i) T)| */
+function left(taps, f, period, damping) {
+  const natural = 2 * Math.PI * f * period,
+    turn = natural * Math.sqrt(1 - damping * damping),
+    fall = Math.exp(-damping * natural);
+  const c = fall * Math.cos(turn),
+    s = fall * Math.sin(turn);
   let re = 0,
     im = 0;
-  for (let i = taps.length - 1; i >= 0; --i) [re, im] = [re * c - im * s + taps[i], re * s + im * c];
+  for (const tap of taps) [re, im] = [re * c - im * s + tap, re * s + im * c];
   return Math.hypot(re, im);
+}
+
+/** The least damping of all modes: more of it leaves less. */
+function leastDamping(modes) {
+  return modes.length ? Math.min(...modes.map((m) => [m.damping_ratio ?? 0].flat()[0])) : 0;
 }
 
 function top(taps, period, modes) {
@@ -36,9 +43,10 @@ export class FilterCharts {
     const high = top(now.taps, period, modes),
       step = high / points;
     const grid = Array.from({ length: points + 1 }, (_, i) => i * step);
+    const damping = leastDamping(modes);
     const curve = (filter, rest) => ({
       time: grid,
-      values: grid.map((f) => Math.max(1e-6, left(filter.taps, f, period))),
+      values: grid.map((f) => Math.max(1e-6, left(filter.taps, f, period, damping))),
       axis: 0,
       ...rest,
     });

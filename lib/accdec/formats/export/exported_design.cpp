@@ -56,6 +56,8 @@ std::vector<ExportedLimit> limits_of(const DesignResult& result) {
     ExportedLimit limit = limit_of(uses, LimitKind::vibration, "", "", mode.residual_max);
     limit.frequency.push_back(mode.frequency_low);
     if (mode.frequency_high > mode.frequency_low) limit.frequency.push_back(mode.frequency_high);
+    if (mode.damping_high > 0.0) limit.damping.push_back(mode.damping_low);
+    if (mode.damping_high > mode.damping_low) limit.damping.push_back(mode.damping_high);
     vibration = std::find_if(vibration, result.limits.end(),
                              [](const LimitUse& use) { return use.kind == LimitKind::vibration; });
     if (vibration != result.limits.end()) limit.used = (vibration++)->utilisation;
@@ -95,6 +97,9 @@ std::string ExportedLimit::text() const {
   if (!frequency.empty())
     text += frequency.size() == 1 ? fmt::format(" at {:.10g} Hz", frequency.front())
                                   : fmt::format(" from {:.10g} to {:.10g} Hz", frequency.front(), frequency.back());
+  if (!damping.empty())
+    text += damping.size() == 1 ? fmt::format(", damping {:.10g}", damping.front())
+                                : fmt::format(", damping {:.10g} to {:.10g}", damping.front(), damping.back());
   text += fmt::format(" {:.10g} {}", bound, unit);
   if (used) text += fmt::format(", {:.4g} % used", 100.0 * *used);
   return text;

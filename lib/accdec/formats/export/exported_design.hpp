@@ -18,6 +18,7 @@ struct ExportedLimit {
   std::string unit;
   std::optional<double> used;     ///< value/bound of the worst sample, as LimitUse; none: not in the result
   std::vector<double> frequency;  ///< Hz, of a vibration: one or a band
+  std::vector<double> damping{};  ///< ratio, of a vibration: none, one or a range
   std::string text() const;       ///< "acceleration x 5000 mm/s^2, 97.1 % used"
 };
 

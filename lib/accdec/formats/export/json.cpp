@@ -14,6 +14,7 @@ Json limit_json(const ExportedLimit& limit) {
   if (!limit.axis.empty()) json["axis"] = limit.axis;
   if (!limit.corner.empty()) json["corner"] = limit.corner;
   if (!limit.frequency.empty()) json["frequency_Hz"] = limit.frequency;
+  if (!limit.damping.empty()) json["damping_ratio"] = limit.damping;
   json["bound"] = limit.bound;
   json["unit"] = limit.unit;
   if (limit.used && std::isfinite(*limit.used)) json["used"] = *limit.used;

@@ -122,6 +122,7 @@ class Reader {
     use.sample = json["sample"].integer<int>();
     use.line = json["line"].integer<std::uint32_t>();
     if (use.kind == LimitKind::vibration) use.frequency = json["frequency_Hz"].number();
+    if (json.has("damping_ratio")) use.damping = json["damping_ratio"].number();
     return use;
   }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/result/axis_loads.hpp>
 #include <accdec/plan/result/feed_override.hpp>
@@ -30,7 +31,7 @@ void judge_limits(ProgramResult& result) {
     if (use.utilisation <= worst) continue;
     worst = use.utilisation;
     report.worst = use.kind == LimitKind::vibration
-                       ? fmt::format("vibration: {:.1f} % at {:.6g} Hz", 100.0 * use.utilisation, use.frequency)
+                       ? fmt::format("vibration: {:.1f} % {}", 100.0 * use.utilisation, place_of_vibration(use))
                        : fmt::format("{} {}: {:.1f} % at sample {}, line {}", to_string(use.kind), use.axis,
                                      100.0 * use.utilisation, use.sample, use.line);
   }

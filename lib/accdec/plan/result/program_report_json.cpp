@@ -23,6 +23,7 @@ Json limits_json(const ProgramResult& result) {
               {"value", number(use.value)},  {"bound", number(use.bound)}, {"utilisation", number(use.utilisation)},
               {"sample", use.sample}};
     if (use.kind == LimitKind::vibration) item["frequency_Hz"] = number(use.frequency);
+    if (use.damping > 0.0) item["damping_ratio"] = number(use.damping);
     list.push_back(std::move(item));
   }
   return list;

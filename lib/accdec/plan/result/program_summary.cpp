@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files/shown_text.hpp>
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/program.hpp>
@@ -148,8 +149,7 @@ class SummaryText {
       const double per_si = limit_name(use.kind).per_si;
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {:<8}{:>6.1f} %  {}\n", to_string(use.kind), use.axis, per_si * use.value,
           per_si * use.bound, unit_of(use), 100.0 * use.utilisation,
-          use.kind == LimitKind::vibration ? fmt::format("{:.6g} Hz", use.frequency)
-                                           : fmt::format("line {}", use.line));
+          use.kind == LimitKind::vibration ? place_of_vibration(use) : fmt::format("line {}", use.line));
     }
     for (const AxisLoad& load : result_.loads)
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} N, peak and root mean square over the program\n", "force", load.axis,

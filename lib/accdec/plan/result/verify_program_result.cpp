@@ -6,6 +6,7 @@
 
 #include <accdec/design/verify_settings.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 #include <accdec/simulate/direct.hpp>
 #include <accdec/simulate/profile_motion.hpp>
@@ -238,7 +239,7 @@ class CommandCheck {
     for (const Filter& filter : filters_.filters) {
       for (const LimitUse& use : vibration_utilisation(filter, result_.sample_period, task_.machine)) {
         if (use.utilisation > 1.0 + verification_tolerance)
-          wrong(fmt::format("vibration at {:.6g} Hz: {:.6g} % of its bound", use.frequency, 100.0 * use.utilisation));
+          wrong(fmt::format("vibration {}: {:.6g} % of its bound", place_of_vibration(use), 100.0 * use.utilisation));
       }
     }
   }

@@ -125,14 +125,22 @@ struct Candidate {
 bool holds_bounds(const Candidate& candidate, const Machine& modes, double period) {
   // What fails at some of the frequencies need not be looked at closely.
   constexpr int places = 8;
+  const auto frequency = [&](const Mode& mode, int i) {
+    return mode.frequency_low + (mode.frequency_high - mode.frequency_low) * i / places;
+  };
   for (const Mode& mode : modes.modes) {
-    for (int i = 0; i <= places; ++i) {
-      const double f = mode.frequency_low + (mode.frequency_high - mode.frequency_low) * i / places;
-      const double x = 2.0 * std::numbers::pi * f * period;
+    for (int i = 0; i <= places && mode.undamped(); ++i) {
+      const double x = 2.0 * std::numbers::pi * frequency(mode, i) * period;
       if (cascade_response(x, candidate.lengths, candidate.pairs) > mode.residual_max) return false;
     }
   }
-  const std::vector<LimitUse> uses = vibration_utilisation(candidate.filter(), period, modes);
+  const Filter filter = candidate.filter();
+  for (const Mode& mode : modes.modes) {
+    for (int i = 0; i <= places && !mode.undamped(); i += places / 2) {
+      if (residual_vibration(filter, frequency(mode, i), period, mode.damping_low) > mode.residual_max) return false;
+    }
+  }
+  const std::vector<LimitUse> uses = vibration_utilisation(filter, period, modes);
   return std::all_of(uses.begin(), uses.end(), [](const LimitUse& use) { return use.utilisation <= 1.0; });
 }
 

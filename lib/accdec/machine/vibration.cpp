@@ -1,0 +1,232 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <accdec/machine.hpp>
+
+namespace accdec {
+
+double residual_vibration(const Filter& filter, double frequency, double sample_period, double damping) {
+  const double w = 2.0 * std::numbers::pi * frequency * sample_period;
+  const auto taps = filter.taps();
+  if (damping != 0.0) {
+    const std::complex<double> step = std::polar(std::exp(-damping * w), w * std::sqrt(1.0 - damping * damping));
+    std::complex<double> left = 0.0;
+    for (const double tap : taps) left = left * step + tap;
+    return std::abs(left);
+  }
+  double c = 0.0, s = 0.0;
+  for (std::size_t i = 0; i < taps.size(); ++i) {
+    const double x = w * static_cast<double>(i);
+    c += taps[i] * std::cos(x);
+    s += taps[i] * std::sin(x);
+  }
+  return std::hypot(c, s);
+}
+
+namespace {
+
+/// |H|^2 and half its derivative with respect to w = 2 pi f T, by Horner's rule on H and dH/dz.
+struct Response {
+  double square, slope;
+};
+
+Response response(const Filter& filter, double frequency, double sample_period) {
+  const double w = 2.0 * std::numbers::pi * frequency * sample_period;
+  const double zr = std::cos(w), zi = -std::sin(w);
+  double hr = 0.0, hi = 0.0, dr = 0.0, di = 0.0;
+  const auto taps = filter.taps();
+  for (std::size_t i = taps.size(); i-- > 0;) {
+    const double r = dr * zr - di * zi + hr, im = dr * zi + di * zr + hi;
+    dr = r;
+    di = im;
+    const double h = hr * zr - hi * zi + taps[i];
+    hi = hr * zi + hi * zr;
+    hr = h;
+  }
+  // dH/dw = -j z dH/dz; d|H|^2/dw = 2 Re(conj(H) dH/dw).
+  const double gr = zr * di + zi * dr, gi = zi * di - zr * dr;
+  return {hr * hr + hi * hi, hr * gr + hi * gi};
+}
+
+/// Finds the frequency with the largest |H|^2 on a mode's band, by branch and bound over intervals. Between two points
+/// with known value and slope, the cubic through them is off by at most h^4/384 times the fourth derivative. For a
+/// trigonometric polynomial of degree N with values up to 1, that derivative is at most (2 pi N T)^4 (Bernstein's
+/// inequality).
+double worst_frequency(const Filter& filter, const Mode& mode, double sample_period,
+                       const std::function<bool()>& stop) {
+  struct Point {
+    double f;
+    Response r;
+  };
+  const auto at = [&](double f) { return Point{f, response(filter, f, sample_period)}; };
+  Point best = at(mode.frequency_low);
+  const double width = mode.frequency_high - mode.frequency_low;
+  if (width <= 0.0) return best.f;
+  const auto consider = [&](const Point& p) {
+    if (p.r.square > best.r.square) best = p;
+  };
+  const double degree = 2.0 * std::numbers::pi * sample_period * std::max(1, filter.order());
+  const auto cubic_error = [&](double h) { return std::pow(degree * h, 4) / 384.0; };
+  // Largest value of the cubic between two points, at its ends or where its slope changes from up to down.
+  const auto cubic_max = [&](const Point& a, const Point& b) {
+    const double h = b.f - a.f, unit = 4.0 * std::numbers::pi * sample_period * h;
+    const double ma = a.r.slope * unit, mb = b.r.slope * unit, rise = b.r.square - a.r.square;
+    const double c3 = ma + mb - 2.0 * rise, c2 = 3.0 * rise - 2.0 * ma - mb;
+    double largest = std::max(a.r.square, b.r.square);
+    const double root = c2 * c2 - 3.0 * c3 * ma;
+    if (root < 0.0) return largest;
+    for (const double x :
+         {(-c2 - std::sqrt(root)) / (3.0 * c3), (-c2 + std::sqrt(root)) / (3.0 * c3), -0.5 * ma / c2}) {
+      if (x > 0.0 && x < 1.0) largest = std::max(largest, a.r.square + x * (ma + x * (c2 + x * c3)));
+    }
+    return largest;
+  };
+  std::vector<std::pair<Point, Point>> open;
+  const int cells = std::max(1, static_cast<int>(std::ceil(8.0 * width * sample_period * (filter.order() + 1))));
+  Point last = best;
+  for (int i = 1; i <= cells && !(stop && stop()); ++i) {
+    const Point next = at(mode.frequency_low + width * (i == cells ? 1.0 : static_cast<double>(i) / cells));
+    consider(next);
+    open.emplace_back(last, next);
+    last = next;
+  }
+  // Far below the bound the last digits do not matter; elsewhere 1e-12 of the square is precise enough. The error term
+  // uses only |H| <= 1, so for bounds of 1e-5 and less the loop ends by its count.
+  const double floor = 1e-10 * mode.residual_max * mode.residual_max;
+  for (int left = 4096 + 64 * cells; !open.empty() && left > 0 && !(stop && stop()); --left) {
+    const auto [a, b] = open.back();
+    open.pop_back();
+    if (cubic_max(a, b) + cubic_error(b.f - a.f) <= std::max(best.r.square * (1.0 + 1e-12), floor)) continue;
+    const Point middle = at(0.5 * (a.f + b.f));
+    if (middle.f <= a.f || middle.f >= b.f) continue;
+    consider(middle);
+    open.emplace_back(a, middle);
+    open.emplace_back(middle, b);
+  }
+  return best.f;
+}
+
+/// Finds where a damped mode is left largest. With s = z w + j w sqrt(1 - z^2), what is left is the size of an analytic
+/// function of s. So the largest is on the edge of the rectangle of frequencies and damping ratios.
+class WorstDamped {
+ public:
+  struct Point {
+    double frequency, damping, left = 0.0;
+  };
+
+  WorstDamped(const Filter& filter, const Mode& mode, double period, const std::function<bool()>& stop)
+      : filter_(filter), period_(period), stop_(stop) {
+    const Point low{mode.frequency_low, mode.damping_low}, high{mode.frequency_high, mode.damping_high};
+    best_ = at(low);
+    // Between two grid points the response turns by an eighth of a ripple, or is damped by an eighth.
+    const double taps = period * (filter.order() + 1.0);
+    const double ripples = taps * (high.frequency - low.frequency);
+    const double decay = 2.0 * std::numbers::pi * taps * high.frequency * (high.damping - low.damping);
+    for (const double z : {low.damping, high.damping}) edge({low.frequency, z}, {high.frequency, z}, ripples);
+    for (const double f : {low.frequency, high.frequency}) edge({f, low.damping}, {f, high.damping}, decay);
+  }
+  const Point& worst() const { return best_; }
+
+ private:
+  static constexpr int per_unit = 8, golden_steps = 38;
+
+  Point at(Point p) const {
+    p.left = residual_vibration(filter_, p.frequency, period_, p.damping);
+    return p;
+  }
+
+  void edge(const Point& from, const Point& to, double units) {
+    if (from.frequency == to.frequency && from.damping == to.damping) return;
+    const auto place = [&](double x) {
+      // Rounding must not leave the rectangle.
+      return at({x == 1.0 ? to.frequency : from.frequency + x * (to.frequency - from.frequency),
+                 x == 1.0 ? to.damping : from.damping + x * (to.damping - from.damping)});
+    };
+    const int cells = 4 + static_cast<int>(std::ceil(per_unit * units));
+    std::vector<double> left;
+    for (int i = 0; i <= cells && !(stop_ && stop_()); ++i) {
+      const Point p = place(static_cast<double>(i) / cells);
+      left.push_back(p.left);
+      if (p.left > best_.left) best_ = p;
+    }
+    // A peak between grid points is not much higher than they are.
+    const double worthwhile = 0.8 * best_.left;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      const bool rises = i > 0 && left[i - 1] > left[i], falls = i + 1 < left.size() && left[i + 1] > left[i];
+      if (rises || falls || left[i] < worthwhile || (stop_ && stop_())) continue;
+      const double x = static_cast<double>(i), last = static_cast<double>(cells);
+      climb(place, std::max(0.0, x - 1.0) / last, std::min(last, x + 1.0) / last);
+    }
+  }
+
+  /// Golden section.
+  template <class Place>
+  void climb(const Place& place, double low, double high) {
+    constexpr double part = 1.0 / std::numbers::phi;
+    double a = high - part * (high - low), b = low + part * (high - low);
+    Point pa = place(a), pb = place(b);
+    for (int step = 0; step < golden_steps; ++step) {
+      if (pa.left > pb.left) {
+        high = b, b = a, pb = pa;
+        pa = place(a = high - part * (high - low));
+      } else {
+        low = a, a = b, pa = pb;
+        pb = place(b = low + part * (high - low));
+      }
+    }
+    for (const Point& p : {pa, pb}) {
+      if (p.left > best_.left) best_ = p;
+    }
+  }
+
+  const Filter& filter_;
+  double period_;
+  const std::function<bool()>& stop_;
+  Point best_{};
+};
+
+void require_in_range(const Mode& mode) {
+  if (!(mode.frequency_low > 0.0 && mode.frequency_high >= mode.frequency_low && std::isfinite(mode.frequency_high))) {
+    throw std::invalid_argument(fmt::format("mode needs 0 < frequency_low <= frequency_high, got {} to {} Hz",
+                                            mode.frequency_low, mode.frequency_high));
+  }
+  if (!(mode.damping_low >= 0.0 && mode.damping_high >= mode.damping_low && mode.damping_high < 1.0)) {
+    throw std::invalid_argument(fmt::format("mode needs 0 <= damping_low <= damping_high < 1, got {} to {}",
+                                            mode.damping_low, mode.damping_high));
+  }
+}
+
+}  // namespace
+
+std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine,
+                                            const std::function<bool()>& stop) {
+  if (!(sample_period > 0.0) || !std::isfinite(sample_period))
+    throw std::invalid_argument(fmt::format("sample period must be positive and finite, got {} s", sample_period));
+  std::vector<LimitUse> uses;
+  for (const Mode& mode : machine.modes) {
+    require_in_range(mode);
+    LimitUse use;
+    use.kind = LimitKind::vibration;
+    if (mode.damping_high == 0.0) {
+      use.frequency = worst_frequency(filter, mode, sample_period, stop);
+      use.value = residual_vibration(filter, use.frequency, sample_period);
+    } else {
+      const WorstDamped search(filter, mode, sample_period, stop);
+      use.frequency = search.worst().frequency, use.damping = search.worst().damping;
+      use.value = search.worst().left;
+    }
+    use.bound = mode.residual_max;
+    use.utilisation = utilisation_of(use.kind, use.value, mode.residual_max);
+    uses.push_back(use);
+  }
+  return uses;
+}
+
+}  // namespace accdec

@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <accdec/task/verified_vibration.hpp>
+
+namespace accdec {
+namespace {
+
+/// The worst place of a mode, by grids of frequencies and damping ratios. It does not use that the worst is on the
+/// edge.
+class Scan {
+ public:
+  Scan(const Filter& filter, const Mode& mode, double period) : filter_(filter), mode_(mode), period_(period) {
+    use_.kind = LimitKind::vibration;
+    use_.bound = mode.residual_max;
+    use_.frequency = mode.frequency_low, use_.damping = mode.damping_low;
+    const double taps = period * (filter.order() + 1.0);
+    // The response is band-limited to N T. Grid points are a sixteenth of its shortest ripple apart. So a parabola
+    // through three of them locates a peak precisely enough that the amplitude does not change.
+    const double band = mode.frequency_high - mode.frequency_low, ratios = mode.damping_high - mode.damping_low;
+    const int cells = band > 0.0 ? 16 + static_cast<int>(16.0 * band * taps) : 0;
+    const int lines = ratios > 0.0 ? 4 : 0;
+    for (int i = 0; i <= lines; ++i) {
+      const double z = i == lines ? mode.damping_high : mode.damping_low + ratios * i / lines;
+      line(cells, mode.frequency_low, mode.frequency_high, [&](double f) { return left(f, z); });
+    }
+    if (lines == 0) return;
+    const int steps = 16 + static_cast<int>(16.0 * 2.0 * std::numbers::pi * mode.frequency_high * ratios * taps);
+    for (const double f : {mode.frequency_low, use_.frequency, mode.frequency_high})
+      line(steps, mode.damping_low, mode.damping_high, [&](double z) { return left(f, z); });
+  }
+  const LimitUse& use() const { return use_; }
+
+ private:
+  /// Also beside the mode's ranges, where it does not count.
+  double left(double frequency, double damping) {
+    const double r = amplitude_left(filter_, frequency, damping, period_);
+    const bool counts = frequency >= mode_.frequency_low && frequency <= mode_.frequency_high &&
+                        damping >= mode_.damping_low && damping <= mode_.damping_high;
+    if (counts && r > use_.value) use_.value = r, use_.frequency = frequency, use_.damping = damping;
+    return r;
+  }
+
+  template <class At>
+  void line(int cells, double low, double high, const At& at) {
+    if (cells == 0) {
+      at(low);
+      return;
+    }
+    const double h = (high - low) / cells;
+    std::vector<double> r;
+    for (int i = 0; i <= cells; ++i) r.push_back(at(i == cells ? high : low + h * i));
+    for (int i = 0; i <= cells; ++i) {
+      const auto u = static_cast<std::size_t>(i);
+      // The peak of the first or last cell may be nearer to the end than to the next point.
+      if ((i > 0 && r[u] < r[u - 1]) || (i < cells && r[u] < r[u + 1])) continue;
+      double centre = low + h * i, step = h;
+      for (int refine = 0; refine < 12; ++refine) {
+        const double before = at(centre - step), here = at(centre), after = at(centre + step);
+        const double curvature = before - 2.0 * here + after;
+        if (curvature < 0.0) centre += std::clamp(0.5 * step * (before - after) / curvature, -step, step);
+        step *= 0.25;
+      }
+      at(std::clamp(centre, low, high));
+    }
+  }
+
+  const Filter& filter_;
+  const Mode& mode_;
+  double period_;
+  LimitUse use_{};
+};
+
+}  // namespace
+
+double amplitude_left(const Filter& filter, double frequency, double damping, double period) {
+  // x'' + 2 z w x' + w^2 x = 0 between taps, solved exactly; a tap changes x' at once. u is x' over the frequency of
+  // the damped vibration.
+  const double w = 2.0 * std::numbers::pi * frequency, damped = w * std::sqrt((1.0 - damping) * (1.0 + damping));
+  const double k = damping * w / damped, fall = std::exp(-damping * w * period);
+  const double c = fall * std::cos(damped * period), s = fall * std::sin(damped * period);
+  double x = 0.0, u = 0.0;
+  for (const double b : filter.taps()) {
+    const double before = x;
+    x = (c + k * s) * x + s * u;
+    u = (c - k * s) * u - (1.0 + k * k) * s * before + b;
+  }
+  return std::hypot(x, u + k * x);
+}
+
+LimitUse verified_vibration(const Filter& filter, const Mode& mode, double period) {
+  LimitUse use = Scan(filter, mode, period).use();
+  use.utilisation = utilisation_of(use.kind, use.value, use.bound);
+  // A residual bound of 0 holds if the residual is 0 up to rounding.
+  if (use.bound == 0.0 && use.value < 1e-12) use.utilisation = 0.0;
+  return use;
+}
+
+}  // namespace accdec
