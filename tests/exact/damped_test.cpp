@@ -30,8 +30,8 @@ Task straight_on() {
   return task;
 }
 
-// Singer and Seering, no residual at one mode: impulses 1/(1 + K) and K/(1 + K), K = exp(-pi z/sqrt(1 - z^2)), half a
-// damped period apart, and nothing shorter.
+// Singer and Seering's shaper without residual at one mode. Its impulses are 1/(1 + K) and K/(1 + K), with K = exp(-pi
+// z/sqrt(1 - z^2)), half a damped period apart. Nothing is shorter.
 TEST(DampedModes, NoResidualGivesTheZeroVibrationShaper) {
   for (const double z : {0.02, 0.1, 0.4}) {
     Task task = straight_on();
@@ -46,8 +46,8 @@ TEST(DampedModes, NoResidualGivesTheZeroVibrationShaper) {
 }
 
 // One impulse leaves all of a vibration. A second tap n samples later leaves |b_0 exp(-(z w + j w_d) n T) + b_1|. For a
-// bound r and one mode, two taps at the right distance are best; without other limits the order is the least n at which
-// some split of the two gets below r. Searched here over all splits of all pairs of taps.
+// bound r and one mode, two taps at the right distance are best. So the order is the least n at which some split of the
+// two gets below r. Searched here over all splits of all pairs of taps.
 TEST(DampedModes, ABoundOfAThirdIsReachedAsSoonAsTwoTapsCan) {
   const double f = 31.0, z = 0.15, w = 2.0 * pi * f * 1e-3;
   Task task = straight_on();

@@ -34,9 +34,9 @@ struct Axis {
   double coulomb = 0.0;                 ///< N, dry friction against the motion: F = m a' + c V' + coulomb sign(V')
 };
 
-/// Residual vibration bound: |sum_i b_i exp(-(z w + j w sqrt(1 - z^2)) (N - i) T)| <= residual_max, w = 2 pi f. It holds
-/// for all undamped natural frequencies f and damping ratios z of the two ranges. The left side is the amplitude at the
-/// last tap over that of an unfiltered step (Singer and Seering, J. Dyn. Syst. Meas. Control 112, 1990).
+/// Residual vibration bound: |sum_i b_i exp(-(z w + j w sqrt(1 - z^2)) (N - i) T)| <= residual_max, w = 2 pi f. For all
+/// undamped natural frequencies f and damping ratios z of the two ranges. The left side is the amplitude at the last
+/// tap, over that of an unfiltered step (Singer and Seering, J. Dyn. Syst. Meas. Control 112, 1990).
 struct Mode {
   double frequency_low = 0.0;   ///< Hz, > 0
   double frequency_high = 0.0;  ///< Hz, >= frequency_low
