@@ -250,32 +250,23 @@ class Rows:
             row.term(DELAYS, j, exact(corner.weight))
         row.limit(exact(box.budget))
 
-    def vibration(self, row, box, m, frequency, angle):
-        mode, frequency = member(self.problem.modes, m, "a mode"), number(frequency)
-        refuse_if(not mode.low <= frequency <= mode.high, "a multiplier's frequency is outside its band")
-        turn = cos_sin(PI * exact(2 * frequency * self.problem.period))
-        phase = cos_sin(-exact(number(angle)))
-        # Rotations keep the length of an error: each adds that of its own factors and of rounding.
-        (cosine, sine), (c, s) = (x.lo for x in phase), (x.lo for x in turn)
-        error, each = sum(x.hi - x.lo for x in phase), 2 * sum(x.hi - x.lo for x in turn) + 4
-        for i in range(box.order + 1):
-            end = box.window and i in (0, box.order)  # the taps an end stands for have any phase
-            row.term(TAPS, i, Enclosure(-ONE if end else cosine - error))
-            cosine, sine = cosine * c - sine * s >> BITS, sine * c + cosine * s >> BITS
-            error += each
-        row.limit(exact(mode.residual))
-
-    def damped_vibration(self, row, box, m, frequency, damping, angle):
-        """What is left at the last tap: tap i has fallen by exp(-z w (N - i) T) there."""
-        mode, frequency, z = member(self.problem.modes, m, "a mode"), number(frequency), number(damping)
+    def vibration(self, row, box, m, frequency, *rest):
+        """What is left at the last tap: tap i has fallen by exp(-z w (N - i)) there."""
+        mode, frequency, z = member(self.problem.modes, m, "a mode"), number(frequency), number((0, *rest)[-2])
         refuse_if(not mode.low <= frequency <= mode.high, "a multiplier's frequency is outside its band")
         refuse_if(not mode.least_damping <= z <= mode.most_damping, "a multiplier's damping is outside its range")
-        natural = PI * exact(2 * frequency * self.problem.period)
-        turn, fall = natural * square_root(exact(1 - z * z)), exponential(-(natural * exact(z)))
-        phase, fallen = exact(number(angle)), UNIT
+        natural, fall = PI * exact(2 * frequency * self.problem.period), UNIT
+        if z:
+            natural, fall = natural * square_root(exact(1 - z * z)), exponential(-(natural * exact(z)))
+        phase, turn = cos_sin(natural.times(box.order) - exact(number(rest[-1]))), cos_sin(natural)
+        # Rotations and falls keep the length of an error: each adds that of its own factors and of rounding.
+        (cosine, sine), (c, s) = (x.lo for x in phase), ((x * fall).lo for x in turn)
+        error, each = sum(x.hi - x.lo for x in phase), 2 * sum((x * fall).hi - (x * fall).lo for x in turn) + 4
         for i in range(box.order, -1, -1):
-            row.term(TAPS, i, fallen * cos_sin(turn.times(i) - phase)[0])
-            fallen = fallen * fall
+            end = box.window and i in (0, box.order)  # the taps an end stands for have any phase
+            row.term(TAPS, i, Enclosure(-ONE if end else cosine - error))
+            cosine, sine = cosine * c + sine * s >> BITS, sine * c - cosine * s >> BITS
+            error += each
         row.limit(exact(mode.residual))
 
     def response(self, row, box, k, sign):
@@ -298,7 +289,7 @@ KINDS = {
     "blend force": (Rows.blend, 4, True, "force"),
     "error": (Rows.error, 2, True),
     "range error": (Rows.range_error, 8, False), "budget": (Rows.budget, 0, False),
-    "vibration": (Rows.vibration, 3, True), "damped vibration": (Rows.damped_vibration, 4, False),
+    "vibration": (Rows.vibration, 3, True), "damped vibration": (Rows.vibration, 4, False),
     "power start": (chords.event_power, 4, False, False), "regeneration stop": (chords.event_power, 4, False, True),
     "blend power": (chords.blend_power, 6, False, "power"),
     "blend regeneration": (chords.blend_power, 6, False, "regeneration"),
