@@ -9,9 +9,9 @@ against a resonance near f Hz (klippy/extras/shaper_defs.py, coefficients below,
 difference of neighbouring taps, both ends included (peak jerk), and the worst residual of an undamped mode from 0.9 f
 to 1.1 f. The question: how short is the shortest non-negative filter that is nowhere worse? accdec answers with a
 proof; the second method is a linear program (HiGHS) whose rows are necessary conditions, so that an order which it
-finds infeasible is impossible. Kalico tunes its kernels for damped modes, which accdec's limits do not know: so the
-table also says what both leave of a mode with a damping ratio of 0.1, and how short a filter for that mode could be
-(linear programs alone).
+finds infeasible is impossible. Kalico tunes its kernels for damped modes: so the table also says what both leave of a
+mode with a damping ratio of 0.1, and how short a filter for that mode could be (linear programs alone; with a proof in
+`damped_shapers.py`).
 """
 
 import json

@@ -339,3 +339,24 @@ def kernels(page):
         page.same(f"{name}, taps", row["taps"], str(len(taps)))
         page.same(f"{name}, shortest", row["shortest taps, undamped"], str(len(result["filter"]["taps"])))
         page.same(f"{name}, verified", str(verified), "True")
+
+
+@check_of("study/smooth-kernels/damped.md")
+def damped_shapers(page):
+    sys.path.insert(0, str(page.source / "tests/bench"))
+    rows = page.rows("shaper", "its time, ms")
+    try:
+        import damped_shapers
+    except ImportError:  # numpy and scipy
+        page.same("ZV, ZVD, MZV, EI and three kernels stand there", len(rows), 7)
+        return
+    for name, shaper in damped_shapers.impulses().items():
+        if name not in ("ZV", "EI"):
+            continue
+        taps = damped_shapers.sampled(*shaper)
+        allowed = damped_shapers.kernels.residual(taps, damped_shapers.DAMPING) * damped_shapers.EXACT
+        result, verified = damped_shapers.shortest(page.program, None, None, allowed)
+        row = page.row(rows, "shaper", name)
+        page.same(f"{name}, shortest", row["shortest time, ms"],
+                  f"{1e3 * damped_shapers.PERIOD * (len(result['filter']['taps']) - 1):.1f}")
+        page.same(f"{name}, verified", str(verified), "True")
