@@ -32,6 +32,7 @@ void add_plot(CLI::App& app, Context& context);
 void add_schema(CLI::App& app, Context& context);
 void add_controllers(CLI::App& app, Context& context);
 void add_identify(CLI::App& app, Context& context);
+void add_modes(CLI::App& app, Context& context);
 void add_solvers(CLI::App& app, Context& context);
 void add_program(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);

@@ -43,6 +43,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_generate(app, context);
   add_controllers(app, context);
   add_identify(app, context);
+  add_modes(app, context);
   add_solvers(app, context);
   add_completion(app, context);
   add_schema(app, context);

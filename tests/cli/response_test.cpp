@@ -31,8 +31,8 @@ const std::map<std::string, std::vector<std::string>> refusing{
     {"program", {"part.ngc", "--task", "task.toml"}},
     {"identify", {"log.csv", "--task", "task.toml"}},
 };
-const std::vector<std::string> considering{"evaluate", "design", "explain", "verify",
-                                           "export",   "plot",   "optima",  "study"};
+const std::vector<std::string> considering{"evaluate", "design", "explain", "verify", "export",
+                                           "plot",     "optima", "study",   "modes"};
 const std::vector<std::string> without_tasks{"init",    "paper",      "generate", "controllers",
                                              "solvers", "completion", "schema"};
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,37 +11,15 @@
 #include <accdec/files.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/files/units.hpp>
+#include <accdec/formats/log_rows.hpp>
 #include <accdec/formats/motion_log_file.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr std::size_t log_size_max = std::size_t{256} << 20;
 constexpr double jitter_max = 0.1;  // of a sample period
 constexpr const char* allowed_columns =
     "allowed are one time (t_s, t_ms or t_us, or time_ ..) and axes with their unit (x_mm, y_um, z_m, a_deg)";
-
-/// A field of a row, with its column counted from 1.
-struct Field {
-  std::string_view text;
-  long column = 1;
-};
-
-std::vector<Field> fields_of(std::string_view line) {
-  const bool commas = line.find(',') != std::string_view::npos;
-  const std::string_view separators = commas ? "," : " \t;";
-  std::vector<Field> fields;
-  for (std::size_t at = 0; at <= line.size();) {
-    const std::size_t end = std::min(line.find_first_of(separators, at), line.size());
-    std::string_view text = line.substr(at, end - at);
-    const std::size_t first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
-    const long column = static_cast<long>(at + (first == std::string_view::npos ? 0 : first)) + 1;
-    text = first == std::string_view::npos ? std::string_view{} : text.substr(first, last - first + 1);
-    if (commas || !text.empty()) fields.push_back({text, column});
-    at = end + 1;
-  }
-  return fields;
-}
 
 /// SI of one unit of a column; none for a unit that is not allowed. Degrees are handled like millimetres everywhere.
 std::optional<double> unit_of(std::string_view column, bool time) {
@@ -59,19 +36,13 @@ class LogReader {
   LogReader(std::string name, double period) : name_(std::move(name)), period_(period) {}
 
   MotionLog read(std::string_view text) {
-    long line = 0;
-    for (std::size_t at = 0; at < text.size();) {
-      const std::size_t end = std::min(text.find('\n', at), text.size());
-      const std::string_view row = text.substr(at, end - at);
-      at = end + 1;
-      ++line;
-      const std::size_t first = row.find_first_not_of(" \t\r");
-      if (first == std::string_view::npos || row[first] == '#') continue;
+    for_each_row(text, [&](std::string_view row, long line) {
+      if (row[row.find_first_not_of(" \t\r")] == '#') return;
       if (columns_.empty())
         header(row, line);
       else
         values(row, line);
-    }
+    });
     if (columns_.empty()) throw InputError(name_, 0, 0, fmt::format("has no header; {}", allowed_columns));
     if (log_.samples() == 0) throw InputError(name_, 0, 0, "has no samples behind its header");
     check_pace();
@@ -87,7 +58,7 @@ class LogReader {
 
   void header(std::string_view row, long line) {
     bool timed = false;
-    for (const Field& field : fields_of(row)) {
+    for (const LogField& field : log_fields(row)) {
       const std::size_t split = field.text.rfind('_');
       const std::string_view name = field.text.substr(0, split);
       const auto fail = [&](const std::string& what) {
@@ -111,17 +82,10 @@ class LogReader {
   }
 
   void values(std::string_view row, long line) {
-    const std::vector<Field> fields = fields_of(row);
-    if (fields.size() != columns_.size())
-      throw InputError(name_, line, 1,
-                       fmt::format("the row has {} values; the header has {} columns", fields.size(), columns_.size()));
+    const std::vector<LogField> fields = log_fields(row);
+    require_columns(fields.size(), columns_.size(), name_, line);
     for (std::size_t i = 0; i < fields.size(); ++i) {
-      double value = 0.0;
-      const std::string_view text = fields[i].text;
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-      if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value) <= 1e12))
-        throw InputError(name_, line, fields[i].column,
-                         fmt::format("`{}` is no number from -1e12 to 1e12", text.substr(0, 40)));
+      double value = log_number(fields[i], name_, line);
       value *= columns_[i].unit;
       if (columns_[i].time)
         time(value, line, fields[i].column);

@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include <accdec/design/find_modes.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr int parts = 4;                // of a log that are compared
+constexpr double damping_most = 0.4;    // more is no peak that a filter should avoid
+constexpr double least_left = 1e-2;     // of the energy of the lags: later ones are noise
+constexpr double share_least = 0.03;    // of the energy
+constexpr double same = 0.03;           // relative difference of frequencies of one mode
+constexpr int orders = 20;              // pairs of poles at most
+constexpr std::size_t size_most = 240;  // of the Hankel matrix
+
+struct Pole {
+  double frequency, damping;
+  std::complex<double> factor;  // from one lag to the next
+};
+
+double middle(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+/// Poles of sums of damped vibrations that agree with an autocorrelation, by model order.
+class Realisation {
+ public:
+  explicit Realisation(const Autocorrelation& lags) : period_(lags.period) {
+    // The first lags hold white noise and what faded out of the band.
+    const std::size_t first = 2, size = std::min(size_most, (lags.values.size() - first) / 2);
+    const auto n = static_cast<Eigen::Index>(size);
+    Eigen::MatrixXd now(n, n);
+    next_.resize(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      for (Eigen::Index j = 0; j < n; ++j) {
+        const std::size_t lag = first + static_cast<std::size_t>(i + j);
+        now(i, j) = lags.values[lag], next_(i, j) = lags.values[lag + 1];
+      }
+    }
+    const Eigen::BDCSVD<Eigen::MatrixXd> svd(now, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    left_ = svd.matrixU(), right_ = svd.matrixV(), values_ = svd.singularValues();
+  }
+
+  std::vector<Pole> poles(int pairs) const {
+    const Eigen::Index n = 2 * static_cast<Eigen::Index>(pairs);
+    if (n > values_.size() || !(values_[n - 1] > 1e-9 * values_[0])) return {};
+    const Eigen::VectorXd scale = values_.head(n).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd shift =
+        scale.asDiagonal() * left_.leftCols(n).transpose() * next_ * right_.leftCols(n) * scale.asDiagonal();
+    std::vector<Pole> found;
+    for (const std::complex<double>& factor : shift.eigenvalues()) {
+      if (!(factor.imag() > 0.0) || std::abs(factor) >= 1.0) continue;
+      const std::complex<double> rate = std::log(factor) / period_;
+      found.push_back({std::abs(rate) / (2.0 * std::numbers::pi), -rate.real() / std::abs(rate), factor});
+    }
+    return found;
+  }
+
+ private:
+  double period_;
+  Eigen::MatrixXd next_, left_, right_;
+  Eigen::VectorXd values_;
+};
+
+/// Lags until little is left of the vibrations.
+Autocorrelation cut(Autocorrelation lags, double low) {
+  const std::size_t part = std::max<std::size_t>(4, static_cast<std::size_t>(1.0 / (low * lags.period)));
+  const auto energy = [&](std::size_t from) {
+    double sum = 0.0;
+    for (std::size_t k = from; k < std::min(from + part, lags.values.size()); ++k)
+      sum += lags.values[k] * lags.values[k];
+    return sum;
+  };
+  const double begin = energy(2);
+  std::size_t end = 2 + 2 * part;
+  while (end + part < lags.values.size() && energy(end) > least_left * begin) end += part;
+  lags.values.resize(std::min(lags.values.size(), std::max<std::size_t>(end, 80)));
+  return lags;
+}
+
+/// A mode, and its part in the energy of the lags.
+struct Weighed {
+  FoundMode mode;
+  double energy = 0.0;
+};
+
+/// Energy of the lags that each pole has, where all poles together fit them best.
+std::vector<double> energies(const Autocorrelation& lags, const std::vector<Pole>& poles) {
+  const auto rows = static_cast<Eigen::Index>(lags.values.size()) - 2, count = static_cast<Eigen::Index>(poles.size());
+  Eigen::MatrixXd basis(rows, 2 * count);
+  Eigen::VectorXd values(rows);
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    values[k] = lags.values[static_cast<std::size_t>(k) + 2];
+    for (Eigen::Index p = 0; p < count; ++p) {
+      const std::complex<double> at = std::pow(poles[static_cast<std::size_t>(p)].factor, static_cast<double>(k));
+      basis(k, 2 * p) = at.real(), basis(k, 2 * p + 1) = at.imag();
+    }
+  }
+  const Eigen::VectorXd weights = basis.colPivHouseholderQr().solve(values);
+  std::vector<double> result;
+  for (Eigen::Index p = 0; p < count; ++p)
+    result.push_back((basis.middleCols(2 * p, 2) * weights.segment(2 * p, 2)).squaredNorm());
+  return result;
+}
+
+/// The modes of a signal that most model orders find.
+std::vector<Weighed> modes_of(std::span<const double> signal, double period, const FindModesOptions& options) {
+  const double longest = std::min(2.0, 0.2 * period * static_cast<double>(signal.size()));
+  const Autocorrelation lags =
+      cut(autocorrelation(power_spectrum(signal, period), options.frequency_min, options.frequency_max, longest),
+          options.frequency_min);
+  const Realisation realisation(lags);
+  struct Group {
+    std::vector<double> frequencies, dampings;
+    int last = 0;
+  };
+  std::vector<Group> groups;
+  int tried = 0;
+  for (int pairs = 1; pairs <= orders; ++pairs) {
+    const std::vector<Pole> poles = realisation.poles(pairs);
+    tried += poles.empty() ? 0 : 1;
+    for (const Pole& pole : poles) {
+      if (pole.damping > damping_most || pole.frequency < options.frequency_min ||
+          pole.frequency > options.frequency_max)
+        continue;
+      const auto near = std::find_if(groups.begin(), groups.end(), [&](const Group& g) {
+        return std::abs(middle(g.frequencies) - pole.frequency) < same * pole.frequency && g.last != pairs;
+      });
+      Group& group = near == groups.end() ? groups.emplace_back() : *near;
+      group.frequencies.push_back(pole.frequency), group.dampings.push_back(pole.damping), group.last = pairs;
+    }
+  }
+  std::vector<Weighed> found;
+  std::vector<Pole> stable;
+  for (const Group& group : groups) {
+    if (2 * static_cast<int>(group.frequencies.size()) < tried) continue;
+    const double f = middle(group.frequencies), z = middle(group.dampings), w = 2.0 * std::numbers::pi * f;
+    const std::complex<double> rate(-z * w, w * std::sqrt(1.0 - z * z));
+    stable.push_back({f, z, std::exp(rate * lags.period)});
+    found.push_back({{.axis = {}, .frequency = f, .damping = z, .damping_low = z, .damping_high = z}, 0.0});
+  }
+  if (found.empty()) return found;
+  const std::vector<double> energy = energies(lags, stable);
+  double all = 0.0;
+  for (const double value : lags.values) all += value * value;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    found[i].energy = energy[i], found[i].mode.share = std::min(1.0, energy[i] / all);
+  std::erase_if(found, [](const Weighed& w) { return !(w.mode.share >= share_least); });
+  std::sort(found.begin(), found.end(), [](const Weighed& a, const Weighed& b) { return a.energy > b.energy; });
+  found.resize(std::min(found.size(), options.most));
+  return found;
+}
+
+/// Compares with parts of the log, which may have been taken at other places of the machine. A part in which the mode
+/// was hardly excited says nothing.
+FoundMode spread_over_parts(const Weighed& whole, const std::vector<std::vector<Weighed>>& others) {
+  constexpr double near = 0.15, enough = 0.3 / (parts * parts);
+  FoundMode mode = whole.mode;
+  for (const std::vector<Weighed>& part : others) {
+    const auto off = [&](const Weighed& other) { return std::abs(other.mode.frequency / mode.frequency - 1.0); };
+    const auto closest =
+        std::min_element(part.begin(), part.end(), [&](const Weighed& a, const Weighed& b) { return off(a) < off(b); });
+    if (closest == part.end() || off(*closest) > near || closest->energy < enough * whole.energy) continue;
+    mode.spread = std::max(mode.spread, off(*closest));
+    mode.damping_low = std::min(mode.damping_low, closest->mode.damping);
+    mode.damping_high = std::max(mode.damping_high, closest->mode.damping);
+  }
+  return mode;
+}
+
+}  // namespace
+
+std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOptions& options) {
+  FindModesOptions used = options;
+  used.frequency_max = std::min(options.frequency_max, 0.3 / log.period);
+  if (!(used.frequency_min > 0.0 && used.frequency_max > 2.0 * used.frequency_min)) {
+    throw std::invalid_argument(
+        fmt::format("modes from {:.4g} to {:.4g} Hz cannot be told apart at {:.4g} samples a second; allowed is a band "
+                    "of at least an octave, up to 0.3 of the sample rate",
+                    used.frequency_min, used.frequency_max, 1.0 / log.period));
+  }
+  const double seconds = log.period * static_cast<double>(log.samples()), needed = 10.0 / used.frequency_min;
+  if (seconds < needed) {
+    throw std::invalid_argument(fmt::format("the log lasts {:.4g} s; modes from {:.4g} Hz on need at least {:.4g} s",
+                                            seconds, used.frequency_min, needed));
+  }
+  std::vector<FoundMode> all;
+  for (std::size_t a = 0; a < log.axes.size(); ++a) {
+    const std::span<const double> signal(log.acceleration[a]);
+    std::vector<std::vector<Weighed>> others;
+    for (std::size_t p = 0; p < parts && seconds >= parts * needed; ++p)
+      others.push_back(modes_of(signal.subspan(p * signal.size() / parts, signal.size() / parts), log.period, used));
+    for (const Weighed& found : modes_of(signal, log.period, used)) {
+      all.push_back(spread_over_parts(found, others));
+      all.back().axis = log.axes[a];
+    }
+  }
+  return all;
+}
+
+}  // namespace accdec

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <accdec/design/power_spectrum.hpp>
+#include <accdec/design/vibration_log.hpp>
+
+namespace accdec {
+
+/// A vibration found in a log.
+struct FoundMode {
+  std::string axis;
+  double frequency = 0.0;                        ///< Hz, without damping
+  double damping = 0.0;                          ///< damping ratio
+  double spread = 0.0;                           ///< largest relative change of the frequency between parts of the log
+  double damping_low = 0.0, damping_high = 0.0;  ///< of the whole log and its parts
+  double share = 0.0;                            ///< of the energy of the axis within the band, 0 .. 1
+};
+
+/// Options of `find_modes`.
+struct FindModesOptions {
+  double frequency_min = 5.0;    ///< Hz, > 0
+  double frequency_max = 200.0;  ///< Hz; at most 0.3 of the sample rate is used
+  std::size_t most = 3;          ///< modes of an axis
+};
+
+/// Finds the modes of every axis, the strongest first. A vibration that dies away and one that is kept up by noise or
+/// by a sweep have an autocorrelation that is a sum of damped vibrations (James, Carne, Lauffer, Modal Analysis 10,
+/// 1995). Their frequencies and damping are the eigenvalues of a shift (ERA: Juang, Pappa, J. Guidance 8, 1985). A
+/// frequency counts if most model orders find it.
+/// @throws std::invalid_argument if the log is too short for the band, or the band is empty
+std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOptions& options = {});
+
+}  // namespace accdec

@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <accdec/design/find_modes.hpp>
+
+// Logs of oscillators with known frequency and damping, integrated exactly from sample to sample, with noise.
+
+namespace accdec {
+namespace {
+
+struct Known {
+  double frequency, damping, gain;
+};
+
+enum class Excitation { jolts, sweep, noise };
+
+constexpr double log_period = 1.0 / 3200.0;  // s, of the accelerometers that printers have
+
+/// Accelerations of oscillators on a common base. @param noise  of the accelerometer, part of the root mean square
+std::vector<double> logged(const std::vector<Known>& known, Excitation excitation, double seconds, double noise,
+                           unsigned seed) {
+  std::mt19937 engine(seed);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  const auto count = static_cast<std::size_t>(seconds / log_period);
+  std::vector<double> push(count, 0.0), sum(count, 0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t = static_cast<double>(k) * log_period, rate = 130.0 / seconds;
+    if (excitation == Excitation::jolts && k % 3200 == 100) push[k] = 1.0;
+    if (excitation == Excitation::noise) push[k] = normal(engine);
+    // From 5 to 135 Hz; the amplitude rises with the frequency, as in the test of printers.
+    if (excitation == Excitation::sweep)
+      push[k] = (5.0 + rate * t) * std::sin(2.0 * std::numbers::pi * (5.0 * t + 0.5 * rate * t * t));
+  }
+  for (const Known& mode : known) {
+    const double w = 2.0 * std::numbers::pi * mode.frequency, damped = w * std::sqrt(1.0 - mode.damping * mode.damping);
+    const double fall = std::exp(-mode.damping * w * log_period);
+    const double c = fall * std::cos(damped * log_period), s = fall * std::sin(damped * log_period);
+    double x = 0.0, v = 0.0;
+    for (std::size_t k = 0; k < count; ++k) {
+      v += mode.gain * push[k];
+      sum[k] += -2.0 * mode.damping * w * v - w * w * x;
+      const double quarter = (v + mode.damping * w * x) / damped, next = c * x + s * quarter;
+      v = (c * quarter - s * x) * damped - mode.damping * w * next;
+      x = next;
+    }
+  }
+  double square = 0.0;
+  for (const double a : sum) square += a * a;
+  const double rms = std::sqrt(square / static_cast<double>(count));
+  for (double& a : sum) a += noise * rms * normal(engine);
+  return sum;
+}
+
+void expect_found(const std::vector<Known>& known, Excitation excitation, double seconds, unsigned seed) {
+  const std::vector<FoundMode> found = find_modes({log_period, {"x"}, {logged(known, excitation, seconds, 0.1, seed)}});
+  ASSERT_EQ(found.size(), known.size());
+  for (const Known& mode : known) {
+    const auto close = [&](const FoundMode& f) { return std::abs(f.frequency / mode.frequency - 1.0) <= 0.01; };
+    const auto match = std::find_if(found.begin(), found.end(), close);
+    ASSERT_NE(match, found.end()) << mode.frequency << " Hz";
+    EXPECT_NEAR(match->damping, mode.damping, 0.2 * mode.damping) << mode.frequency << " Hz";
+    EXPECT_LE(match->damping_low, match->damping);
+    EXPECT_GE(match->damping_high, match->damping);
+  }
+}
+
+TEST(FindModes, OfVibrationsThatDieAway) {
+  for (const double damping : {0.02, 0.05, 0.1})
+    expect_found({{42.0, damping, 1.0}, {97.0, 1.5 * damping, 0.8}}, Excitation::jolts, 20.0, 1);
+}
+
+TEST(FindModes, OfASweep) {
+  for (const double damping : {0.02, 0.05, 0.1})
+    expect_found({{42.0, damping, 1.0}, {97.0, 1.5 * damping, 0.8}}, Excitation::sweep, 30.0, 2);
+}
+
+// Noise shows damping to about a part of 1/sqrt(2 pi f z t) only: a log of two minutes to 5 %.
+TEST(FindModes, OfNoise) {
+  expect_found({{42.0, 0.03, 1.0}}, Excitation::noise, 120.0, 3);
+  expect_found({{42.0, 0.05, 1.0}}, Excitation::noise, 120.0, 4);
+}
+
+// Noise alone has no mode.
+TEST(FindModes, NoneInWhiteNoise) {
+  std::mt19937 engine(5);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::vector<double> noise(64'000);
+  for (double& a : noise) a = normal(engine);
+  for (const FoundMode& mode : find_modes({log_period, {"x"}, {noise}})) EXPECT_LT(mode.share, 0.5) << mode.frequency;
+}
+
+// A machine whose frequency depends on its place: a log in two halves.
+TEST(FindModes, SaysByHowMuchTheFrequencyChanges) {
+  std::vector<double> first = logged({{40.0, 0.04, 1.0}}, Excitation::jolts, 10.0, 0.05, 6);
+  const std::vector<double> second = logged({{44.0, 0.04, 1.0}}, Excitation::jolts, 10.0, 0.05, 7);
+  first.insert(first.end(), second.begin(), second.end());
+  const std::vector<FoundMode> found = find_modes({log_period, {"x"}, {first}});
+  ASSERT_FALSE(found.empty());
+  EXPECT_LE(found[0].frequency * (1.0 - found[0].spread), 40.0 * 1.01);
+  EXPECT_GE(found[0].frequency * (1.0 + found[0].spread), 44.0 * 0.99);
+}
+
+// The autocorrelation of a vibration exp(-a t) cos(w t) falls and turns in the same way.
+TEST(PowerSpectrum, EnergyIsThatOfTheSignal) {
+  const std::vector<double> signal = logged({{50.0, 0.1, 1.0}}, Excitation::jolts, 1.0, 0.0, 8);
+  double mean = 0.0, energy = 0.0;
+  for (const double a : signal) mean += a / static_cast<double>(signal.size());
+  for (const double a : signal) energy += (a - mean) * (a - mean);
+  const PowerSpectrum spectrum = power_spectrum(signal, log_period);
+  double sum = 0.0;
+  for (const double p : spectrum.power) sum += p;
+  // Parseval, both signs of the frequency.
+  EXPECT_NEAR(2.0 * sum / (2.0 * static_cast<double>(spectrum.power.size())), energy, 1e-3 * energy);
+}
+
+TEST(FindModes, RefusesWhatIsTooShort) {
+  const std::vector<double> second(3200, 0.0);
+  EXPECT_THROW(find_modes({log_period, {"x"}, {second}}), std::invalid_argument);
+  EXPECT_THROW(find_modes({0.01, {"x"}, {second}}, {.frequency_min = 20.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace accdec
