@@ -25,10 +25,10 @@ struct FindModesOptions {
   std::size_t most = 3;          ///< modes of an axis
 };
 
-/// Finds the modes of every axis, the strongest first. A vibration that dies away and one that is kept up by noise or
-/// by a sweep have an autocorrelation that is a sum of damped vibrations (James, Carne, Lauffer, Modal Analysis 10,
-/// 1995). Their frequencies and damping are the eigenvalues of a shift (ERA: Juang, Pappa, J. Guidance 8, 1985). A
-/// frequency counts if most model orders find it.
+/// Finds the modes of every axis, the strongest first. Vibrations die away, or noise or a sweep keeps them up. In
+/// either case the autocorrelation is a sum of damped vibrations (James, Carne, Lauffer, Modal Analysis 10, 1995).
+/// Their frequencies and damping are the eigenvalues of a shift (ERA: Juang, Pappa, J. Guidance 8, 1985). A frequency
+/// counts if most model orders find it.
 /// @throws std::invalid_argument if the log is too short for the band, or the band is empty
 std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOptions& options = {});
 

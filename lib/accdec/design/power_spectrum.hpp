@@ -12,7 +12,7 @@ struct PowerSpectrum {
   double end() const { return step * static_cast<double>(power.size()); }
 };
 
-/// Of a signal without its mean, followed by at least as many zeros.
+/// The spectrum of a signal without its mean, followed by at least as many zeros.
 PowerSpectrum power_spectrum(std::span<const double> signal, double period);
 
 /// Sums over `cells` equal parts of the frequencies up to `most`, Hz.

@@ -17,7 +17,7 @@ namespace accdec {
 /// @throws InputError with line and column, and what is allowed
 VibrationLog read_vibration_log(const std::string& path);
 
-/// What a bound on the modes found costs a task.
+/// The cost of a bound on the modes found, for a task.
 struct ModeCost {
   double residual = 0.0;       ///< bound of every mode, 0 .. 1
   std::optional<double> more;  ///< s, of the objective; none: no design was found
