@@ -201,7 +201,7 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
   for (const FoundMode& mode : modes) {
     const Mode held = bounded(mode, residual);
     text += fmt::format(
-        "\n# axis {}: {:.4g} Hz, damping {:.3g}; {:.0f} % of its vibration, within {:.2g} % over the log\n[[mode]]\n",
+        "\n# axis {}: {:.4g} Hz, damping {:.3g}; {:.0f} % of its vibration, within {:.1f} % over the log\n[[mode]]\n",
         mode.axis, mode.frequency, mode.damping, 100.0 * mode.share, 100.0 * mode.spread);
     text += fmt::format("frequency_Hz = [{:.5g}, {:.5g}]\n", rounded(held.frequency_low), rounded(held.frequency_high));
     text += fmt::format("damping_ratio = [{:.3g}, {:.3g}]\n", held.damping_low, held.damping_high);
