@@ -31,11 +31,10 @@ class ModesCommand : public testing::CommandInFolder {
                           scale * ringing(t, 63.0, 0.03));
     }
   }
-  Outcome refused(const std::string& log) {
+  testing::Outcome refused(const std::string& log) {
     testing::write(home_ / "bad.csv", log);
     return run("modes bad.csv");
   }
-  using Outcome = testing::Outcome;
 };
 
 TEST_F(ModesCommand, TablesOfAPrintersLogArePartOfATask) {
@@ -78,7 +77,7 @@ TEST_F(ModesCommand, BrokenLogsAreRefusedWithTheirPlace) {
   EXPECT_THAT(refused("t,ax\n0,1\n0.1\n").output, HasSubstr("bad.csv:3:1: the row has 1 values"));
   EXPECT_THAT(refused("t,ax\n0,1\n0,1\n").output, HasSubstr("bad.csv:3:1: the time 0 s is not after"));
   EXPECT_THAT(refused("t,ax\n0,1\n1,1\n9,1\n").output, HasSubstr("bad.csv:4:1: this sample comes 8000 ms after"));
-  EXPECT_THAT(refused("t,ax\n0,1\n0.1,2\n0.2,1\n").output, HasSubstr("the log lasts 0.3 s"));
+  EXPECT_THAT(refused("t_ms,ax\n0,1\n1,2\n2,1\n").output, HasSubstr("the log lasts 0.003 s"));
 }
 
 }  // namespace
