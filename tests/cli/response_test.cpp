@@ -25,7 +25,7 @@ constexpr const char* smoothing = "[controller]\nprefilter_taps = [0.25, 0.5, 0.
 
 /// Commands that read a task, with the arguments after it that let them come as far as the task.
 const std::map<std::string, std::vector<std::string>> refusing{
-    {"explore", {"task.toml"}},
+    {"explore", {"part.ngc", "--task", "task.toml", "--no-browser"}},  // a task alone is considered
     {"compare", {"suite.toml", "--out", "out"}},
     {"instances", {"suite.toml", "--out", "instances", "--format", "nl"}},
     {"program", {"part.ngc", "--task", "task.toml"}},

@@ -27,6 +27,21 @@ TEST_F(ProgramCommand, JerksOfShortPeriodsAreRecordedAsTheyAre) {
   }
 }
 
+// A task with modes leaves out less, and its result says the same.
+TEST_F(ProgramCommand, ResultsUnderABoundOfVibrationAreAccepted) {
+  for (const char* damping : {"", "damping_ratio = 0.05\n"}) {
+    write("mode.toml", std::string("sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 300\n"
+                                   "acceleration_max_mm_s2 = 3000\njerk_max_mm_s3 = 100000\n"
+                                   "[[mode]]\nfrequency_Hz = [38, 46]\nresidual_max = 0.1\n") +
+                           damping);
+    write("part.ngc", "G64 P0.05 F3000\nG1 X50\nG1 Y30\n");
+    for (const char* plan : {"fixed", "profiles"}) {
+      ASSERT_EQ(run("program part.ngc --task mode.toml --json r.json --plan " + std::string(plan)).code, 0);
+      EXPECT_THAT(run("verify r.json").out, StartsWith("accepted: ")) << plan << damping;
+    }
+  }
+}
+
 // A machine waits for its spindle before the first move, whatever the plan.
 TEST_F(ProgramCommand, ADwellBeforeTheFirstMoveIsKept) {
   write("free.toml",

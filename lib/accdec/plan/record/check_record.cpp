@@ -94,6 +94,7 @@ RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, 
 
 RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed) {
   ProgramResultCheck check = verify_program_result(record.result, record.task, record.filters);
+  check.found.task_machine = record.task.machine;
   compare_names(record, check.reasons);
   if (record.result.plan.path.tolerance.back() < unlimited || record.result.errors.back() != 0.0)
     check.reasons.emplace_back("the last block ends in no joint: its tolerance must be null, and its error 0");
