@@ -13,7 +13,12 @@ import json
 import pathlib
 import resource
 import subprocess
+import sys
 import time
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
+from colours import SERIES
 
 COLUMNS = (
     "kind",
@@ -43,15 +48,16 @@ set ylabel 'processor time in user mode / s'
 set key outside right top Left reverse samplen 1
 set grid lc rgb '#dddddd'
 f = '{out}/many_corners.csv'
-plot {curves}, NaN with points lc rgb '#808080' pt 6 title 'stopped without a whole proof'
+plot {curves}, NaN with points lc rgb '#808080' pt 6 title 'open: stopped without a whole proof'
 """
 TITLE = "Proofs for several corners that share a filter: processor time"
+# Place beside the number of corners, and gnuplot's symbols with a proof and without one.
 MARKS = {
-    "jerk": ("#000000", 0),
-    "force": ("#0b5fa5", 0.12),
-    "vibration": ("#c8501e", 0.24),
-    "power": ("#2e7d32", -0.12),
-    "unequal": ("#8e44ad", -0.24),
+    "jerk": (0, 7, 6),
+    "force": (0.12, 5, 4),
+    "vibration": (0.24, 9, 8),
+    "power": (-0.12, 11, 10),
+    "unequal": (-0.24, 13, 12),
 }
 
 
@@ -92,8 +98,8 @@ def row_of(accdec, task, limit, threads):
 
 def draw(out):
     curves = []
-    for kind, (colour, beside) in MARKS.items():
-        for status, mark, title in ((1, 7, f"title '{kind}'"), (0, 6, "notitle")):
+    for colour, (kind, (beside, proved, stopped)) in zip(SERIES, MARKS.items()):
+        for status, mark, title in ((1, proved, f"title '{kind}'"), (0, stopped, "notitle")):
             shown = f"(strcol(1) eq '{kind}' && (strcol(4) eq 'optimal') == {status} ? $8 : NaN)"
             curves.append(f"f using ($2+{beside}):{shown} with points lc rgb '{colour}' pt {mark} {title}")
     subprocess.run(["gnuplot"], input=PLOT.format(out=out, curves=", ".join(curves)), text=True, check=True)

@@ -157,8 +157,12 @@ TEST(ExactBruteForce, ThreeCornersAgreeWithTheSearchBelowATarget) {
     expect_proved(task, result);
     if (HasFailure()) break;
     const double best = result.objective() / task.sample_period;
-    EXPECT_EQ(exact::Search(task, [] { return false; }).below(best), exact::Search::Answer::proved);
-    EXPECT_EQ(exact::Search(task, [] { return false; }).below(best * (1.0 + 1e-6)), exact::Search::Answer::found);
+    const auto below = [&](double target) {
+      exact::Workbench bench(task, [] { return false; });
+      return exact::Search(bench).below(target);
+    };
+    EXPECT_EQ(below(best), exact::Search::Answer::proved);
+    EXPECT_EQ(below(best * (1.0 + 1e-6)), exact::Search::Answer::found);
   }
 }
 

@@ -81,7 +81,7 @@ TEST(GrantedLimits, CertificatesNameTheTolerance) {
   Certificate narrower = *result.certificate;
   auto& proof = std::get<proof::BranchAndBound>(narrower.proof);
   EXPECT_GT(proof.tolerance, verification_tolerance);
-  for (const double tolerance : {0.0, 1e-9, -1.0, std::nan("")}) {
+  for (const double tolerance : {0.0, 1e-9, -1.0, 1e308, std::nan("")}) {
     proof.tolerance = tolerance;
     result.certificate = std::make_shared<Certificate>(narrower);
     const CheckReport report = check_certificate(task, result);

@@ -1,14 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
+#include <accdec/exact/branching.hpp>
 #include <accdec/exact/corner_error.hpp>
-#include <accdec/exact/search.hpp>
-
-// Chooses where a box of several corners is split. With one corner the widest range will do. With several corners most
-// ranges do not matter. Then trying a few splits before choosing one ("strong branching") saves more boxes than it
-// costs.
+#include <accdec/exact/parts.hpp>
 
 namespace accdec::exact {
 namespace {
@@ -72,74 +68,34 @@ std::vector<Scored> candidates(const LimitModel& model, const Box& box, const Ou
 
 }  // namespace
 
-std::pair<Box, Box> parts(const Box& box, const proof::OrderSplit& split) {
-  std::pair<Box, Box> both{box, box};
-  both.first.order_most = split.at;
-  both.second.order_least = split.at + 1;
-  return both;
-}
-
-std::pair<Box, Box> parts(const Box& box, const proof::Split& split) {
-  std::pair<Box, Box> both{box, box};
-  const auto j = static_cast<std::size_t>(split.corner);
-  CornerBox &first = both.first.corners[j], &second = both.second.corners[j];
-  (split.on_delay ? first.d2 : first.k2) = split.at;
-  (split.on_delay ? second.d1 : second.k1) = split.at + 1;
-  return both;
-}
-
-std::pair<Box, Box> parts(const Box& box, const proof::ResponseSplit& split) {
-  std::pair<Box, Box> both{box, box};
-  both.first.path.push_back({split.sample, true, split.level});
-  both.second.path.push_back({split.sample, false, split.level});
-  return both;
-}
-
-std::pair<Box, Box> parts(const Box& box, const proof::Node& node) {
-  if (const auto* response = std::get_if<proof::ResponseSplit>(&node)) return parts(box, *response);
-  if (const auto* order = std::get_if<proof::OrderSplit>(&node)) return parts(box, *order);
-  if (const auto* split = std::get_if<proof::Split>(&node)) return parts(box, *split);
-  throw std::logic_error("a node of a proof that is no split of a box has no parts");
-}
-
-std::size_t after(const std::vector<proof::Node>& tree, std::size_t node) {
-  for (std::size_t left = 1; left > 0; --left, ++node) {
-    const proof::Node& at = tree[node];
-    if (std::holds_alternative<proof::Split>(at) || std::holds_alternative<proof::OrderSplit>(at) ||
-        std::holds_alternative<proof::ResponseSplit>(at) || std::holds_alternative<proof::SymmetricOrders>(at))
-      left += 2;
-  }
-  return node;
-}
-
-std::optional<proof::Node> Search::split_of_long_orders(const Box& box) const {
+std::optional<proof::Node> Branching::split_of_long_orders(const Box& box) const {
   if (!box.budget) return std::nullopt;
-  const int least = std::max({task_.design.order_min, 0, box.order_least, smallest_order_});
+  const int least = std::max({task_.design.order_min, 0, box.order_least, bench_.smallest_order});
   const int at = least + std::max(2, least / 6);
   if (box.order <= at + at / 6) return std::nullopt;
   return proof::OrderSplit{at};
 }
 
-std::optional<double> Search::try_part(Box box) {
-  if (!narrow(box, nullptr) || stop_()) return std::nullopt;
+std::optional<double> Branching::try_part(Box box) {
+  if (!bench_.narrow(box, nullptr) || bench_.told_to_stop()) return std::nullopt;
   if (draft_.refuted_before(box) >= 0) return std::nullopt;
-  Outcome outcome = relaxation_->solve(box, false);
+  Outcome outcome = bench_.relaxation().solve(box, false);
   if (outcome.kind == Outcome::refuted) {
     draft_.remember(draft_.keep(std::move(outcome.multipliers)));
     return std::nullopt;
   }
-  if (outcome.filter) offer(*outcome.filter);
+  if (outcome.filter) designs_.offer(*outcome.filter);
   return outcome.excess;
 }
 
-proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome& outcome) {
+proof::Node Branching::choose_split(const Box& whole, const Box& box, const Outcome& outcome) {
   std::vector<Scored> tried = candidates(model_, box, outcome);
   const int least = std::max({task_.design.order_min, 0, box.order_least});
   if (least < box.order)
     tried.push_back({proof::OrderSplit{least + (box.order - least) / 2}, std::numeric_limits<double>::infinity()});
   std::sort(tried.begin(), tried.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
   // Linear programs of long filters cost most, and they refute about the same wherever they are split.
-  const std::size_t most = 3 * box.order > 4 * smallest_order_ + 12 ? 2 : most_tried;
+  const std::size_t most = 3 * box.order > 4 * bench_.smallest_order + 12 ? 2 : most_tried;
   if (tried.size() > most) tried.resize(most);
   std::size_t chosen = 0;
   double promise = -1.0;
@@ -150,7 +106,7 @@ proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
       return excess ? std::max(0.0, *excess - outcome.excess) : refuted_gain;
     };
     const double a = gain(first), b = gain(second);
-    if (stop_() || (best && best->value < target_ * (1.0 - 1e-9))) break;
+    if (bench_.told_to_stop() || bench_.below_target()) break;
     const double product = (a + 1e-6) * (b + 1e-6);
     if (product > promise) promise = product, chosen = i;
     if (a == refuted_gain && b == refuted_gain) break;
@@ -160,7 +116,7 @@ proof::Node Search::choose_split(const Box& whole, const Box& box, const Outcome
 
 /// Splits to reduce the error that the filter misses most. If the filter holds all errors, other limits of the blend
 /// are broken. These bind only a single delay, or the order that a longer delay leaves.
-proof::Node Search::split_alone(const Filter& filter, const Box& box) const {
+proof::Node Branching::split_alone(const Filter& filter, const Box& box) const {
   const CornerBox& c = box.corners.front();
   const CornerError error(model_, filter, 0);
   ErrorSplit chosen;

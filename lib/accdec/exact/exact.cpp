@@ -11,7 +11,7 @@ namespace accdec {
 
 void ExactRun::explain(DesignResult& result) const {
   if (result.status == Status::optimal) return;
-  const bool stop = Clock::now() > until_ || cancelled();
+  const bool stop = stopped();
   if (stop)
     result.stop = cancelled() ? StopReason::interrupted : StopReason::time_limit;
   else if (result.status == Status::feasible && close_enough())
@@ -24,7 +24,7 @@ void ExactRun::explain(DesignResult& result) const {
                            "reverses at every sample of the corner"
                          : "the limits can be held only to within rounding at anything shorter: whether "
                            "there is such a design is open";
-  } else if (!search_.best) {
+  } else if (!bench_.designs.best) {
     result.message =
         stop      ? "stopped before a design was found"
         : convex_ ? "no design was found, but none could be excluded either: some limit can be held only to within "
@@ -42,15 +42,16 @@ DesignResult ExactRun::conclude() {
     const exact::Conflict conflict = exact::find_conflict(task_, [this] { return stopped(); });
     result.message = exact::to_message(conflict, task_);
     search_.proof.conflict = conflict.limits;
-  } else if (search_.best) {
-    const exact::Candidate& best = *search_.best;
+  } else if (bench_.designs.best) {
+    const exact::Candidate& best = *bench_.designs.best;
     result = assess(task_, best.filter, best.delays, false);
-    result.lower_bound = std::min(low_, best.value) * task_.sample_period;
+    result.lower_bound = std::min(targets_.low(), best.value) * task_.sample_period;
     result.gap = std::max(0.0, (result.objective() - *result.lower_bound) / result.objective());
-    if (result.status == Status::feasible && low_ >= best.value * (1.0 - 1e-9)) result.status = Status::optimal;
+    if (result.status == Status::feasible && targets_.low() >= best.value * (1.0 - 1e-9))
+      result.status = Status::optimal;
   } else {
     result.status = Status::failed;
-    result.lower_bound = low_ * task_.sample_period;
+    result.lower_bound = targets_.low() * task_.sample_period;
   }
   if (!infeasible_) explain(result);
   result.solver.method = "exact";

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <chrono>
-#include <functional>
 #include <memory>
-#include <optional>
 
 #include <accdec/exact/exact.hpp>
+#include <accdec/exact/first_designs.hpp>
 #include <accdec/exact/joint.hpp>
 #include <accdec/exact/search.hpp>
-#include <accdec/task/objective.hpp>
+#include <accdec/exact/targets.hpp>
+#include <accdec/files.hpp>
 
 namespace accdec {
 
@@ -23,19 +22,14 @@ class ExactRun {
   DesignResult go_on(const ExactOptions& options);
 
  private:
-  using Answer = exact::Search::Answer;
-  using Clock = std::chrono::steady_clock;
   bool stopped() const;
   bool cancelled() const { return options_.cancel != nullptr && options_.cancel->load(); }
-  std::optional<DesignResult> refusal() const;
   void first_designs();
-  void offer_shapes();
   void sweep_orders();
   void at_once();
   void together();
   void by_targets();
-  std::optional<double> next_target();
-  void take(Answer answer, double target);
+  void take(exact::Search::Answer answer, double target);
   bool close_enough() const;
   void tell() const;
   DesignResult conclude();
@@ -43,21 +37,17 @@ class ExactRun {
 
   const Task& task_;
   ExactOptions options_;
-  Clock::time_point until_;
+  Deadline until_;
   double wall_time_ = 0.0;  ///< s, of earlier calls
-  const LinearCost cost_;
-  const bool convex_, several_, jointly_;
-  const bool minimises_;  ///< one tree of linear programs finds the shortest design
-  const double fixed_;    ///< of given delays
-  double step_ = 0.0;
-  exact::Search search_;
+  /// minimises: one tree of linear programs finds the shortest design.
+  const bool convex_, several_, jointly_, minimises_;
+  exact::Targets targets_;
+  exact::Workbench bench_;
+  exact::FirstDesigns first_{bench_};
+  exact::Search search_{bench_};
   std::unique_ptr<exact::Joint> joint_;
   int least_ = -1;  ///< smallest order that may do; -1: not known yet
   bool swept_ = false, tried_at_once_ = false;
-  double low_, high_ = unlimited;       ///< samples; bound and shortest known
-  double trial_ = 0.0;                  ///< next bound to try where no design is known
-  double climb_ = 0.0, climbed_ = 0.0;  ///< the next step up from a bound and where the last one led; 0: there is none
-  double open_ = unlimited;             ///< the least target with a part in which rounding decides
   bool proved_ = false, infeasible_ = false;
 };
 

@@ -24,7 +24,7 @@ int provers_for(const Task& task, int order) {
 
 }  // namespace
 
-Joint::Joint(const Task& task, Search& designs, int least, std::function<bool()> stop)
+Joint::Joint(const Task& task, Designs& designs, int least, std::function<bool()> stop)
     : task_(task),
       designs_(designs),
       stop_(stop),
@@ -62,11 +62,11 @@ double Joint::bound() const {
 void Joint::share() {
   for (const auto& prover : provers_) {
     for (const bool wide : {false, true}) {
-      const auto& best = prover->of(wide).best;
+      const auto& best = prover->of(wide).best();
       if (best && best->value < target()) designs_.best = best;
     }
   }
-  for (const auto& prover : provers_) prover->of(false).best = prover->of(true).best = designs_.best;
+  for (const auto& prover : provers_) prover->of(false).best() = prover->of(true).best() = designs_.best;
 }
 
 Joint::State Joint::step() {

@@ -8,12 +8,12 @@
 #include <accdec/exact/joint_lemmas.hpp>
 #include <accdec/exact/joint_tree.hpp>
 #include <accdec/exact/lemma_prover.hpp>
-#include <accdec/exact/search.hpp>
+#include <accdec/exact/together_search.hpp>
 
 namespace accdec::exact {
 
 /// The proof for several corners that share a filter, by branch and check. A master tree over the delays (JointTree)
-/// takes the cheapest delays that no lemma forbids. A search over the samples ("together", Search::refute_together)
+/// takes the cheapest delays that no lemma forbids. A search over the samples (TogetherSearch)
 /// then looks for a filter with these delays. It finds one, which is a better design, or it proves that there is none.
 /// Such a proof is reduced to the corners it needs, and its delays are raised as far as it still holds. The result is a
 /// lemma: "no filter up to this order has delays up to these at these corners". A lemma holds everywhere in the tree.
@@ -26,7 +26,7 @@ class Joint {
   /// @param designs  holds the best design known, finite; better ones are put there
   /// @param least  smallest order that holds the limits not tied to a tolerance
   /// @param stop  polled from all threads
-  Joint(const Task& task, Search& designs, int least, std::function<bool()> stop);
+  Joint(const Task& task, Designs& designs, int least, std::function<bool()> stop);
   void use_threads(int threads) { threads_ = threads; }
 
   enum class State { proved, going_on, stopped, open };
@@ -54,7 +54,7 @@ class Joint {
   void share();
 
   const Task& task_;
-  Search& designs_;
+  Designs& designs_;
   std::function<bool()> stop_;
   Window window_;
   std::vector<std::unique_ptr<LemmaProver>> provers_;

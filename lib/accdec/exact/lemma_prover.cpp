@@ -20,14 +20,12 @@ LemmaProver::LemmaProver(const Task& task, const std::function<bool()>& stop, co
       cost_(cost_of(task)),
       sees_all_(LimitModel(task).convex()),
       number_(number),
-      some_(task, stop, BoxKind::together),
-      any_(task, stop, BoxKind::window) {
-  any_.look_through(window);
-}
+      some_(task, stop),
+      any_(task, stop, window) {}
 
 bool LemmaProver::refutes(bool wide, int order, const std::vector<int>& most, long budget,
                           std::vector<proof::Node>& tree) {
-  Search::Together answer = of(wide).refute_together(order, most, budget, tree);
+  TogetherSearch::Answer answer = of(wide).refute(order, most, budget, tree);
   if (answer.refuted) tree = std::move(answer.tree);
   return answer.refuted;
 }
@@ -137,12 +135,12 @@ void LemmaProver::check(JointWork& work, const JointTree& tree, double target) {
     work.lemma = learn(at, room, true, work.order, std::move(proof));
     return;
   }
-  Search::Together answer = some_.refute_together(work.order, at.d1, no_budget);
+  TogetherSearch::Answer answer = some_.refute(work.order, at.d1, no_budget);
   if (answer.refuted) {
     work.lemma = learn(at, room, false, work.order, std::move(answer.tree));
     return;
   }
-  if (some_.best->value < target * (1.0 - 1e-12)) return;
+  if (some_.best()->value < target * (1.0 - 1e-12)) return;
   work.undecided = !stop_();
 }
 

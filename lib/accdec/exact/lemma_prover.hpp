@@ -7,7 +7,7 @@
 
 #include <accdec/exact/joint_lemmas.hpp>
 #include <accdec/exact/joint_tree.hpp>
-#include <accdec/exact/search.hpp>
+#include <accdec/exact/together_search.hpp>
 
 // Internal to the joint proof (joint.hpp): finds its lemmas.
 
@@ -30,8 +30,8 @@ class LemmaProver {
   LemmaProver(const Task& task, const std::function<bool()>& stop, const Window& window, int number);
 
   /// For filters up to an order, or (wide) of any order.
-  Search& of(bool wide) { return wide ? any_ : some_; }
-  const Search& of(bool wide) const { return wide ? any_ : some_; }
+  TogetherSearch& of(bool wide) { return wide ? any_ : some_; }
+  const TogetherSearch& of(bool wide) const { return wide ? any_ : some_; }
   long linear_programs() const { return some_.linear_programs() + any_.linear_programs(); }
 
   /// A lemma of no corner: no filter up to this order holds the limits that are not tied to a delay.
@@ -59,7 +59,7 @@ class LemmaProver {
   LinearCost cost_;
   bool sees_all_;  ///< windows see every kind of limit there is
   int number_;
-  Search some_, any_;
+  TogetherSearch some_, any_;
 };
 
 }  // namespace accdec::exact

@@ -13,7 +13,8 @@ Conflict find_conflict(const Task& task, const std::function<bool()>& stop) {
   Conflict conflict;
   const auto may_have_design = [&](const Task& without) {
     if (stop()) conflict.minimal = false;
-    return stop() || Search(without, stop).below(std::numeric_limits<double>::infinity()) != Search::Answer::proved;
+    Workbench bench(without, stop);
+    return stop() || Search(bench).below(std::numeric_limits<double>::infinity()) != Search::Answer::proved;
   };
   conflict.limits = limits_in_conflict(task, true, may_have_design);
   return conflict;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 
+#include <accdec/exact/parts.hpp>
 #include <accdec/exact/search.hpp>
 
 namespace accdec::exact {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/exact/parts.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/task/objective.hpp>
 
@@ -32,29 +33,26 @@ Search::Answer Search::minimise(double target, long budget) {
   going_on_ = task_.corners.size() == 1;
   by_chords_ = going_on_ && (!model_.convex() || task_.design.symmetric);
   reached_ = unlimited;
-  budget_end_ = linear_programs() + budget;
+  bench_.allow(budget);
   const Answer answer = search(target);
-  budget_end_ = std::numeric_limits<long>::max();
+  bench_.allow_all();
   by_chords_ = false;
   return answer;
 }
 
 Search::Answer Search::search(double target) {
-  target_ = target;
-  draft_.begin();
-  Box box = root();
-  if (tighten(task_, target, box)) size_for(box.order);
+  bench_.aim(target);
   std::size_t next = 0;
   // With several corners, splits that were right for one target are wrong for the next: their budget differs.
   const bool again = task_.corners.size() == 1 && !going_on_ && !proof.tree.empty() && proof.target <= target;
-  const State state = again ? refute_again(root(), next) : refute(root());
-  if (state == State::found) return Answer::found;
-  if (state == State::open) return Answer::open;
-  if (state == State::stopped) return Answer::unknown;
-  Proof written = draft_.take(target_);
-  if (target_ < target) {
-    auto shorter = pruned(model_, root(), written);
-    if (!shorter) return going_on_ && by_chords_ ? Answer::unknown : below(target_);
+  const BoxState state = again ? refute_again(bench_.root(), next) : refute(bench_.root());
+  if (state == BoxState::found) return Answer::found;
+  if (state == BoxState::open) return Answer::open;
+  if (state == BoxState::stopped) return Answer::unknown;
+  Proof written = draft_.take(bench_.target());
+  if (bench_.target() < target) {
+    auto shorter = pruned(model_, bench_.root(), written);
+    if (!shorter) return going_on_ && by_chords_ ? Answer::unknown : below(bench_.target());
     written = std::move(*shorter);
   }
   proof = std::move(written);
@@ -62,26 +60,26 @@ Search::Answer Search::search(double target) {
 }
 
 /// After something was found in a box: lowers the target to it and looks at the box again.
-Search::State Search::go_on(State state, const Box& box) {
-  if (state != State::found || !going_on_) return state;
-  const double reached = std::min(best ? best->value : unlimited, reached_);
-  if (!(reached < target_)) return state;
-  target_ = reached;
+BoxState Search::go_on(BoxState state, const Box& box) {
+  if (state != BoxState::found || !going_on_) return state;
+  const double reached = std::min(designs_.best ? designs_.best->value : unlimited, reached_);
+  if (!(reached < bench_.target())) return state;
+  bench_.set_target(reached);
   return refute(box);
 }
 
 /// A single delay and sample that the chords do not refute: the shortest value there limits what the chords can prove.
-Search::State Search::reach_by_chords(const Box& box, const Outcome& outcome) {
-  if (outcome.kind != Outcome::feasible) return undecided();
+BoxState Search::reach_by_chords(const Box& box, const Outcome& outcome) {
+  if (outcome.kind != Outcome::feasible) return bench_.undecided();
   const Filter filter = trimmed(*outcome.filter, task_);
   reached_ = std::min(reached_, value_of_one(task_, filter.order(), box.corners.front().d1));
-  return State::found;
+  return BoxState::found;
 }
 
 /// Repeats the last proof's splits for a longer target: its multipliers still refute most of the boxes.
 /// @param next  of its nodes
-Search::State Search::refute_again(const Box& whole, std::size_t& next) {
-  if (stopped()) return State::stopped;
+BoxState Search::refute_again(const Box& whole, std::size_t& next) {
+  if (bench_.stopped()) return BoxState::stopped;
   const proof::Node& node = proof.tree[next++];
   const auto* refuted = std::get_if<proof::Refuted>(&node);
   const auto* split = std::get_if<proof::Split>(&node);
@@ -90,9 +88,9 @@ Search::State Search::refute_again(const Box& whole, std::size_t& next) {
   };
   Box box = whole;
   proof::Node why;
-  if (!narrow(box, &why)) {
+  if (!bench_.narrow(box, &why)) {
     skip();
-    return leave(why);
+    return bench_.leave(why);
   }
   if (split != nullptr) {
     draft_.add(node);
@@ -102,7 +100,7 @@ Search::State Search::refute_again(const Box& whole, std::size_t& next) {
   skip();
   if (refuted == nullptr) return refute(whole);
   const Multipliers& y = proof.multipliers[static_cast<std::size_t>(refuted->multipliers)];
-  if (refutation(model_, y, box) > 0.0) return close_by(draft_.keep(y));
+  if (refutation(model_, y, box) > 0.0) return bench_.close_by(draft_.keep(y));
   return refute(whole);
 }
 

@@ -2,13 +2,11 @@
 #include <cmath>
 
 #include <accdec/exact/corner_error.hpp>
-#include <accdec/exact/search.hpp>
+#include <accdec/exact/parts.hpp>
+#include <accdec/exact/sum_search.hpp>
+#include <accdec/exact/together_search.hpp>
 #include <accdec/exact/window.hpp>
 #include <accdec/machine/limits.hpp>
-
-// Refutes boxes of several corners with upper bounds on the delays and the order, whatever they cost. The joint proof
-// asks this, see joint.hpp. Only the samples are open here, and the linear program's own filter tells which of them to
-// split.
 
 namespace accdec::exact {
 namespace {
@@ -27,34 +25,38 @@ int corner_of(const proof::Row& id) {
 
 }  // namespace
 
-bool Search::blend_holds(const Filter& filter, const Box& box, std::size_t j, int delay) const {
+TogetherSearch::TogetherSearch(const Task& task, std::function<bool()> stop, Window window)
+    : bench_(task, std::move(stop), window.order > 0 ? BoxKind::window : BoxKind::together),
+      window_(std::move(window)) {}
+
+bool TogetherSearch::blend_holds(const Filter& filter, const Box& box, std::size_t j, int delay) const {
   Box one = box;
   for (std::size_t i = 0; i < one.corners.size(); ++i) {
     if (i != j) one.corners[i].d1 = 0, one.corners[i].d2 = 1;
   }
   one.corners[j].d1 = one.corners[j].d2 = delay;
-  const auto broken = model_.rows.broken_blend_rows(filter, one, 1e-9);
+  const auto broken = bench_.model().rows.broken_blend_rows(filter, one, 1e-9);
   if (std::any_of(broken.begin(), broken.end(),
                   [&](const proof::Row& id) { return !box.window || inside_window(id, one); }))
     return false;
   if (box.window) return true;
-  for (const ChordFamily& family : model_.chords.families()) {
+  for (const ChordFamily& family : bench_.model().chords.families()) {
     if (family.corner != static_cast<int>(j)) continue;
-    for (int sample = 1; sample <= model_.chords.last_sample(family, one); ++sample) {
-      if (model_.chords.use(family, sample, filter, one) > 1.0 + 1e-9) return false;
+    for (int sample = 1; sample <= bench_.model().chords.last_sample(family, one); ++sample) {
+      if (bench_.model().chords.use(family, sample, filter, one) > 1.0 + 1e-9) return false;
     }
   }
   return true;
 }
 
-std::optional<proof::Node> Search::split_together(const Filter& filter, const Box& box) const {
+std::optional<proof::Node> TogetherSearch::split(const Filter& filter, const Box& box) const {
   ErrorSplit chosen;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const CornerBox& c = box.corners[j];
     if (!among_[j]) continue;
-    bool error_holds = !model_.cone(j), limits_hold = false;
+    bool error_holds = !bench_.model().cone(j), limits_hold = false;
     std::optional<CornerError> error;
-    if (model_.cone(j)) error.emplace(model_, filter, j);
+    if (bench_.model().cone(j)) error.emplace(bench_.model(), filter, j);
     for (int d = c.d1; d <= c.d2 && !limits_hold; ++d) {
       if (error && !error->holds(d, c, box.order)) continue;
       error_holds = true;
@@ -69,45 +71,43 @@ std::optional<proof::Node> Search::split_together(const Filter& filter, const Bo
     }
   }
   if (chosen.gain > -std::numeric_limits<double>::infinity()) return chosen.split;
-  if (model_.convex() || box.window) return std::nullopt;
-  const auto broken = widest_break(model_, filter, box, &among_);
+  if (bench_.model().convex() || box.window) return std::nullopt;
+  const auto broken = widest_break(bench_.model(), filter, box, &among_);
   if (!broken) return std::nullopt;
   // Rounding decides here: nothing is left to split.
   if (broken->sample == 0) return proof::TooLong{};
   return proof::ResponseSplit{broken->sample, broken->level};
 }
 
-Search::State Search::refute_together(Box box, int depth) {
-  if (stopped()) return State::stopped;
-  if (depth > 400) return State::open;
+BoxState TogetherSearch::refute(Box box, int depth) {
+  if (bench_.stopped()) return BoxState::stopped;
+  if (depth > 400) return BoxState::open;
   const Box whole = box;
   proof::Node why;
-  if (!narrow(box, &why)) return leave(why);
-  if (const int y = draft_.refuted_before(box); y >= 0) return close_by(y);
-  Outcome outcome = relaxation_->solve(box, false);
-  if (outcome.kind == Outcome::refuted) return close_by(draft_.keep(std::move(outcome.multipliers)));
-  if (!outcome.filter) return undecided();
-  offer(*outcome.filter);
-  const auto node = split_together(*outcome.filter, box);
-  if (!node) {
-    together_ = *outcome.filter;
-    return State::found;
-  }
-  if (std::holds_alternative<proof::TooLong>(*node)) return State::open;
-  draft_.add(*node);
+  if (!bench_.narrow(box, &why)) return bench_.leave(why);
+  if (const int y = bench_.draft().refuted_before(box); y >= 0) return bench_.close_by(y);
+  Outcome outcome = bench_.relaxation().solve(box, false);
+  if (outcome.kind == Outcome::refuted) return bench_.close_by(bench_.draft().keep(std::move(outcome.multipliers)));
+  if (!outcome.filter) return bench_.undecided();
+  bench_.designs.offer(*outcome.filter);
+  const auto node = split(*outcome.filter, box);
+  if (!node) return BoxState::found;
+  if (std::holds_alternative<proof::TooLong>(*node)) return BoxState::open;
+  bench_.draft().add(*node);
   std::pair<Box, Box> both_parts = parts(whole, *node);
-  const State state = refute_together(std::move(both_parts.first), depth + 1);
-  return state == State::closed ? refute_together(std::move(both_parts.second), depth + 1) : state;
+  const BoxState state = refute(std::move(both_parts.first), depth + 1);
+  return state == BoxState::closed ? refute(std::move(both_parts.second), depth + 1) : state;
 }
 
 /// Repeats a proof's splits for a box of other delays: its multipliers still refute most parts.
-Search::State Search::refute_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole, int depth) {
-  if (stopped()) return State::stopped;
+BoxState TogetherSearch::refute_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole,
+                                     int depth) {
+  if (bench_.stopped()) return BoxState::stopped;
   Box box = whole;
   proof::Node why;
-  if (!narrow(box, &why)) return leave(why);
+  if (!bench_.narrow(box, &why)) return bench_.leave(why);
   if (const auto* refuted = std::get_if<proof::Refuted>(&tree[node])) {
-    if (draft_.refutes(refuted->multipliers, box)) return close_by(refuted->multipliers);
+    if (bench_.draft().refutes(refuted->multipliers, box)) return bench_.close_by(refuted->multipliers);
   } else if (const auto* split = std::get_if<proof::Split>(&tree[node])) {
     const CornerBox& c = whole.corner(split->corner);
     const std::size_t first = node + 1, second = after(tree, first);
@@ -120,27 +120,28 @@ Search::State Search::refute_like(const std::vector<proof::Node>& tree, std::siz
   } else if (std::holds_alternative<proof::ResponseSplit>(tree[node])) {
     return both_like(tree, node, whole, depth);
   }
-  return refute_together(whole, depth);
+  return refute(whole, depth);
 }
 
-Search::State Search::both_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole, int depth) {
-  draft_.add(tree[node]);
+BoxState TogetherSearch::both_like(const std::vector<proof::Node>& tree, std::size_t node, const Box& whole,
+                                   int depth) {
+  bench_.draft().add(tree[node]);
   const auto [a, b] = parts(whole, tree[node]);
-  const State state = refute_like(tree, node + 1, a, depth + 1);
-  return state == State::closed ? refute_like(tree, after(tree, node + 1), b, depth + 1) : state;
+  const BoxState state = refute_like(tree, node + 1, a, depth + 1);
+  return state == BoxState::closed ? refute_like(tree, after(tree, node + 1), b, depth + 1) : state;
 }
 
-Search::Together Search::refute_together(int order, const std::vector<int>& most, long budget,
-                                         const std::vector<proof::Node>& like) {
-  target_ = std::numeric_limits<double>::infinity();
-  draft_.take_tree();
+TogetherSearch::Answer TogetherSearch::refute(int order, const std::vector<int>& most, long budget,
+                                              const std::vector<proof::Node>& like) {
+  bench_.set_target(std::numeric_limits<double>::infinity());
+  bench_.draft().take_tree();
   if (window_.order > 0) order = window_.order;
-  Box box = root();
+  Box box = bench_.root();
   box.order_most = order;
   among_.assign(box.corners.size(), 0);
   for (std::size_t j = 0; j < most.size(); ++j) {
     if (most[j] < 0) {
-      if (!task_.corners[j].delay) box.corners[j].d2 = order + settling + box.longer();
+      if (!bench_.task().corners[j].delay) box.corners[j].d2 = order + settling + box.longer();
       box.corners[j].k2 = box.corners[j].d2 + order + 1 + box.longer();
       continue;
     }
@@ -156,20 +157,19 @@ Search::Together Search::refute_together(int order, const std::vector<int>& most
     CornerBox& c = box.corners[static_cast<std::size_t>(anchor)];
     c.k1 = c.k2 = window_.at[static_cast<std::size_t>(anchor)];
   }
-  size_for(order);
-  together_.reset();
-  budget_end_ = linear_programs() + budget;
-  Together answer;
-  const State state = like.empty() ? refute_together(std::move(box), 0) : refute_like(like, 0, box, 0);
-  budget_end_ = std::numeric_limits<long>::max();
-  answer.refuted = state == State::closed;
-  answer.holds = state == State::found;
-  answer.tree = draft_.take_tree();
+  bench_.size_for(order);
+  bench_.allow(budget);
+  Answer answer;
+  const BoxState state = like.empty() ? refute(std::move(box), 0) : refute_like(like, 0, box, 0);
+  bench_.allow_all();
+  answer.refuted = state == BoxState::closed;
+  answer.holds = state == BoxState::found;
+  answer.tree = bench_.draft().take_tree();
   return answer;
 }
 
-std::vector<char> Search::corners_used(const std::vector<proof::Node>& tree) const {
-  std::vector<char> used(task_.corners.size(), 0);
+std::vector<char> TogetherSearch::corners_used(const std::vector<proof::Node>& tree) const {
+  std::vector<char> used(bench_.task().corners.size(), 0);
   for (const proof::Node& node : tree) {
     if (const auto* split = std::get_if<proof::Split>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
     const auto* refuted = std::get_if<proof::Refuted>(&node);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <accdec/exact/search.hpp>
+#include <accdec/exact/sum_search.hpp>
 
 namespace accdec::exact {
 namespace {
@@ -45,26 +45,22 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
   return split;
 }
 
-Search::State Search::close(Multipliers y) {
-  return leave(proof::Refuted{draft_.keep(std::move(y))});
-}
-
-Search::State Search::split_sum(const Box& box, const SumBound& at, bool symmetric, int depth) {
-  if (at.sample == 0) return undecided();
+BoxState SumSearch::split(const Box& box, const SumBound& at, bool symmetric, int depth) {
+  if (at.sample == 0) return bench_.undecided();
   draft_.add(proof::ResponseSplit{at.sample, at.level});
   Box first = box, second = box;
   first.path.push_back({at.sample, true, at.level});
   second.path.push_back({at.sample, false, at.level});
-  return both(refute_sums(std::move(first), symmetric, depth + 1),
-              [&] { return refute_sums(std::move(second), symmetric, depth + 1); });
+  return both(refute(std::move(first), symmetric, depth + 1),
+              [&] { return refute(std::move(second), symmetric, depth + 1); });
 }
 
-/// Refutes a box of single delays and samples, for symmetric filters of exactly its order or for all filters up to it.
-Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
-  if (stopped() || depth > deepest) return undecided();
-  if (!model_.shrink(box)) return leave(proof::Unreachable{});
-  Outcome outcome = relaxation_->solve(box, symmetric);
-  if (outcome.kind == Outcome::refuted) return close(std::move(outcome.multipliers));
+BoxState SumSearch::refute(Box box, bool symmetric, int depth) {
+  if (bench_.stopped() || depth > deepest) return bench_.undecided();
+  if (!model_.shrink(box)) return bench_.leave(proof::Unreachable{});
+  Outcome outcome = bench_.relaxation().solve(box, symmetric);
+  if (outcome.kind == Outcome::refuted)
+    return bench_.leave(proof::Refuted{draft_.keep(std::move(outcome.multipliers))});
   if (outcome.kind != Outcome::feasible) {
     // The linear program gave no answer; its parts may give one.
     SumBound middle;
@@ -73,21 +69,19 @@ Search::State Search::refute_sums(Box box, bool symmetric, int depth) {
       const double low = box.tube.low[static_cast<std::size_t>(k)], high = box.tube.high[static_cast<std::size_t>(k)];
       if (high - low > widest) widest = high - low, middle = {k, true, 0.5 * (low + high)};
     }
-    return split_sum(box, middle, symmetric, depth);
+    return split(box, middle, symmetric, depth);
   }
-  std::vector<int> delays;
-  for (const CornerBox& b : box.corners) delays.push_back(b.d1);
   const auto found = [&](const Filter& filter) {
-    consider(trimmed(mended(filter, box, symmetric, delays), task_), delays);
-    return best && best->value < target_ * (1.0 - 1e-9);
+    designs_.offer(filter, box, symmetric);
+    return bench_.below_target();
   };
-  const auto split = widest_break(model_, *outcome.filter, box);
-  if (!split) return found(*outcome.filter) ? State::found : undecided();
+  const auto at = widest_break(model_, *outcome.filter, box);
+  if (!at) return found(*outcome.filter) ? BoxState::found : bench_.undecided();
   if (depth % 8 == 0) {
-    const auto repaired = relaxation_->repair(box, symmetric, *outcome.filter);
-    if (repaired && found(*repaired)) return State::found;
+    const auto repaired = bench_.relaxation().repair(box, symmetric, *outcome.filter);
+    if (repaired && found(*repaired)) return BoxState::found;
   }
-  return split_sum(box, *split, symmetric, depth);
+  return split(box, *at, symmetric, depth);
 }
 
 }  // namespace accdec::exact

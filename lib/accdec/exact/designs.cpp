@@ -1,0 +1,78 @@
+#include <algorithm>
+#include <limits>
+
+#include <accdec/exact/designs.hpp>
+#include <accdec/exact/relaxation.hpp>
+#include <accdec/task/delays_by_formula.hpp>
+#include <accdec/task/objective.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec::exact {
+
+Filter trimmed(const Filter& filter, const Task& task) {
+  const DesignBounds& bounds = task.design;
+  const bool damped = std::any_of(task.machine.modes.begin(), task.machine.modes.end(),
+                                  [](const Mode& mode) { return mode.damping_high > 0.0; });
+  std::vector<double> taps(filter.taps().begin(), filter.taps().end());
+  const auto longer = [&](std::size_t by) {
+    return static_cast<int>(taps.size()) - 1 - static_cast<int>(by) >= std::max(bounds.order_min, 0);
+  };
+  if (bounds.symmetric) {
+    while (!damped && longer(2) && taps.front() == 0.0 && taps.back() == 0.0) taps.pop_back(), taps.erase(taps.begin());
+  } else {
+    while (!damped && longer(1) && taps.back() == 0.0) taps.pop_back();
+    while (longer(1) && taps.front() == 0.0) taps.erase(taps.begin());
+  }
+  return Filter(std::move(taps));
+}
+
+void Designs::consider(Filter filter, const std::vector<int>& delays) {
+  const double value = cost_of(task())(filter.order(), delays);
+  if (best && value >= best->value * (1.0 - 1e-12)) return;
+  if (verify_by_simulation(task(), filter, delays).feasible) best = Candidate{std::move(filter), delays, value};
+}
+
+Filter Designs::mended(const Filter& filter, const Box& box, bool symmetric, const std::vector<int>& delays) {
+  double margin = 0.0;
+  Filter tried = filter;
+  for (int attempt = 0; attempt < 5; ++attempt) {
+    const VerificationReport report = verify_by_simulation(task(), trimmed(tried, task()), delays);
+    if (report.feasible) return tried;
+    // A larger violation is not rounding.
+    if (report.max_violation > 1e-6 || margin < 0.0) break;
+    margin = std::max(2.0 * margin, 2.0 * report.max_violation);
+    const auto asked_for = [&](double by) {
+      Relaxation relaxation(model_, box.order, stop_, by);
+      Outcome outcome = relaxation.solve(box, symmetric);
+      linear_programs_ += relaxation.linear_programs();
+      return outcome.filter;
+    };
+    auto next = attempt < 3 ? asked_for(margin) : std::nullopt;
+    // The limits leave no such margin, but perhaps part of what verification grants.
+    if (!next) next = asked_for(margin = almost_granted);
+    if (!next) break;
+    tried = std::move(*next);
+  }
+  return filter;
+}
+
+void Designs::offer(const Filter& filter, const Box& box, bool symmetric) {
+  std::vector<int> delays;
+  for (const CornerBox& b : box.corners) delays.push_back(b.d1);
+  consider(trimmed(mended(filter, box, symmetric, delays), task()), delays);
+}
+
+void Designs::offer(Filter filter) {
+  if (task().design.symmetric) {
+    std::vector<double> taps(filter.taps().begin(), filter.taps().end());
+    for (std::size_t i = 0; i < taps.size() / 2; ++i)
+      taps[i] = taps[taps.size() - 1 - i] = 0.5 * (taps[i] + taps[taps.size() - 1 - i]);
+    filter = Filter(std::move(taps));
+  }
+  filter = trimmed(filter, task());
+  if (filter.order() < task().design.order_min || filter.order() > task().design.order_max) return;
+  const auto delays = delays_by_formula(filter, task(), best ? best->value : std::numeric_limits<double>::infinity());
+  if (delays) consider(std::move(filter), *delays);
+}
+
+}  // namespace accdec::exact

@@ -1,0 +1,47 @@
+#include <stdexcept>
+
+#include <accdec/exact/parts.hpp>
+
+namespace accdec::exact {
+
+std::pair<Box, Box> parts(const Box& box, const proof::OrderSplit& split) {
+  std::pair<Box, Box> both{box, box};
+  both.first.order_most = split.at;
+  both.second.order_least = split.at + 1;
+  return both;
+}
+
+std::pair<Box, Box> parts(const Box& box, const proof::Split& split) {
+  std::pair<Box, Box> both{box, box};
+  const auto j = static_cast<std::size_t>(split.corner);
+  CornerBox &first = both.first.corners[j], &second = both.second.corners[j];
+  (split.on_delay ? first.d2 : first.k2) = split.at;
+  (split.on_delay ? second.d1 : second.k1) = split.at + 1;
+  return both;
+}
+
+std::pair<Box, Box> parts(const Box& box, const proof::ResponseSplit& split) {
+  std::pair<Box, Box> both{box, box};
+  both.first.path.push_back({split.sample, true, split.level});
+  both.second.path.push_back({split.sample, false, split.level});
+  return both;
+}
+
+std::pair<Box, Box> parts(const Box& box, const proof::Node& node) {
+  if (const auto* response = std::get_if<proof::ResponseSplit>(&node)) return parts(box, *response);
+  if (const auto* order = std::get_if<proof::OrderSplit>(&node)) return parts(box, *order);
+  if (const auto* split = std::get_if<proof::Split>(&node)) return parts(box, *split);
+  throw std::logic_error("a node of a proof that is no split of a box has no parts");
+}
+
+std::size_t after(const std::vector<proof::Node>& tree, std::size_t node) {
+  for (std::size_t left = 1; left > 0; --left, ++node) {
+    const proof::Node& at = tree[node];
+    if (std::holds_alternative<proof::Split>(at) || std::holds_alternative<proof::OrderSplit>(at) ||
+        std::holds_alternative<proof::ResponseSplit>(at) || std::holds_alternative<proof::SymmetricOrders>(at))
+      left += 2;
+  }
+  return node;
+}
+
+}  // namespace accdec::exact

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <accdec/certificate.hpp>
+#include <accdec/exact/box.hpp>
+
+namespace accdec::exact {
+
+/// Both parts of a split on a delay, a sample or the order.
+std::pair<Box, Box> parts(const Box& box, const proof::Split& split);
+std::pair<Box, Box> parts(const Box& box, const proof::OrderSplit& split);
+std::pair<Box, Box> parts(const Box& box, const proof::ResponseSplit& split);
+/// @throws std::logic_error  of any other node
+std::pair<Box, Box> parts(const Box& box, const proof::Node& node);
+/// The first node after this one and its parts, in a tree in preorder.
+std::size_t after(const std::vector<proof::Node>& tree, std::size_t node);
+
+}  // namespace accdec::exact
