@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files/output_files.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
@@ -56,7 +57,7 @@ std::string draw_program(const std::string& text, const PlotArguments& options, 
     return program_figure(record.result, *programmed, record.task.machine, format, view_from(options.view));
   if (plan_again) throw std::invalid_argument(options.result + ": holds no commands to draw, and " + why);
   std::fprintf(stderr, "%s: drawn without speed over time and without the time that corners cost: %s\n",
-               options.result.c_str(), why.c_str());
+               printable(options.result).c_str(), printable(why).c_str());
   const Figure figure = plot_program(record.result, view_from(options.view));
   return convert_svg(render_svg(figure), format, figure.title);
 }

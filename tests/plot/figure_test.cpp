@@ -161,6 +161,12 @@ TEST(Figure, LabelsOfLogarithmicAxesDoNotMeet) {
   const auto narrow = log_ticks(2.0, 8.0, 300.0, 0.0);
   ASSERT_EQ(narrow.size(), 2U);
   EXPECT_EQ(narrow[0].label + narrow[1].label, "25");
+  // Small and large numbers are powers of ten, all of them.
+  for (const auto& [low, high] : {std::pair{4e-5, 3e-4}, std::pair{2e5, 1.5e6}}) {
+    const auto ticks = log_ticks(low, high, 300.0, 0.0);
+    ASSERT_GE(ticks.size(), 2U);
+    for (const Tick& tick : ticks) EXPECT_NE(tick.label.find("10"), std::string::npos) << tick.label;
+  }
 }
 
 TEST(Figure, DrawsHeatMapsLogAxesAndEmptyPanels) {

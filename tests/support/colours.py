@@ -1,5 +1,11 @@
-"""How far apart colours are for people who see no red or no green."""
+"""The colours of figures, and how far apart colours are for people who see no red or no green."""
 import itertools
+import pathlib
+import re
+
+STYLE = pathlib.Path(__file__).parents[2] / "lib/accdec/plot/figure_style.hpp"
+# Those of series, in their order.
+SERIES = re.findall(r"#[0-9a-f]{6}", re.search(r"colours\{(.*?)\};", STYLE.read_text(), re.S)[1])
 
 # Machado, Oliveira, Fernandes: A Physiologically-based Model for Simulation of Color Vision Deficiency, 2009; the
 # matrices of the whole loss, for linear RGB.

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -161,7 +163,13 @@ std::vector<Tick> log_ticks(double low, double high, double pixels, double room)
   constexpr double air = 8.0, slack = 1e-9;
   const double first = std::ceil(std::log10(low) - slack), last = std::floor(std::log10(high) + slack);
   const double decade = pixels / (std::log10(high) - std::log10(low));
-  const auto plain = [](double value) { return fmt::format("{:g}", value); };
+  // All labels of an axis in one notation.
+  const bool powers = low < 1e-4 || high >= 1e6;
+  const auto label = [powers](char digit, double exponent) {
+    if (!powers) return fmt::format("{:g}", (digit - '0') * std::pow(10.0, exponent));
+    const std::string power = power_of_ten(static_cast<int>(exponent));
+    return digit == '1' ? power : fmt::format("{}\u00b7{}", digit, power);
+  };
   std::vector<Tick> ticks;
   if (last - first < 2.0) {  // powers of ten would be too few
     for (const std::string_view digits : {"125", "15", "13", "123456789"}) {
@@ -171,11 +179,11 @@ std::vector<Tick> log_ticks(double low, double high, double pixels, double room)
         for (const char digit : digits) {
           const double value = (digit - '0') * std::pow(10.0, exponent);
           if (value < low * (1.0 - slack) || value > high * (1.0 + slack)) continue;
-          const double needed = room > 0.0 ? room
-                                           : 0.5 * text_width(plain(value)) +
-                                                 (ticks.empty() ? 0.0 : 0.5 * text_width(ticks.back().label)) + air;
+          std::string text = label(digit, exponent);
+          const double before = ticks.empty() ? 0.0 : text_width(ticks.back().label);
+          const double needed = room > 0.0 ? room : 0.5 * (text_width(text) + before) + air;
           fit = fit && (ticks.empty() || decade * std::log10(value / ticks.back().value) >= needed);
-          ticks.push_back({value, plain(value)});
+          ticks.push_back({value, std::move(text)});
         }
       }
       if (fit && ticks.size() >= 2) return ticks;
@@ -183,8 +191,7 @@ std::vector<Tick> log_ticks(double low, double high, double pixels, double room)
     if (last < first) return {};
   }
   double widest = 0.0;
-  for (double e = first; e <= last; ++e)
-    widest = std::max(widest, room > 0.0 ? room : text_width(plain(std::pow(10.0, e))) + air);
+  for (double e = first; e <= last; ++e) widest = std::max(widest, room > 0.0 ? room : text_width(label('1', e)) + air);
   if (widest <= decade && last - first < 7.0 && first >= -4.0 && last <= 5.0) return {};
   widest = 0.0;
   for (double e = first; e <= last; ++e)

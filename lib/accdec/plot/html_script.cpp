@@ -24,7 +24,8 @@ canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #c
   touch-action:none;cursor:crosshair}
 #speed{height:16rem;touch-action:pan-y}
 #info{min-height:1.45em;font-variant-numeric:tabular-nums}
-.beside{display:grid;grid-template-columns:minmax(0,20rem) minmax(0,1fr);gap:1.5rem}
+.beside{display:grid;grid-template-columns:fit-content(28rem) minmax(0,1fr);gap:1.5rem}
+.beside td{white-space:normal}
 .tip{position:fixed;pointer-events:none;background:#222;color:#fff;font-size:.85rem;padding:.3rem .5rem;border-radius:.25rem;
   white-space:pre;z-index:2}
 @media (max-width:60rem){.beside{display:block}}
