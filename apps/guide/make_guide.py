@@ -120,6 +120,17 @@ def arguments_of_line():
     return arguments
 
 
+def complete_styles(folder):
+    """Debian's theme imports a style by a path from the root, which no disk and few web servers have."""
+    for style in folder.glob("*.css"):
+        style.write_text(re.sub(r"@import url\((/[^)]*)\);", lambda found: imported(found[1]), style.read_text()))
+
+
+def imported(path):
+    file = pathlib.Path("/usr/share" + path)
+    return file.read_text() if file.exists() else ""
+
+
 def main():
     arguments = arguments_of_line()
     out, doxygen = arguments.out, arguments.out / "doxygen"
@@ -138,6 +149,7 @@ def main():
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", str(source), str(out / "html")]
     if subprocess.run(command, env=environment).returncode != 0:
         sys.exit("the guide has errors")
+    complete_styles(out / "html/_static/styles")
     print(f"the guide is in {out / 'html' / 'index.html'}")
 
 

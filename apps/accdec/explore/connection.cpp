@@ -16,8 +16,12 @@ bool Connection::ready(short event, milliseconds most) const {
 }
 
 void Connection::begin() {
-  until_ = std::chrono::steady_clock::now() + request_time;
+  until_ = std::chrono::steady_clock::now() + head_time;
   left_ = head_bytes + body_bytes;
+}
+
+void Connection::expect_body() {
+  until_ = std::chrono::steady_clock::now() + request_time;
 }
 
 bool Connection::wait(milliseconds most) const {

@@ -8,17 +8,20 @@
 
 namespace accdec::explore {
 
-/// A socket with two limits that the library lacks. A request must arrive within a time in all, at whatever pace. It is
+/// A socket with limits that the library lacks. The head of a request must arrive within a short time, as a thread
+/// waits for it before anybody knows whose it is. The whole request has a time, too, at whatever pace it comes. It is
 /// read up to a number of bytes in all, however many header lines it has.
 class Connection : public httplib::Stream {
  public:
-  static constexpr std::chrono::seconds request_time{5}, write_time{5};
+  static constexpr std::chrono::seconds head_time{1}, request_time{5}, write_time{5};
   static constexpr std::size_t head_bytes = 32 << 10, body_bytes = 1 << 20;
 
   explicit Connection(socket_t socket) : socket_(socket) {}
 
   /// The limits count from now on, for the next request.
   void begin();
+  /// The head is there, and it is the page's own.
+  void expect_body();
   /// Whether a limit was passed, or the other end is gone: what is left of the request will not be read.
   bool failed() const { return failed_; }
   /// Whether a byte arrives within that time.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,13 +26,43 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t most_points = 20'000;  ///< of a motion, as drawn
+constexpr std::int64_t most_points = 12'000;  ///< of a motion, as drawn
 constexpr std::size_t most_program_corners = 5'000;
 constexpr double mm = 1e3, um = 1e6, mm_min = 6e4;
 
 /// Four digits behind the mm: 0.1 um can be seen nowhere.
 double rounded(double x) {
   return std::round(1e4 * x) / 1e4;
+}
+
+double rounded_to(double x, double step) {
+  return std::round(x / step) * step;
+}
+
+/// Acceleration and jerk of one axis from its velocities, the largest since they were taken last.
+class Differences {
+ public:
+  explicit Differences(double period) : period_(period) {}
+  void add(double velocity, bool rested) {
+    const double acceleration = (velocity - velocity_) / period_;
+    const double jerk = (acceleration - (rested ? 0.0 : acceleration_)) / period_;
+    velocity_ = velocity, acceleration_ = acceleration;
+    if (std::abs(acceleration) > std::abs(most_acceleration_)) most_acceleration_ = acceleration;
+    if (std::abs(jerk) > std::abs(most_jerk_)) most_jerk_ = jerk;
+  }
+  double take_acceleration() { return rounded_to(mm * std::exchange(most_acceleration_, 0.0), 0.1); }
+  double take_jerk() { return rounded_to(mm * std::exchange(most_jerk_, 0.0), 1.0); }
+
+ private:
+  double period_, velocity_ = 0.0, acceleration_ = 0.0, most_acceleration_ = 0.0, most_jerk_ = 0.0;
+};
+
+/// The bounds of every axis, null where there is none.
+Json bounds_json(const Machine& machine, double Axis::*bound) {
+  Json json = Json::array();
+  for (const Axis& axis : machine.axes)
+    json.push_back(axis.*bound < unlimited ? Json(mm * (axis.*bound)) : Json(nullptr));
+  return json;
 }
 
 /// Every n-th sample: times, places, speeds and velocities, and the limit that bound most since the one before.
@@ -43,14 +74,21 @@ Json motion_json(const Toolpath& programmed, const Machine& machine, const Progr
   std::vector<double> time, speed;
   std::vector<int> bound;
   std::vector<std::vector<double>> places(programmed.dimensions()), velocities(programmed.dimensions());
+  std::vector<std::vector<double>> accelerations(programmed.dimensions()), jerks(programmed.dimensions());
+  std::vector<Differences> differences(programmed.dimensions(), Differences(motion.sample_period));
   int binding = -1;
+  std::int64_t before = -1;
   visit_velocities(machine, motion, [&](std::int64_t k, const double* at, const double* v, int binds) {
     binding = std::max(binding, binds);
+    for (std::size_t a = 0; a < differences.size(); ++a) differences[a].add(v[a], k > before + 1);
+    before = k;
     if (seen++ % every != 0 && seen != count) return;
     time.push_back(static_cast<double>(k) * motion.sample_period);
     for (std::size_t a = 0; a < places.size(); ++a) {
       places[a].push_back(rounded(mm * at[a]));
       velocities[a].push_back(rounded(mm * v[a]));
+      accelerations[a].push_back(differences[a].take_acceleration());
+      jerks[a].push_back(differences[a].take_jerk());
     }
     speed.push_back(rounded(mm * speed_of(v, places.size()))), bound.push_back(binding);
     binding = -1;
@@ -62,6 +100,8 @@ Json motion_json(const Toolpath& programmed, const Machine& machine, const Progr
             {"binds", bound},
             {"places_mm", places},
             {"velocities_mm_s", velocities},
+            {"accelerations_mm_s2", accelerations},
+            {"jerks_mm_s3", jerks},
             {"lost", Json::array()}};
   for (const CornerLoss& loss : time_lost(programmed, motion))
     if (loss.count > 0)
@@ -154,6 +194,9 @@ std::string program_start_json(const std::string& name, const Task& task, double
                {"limits", Json::array()},
                {"colours", figure_style::colours},
                {"palette", figure_style::line_palette},
+               {"velocity_max", bounds_json(machine, &Axis::velocity_max)},
+               {"acceleration_max", bounds_json(machine, &Axis::acceleration_max)},
+               {"jerk_max", bounds_json(machine, &Axis::jerk_max)},
                {"plans", Json::array()},
                {"bounds", Json::array()}};
   for (std::size_t a = 0; a < path.dimensions(); ++a) program["axes"].push_back(path.axis_name(a));

@@ -12,6 +12,7 @@
 #include <accdec/design.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
+#include <accdec/formats/design_report.hpp>
 #include <accdec/formats/explanation.hpp>
 #include <accdec/formats/task_json.hpp>
 #include <accdec/formats/task_keys.hpp>
@@ -51,6 +52,17 @@ DesignOptions options_of(const Question& question) {
   return options;
 }
 
+/// The numbers to set at a control, in ms: averages, longest first, and the delay of pairs of impulses.
+Json settings_json(const FilterSpec& spec, double period_ms) {
+  FilterSpec shape = spec;
+  shape.pairs = 0;
+  Json averages = Json::array();
+  for (const int length : moving_average_cascade(make_filter(shape))) averages.push_back(length * period_ms);
+  Json settings{{"averages_ms", averages}, {"length_ms", (make_filter(spec).order() + 1) * period_ms}};
+  if (spec.pairs > 0) settings["pair_delay_ms"] = spec.pair_delay * period_ms;
+  return settings;
+}
+
 Answer design(const Question& question) {
   const Deadline deadline(question.seconds);
   Task task = task_of(question);
@@ -64,22 +76,20 @@ Answer design(const Question& question) {
     proof["rechecked"] = check.accepted;
     proof["text"] = check.accepted ? check.proof : check.reasons.front();
   }
-  const Json views = views_json(result);
+  const ReportTable corners = corner_report(result);
   result.certificate.reset();  // thousands of numbers that the page would not read
+  Json said{{"proof", proof},
+            {"views", views_json(result)},
+            {"setting", settings_answer(result)},
+            {"exact_stop", result.filter && stops_exactly(result)},
+            {"corners", {{"head", corners.head}, {"rows", corners.rows}}}};
+  if (const auto& given = result.task.filter) {
+    said["parameters"] = describe_parameters(*given);
+    said["settings"] = settings_json(*given, 1e3 * result.task.sample_period);
+  }
+  // The result as `design --json` writes it, digit by digit.
   return {200, "application/json",
-          fmt::format("{{\"result\": {}, \"proof\": {}, \"views\": {}, \"setting\": {}}}", result_to_json(result),
-                      dumped(proof), dumped(views), dumped(Json(settings_answer(result))))};
-}
-
-/// The numbers to set at a control, in ms: averages, longest first, and the delay of pairs of impulses.
-Json settings_json(const FilterSpec& spec, double period_ms) {
-  FilterSpec shape = spec;
-  shape.pairs = 0;
-  Json averages = Json::array();
-  for (const int length : moving_average_cascade(make_filter(shape))) averages.push_back(length * period_ms);
-  Json settings{{"averages_ms", averages}, {"length_ms", (make_filter(spec).order() + 1) * period_ms}};
-  if (spec.pairs > 0) settings["pair_delay_ms"] = spec.pair_delay * period_ms;
-  return settings;
+          fmt::format(R"({{"result": {}, {})", result_to_json(result), std::string_view(dumped(said)).substr(1))};
 }
 
 Json family_json(const Family& family, const FamilyResult& best) {
@@ -132,6 +142,27 @@ Answer export_file(const Question& question) {
   return {200, type, export_taps(parse_result(question.body, "result"), question.format)};
 }
 
+/// Why the tasks of a list cannot be designed; null for those that can.
+Answer check(const Question& question) {
+  const Json tasks = Json::parse(question.body, nullptr, false);
+  if (!tasks.is_array()) return problem(400, "not a list of tasks");
+  // Cancelled before it begins: what a design refuses is refused, nothing is searched.
+  const std::atomic<bool> enough = true;
+  Json reasons = Json::array();
+  for (const Json& one : tasks) {
+    const std::string text = one.dump();
+    try {
+      const Question about{.name = "design", .body = text, .format = "", .cancel = &enough};
+      design_task(task_of(about), options_of(about));
+      reasons.push_back(nullptr);
+    } catch (const std::exception& error) {
+      reasons.push_back(error.what());
+    }
+    if (question.cancel != nullptr && question.cancel->load()) break;
+  }
+  return {200, "application/json", dumped(reasons)};
+}
+
 Json key_json(const Key& key) {
   static constexpr std::pair<KeyType, const char*> names[] = {
       {KeyType::number, "number"}, {KeyType::integer, "integer"}, {KeyType::boolean, "boolean"},
@@ -151,6 +182,7 @@ Json key_json(const Key& key) {
   if (const auto value = default_number(key)) json["default"] = *value;
   if (!key.words.empty()) json["words"] = key.words;
   if (key.type == KeyType::numbers) json["most"] = key.most, json["lone"] = key.lone, json["whole"] = key.whole;
+  if (key.per_axis) json["per_axis"] = true;
   if (!key.conditions.empty()) json["conditions"] = Json::parse(key.conditions);
   for (const Key& inner : key.keys) json["keys"].push_back(key_json(inner));
   return json;
@@ -160,6 +192,7 @@ Answer answer_unguarded(const Question& question) {
   if (question.name == "design") return design(question);
   if (question.name == "families") return compare_families(question);
   if (question.name == "explain") return explain(question);
+  if (question.name == "check") return check(question);
   if (question.name == "export") return export_file(question);
   if (question.name == "file") return {200, "text/plain; charset=utf-8", task_to_toml(task_of(question))};
   return problem(404, "no such question");
@@ -193,7 +226,7 @@ Answer answer(const Question& question) {
   try {
     Answer given = answer_unguarded(question);
     // A search that was cancelled ends with what it has by then, which nobody asks for any more.
-    return cancelled() ? problem(409, "a later question took the place of this one") : given;
+    return cancelled() ? Answer{204, "application/json", ""} : given;
   } catch (const InputError& error) {
     return problem(400, error.what());
   } catch (const std::invalid_argument& error) {

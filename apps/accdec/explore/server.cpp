@@ -14,6 +14,7 @@
 #include <thread>
 
 #include <sys/random.h>
+#include <sys/socket.h>
 
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -28,8 +29,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t threads = 32, most_pages = 8, most_computing = 8;
-constexpr auto closed_for = 3s;  ///< a page that is loaded again is back sooner
+constexpr std::size_t threads = 256, most_pages = 8, most_computing = 8;
+constexpr int most_waiting = 256;  ///< connections that no thread has taken yet
+constexpr auto closed_for = 5s;    ///< a page that is loaded again is back sooner
 
 std::string random_token() {
   std::array<unsigned char, 16> bytes{};
@@ -65,6 +67,15 @@ class Computing {
     --count_;
     if (const auto now = flags_.find(place); now != flags_.end() && now->second == flag) flags_.erase(now);
   }
+  /// Cancels what computes for this page in this slot, whatever the question.
+  void cancel(const std::string& client, const std::string& slot) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [place, flag] : flags_) {
+      if (place.compare(0, client.size() + 1, client + "\n") == 0 && place.size() > slot.size() &&
+          place.compare(place.size() - slot.size() - 1, std::string::npos, "\n" + slot) == 0)
+        flag->store(true);
+    }
+  }
   void end() {
     const std::lock_guard lock(mutex_);
     ended_ = true;
@@ -78,11 +89,15 @@ class Computing {
   bool ended_ = false;
 };
 
-double seconds_of(const httplib::Request& request) {
+/// Null if the request has no time that is allowed.
+std::optional<double> seconds_of(const httplib::Request& request) {
+  if (!request.has_param("seconds")) return 1.0;
   const std::string text = request.get_param_value("seconds");
+  const char* const last = text.data() + text.size();
   double seconds = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-  return error == std::errc() && seconds > 0.0 ? std::min(seconds, most_seconds) : 1.0;
+  const auto [end, error] = std::from_chars(text.data(), last, seconds);
+  if (error != std::errc() || end != last || !(seconds > 0.0 && seconds <= most_seconds)) return {};
+  return seconds;
 }
 
 class PageServer : public httplib::Server {
@@ -97,21 +112,30 @@ class PageServer : public httplib::Server {
                          {"Cross-Origin-Resource-Policy", "same-origin"},
                          {"Referrer-Policy", "no-referrer"},
                          {"X-Content-Type-Options", "nosniff"}});
+    // Refusals by the library, which have no words: a body or an address that is too long, a head that is none.
+    set_error_handler([](const auto&, auto& response) {
+      if (response.body.empty()) refuse(response, {response.status, words(response.status)});
+    });
     set_pre_routing_handler([this](const auto& request, auto& response) { return admit(request, response); });
-    for (const char* const name : {"design", "families", "explain", "export", "file"}) {
+    for (const char* const name : {"design", "families", "explain", "check", "export", "file"}) {
       Post("/" + token_ + "/" + name,
            [this, name](const auto& request, auto& response) { compute(name, request, response); });
     }
+    int listening = -1;
+    set_socket_options([&listening](int socket) { listening = socket; });
     port_ = bind_to_any_port("127.0.0.1");
     if (port_ < 0) throw std::runtime_error("no free port on 127.0.0.1");
+    ::listen(listening, most_waiting);  // the library's five are fewer than the files of a page
   }
 
   std::string address() const { return fmt::format("http://127.0.0.1:{}/{}/", port_, token_); }
 
-  /// Whether a page has been open and none is any more.
+  /// Whether a page has been open and none is any more. While all threads are taken a page may wait for one.
   bool left_alone() {
     const std::lock_guard lock(mutex_);
-    return seen_ && pages_ == 0 && std::chrono::steady_clock::now() - last_closed_ > closed_for;
+    const auto now = std::chrono::steady_clock::now();
+    if (pages_ > 0 || connections_ >= threads) last_sign_ = now;
+    return seen_ && now - last_sign_ > closed_for;
   }
   void end() {
     computing_.end();
@@ -130,6 +154,15 @@ class PageServer : public httplib::Server {
     int status;
     const char* why;
   };
+  static const char* words(int status) {
+    switch (status) {
+      case 400: return "not a request of HTTP";
+      case 404: return "no such question";
+      case 413: return "the body is longer than the explorer takes: at most 1 MB";
+      case 414: return "the address is longer than the explorer takes";
+      default: return "refused";
+    }
+  }
   static Taken refuse(httplib::Response& response, const Refusal& refusal) {
     response.status = refusal.status;
     response.set_content(fmt::format("{{\"error\": \"{}\"}}", refusal.why), "application/json");
@@ -157,6 +190,10 @@ class PageServer : public httplib::Server {
   /// Before a body is read. GET is answered here, too.
   Taken admit(const httplib::Request& request, httplib::Response& response) {
     if (const auto refused = refusal(request)) return refuse(response, *refused);
+    {
+      const std::lock_guard lock(mutex_);
+      last_sign_ = std::chrono::steady_clock::now();
+    }
     return request.method == "GET" ? fetch(std::string_view(request.path).substr(token_.size() + 2), response)
                                    : Taken::Unhandled;
   }
@@ -186,18 +223,25 @@ class PageServer : public httplib::Server {
         [this](std::size_t, httplib::DataSink& sink) {
           std::unique_lock wait(mutex_);
           if (changed_.wait_for(wait, 500ms, [&] { return over_.load(); })) return false;
-          constexpr std::string_view beat = ":\n\n";
+          constexpr std::string_view beat = "retry: 500\n\n";  // ms, if the connection ends
           return sink.write(beat.data(), beat.size());
         },
         [this](bool) {
           const std::lock_guard closed(mutex_);
-          --pages_, last_closed_ = std::chrono::steady_clock::now();
+          --pages_, last_sign_ = std::chrono::steady_clock::now();
         });
     return Taken::Handled;
   }
 
   void compute(const char* name, const httplib::Request& request, httplib::Response& response) {
+    const std::optional<double> seconds = seconds_of(request);
+    if (!seconds) {
+      refuse(response, {400, "`seconds` is no time; allowed is 0 < seconds <= 60"});
+      return;
+    }
     const std::string slot = request.get_param_value("slot");
+    for (std::size_t i = 0; i < request.get_param_value_count("ends"); ++i)
+      computing_.cancel(request.get_param_value("client"), request.get_param_value("ends", i));
     const std::string place = fmt::format("{}\n{}\n{}", request.get_param_value("client"), name, slot);
     const Computing::Flag flag = computing_.enter(place);
     if (!flag) {
@@ -205,15 +249,15 @@ class PageServer : public httplib::Server {
       return;
     }
     const std::string format = request.get_param_value("format");
-    const Answer given = answer({name, request.body, format, seconds_of(request), flag.get()});
+    const Answer given = answer({name, request.body, format, *seconds, flag.get()});
     computing_.leave(place, flag);
     response.status = given.status;
     response.set_content(given.text, given.type);
   }
 
-  /// Whether another request comes on an open connection.
-  bool comes(const Connection& connection) {
-    const auto until = std::chrono::steady_clock::now() + 5s;
+  /// Whether a request comes on an open connection. Who has asked already may take longer for the next one.
+  bool comes(const Connection& connection, bool first) {
+    const auto until = std::chrono::steady_clock::now() + (first ? Connection::head_time : 5s);
     while (!over_ && std::chrono::steady_clock::now() < until) {
       if (connection.wait(200ms)) return true;
     }
@@ -223,21 +267,24 @@ class PageServer : public httplib::Server {
   bool process_and_close_socket(socket_t socket) override {
     const int on = 1;
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    ++connections_;
     Connection connection(socket);
     constexpr int most_requests = 1000;
     bool good = true, closed = false;
-    for (int i = 1; good && !closed && i <= most_requests && comes(connection); ++i) {
+    for (int i = 1; good && !closed && i <= most_requests && comes(connection, i == 1); ++i) {
       connection.begin();
       good = process_request(connection, i == most_requests, closed, [&](httplib::Request& request) {
         // Compressing costs more time than the few kilobytes take between two processes.
         request.headers.erase("Accept-Encoding");
         // A refused body is not read; it must not be taken for the next request.
         closed = closed || refusal(request).has_value();
+        if (!closed) connection.expect_body();
       });
       closed = closed || connection.failed();
     }
     ::shutdown(socket, SHUT_RDWR);
     ::close(socket);
+    --connections_;
     return good;
   }
 
@@ -250,7 +297,8 @@ class PageServer : public httplib::Server {
   std::size_t pages_ = 0;
   bool seen_ = false;
   std::atomic<bool> over_ = false;
-  std::chrono::steady_clock::time_point last_closed_{};
+  std::atomic<std::size_t> connections_ = 0;
+  std::chrono::steady_clock::time_point last_sign_{};  ///< of a page
 };
 
 }  // namespace

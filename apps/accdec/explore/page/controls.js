@@ -1,14 +1,16 @@
 // A control for every key of a task, made from the table of keys that the program checks files with.
 import { make, unit } from "./format.js";
-import { slider } from "./slider.js";
-import { barredBy, firstTable, firstValue, neededBy, otherWay, shortName } from "./keys.js";
+import { field } from "./fields.js";
+import { markUnread } from "./slider.js";
+import { alongWith, barredBy, firstTable, firstValue, neededBy, otherWay, shortName } from "./keys.js";
 
 // On a phone all groups are folded at first, as the answer stands below them.
 const narrow = globalThis.matchMedia?.("(max-width: 760px)").matches ?? false;
 
 export class Controls {
-  constructor(form, keys, state) {
-    Object.assign(this, { form, keys, state, apart: false, open: new Map() });
+  /** refusals(tasks): a promise of why each cannot be designed, or null. */
+  constructor(form, keys, state, refusals) {
+    Object.assign(this, { form, keys, state, refusals, apart: false, open: new Map() });
     form.addEventListener("submit", (event) => event.preventDefault());
     this.build();
   }
@@ -16,6 +18,7 @@ export class Controls {
   build() {
     const focus = document.activeElement?.id;
     this.updates = [];
+    this.offers = [];
     this.form.replaceChildren();
     const general = this.keys.filter((key) => !key.keys);
     this.form.append(
@@ -30,11 +33,30 @@ export class Controls {
       else if (key.type === "table") this.table(key);
     }
     if (focus) document.getElementById(focus)?.focus();
+    markUnread();
+    this.checkSoon();
   }
 
   /** New values in the controls that are there. */
   update() {
     for (const update of this.updates) update();
+    this.checkSoon();
+  }
+
+  checkSoon() {
+    clearTimeout(this.checking);
+    this.checking = setTimeout(() => this.check(), 500);
+  }
+  /** Keys that the task cannot have as it is are offered in grey, with the reason. */
+  async check() {
+    const { offers } = this;
+    const tasks = offers.map(({ changes }) => this.state.with(changes));
+    if (!tasks.length || JSON.stringify(tasks).length > 5e5) return;
+    const reasons = await this.refusals(tasks);
+    offers.forEach(({ option, meaning }, i) => {
+      option.disabled = Boolean(reasons?.[i]);
+      option.title = reasons?.[i]?.replaceAll("task: ", "") ?? meaning;
+    });
   }
 
   group(title, rows, name, tools = []) {
@@ -140,15 +162,17 @@ export class Controls {
       "select",
       { class: "more", "data-table": key.name, "aria-label": `add to ${key.name}` },
       make("option", { value: "" }, "add .."),
-      ...absent.map((inner) => make("option", { value: inner.name, title: inner.meaning }, inner.name)),
     );
+    for (const inner of absent) {
+      const option = make("option", { value: inner.name, title: inner.meaning }, inner.name);
+      const changes = paths.flatMap((path) => this.additions(key, inner, path));
+      this.offers.push({ option, changes, meaning: inner.meaning });
+      choice.append(option);
+    }
     choice.addEventListener("change", () => {
       const inner = absent.find((k) => k.name === choice.value);
-      this.state.set(
-        paths.flatMap((path) => this.additions(key, inner, path)),
-        null,
-        true,
-      );
+      const changes = paths.flatMap((path) => this.additions(key, inner, path));
+      this.state.set(changes, null, true);
     });
     return [...rows, choice];
   }
@@ -158,10 +182,11 @@ export class Controls {
     const axes = this.state.get(["axis"])?.length ?? 2;
     const first = (one) => {
       const value = firstValue(one);
-      return Array.isArray(value) && one.meaning.includes("one number an axis") ? value.slice(0, axes) : value;
+      return one.per_axis ? Array.from({ length: axes }, (_, i) => value[i] ?? 0) : value;
     };
+    const named = (name) => key.keys.find((k) => k.name === name);
     const way = otherWay(key, inner);
-    if (!way) return [[[...path, inner.name], first(inner)]];
+    if (!way) return alongWith(key, inner).map((name) => [[...path, name], first(named(name))]);
     const barred = Object.keys(way.properties ?? {}).map((name) => [[...path, name], undefined]);
     return [...barred, ...way.required.map((name) => [[...path, name], first(key.keys.find((k) => k.name === name))])];
   }
@@ -190,7 +215,8 @@ export class Controls {
         id,
       );
     const label = `${shortName(key)}${index === undefined ? "" : ` ${index + 1}`}`;
-    const field = this.field(key, paths[0], id, put, table);
+    const { state, updates } = this;
+    const entry = field(key, paths[0], { id, state, put, table, updates });
     const needed =
       key.required || (table && neededBy(table, this.state.get(paths[0].slice(0, -1)) ?? {}).includes(key.name));
     const drop =
@@ -205,7 +231,10 @@ export class Controls {
               "aria-label": `remove ${label}`,
               onclick: () =>
                 this.state.set(
-                  paths.map((path) => [index === undefined ? path : path.slice(0, -1), undefined]),
+                  paths.flatMap((path) => {
+                    const place = path.slice(0, index === undefined ? -1 : -2);
+                    return alongWith(table, key).map((name) => [[...place, name], undefined]);
+                  }),
                   null,
                   true,
                 ),
@@ -220,64 +249,8 @@ export class Controls {
         "data-key": table ? `${table.name}.${key.name}` : key.name,
       },
       make("label", { for: id }, label, key.unit ? make("small", {}, ` ${unit(key.unit)}`) : null),
-      field,
+      entry,
       drop,
     );
-  }
-
-  field(key, path, id, put, table) {
-    const now = () => this.state.get(path);
-    if (key.type === "number" || key.type === "integer") {
-      const { element, update } = slider(key, id, now, put);
-      this.updates.push(update);
-      return element;
-    }
-    if (key.type === "boolean") {
-      const box = make("input", { type: "checkbox", id, checked: now() });
-      box.addEventListener("change", () => put(box.checked));
-      return box;
-    }
-    if (key.type === "words") {
-      const chosen = [now()].flat();
-      return make(
-        "span",
-        { class: "words", id },
-        ...key.words.map((word) => {
-          const box = make("input", { type: "checkbox", checked: chosen.includes(word) });
-          // At least one of them.
-          box.addEventListener("change", () => {
-            const words = key.words.filter((other) => (other === word ? box.checked : [now()].flat().includes(other)));
-            if (words.length) put(words);
-            else box.checked = true;
-          });
-          return make("label", {}, box, ` ${word}`);
-        }),
-      );
-    }
-    if (key.type === "word") {
-      const choice = make("select", { id }, ...key.words.map((word) => make("option", {}, word)));
-      choice.value = now();
-      choice.addEventListener("change", () => {
-        if (!table || !neededBy(table, { kind: key.words[0] }).length) return put(choice.value);
-        // Another kind of filter has other keys.
-        const value = { kind: choice.value };
-        const old = this.state.get(path.slice(0, -1));
-        for (const name of neededBy(table, value))
-          value[name] = old[name] ?? firstValue(table.keys.find((k) => k.name === name));
-        this.state.set([[path.slice(0, -1), value]], null, true);
-      });
-      return choice;
-    }
-    const text = make("input", { type: "text", id, value: key.type === "text" ? now() : JSON.stringify(now()) });
-    text.addEventListener("change", () => {
-      if (key.type === "text") return put(text.value);
-      try {
-        put(JSON.parse(text.value));
-      } catch {
-        text.setCustomValidity("a list of numbers in brackets");
-        text.reportValidity();
-      }
-    });
-    return text;
   }
 }

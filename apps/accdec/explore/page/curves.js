@@ -23,8 +23,27 @@ function aligned(curves, period) {
   return columns;
 }
 
+/** The samples of a view between the start that ends and the stop that begins: the legs are as short as they can be. */
+export function blendOnly(view) {
+  const cut = (values) => values.slice(view.events.blend - 1, view.events.stop + 1);
+  const axes = (q) => q.axes.map((axis) => ({ ...axis, values: cut(axis.values) }));
+  return {
+    ...view,
+    time_ms: cut(view.time_ms),
+    speed_mm_s: cut(view.speed_mm_s),
+    path: { ...view.path, off_um: cut(view.path.off_um) },
+    quantities: view.quantities.map((q) => ({ ...q, axes: axes(q) })),
+  };
+}
+
+/** um from the legs; what is below a picometre is the rounding of numbers, and no distance. */
+export const distances = (path) => path.off_um.map((x) => (x < 1e-6 ? 0 : x));
+
+/** Power has a bound of its own for driving, above zero, and for braking, below. */
+const sidesOf = { power: [1], regeneration: [-1] };
+
 /** Words at the largest value of a curve, red bars where a limit binds, the zero line. */
-function marks(specs, limits) {
+export function marks(specs, limits) {
   return (plot) => {
     const { ctx } = plot;
     ctx.save();
@@ -42,8 +61,11 @@ function marks(specs, limits) {
     (ctx.strokeStyle = colour("binds")), (ctx.lineWidth = 4 * ratio);
     specs.forEach((spec, i) => {
       if (!spec.bound || spec.before) return;
+      const binds = spec.least
+        ? (v) => Math.abs(v / spec.bound - 1) <= 1 - binding
+        : (v) => Math.abs(v) >= binding * spec.bound && (spec.sides ?? [1, -1]).includes(Math.sign(v));
       plot.data[i + 1].forEach((v, n) => {
-        if (v === null || n === 0 || !(Math.abs(v) >= binding * spec.bound)) return;
+        if (v === null || n === 0 || !binds(v)) return;
         const y = plot.valToPos(Math.sign(v) * spec.bound, "y", true);
         const [a, b] = [n - 1, n].map((k) => plot.valToPos(plot.data[0][k], "x", true));
         ctx.beginPath(), ctx.moveTo(a, y), ctx.lineTo(b, y), ctx.stroke();
@@ -73,6 +95,30 @@ function marks(specs, limits) {
   };
 }
 
+/** Arrow keys move the cursor of a chart, and so that of all with it; Home and End go to its ends. */
+export function withKeys(place, plotNow) {
+  place.tabIndex = 0;
+  place.addEventListener("keydown", (event) => {
+    const plot = plotNow(),
+      step = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity }[event.key];
+    if (!plot || !step) return;
+    event.preventDefault();
+    const shown = plot.data[0].map((t, i) => i).filter((i) => plot.valToPos(plot.data[0][i], "x") >= 0);
+    const [first, last] = [shown[0], plot.data[0].findLastIndex((t) => t <= plot.scales.x.max)];
+    const to = (plot.cursor.idx ?? first) + step * (event.shiftKey ? 10 : 1);
+    const i = Math.min(last, Math.max(first, to));
+    plot.setCursor({ left: plot.valToPos(plot.data[0][i], "x"), top: plot.over.clientHeight / 2 }, true, true);
+  });
+}
+
+/** Numbers of an axis, and the width that they need: 7 px a character. */
+export const ticks = (self, values) => values.map((v) => (v === null ? "" : four(v)));
+export const tickWidth = (_, values) => Math.max(50, 16 + 7 * Math.max(0, ...(values ?? []).map((v) => String(v ?? "").length)));
+/** A number of a legend. */
+export const shownValue = (self, v) => (v === null || v === undefined ? "\u2013" : four(v));
+/** Room at the right for the last number of the axis below. */
+export const padding = [null, 20, null, null];
+
 /** A chart that is made once and then gets new data. */
 export class Chart {
   constructor(place, { title, height = 190, log = false, together = true, xTitle = "time / ms" }) {
@@ -82,6 +128,7 @@ export class Chart {
       this.draw = make("div", { class: "draw" });
       place.append(this.heading, this.draw);
     } else this.draw = place.querySelector(".draw");
+    withKeys(this.draw, () => this.plot);
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.draw);
   }
@@ -123,7 +170,8 @@ export class Chart {
     // A limit far away would flatten the curve; it is named in the table.
     for (const { value } of limits)
       if (Math.abs(value) <= 1.6 * peak) (low = Math.min(low, value)), (high = Math.max(high, value));
-    const room = 0.12 * (high - low || 1);
+    if (high === low) return [0, 1];
+    const room = 0.12 * (high - low);
     return [low < 0 ? low - room : low, high > 0 ? high + room : high];
   }
 
@@ -134,9 +182,8 @@ export class Chart {
       ticks: { show: false },
       font: "12px system-ui",
     };
-    const show = (self, values) => values.map((v) => (v === null ? "" : four(v)));
-    const value = (self, v) => (v === null || v === undefined ? "\u2013" : four(v));
     return {
+      padding,
       width: Math.max(200, Math.floor(this.draw.clientWidth)),
       height: this.height,
       scales: {
@@ -150,22 +197,22 @@ export class Chart {
         y: { range: (plot) => this.yRange(plot), distr: this.log ? 3 : 1 },
       },
       axes: [
-        { ...ink, size: 26, values: show },
+        { ...ink, size: 26, values: ticks },
         {
           ...ink,
-          size: 66,
+          size: tickWidth,
           values: this.log
             ? (s, v) => v.map((x) => (x !== null && Number.isInteger(Math.log10(x)) ? `${four(100 * x)} %` : ""))
-            : show,
+            : ticks,
         },
       ],
       cursor: { ...(this.together ? { sync: { key: sync } } : {}), drag: { x: false, y: false }, points: { size: 6 } },
       legend: { live: true, markers: { show: false } },
       series: [
-        { label: this.xTitle, value },
+        { label: this.xTitle, value: shownValue },
         ...specs.map((spec) => ({
           label: spec.label,
-          value,
+          value: shownValue,
           scale: "y",
           spanGaps: false,
           points: { show: false },
@@ -195,7 +242,8 @@ export class Motion {
     this.charts = new Map();
   }
 
-  show(now, before, period, x) {
+  /** @param least  the smallest speed along the path that is allowed, or null */
+  show(now, before, period, x, least) {
     const kinds = now.quantities.map((q) => q.kind);
     for (const [kind, chart] of this.charts) {
       if (!kinds.includes(kind)) chart.place.remove(), this.charts.delete(kind);
@@ -219,6 +267,7 @@ export class Motion {
           steps: quantity.kind !== "velocity",
         }),
       );
+      const sides = sidesOf[quantity.kind] ?? [1, -1];
       quantity.axes.forEach((axis, i) => {
         specs.push({
           label: axis.name,
@@ -227,12 +276,16 @@ export class Motion {
           values: axis.values,
           axis: i,
           bound: axis.bound,
+          sides,
           steps: quantity.kind !== "velocity",
         });
-        if (axis.bound !== null) limits.add(axis.bound).add(-axis.bound);
+        if (axis.bound !== null) for (const side of sides) limits.add(side * axis.bound);
       });
-      if (quantity.kind === "velocity")
-        specs.push({ label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1 });
+      if (quantity.kind === "velocity") {
+        // The smallest speed is asked for between the legs: not at the start, nor at the stop.
+        specs.push({ label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1, bound: least, least });
+        if (least) limits.add(least);
+      }
       this.charts.get(quantity.kind).show(
         specs,
         [...limits].map((value) => ({ value })),

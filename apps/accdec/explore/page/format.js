@@ -13,11 +13,14 @@ export const filterOfToday = (task) => task.baseline ?? (task.design?.family ? t
 /** Four digits, without zeros behind them. */
 export const four = (x) => (Number.isFinite(x) ? String(Number(x.toPrecision(4))).replace("-", "\u2212") : "\u2013");
 
+/** s over a program: samples that follow each other differ. */
+export const instant = (seconds) => String(Number(seconds.toFixed(5)));
+
 /** s as ms, to the microsecond. */
 export const ms = (seconds) => String(Number((1e3 * seconds).toFixed(6))).replace("-", "\u2212");
 
 /** "mm/s^2" as it is printed. */
-export const unit = (text) => text.replace("^2", "\u00b2").replace("^3", "\u00b3").replace(/^um$/, "\u00b5m");
+export const unit = (text) => text.replace("^2", "\u00b2").replace("^3", "\u00b3").replace(/\bum$/, "\u00b5m");
 
 /** An element: attributes, then children, which are elements or texts. */
 export function make(tag, attributes = {}, ...children) {

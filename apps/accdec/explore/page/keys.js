@@ -45,5 +45,8 @@ export function barredBy(key, value) {
   return barred;
 }
 
+/** A key and those that it needs beside it. */
+export const alongWith = (key, inner) => [inner.name, ...(key.conditions?.dependentRequired?.[inner.name] ?? [])];
+
 /** The alternative of a table that a key belongs to. */
 export const otherWay = (key, inner) => key.conditions?.oneOf?.find((way) => way.required?.includes(inner.name));

@@ -1,13 +1,13 @@
 // The page: a change of the task asks for the families, today's filter and the design, and shows each as it comes.
 import { Controls } from "./controls.js";
-import { Motion, Chart } from "./curves.js";
+import { blendOnly, Chart, distances, Motion } from "./curves.js";
 import { FilterCharts } from "./filter.js";
 import { $, filterOfToday, objective } from "./format.js";
 import { drawPath } from "./path.js";
 import { Latest, askJson, begin, stayAlive } from "./requests.js";
 import { State } from "./state.js";
 import { summary } from "./summary.js";
-import { cornerButtons, cornerTable, familyTable, tapTable } from "./tables.js";
+import { brief, cornerButtons, cornerTable, familyTable, tapTable, todayText } from "./tables.js";
 import { tools } from "./tools.js";
 
 const page = {
@@ -22,12 +22,14 @@ const page = {
 };
 const delays = (result) => result.corners.map((c) => c.delay_samples);
 const withFilter = (task, filter) => ({ ...task, filter, baseline: undefined });
+const textOf = (task) => JSON.stringify(task);
 const found = (answer) => (answer?.result.filter ? answer : null);
 
 const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
 const state = (shared.state = new State(start.task, changed));
-const controls = new Controls($("#controls"), start.keys, state);
+const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() => null);
+const controls = new Controls($("#controls"), start.keys, state, refusals);
 const motion = new Motion($("#motion"));
 const filters = new FilterCharts($("#taps"), $("#response"));
 const off = new Chart($("#off"), {});
@@ -42,11 +44,13 @@ function trouble(text) {
   $("#trouble").textContent = text ?? "";
   $("#trouble").hidden = !text;
 }
+if (state.broken) note("The address holds no task that can be read: this is the first one.");
 
 // --- questions ---
 
+// The first attempt at a proof has a share of the time; it must do on a busy machine, too.
 const design = new Latest(
-  (task) => askJson("design", task, { seconds: 0.3 }),
+  (task) => askJson("design", task, { seconds: 0.6 }),
   (answer, task) => {
     showDesign(answer, task);
     if (answer.result.stop === "time limit") longer.put(task);
@@ -57,12 +61,11 @@ const design = new Latest(
 const longer = new Latest((task) => askJson("design", task, { seconds: 20, slot: "longer" }), showDesign, fail);
 // Families found within a frame or two are shown at once. Then the program is free for the design.
 const families = new Latest(
-  (task) => askJson("families", task, { seconds: 0.015 }),
+  (task) => askJson("families", task, { seconds: 0.015, ends: ["longer", "thorough"] }),
   (answer, task) => {
     showFamilies(answer, task);
     latency("families");
     askRest(task);
-    if (!answer.complete && JSON.stringify(task) === JSON.stringify(state.task)) thorough.put(task);
   },
   (error, task) => askRest(task),
 );
@@ -73,8 +76,8 @@ const thorough = new Latest(
 );
 const today = new Latest(
   (task) => askJson("design", withFilter(task, filterOfToday(task)), { seconds: 2, slot: "today", format: "given" }),
-  (answer) => {
-    page.today = answer;
+  (answer, task) => {
+    page.today = { ...answer, of: textOf(task) };
     draw();
   },
   () => {},
@@ -89,11 +92,11 @@ const member = new Latest(
 );
 
 function fail(error) {
-  page.design = null;
+  page.design = page.families = null;
   document.body.classList.remove("stale");
   document.body.classList.add("failed");
   trouble(error.message);
-  summary(page, state.task);
+  draw(false);
 }
 
 function changed(structure) {
@@ -104,14 +107,16 @@ function changed(structure) {
   performance.mark("changed");
   if (structure) controls.build();
   else controls.update();
-  $("#undo").disabled = !state.past.length;
-  $("#redo").disabled = !state.future.length;
+  // A button that is disabled would lose the focus of who presses it.
+  $("#undo").setAttribute("aria-disabled", String(!state.past.length));
+  $("#redo").setAttribute("aria-disabled", String(!state.future.length));
+  shared.named?.();
   cancelAnimationFrame(changed.frame);
   changed.frame = requestAnimationFrame(ask);
 }
 
 function ask() {
-  const task = state.task;
+  const task = structuredClone(state.task);
   longer.drop(), thorough.drop();
   families.put(task);
 }
@@ -126,15 +131,19 @@ function askRest(task) {
 // --- answers ---
 
 function showDesign(answer, task) {
-  const first = !page.design;
-  page.design = answer;
+  page.design = { ...answer, of: textOf(task) };
   trouble(answer.result.filter ? "" : `No design: ${answer.result.message}`);
   document.body.classList.toggle("failed", !answer.result.filter);
   if (JSON.stringify(task) === JSON.stringify(state.task)) document.body.classList.remove("stale");
   page.corner = Math.min(page.corner, answer.result.task.corner.length - 1);
   draw();
   latency("design");
-  if (first) document.body.classList.add("ready");
+  // The families that take longer do not hold up the proof.
+  const { of, complete } = page.families ?? {};
+  if (of === page.design.of && !complete && showDesign.thorough !== of) {
+    showDesign.thorough = of;
+    thorough.put(task);
+  }
 }
 
 /** Where the task names no filter of today, the best that a control has stands beside the design. */
@@ -151,12 +160,13 @@ function compareWithBest(task, families) {
 /** A family that is not searched to the end keeps its older numbers, in grey. */
 function withOlder(answer) {
   const known = new Map((page.families?.families ?? []).map((f) => [f.name, f]));
-  const older = (f) => (known.get(f.name)?.filter ? { ...known.get(f.name), old: true } : f);
+  const older = (f) => (known.get(f.name)?.filter ? known.get(f.name) : f);
   return { ...answer, families: answer.families.map((f) => (f.status === "failed" ? older(f) : f)) };
 }
 
 function showFamilies(answer, task) {
-  page.families = withOlder(answer);
+  const of = textOf(task);
+  page.families = { ...withOlder({ ...answer, families: answer.families.map((f) => ({ ...f, of })) }), of };
   const all = page.families.families;
   compareWithBest(task, all);
   if (page.chosen.filter) {
@@ -190,22 +200,10 @@ function compared() {
   return page.chosen.filter ? found(page.member) : found(page.today);
 }
 
-/** The samples of a view between the start that ends and the stop that begins: the legs are as short as they can be. */
-function blendOnly(view) {
-  const cut = (values) => values.slice(view.events.blend - 1, view.events.stop + 1);
-  const axes = (q) => q.axes.map((axis) => ({ ...axis, values: cut(axis.values) }));
-  return {
-    ...view,
-    time_ms: cut(view.time_ms),
-    speed_mm_s: cut(view.speed_mm_s),
-    path: { ...view.path, off_um: cut(view.path.off_um) },
-    quantities: view.quantities.map((q) => ({ ...q, axes: axes(q) })),
-  };
-}
-
 function drawNow() {
   const answer = found(page.design);
-  summary(page, state.task);
+  summary(page);
+  if (page.design) document.body.classList.add("ready");
   drawFamilies();
   if (!answer || !draw.curves) return;
   draw.curves = false;
@@ -217,8 +215,8 @@ function drawNow() {
     draw();
   });
   const period = result.sample_period_s * 1e3;
-  $("#beside").textContent = !before ? "(nothing to compare with)" : page.chosen.filter ? page.chosen.title : "today";
-  $("#corner-table .wide").replaceChildren(cornerTable(result));
+  $("#beside").textContent = !before ? "(nothing to compare with)" : page.chosen.filter ? brief(page.chosen.title) : "today";
+  $("#corner-table .wide").replaceChildren(cornerTable(answer.corners));
   if ($("#tap-table").open) $("#tap-table .wide").replaceChildren(tapTable(result));
   filters.show(result.filter, before?.result.filter, result.sample_period_s, result.task.mode ?? []);
   const i = page.corner,
@@ -240,36 +238,43 @@ function drawNow() {
   const distance = (v, before) => ({
     label: before ? "before" : "design",
     time: v.time_ms,
-    values: v.path.off_um,
+    values: distances(v.path),
     axis: 0,
     before,
   });
   off.show([distance(shown, false), ...(old ? [distance(shownBefore, true)] : [])], [], { period, x });
-  motion.show(shown, shownBefore, period, x);
+  motion.show(shown, shownBefore, period, x, result.task.corner[i].speed_min_mm_s ?? null);
 }
 
+/** What a row of the table has of an answer; of which task it speaks. */
+const rowOf = ({ result, of, exact_stop }) => ({
+  objective_s: objective(result),
+  delays_samples: delays(result),
+  exact_stop,
+  of,
+});
+
 function drawFamilies() {
-  if (!page.families) return;
+  if (!page.families) return $("#families .wide").replaceChildren();
   const result = found(page.design)?.result;
   const now = result && {
+    ...rowOf(page.design),
     name: result.task.filter ? "the filter given" : result.settings ? "the design" : "free taps",
-    objective_s: objective(result),
     order: result.filter.order,
-    delays_samples: delays(result),
   };
-  const own = found(page.today)?.result;
-  const filter = filterOfToday(state.task) ?? {};
-  const words = Object.entries(filter)
-    .map(([k, v]) => `${k} ${Array.isArray(v) ? v.slice(0, 9).join(", ") : v}`)
-    .join(", ");
-  const row = own && { objective_s: objective(own), delays_samples: delays(own), text: words };
+  const own = found(page.today);
+  const row = own && (result || page.today.of === page.families.of) && { ...rowOf(own), text: todayText(own) };
   const place = $("#families .wide");
   const focused = place.contains(document.activeElement) && document.activeElement.closest("tr")?.dataset.name;
+  // What an older task had stands beside a design only.
+  const task = textOf(state.task);
+  const shown = result ? page.families.families : page.families.families.filter((f) => f.of === task);
   place.replaceChildren(
     ...familyTable(
-      page.families,
+      shown,
       row,
       now,
+      task,
       (state.task.sample_period_ms ?? 1) / 1e3,
       page.chosen.name ?? "today",
       (which) => {

@@ -1,7 +1,10 @@
 // The page of a program: its path by speed, everything over time, where time is lost, one plan against the other.
-import { $, four, make, table } from "./format.js";
+import { $, four, instant, make, table } from "./format.js";
+import { nearestTo, timeCharts } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
+import { download, frozen } from "./save.js";
 import { Scene } from "./scene.js";
+import { Shades } from "./shades.js";
 import { taskAddress } from "./state.js";
 
 const start = await begin();
@@ -9,32 +12,8 @@ const { program } = start;
 const shown = { plan: 0, mark: -1, limits: false };
 const seconds = (s) => `${Number(s.toFixed(3))} s`;
 const charts = [];
-const colours = [...program.palette.matchAll(/([\d.]+) '#(..)(..)(..)'/g)].map(([, at, ...hex]) => [
-  Number(at),
-  hex.map((h) => parseInt(h, 16)),
-]);
+const shades = new Shades(program.palette);
 const other = program.colours.at(-1);
-
-/** Of a share 0 .. 1 of the largest speed, in 64 steps: equal colours are drawn at once. */
-const shades = Array.from({ length: 65 }, (_, n) => {
-  const q = n / 64,
-    i = Math.max(
-      1,
-      colours.findIndex(([at]) => at >= q),
-    );
-  const [from, a] = colours[i - 1],
-    [to, b] = colours[i];
-  return `rgb(${a.map((c, k) => Math.round(c + ((q - from) / (to - from)) * (b[k] - c)))})`;
-});
-
-/** The largest speed of 98 % of the samples: rapid moves would leave one colour for all cutting. */
-const usual = (speeds) => [...speeds].sort((a, b) => a - b)[Math.floor(0.98 * (speeds.length - 1))] || 1;
-
-/** The scale of speeds is for cutting: rapid moves that are far faster leave it. */
-function cutting(plan) {
-  const most = plan.speed_mm_s.reduce((a, b) => Math.max(a, b), 0);
-  return [0, Math.min(1.05 * most, 1.5 * usual(plan.speed_mm_s))];
-}
 
 const colourOf = (limit) => (limit < 0 ? other : program.colours[1 + limit]);
 
@@ -49,7 +28,7 @@ const limitsKey = (plan) =>
 /** Where a corner opens: the explorer with the corner as its task. */
 const addressOf = (corner) => `index.html${taskAddress({ ...program.base, corner: [corner.corner] })}`;
 
-const scene = new Scene($("#path canvas"), tell, (place) => {
+const scene = new Scene($("#path canvas"), showMark, (place) => {
   const at = (i) => scene.at(program.corners[i].at_mm);
   const i = scene.nearest(program.corners.length, at, place, 15);
   if (i >= 0) open(addressOf(program.corners[i]), "_blank");
@@ -59,84 +38,66 @@ function tell(i) {
   shown.mark = scene.mark = i;
   const plan = program.plans[shown.plan];
   scene.draw();
-  if (i < 0) return ($("#info").textContent = "\u00a0");
+  if (i < 0) $("#info").textContent = "\u00a0";
+  else sayWhere(plan, i);
+  for (const chart of charts) {
+    if (chart === follow.from) continue; // its cursor is there already
+    const left = i < 0 ? -10 : chart.valToPos(plan.t_s[i], "x");
+    chart.setCursor({ left, top: i < 0 ? -10 : Math.max(0, chart.cursor.top ?? 0) }, false);
+  }
+}
+
+/** The sample's numbers, as the legends of the charts have them. */
+function sayWhere(plan, i) {
   const places = program.axes.map((name, a) => `${name} ${four(plan.places_mm[a][i])}`).join(", ");
   const limit = plan.binds[i] < 0 ? program.other : program.limits[plan.binds[i]];
-  $("#info").textContent = `${four(plan.t_s[i])} s: ${places} mm, ${four(plan.speed_mm_s[i])} mm/s; ${limit} binds`;
-  for (const chart of charts) {
-    const left = chart.valToPos(plan.t_s[i], "x");
-    if (Math.abs(chart.cursor.left - left) > 0.5) chart.setCursor({ left, top: chart.cursor.top ?? 0 }, false);
-  }
+  $("#info").textContent = `${instant(plan.t_s[i])} s: ${places} mm, ${four(plan.speed_mm_s[i])} mm/s; ${limit} binds`;
 }
 
 function drawPath() {
   const plan = program.plans[shown.plan];
-  const most = usual(plan.speed_mm_s);
-  const bySpeed = (i) => shades[Math.min(64, Math.round((64 * plan.speed_mm_s[i]) / most))];
+  shades.fit(plan.speed_mm_s);
+  const bySpeed = (i) => shades.of(plan.speed_mm_s[i]);
   const colour = shown.limits ? (i) => colourOf(plan.binds[i]) : bySpeed;
   const lines = [{ places: plan.places_mm.slice(0, 3), colour, width: 2 }];
   scene.show(lines, program.corners.length <= 300 ? program.corners.map((c) => c.at_mm.slice(0, 3)) : []);
   $("#path h2").textContent = shown.limits
     ? "path in the colour of the limit that binds"
-    : `path in the colour of its speed, dark from ${four(most)} mm/s`;
-  $("#path-key").replaceChildren(...(shown.limits ? limitsKey(plan) : []));
+    : "path in the colour of its speed";
+  $("#path-key").replaceChildren(...(shown.limits ? limitsKey(plan) : [shades.bar()]));
 }
 
-/** One chart a quantity: that of the other plan in grey below. All have one cursor. */
+/** Charts of all quantities; those of the other plan in grey below. All have one cursor. */
 function drawTime() {
   for (const chart of charts.splice(0)) chart.destroy();
-  $("#over-time").replaceChildren();
   const plan = program.plans[shown.plan],
     before = program.plans.find((p) => p !== plan);
-  const quantities = [
-    ["speed / mm/s", (p) => p.speed_mm_s],
-    ...program.axes.map((name, a) => [`velocity of ${name} / mm/s`, (p) => p.velocities_mm_s[a]]),
-    ...program.axes.map((name, a) => [`${name} / mm`, (p) => p.places_mm[a]]),
-  ];
-  for (const [title, values] of quantities) {
-    const place = make("div", { class: "draw" });
-    $("#over-time").append(make("h2", {}, title), place);
-    const series = [{ label: "s" }];
-    let data = [plan.t_s, values(plan)];
-    series.push({ label: plan.plan, stroke: program.colours[1], width: 1.5 });
-    if (before) {
-      data = uPlot.join([
-        [before.t_s, values(before)],
-        [plan.t_s, values(plan)],
-      ]);
-      series.splice(1, 0, { label: before.plan, stroke: other, width: 1.5, spanGaps: true });
-      series[2].spanGaps = true;
-    }
-    const options = {
-      width: Math.max(300, place.clientWidth),
-      height: 170,
-      scales: { x: { time: false }, ...(title.startsWith("speed") ? { y: { range: cutting(plan) } } : {}) },
-      legend: { live: true },
-      cursor: { sync: { key: "time" }, drag: { x: true, y: false } },
-      axes: [{ size: 26 }, { size: 66 }],
-      series,
-      hooks: { setCursor: [(u) => follow(u)], draw: title.startsWith("speed") ? [(u) => bars(u, plan)] : [] },
-    };
-    charts.push(new uPlot(options, data, place));
-  }
+  charts.push(...timeCharts($("#over-time"), program, { plan, before, follow, sample, step, bars }));
 }
 
-/** The cursor over time moves the mark on the path. */
+/** The sample that the path and all charts tell about; while one chart moves, it is that of its cursor. */
+const sample = (t) => (follow.busy ? shown.mark : nearestTo(program.plans[shown.plan].t_s, t));
+
+/** The cursor over time moves the mark on the path, and the cursors of the other charts. */
 function follow(chart) {
-  if (!(chart.cursor.left >= 0) || follow.busy) return;
-  const times = program.plans[shown.plan].t_s,
-    t = chart.posToVal(chart.cursor.left, "x");
-  let low = 0,
-    high = times.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (times[middle] < t) low = middle;
-    else high = middle;
-  }
-  if (high === shown.mark) return;
-  follow.busy = true;
-  tell(high);
-  follow.busy = false;
+  if (!(chart.cursor.left >= 0)) return showMark(shown.mark);
+  showMark(nearestTo(program.plans[shown.plan].t_s, chart.posToVal(chart.cursor.left, "x")), chart);
+}
+/** @param from  the chart whose cursor stands there already */
+function showMark(i, from) {
+  if (follow.busy) return;
+  Object.assign(follow, { busy: true, from });
+  shown.mark = i;
+  tell(i);
+  Object.assign(follow, { busy: false, from: null });
+}
+/** By keys: within what is shown of the time. */
+function step(way, { min, max }) {
+  const times = program.plans[shown.plan].t_s;
+  const first = nearestTo(times, min),
+    last = nearestTo(times, max);
+  const from = shown.mark < 0 ? first - Math.sign(way) : shown.mark;
+  showMark(Math.min(last, Math.max(first, from + way)));
 }
 
 /** What binds, as a bar along the foot of the chart, in the limit's colour. */
@@ -205,7 +166,7 @@ function summary() {
     ...program.plans.map((p, i) =>
       make(
         "button",
-        { type: "button", "aria-pressed": String(i === shown.plan), onclick: () => ((shown.plan = i), draw()) },
+        { type: "button", "aria-pressed": String(i === shown.plan), onclick: () => choose({ plan: i }) },
         `${p.plan}, ${seconds(p.cycle_time_s)}`,
       ),
     ),
@@ -214,26 +175,45 @@ function summary() {
 
 function draw() {
   summary();
-  tell(-1);
+  showMark(-1);
   drawPath();
   drawTime();
   tables();
 }
 
+/** What is shown stands in the address; back and forward of the browser undo and redo it. */
+function choose(change) {
+  const { plan, limits } = { ...shown, ...change };
+  history.pushState(null, "", `#plan=${program.plans[plan].plan}&by=${limits ? "limit" : "speed"}`);
+  fromAddress();
+}
+function fromAddress() {
+  const wanted = new URLSearchParams(location.hash.slice(1));
+  const plan = Math.max(
+    0,
+    program.plans.findIndex((p) => p.plan === wanted.get("plan")),
+  );
+  Object.assign(shown, { plan, limits: wanted.get("by") === "limit" });
+  for (const one of document.querySelectorAll("#colour-by button"))
+    one.setAttribute("aria-pressed", String((one.value === "limit") === shown.limits));
+  draw();
+}
+addEventListener("popstate", fromAddress);
 for (const button of document.querySelectorAll("#colour-by button"))
-  button.addEventListener("click", () => {
-    shown.limits = button.value === "limit";
-    for (const one of document.querySelectorAll("#colour-by button"))
-      one.setAttribute("aria-pressed", String(one === button));
-    drawPath();
-  });
+  button.addEventListener("click", () => choose({ limits: button.value === "limit" }));
+$("#undo").addEventListener("click", () => history.back());
+$("#redo").addEventListener("click", () => history.forward());
+const pageText = () => frozen((copy) => copy.querySelectorAll("#corner-list a").forEach((a) => a.removeAttribute("href")));
+$("#save").addEventListener("click", async () => {
+  download(new Blob([await pageText()], { type: "text/html" }), `${program.name.replace(/^.*[/]|[.][^.]*$/g, "")}.html`);
+});
 addEventListener("resize", () => {
   clearTimeout(draw.later);
   draw.later = setTimeout(() => (drawTime(), tables()), 200);
 });
-draw();
+fromAddress();
 cornerList();
 document.title = `accdec explore: ${program.name}`;
-globalThis.accdecProgram = { program, scene, shown, addressOf };
+globalThis.accdecProgram = { program, scene, shown, addressOf, shades, pageText };
 stayAlive((gone) => document.body.classList.toggle("gone", gone));
 document.body.classList.add("ready");

@@ -4,8 +4,10 @@ const client = Math.random().toString(36).slice(2);
 
 export class Superseded extends Error {}
 
-async function post(name, body, { slot = "", seconds = 1, format = "" } = {}) {
+async function post(name, body, { slot = "", seconds = 1, format = "", ends = [] } = {}) {
   const query = new URLSearchParams({ client, slot, seconds, format });
+  // Slots whose questions are about an older task: the program gives up on them.
+  for (const one of ends) query.append("ends", one);
   let response;
   try {
     response = await fetch(`${name}?${query}`, {
@@ -16,7 +18,7 @@ async function post(name, body, { slot = "", seconds = 1, format = "" } = {}) {
   } catch {
     throw new Error("the program has ended; start accdec explore again");
   }
-  if (response.status === 409) throw new Superseded();
+  if (response.status === 204) throw new Superseded();
   if (!response.ok) {
     const text = await response.text();
     let what = text;
@@ -76,6 +78,15 @@ export class Latest {
 /** Tells the program that the page is open, and the page when the program is gone. */
 export function stayAlive(gone) {
   const events = new EventSource("alive");
-  events.onerror = () => gone(true);
   events.onopen = () => gone(false);
+  events.onerror = async () => {
+    if (events.readyState !== EventSource.CLOSED) return gone(true);
+    // Refused, as there are many pages: asking from time to time is a sign of life, too.
+    const there = await fetch("index.html").then(
+      (r) => r.ok,
+      () => false,
+    );
+    gone(!there);
+    setTimeout(() => stayAlive(gone), 1000);
+  };
 }

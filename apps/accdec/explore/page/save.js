@@ -2,7 +2,7 @@
 import { make } from "./format.js";
 import { askBlob, askText } from "./requests.js";
 
-function download(blob, name) {
+export function download(blob, name) {
   const link = make("a", { href: URL.createObjectURL(blob), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
@@ -29,7 +29,14 @@ export async function copyTask(shared) {
   }
 }
 
-const endings = { csv: "csv", c: "h", json: "json", npy: "npy", cascade: "json" };
+const endings = { c: "h", cascade: "json", klipper: "cfg", q15: "h", q31: "h" };
+/** A file's name; that of a component of LinuxCNC is the component's. */
+export function fileName(name, format) {
+  if (format === "result") return `${name}-result.json`;
+  if (format === "linuxcnc-comp") return "accdec_filter.comp";
+  const ending = endings[format] ?? format;
+  return ending === format ? `${name}.${ending}` : `${name}-${format}.${ending}`;
+}
 
 export function exportChoice(select, shared) {
   const choices = [
@@ -50,15 +57,39 @@ export function exportChoice(select, shared) {
       const body = format === "result" ? shared.state.task : shared.page.design?.result;
       if (!body) throw new Error("there is no design to export");
       const blob = await askBlob("export", body, { format, seconds: 20, slot: format });
-      download(blob, `${name}${format === "result" ? "-result.json" : `-${format}.${endings[format] ?? format}`}`);
+      download(blob, fileName(name, format));
     } catch (error) {
       shared.note(error.message);
     }
   });
 }
 
-/** The present state as one file: drawings as images, no script, nothing linked. */
-export async function pageText(shared) {
+/** What was pressed is said in words: a saved page has no buttons. */
+function sayChoices(copy) {
+  const chosen = copy.querySelector("#corners:not([hidden]) [aria-pressed=true]");
+  if (chosen) {
+    const names = [...chosen.parentElement.children].map((button) => button.textContent);
+    chosen.parentElement.replaceChildren("Corner shown: ", make("b", {}, chosen.textContent), ` (of ${names.join(", ")})`);
+  }
+  for (const group of copy.querySelectorAll("#plans, #colour-by")) {
+    const others = [...group.querySelectorAll("[aria-pressed=false]")];
+    const shown = group.querySelector("[aria-pressed=true]");
+    if (group.id === "colour-by") others.forEach((button) => button.remove());
+    else if (others.length) group.append(make("span", {}, ` (other plans: ${others.map((b) => b.textContent).join("; ")})`));
+    others.forEach((button) => button.remove());
+    if (shown && group.id === "plans") shown.replaceWith(make("b", {}, shown.textContent));
+    else shown?.remove();
+  }
+  const told = copy.querySelector("#limits");
+  if (told && !told.querySelector(".wide").textContent) told.remove();
+  copy.querySelectorAll("button").forEach((button) => {
+    const name = make(button.getAttribute("aria-pressed") === "true" ? "b" : "span", {}, button.textContent);
+    button.replaceWith(name);
+  });
+}
+
+/** A copy of the page as one file: drawings as images, no script, nothing linked. */
+export async function frozen(change = () => {}) {
   const copy = document.documentElement.cloneNode(true);
   const drawn = document.querySelectorAll("canvas");
   copy.querySelectorAll("canvas").forEach((canvas, i) => {
@@ -70,8 +101,10 @@ export async function pageText(shared) {
     canvas.replaceWith(image);
   });
   copy
-    .querySelectorAll("script, link, #tools, button.add, button.drop, select.more, .group .tools, input[type=range]")
+    .querySelectorAll("script, link, #tools, .hint, .range label, #explain, button.add, button.drop, select.more, .group .tools, input[type=range]")
     .forEach((e) => e.remove());
+  const wanted = [...copy.querySelectorAll("[tabindex]")];
+  wanted.forEach((e) => e.removeAttribute("tabindex"));
   const fields = document.querySelectorAll("#controls input:not([type=range]), #controls select:not(.more)");
   copy
     .querySelectorAll("#controls input, #controls select")
@@ -80,16 +113,21 @@ export async function pageText(shared) {
         make("output", {}, fields[i].type === "checkbox" ? (fields[i].checked ? "yes" : "no") : fields[i].value),
       ),
     );
-  copy.querySelectorAll("button").forEach((button) => button.replaceWith(make("span", {}, button.textContent)));
+  sayChoices(copy);
   for (const name of ["uPlot.min.css", "style.css"])
     copy.querySelector("head").append(make("style", {}, await (await fetch(name)).text()));
-  const task = await askText("file", shared.state.task);
-  copy
-    .querySelector("main")
-    .append(
-      make("details", { id: "task-file" }, make("summary", {}, "The task, as a task file"), make("pre", {}, task)),
-    );
+  copy.querySelector("body").classList.add("saved");
+  change(copy);
   return `<!doctype html>\n${copy.outerHTML}\n`;
+}
+
+/** The present state, with its task. */
+export async function pageText(shared) {
+  const task = await askText("file", shared.state.task);
+  const summary = make("summary", {}, "The task, as a task file");
+  return frozen((copy) =>
+    copy.querySelector("main").append(make("details", { id: "task-file" }, summary, make("pre", {}, task))),
+  );
 }
 
 export async function savePage(shared) {

@@ -30,17 +30,26 @@ export class Scene {
     // A flat program is seen from above.
     const flat = spans.length < 3 || spans[2][1] - spans[2][0] < 0.02 * this.size;
     if (flat) Object.assign(this, { yaw: 0, pitch: 90 * degree });
+    // The box of the program, as it is seen from here, fills the canvas.
+    const corners = [...Array(8).keys()].map((i) => this.turned(spans.map((span, a) => span[(i >> a) & 1])));
+    const extent = (way) => 2 * Math.max(1e-6 * this.size, ...corners.map((corner) => Math.abs(corner[way])));
+    Object.assign(this, { wide: extent(0), tall: extent(1) });
   }
 
-  /** px of a point: turned about z, then seen from `pitch` above the horizon. */
-  at(place) {
+  /** A point from the centre, to the right and up: turned about z, then seen from `pitch` above the horizon. */
+  turned(place) {
     const [x, y, z] = place.map((v, a) => v - this.centre[a]);
     const c = Math.cos(this.yaw),
       s = Math.sin(this.yaw);
     const across = c * x - s * (y ?? 0),
       away = s * x + c * (y ?? 0);
-    const up = away * Math.sin(this.pitch) + (z ?? 0) * Math.cos(this.pitch);
-    const scale = (this.zoom * 0.92 * Math.min(this.canvas.clientWidth, 1.6 * this.canvas.clientHeight)) / this.size;
+    return [across, away * Math.sin(this.pitch) + (z ?? 0) * Math.cos(this.pitch)];
+  }
+  /** px of a point. */
+  at(place) {
+    const [across, up] = this.turned(place);
+    const { clientWidth, clientHeight } = this.canvas;
+    const scale = 0.92 * this.zoom * Math.min(clientWidth / this.wide, clientHeight / this.tall);
     return [
       this.canvas.clientWidth / 2 + this.shift[0] + scale * across,
       this.canvas.clientHeight / 2 + this.shift[1] - scale * up,

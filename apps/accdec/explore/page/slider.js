@@ -1,4 +1,4 @@
-// A number with its slider: linear over short ranges, else logarithmic around the value it had.
+// A number with its slider: linear over short ranges, else over decades around the value it had.
 import { make } from "./format.js";
 
 const steps = 240;
@@ -11,7 +11,7 @@ function scaleOf(key, value) {
     high = key.high ?? Infinity;
   const whole = key.type === "integer";
   const least = key.open_low ? undefined : low;
-  if (high - low <= 1000 && high - low > 2) {
+  if (high - low < 900 && high - low > 2) {
     const step = whole || high - low >= 100 ? 1 : (high - low) / steps;
     return {
       from: low + (key.open_low ? step : 0),
@@ -41,14 +41,39 @@ function scaleOf(key, value) {
       of: (x) => (100 * x) / to,
     };
   }
-  const from = Math.max(value / 10, low > 0 ? low : 0),
-    to = Math.min(value * 10, high);
-  const at = (p) => {
-    const x = round(from * (to / from) ** (p / steps));
-    return whole ? Math.round(x) : x;
-  };
-  return { from, to, count: steps, at, of: (x) => (steps * Math.log(Math.max(x, from) / from)) / Math.log(to / from) };
+  return overDecades(Math.max(value / 10, low > 0 ? low : 0), Math.min(value * 10, high), value, whole);
 }
+
+/** Round numbers, a half to two and a half per cent apart, and the value itself. */
+function overDecades(from, to, value, whole) {
+  const grid = new Set([from, value, to].map((x) => (whole ? Math.round(x) : x)));
+  for (let power = Math.floor(Math.log10(from)); power <= Math.log10(to); ++power) {
+    for (const [first, last, step] of [
+      [100, 200, 2],
+      [200, 500, 5],
+      [500, 1000, 10],
+    ])
+      for (let digits = first; digits < last; digits += step) {
+        const x = Number(`${digits}e${power - 2}`);
+        if (x >= from && x <= to && (!whole || Number.isInteger(x))) grid.add(x);
+      }
+  }
+  const places = [...grid].sort((a, b) => a - b);
+  const of = (x) => places.findLastIndex((place) => place <= x);
+  return { from, to, count: places.length - 1, at: (p) => places[p], of: (x) => Math.max(0, of(x)) };
+}
+
+/** What a number may be, in words. */
+function allowed(key) {
+  const kind = key.type === "integer" ? "a whole number" : "a number";
+  const limits = [];
+  if (key.low > -1e300) limits.push(`${key.open_low ? "above" : "from"} ${key.low}`);
+  if (key.high < 1e300) limits.push(`to ${key.high}`);
+  return [kind, ...limits].join(" ");
+}
+
+/** While a field holds no number, the answer on the page is not about what it shows. */
+export const markUnread = () => document.body.classList.toggle("unread", Boolean(document.querySelector("#controls .wrong")));
 
 /** @returns the element, and what shows a new value in it */
 export function slider(key, id, now, put) {
@@ -68,9 +93,18 @@ export function slider(key, id, now, put) {
     step: 1,
     id: `${id}-slider`,
   });
+  const said = make("small", { class: "allowed", role: "alert", hidden: true });
+  const wrong = (text) => {
+    number.classList.toggle("wrong", Boolean(text));
+    (said.textContent = text ?? ""), (said.hidden = !text);
+    markUnread();
+  };
   const show = (source) => {
     const value = now();
-    if (source !== number) number.value = value;
+    if (source !== number) {
+      number.value = value;
+      if (number.classList.contains("wrong")) wrong(null);
+    }
     if (source !== range) {
       if (value < scale.from || value > scale.to) scale = scaleOf(key, value);
       range.max = scale.count;
@@ -92,14 +126,20 @@ export function slider(key, id, now, put) {
   number.addEventListener("input", () => {
     const value = Number(number.value);
     const held = number.value !== "" && Number.isFinite(value) && (key.type !== "integer" || Number.isInteger(value));
-    number.classList.toggle("wrong", !held);
+    wrong(held ? null : `${allowed(key)}; the last was ${now()}`);
     if (!held) return;
     put(value);
     show(number);
   });
+  number.addEventListener("blur", () => {
+    if (!number.classList.contains("wrong")) return;
+    show();
+    (said.textContent = `${now()} is back; allowed is ${allowed(key)}`), (said.hidden = false);
+    setTimeout(() => number.classList.contains("wrong") || (said.hidden = true), 5000);
+  });
   show();
   return {
-    element: make("span", { class: "number" }, range, number),
+    element: make("span", { class: "number" }, range, number, said),
     update: () => show(document.activeElement === number ? number : undefined),
   };
 }

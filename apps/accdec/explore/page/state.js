@@ -17,6 +17,18 @@ function fromBase64(text) {
 /** The end of an address whose page begins with this task. */
 export const taskAddress = (task) => `#task=${toBase64(JSON.stringify(task))}`;
 
+/** Other values at paths; undefined removes. */
+function apply(task, changes) {
+  for (const [path, value] of changes) {
+    const place = path.slice(0, -1).reduce((node, step) => (node[step] ??= {}), task);
+    const key = path.at(-1);
+    if (value === undefined && Array.isArray(place)) place.splice(key, 1);
+    else if (value === undefined) delete place[key];
+    else place[key] = value;
+  }
+  return task;
+}
+
 export class State {
   /** changed(structure): called after every change; `structure` where keys came or went, not only values. */
   constructor(task, changed) {
@@ -35,6 +47,11 @@ export class State {
     return path.reduce((value, step) => value?.[step], this.task);
   }
 
+  /** The task as it would be with these changes. */
+  with(changes) {
+    return apply(clone(this.task), changes);
+  }
+
   /** Sets values at paths; undefined removes. Changes of one name within a second are undone together. */
   set(changes, name, structure = false) {
     const now = Date.now();
@@ -43,13 +60,7 @@ export class State {
     this.last = name;
     this.when = now;
     this.future = [];
-    for (const [path, value] of changes) {
-      const place = path.slice(0, -1).reduce((node, step) => (node[step] ??= {}), this.task);
-      const key = path.at(-1);
-      if (value === undefined && Array.isArray(place)) place.splice(key, 1);
-      else if (value === undefined) delete place[key];
-      else place[key] = value;
-    }
+    apply(this.task, changes);
     this.tell(structure);
   }
 
@@ -87,11 +98,19 @@ export class State {
     const same = JSON.stringify(this.task) === JSON.stringify(this.first);
     history.replaceState(null, "", same ? location.pathname : taskAddress(this.task));
   }
+  /** The task that the address holds, or null; `broken` says that it should hold one. */
   fromAddress() {
+    this.broken = false;
+    if (!location.hash.startsWith("#task=")) return null;
     try {
-      return location.hash.startsWith("#task=") ? JSON.parse(fromBase64(location.hash.slice(6))) : null;
+      const task = JSON.parse(fromBase64(location.hash.slice(6)));
+      const isTable = (value) => value?.constructor === Object;
+      const lists = ["axis", "corner", "mode"].map((name) => task[name] ?? []);
+      if (isTable(task) && lists.every((list) => Array.isArray(list) && list.every(isTable))) return task;
     } catch {
-      return null;
+      // told by `broken`
     }
+    this.broken = true;
+    return null;
   }
 }

@@ -1,6 +1,10 @@
 // The answer in one sentence, what it saves, and the badge.
 import { $, filterOfToday, make, ms, objective } from "./format.js";
 
+/** Of what the design is proved to be the fastest. */
+const candidates = ({ task, settings }) =>
+  task.filter ? "delays of this filter" : settings ? "settings of this control" : "filter and delays";
+
 /** The badge's word and what stands behind it. */
 function badge(answer) {
   if (!answer) return ["no answer", ""];
@@ -8,7 +12,7 @@ function badge(answer) {
   if (result.status === "optimal" && proof.rechecked)
     return [
       "proved",
-      `No filter and delays within the limits are faster: ${proof.text}. The motion was simulated again.`,
+      `No ${candidates(result)} within the limits are faster: ${proof.text}. The motion was simulated again.`,
     ];
   if (result.status === "optimal")
     return ["best", `The search found nothing faster; its proof was not rechecked: ${proof.text}`];
@@ -22,7 +26,7 @@ function badge(answer) {
   return [result.status, result.message];
 }
 
-export function summary(page, task) {
+export function summary(page) {
   const [word, why] = badge(page.design);
   $("#badge").textContent = word;
   $("#badge").dataset.is = word;
@@ -33,6 +37,7 @@ export function summary(page, task) {
     $("#today").textContent = result ? "\u201cFind out\u201d below says how much each limit has to give." : "";
     return;
   }
+  const task = JSON.parse(page.design.of);
   const time = objective(result);
   const what = result.task.filter ? "With the filter given" : result.settings ? "This control" : "Free taps";
   const corners = result.corners.length;
@@ -43,8 +48,11 @@ export function summary(page, task) {
     ".",
   );
   const parts = [];
-  const own = page.today?.result.filter ? page.today.result : null;
-  const best = page.families?.families.filter((f) => f.objective_s !== undefined && !f.old) ?? [];
+  // A sentence speaks of one task: answers about another have no part in it.
+  const same = (answer) => (answer?.of === page.design.of ? answer : null);
+  const today = same(page.today);
+  const own = today?.result.filter ? today.result : null;
+  const best = same(page.families)?.families.filter((f) => f.objective_s !== undefined && f.of === page.design.of) ?? [];
   if (filterOfToday(task) && own) {
     const saved = objective(own) - time;
     const retuned = best.find((f) => f.name === page.families.own_family);
@@ -54,8 +62,10 @@ export function summary(page, task) {
       retuned ? ` (${ms(objective(own) - retuned.objective_s)} by setting today\u2019s filter otherwise)` : "",
       ".",
     );
-  } else if (filterOfToday(task) && page.today) {
-    parts.push(`Today\u2019s filter does not hold these limits: ${page.today.result.message}`);
+  } else if (filterOfToday(task)) {
+    parts.push(
+      today ? `Today\u2019s filter does not hold these limits: ${today.result.message}` : "Today\u2019s filter is computed ..",
+    );
   } else if (best.length) {
     const least = best.reduce((a, b) => (b.objective_s < a.objective_s ? b : a));
     const what = page.families.complete ? "Best" : "Best so far";

@@ -1,6 +1,8 @@
 // The tables: what to set, all corners, taps, what binds.
-import { four, make, ms, table } from "./format.js";
+import { four, make, ms, table, unit } from "./format.js";
 
+/** ms that are set at a control: all their digits. */
+const exact = (x) => ms(x / 1e3);
 const percent = (x) => `${x >= 0 ? "+" : "\u2212"}${Math.abs(100 * x).toFixed(1)} %`;
 
 /** "averages 67 ms, 31 ms; pair of impulses 12 ms apart" */
@@ -9,58 +11,69 @@ export function settings(family) {
   const parts = [];
   if (s.averages_ms.length)
     parts.push(
-      `${s.averages_ms.length > 1 ? "averages" : "average"} ${s.averages_ms.map((x) => `${four(x)} ms`).join(", ")}`,
+      `${s.averages_ms.length > 1 ? "averages" : "average"} ${s.averages_ms.map((x) => `${exact(x)} ms`).join(", ")}`,
     );
-  else parts.push(`${family.parameters ? `${family.parameters}, ` : ""}length ${four(s.length_ms)} ms`);
-  if (s.pair_delay_ms !== undefined) parts.push(`impulses ${four(s.pair_delay_ms)} ms apart`);
+  else parts.push(`${family.parameters ? `${family.parameters}, ` : ""}length ${exact(s.length_ms)} ms`);
+  if (s.pair_delay_ms !== undefined) parts.push(`impulses ${exact(s.pair_delay_ms)} ms apart`);
   return parts.join("; ");
 }
 
-function delays(samples, period, exact) {
-  if (exact) return "exact stop";
+/** The filter in use today, as the families are set: in ms. */
+export function todayText({ result, parameters, settings: set }) {
+  const text = settings({ parameters, settings: set });
+  return set.averages_ms.length ? text : `${result.task.filter.kind}: ${text}`;
+}
+
+/** A name on one line: a long explanation in brackets is left to the tooltip. */
+export const brief = (title) => title.replace(/ \(.{13,}\)$/, "");
+
+function delays(samples, period, stops) {
+  if (stops) return "exact stop";
   const shown = samples
     .slice(0, 4)
-    .map((d) => four(d * period * 1e3))
+    .map((d) => ms(d * period))
     .join(", ");
   return `${shown}${samples.length > 4 ? ", .." : ""} ms`;
 }
 
 /**
- * @param all     answer of "families"
- * @param own     row of what is set today: {objective_s, delays_samples, text, exact_stop}, or null
- * @param design  the design's result, or null
+ * @param all     the families of an answer of "families"
+ * @param own     row of what is set today: {objective_s, delays_samples, text, exact_stop, of}, or null
+ * @param design  row of the design, or null
+ * @param task    the task as text; rows `of` another one are grey, and numbers of two tasks are not compared
  * @param chosen  name of the row that is compared with
  * @param choose  called with "today" or a family
  * @param open    whether the reasons are unfolded
  */
-export function familyTable(all, own, design, period, chosen, choose, open) {
-  const found = all.families.filter((f) => f.objective_s !== undefined).sort((a, b) => a.objective_s - b.objective_s);
-  const rest = all.families.filter((f) => f.objective_s === undefined);
-  const base = design?.objective_s;
-  // Slower by half or more fills the bar.
-  const bar = (objective) =>
+export function familyTable(all, own, design, task, period, chosen, choose, open) {
+  const found = all.filter((f) => f.objective_s !== undefined).sort((a, b) => a.objective_s - b.objective_s);
+  const rest = all.filter((f) => f.objective_s === undefined);
+  const baseOf = (of) => (design?.of === of ? design.objective_s : undefined);
+  // Slower by half fills the bar; a gap before its end says that it would be longer.
+  const bar = (objective, base) =>
     make(
       "svg",
       { class: "bar", viewBox: "0 0 60 8", "aria-hidden": "true" },
       make("rect", { width: base ? Math.min(60, Math.max(0, 120 * (objective / base - 1))) : 0, height: 8 }),
+      base && objective > 1.5 * base ? make("rect", { class: "cut", x: 50, width: 3, height: 8 }) : null,
     );
-  const more = (objective) => (base ? percent(objective / base - 1) : "\u2013");
-  const row = (name, title, text, d, objective, click, old) => ({
+  const more = (objective, base) => (base ? percent(objective / base - 1) : "\u2013");
+  const row = (name, title, text, d, objective, of, click) => ({
     attributes: {
-      class: [chosen === name && "chosen", old && "old"].filter(Boolean).join(" ") || undefined,
+      class: [chosen === name && "chosen", of !== task && "old"].filter(Boolean).join(" ") || undefined,
       "data-name": name,
     },
     cells: [
       click
         ? make(
             "button",
-            { type: "button", class: "link", "aria-pressed": String(chosen === name), onclick: click },
-            title,
+            { type: "button", class: "link", title, "aria-pressed": String(chosen === name), onclick: click },
+            brief(title),
           )
         : make("b", {}, title),
       ms(objective),
-      more(objective),
-      bar(objective),
+      more(objective, baseOf(of)),
+      bar(objective, baseOf(of)),
       text,
       d,
     ],
@@ -71,14 +84,15 @@ export function familyTable(all, own, design, period, chosen, choose, open) {
       row(
         "design",
         design.name,
-        `${design.order + 1} taps, ${four((design.order + 1) * period * 1e3)} ms`,
-        delays(design.delays_samples, period),
+        `${design.order + 1} taps, ${ms((design.order + 1) * period)} ms`,
+        delays(design.delays_samples, period, design.exact_stop),
         design.objective_s,
+        design.of,
       ),
     );
   if (own)
     rows.push(
-      row("today", "today", own.text, delays(own.delays_samples, period, own.exact_stop), own.objective_s, () =>
+      row("today", "today", own.text, delays(own.delays_samples, period, own.exact_stop), own.objective_s, own.of, () =>
         choose("today"),
       ),
     );
@@ -90,8 +104,8 @@ export function familyTable(all, own, design, period, chosen, choose, open) {
         settings(f),
         delays(f.delays_samples, period, f.exact_stop),
         f.objective_s,
+        f.of,
         () => choose(f),
-        f.old,
       ),
     );
   const parts = [table(["filter", "time / ms", "more", "", "set", "delay"], rows)];
@@ -117,33 +131,8 @@ export function cornerButtons(place, result, chosen, choose) {
   place.replaceChildren(...names.map(button));
 }
 
-export function cornerTable(result) {
-  const um = (x) => four(1e6 * x);
-  return table(
-    [
-      "corner",
-      "delay / samples",
-      "delay / ms",
-      "error / \u00b5m",
-      "of",
-      "polyline / \u00b5m",
-      "contour / \u00b5m",
-      "least speed / mm/s",
-      "time / ms",
-    ],
-    result.corners.map((c, i) => [
-      c.name,
-      String(c.delay_samples),
-      four(c.delay_samples * result.sample_period_s * 1e3),
-      um(c.corner_error_m),
-      result.task.corner[i].error_max_um === undefined ? "\u2013" : four(result.task.corner[i].error_max_um),
-      um(c.polyline_error_m),
-      um(c.contour_deviation_m),
-      four(1e3 * c.speed_min_m_s),
-      ms(c.corner_time_s),
-    ]),
-  );
-}
+/** In the numbers of the command line. */
+export const cornerTable = ({ head, rows }) => table(head.map(unit), rows);
 
 export const tapTable = (result) =>
   table(

@@ -17,10 +17,17 @@ export function tools(shared, draw) {
     draw();
   };
   $("#tap-table").ontoggle = draw;
+  const changed = make("option", { value: "changed", hidden: true, disabled: true }, "changed");
   $("#shipped").append(
     make("option", { value: "" }, start.name || "choose .."),
     ...start.shipped.map((s) => make("option", {}, s.name)),
+    changed,
   );
+  const known = new Map([...start.shipped].reverse().map((s) => [JSON.stringify(s.task), s.name]));
+  known.set(JSON.stringify(start.task), "");
+  /** The menu names the task that is shown. */
+  shared.named = () => ($("#shipped").value = known.get(JSON.stringify(state.task)) ?? "changed");
+  shared.named();
   $("#shipped").onchange = (event) => {
     const shipped = start.shipped.find((s) => s.name === event.target.value);
     state.replace(shipped?.task ?? start.task);

@@ -1,0 +1,70 @@
+// The colours of speeds: cutting has most of the scale, rapid moves the rest, and a bar says which is which.
+import { four, make } from "./format.js";
+
+const count = 64;
+
+/** Speeds of 98 % of the samples are cutting. */
+const usual = (speeds) => [...speeds].sort((a, b) => a - b)[Math.floor(0.98 * (speeds.length - 1))] || 1;
+
+export class Shades {
+  /** @param palette  "0 '#rrggbb', 0.35 '#rrggbb', ..", light to dark */
+  constructor(palette) {
+    const colours = [...palette.matchAll(/([\d.]+) '#(..)(..)(..)'/g)].map(([, at, ...hex]) => [
+      Number(at),
+      hex.map((h) => parseInt(h, 16)),
+    ]);
+    // Equal colours are drawn at once.
+    this.shades = Array.from({ length: count + 1 }, (_, n) => {
+      const q = n / count;
+      const i = Math.max(
+        1,
+        colours.findIndex(([at]) => at >= q),
+      );
+      const [from, a] = colours[i - 1],
+        [to, b] = colours[i];
+      return `rgb(${a.map((c, k) => Math.round(c + ((q - from) / (to - from)) * (b[k] - c)))})`;
+    });
+  }
+
+  /** The scale for these speeds. */
+  fit(speeds) {
+    this.most = Math.max(
+      1e-9,
+      speeds.reduce((a, b) => Math.max(a, b), 0),
+    );
+    const cutting = usual(speeds);
+    // The knee: up to this speed the scale has `share` of its length.
+    [this.knee, this.share] = this.most > 1.3 * cutting ? [cutting, 0.75] : [this.most, 1];
+  }
+  at(speed) {
+    return speed <= this.knee
+      ? (this.share * speed) / this.knee
+      : this.share + ((1 - this.share) * (speed - this.knee)) / (this.most - this.knee);
+  }
+  of(speed) {
+    return this.shades[Math.min(count, Math.round(count * this.at(speed)))];
+  }
+
+  /** A bar with the speeds of its colours, mm/s. */
+  bar() {
+    const [left, width] = [14, 360];
+    const bar = make("svg", { class: "colourbar", viewBox: "0 0 400 34", role: "img", "aria-label": "colours of speeds" });
+    this.shades.forEach((fill, n) =>
+      bar.append(make("rect", { x: left + (n * width) / (count + 1), y: 2, width: width / (count + 1) + 0.5, height: 12, fill })),
+    );
+    const power = 10 ** Math.floor(Math.log10(this.knee / 3)),
+      step = [1, 2, 5, 10].find((s) => (s * power * 4.5) >= this.knee) * power;
+    const ticks = [];
+    for (let v = 0; v <= this.knee * 1.0001; v += step) ticks.push(Number(v.toPrecision(6)));
+    if (this.share < 1) ticks.push(this.most);
+    ticks.forEach((v, i) => {
+      const x = left + width * this.at(v),
+        last = i + 1 === ticks.length;
+      bar.append(
+        make("line", { class: "tick", x1: x, x2: x, y1: 14, y2: 18 }),
+        make("text", { x, y: 31, "text-anchor": last ? "end" : "middle" }, last ? `${four(v)} mm/s` : four(v)),
+      );
+    });
+    return bar;
+  }
+}
