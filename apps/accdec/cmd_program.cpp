@@ -83,7 +83,7 @@ void check_options(const ProgramArguments& options) {
 void warn_of_size(const std::string& file, double samples, std::size_t axes) {
   const double bytes = samples * (12.0 + 23.0 * static_cast<double>(axes));
   if (!file.empty() && bytes > 1e9)
-    std::fprintf(stderr, "--samples %s: about %.1f GB, %.3g samples\n", file.c_str(), 1e-9 * bytes, samples);
+    std::fprintf(stderr, "--samples %s: about %.1f GB, %.3g samples\n", printable(file).c_str(), 1e-9 * bytes, samples);
 }
 
 std::int64_t peak_memory() {
@@ -100,11 +100,12 @@ ProgramResult free_motion(const ProgramArguments& options, const Context& contex
   std::string last;
   FreeOptions free;
   free.threads = options.threads;
-  free.cancel = &Interrupt::asked();
+  ProgramFileOptions asked = options.file;
+  asked.deadline.end_when(Interrupt::asked());
   free.progress = [&](double gained, double share) {
     status->tell(fmt::format("{:.0f} % of a sweep, {:.3f} s gained", 100.0 * share, gained));
   };
-  ProgramResult result = run_free_plan(options.program, file, task, options.file, free, [&](const std::string& line) {
+  ProgramResult result = run_free_plan(options.program, file, task, asked, free, [&](const std::string& line) {
     last = line;
     status->tell(line);
   });
@@ -134,9 +135,10 @@ std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context&
     StatusLine status(context.quiet, StatusLine::Lines::none);
     status.tell("planning and simulating");
     std::optional<CornerBound> bound;
+    const double chords = file.reading.read.arc_tolerance;
     if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task, options.file.deadline);
     result = plan_program_file(options.program, file, choice, task, options.file);
-    result->corner_bound = bound;
+    if (bound) result->corner_bound = corner_bound_as_read(*bound, chords, options.program, file, task, options.file);
   }
   result->worst_shown = options.worst;
   result->peak_memory = peak_memory();
@@ -178,6 +180,13 @@ void write_outputs(const ProgramArguments& options, const Context& context, cons
   if (!context.quiet && !stdout_taken) std::fputs(program_summary(result).c_str(), stdout);
 }
 
+/// Says how much slower than its bound a plan is, if by much.
+void say_what_ended(const ProgramResult& result) {
+  const double ratio = result.lower_bound > 0.0 ? result.cycle_time / result.lower_bound : 1.0;
+  std::fputs("the time limit ended the search: a longer --time-limit may find a faster plan\n", stderr);
+  if (ratio > 2.0) fmt::print(stderr, "this one takes {:.3g} times the way over the feed\n", ratio);
+}
+
 void run(ProgramArguments& options, Context& context) {
   check_options(options);
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
@@ -189,8 +198,9 @@ void run(ProgramArguments& options, Context& context) {
   if (options.tool_length_mm) options.file.tools.length = *options.tool_length_mm * 1e-3;
   if (options.file.time_limit) options.file.deadline = Deadline(*options.file.time_limit);
   if (options.arc_tolerance_um) options.file.arc_tolerance = *options.arc_tolerance_um * 1e-6;
-  ProgramFile file = read_program_file(options.program, task, options.file,
-                                       [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
+  ProgramFile file = read_program_file(options.program, task, options.file, [&](const std::string& line) {
+    if (!context.quiet) std::fprintf(stderr, "%s\n", line.c_str());
+  });
   const Toolpath programmed = figure_type.empty() ? Toolpath{} : file.path;
   const std::optional<ProgramResult> planned = plan_with(options, context, file, task);
   if (!planned) return;
@@ -199,8 +209,7 @@ void run(ProgramArguments& options, Context& context) {
                 figure_type.empty()
                     ? ""
                     : program_figure(result, programmed, task.machine, figure_type, view_from(options.view)));
-  if (result.verification.feasible && options.file.deadline.over())
-    std::fprintf(stderr, "the time limit ended the search: a longer --time-limit may find a faster plan\n");
+  if (result.verification.feasible && options.file.deadline.over()) say_what_ended(result);
   context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
 }
 

@@ -61,8 +61,8 @@ int deliver(const DesignResult& result, const std::string& json_path, const Cont
     const double megabytes = result.certificate ? 1e-6 * static_cast<double>(proof_size(result)) : 0.0;
     const bool keep = result.certificate && megabytes <= certificate_max;
     if (result.certificate && !keep) {
-      std::fprintf(stderr, "%s: the proof, %.3g MB, was left out; --certificate-max %.0f keeps it\n", json_path.c_str(),
-                   megabytes, std::ceil(megabytes));
+      std::fprintf(stderr, "%s: the proof, %.3g MB, was left out; --certificate-max %.0f keeps it\n",
+                   printable(json_path).c_str(), megabytes, std::ceil(megabytes));
     }
     // With very many corners, copying costs as much as writing the text.
     const bool as_it_is = keep || !claims_proof(result);

@@ -88,6 +88,12 @@ void rejected(const std::string& reason, Context& context) {
   if (!context.quiet) fmt::print("rejected\n  {}\n", printable(reason));
 }
 
+/// Says why neither acceptance nor rejection is possible.
+void not_checked(const std::string& path, const std::string& reason, Context& context) {
+  context.exit_code = exit_no_answer;
+  fmt::print(stderr, "{}: not checked: {}\n", printable(path), printable(reason));
+}
+
 void print_accepted(const ProgramRecord& record, const std::string& shown, bool read,
                     const std::vector<std::string>& open) {
   fmt::print("accepted: {}\n", printable(shown));
@@ -111,25 +117,27 @@ void verify_program(const std::string& text, const std::string& path, double lim
   const ProgramRecord record = parse_program_record(text, path);
   const auto refuse = [&](const std::string& reason) { rejected(reason, context); };
   const bool plan_again = record.schema == ProgramSchema::profiles_1;
+  const auto pass = [&](const std::string& reason) { not_checked(path, reason, context); };
   if (!record.commands && !plan_again) {
-    return refuse(fmt::format(
-        "the result holds no commands to simulate again (accdec keeps them up to {} moves): run accdec program again, "
-        "which verifies what it plans",
-        recorded_blocks_max));
+    return pass(
+        fmt::format("the result holds no commands to simulate again, because only those of up to {} moves are kept; "
+                    "accdec program verifies every plan that it prints",
+                    recorded_blocks_max));
   }
   const ProgramResult& result = record.result;
   if (result.status != Status::feasible) return refuse("the result is failed: there is no plan to verify");
   if (const double seconds = plan_again ? 0.0 : motion_seconds(record); !(seconds <= limit))
-    return refuse(
+    return pass(
         fmt::format("simulating the plan again would take about {:.0f} s; --time-limit is {:g} s", seconds, limit));
-  if (const std::string why = changed_inputs(record.inputs); !why.empty()) return refuse(why);
+  if (const std::string why = changed_inputs(record.inputs); !why.empty())
+    return std::filesystem::is_regular_file(record.inputs.program) ? refuse(why) : pass(why);
   std::vector<std::string> reasons;
   std::optional<Toolpath> programmed = read_again(record, reasons);
   const bool read = programmed.has_value();
   const double seconds = plan_again && read ? static_cast<double>(programmed->blocks()) / blocks_a_second : 0.0;
   if (seconds > limit)
-    return refuse(fmt::format("planning {} moves again may take {:.0f} s; --time-limit is {:g} s", programmed->blocks(),
-                              seconds, limit));
+    return pass(fmt::format("planning {} moves again may take {:.0f} s; --time-limit is {:g} s", programmed->blocks(),
+                            seconds, limit));
   RecordCheck check = check_program_record(text, record, std::move(programmed));
   check.reasons.insert(check.reasons.begin(), reasons.begin(), reasons.end());
   if (!check.reasons.empty()) return refuse(fmt::format("{}", fmt::join(check.reasons, "\n  ")));

@@ -62,7 +62,7 @@ def _claimed(result, problem, certificate):
     refuse_if(certificate["objective"] != problem.objective, "the certificate is about another objective than the task")
     runs = number(certificate["runs"]) if problem.objective == "cycle" else problem.runs
     refuse_if(runs != problem.runs, "the certificate is about another number of runs than the task")
-    refuse_if(number(certificate.get("tolerance", GRANTED)) < GRANTED, "the certificate is about narrower limits")
+    refuse_if(number(certificate.get("tolerance", GRANTED)) != GRANTED, "the certificate is about other limits")
     proved = certificate["bound_samples"]
     if result["status"] == "infeasible":
         refuse_if(proved is not None, "the certificate proves a bound, not that nothing exists")

@@ -250,7 +250,7 @@ class Forgeries(unittest.TestCase):
     def test_claims(self):
         self.assertIs(verdict(self.good)[0], True)
         self.refused(lambda r, c: c.update(bound_samples=c["bound_samples"] + 1), "")
-        self.refused(lambda r, c: c.update(tolerance=1e-9), "narrower")
+        self.refused(lambda r, c: c.update(tolerance=1e-9), "other limits")
         self.refused(lambda r, c: c.update(objective="corner"), "objective")
         self.refused(lambda r, c: r.update(lower_bound_s=2 * r["lower_bound_s"]), "above")
         self.refused(lambda r, c: c["tree"].pop(), "cut off")

@@ -54,6 +54,22 @@ TEST(Cli, ProgramsWithControlCharactersInTheirNamesReachNoTerminalRaw) {
     EXPECT_THAT(verified.out, HasSubstr("p\\x1b[31m.ngc"));
     EXPECT_EQ((planned.out + planned.err + verified.out + verified.err).find('\x1b'), std::string::npos) << plan;
   }
+  // Also where the program is gone: plot draws what the commands show, and says why.
+  ASSERT_EQ(run({"program", program, "--task", task, "--json", result}).code, 0);
+  std::filesystem::remove(program);
+  for (const Outcome& outcome : {run({"plot", result, "--out", folder.path("p.svg")}), run({"verify", result})}) {
+    EXPECT_THAT(outcome.err, HasSubstr("p\\x1b[31m.ngc is not there"));
+    EXPECT_EQ((outcome.out + outcome.err).find('\x1b'), std::string::npos) << outcome.err;
+  }
+}
+
+// U+202E turns the direction of what follows; U+0085 is a C1 control.
+TEST(Cli, KeysWithUnseenCharactersReachNoTerminalRaw) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run({"design", folder.write("t.toml", "\"k\xE2\x80\xAE\xC2\x85x\" = 1\n")});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("k\\xe2\\x80\\xae\\xc2\\x85x"));
+  EXPECT_EQ(outcome.err.find("\xE2\x80\xAE"), std::string::npos);
 }
 
 TEST(Cli, SettingsOfAControllerAreTheFirstAnswer) {

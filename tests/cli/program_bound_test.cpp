@@ -15,7 +15,6 @@ TEST_F(ProgramBound, ABoundAboveThePlanIsRejected) {
     ASSERT_EQ(plan(profiles ? std::vector<std::string>{"--plan", "profiles"} : std::vector<std::string>{}).code, 0);
     Json bad = json();
     const double time = bad["cycle_time_s"];
-    bad["corner_bound"] = {{"corners", 1}, {"counted", 1}, {"classes", 1}, {"complete", true}};
     for (const double bound : {1e308, time + 1e-3}) {
       bad["corner_bound_s"] = bound;
       const Outcome outcome = changed(bad);

@@ -126,6 +126,49 @@ TEST_F(ProgramResult, CountsAreRightAndWhatIsNotComparedIsOfItsKind) {
   }
 }
 
+// A verified plan that is faster would have been the answer; and texts follow from the plan and its bounds.
+TEST_F(ProgramResult, PlansBesideItAndTextsAreNotForged) {
+  ASSERT_EQ(plan({"--plan", "profiles"}).code, 0);
+  const Json good = json();
+  ASSERT_EQ(verify().code, 0) << verify().out;
+  const auto rejected = [&](const Json& bad, const std::string& reason) {
+    const Outcome outcome = changed(bad);
+    EXPECT_EQ(outcome.code, 1) << reason;
+    EXPECT_THAT(outcome.out, HasSubstr(reason));
+  };
+  ASSERT_EQ(good["candidates"].size(), 1U);
+  Json bad = good;
+  bad["candidates"][0]["verified"] = true;
+  bad["candidates"][0]["cycle_time_s"] = 0.99 * good["cycle_time_s"].get<double>();
+  rejected(bad, "is recorded as verified with");
+  bad = good;
+  bad["candidates"][0]["plan"] = "quick";
+  rejected(bad, "candidates: no plan is called \"quick\"");
+  for (const char* always : {"control_must", "not_considered", "bounds", "feeds_slowed", "solver"}) {
+    bad = good;
+    bad.erase(always);
+    rejected(bad, std::string(always) + " is missing");
+  }
+  for (std::size_t i = 0; i < good["bounds"].size(); ++i) {
+    bad = good;
+    bad["bounds"][i]["motions"] = "";
+    rejected(bad, "bounds[" + std::to_string(i) + "].motions is recorded as");
+    bad = good;
+    bad["bounds"].erase(i);
+    EXPECT_EQ(changed(bad).code, good["bounds"][i]["name"] == "any motion" ? 0 : 1) << i;
+  }
+}
+
+// The motion does not depend on the feed of a leg with steady ramps, nor on how a corner at rest would be stretched.
+TEST_F(ProgramResult, NumbersWithoutUseAreNamedAsNotChecked) {
+  ASSERT_EQ(plan({"--plan", "profiles"}).code, 0);
+  if (!json()["commands"]["trajectory"].contains("levels")) GTEST_SKIP() << "another plan is the fastest";
+  EXPECT_EQ(json()["commands"]["trajectory"]["levels"], 1);
+  const std::string said = verify().out;
+  EXPECT_THAT(said, HasSubstr("commands.trajectory.feed_m_s"));
+  EXPECT_THAT(said, HasSubstr("commands.trajectory.stretch_s2_m at rest"));
+}
+
 // Chords of arcs may have been read again, finer; without arcs the corners of the bound are those of the program.
 TEST_F(ProgramResult, CornersOfTheBoundAreThoseOfTheProgram) {
   folder_.write("part.ngc", "G21 G90 G64 P0.02\nF6000\nG1 X30 Y0\nX30 Y20\nX0 Y0\nM2\n");
@@ -201,7 +244,7 @@ TEST_F(ProgramResult, OfAnotherProgramOrTaskItIsRejected) {
   EXPECT_THAT(verify().out, HasSubstr("the task is the one in the result"));
   std::filesystem::remove(program_);
   EXPECT_EQ(verify().code, 1);
-  EXPECT_THAT(verify().out, HasSubstr("part.ngc is not there"));
+  EXPECT_THAT(verify().err, HasSubstr("part.ngc is not there"));
 }
 
 TEST_F(ProgramResult, KeysStandOnce) {
@@ -220,7 +263,7 @@ TEST_F(ProgramResult, WithoutCommandsItIsNotAccepted) {
   without["commands"] = nullptr;
   const Outcome outcome = changed(without);
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("holds no commands"));
+  EXPECT_THAT(outcome.err, HasSubstr("not checked: the result holds no commands"));
   // Damaged ones are bad input.
   ASSERT_EQ(plan().code, 0);
   Json damaged = json();
@@ -231,13 +274,24 @@ TEST_F(ProgramResult, WithoutCommandsItIsNotAccepted) {
   EXPECT_EQ(changed(damaged).code, 2);
 }
 
+TEST_F(ProgramResult, SamplesBehindALongDwellAreCounted) {
+  // 110000 s of 0.05 ms each: more samples than 32 bits count.
+  folder_.write("mill.toml",
+                "sample_period_ms = 0.05\n[filter]\nkind = \"boxcar\"\norder = 40\n[[axis]]\n"
+                "acceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n");
+  folder_.write("part.ngc", "G21 G90 F600\nG1 X10\nG4 P110000\nG1 F900 X20\nM2\n");
+  ASSERT_EQ(plan().code, 0);
+  EXPECT_GT(json()["limits"][0]["sample"].get<double>(), 2.2e9);
+  EXPECT_EQ(verify().code, 0);
+}
+
 TEST_F(ProgramResult, CostsAreEstimatedFirst) {
   ASSERT_EQ(plan().code, 0);
   Json absurd = json();
   absurd["commands"]["duration_s"][0] = 2e6;
   const Outcome outcome = changed(absurd);
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("would take about"));
+  EXPECT_THAT(outcome.err, HasSubstr("would take about"));
 }
 
 TEST_F(ProgramResult, IsPlottedAndExported) {

@@ -21,6 +21,10 @@ constexpr const char* machine = "[[axis]]\nacceleration_max_mm_s2 = 6000\n";
 constexpr const char* corner = "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n";
 constexpr const char* given = "delay_samples = 20\n[filter]\nkind = \"boxcar\"\norder = 20\n";
 constexpr const char* servo = "servo_gain_1_s = 200\n";
+/// No refusal advises what refuses it again: designs consider it for free taps alone.
+constexpr const char* advice =
+    "leave it out. `accdec evaluate` and `accdec verify` consider it at the corners of a task, "
+    "`accdec design` and `accdec explain` do for free taps without `coefficient_bits`";
 constexpr const char* smoothing = "[controller]\nprefilter_taps = [0.25, 0.5, 0.25]\n";
 
 /// Commands that read a task, with the arguments after it that let them come as far as the task.
@@ -85,7 +89,7 @@ TEST_F(ResponseOfTasks, OtherCommandsRefuseItByName) {
       const Outcome outcome = run(call);
       EXPECT_EQ(outcome.code, 2);
       EXPECT_THAT(outcome.err, HasSubstr("task.toml:" + position + ": "));
-      EXPECT_THAT(outcome.err, HasSubstr("`" + key + "` is not considered here"));
+      EXPECT_THAT(outcome.err, HasSubstr("`" + key + "` is not considered here; " + advice));
     }
   }
 }
@@ -161,9 +165,18 @@ TEST_F(ResponseOfTasks, StudiesAndOptimaConsiderIt) {
 TEST_F(ResponseOfTasks, WhatDesignsDoNotCoverIsRefused) {
   for (const std::string& end :
        {std::string("[design]\nfamily = \"averages\"\n"), std::string("[design]\ncoefficient_bits = 16\n")}) {
-    const Outcome outcome = run({"design", task(servo, end)});
-    EXPECT_EQ(outcome.code, 2);
-    EXPECT_THAT(outcome.err, HasSubstr("does not consider the servo of an axis"));
+    for (const auto& [text, named] :
+         {std::pair(task(servo, end, "servo.toml"), "does not consider the servo of an axis"),
+          std::pair(task("", end + smoothing, "smooth.toml"), "does not consider the control's prefilter_taps"),
+          std::pair(task("coulomb_N = 40\n", end, "dry.toml"), "does not consider `coulomb_N`")}) {
+      for (const char* command : {"design", "explain"}) {
+        SCOPED_TRACE(std::string(command) + " with " + end + text);
+        const Outcome outcome = run({command, text});
+        EXPECT_EQ(outcome.code, 2);
+        EXPECT_THAT(outcome.err, HasSubstr(named));
+        EXPECT_THAT(outcome.err, HasSubstr(advice));
+      }
+    }
   }
   const Outcome nlp = run({"design", task(servo, ""), "--solver", "ipopt"});
   EXPECT_EQ(nlp.code, 2);

@@ -185,6 +185,14 @@ TEST(Settings, SurviveFiles) {
   const DesignResult again = parse_result(text, "result");
   EXPECT_EQ(result_to_json(again), text);
   EXPECT_THAT(verify_result(again).reasons, IsEmpty());
+  // The proof about free taps inside names what it is, as the one around it does.
+  for (const std::string name : {"\"branch and bound\"", "\"accdec.certificate/1\""}) {
+    std::string bad = text;
+    const std::size_t at = bad.rfind(name);
+    ASSERT_NE(at, std::string::npos);
+    bad.replace(at, name.size(), "\"\"");
+    EXPECT_THROW(parse_result(bad, "result"), InputError) << name;
+  }
 }
 
 TEST(Settings, ThatDoNotExistSayWhichLimitAndTheNearest) {
@@ -211,12 +219,21 @@ TEST(Settings, AreNotForged) {
   EXPECT_FALSE(refused([](DesignResult&) {}));
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings.reset(); }));
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings->values[0].value += 1.0; }));
+  EXPECT_TRUE(refused([](DesignResult& r) { r.settings->values[0].value += 0.4; })) << "rounded, it is the same";
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings->width->high *= 2.0; }));
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings->width.reset(); }));
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings->delays[0] = DelayKind::continuous; }));
   EXPECT_TRUE(refused([](DesignResult& r) { r.family_bound.reset(); }));
   EXPECT_TRUE(refused([](DesignResult& r) { *r.free_taps *= 0.5; }));
   EXPECT_TRUE(refused([](DesignResult& r) { *r.lower_bound *= 1.02, r.gap = 1.0 - *r.lower_bound / r.objective(); }));
+  EXPECT_TRUE(refused([](DesignResult& r) { r.free_taps = r.objective() - 0.3 * r.task.sample_period; }));
+  for (const double more : {1.2, 1e300}) {
+    EXPECT_TRUE(refused([&](DesignResult& r) {
+      Certificate larger = *r.certificate;
+      *std::get<proof::FamilyEnumeration>(larger.proof).bound_samples *= more;
+      r.certificate = std::make_shared<Certificate>(std::move(larger));
+    })) << "the members were refuted up to the bound, and no further";
+  }
   // A controller of longer steps does not have this filter.
   EXPECT_TRUE(refused([](DesignResult& r) { r.task.settings->stages[0].length_step = 5e-3; }));
   // A slower member, honestly recorded, is not the best.

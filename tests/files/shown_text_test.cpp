@@ -15,14 +15,19 @@ TEST(ShownText, HoldsNoControlCharacters) {
   EXPECT_EQ(printable("C1: \xC2\x9B"
                       "31m, \xC2\xB5m"),
             "C1: \\xc2\\x9b31m, \xC2\xB5m");
+  // U+202E, U+2068 and U+FEFF; beside them, U+2014 is an ordinary dash.
+  EXPECT_EQ(printable("a\xE2\x80\xAE"
+                      "b\xE2\x81\xA8\xEF\xBB\xBF, \xE2\x80\x94"),
+            "a\\xe2\\x80\\xaeb\\xe2\\x81\\xa8\\xef\\xbb\\xbf, \xE2\x80\x94");
+  EXPECT_EQ(printable("cut \xE2\x80"), "cut \xE2\x80");
   EXPECT_EQ(printable("two\n\tlines, \xC3\xA4"), "two\n\tlines, \xC3\xA4");
 }
 
 // A shell gives back what was quoted.
 TEST(ShownText, AShellReadsQuotedArguments) {
   EXPECT_EQ(shell_quoted("problems/corner/a-1.toml"), "problems/corner/a-1.toml");
-  for (const std::string argument :
-       {"", "two words", "it's", "$(rm x); `y` \"z\" \\ & * ? !", "\x1b[31m'\\\n", "\xC2\x9B", "~/x", "\xC3\xA4 b"}) {
+  for (const std::string argument : {"", "two words", "it's", "$(rm x); `y` \"z\" \\ & * ? !", "\x1b[31m'\\\n",
+                                     "\xC2\x9B", "\xE2\x80\xAE x", "~/x", "\xC3\xA4 b"}) {
     const TemporaryFolder folder;
     test_support::wait_for(test_support::start_shell("exec bash -c " + quoted("printf %s " + shell_quoted(argument)),
                                                      folder.path("out"), folder.path("err")));

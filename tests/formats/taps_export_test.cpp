@@ -57,6 +57,16 @@ TEST(TapsExport, NpyIsWhatTheFormatSays) {
   EXPECT_THAT(taps, ElementsAre(0.125, 0.25, 0.625));
 }
 
+TEST(TapsExport, NamesAreNoFormulas) {
+  DesignResult result = result_of(hann(7));
+  result.task.title = "=cmd|' /C calc'!A0";
+  result.corners.resize(1);
+  result.corners[0].name = "@SUM(A1:A9)";
+  const std::string csv = export_taps(result, "csv");
+  EXPECT_THAT(csv, HasSubstr("\n# title,'=cmd|' /C calc'!A0\n"));
+  EXPECT_THAT(csv, HasSubstr(",'@SUM(A1:A9),"));
+}
+
 TEST(TapsExport, TextFormatsKeepEveryBit) {
   const Filter filter = hann(7);
   std::istringstream csv(export_taps(result_of(filter), "csv"));

@@ -105,7 +105,7 @@ TEST(FreeMotion, HoldsWheneverItEnds) {
   for (const int last : {0, 1}) {
     std::atomic<bool> cancel = last == 0;
     FreeOptions free;
-    free.cancel = &cancel;
+    free.deadline.end_when(cancel);
     free.progress = [&](double, double) { cancel = true; };
     const ProgramResult result = free_plan(zigzag, task, free);
     expect_holds(result, task);

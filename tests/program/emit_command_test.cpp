@@ -60,6 +60,18 @@ TEST_F(ProgramCommand, EmittedDwellsAtStopsTakeNoMoreThanBefore) {
   EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
 }
 
+// Legs shorter than the filter may need no more rest between them than the filter, though longer ones would.
+TEST_F(ProgramCommand, EmittedStopsBetweenShortLegsTakeNoMoreThanBefore) {
+  write("short.toml",
+        "sample_period_ms = 10\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n"
+        "jerk_max_mm_s3 = 50000\n[filter]\nkind = \"averages\"\nlengths = [5, 2]\n");
+  write("part.ngc", "G64 P0.005\nF3000\nG1 X0.3\nG1 X0\nG61.1\nG1 X0.0151 Y-0.0147\nG1 X0.0154 Y-0.0146\nM2\n");
+  ASSERT_EQ(run("program part.ngc --task short.toml --feeds keep --emit e.ngc --json r.json").code, 0) << read("err");
+  ASSERT_EQ(run("program e.ngc --task short.toml --feeds keep --dwells-before-filter --json again.json").code, 0)
+      << read("err");
+  EXPECT_EQ(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
+}
+
 // A block that G61 ends and a move in inverse time lose a sample each in LinuxCNC: 20 ms of delay are a move of 18.
 TEST_F(ProgramCommand, EmittedForLinuxcncTimesDelaysByMoves) {
   write("one.toml",

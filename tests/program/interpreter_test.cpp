@@ -196,6 +196,32 @@ TEST_F(ProgramCommand, WhatActsOnTheMachineAloneIsSaid) {
   EXPECT_THAT(read("err"), HasSubstr("tools.tbl: not used"));
 }
 
+// rs274 has tools of its own, and gives these parameters in inch: Z#5403 would go to 0.511 mm.
+TEST_F(ProgramCommand, ParametersOfAToolNeedATableInInch) {
+  write("tools.tbl", "T1 P1 Z4\n");
+  const auto refused = [&](const std::string& lines, const std::string& place) {
+    write("part.ngc", "G21 G64 P0.01\nF600\nT1 M6\n" + lines + "G1 X10\nM2\n");
+    for (const char* tools : {"", " --tool-length 0", " --tool-table tools.tbl"}) {
+      EXPECT_EQ(run(std::string("program part.ngc --task task.toml") + tools).code, 2) << lines << tools;
+      EXPECT_THAT(read("err"), HasSubstr("part.ngc:" + place + ": #5401 to #5413 are lengths and diameters of a tool"));
+      EXPECT_THAT(read("err"), HasSubstr("--tool-table FILE --tool-table-inch"));
+    }
+  };
+  refused("G1 Z#5403\n", "4:5");
+  refused("(#5403) G1 X0 Y[ # 54 10 / 2]\n", "4:18");
+  refused("#1=5403\nG1 Z##1\n", "4:4");
+  refused("#<n>=2\nG1 Z#[5400 + 3]\n", "5:7");
+  if (std::system("command -v rs274 > /dev/null") != 0) GTEST_SKIP() << "rs274 (linuxcnc-uspace) is not installed";
+  write("inch.tbl", "T1 P1 Z4\n");
+  write("part.ngc", "G20 G90 G61.1 F10\nT1 M6\nG43\nG1 Z#5403\nM2\n");
+  EXPECT_EQ(run("program part.ngc --task task.toml --tool-table inch.tbl --tool-table-inch").code, 0) << read("err");
+  for (const char* other : {"#5=5403\nG1 X#5\n", "G1 X[5403/1000] (#5403)\n", "#<a5403>=1\nG1 X#<a5403>\n",
+                            "N5403 G1 X[#5400 + 1]\n", "/ G1 Z#5403\nG1 X[2*3]\n"}) {
+    write("part.ngc", std::string("G21 G90 G61.1 F6000\n") + other + "M2\n");
+    EXPECT_EQ(run("program part.ngc --task task.toml --tool-length 0").code, 0) << other << read("err");
+  }
+}
+
 TEST_F(ProgramCommand, WordsThatAreNotReadHereNameThePackageThatReadsThem) {
   write("part.ngc", "G21 G61.1 F300\nG81 X1 Y1 Z-1 R1\nM2\n");
   const Output done = run("program part.ngc --task task.toml");

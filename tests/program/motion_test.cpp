@@ -86,6 +86,23 @@ TEST(DirectMotion, IsTheSumOfEveryLegsConvolution) {
   }
 }
 
+// Every step of an even motion is the same, also the last: in double, 300 000 times 0.1 s is 0.16 us too little.
+TEST(Motion, TheLastStepOfManyBlocksIsNoLonger) {
+  constexpr std::size_t blocks = 300'000;
+  Toolpath path;
+  path.axes = {0};
+  for (std::size_t i = 0; i <= blocks; ++i) path.points.push_back(static_cast<double>(i));
+  path.duration.assign(blocks, 0.1);
+  path.tolerance.assign(blocks, unlimited);
+  path.joint.assign(blocks, Joint::straight);
+  path.joint.back() = Joint::stop;
+  const std::vector<int> delays(blocks, 0);
+  const DirectMotion motion = direct_motion(path, 1.0, delays, {{Filter({1.0})}, {}});
+  ASSERT_GE(motion.velocity[0].size(), blocks / 10 + 1);
+  EXPECT_NEAR(motion.velocity[0][1], 10.0, 1e-9);
+  EXPECT_NEAR(motion.velocity[0][blocks / 10], 10.0, 1e-9);
+}
+
 // What controllers are sent is the motion that was simulated and judged, by another summation of the same commands.
 TEST(Motion, OfACommandIsTheDirectOne) {
   for (unsigned seed = 1; seed <= 6; ++seed) {

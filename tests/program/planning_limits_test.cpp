@@ -55,6 +55,18 @@ TEST(PlanningLimits, ADeadlineEndsMarchesAndRepair) {
   EXPECT_EQ(plan_profiles(path, machine, 2e-4, over).rounds, 0);
 }
 
+// A plan that was cut short breaks limits, and its time is less than the feeds allow.
+TEST(PlanningLimits, ProgrammedFeedsHaveNoTimeWhereTheirPlanWasNotFinished) {
+  Task task;
+  task.sample_period = 1e-3;
+  task.machine = test::machine_of(1.0, unlimited, 0.2, 3);
+  const Toolpath path = test::path_of("G61 F12000\nG2 J36 P2\nM2\n", task.machine);
+  const Deadline over(-1.0);
+  const ProgramResult result = run_program("a", path, Filter({0.5, 0.5}), task, false, Feeds::choose, over);
+  EXPECT_FALSE(result.verification.feasible);
+  EXPECT_FALSE(result.cycle_time_kept.has_value());
+}
+
 // An arc of 316 chords under a filter of 51 taps, which steps of the feed between them do not suit: mending it takes
 // minutes.
 TEST_F(ProgramCommand, APlanThatTheTimeLimitEndsIsNoResult) {

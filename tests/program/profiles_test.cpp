@@ -282,6 +282,7 @@ TEST(LastFilters, HoldTheBoundsByTheirDefinition) {
   const double period = 1e-3;
   const std::vector<Filter> filters = last_filters(m, period);
   ASSERT_FALSE(filters.empty());
+  EXPECT_TRUE(last_filters(m, period, unlimited, 24, Deadline(-1.0)).empty());
   for (const Filter& filter : filters) {
     for (const Mode& mode : m.modes) {
       for (int i = 0; i <= 400; ++i) {

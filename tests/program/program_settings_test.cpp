@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -157,6 +158,32 @@ TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
     }
     write("forged.json", text);
     EXPECT_EQ(run("verify forged.json").code, 2);  // the answer says another one
+  }
+}
+
+/// Way over feed bounds the time of any taps. The answer in words is forged with the number, so that only the bound
+/// can tell.
+TEST_F(ProgramCommand, FreeTapsFasterThanAnyFilterAreRejected) {
+  write("control.toml", std::string(machine_text) + "[design]\nfamily = \"averages\"\nstages = 1\n");
+  write("part.ngc", "G21 G90 G64 P0.05\nG1 X30 F3000\nY30\nX10\nM2\n");
+  ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json").code, 0) << read("err");
+  nlohmann::ordered_json record = nlohmann::ordered_json::parse(read("r.json"));
+  const double bound = record["lower_bound_s"], time = record["cycle_time_s"];
+  EXPECT_NEAR(bound, 80.0 / 50.0, 0.01);
+  ASSERT_LT(1.01 * bound, time);
+  const std::string answer = record["settings"]["answer"];
+  const std::size_t begin = answer.find(" Free taps would take"), end = answer.find(" or less.");
+  ASSERT_TRUE(begin != std::string::npos && end != std::string::npos) << answer;
+  for (const auto& [free, code] : {std::pair(1.01 * bound, 0), std::pair(0.99 * bound, 1)}) {
+    record["settings"]["free_taps_s"] = free;
+    record["settings"]["answer"] =
+        fmt::format("{} Free taps would take {:.6g} s ({:.1f} % less){}", answer.substr(0, begin), free,
+                    100.0 * (1.0 - free / time), answer.substr(end));
+    write("forged.json", record.dump());
+    const Output verified = run("verify forged.json");
+    EXPECT_EQ(verified.code, code) << verified.out << verified.err;
+    EXPECT_EQ(verified.out.find("settings.free_taps_s is below the bound of any filter") != std::string::npos,
+              code == 1);
   }
 }
 

@@ -34,7 +34,7 @@ struct Program : ProgramResult {
 };
 using Pointer = std::shared_ptr<Program>;
 
-/// Planning has no flag for being cancelled but says, now and then, what it does.
+/// What planning says, now and then, ends it where no deadline does.
 std::function<void(const std::string&)> teller(const Work& work) {
   return [&work](const std::string& line) {
     if (work.cancelled) throw std::runtime_error("cancelled");
@@ -45,7 +45,6 @@ std::function<void(const std::string&)> teller(const Work& work) {
 FreeOptions free_options(const Work& work) {
   FreeOptions free;
   free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  free.cancel = &work.cancelled;
   free.progress = [&work](double gained, double) { work.tell(fmt::format("{:.3f} s gained", gained)); };
   return free;
 }
@@ -56,14 +55,18 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
   const auto result = std::make_shared<Pointer>();
   run_interruptibly(
       [=](const Work& work) {
-        ProgramFile read = read_program_file(file, *task, options, teller(work));
+        ProgramFileOptions asked = options;
+        asked.deadline.end_when(work.cancelled);
+        ProgramFile read = read_program_file(file, *task, asked, teller(work));
         Toolpath programmed = read.path;
-        ProgramResult found = how == "free"
-                                  ? run_free_plan(file, read, *task, options, free_options(work), teller(work))
-                              : how == "profiles" ? run_fastest_plan(file, read, *task, options, teller(work))
-                                                  : run_program_file(file, read, *task, options, teller(work));
+        const double chords = read.reading.read.arc_tolerance;
+        ProgramResult found = how == "free" ? run_free_plan(file, read, *task, asked, free_options(work), teller(work))
+                              : how == "profiles" ? run_fastest_plan(file, read, *task, asked, teller(work))
+                                                  : run_program_file(file, read, *task, asked, teller(work));
         if (!found.corner_bound && !found.plan.empty() && programmed.blocks() <= several_plans_max)
-          found.corner_bound = corner_bound_of(programmed, *task, options.deadline);
+          found.corner_bound = read.reading.read.arc_tolerance == chords
+                                   ? corner_bound_of(programmed, *task, asked.deadline)
+                                   : corner_bound_as_read({}, chords, file, read, *task, asked);
         *result = std::make_shared<Program>(std::move(found), std::move(programmed), task->machine);
       },
       progress);

@@ -10,6 +10,7 @@
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/bounds/tube_window.hpp>
 #include <accdec/files.hpp>
+#include <accdec/simulate/tube_check.hpp>
 
 namespace accdec {
 namespace {
@@ -45,6 +46,7 @@ class AnyMotionBound {
     }
     wider_ = std::sqrt(acceleration2) * sample_period * sample_period / (jerk ? 6.0 : 8.0);
     saved_ = (jerk ? 2.0 : 1.0) * sample_period;
+    make_tube();
   }
 
   double bound() {
@@ -63,13 +65,24 @@ class AnyMotionBound {
  private:
   using Key = std::vector<std::int64_t>;
 
-  /// The radius of the tube around a block: stops grant none.
-  double radius(std::size_t first, std::size_t block) const {
+  /// The radius of the tube around every block. Stops grant none. Where the path goes straight on, the tolerances at
+  /// both ends of all that is straight count. Around a chord an arc with its own tube has room.
+  void make_tube() {
     const auto granted = [&](std::size_t b) { return path_.joint[b] == Joint::stop ? 0.0 : path_.tolerance[b]; };
-    return std::max(block > first ? granted(block - 1) : 0.0, granted(block)) + wider_;
+    radius_ = tube_radii(path_);
+    for (std::size_t b = 0; b < path_.blocks(); ++b)
+      radius_[b] = std::max({radius_[b], b > 0 ? granted(b - 1) : 0.0, granted(b)}) + wider_;
+    for (const PathArc& arc : path_.arcs) {
+      const double quarter = std::sin(0.25 * arc.angle / (arc.last - arc.first + 1.0));
+      for (std::size_t b = arc.first; b <= arc.last; ++b) {
+        double dx = 0.0, dy = 0.0;
+        const double r = std::max(arc.from(path_.point(b), dx, dy), arc.from(path_.point(b + 1), dx, dy));
+        radius_[b] += 2.0 * r * quarter * quarter;
+      }
+    }
   }
 
-  Leg leg_of(std::size_t first, std::size_t b) const {
+  Leg leg_of(std::size_t b) const {
     Leg leg;
     const double* p = path_.point(b);
     double length = 0.0, most = 0.0;
@@ -97,7 +110,7 @@ class AnyMotionBound {
       leg.tube.feed = feed;
       for (std::size_t a = 0; a < n_; ++a) leg.tube.pace[a] = leg.tube.direction[a] / feed;
     }
-    leg.tube.radius = radius(first, b);
+    leg.tube.radius = radius_[b];
     leg.way = path_.duration[b];
     leg.reach =
         acceleration < unlimited ? 1.2 * (feed / acceleration + (jerk < unlimited ? acceleration / jerk : 0.0)) : 0.0;
@@ -109,7 +122,7 @@ class AnyMotionBound {
   void make_legs(std::size_t first, std::size_t last) {
     legs_.clear();
     for (std::size_t b = first; b <= last; ++b) {
-      Leg leg = leg_of(first, b);
+      Leg leg = leg_of(b);
       const bool goes_on = b > first && path_.joint[b - 1] == Joint::straight && same(leg.tube, legs_.back().tube);
       if (!goes_on) {
         legs_.push_back(leg);
@@ -228,7 +241,8 @@ class AnyMotionBound {
   const double time_limit_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   double wider_ = 0.0, saved_ = 0.0;
-  std::vector<Leg> legs_;  // of the section
+  std::vector<double> radius_;  // m, of every block's tube
+  std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;
   std::map<Key, TubeLoss> corners_;
   std::size_t programs_ = 0;

@@ -13,6 +13,10 @@ namespace accdec {
 /// near a joint than the higher feed of both. The axes keep their velocity, acceleration (force at rest) and jerk
 /// limits.
 ///
+/// Legs of an arc are its chords; a motion may be as near to the arc itself instead. So it may run inside the arc by
+/// its tolerance, which every joint of two chords saves its part of. Chords are those of the path: a plan that read its
+/// arcs again has another bound.
+///
 /// Let c be the pace of a leg, a vector with c . x' <= 1 for all velocities allowed: direction over feed, or for a
 /// rapid move 1/v_max along the axis that needs longest. The time from one joint to the next is
 ///   c . (x(t2) - x(t1)) + integral of (1 - c . x') dt,

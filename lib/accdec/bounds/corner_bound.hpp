@@ -45,8 +45,13 @@ CornerDual corner_loss(const BoundCorner& corner, const Machine& machine, std::s
 
 inline constexpr std::size_t corner_programs_max = 400;  ///< linear programs of a CornerBound
 
-/// The minimum, over all highest speeds v_i of the legs i, of the sum of L_i/v_i and of the corners' costs at these
-/// speeds. In program_corner_bound.cpp.
+/// The motions are sums of legs that never run back. Let w_i be the highest speed that leg i reaches if one of its ends
+/// counts, and its feed otherwise. Then sum of s_i'/w_i <= 1 at every moment, as in a filtered command. When a leg that
+/// counts is fastest, no other one moves. A chord of an arc never counts, because filters are longer than it: it takes
+/// its length over the feed. Chords are those of the path: a plan that read its arcs again has another bound.
+///
+/// The bound is the minimum, over all highest speeds v_i of the legs i, of the sum of L_i/v_i and of the corners' costs
+/// at these speeds. In program_corner_bound.cpp.
 ///
 /// At the moment of its highest speed v_i a leg has no acceleration. So a motion cut there could continue at v_i
 /// without loss. Hence between two such moments a corner costs at least its loss at these speeds. A program costs at

@@ -30,11 +30,17 @@ double lead(double p, double tap) {
   return moment(1.0 - tap - mass(p, tap), tap) - p;
 }
 
-/// Largest tap that starts block b within the acceleration limits.
+/// A chord of an arc, which filters are longer than.
+bool chord(const Toolpath& path, std::size_t b) {
+  return path.inside_arc[b] != 0 || (b > 0 && path.inside_arc[b - 1] != 0);
+}
+
+/// Largest tap that starts block b within the acceleration limits. Where other chords move with it, any tap may.
 double largest_tap(const Toolpath& path, std::size_t b, const Machine& machine, double sample_period) {
   const std::size_t n = path.dimensions();
   const double* p = path.point(b);
   double tap = 1.0;
+  if (chord(path, b)) return tap;
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const double speed = std::abs(p[n + a] - p[a]) / path.duration[b];
     if (speed > 0.0)
@@ -94,7 +100,7 @@ double filter_lower_bound(const Toolpath& path, const Machine& task_machine, dou
   const auto command = static_cast<double>(timing.command_samples());  // delays only add runs, each rounded up
   double samples = command + moment(1.0 - first_tap, first_tap) + moment(1.0 - last_tap, last_tap) + 1.0;
   for (std::size_t b = 0; b + 1 < blocks; ++b) {
-    if (!ends_leg(path, b)) continue;
+    if (!ends_leg(path, b) || path.inside_arc[b] != 0) continue;
     const double *p = path.point(b), *q = p + n, *r = q + n;
     double in2 = 0.0, out2 = 0.0, dot = 0.0;
     for (std::size_t a = 0; a < n; ++a) {

@@ -25,8 +25,9 @@ double least_separation(double step_in, double step_out, double tap_in, double t
 /// sum d + N_last + 1 = n + M_first + sum Delta + (N_last + 1 - M_last). Each term takes its own minimum.
 ///
 /// It holds for filters that are not longer than the blocks that meet at a corner: then each corner is passed as if it
-/// were alone. It may be too low, because it leaves out several conditions. One filter must suit both ends of a leg,
-/// limits hold while the legs overlap, limits other than acceleration hold, and samples are whole.
+/// were alone. Chords of arcs are shorter than filters. So an arc starts and stops with any tap here, and joints inside
+/// it cost nothing. It may be too low, because it leaves out several conditions. One filter must suit both ends of a
+/// leg, limits hold while the legs overlap, limits other than acceleration hold, and samples are whole.
 /// @param machine  its axes are found by their names (program_machine)
 double filter_lower_bound(const Toolpath& path, const Machine& machine, double sample_period);
 

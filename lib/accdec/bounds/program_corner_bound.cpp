@@ -108,6 +108,13 @@ class ProgramCornerBound {
     step_.assign(legs_.size(), 0);
   }
 
+  /// A chord of an arc: other chords move with it when it is fastest.
+  bool chord(std::size_t leg) const {
+    const auto of_arc = [&](std::size_t b) {
+      return path_.inside_arc[b] != 0 || (b > 0 && path_.inside_arc[b - 1] != 0);
+    };
+    return of_arc(legs_[leg].first) || of_arc(legs_[leg].last);
+  }
   bool stops(std::size_t leg) const { return path_.joint[legs_[leg].last] == Joint::stop; }
 
   /// Length of each leg that a parabola needs to cut the corner by its tolerance; none at rest.
@@ -128,13 +135,15 @@ class ProgramCornerBound {
       cuts[i] = cut(i, in, out);
     }
     const auto long_enough = [&](std::size_t i) {
-      return legs_[i].ramp(legs_[i].feed) > 0.0 && legs_[i].length >= 1.5 * (cuts[i] + (i > 0 ? cuts[i - 1] : 0.0));
+      return !chord(i) && legs_[i].ramp(legs_[i].feed) > 0.0 &&
+             legs_[i].length >= 1.5 * (cuts[i] + (i > 0 ? cuts[i - 1] : 0.0));
     };
     std::map<std::vector<long long>, int> known;
     for (std::size_t i = 0; i < legs_.size(); ++i) {
-      if (i == 0 || stops(i - 1)) legs_[i].rests += 1.0;
+      const double rest = chord(i) ? 0.0 : 1.0;
+      if (i == 0 || stops(i - 1)) legs_[i].rests += rest;
       if (stops(i)) {
-        legs_[i].rests += 1.0;
+        legs_[i].rests += rest;
       } else if (long_enough(i) && long_enough(i + 1)) {
         ++result_.counted;
         unit(legs_[i].last, in);

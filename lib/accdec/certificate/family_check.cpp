@@ -373,6 +373,9 @@ std::string check_families(const proof::FamilyEnumeration& proof, const Task& ta
     if (proof.bound_samples.value_or(none) < target * (1.0 - 1e-9))
       throw Rejected(
           fmt::format("the certificate proves {} samples, the result claims {}", *proof.bound_samples, target));
+    // Members are refuted up to the result's own claim.
+    if (proof.bound_samples.value_or(target) > target * (1.0 + 1e-9))
+      throw Rejected(fmt::format("the certificate claims {} samples, the result {}", *proof.bound_samples, target));
   }
   const auto refuted = refute_members(task, target, stop);
   int members = 0;

@@ -13,7 +13,7 @@ std::string other_question(const Task& task, const proof::BranchAndBound& proof)
   if (proof.objective != task.design.objective)
     return fmt::format("the certificate is about the objective \"{}\", the task's is \"{}\"",
                        to_string(proof.objective), to_string(task.design.objective));
-  if (!(proof.tolerance >= granted_tolerance))
+  if (proof.tolerance != granted_tolerance)
     return fmt::format("the certificate is about limits widened by {:.3g}, verification grants {:.3g}", proof.tolerance,
                        granted_tolerance);
   if (proof.objective != Objective::cycle || proof.runs == task.design.runs) return {};

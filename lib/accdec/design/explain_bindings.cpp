@@ -58,7 +58,7 @@ std::vector<Binding> find_bindings(const DesignResult& design) {
       axis_bindings(sampled, task.sample_period, task.machine.axes[a], static_cast<Eigen::Index>(a), corner.name,
                     found);
     for (const LimitUse* use : of_corner[corner.name])
-      found.push_back({use->kind, "", use->corner, use->event, {use->sample}, use->bound, 0.0});
+      found.push_back({use->kind, "", use->corner, use->event, {static_cast<int>(use->sample)}, use->bound, 0.0});
   }
   for (const LimitUse& use : design.limits) {
     if (use.kind == LimitKind::vibration && full(use))

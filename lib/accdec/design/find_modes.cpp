@@ -2,12 +2,13 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
+#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include <accdec/design/find_modes.hpp>
@@ -48,8 +49,20 @@ class Realisation {
         now(i, j) = lags.values[lag], next_(i, j) = lags.values[lag + 1];
       }
     }
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(now, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    left_ = svd.matrixU(), right_ = svd.matrixV(), values_ = svd.singularValues();
+    // The matrix is symmetric: singular values are the magnitudes of its eigenvalues.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> symmetric(now);
+    std::vector<Eigen::Index> largest_first(size);
+    std::iota(largest_first.begin(), largest_first.end(), Eigen::Index{0});
+    const Eigen::VectorXd& values = symmetric.eigenvalues();
+    std::stable_sort(largest_first.begin(), largest_first.end(),
+                     [&](Eigen::Index a, Eigen::Index b) { return std::abs(values[a]) > std::abs(values[b]); });
+    left_.resize(n, n), right_.resize(n, n), values_.resize(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Eigen::Index from = largest_first[static_cast<std::size_t>(i)];
+      values_[i] = std::abs(values[from]);
+      left_.col(i) = symmetric.eigenvectors().col(from);
+      right_.col(i) = std::copysign(1.0, values[from]) * left_.col(i);
+    }
   }
 
   std::vector<Pole> poles(int pairs) const {

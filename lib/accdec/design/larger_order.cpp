@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/larger_order.hpp>
-#include <accdec/exact/search.hpp>
+#include <accdec/exact/first_designs.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/families/quick_search.hpp>
 #include <accdec/files.hpp>
@@ -28,15 +28,16 @@ std::string larger_order_note(const Task& task, double seconds, const std::atomi
   std::string unknown = "; whether a larger order_max has one was not found out";
   if (stop()) return unknown;
   try {
-    exact::Search search(longer, stop);
-    const int least = search.smallest_order();
-    if (stop() && !search.best) return unknown;
+    exact::Workbench bench(longer, stop);
+    const int least = exact::FirstDesigns(bench).smallest_order();
+    const auto& best = bench.designs.best;
+    if (stop() && !best) return unknown;
     if (least > longer.design.order_max)
       return fmt::format("; with order_max = {} there is none either, a larger one was not tried",
                          longer.design.order_max);
-    double cycle_time = search.best ? search.best->value * task.sample_period : 0.0;
-    int order = search.best ? search.best->filter.order() : 0;
-    if (!search.best) {
+    double cycle_time = best ? best->value * task.sample_period : 0.0;
+    int order = best ? best->filter.order() : 0;
+    if (!best) {
       longer.design.order_min = least;
       const auto shape = quick_member(longer, 0.5 * seconds, cancel);
       if (!shape) return unknown;

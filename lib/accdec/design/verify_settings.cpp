@@ -5,11 +5,13 @@
 
 #include <accdec/certificate/family_members.hpp>
 #include <accdec/design/verify_settings.hpp>
+#include <accdec/task/objective.hpp>
 
 namespace accdec {
 namespace {
 
 constexpr double part = 1e-9;
+constexpr double kept_digits = 1e-9;  // times are written with nine decimals, in the unit of the parameter
 
 bool same_taps(const Filter& a, const std::vector<double>& b) {
   bool same = a.order() + 1 == static_cast<int>(b.size());
@@ -28,19 +30,28 @@ bool is_member(Task task, SettingFamily family, const Filter& filter) {
   return found;
 }
 
+/// The whole number of samples that a time to enter is; -1: it is none, by more than the digits that are kept of it.
+long samples_of(const Setting& time, double unit_seconds, double period) {
+  const double samples = time.value * unit_seconds / period;
+  if (!(samples >= 0.0 && samples < 2e6)) return -1;
+  const long length = std::lround(samples);
+  const double entered = static_cast<double>(length) * period / unit_seconds;
+  return std::abs(time.value - entered) <= part * entered + kept_digits ? length : -1;
+}
+
 /// The filter of a length and a real number; empty if the values are not these.
 std::vector<double> taps_of_number(const Task& task, const ChosenSettings& chosen) {
   const SettableStage& stage = task.settings->stages.front();
   const Setting& time = chosen.values.front();
   if (time.name != stage.name || time.unit != stage.unit || chosen.values.size() > 2) return {};
-  const double samples = time.value * stage.unit_seconds / task.sample_period;
-  if (chosen.values.size() == 1) return samples < 0.5 ? std::vector<double>{1.0} : std::vector<double>{};
+  const long samples = samples_of(time, stage.unit_seconds, task.sample_period);
+  if (chosen.values.size() == 1) return samples == 0 ? std::vector<double>{1.0} : std::vector<double>{};
   const Setting& number = chosen.values.back();
   const bool of_time = chosen.family == SettingFamily::exponential;
   const std::string unit = of_time ? "ms" : chosen.family == SettingFamily::gaussian ? "" : "Hz";
-  if (number.unit != unit || !(samples > 1.5 && samples < 2e6)) return {};
+  if (number.unit != unit || samples < 2) return {};
   const double si = of_time ? 1e-3 * number.value : number.value;
-  const Filter filter(grid_taps(chosen.family, static_cast<int>(std::lround(samples)) - 1, si, task.sample_period));
+  const Filter filter(grid_taps(chosen.family, static_cast<int>(samples) - 1, si, task.sample_period));
   return {filter.taps().begin(), filter.taps().end()};
 }
 
@@ -57,19 +68,19 @@ std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chose
     if (setting.unit == "Hz") {
       const ShaperInfo* shaper = task.settings->shaper;
       if (shaper == nullptr || setting.name != shaper->title) return {};
+      const double delay = shaper->delay_periods / (setting.value * task.sample_period);
+      if (!(delay >= 1.0 - part && delay < 2e6 && std::abs(delay - std::round(delay)) <= part * delay)) return {};
       spec.pairs = shaper->pairs, spec.outer = shaper->outer;
-      spec.pair_delay = static_cast<int>(std::lround(shaper->delay_periods / (setting.value * task.sample_period)));
+      spec.pair_delay = static_cast<int>(std::lround(delay));
       continue;
     }
     if (s >= stages.size()) return {};
-    const double samples = setting.value * stages[s].unit_seconds / task.sample_period;
     if (setting.name != stages[s].name || setting.unit != stages[s].unit) return {};
+    const long length = samples_of(setting, stages[s].unit_seconds, task.sample_period);
+    if (length < 0) return {};
     ++s;
-    if (chosen.family == SettingFamily::one_pole)
-      return samples > 0.5 ? std::vector<double>{samples} : std::vector<double>{};
-    const long length = std::lround(samples);
-    if (length > 1 && length < 2'000'000)
-      spec.lengths.push_back(static_cast<int>(length)), spec.order += spec.lengths.back() - 1;
+    if (chosen.family == SettingFamily::one_pole) return {static_cast<double>(length)};  // 0: off
+    if (length > 1) spec.lengths.push_back(static_cast<int>(length)), spec.order += spec.lengths.back() - 1;
   }
   if (spec.lengths.empty()) spec.lengths.push_back(1);
   if (spec.pairs > 0 && spec.pair_delay < 1) return {};
@@ -80,8 +91,8 @@ std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chose
 bool values_fit(const Task& task, const ChosenSettings& chosen, const Filter& filter) {
   const std::vector<double> made = taps_of_values(task, chosen);
   if (chosen.family != SettingFamily::one_pole) return same_taps(filter, made);
-  if (made.empty()) return filter.order() == 0;
-  if (filter.order() == 0) return false;
+  if (made.empty()) return false;
+  if (made.front() == 0.0 || filter.order() == 0) return made.front() == 0.0 && filter.order() == 0;
   return std::abs(filter.tap(1) / filter.tap(0) - std::exp(-1.0 / made.front())) <= part;
 }
 
@@ -160,6 +171,11 @@ void compare_settings(const DesignResult& result, std::vector<std::string>& reas
     reasons.push_back("free_taps_s is below the lower bound");
   if (result.free_taps && *result.free_taps > result.objective() * (1.0 + part))
     reasons.push_back("free_taps_s is above the time of the settings");
+  if (result.free_taps && cost_of(result.task).whole()) {
+    const double samples = *result.free_taps / result.task.sample_period;
+    if (!(std::abs(samples - std::round(samples)) <= part * samples))
+      reasons.push_back(fmt::format("free_taps_s is {:.9g} samples, and every time is a whole number", samples));
+  }
   if (result.family_bound && *result.family_bound > result.objective() * (1.0 + part))
     reasons.push_back("family_bound_s is above the time of the settings");
 }

@@ -46,6 +46,7 @@ struct Key {
   std::string allowed{};             ///< in words, if range and words do not say it
   bool required = false;
   bool whole = false;        ///< numbers: without a fraction
+  bool per_axis = false;     ///< numbers: one for each axis of the machine
   bool lone = false;         ///< numbers: one number without brackets is a list of one
   bool nullable = false;     ///< JSON: null stands for "none"
   bool empty_text = false;   ///< texts may be empty

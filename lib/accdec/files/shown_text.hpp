@@ -6,7 +6,7 @@
 namespace accdec {
 
 /// A text from a file, made safe for a terminal. Control characters other than line feed and tab are written as "\x1b",
-/// so that no name moves the cursor.
+/// so that no name moves the cursor. Characters of Unicode that reorder or break lines are written so, too.
 std::string printable(std::string_view text);
 
 /// An argument as a shell takes it: unchanged where it needs no quotes, otherwise between single ones; with control

@@ -195,6 +195,11 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
   return proof;
 }
 
+void require_schema(const Value& value) {
+  if (value["schema"].text() != "accdec.certificate/1")
+    value["schema"].fail("the certificate's schema is unknown; known is accdec.certificate/1");
+}
+
 proof::FamilyEnumeration read_families(const Value& value) {
   value.members({"schema", "kind", "bound_samples", "refuted"}, {"taps"});
   proof::FamilyEnumeration proof;
@@ -205,7 +210,12 @@ proof::FamilyEnumeration read_families(const Value& value) {
     proof.refuted.push_back(
         {parts[0].text(), parts[1].text(), static_cast<int>(parts[2].integer(0, std::numeric_limits<int>::max()))});
   }
-  if (value.has("taps")) proof.taps = read_branch_and_bound(value["taps"]);
+  if (value.has("taps")) {
+    const Value taps = value["taps"];
+    proof.taps = read_branch_and_bound(taps);
+    require_schema(taps);
+    if (taps["kind"].text() != "branch and bound") taps["kind"].fail("must be \"branch and bound\"");
+  }
   return proof;
 }
 
@@ -248,8 +258,7 @@ Certificate read_certificate(const Value& value) {
   }
   value.members({"kind", "schema"}, {"gzip", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
                                      "multipliers", "tolerance", "tree", "refuted", "taps"});
-  if (value["schema"].text() != "accdec.certificate/1")
-    value["schema"].fail("the certificate's schema is unknown; known is accdec.certificate/1");
+  require_schema(value);
   if (kind == "packed") return read_packed(value);
   if (kind == "constant feed") {
     value.members({"kind", "schema"});

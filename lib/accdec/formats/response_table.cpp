@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/formats/response_table.hpp>
+#include <accdec/machine/considered_by.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 
@@ -15,9 +16,7 @@ using toml_input::Table;
 
 void require_considered(const Table& table, std::string_view key, Considered considered) {
   if (!table.has(key) || considered != Considered::none) return;
-  table.fail_at(key, fmt::format("`{}` is not considered here; leave it out, or use `accdec evaluate`, `accdec "
-                                 "design`, `accdec explain` or `accdec verify`, which consider it",
-                                 key));
+  table.fail_at(key, fmt::format("`{}` is not considered here; {}", key, considered_by));
 }
 
 void require_end(const Table& table, const Axis& axis, double period) {

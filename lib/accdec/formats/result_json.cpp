@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <iterator>
 #include <string_view>
 #include <vector>
@@ -57,7 +58,8 @@ class ListWriter {
     append_number(out_, value);
     return *this;
   }
-  ListWriter& member(std::string_view name, int value) {
+  template <std::integral Integer>
+  ListWriter& member(std::string_view name, Integer value) {
     key(name);
     out_ += std::to_string(value);
     return *this;

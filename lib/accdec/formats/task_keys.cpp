@@ -212,7 +212,8 @@ Key direction(std::string name, std::string meaning, std::string example) {
           .meaning = std::move(meaning),
           .range = {-1e9, 1e9},
           .most = axes_limit,
-          .example = std::move(example)};
+          .example = std::move(example),
+          .per_axis = true};
 }
 
 Key feed(std::string name, std::string meaning, std::string fallback) {

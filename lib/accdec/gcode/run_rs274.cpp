@@ -17,6 +17,7 @@
 #include <accdec/gcode/modal_groups.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/gcode/run_rs274.hpp>
+#include <accdec/gcode/tool_parameters.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {
@@ -220,6 +221,7 @@ Toolpath read_interpreted(const std::filesystem::path& program, const ProgramToo
   const std::string name = program.string(), text = read_text_file(name, result_file_limit);
   if (!tools.table.empty() && !std::filesystem::is_regular_file(tools.table))
     throw std::invalid_argument(tools.table + ": no such tool table (--tool-table)");
+  refuse_tool_parameters(name, text, tools);
   const TemporaryFile copy(numbered_lines(text));
   std::optional<TemporaryFile> table;
   if (!tools.table.empty() && !tools.table_in_inch)

@@ -14,7 +14,7 @@ namespace accdec {
 /// path and of messages are those of the program. Blocks deleted by / are left out, as by our own reader.
 /// @throws std::invalid_argument  if rs274 is not installed, saying how to install it, or refuses the program; if a
 ///                                length or diameter of a tool is needed and no tool table is given or there
-/// @throws ReadError              as read_toolpath
+/// @throws ReadError              as read_toolpath and refuse_tool_parameters
 Toolpath read_interpreted(const std::filesystem::path& program, const ProgramTools& tools, const Machine& machine,
                           const ToolpathOptions& options);
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/considered_by.hpp>
 #include <accdec/machine/response.hpp>
 
 namespace accdec {
@@ -99,9 +100,8 @@ void require_no_response(const Machine& machine, const char* what) {
   const bool servo = std::any_of(machine.axes.begin(), machine.axes.end(), has_servo);
   if (!servo && machine.prefilter_taps.empty()) return;
   throw std::invalid_argument(fmt::format(
-      "{} does not consider {}; leave it out, or use `accdec evaluate`, `accdec "
-      "design`, `accdec explain` or `accdec verify`, which do",
-      what, servo ? "the servo of an axis (servo_gain_1_s, response_taps)" : "the control's prefilter_taps"));
+      "{} does not consider {}; {}", what,
+      servo ? "the servo of an axis (servo_gain_1_s, response_taps)" : "the control's prefilter_taps", considered_by));
 }
 
 }  // namespace accdec

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine.hpp>
+#include <accdec/machine/considered_by.hpp>
 #include <accdec/machine/limits.hpp>
 
 namespace accdec {
@@ -103,10 +104,7 @@ void require_no_shared_loads(const Machine& machine, const char* what) {
                     : has_dry_friction(machine)                  ? "coulomb_N"
                                                                  : nullptr;
   if (key == nullptr) return;
-  throw std::invalid_argument(fmt::format(
-      "{} does not consider `{}`; leave it out, or use `accdec evaluate`, `accdec design`, `accdec explain` or `accdec "
-      "verify`, which do",
-      what, key));
+  throw std::invalid_argument(fmt::format("{} does not consider `{}`; {}", what, key, considered_by));
 }
 
 std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corner, int delay, double sample_period,

@@ -47,7 +47,8 @@ class Planning {
     ScheduledPlan kept{base_, std::move(plan)};
     snap(kept);
     base_.duration = kept.path.duration;
-    result_.cycle_time_kept = seconds(kept.plan);
+    // A plan that was not finished takes less than its feeds allow.
+    if (all_holds(kept.plan) || !deadline_.over()) result_.cycle_time_kept = seconds(kept.plan);
     offer(std::move(kept), false);
   }
   /// Whether a program that --emit wrote, which this is, holds as it is: then it is the plan.
@@ -135,10 +136,27 @@ class Planning {
     plan.plan.simulation = std::move(snapped.simulation);
     plan.plan.errors_hold = true;
   }
+  /// Delays of stops are those of legs that are longer than the filter. Shorter ones may need no more than the least.
+  void relax_stops(ScheduledPlan& plan) const {
+    if (!plan.path.given.empty()) return;
+    const int least = std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+    std::vector<int> delays = plan.plan.delays;
+    for (std::size_t b = 0; b + 1 < plan.path.blocks(); ++b) {
+      if (plan.path.joint[b] == Joint::stop) delays[b] = std::min(delays[b], least);
+    }
+    if (delays == plan.plan.delays) return;
+    ProgramPlan relaxed = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(delays));
+    if (!all_holds(relaxed)) return;
+    plan.plan.delays = std::move(relaxed.delays);
+    plan.plan.errors = std::move(relaxed.errors);
+    plan.plan.simulation = std::move(relaxed.simulation);
+    plan.plan.errors_hold = true;
+  }
   double seconds(const ProgramPlan& plan) const {
     return static_cast<double>(plan.simulation.samples) * task_.sample_period;
   }
   void offer(ScheduledPlan plan, bool feeds_chosen) {
+    relax_stops(plan);
     settle_delays(plan.path, filter_, task_.sample_period, machine_, plan.plan);
     const bool first = best_.plan.delays.empty();
     // Where arcs were to be widened, a plan that does is better than a faster one that does not.
@@ -175,7 +193,8 @@ ProgramResult before_planning(const std::string& name, const Toolpath& path, con
 
 void say_what_ended(ProgramResult& result, const Deadline& deadline) {
   if (!result.verification.feasible && deadline.over())
-    result.message = "the time limit ended the planning before a plan held all limits; " + result.message;
+    result.message = fmt::format("{} ended the planning before a plan held all limits; {}",
+                                 deadline.asked_to_end() ? "Ctrl-C" : "the time limit", result.message);
 }
 
 }  // namespace

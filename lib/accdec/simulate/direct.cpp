@@ -64,9 +64,11 @@ class Commander {
 
   /// A run takes the next whole number of samples; all its feeds are lowered by the same factor.
   void travel(std::size_t first, std::size_t last) {
-    double time = 0.0;
+    // The last step takes what a hundred thousand chords leave by rounding, a millionth of it in double.
+    long double time = 0.0L;
     for (std::size_t b = first; b <= last; ++b) time += path_.duration[b];
-    const std::int64_t samples = std::max<std::int64_t>(1, samples_of(time, period_)), from = now();
+    const std::int64_t samples = std::max<std::int64_t>(1, samples_of(static_cast<double>(time), period_));
+    const std::int64_t from = now();
     const long double stretch = static_cast<long double>(samples) * period_ / time;
     std::vector<long double> point(path_.dimensions());
     std::size_t b = first;

@@ -96,7 +96,7 @@ void LimitWatch::finish(std::vector<LimitUse>& limits, const Toolpath& path) con
     use.value = worst.value;
     use.bound = worst.bound;
     use.utilisation = utilisation_of(worst.limit->kind, worst.value, worst.bound);
-    use.sample = static_cast<int>(std::min<std::int64_t>(worst.sample, INT32_MAX));
+    use.sample = worst.sample;
     limits.push_back(use);
   }
 }

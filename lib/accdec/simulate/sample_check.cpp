@@ -163,7 +163,7 @@ SampleCheck SampleChecker::finish() {
     use.value = worst.value;
     use.bound = worst.bound;
     use.utilisation = utilisation_of(worst.kind, worst.value, worst.bound);
-    use.sample = static_cast<int>(std::min<std::int64_t>(worst.sample, INT32_MAX));
+    use.sample = worst.sample;
     check.limits_hold = check.limits_hold && use.utilisation <= 1.0 + verification_tolerance;
     check.limits.push_back(use);
   }

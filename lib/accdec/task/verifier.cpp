@@ -203,7 +203,7 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
         simulate_response(filter, task.corners[j].geometry(), delays[j], task.sample_period, task.machine);
     const SampledMotion& m = sampled.motion();
     const int zero = use.event == Event::start ? m.start : use.event == Event::blend ? m.corner : m.stop;
-    const int row = zero + use.sample;
+    const int row = zero + static_cast<int>(use.sample);
     if (use.event == Event::none || row < 0 || row >= m.velocity.rows()) break;
     if (use.kind == LimitKind::corner_error) return m.position.row(row).norm();
     if (use.kind == LimitKind::speed_min) return m.velocity.row(row).norm();

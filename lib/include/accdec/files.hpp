@@ -1,6 +1,8 @@
 // Errors of input and output files, and deadlines.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <limits>
 #include <stdexcept>
@@ -37,15 +39,25 @@ inline double seconds_since(std::chrono::steady_clock::time_point then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
 }
 
-/// A moment of wall clock after which no more work is begun. Copies keep the moment.
+/// A moment of wall clock after which no more work is begun, or somebody's wish to end sooner. Copies keep both.
 class Deadline {
  public:
   /// Never.
   Deadline() = default;
   /// So many seconds from now.
   explicit Deadline(double seconds) : seconds_(seconds) {}
+  /// Also over as soon as this is true, which outlives all copies.
+  void end_when(const std::atomic<bool>& asked) { asked_ = &asked; }
+  /// So many seconds from now, unless this one is over sooner.
+  Deadline within(double seconds) const {
+    Deadline sooner(std::min(seconds, left()));
+    sooner.asked_ = asked_;
+    return sooner;
+  }
+  bool asked_to_end() const { return asked_ != nullptr && *asked_; }
   /// s; unlimited for never, below 0 once it is over.
   double left() const {
+    if (asked_to_end()) return -1.0;
     return seconds_ < std::numeric_limits<double>::infinity() ? seconds_ - seconds_since(start_) : seconds_;
   }
   bool over() const { return left() < 0.0; }
@@ -53,6 +65,7 @@ class Deadline {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   double seconds_ = std::numeric_limits<double>::infinity();
+  const std::atomic<bool>* asked_ = nullptr;
 };
 
 }  // namespace accdec

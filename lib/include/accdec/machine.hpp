@@ -116,10 +116,10 @@ struct LimitUse {
   double value = 0.0;  ///< SI; an absolute value, except power (signed as its limit counts it)
   double bound = 0.0;  ///< SI
   double utilisation = 0.0;
-  int sample = 0;          ///< k of the worst sample within its event
-  double frequency = 0.0;  ///< Hz, the worst frequency; vibration only
-  double damping = 0.0;    ///< the worst damping ratio; vibration only
-  std::uint32_t line = 0;  ///< of a program: of the block where it occurred; 0 for vibration, and in tasks
+  std::int64_t sample = 0;  ///< k of the worst sample within its event; of a program: counted from its start
+  double frequency = 0.0;   ///< Hz, the worst frequency; vibration only
+  double damping = 0.0;     ///< the worst damping ratio; vibration only
+  std::uint32_t line = 0;   ///< of a program: of the block where it occurred; 0 for vibration, and in tasks
 };
 
 /// value/bound (or bound/value for speed_min), with the conventions of LimitUse.

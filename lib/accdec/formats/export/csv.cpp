@@ -1,18 +1,18 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include <accdec/files/csv_table.hpp>
 #include <accdec/formats/export/exported_design.hpp>
 
 namespace accdec {
 namespace {
 
-/// A cell, quoted where its text needs it (RFC 4180), on one line.
-std::string csv_cell(std::string_view text) {
-  std::string cell;
-  for (const char c : text) {
-    if (c == '"') cell += '"';
-    cell += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-  }
-  return cell.find_first_of(",\"#") == std::string::npos ? cell : "\"" + cell + "\"";
+/// A cell on one line.
+std::string csv_cell(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
+  return csv_field(text);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <thread>
@@ -133,7 +134,7 @@ class Sweep {
   }
 
  private:
-  bool over() const { return options_.deadline.over() || (options_.cancel != nullptr && *options_.cancel); }
+  bool over() const { return options_.deadline.over(); }
   void work() {
     for (std::size_t i = next_++; i < parts_.size(); i = next_++) {
       if (over()) return;
@@ -173,7 +174,7 @@ FreeReport shorten_motion(const FreePath& free, FreeSamples& motion, const FreeO
     Sweep sweep(free, motion, Parts(free, motion, report.sweeps % 2 != 0).parts, options,
                 static_cast<double>(start - before) * free.period);
     motion = sweep.run(report);
-    report.ended = options.deadline.over() || (options.cancel != nullptr && *options.cancel);
+    report.ended = options.deadline.over();
     const std::size_t saved = before - motion.count(n);
     if (report.ended || static_cast<double>(saved) < 4e-4 * static_cast<double>(before)) break;
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -13,8 +12,7 @@ namespace accdec {
 
 /// How long and how a motion is shortened.
 struct FreeOptions {
-  Deadline deadline;
-  const std::atomic<bool>* cancel = nullptr;  ///< ends it with the best motion so far
+  Deadline deadline;  ///< ends it with the best motion so far
   int threads = 1;
   std::size_t window = 0;                                      ///< samples; 0: chosen by the density of joints
   int sweeps = 10;                                             ///< at most
@@ -25,7 +23,7 @@ struct FreeOptions {
 struct FreeReport {
   int sweeps = 0;
   std::int64_t programmes = 0, iterations = 0;
-  bool ended = false;  ///< by deadline or cancel
+  bool ended = false;  ///< by the deadline
 };
 
 /// A motion of profiles as samples, with the passes of its joints.

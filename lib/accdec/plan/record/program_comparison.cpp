@@ -7,6 +7,7 @@
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/plan/record/program_comparison.hpp>
 #include <accdec/plan/record/program_versions.hpp>
+#include <accdec/plan/result/samples.hpp>
 
 namespace accdec {
 namespace {
@@ -63,7 +64,9 @@ bool of_kind(const Json& value, const Json& kind) {
 class Comparison {
  public:
   /// @param found_again  the times of other rules for delays were
-  Comparison(std::vector<std::string> skip, bool found_again) : skip_(std::move(skip)), found_again_(found_again) {}
+  /// @param whole        the result is of the present schema: what is always written must be there
+  Comparison(std::vector<std::string> skip, bool found_again, bool whole)
+      : skip_(std::move(skip)), found_again_(found_again), whole_(whole) {}
 
   void compare(const std::string& name, const Json& recorded, const Json& found) {
     if (skips(name)) return skip(name, recorded);
@@ -111,6 +114,35 @@ class Comparison {
     }
   }
 
+  /// Names and classes of motions are texts that follow from the bounds.
+  void check_motions(const Json& recorded, const ProgramResult& plan) {
+    const auto bounds = recorded.find("bounds");
+    if (bounds == recorded.end() || !of_kind(*bounds, not_compared_["bounds"])) return;
+    const std::vector<NamedBound> named = named_bounds(plan.lower_bound, plan.corner_bound);
+    if (named.size() != bounds->size())
+      return say(
+          fmt::format("bounds: {} are recorded, and {} follow from what is beside them", bounds->size(), named.size()));
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      compare(fmt::format("bounds[{}].name", i), (*bounds)[i]["name"], named[i].name);
+      compare(fmt::format("bounds[{}].motions", i), (*bounds)[i]["motions"], named[i].motions);
+    }
+  }
+
+  /// The plans made beside this one have names, and one that was verified would be the answer if it were faster.
+  void check_candidates(const Json& recorded, const Json& found) {
+    const auto plans = recorded.find("candidates");
+    if (plans == recorded.end() || !of_kind(*plans, not_compared_["candidates"])) return;
+    const double cycle = number_in(found, "cycle_time_s");
+    for (const Json& other : *plans) {
+      const Json& name = other["plan"];
+      const bool known = name == "fixed" || name == "profiles" || name == (whole_ ? "free" : "per-leg");
+      if (!known) say(fmt::format("candidates: no plan is called {}", shown(name)));
+      if (other["verified"] == true && number_in(other, "cycle_time_s") < cycle * (1.0 - tolerance))
+        say(fmt::format("candidates: plan {} is recorded as verified with {} s, but the answer takes {:.12g} s",
+                        shown(name), shown(other["cycle_time_s"]), cycle));
+    }
+  }
+
   /// The time at the programmed feeds is between the way over these feeds, up to the chords of arcs, and the longest
   /// that it could be.
   void check_kept(const Json& recorded, const Json& found, bool may_be_there) {
@@ -153,9 +185,13 @@ class Comparison {
                     fmt::format(but, fmt::format("{:.12g}", most))));
   }
 
-  /// Results of earlier versions lack them.
-  static bool newer(const std::string& name) {
-    return name == "control_must" || name == "feed_overrides" || name == "not_considered" || name == "axis_loads";
+  /// Results of earlier schemas lack the first ones; the others are always written, but compared in kind only.
+  bool may_lack(const std::string& name) const {
+    if (name == "control_must" || name == "feed_overrides" || name == "not_considered" || name == "axis_loads")
+      return !whole_;
+    const bool written = name == "bounds" || name == "feeds_slowed" || name == "repair_rounds" || name == "solver" ||
+                         name == "corners.slowed_blocks";
+    return skips(name) && !(whole_ && written);
   }
   bool skips(const std::string& name) const {
     if (found_again_ &&
@@ -177,7 +213,7 @@ class Comparison {
     for (const auto& [key, value] : found.items()) {
       if (recorded.contains(key))
         compare(head + key, recorded[key], value);
-      else if (!skips(head + key) && !newer(head + key))
+      else if (!may_lack(head + key))
         say(fmt::format("{}{} is missing", head, key));
     }
     for (const auto& [key, value] : recorded.items()) {
@@ -198,7 +234,7 @@ class Comparison {
 
   const Json& not_compared_ = not_compared_members();
   std::vector<std::string> skip_;
-  bool found_again_;
+  bool found_again_, whole_;
   ProgramDifferences found_;
 };
 
@@ -206,7 +242,8 @@ class Comparison {
 
 ProgramDifferences program_differences(std::string_view text, const ProgramRecord& record, const ProgramResult& found,
                                        const std::vector<std::string>& skip) {
-  Comparison comparison(skip, found.cycle_time_no_delay.has_value());
+  const bool whole = record.schema == ProgramSchema::program_2;
+  Comparison comparison(skip, found.cycle_time_no_delay.has_value(), whole);
   Json recorded = Json::parse(text);
   // The plan and its inputs were read and checked as such.
   recorded.erase("inputs");
@@ -216,9 +253,17 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   comparison.compare("", recorded, again);
   comparison.check_bound(recorded, again);
   comparison.check_bounds(recorded, again);
-  comparison.check_kept(recorded, again, record.schema != ProgramSchema::program_2 || record.result.feeds_chosen);
-  if (record.schema == ProgramSchema::program_2) comparison.check_other_rules(recorded, again, found);
+  if (whole) comparison.check_motions(recorded, record.result);
+  comparison.check_candidates(recorded, again);
+  comparison.check_kept(recorded, again, !whole || record.result.feeds_chosen);
+  if (whole) comparison.check_other_rules(recorded, again, found);
   ProgramDifferences differences = comparison.take();
+  // The motion has no use for them: steady ramps need no feed, and at rest no corner is stretched.
+  const Trajectory* trajectory = record.result.plan.trajectory();
+  if (whole && trajectory != nullptr && !trajectory->is_free() && !trajectory->chain.speed.empty()) {
+    if (trajectory->chain.levels == 1) differences.skipped.emplace_back("commands.trajectory.feed_m_s");
+    differences.skipped.emplace_back("commands.trajectory.stretch_s2_m at rest");
+  }
   if (record.result.settings) {
     for (const char* name : {"members", "tried", "complete", "free_taps_s", "today_s"})
       differences.skipped.push_back(std::string("settings.") + name);

@@ -119,7 +119,7 @@ class Reader {
     use.value = json["value"].number();
     use.bound = json["bound"].number();
     use.utilisation = json["utilisation"].number();
-    use.sample = json["sample"].integer<int>();
+    use.sample = json["sample"].integer<std::int64_t>();
     use.line = json["line"].integer<std::uint32_t>();
     if (use.kind == LimitKind::vibration) use.frequency = json["frequency_Hz"].number();
     if (json.has("damping_ratio")) use.damping = json["damping_ratio"].number();

@@ -48,6 +48,13 @@ CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadli
   return bound;
 }
 
+CornerBound corner_bound_as_read(const CornerBound& known, double chords, const std::string& name,
+                                 const ProgramFile& answer, const Task& task, ProgramFileOptions options) {
+  options.arc_tolerance = answer.reading.read.arc_tolerance;
+  if (*options.arc_tolerance == chords) return known;
+  return corner_bound_of(read_program_file(name, task, options, {}).path, task, options.deadline);
+}
+
 namespace {
 
 ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task& task,
@@ -71,8 +78,9 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   const PlanTime mine = time_of(best), theirs = time_of(other);
   if (theirs.verified && (!mine.verified || theirs.time < mine.time)) {
     other.candidates = {mine};
-    other.corner_bound = profiles.corner_bound;
+    const double chords = file.reading.read.arc_tolerance;
     file.reading = copy.reading;
+    other.corner_bound = corner_bound_as_read(*profiles.corner_bound, chords, name, file, task, options);
     return other;
   }
   best.candidates.push_back(theirs);

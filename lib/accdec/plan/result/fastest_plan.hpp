@@ -21,4 +21,12 @@ ProgramResult plan_profiles_of(const std::string& name, Toolpath path, double ar
 /// `several_plans_max` blocks: longer ones take longer to bound than to plan.
 CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline = {});
 
+/// Bounds of the path that an answer runs along. Longer chords cut more off an arc: bounds of a finer reading do not
+/// hold for a plan that read its arcs again.
+/// @param known   bounds of the program as it was first read
+/// @param chords  m, of that reading from their arcs
+/// @param answer  with the reading of the plan
+CornerBound corner_bound_as_read(const CornerBound& known, double chords, const std::string& name,
+                                 const ProgramFile& answer, const Task& task, ProgramFileOptions options);
+
 }  // namespace accdec

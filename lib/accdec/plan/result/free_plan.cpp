@@ -41,13 +41,25 @@ void refuse_limits(const Task& task, const Toolpath& path) {
   }
 }
 
-/// Where a program has arcs, one filter may be faster than any motion that was found.
+/// Why the plan is not written sample by sample; empty if it is.
+std::string why_no_motion(const ProgramResult& profiles, const Deadline& deadline) {
+  constexpr double samples_a_second = 1e6;  // made, checked and written by one core of 2.6 GHz
+  if (!profiles.verification.feasible) return "plan profiles found no motion that holds all limits";
+  if (rests_too_long(profiles.plan.path, profiles.sample_period))
+    return "dwells of more than two million samples are not written one by one";
+  const auto samples = static_cast<double>(profiles.check.samples);
+  if (samples / samples_a_second > deadline.left())
+    return fmt::format("{:.2g} samples take longer to write one by one than the time limit leaves", samples);
+  return "";
+}
+
+/// One filter for the program.
 std::optional<ProgramResult> fixed_beside(const std::string& name, ProgramFile& file, const Task& task,
                                           ProgramFileOptions options) {
-  if (file.path.arcs.empty() || file.path.blocks() > several_plans_max || options.deadline.over()) return {};
+  if (file.path.blocks() > several_plans_max || options.deadline.over()) return {};
   if (options.time_limit) {
     *options.time_limit *= 0.3;
-    options.deadline = Deadline(std::min(options.deadline.left(), *options.time_limit));
+    options.deadline = options.deadline.within(*options.time_limit);
   }
   ProgramResult fixed = run_program_file(name, file, task, options, {});
   if (fixed.plan.empty() || !fixed.verification.feasible) return {};
@@ -66,22 +78,26 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
   ProgramResult profiles = plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task, options.deadline);
   if (file.path.blocks() <= several_plans_max)
     profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
+  const std::string no_motion = why_no_motion(profiles, options.deadline);
   ProgramFile copy = file;
-  std::optional<ProgramResult> fixed = fixed_beside(name, copy, task, options);
+  // One filter may be faster than any motion that was found on arcs, or than the plan that stays what it is.
+  std::optional<ProgramResult> fixed;
+  if (!file.path.arcs.empty() || !no_motion.empty()) fixed = fixed_beside(name, copy, task, options);
   const auto answer = [&](ProgramResult result) {
     if (fixed && (!result.verification.feasible || fixed->cycle_time < result.cycle_time)) {
       std::swap(*fixed, result);
-      result.corner_bound = fixed->corner_bound;
+      const double chords = file.reading.read.arc_tolerance;
       file.reading = copy.reading;
+      if (fixed->corner_bound)
+        result.corner_bound = corner_bound_as_read(*fixed->corner_bound, chords, name, file, task, options);
       if (tell) tell("plan fixed is faster than the free motion that was found");
     }
     if (fixed) result.candidates.push_back({fixed->plan.name(), fixed->cycle_time, fixed->verification.feasible});
     result.solver.wall_time = seconds_since(start);
     return result;
   };
-  if (!profiles.verification.feasible) return answer(std::move(profiles));
-  if (rests_too_long(profiles.plan.path, task.sample_period)) {
-    if (tell) tell("dwells of more than two million samples are not written one by one: the plan stays what it is");
+  if (!no_motion.empty()) {
+    if (tell) tell(no_motion + ": the plan stays what it is");
     return answer(std::move(profiles));
   }
   std::optional<AlongPlan> along = plan_along(profiles, task, options.deadline);

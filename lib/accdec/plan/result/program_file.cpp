@@ -158,8 +158,8 @@ double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
 ProgramFilter choose_settings(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
                               const std::function<void(const std::string&)>& tell) {
   const auto start = std::chrono::steady_clock::now();
-  const SettingsForProgram found =
-      settings_for_program(path, task, options.feeds == Feeds::keep, Deadline(filter_seconds(path, options)), tell);
+  const SettingsForProgram found = settings_for_program(path, task, options.feeds == Feeds::keep,
+                                                        options.deadline.within(filter_seconds(path, options)), tell);
   ProgramFilter result;
   result.solver.method = "settings planned one by one";
   result.solver.name = "families";
@@ -240,7 +240,7 @@ std::optional<double> time_of_free_taps(const std::string& name, const Toolpath&
   any.filter.reset();
   ProgramFileOptions bounded = options;
   bounded.time_limit = std::min(2.0 * std::min(longest, filter_seconds(programmed, options)), options.deadline.left());
-  bounded.deadline = Deadline(*bounded.time_limit);
+  bounded.deadline = options.deadline.within(*bounded.time_limit);
   const ProgramFilter designed = filter_for_program(programmed, any, bounded, {});
   if (!designed.filter || bounded.deadline.over()) return std::nullopt;
   const ProgramResult plan =
@@ -287,7 +287,9 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
     set_control(path, task, choice);
     return run_program(name, std::move(path), *choice.filter, task, options.filter_bound, feeds, options.deadline);
   };
-  const Feeds feeds = kept ? Feeds::choose_fitting : options.feeds;
+  // Kept feeds widen no arcs: they were planned with the program as it is commanded without.
+  const bool widen = options.feeds == Feeds::choose && options.compensate_arcs && !file.path.arcs.empty();
+  const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : options.feeds;
   ProgramResult result = plan(std::move(file.path), finer ? Feeds::choose_only : feeds);
   double planning = result.solver.wall_time;
   if (finer && !options.deadline.over()) {

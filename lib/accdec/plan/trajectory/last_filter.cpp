@@ -23,21 +23,26 @@ double mean_distance(double x, double tau) {
   return 2.0 * distance >= tau ? distance : x * x / tau + 0.25 * tau;
 }
 
+/// s, see LastFilter::swing_time.
+double swing_time_of(const Filter& filter, double period) {
+  double variation = filter.tap(0);
+  for (int i = 0; i <= filter.order(); ++i) variation += std::abs(filter.tap(i + 1) - filter.tap(i));
+  return period / (0.5 * variation);
+}
+
 }  // namespace
 
 LastFilter::LastFilter(Filter filter, double period) : filter_(std::move(filter)) {
   const int n = filter_.order();
   span_ = (n + 1) * period;
-  double variation = filter_.tap(0);
   bool equal = true;
   for (int i = 0; i <= n; ++i) {
-    variation += std::abs(filter_.tap(i + 1) - filter_.tap(i));
     equal = equal && std::abs(filter_.tap(i) - filter_.tap(0)) <= 1e-12 * filter_.tap(0);
     const double x = (i - filter_.mean_delay()) * period;
     variance_ += filter_.tap(i) * x * x;
     if (filter_.tap(i) > 0.0) reach_ = std::max(reach_, std::abs(x));
   }
-  swing_time_ = period / (0.5 * variation);
+  swing_time_ = swing_time_of(filter_, period);
   boxcar_ = equal ? n + 1 : 0;
   if (equal) return;
   deviation_.step = 2.0 * reach_ / table_steps;
@@ -163,7 +168,8 @@ std::vector<std::vector<int>> choices_of_pairs(const Machine& modes, double peri
 
 }  // namespace
 
-std::vector<Filter> last_filters(const Machine& machine, double period, double fastest, std::size_t most) {
+std::vector<Filter> last_filters(const Machine& machine, double period, double fastest, std::size_t most,
+                                 const Deadline& deadline) {
   Machine modes;
   double slowest = unlimited;
   for (const Mode& mode : machine.modes) {
@@ -185,11 +191,12 @@ std::vector<Filter> last_filters(const Machine& machine, double period, double f
   for (const std::vector<int>& pairs : choices_of_pairs(modes, period)) {
     for (const int longer : all) {
       for (const int shorter : all) {
-        if (shorter > longer) break;
+        if (shorter > longer || deadline.over()) break;
         const Candidate candidate{{longer, shorter}, pairs};
+        // First what takes less time to find out.
+        if (jerk_time && swing_time_of(candidate.filter(), period) < 0.5 * *jerk_time) continue;
         if (!holds_bounds(candidate, modes, period)) continue;
         const LastFilter last(candidate.filter(), period);
-        if (jerk_time && last.swing_time() < 0.5 * *jerk_time) continue;
         holding.emplace_back(last.deviation(0.0), last.filter());
         break;  // a longer second average only adds
       }

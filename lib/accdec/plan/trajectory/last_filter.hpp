@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <accdec/files.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
 
@@ -48,9 +49,9 @@ class LastFilter {
 
 /// Last filters to try for a machine. With a jerk limit these are boxcars of about a_max/j_max. With vibration bounds,
 /// they are boxcars, two averages, and these with one or two pairs of equal impulses, as far as they hold the bounds.
-/// They are sorted by deviation, at most `most`. Empty if none does.
+/// They are sorted by deviation, at most `most`. Empty if none does, or none was found before the deadline.
 std::vector<Filter> last_filters(const Machine& machine, double period, double fastest = unlimited,
-                                 std::size_t most = 24);
+                                 std::size_t most = 24, const Deadline& deadline = {});
 
 /// The same taps convolved.
 Filter convolved(const Filter& a, const Filter& b);

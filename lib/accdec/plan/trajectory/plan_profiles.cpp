@@ -75,7 +75,13 @@ double predicted_time(const Toolpath& path, const Machine& machine, double sampl
 
 ProfilePlan plan_profiles(const Toolpath& path, const Machine& machine, double sample_period,
                           const Deadline& deadline) {
-  const std::vector<Filter> filters = last_filters(machine, sample_period, fastest(path));
+  constexpr std::size_t most = 24;
+  const std::vector<Filter> filters = last_filters(machine, sample_period, fastest(path), most, deadline);
+  if (filters.empty() && deadline.over()) {
+    throw std::invalid_argument(
+        "the time limit ended the search of plan profiles for a filter that holds the vibration bounds ([[mode]]); "
+        "give it longer, or use --plan fixed");
+  }
   if (filters.empty()) {
     throw std::invalid_argument(
         "plan profiles finds no filter for the vibration bounds ([[mode]]) among averages and pairs of impulses up to "
