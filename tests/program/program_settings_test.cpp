@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -184,6 +185,27 @@ TEST_F(ProgramCommand, FreeTapsFasterThanAnyFilterAreRejected) {
     EXPECT_EQ(verified.code, code) << verified.out << verified.err;
     EXPECT_EQ(verified.out.find("settings.free_taps_s is below the bound of any filter") != std::string::npos,
               code == 1);
+  }
+}
+
+/// The number of a grid may be the smallest that can be set, and the answer counts the samples between impulses.
+TEST_F(ProgramCommand, ResultsOfEveryFamilyAreVerified) {
+  write("part.ngc", "G21 G90 G64 P0.05\nG1 X30 F3000\nY30\nX10\nM2\n");
+  const std::string mode = "[[mode]]\nfrequency_Hz = 40\nresidual_max = 0.05\n";
+  for (const auto& [family, more, modes] :
+       {std::tuple<std::string, std::string, std::string>{"gaussian", "alpha_step = 6\n", ""},
+        {"gaussian", "", ""},
+        {"exponential", "time_constant_step_ms = 40\n", ""},
+        {"windowed-sinc", "cutoff_step_Hz = 20\n", ""},
+        {"averages", "stages = 2\n", ""},
+        {"one-pole", "", ""},
+        {"shaper", "shaper = \"zv\"\nstages = 1\n", mode},
+        {"shaper", "shaper = \"ei\"\nstages = 1\n", mode}}) {
+    write("control.toml",
+          std::string(machine_text) + modes + "[design]\nfamily = \"" + family + "\"\norder_max = 60\n" + more);
+    ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json").code, 0) << family << read("err");
+    const Output verified = run("verify r.json");
+    EXPECT_EQ(verified.code, 0) << family << verified.out << verified.err;
   }
 }
 

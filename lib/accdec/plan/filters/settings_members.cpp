@@ -238,12 +238,14 @@ void SettableMembers::list(SettingFamily family) {
 ChosenSettings SettableMembers::chosen(const SettableMember& member) const {
   ChosenSettings chosen{.family = member.family, .filter = member.spec};
   std::vector<int> lengths = member.lengths;
-  if (member.family != SettingFamily::one_pole) std::replace(lengths.begin(), lengths.end(), 1, 0);
   if (find_grid_family(member.family) != nullptr) {
-    chosen.values = values_of(*task_.settings, {lengths.front()}, task_.sample_period);
-    if (lengths[1] > 0) chosen.values.push_back(grid_setting(task_, member.family, lengths[1]));
+    // The second number is a multiple, of which 1 is as good as another.
+    const bool on = lengths.front() > 1;
+    chosen.values = values_of(*task_.settings, {on ? lengths.front() : 0}, task_.sample_period);
+    if (on) chosen.values.push_back(grid_setting(task_, member.family, lengths[1]));
     return chosen;
   }
+  if (member.family != SettingFamily::one_pole) std::replace(lengths.begin(), lengths.end(), 1, 0);
   chosen.values = values_of(*task_.settings, lengths, task_.sample_period);
   if (shaper_of(member.spec) != nullptr) chosen.values.push_back(shaper_setting(member.spec, task_.sample_period));
   return chosen;

@@ -21,6 +21,20 @@ std::optional<WidthInterval> width_of(const Value& json) {
   return width;
 }
 
+/// The impulses behind the averages, whose frequency is the last value. The answer in words counts their samples.
+void read_impulses(double sample_period, ChosenSettings& chosen) {
+  if (chosen.family != SettingFamily::shaper || chosen.values.empty()) return;
+  const Setting& last = chosen.values.back();
+  if (last.unit != "Hz" || !(last.value > 0.0)) return;
+  for (const ShaperInfo& shaper : shaper_list()) {
+    const double delay = shaper.delay_periods / (last.value * sample_period);
+    if (last.name != shaper.title || !(delay < 2e6)) continue;
+    chosen.filter.pairs = shaper.pairs;
+    chosen.filter.outer = shaper.outer;
+    chosen.filter.pair_delay = static_cast<int>(std::lround(delay));
+  }
+}
+
 }  // namespace
 
 Json program_settings_to_json(const ProgramResult& result) {
@@ -54,6 +68,7 @@ void read_program_settings(const Value& json, ProgramResult& result) {
   settings.chosen.family = *family;
   for (const Value& value : json["values"].elements())
     settings.chosen.values.push_back({value["name"].text(), value["value"].number(), value["unit"].text()});
+  read_impulses(result.sample_period, settings.chosen);
   settings.chosen.width = width_of(json);
   settings.members = json["members"].integer<long>();
   settings.tried = json["tried"].integer<long>();
