@@ -1,5 +1,7 @@
+#include <atomic>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -80,6 +82,40 @@ TEST_F(ProgramCommand, APlanThatTheTimeLimitEndsIsNoResult) {
   EXPECT_EQ(done.code, 1) << done.err;
   EXPECT_THAT(done.out, HasSubstr("the time limit ended the planning before a plan held all limits"));
   EXPECT_NE(read("r.json").find("\"status\": \"failed\""), std::string::npos);
+}
+
+// Checking samples may take longer than there is time. Then there is no plan, rather than one that nobody checked.
+TEST(PlanningLimits, ADeadlineEndsTheCheckOfSamples) {
+  Task task;
+  task.sample_period = 1e-4;
+  task.machine = slow_axis();
+  const Toolpath path = test::path_of("G64 P0.05 F60\nG1 X100\nM2\n", task.machine);
+  const ProgramResult whole = run_profiles("a", path, task, {});
+  EXPECT_TRUE(whole.verification.feasible);
+  EXPECT_NEAR(static_cast<double>(whole.check.samples), 100.0 / 1e-4, 1e4);
+  const std::atomic<bool> asked = true;
+  Deadline ended;
+  ended.end_when(asked);
+  for (const auto& [deadline, who] : {std::pair(Deadline(-1.0), "the time limit"), std::pair(ended, "Ctrl-C")}) {
+    const ProgramResult cut = run_profiles("a", path, task, deadline);
+    EXPECT_TRUE(cut.plan.empty());
+    EXPECT_FALSE(cut.verification.feasible);
+    EXPECT_EQ(cut.message, fmt::format("{} ended plan profiles before all its samples were checked", who));
+  }
+}
+
+TEST_F(ProgramCommand, OneFilterIsPlannedWhereSamplesTakeTooLongToCheck) {
+  write("long.toml",
+        "sample_period_ms = 0.1\n[[axis]]\nvelocity_max_mm_s = 500\n"
+        "acceleration_max_mm_s2 = 1000\njerk_max_mm_s3 = 20000\n");
+  write("part.ngc", "G21 G90 G64 P0.05\nG1 X10000 F1\nM2\n");  // 6e9 samples
+  for (const char* plan : {"profiles", "free"}) {
+    const auto done =
+        run(fmt::format("program part.ngc --task long.toml --time-limit 1 --json r.json --plan {}", plan));
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_THAT(done.out, HasSubstr("plan fixed, filter of"));
+    EXPECT_THAT(done.out, HasSubstr("plan profiles, not checked within the time limit"));
+  }
 }
 
 // A dwell only moves what comes after it: samples that stand still are not made one by one.

@@ -87,6 +87,7 @@ auto view_of(std::vector<Number> Toolpath::*member) {
 py::list candidates(const std::vector<PlanTime>& plans) {
   py::list list;
   for (const PlanTime& p : plans) {
+    if (p.time == 0.0) continue;  // not checked
     list.append(py::dict(py::arg("plan") = p.plan, py::arg("cycle_time") = p.time, py::arg("verified") = p.verified));
   }
   return list;

@@ -191,10 +191,14 @@ ProgramResult before_planning(const std::string& name, const Toolpath& path, con
   return result;
 }
 
+const char* ended_by(const Deadline& deadline) {
+  return deadline.asked_to_end() ? "Ctrl-C" : "the time limit";
+}
+
 void say_what_ended(ProgramResult& result, const Deadline& deadline) {
   if (!result.verification.feasible && deadline.over())
-    result.message = fmt::format("{} ended the planning before a plan held all limits; {}",
-                                 deadline.asked_to_end() ? "Ctrl-C" : "the time limit", result.message);
+    result.message =
+        fmt::format("{} ended the planning before a plan held all limits; {}", ended_by(deadline), result.message);
 }
 
 }  // namespace
@@ -250,6 +254,12 @@ ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& t
   result.feeds_chosen = true;
   const Machine machine = program_machine(task.machine, path);
   ProfilePlan plan = plan_profiles(path, machine, task.sample_period, deadline);
+  result.solver.method = "look-ahead";
+  if (!plan.checked) {
+    result.message = fmt::format("{} ended plan profiles before all its samples were checked", ended_by(deadline));
+    result.solver.wall_time = seconds_since(start);
+    return result;
+  }
   result.plan = {std::move(path), Trajectory{std::move(plan.chain), std::move(plan.last)}};
   result.errors = std::move(plan.errors);
   result.check = std::move(plan.check);
@@ -257,7 +267,6 @@ ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& t
   result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;
   judge_program(result, machine);
   say_what_ended(result, deadline);
-  result.solver.method = "look-ahead";
   result.solver.wall_time = seconds_since(start);
   return result;
 }

@@ -12,13 +12,10 @@
 #include <accdec/plan/result/fastest_plan.hpp>
 
 namespace accdec {
-namespace {
-
 PlanTime time_of(const ProgramResult& r) {
-  return {r.plan.name(), r.cycle_time, r.verification.feasible};
+  // Only profiles may be without a plan, where checking its samples takes longer than the time limit.
+  return {r.plan.empty() ? "profiles" : r.plan.name(), r.cycle_time, r.verification.feasible};
 }
-
-}  // namespace
 
 void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
   // The path may be off a chord's end by the tolerance, and the chord off its arc by more.
@@ -65,11 +62,15 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   }
   // For the longest programs, the search for a filter and the bound by linear programs would take longer than the plan.
   const bool several = file.path.blocks() <= several_plans_max;
-  ProgramResult profiles = plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task, options.deadline);
+  const double chords = file.reading.read.arc_tolerance;
+  // Where checking its samples takes all the time there is, one filter may still be planned.
+  const Deadline most = several ? options.deadline.within(0.6 * options.deadline.left()) : options.deadline;
+  ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
   if (!several) return profiles;
   profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
   if (options.deadline.over()) return profiles;
-  std::optional<AlongPlan> along = plan_along(profiles, task, options.deadline);
+  std::optional<AlongPlan> along;
+  if (!profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
   ProgramFile copy = file;
   ProgramResult other = run_program_file(name, copy, task, options, tell);
   ProgramResult& best = along ? along->result : profiles;
@@ -78,7 +79,6 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   const PlanTime mine = time_of(best), theirs = time_of(other);
   if (theirs.verified && (!mine.verified || theirs.time < mine.time)) {
     other.candidates = {mine};
-    const double chords = file.reading.read.arc_tolerance;
     file.reading = copy.reading;
     other.corner_bound = corner_bound_as_read(*profiles.corner_bound, chords, name, file, task, options);
     return other;

@@ -44,6 +44,7 @@ void refuse_limits(const Task& task, const Toolpath& path) {
 /// Why the plan is not written sample by sample; empty if it is.
 std::string why_no_motion(const ProgramResult& profiles, const Deadline& deadline) {
   constexpr double samples_a_second = 1e6;  // made, checked and written by one core of 2.6 GHz
+  if (profiles.plan.empty()) return profiles.message;
   if (!profiles.verification.feasible) return "plan profiles found no motion that holds all limits";
   if (rests_too_long(profiles.plan.path, profiles.sample_period))
     return "dwells of more than two million samples are not written one by one";
@@ -75,7 +76,9 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
   refuse_limits(task, file.path);
   const auto start = std::chrono::steady_clock::now();
   if (tell) tell("plan profiles, which the free motion begins with");
-  ProgramResult profiles = plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task, options.deadline);
+  const double chords = file.reading.read.arc_tolerance;
+  const Deadline most = options.deadline.within(0.6 * options.deadline.left());
+  ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
   if (file.path.blocks() <= several_plans_max)
     profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
   const std::string no_motion = why_no_motion(profiles, options.deadline);
@@ -86,13 +89,12 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
   const auto answer = [&](ProgramResult result) {
     if (fixed && (!result.verification.feasible || fixed->cycle_time < result.cycle_time)) {
       std::swap(*fixed, result);
-      const double chords = file.reading.read.arc_tolerance;
       file.reading = copy.reading;
       if (fixed->corner_bound)
         result.corner_bound = corner_bound_as_read(*fixed->corner_bound, chords, name, file, task, options);
       if (tell) tell("plan fixed is faster than the free motion that was found");
     }
-    if (fixed) result.candidates.push_back({fixed->plan.name(), fixed->cycle_time, fixed->verification.feasible});
+    if (fixed) result.candidates.push_back(time_of(*fixed));
     result.solver.wall_time = seconds_since(start);
     return result;
   };

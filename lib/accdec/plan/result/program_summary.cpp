@@ -69,7 +69,12 @@ class SummaryText {
       put("  {:<28}{:>14.4f} s{:>10.2f} %\n", what, time, 100.0 * time / result_.cycle_time);
     };
     row("cycle time", result_.cycle_time);
-    for (const PlanTime& other : result_.candidates) row(describe(other), other.time);
+    for (const PlanTime& other : result_.candidates) {
+      if (other.time > 0.0)
+        row(describe(other), other.time);
+      else
+        put("  {}\n", describe(other));
+    }
     if (result_.plan.command() != nullptr) row("  of it delays", result_.delay_total);
     if (result_.feeds_chosen && result_.cycle_time_kept) row("feeds as programmed", *result_.cycle_time_kept);
     if (result_.cycle_time_exact_stop) row("exact stop at every corner", *result_.cycle_time_exact_stop);

@@ -58,7 +58,11 @@ void stream_samples(const ProgramResult& result, std::ostream& out) {
 }
 
 std::string describe(const PlanTime& plan) {
-  return fmt::format("plan {}{}", plan.plan, plan.verified ? "" : ", not verified");
+  const bool checked = plan.time > 0.0;
+  return fmt::format("plan {}{}", plan.plan,
+                     plan.verified ? ""
+                     : checked     ? ", not verified"
+                                   : ", not checked within the time limit");
 }
 
 std::string describe(const CornerBound& bound) {
@@ -104,7 +108,8 @@ nlohmann::ordered_json corner_bound_to_json(const CornerBound& bound) {
 nlohmann::ordered_json plan_times_to_json(const std::vector<PlanTime>& plans) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const PlanTime& plan : plans) {
-    list.push_back({{"plan", plan.plan}, {"cycle_time_s", plan.time}, {"verified", plan.verified}});
+    if (plan.time > 0.0)
+      list.push_back({{"plan", plan.plan}, {"cycle_time_s", plan.time}, {"verified", plan.verified}});
   }
   return list;
 }

@@ -10,6 +10,7 @@
 namespace accdec {
 namespace {
 
+/// Not checked if the deadline came before its last sample.
 ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sample_period, const Filter& last,
                       const Deadline& deadline) {
   const AvailableAcceleration available(machine, sample_period, LastFilter(last, sample_period));
@@ -22,6 +23,7 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
   const LegRange all{0, path.blocks() - 1};
   std::vector<double> phases(path.blocks());
   constexpr int rounds_max = 60;
+  constexpr std::int64_t samples_between_looks = 100'000;  // at the clock, 0.1 s
   for (plan.rounds = 0;; ++plan.rounds) {
     // Parts that hold alone but not in the whole are slowed more in every round.
     ProfileRepair repair(path, available, shares, all, 2 * plan.rounds);
@@ -31,10 +33,12 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
                           });
     ProfileMotion motion(path, maker.chain(), sample_period, last);
     motion.note_phases(phases);
-    for (; motion.next(); checker.rest(motion.pass_rest())) {
+    for (std::int64_t k = 1; motion.next(); checker.rest(motion.pass_rest()), ++k) {
       checker.look(motion.position(), motion.place_first(), motion.place_last());
+      if (k % samples_between_looks == 0 && deadline.over()) return {};
     }
     plan.check = checker.finish();
+    plan.checked = true;
     if (plan.holds() || plan.rounds == rounds_max || deadline.over()) break;
     if (!plan.check.errors_hold) repair.errors(maker.chain(), plan.errors, all);
     repair_parts(path, machine, available, shares, maker, plan.errors, phases, repair.touched(), 2 * plan.rounds,
@@ -101,7 +105,7 @@ ProfilePlan plan_profiles(const Toolpath& path, const Machine& machine, double s
   for (std::size_t i = 0; i < std::min(tried, candidates.size()); ++i) {
     ProfilePlan plan = plan_with(path, machine, sample_period, filters[candidates[i].second], deadline);
     const bool better = plan.holds() && (!best.holds() || plan.check.samples < best.check.samples);
-    if (i == 0 || better) best = std::move(plan);
+    if (i == 0 || better || !best.checked) best = std::move(plan);
     if (deadline.over()) break;
   }
   return best;

@@ -17,6 +17,7 @@ struct ProfilePlan {
   std::vector<double> errors;  ///< m, of the joint at the end of every block, from the samples
   SampleCheck check;           ///< of every sample
   int rounds = 0;              ///< of repair
+  bool checked = false;        ///< to the last sample; else there is no plan
   bool holds() const { return check.limits_hold && check.errors_hold; }
 };
 
@@ -31,7 +32,7 @@ struct ProfilePlan {
 /// @param machine  as many axes as the path, or none
 /// @throws std::invalid_argument if no last filter within two and a half periods of the slowest mode holds the
 ///         vibration bounds
-/// @param deadline  ends repair and further filters: what is returned then may not hold
+/// @param deadline  ends repair and further filters: what is returned then may not hold, or is not checked
 ProfilePlan plan_profiles(const Toolpath& path, const Machine& machine, double sample_period,
                           const Deadline& deadline = {});
 
