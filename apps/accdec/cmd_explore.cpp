@@ -12,6 +12,7 @@
 
 #include <accdec/files/shown_text.hpp>
 #include <accdec/simulate.hpp>
+#include <accdec/solvers/module.hpp>
 #include <accdec/task.hpp>
 
 #include "command.hpp"
@@ -74,8 +75,10 @@ void run(const ExploreArguments& arguments, Context& context) {
   const std::string start = start_of(arguments, context);
   const std::string page = arguments.task.empty() ? "" : "program.html";
   const Interrupt interrupt;
-  explore::serve(
-      start,
+  const auto serve =
+      solvers::module_function<decltype(explore::accdec_explore_serve)>("explore", "accdec_explore_serve");
+  serve(
+      {start, explore::page_files(), explore::answer},
       [&](const std::string& address) {
         const bool opened = !arguments.no_browser && open_browser(address + page);
         if (context.quiet && opened) return;

@@ -21,8 +21,6 @@
 #include <netinet/tcp.h>
 
 #include "connection.hpp"
-#include "page.hpp"
-#include "requests.hpp"
 
 namespace accdec::explore {
 namespace {
@@ -102,7 +100,7 @@ std::optional<double> seconds_of(const httplib::Request& request) {
 
 class PageServer : public httplib::Server {
  public:
-  explicit PageServer(const std::string& start) : start_(start), token_(random_token()) {
+  explicit PageServer(const Served& served) : served_(served), token_(random_token()) {
     new_task_queue = [] { return new httplib::ThreadPool(threads); };
     set_payload_max_length(Connection::body_bytes);
     set_default_headers({{"Cache-Control", "no-store"},
@@ -200,12 +198,12 @@ class PageServer : public httplib::Server {
 
   Taken fetch(std::string_view name, httplib::Response& response) {
     if (name == "start") {
-      response.set_content(start_, "application/json");
+      response.set_content(served_.start, "application/json");
       return Taken::Handled;
     }
     if (name == "alive") return watch(response);
     if (name.empty()) name = "index.html";
-    for (const PageFile& file : page_files()) {
+    for (const PageFile& file : served_.files) {
       if (file.name != name) continue;
       response.set_content(file.text.data(), file.text.size(), std::string(file.type));
       return Taken::Handled;
@@ -249,7 +247,7 @@ class PageServer : public httplib::Server {
       return;
     }
     const std::string format = request.get_param_value("format");
-    const Answer given = answer({name, request.body, format, *seconds, flag.get()});
+    const Answer given = served_.answer({name, request.body, format, *seconds, flag.get()});
     computing_.leave(place, flag);
     response.status = given.status;
     response.set_content(given.text, given.type);
@@ -288,7 +286,7 @@ class PageServer : public httplib::Server {
     return good;
   }
 
-  const std::string& start_;
+  const Served& served_;
   std::string token_;
   int port_ = 0;
   Computing computing_;
@@ -303,9 +301,9 @@ class PageServer : public httplib::Server {
 
 }  // namespace
 
-void serve(const std::string& start, const std::function<void(const std::string& address)>& ready,
-           const std::atomic<bool>& stop) {
-  PageServer server(start);
+extern "C" void accdec_explore_serve(const Served& served, const std::function<void(const std::string& address)>& ready,
+                                     const std::atomic<bool>& stop) {
+  PageServer server(served);
   std::thread listener([&] { server.listen_after_bind(); });
   while (!server.is_running()) std::this_thread::sleep_for(1ms);
   ready(server.address());

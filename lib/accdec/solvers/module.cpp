@@ -14,7 +14,7 @@ void* module_address(const std::string& module, const char* function) {
   void* const address = opened == nullptr ? nullptr : ::dlsym(opened, function);
   if (address != nullptr) return address;
   const char* const reason = ::dlerror();
-  throw std::runtime_error(fmt::format("cannot load {}, which connects a solver library: {}", file,
+  throw std::runtime_error(fmt::format("cannot load {}, which connects another library: {}", file,
                                        reason == nullptr ? "no reason given" : reason));
 }
 
