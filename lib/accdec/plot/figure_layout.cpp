@@ -16,7 +16,7 @@ constexpr double left = 70, right = 18, top = 30, bottom = 56;  // px around a p
 constexpr double title_line = 16, heading_line = 20;            // px
 constexpr double legend_sample = 34, long_legend_sample = 58, legend_air = 18;
 constexpr double narrowest_plot = 320, closest_lines = 12.6, line_height = 18, colour_bar = 104;
-constexpr double longest_label = 420, longest_name = 200;
+constexpr double narrow_label = 200, wide_label = 300, longest_label = 420, longest_name = 200;
 
 std::size_t character_length(const std::string& text, std::size_t i) {
   std::size_t length = 1;
@@ -37,11 +37,43 @@ double character_width(const std::string& text, std::size_t i) {
   return 7.7;
 }
 
-double legend_width(const Panel& panel) {
-  if (panel.heat_map || panel.coloured) return colour_bar;
+/// Labels of a panel's legend in the order they are drawn, as long as a legend shows them.
+std::vector<std::string> legend_labels(const Panel& panel) {
+  std::vector<std::string> labels;
+  const auto add = [&](const auto& items) {
+    for (const auto& item : items) {
+      if (!item.label.empty()) labels.push_back(legend_label(item.label));
+    }
+  };
+  add(panel.series);
+  add(panel.limits);
+  add(panel.circles);
+  add(panel.bands);
+  return labels;
+}
+
+/// A legend in its lines, px.
+struct Legend {
+  double line = longest_label, width = 0.0;
+  std::size_t lines = 0;
+};
+
+/// The narrowest legend whose lines fit beside a plot `height` px high.
+Legend legend_of(const Panel& panel, double height) {
+  Legend legend;
+  const std::vector<std::string> labels = legend_labels(panel);
   double widest = 0.0;
-  for (const std::string& label : legend_labels(panel)) widest = std::max(widest, text_width(label));
-  return widest > 0.0 ? widest + (has_marked_lines(panel) ? long_legend_sample : legend_sample) + legend_air : 0.0;
+  for (const double line : {narrow_label, wide_label, longest_label}) {
+    legend.line = line, legend.lines = 0, widest = 0.0;
+    for (const std::string& label : labels) {
+      for (const std::string& part : wrapped(label, line)) widest = std::max(widest, text_width(part)), ++legend.lines;
+    }
+    if (closest_lines * static_cast<double>(legend.lines) <= height) break;
+  }
+  const double sample = has_marked_lines(panel) ? long_legend_sample : legend_sample;
+  if (widest > 0.0) legend.width = widest + sample + legend_air;
+  if (panel.heat_map || panel.coloured) legend.width = colour_bar;
+  return legend;
 }
 
 /// Width that tick labels of the y axis need beyond the margin for four characters.
@@ -132,26 +164,16 @@ std::vector<std::string> wrapped(const std::string& text, double width) {
   return lines;
 }
 
-std::vector<std::string> legend_labels(const Panel& panel) {
-  std::vector<std::string> labels;
-  const auto add = [&](const auto& items) {
-    for (const auto& item : items) {
-      if (!item.label.empty()) labels.push_back(legend_label(item.label));
-    }
-  };
-  add(panel.series);
-  add(panel.limits);
-  add(panel.circles);
-  add(panel.bands);
-  return labels;
-}
-
 std::string axis_name(const std::string& name) {
   return shortened(clean_title(name), longest_name);
 }
 
 std::string legend_label(const std::string& label) {
   return shortened(clean_title(label), longest_label);
+}
+
+std::vector<std::string> legend_lines(const std::string& label, double width) {
+  return wrapped(legend_label(label), width);
 }
 
 bool has_marked_lines(const Panel& panel) {
@@ -234,18 +256,55 @@ bool has_data(const Panel& panel) {
                      [](double v) { return std::isfinite(v); });
 }
 
+namespace {
+
+/// Room to the left and the right of every plot, px.
+struct Sides {
+  std::vector<double> indent;
+  std::vector<Legend> legend;
+};
+
+Sides sides_of(const Figure& figure, std::size_t columns) {
+  Sides sides;
+  for (const Panel& panel : figure.panels) {
+    sides.indent.push_back(left + tick_overhang(panel));
+    sides.legend.push_back(legend_of(panel, figure.panel_height - top - bottom));
+  }
+  const auto share = [&](auto get) {
+    for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+      for (std::size_t k = i % columns; k < figure.panels.size(); k += columns) {
+        const std::string& quantity = figure.panels[i].x.label;
+        if (!quantity.empty() && quantity == figure.panels[k].x.label) get(i) = std::max(get(i), get(k));
+      }
+    }
+  };
+  share([&](std::size_t i) -> double& { return sides.indent[i]; });
+  share([&](std::size_t i) -> double& { return sides.legend[i].width; });
+  return sides;
+}
+
+/// px of every column.
+std::vector<double> column_widths(const Figure& figure, const Sides& sides, std::size_t columns) {
+  std::vector<double> widths(columns, figure.panel_width);
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    const double beside = sides.indent[i] + right + sides.legend[i].width;
+    widths[i % columns] =
+        std::max(widths[i % columns], beside + std::min(narrowest_plot, figure.panel_width - left - right));
+  }
+  return widths;
+}
+
+}  // namespace
+
 PageLayout layout(const Figure& figure) {
   if (figure.panels.empty() || figure.columns < 1)
     throw std::invalid_argument("a figure needs at least one panel and one column");
   const std::size_t count = figure.panels.size(), columns = std::min(static_cast<std::size_t>(figure.columns), count),
                     rows = (count + columns - 1) / columns;
   PageLayout page;
-  std::vector<double> widths(columns, figure.panel_width), heights(rows, figure.panel_height);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double beside = left + tick_overhang(figure.panels[i]) + right + legend_width(figure.panels[i]);
-    widths[i % columns] =
-        std::max(widths[i % columns], beside + std::min(narrowest_plot, figure.panel_width - left - right));
-  }
+  const Sides sides = sides_of(figure, columns);
+  const std::vector<double> widths = column_widths(figure, sides, columns);
+  std::vector<double> heights(rows, figure.panel_height);
   for (const double w : widths) page.width += w;
   if (!figure.title.empty()) {
     constexpr double of_body = 15.0 / 12.0;
@@ -259,12 +318,13 @@ PageLayout layout(const Figure& figure) {
     double titles = 0.0, x = 0.0;
     for (std::size_t i = begin; i < end; ++i) {
       PanelLayout& p = page.panels[i];
-      const double indent = left + tick_overhang(figure.panels[i]);
+      const double indent = sides.indent[i];
       p.x = x;
       p.y = page.height;
-      p.width = widths[i - begin];
+      p.width = end - begin == 1 ? page.width : widths[i - begin];  // alone in its row, it leaves no empty half
       p.plot_left = x + indent;
-      p.plot_width = std::max(p.width - indent - right - legend_width(figure.panels[i]), 80.0);
+      p.plot_width = std::max(p.width - indent - right - sides.legend[i].width, 80.0);
+      p.legend_line = sides.legend[i].line;
       x += p.width;
       // Titles stand over the middle of the plot.
       const double middle = indent + 0.5 * p.plot_width;
@@ -272,7 +332,7 @@ PageLayout layout(const Figure& figure) {
       titles = std::max(titles, title_line * static_cast<double>(p.title.size() - 1));
     }
     for (std::size_t i = begin; i < end; ++i) {
-      const double lines = static_cast<double>(legend_labels(figure.panels[i]).size());
+      const double lines = static_cast<double>(sides.legend[i].lines);
       heights[row] = std::max(
           {heights[row], top + titles + bottom + 60.0, top + titles + bottom + closest_lines * lines + line_height});
     }
@@ -285,7 +345,7 @@ PageLayout layout(const Figure& figure) {
       p.plot_top = p.y + top + titles;
       p.plot_height = p.height - top - titles - bottom;
       // Closer if there are many, so that they end with the panel.
-      const double lines = static_cast<double>(std::max<std::size_t>(legend_labels(figure.panels[i]).size(), 1));
+      const double lines = static_cast<double>(std::max<std::size_t>(sides.legend[i].lines, 1));
       p.key_spacing = std::clamp((p.plot_height - 4.0) / (line_height * lines), closest_lines / line_height, 1.15);
     }
     page.height += heights[row];

@@ -23,8 +23,8 @@ std::string legend_label(const std::string& label);
 /// A name of a value on the y axis as it is drawn: clean, and shortened to 200 px.
 std::string axis_name(const std::string& name);
 
-/// Labels of a panel's legend in the order they are drawn, as long as a legend shows them.
-std::vector<std::string> legend_labels(const Panel& panel);
+/// A legend's label in lines of at most `width` px. At least one line.
+std::vector<std::string> legend_lines(const std::string& label, double width);
 
 /// Whether any series is a line with symbols, whose legend samples are longer to show both.
 bool has_marked_lines(const Panel& panel);
@@ -48,6 +48,7 @@ struct PanelLayout {
   double x = 0.0, y = 0.0, width = 0.0, height = 0.0;  ///< panel with legend and labels
   double plot_left = 0.0, plot_top = 0.0, plot_width = 0.0, plot_height = 0.0;
   double key_spacing = 1.0;  ///< of legend lines, in units of 18 px
+  double legend_line = 0.0;  ///< px to which the legend's labels are wrapped
   std::vector<std::string> title;
 };
 struct PageLayout {
@@ -56,9 +57,10 @@ struct PageLayout {
   std::vector<PanelLayout> panels;
 };
 
-/// Room for everything. Columns and rows grow beyond the figure's panel size where legends need it. So a legend of any
-/// size stands in one column beside its panel's data and ends before the next panel. @throws std::invalid_argument
-/// without panel or column
+/// Room for everything. Long labels of legends are wrapped where the panel's height has room for the lines. Columns and
+/// rows grow beyond the figure's panel size where legends still need it. So a legend of any size stands in one column
+/// beside its panel's data and ends before the next panel. Panels of a column that share the quantity of x have plots
+/// of one width below each other. @throws std::invalid_argument without panel or column
 PageLayout layout(const Figure& figure);
 
 }  // namespace accdec

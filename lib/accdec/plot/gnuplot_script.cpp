@@ -159,7 +159,7 @@ class Writer {
          (place.plot_left + place.plot_width + 8) / page.width, 1.0 - place.plot_top / page.height,
          has_marked_lines(panel) ? "5.6" : "2.6", place.key_spacing);
     line("unset object\nunset colorbox");
-    plot(panel, x, y);
+    plot(panel, x, y, place.legend_line);
   }
 
  private:
@@ -171,7 +171,9 @@ class Writer {
   /// @param room  px a tick label needs along the axis, 0: its width
   void scale(char axis, const Scale& scale, const Range& range, double pixels, double room) {
     line("{} logscale {}", scale.log ? "set" : "unset", axis);
-    line("set format {} '%g'", axis);
+    // All numbers of an axis in one notation; '%g' would write 500000 beside 1e+06.
+    const double most = std::max(std::abs(range.low), std::abs(range.high));
+    line("set format {} '{}'", axis, !scale.log && most >= 1e6 && most < 1e8 ? "%.8g" : "%g");
     line("set {}range [{}:{}] noextend", axis, number(range.low), number(range.high));
     std::string ticks;
     if (scale.log) {
@@ -189,7 +191,20 @@ class Writer {
     line("set {}tics {}", axis, !ticks.empty() ? fmt::format("({})", ticks) : few ? "1" : "autofreq");
   }
 
-  void plot(const Panel& panel, const Range& x, const Range& y) {
+  /// A drawn item with its place in the legend, where lines after the first have no sample.
+  static void add(std::vector<std::string>& items, const std::string& item, const std::string& label, double width) {
+    if (label.empty()) {
+      items.push_back(item + " notitle");
+      return;
+    }
+    const std::vector<std::string> lines = legend_lines(label, width);
+    items.push_back(item + " title " + quoted(lines[0]));
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      items.push_back("NaN with lines lc rgb '#ffffff' title " + quoted(lines[i]));
+  }
+
+  /// @param legend_line  px of a line in the legend
+  void plot(const Panel& panel, const Range& x, const Range& y, double legend_line) {
     int object = 0;
     for (const Band& band : panel.bands) {
       line("set object {} rectangle from {},graph 0 to {},graph 1 behind fc rgb '{}' fs solid noborder", ++object,
@@ -203,15 +218,13 @@ class Writer {
       text += "END_OF_DATA\n";
       return name;
     };
-    const auto title = [](const std::string& label) {
-      return label.empty() ? std::string("notitle") : "title " + quoted(legend_label(label));
-    };
+    const auto draw = [&](const std::string& item, const std::string& label) { add(items, item, label, legend_line); };
     if (panel.heat_map && has_data(panel)) items.push_back(heat(*panel.heat_map, panel.x.log, panel.y.log));
     for (const Series& s : panel.series) {
       if (s.x.empty()) continue;
       const std::string columns = s.mark == Mark::bars ? fmt::format("1:2:({})", number(narrowest(s.x))) : "1:2";
       if (s.mark != Mark::marked_line) {
-        items.push_back(fmt::format("{} using {} with {} {}", data(s.x, s.y), columns, with(s), title(s.label)));
+        draw(fmt::format("{} using {} with {}", data(s.x, s.y), columns, with(s)), s.label);
         continue;
       }
       const auto [xs, ys] = marks(s, panel.x, x, panel.y);
@@ -223,25 +236,25 @@ class Writer {
                                                                                          // wide one would hide crosses
         items.push_back(fmt::format("{} using 1:2 with {} notitle", at, marks_with(s)));
       }
-      if (!s.label.empty()) items.push_back(fmt::format("NaN with linespoints {} {}", sample_with(s), title(s.label)));
+      if (!s.label.empty()) draw(fmt::format("NaN with linespoints {}", sample_with(s)), s.label);
     }
     if (panel.coloured) items.push_back(coloured(*panel.coloured));
     for (const LimitLine& limit : panel.limits) {
-      items.push_back(fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1.3 dt (7,5) {}",
-                                  data({x.low, x.high}, {limit.y, limit.y}), limit_colour, title(limit.label)));
+      draw(fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1.3 dt (7,5)", data({x.low, x.high}, {limit.y, limit.y}),
+                       limit_colour),
+           limit.label);
     }
-    for (const Circle& circle : panel.circles) items.push_back(round(circle, data, title));
+    for (const Circle& circle : panel.circles) draw(round(circle, data), circle.label);
     for (const Band& band : panel.bands) {
-      if (!band.label.empty())
-        items.push_back(fmt::format("NaN with lines lc rgb '{}' lw 9 {}", band_colour, title(band.label)));
+      if (!band.label.empty()) draw(fmt::format("NaN with lines lc rgb '{}' lw 9", band_colour), band.label);
     }
     if (!has_data(panel)) line("set label 2 'no data' at graph 0.5,0.5 center font 'DejaVu Sans,15' tc rgb '#606060'");
     if (items.empty()) items.push_back(fmt::format("{} using 1:2 with dots notitle", data({x.low}, {y.low})));
     text += "plot " + fmt::format("{}", fmt::join(items, ", \\\n  ")) + "\nunset label 2\n";
   }
 
-  template <typename Data, typename Title>
-  std::string round(const Circle& circle, Data data, Title title) {
+  template <typename Data>
+  std::string round(const Circle& circle, Data data) {
     std::vector<double> xs, ys;
     constexpr int corners = 120;
     for (int i = 0; i <= corners; ++i) {
@@ -249,8 +262,7 @@ class Writer {
       xs.push_back(circle.x + circle.radius * std::cos(turn));
       ys.push_back(circle.y + circle.radius * std::sin(turn));
     }
-    return fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1.3 dt (4,3) {}", data(xs, ys), circle_colour,
-                       title(circle.label));
+    return fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1.3 dt (4,3)", data(xs, ys), circle_colour);
   }
 
   /// Uses rectangles instead of an image, which gnuplot would put into a separate file.
