@@ -132,15 +132,32 @@ TEST(PlotResult, EverySampleThatBindsIsMarked) {
   const Figure figure = plot_result(tight);
   const Panel& force = panel(figure, "force x");
   const Series& curve = force.series.at(0);
-  const Series& binds = force.series.at(1);
-  EXPECT_EQ(binds.label, "binds");
-  ASSERT_EQ(binds.y.size(), curve.y.size());
+  // The upper limit and the lower one are apart: nothing joins them.
+  const Series &upper = force.series.at(1), &lower = force.series.at(2);
+  EXPECT_EQ(upper.label, "binds");
+  ASSERT_EQ(upper.y.size(), curve.y.size());
+  ASSERT_EQ(lower.y.size(), curve.y.size());
   for (std::size_t n = 0; n < curve.y.size(); ++n) {
-    if (std::abs(curve.y[n]) < 0.99 * 50.0) continue;
-    EXPECT_DOUBLE_EQ(binds.y[n], std::copysign(50.0, curve.y[n])) << n;
+    if (std::abs(curve.y[n]) >= 0.99 * 50.0) {
+      EXPECT_DOUBLE_EQ((curve.y[n] > 0.0 ? upper : lower).y[n], std::copysign(50.0, curve.y[n])) << n;
+    }
+    EXPECT_FALSE(upper.y[n] < 0.0 || lower.y[n] > 0.0) << n;
   }
-  const auto marked = std::count_if(binds.y.begin(), binds.y.end(), [](double y) { return std::isfinite(y); });
-  EXPECT_LT(static_cast<std::size_t>(marked), binds.y.size());
+  for (const Series* bars : {&upper, &lower}) {
+    const auto marked = std::count_if(bars->y.begin(), bars->y.end(), [](double y) { return std::isfinite(y); });
+    EXPECT_EQ(marked, 21) << "20 samples of a ramp, from the end of the one before";
+  }
+}
+
+TEST(PlotResult, AnExactStopIsDrawnInAWindowThatCanBeSeen) {
+  DesignResult r = result();
+  r.task.corners[0].error_max.reset();
+  r.task.corners[0].delay = r.corners[0].delay = 20;  // the order is 19
+  r.corners[0].corner_error = 0.0;
+  const Figure figure = plot_result(r);
+  const Panel& path = panel(figure, "path around corner first one");
+  EXPECT_GT(*path.x.max - *path.x.min, 10.0) << path.x.label;
+  for (const double d : panel(figure, "distance").series.at(0).y) EXPECT_EQ(d, 0.0);
 }
 
 TEST(PlotResult, TodayIsDrawnBelowTheDesignAndTheTitleSaysWhatIsSaved) {
@@ -157,6 +174,91 @@ TEST(PlotResult, TodayIsDrawnBelowTheDesignAndTheTitleSaysWhatIsSaved) {
   EXPECT_NEAR(largest(speed.series.at(0)), 100.0, 1e-9);
   EXPECT_NEAR(largest(panel(figure, "acceleration x").series.at(0)), 2500.0, 1e-6);  // 100 mm/s in 40 ms
   EXPECT_EQ(panel(figure, "path around corner first one").series.at(0).label, "today");
+  // Every panel has both, grey below, with words for both.
+  for (const Panel& p : figure.panels) {
+    EXPECT_EQ(std::ranges::count(p.series, "today", &Series::label), 1) << p.title;
+    EXPECT_EQ(std::ranges::count(p.series, "designed", &Series::label), 1) << p.title;
+  }
+  const Panel& taps = figure.panels.back();
+  EXPECT_EQ(taps.title, "filter taps, order 19; today 39");
+  EXPECT_EQ(taps.series.at(0).x.back(), 39.0);
+  EXPECT_NEAR(taps.series.at(0).y.at(5), 1.0 / 40, 1e-12);
+  EXPECT_GT(*taps.x.max, 39.0);
+  // The first zero of 40 ms lies at 25 Hz.
+  const auto& vibration = panel(figure, "residual vibration").series;
+  const Series& before = *std::ranges::find(vibration, "today", &Series::label);
+  for (std::size_t i = 0; i < before.x.size(); ++i) {
+    const double x = M_PI * before.x[i] * 1e-3;
+    const double exact = x == 0.0 ? 1.0 : std::abs(std::sin(40.0 * x) / (40.0 * std::sin(x)));
+    if (exact < 1e-3) continue;
+    EXPECT_NEAR(before.y[i], exact, 1e-9);
+  }
+}
+
+TEST(PlotResult, NoPanelShowsMoreThanHappensAndNoneHides) {
+  // Every panel in pairs, so that no half of a row is empty.
+  const Figure figure = plot_result(result());
+  EXPECT_EQ(figure.panels.size() % 2, 0U);
+  // The motion ends 20 ms after its command; before it and behind it nothing happens.
+  for (const char* title : {"velocity x", "acceleration x", "force x", "velocity y"}) {
+    const Panel& p = panel(figure, title);
+    double first = INFINITY, last = -INFINITY;
+    for (const char* axis : {"velocity x", "velocity y"}) {
+      const Series& speed = panel(figure, axis).series.at(0);
+      for (std::size_t n = 0; n < speed.x.size(); ++n) {
+        if (std::abs(speed.y[n]) < 1e-9) continue;
+        first = std::min(first, speed.x[n]), last = std::max(last, speed.x[n]);
+      }
+    }
+    EXPECT_LE(*p.x.min, first) << title;
+    EXPECT_GE(*p.x.max, last) << title;
+    EXPECT_LE(first - *p.x.min + *p.x.max - last, 0.15 * (last - first)) << title;
+  }
+  // The distance begins and ends in the panel at zero, and what is less than a picometre is zero.
+  const Panel& distance = panel(figure, "distance from the programmed path");
+  const Series& off = distance.series.at(0);
+  for (std::size_t n = 0; n < off.x.size(); ++n) {
+    if (off.y[n] == 0.0) continue;
+    EXPECT_GE(off.y[n], 1e-6) << off.x[n];
+    EXPECT_GT(off.x[n], *distance.x.min);
+    EXPECT_LT(off.x[n], *distance.x.max);
+  }
+  // The path fills its panel: at least half of the width and of the height is the blend.
+  const Panel& path = panel(figure, "path around corner first one");
+  const Series& programmed = *std::ranges::find(path.series, "programmed", &Series::label);
+  ASSERT_EQ(programmed.x.size(), 3U);
+  EXPECT_LT(*path.x.max - *path.x.min, 8.0 * 400.0);
+  const Series& tolerance = *std::ranges::find(path.series, "tolerance 400 µm", &Series::label);
+  EXPECT_NEAR(std::hypot(tolerance.x[7], tolerance.y[7]), 400.0, 1e-9);
+  EXPECT_LT(std::min({-*path.x.min, *path.x.max, -*path.y.min, *path.y.max}), 400.0) << "no empty half of its circle";
+}
+
+TEST(PlotResult, LimitsOfTheCornerAndOfTheFilterAreMarkedWhereTheyBind) {
+  DesignResult r = result();
+  // The error by the discrete sum, as its tolerance; the residual at the edges of the band: 19.4 % at 55 Hz or less.
+  r.task.corners[0].error_max = r.corners[0].corner_error;
+  const auto marked = [&](const char* start) {
+    const Figure figure = plot_result(evaluate_task(r.task));
+    return panel(figure, start);
+  };
+  EXPECT_THAT(marked("path around").title, HasSubstr("100.0 % used, binding"));
+  EXPECT_EQ(
+      std::ranges::count_if(marked("path around").series, [](const Series& s) { return s.label.ends_with(", binds"); }),
+      1);
+  const double edge = std::abs(std::sin(M_PI * 45 * 0.02) / (20.0 * std::sin(M_PI * 45e-3)));
+  r.task.machine.modes[0].residual_max = edge * (1.0 + 1e-9);
+  const Panel vibration = marked("residual vibration");
+  EXPECT_THAT(vibration.title, HasSubstr("binding"));
+  const Series& point = *std::ranges::find(vibration.series, "binds", &Series::label);
+  EXPECT_NEAR(point.x.at(0), 45.0, 1e-6);
+  EXPECT_NEAR(point.y.at(0), edge, 1e-6);
+  // Both axes brake and drive at once: 100 mm/s against and with 50 N each.
+  r.task.machine.power_total_max = 10.0;
+  EXPECT_THAT(marked("power of all axes").title, HasSubstr("% used"));
+  EXPECT_EQ(plot_result(evaluate_task(r.task)).panels.size() % 2, 0U);
+  // Crossing at right angles, the speed is least half-way: 1/sqrt(2) of 100 mm/s.
+  r.task.corners[0].speed_min = 0.05;
+  EXPECT_THAT(marked("speed along").limits.at(0).y, testing::DoubleNear(50.0, 1e-12));
 }
 
 TEST(PlotResult, DistanceIsThatFromTheNearerLeg) {
@@ -180,7 +282,11 @@ TEST(PlotResult, PathPassesTheCornerAtTheErrorItStates) {
   // Eq. (6) with tau = 20 ms, and the discrete sum's difference from it, below one part in tau/T.
   const double continuous = 1e6 * 0.1 * 0.02 / 4 * std::cos(M_PI / 4);
   EXPECT_NEAR(nearest, continuous, continuous / 20);
-  EXPECT_NEAR(path.circles.at(0).radius, nearest, 1e-6);
+  const auto error = std::find_if(path.series.begin(), path.series.end(),
+                                  [](const Series& s) { return s.label.starts_with("error "); });
+  ASSERT_NE(error, path.series.end());
+  EXPECT_EQ(std::hypot(error->x.at(0), error->y.at(0)), 0.0) << "a line from the corner to the path";
+  EXPECT_NEAR(std::hypot(error->x.at(1), error->y.at(1)), nearest, 1e-6);
 }
 
 TEST(PlotResult, LongCurvesKeepTheirEndsAndExtremes) {

@@ -2,16 +2,20 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <accdec/plot/figure_style.hpp>
+#include <accdec/plot/filter_panels.hpp>
 #include <accdec/plot/path_panels.hpp>
 
 namespace accdec {
 namespace {
 
 using namespace figure_style;
+
+constexpr double no_distance = 1e-12;  ///< m; distances below it are zero
 
 /// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, a along the motion, b
 /// halving the angle.
@@ -54,22 +58,46 @@ struct PathWindow {
   double size() const { return std::max(right - left, high - low); }
 };
 
-/// The blend, as far as its distance from the legs can be seen, with the tolerance and the beginning of both legs.
+/// The blend, as far as its distance from the legs can be seen, with the beginning of both legs.
 void show_blend(PathWindow& window, const CornerMotion& at, const PathPlane& plane) {
   const Corner& corner = at.task.geometry();
   const std::vector<double> off = distances(at);
   const double most = *std::max_element(off.begin(), off.end());
   const double tolerance = at.task.error_max.value_or(0.0);
-  const double reach = std::max({4.0 * most, 2.0 * tolerance, 1e-6});
+  // A path that hardly leaves its legs is drawn in a window of the size of the tolerance.
+  const bool leaves = most > std::max(0.1 * tolerance, no_distance);
+  const double reach = leaves ? 4.0 * most : tolerance > 0.0 ? 1.5 * tolerance : 1e-4;
   for (std::size_t n = 0; n < off.size(); ++n) {
     const Eigen::VectorXd s = at.motion.position.row(static_cast<Eigen::Index>(n)).transpose();
-    if (off[n] > 0.01 * most && s.norm() < 1.6 * reach) window.show(s.dot(plane.across), s.dot(plane.up));
+    if (leaves && off[n] > 0.01 * most && s.norm() < 1.6 * reach) window.show(s.dot(plane.across), s.dot(plane.up));
   }
-  const double round = std::max(tolerance, at.measures.corner_error);
-  window.show(-round, -round), window.show(round, round);
   for (const Eigen::VectorXd& end :
        {Eigen::VectorXd(-reach * corner.direction_in), Eigen::VectorXd(reach * corner.direction_out)})
     window.show(end.dot(plane.across), end.dot(plane.up));
+}
+
+/// The first and the last sample that is not zero, each with its neighbour outside; everything if all are zero.
+std::pair<std::size_t, std::size_t> nonzero(const std::vector<double>& values, double zero) {
+  const auto moves = [zero](double v) { return std::abs(v) > zero; };
+  const auto first = std::find_if(values.begin(), values.end(), moves);
+  if (first == values.end()) return {0, values.size() - 1};
+  const auto last = std::find_if(values.rbegin(), values.rend(), moves);
+  const auto from = static_cast<std::size_t>(first - values.begin()),
+             to = values.size() - 1 - static_cast<std::size_t>(last - values.rbegin());
+  return {from > 0 ? from - 1 : 0, std::min(to + 1, values.size() - 1)};
+}
+
+/// From the corner to the sample nearest to it.
+Series error_line(const CornerMotion& at, const PathPlane& plane, double scale, const char* unit) {
+  Eigen::Index nearest = 0;
+  at.motion.position.rowwise().norm().minCoeff(&nearest);
+  const Eigen::VectorXd s = at.motion.position.row(nearest).transpose();
+  return {fmt::format("error {:.4g} {}", scale * at.measures.corner_error, unit),
+          {0.0, scale * s.dot(plane.across)},
+          {0.0, scale * s.dot(plane.up)},
+          Mark::line,
+          0,
+          true};
 }
 
 Series path_series(const SampledMotion& motion, const PathPlane& plane, const PathWindow& window, double scale) {
@@ -122,6 +150,13 @@ CornerMotion::CornerMotion(const DesignResult& r, std::size_t index)
     time.push_back(static_cast<double>(n - motion.corner) * r.task.sample_period * 1e3);
 }
 
+std::pair<double, double> moving_time(const CornerMotion& at) {
+  std::vector<double> speed;
+  for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n) speed.push_back(at.motion.velocity.row(n).norm());
+  const auto [from, to] = nonzero(speed, 1e-4 * *std::max_element(speed.begin(), speed.end()));
+  return {at.time[from], at.time[to]};
+}
+
 Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
   const PathPlane plane = plane_of(now.task.geometry(), now.result.task.machine);
   PathWindow window;
@@ -131,6 +166,8 @@ Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
   const auto [scale, unit] = length_unit(window.size());
   Panel panel;
   panel.title = fmt::format("path around corner {}", now.task.name);
+  const LimitUse* use = use_of(now.result, LimitKind::corner_error, now.task.name);
+  if (use && use->bound > 0.0) panel.title += ": tolerance" + use_in_title(*use);
   panel.taller = 1.6;
   panel.x.label = fmt::format("{} / {}", plane.across_name, unit);
   panel.y.label = fmt::format("{} / {}", plane.up_name, unit);
@@ -149,15 +186,18 @@ Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
     panel.series.push_back(std::move(command));
   }
   Series path = path_series(now.motion, plane, window, scale);
-  path.label = now.sampled.moved ? "motion" : "path", path.mark = Mark::line_points, path.style = design_style,
-  path.solid = true;
+  path.label = now.sampled.moved ? "motion"
+               : before          ? "designed"
+                                 : "path",
+  path.mark = Mark::line_points, path.style = design_style, path.solid = true;
   panel.series.push_back(std::move(path));
   panel.series.push_back(legs(now.task.geometry(), plane, 8.0 * window.size() * scale));
-  if (const double error = scale * now.measures.corner_error; error > 0.0)
-    panel.circles.push_back({0.0, 0.0, error, fmt::format("error {:.4g} {}", error, unit)});
+  if (now.measures.corner_error > 0.0) panel.series.push_back(error_line(now, plane, scale, unit));
   if (const double tolerance = scale * now.task.error_max.value_or(0.0); tolerance > 0.0) {
     Series bound = round_line(tolerance);
-    bound.label = fmt::format("bound {:.4g} {}", tolerance, unit), bound.style = binding_style;
+    const bool binds = use && use->utilisation > binding;
+    bound.label = fmt::format("tolerance {:.4g} {}{}", tolerance, unit, binds ? ", binds" : "");
+    bound.style = binds ? binding_style + static_cast<int>(most_lines) / 3 : binding_style, bound.solid = binds;
     panel.series.push_back(std::move(bound));
   }
   return panel;
@@ -171,17 +211,19 @@ Panel distance_panel(const CornerMotion& now, const CornerMotion* before) {
   for (const CornerMotion* at : {before, &now}) {
     if (!at) continue;
     const bool design = at == &now;
-    const std::vector<double> off = distances(*at);
+    std::vector<double> off = distances(*at);
+    for (double& d : off) d = d < no_distance ? 0.0 : d;
     const double here = *std::max_element(off.begin(), off.end());
-    Series series{design ? "design" : "today", {}, {}, Mark::line, design ? design_style : baseline_style, true};
-    for (std::size_t n = 0; n < off.size(); ++n) {
-      if (!(off[n] > 1e-6 * here)) continue;
-      panel.x.min = std::min(panel.x.min.value_or(at->time[n]), at->time[n]);
-      panel.x.max = std::max(panel.x.max.value_or(at->time[n]), at->time[n]);
+    const auto [from, to] = nonzero(off, 1e-6 * here);
+    if (here > 0.0) {
+      panel.x.min = std::min(panel.x.min.value_or(at->time[from]), at->time[from]);
+      panel.x.max = std::max(panel.x.max.value_or(at->time[to]), at->time[to]);
     }
-    series.x = at->time, series.y = off;
     most = std::max(most, here);
-    panel.series.push_back(std::move(series));
+    panel.series.push_back({!before  ? ""
+                            : design ? "designed"
+                                     : "today",
+                            at->time, std::move(off), Mark::line, design ? design_style : baseline_style, true});
   }
   const auto [scale, unit] = length_unit(most);
   for (Series& series : panel.series) {
@@ -189,7 +231,12 @@ Panel distance_panel(const CornerMotion& now, const CornerMotion* before) {
   }
   panel.y.label = fmt::format("distance / {}", unit);
   panel.y.min = 0.0;
-  if (!(panel.x.min < panel.x.max)) panel.x.min.reset(), panel.x.max.reset();
+  if (panel.x.min < panel.x.max) {
+    const double air = 0.04 * (*panel.x.max - *panel.x.min);
+    *panel.x.min -= air, *panel.x.max += air;
+  } else {
+    panel.x.min.reset(), panel.x.max.reset();
+  }
   return panel;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include <accdec/plot/figure.hpp>
@@ -24,7 +25,10 @@ struct CornerMotion {
   std::vector<double> time;     ///< ms from the corner command, of every row of `motion`
 };
 
-/// The path where it leaves the legs, with the tolerance and the error; that of `before` in grey below it, if not null.
+/// ms from the corner command, from the first motion to the last.
+std::pair<double, double> moving_time(const CornerMotion& at);
+
+/// The path where it leaves the legs, with the tolerance and the error. That of `before` in grey below it, if not null.
 Panel path_panel(const CornerMotion& now, const CornerMotion* before);
 /// Distance of the path from the nearer leg over time.
 Panel distance_panel(const CornerMotion& now, const CornerMotion* before);

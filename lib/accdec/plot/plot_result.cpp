@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +12,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/machine/signed_value.hpp>
 #include <accdec/plot/figure_style.hpp>
+#include <accdec/plot/filter_panels.hpp>
 #include <accdec/plot/path_panels.hpp>
 #include <accdec/plot/plot_result.hpp>
 
@@ -20,8 +20,6 @@ namespace accdec {
 namespace {
 
 using namespace figure_style;
-
-constexpr double binding = 0.99;  ///< share of a limit from which a drawing calls it binding
 
 /// A quantity of an axis with the bounds on it; both in SI.
 struct Quantity {
@@ -79,30 +77,44 @@ Series curve_of(const Quantity& quantity, const CornerMotion& at, std::size_t ax
   return curve;
 }
 
-/// The limit itself, drawn over every sample that reaches it.
-Series binding_bars(const Series& curve, double low, double high) {
-  Series bars{"binds", curve.x, {}, Mark::steps, binding_style + most_lines / 3, true};
-  bars.y.assign(curve.y.size(), std::nan(""));
-  for (std::size_t n = 0; n < curve.y.size(); ++n) {
-    const double y = curve.y[n];
-    if (!(y >= binding * high) && !(y <= binding * low)) continue;
-    bars.y[n] = y > 0.0 ? high : low;
-    if (n > 0 && std::isnan(bars.y[n - 1])) bars.y[n - 1] = bars.y[n];  // a step ends at its sample
+/// The limit itself, drawn over every sample that reaches it: the upper and the lower one apart, or steps would join
+/// them.
+std::vector<Series> binding_bars(const Series& curve, double low, double high) {
+  std::vector<Series> found;
+  for (const double limit : {high, low}) {
+    Series bars{found.empty() ? "binds" : "", curve.x, {}, Mark::steps, binding_style + most_lines / 3, true};
+    bars.y.assign(curve.y.size(), std::nan(""));
+    bool any = false;
+    for (std::size_t n = 0; n < curve.y.size(); ++n) {
+      if (!std::isfinite(limit) || !(curve.y[n] / limit >= binding)) continue;
+      bars.y[n] = limit;
+      if (n > 0) bars.y[n - 1] = limit;  // a step ends at its sample
+      any = true;
+    }
+    if (any) found.push_back(std::move(bars));
   }
-  return bars;
+  return found;
 }
 
-/// One quantity of one axis over time, with every sample marked that binds, or else the worst. Limits far beyond the
-/// curve are named in the title instead of flattening the curve.
-Panel motion_panel(const Quantity& quantity, const CornerMotion& now, const CornerMotion* before, std::size_t index) {
-  const std::string& axis = now.result.task.machine.axes[index].name;
-  const LimitName& name = limit_name(quantity.kind);
+/// An empty panel over the time in which the design or the filter of today moves.
+Panel time_panel(const CornerMotion& now, const CornerMotion* before) {
   Panel panel;
-  panel.title = fmt::format("{} {}", name.name, axis);
   panel.x.label = "time from the corner command / ms";
-  panel.x.min = now.time.front(), panel.x.max = now.time.back();
+  for (const CornerMotion* at : {&now, before}) {
+    if (!at) continue;
+    const auto [from, to] = moving_time(*at);
+    panel.x.min = std::min(panel.x.min.value_or(from), from), panel.x.max = std::max(panel.x.max.value_or(to), to);
+  }
+  const double air = 0.03 * (*panel.x.max - *panel.x.min);
+  *panel.x.min -= air, *panel.x.max += air;
+  return panel;
+}
+
+/// A quantity over time with its limits, and every sample marked that binds, or else the worst. Limits far beyond the
+/// curve are named in the title instead of flattening the curve.
+void add_curve(Panel& panel, const Quantity& quantity, Series curve) {
+  const LimitName& name = limit_name(quantity.kind);
   panel.y.label = fmt::format("{} / {}", name.name, printed_unit(name.unit));
-  Series curve = curve_of(quantity, now, index);
   const double high = quantity.high * name.per_si, low = quantity.low * name.per_si;
   double peak = 0.0, use = 0.0;
   std::size_t worst = 0;
@@ -125,22 +137,79 @@ Panel motion_panel(const Quantity& quantity, const CornerMotion& now, const Corn
   }
   if (use > 0.0) {
     panel.title += fmt::format(": {:.1f} % used{}", 100.0 * use, use > binding ? ", binding" : "");
-    panel.series.push_back(use > binding ? binding_bars(curve, low, high)
-                                         : Series{"largest use", {curve.x[worst]}, {curve.y[worst]}, Mark::points, 0});
+    if (use > binding) {
+      for (Series& bars : binding_bars(curve, low, high)) panel.series.push_back(std::move(bars));
+    } else {
+      panel.series.push_back({"largest use", {curve.x[worst]}, {curve.y[worst]}, Mark::points, 0});
+    }
   }
   panel.series.insert(panel.series.begin(), std::move(curve));
-  if (before) {
-    Series old = curve_of(quantity, *before, index);
-    old.label = "today", old.style = baseline_style;
-    panel.x.min = std::min(*panel.x.min, old.x.front()), panel.x.max = std::max(*panel.x.max, old.x.back());
-    panel.series.insert(panel.series.begin(), std::move(old));
-  }
+  if (!beyond.empty()) panel.title += fmt::format(" (limit {} {} off scale)", beyond, printed_unit(name.unit));
+}
+
+/// The curve of today below all others, and words for both.
+void add_today(Panel& panel, Series old) {
+  old.label = "today", old.style = baseline_style;
+  panel.series.front().label = "designed";
+  panel.series.insert(panel.series.begin(), std::move(old));
+}
+
+/// One quantity of one axis.
+Panel motion_panel(const Quantity& quantity, const CornerMotion& now, const CornerMotion* before, std::size_t index) {
+  const LimitName& name = limit_name(quantity.kind);
+  Panel panel = time_panel(now, before);
+  panel.title = fmt::format("{} {}", name.name, now.result.task.machine.axes[index].name);
+  add_curve(panel, quantity, curve_of(quantity, now, index));
+  if (before) add_today(panel, curve_of(quantity, *before, index));
   if (now.sampled.moved && quantity.kind == LimitKind::velocity) {
     Series moved{"motion", now.time, {}, Mark::line, thin_style};
     for (const double v : now.motion.velocity.col(static_cast<Eigen::Index>(index))) moved.y.push_back(v * name.per_si);
     panel.series.push_back(std::move(moved));
   }
-  if (!beyond.empty()) panel.title += fmt::format(" (limit {} {} off scale)", beyond, printed_unit(name.unit));
+  return panel;
+}
+
+/// The power of all axes together, on which a machine may have limits of its own.
+Panel total_power_panel(const CornerMotion& now, const CornerMotion* before) {
+  const Machine& machine = now.result.task.machine;
+  const Quantity power{LimitKind::power, -machine.regeneration_total_max, machine.power_total_max};
+  const auto total = [&](const CornerMotion& at) {
+    Series sum = curve_of(power, at, 0);
+    for (std::size_t axis = 1; axis < machine.axes.size(); ++axis) {
+      const Series more = curve_of(power, at, axis);
+      for (std::size_t n = 0; n < sum.y.size(); ++n) sum.y[n] += more.y[n];
+    }
+    return sum;
+  };
+  Panel panel = time_panel(now, before);
+  panel.title = "power of all axes";
+  add_curve(panel, power, total(now));
+  if (before) add_today(panel, total(*before));
+  return panel;
+}
+
+/// The speed along the path, with the smallest one allowed at the corner.
+Panel speed_panel(const CornerMotion& now, const CornerMotion* before) {
+  const auto curve = [](const CornerMotion& at) {
+    Series speed{"", at.time, {}, Mark::line, design_style, true};
+    for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n)
+      speed.y.push_back(1e3 * at.motion.velocity.row(n).norm());
+    return speed;
+  };
+  Panel panel = time_panel(now, before);
+  panel.title = "speed along the path";
+  panel.y.label = "speed / (mm/s)";
+  panel.series.push_back(curve(now));
+  if (const LimitUse* use = use_of(now.result, LimitKind::speed_min, now.task.name)) {
+    panel.title += ":" + use_in_title(*use);
+    panel.limits.push_back({1e3 * use->bound, "smallest allowed"});
+    const auto row = static_cast<std::size_t>(now.motion.corner + use->sample);
+    const bool binds = use->utilisation > binding;
+    if (row < now.time.size())
+      panel.series.push_back(
+          {binds ? "binds" : "smallest", {now.time[row]}, {1e3 * use->value}, Mark::points, binds ? binding_style : 0});
+  }
+  if (before) add_today(panel, curve(*before));
   return panel;
 }
 
@@ -181,72 +250,10 @@ std::string title_of(const DesignResult& result, const DesignResult* before, con
       fmt::format("{}: {:.6g} ms", result.task.title.empty() ? "accdec" : result.task.title, 1e3 * result.objective());
   if (before) {
     const double saved = before->objective() - result.objective();
-    title += fmt::format(", {:.4g} ms {} than today", 1e3 * std::abs(saved), saved < 0.0 ? "more" : "less");
+    title += fmt::format(" designed, {:.4g} ms {} than today's {:.6g} ms", 1e3 * std::abs(saved),
+                         saved < 0.0 ? "more" : "less", 1e3 * before->objective());
   }
   return title + fmt::format("; corner {}, delay {} samples", corner.name, corner.delay);
-}
-
-Panel taps_panel(const Filter& filter) {
-  Panel panel;
-  panel.title = fmt::format("filter taps, order {}", filter.order());
-  panel.x.label = "tap";
-  panel.y.label = "weight";
-  Series taps{"", {}, {}, filter.order() <= 200 ? Mark::impulses : Mark::line, design_style, true};
-  for (int i = 0; i <= filter.order(); ++i) {
-    taps.x.push_back(i);
-    taps.y.push_back(filter.tap(i));
-  }
-  panel.x.min = -1.0, panel.x.max = filter.order() + 1.0, panel.y.min = 0.0;
-  panel.series.push_back(taps);
-  return panel;
-}
-
-Panel response_panel(const Filter& filter, double sample_period, const std::vector<Mode>& modes) {
-  Panel panel;
-  panel.title = "residual vibration";
-  panel.x.label = "frequency / Hz";
-  panel.y.label = "amplitude, filtered over commanded";
-  panel.y.log = true;
-  panel.y.min = 1e-4, panel.y.max = 1.5;
-  double top = 8.0 / ((filter.order() + 1) * sample_period);
-  for (const Mode& mode : modes) top = std::max(top, 1.5 * mode.frequency_high);
-  top = std::min(top, 0.5 / sample_period);
-  for (const Mode& mode : modes) {
-    const bool first = panel.bands.empty();
-    panel.bands.push_back({mode.frequency_low, mode.frequency_high, first ? "mode" : ""});
-    const double level = std::max(mode.residual_max, 1e-4);
-    const double half =
-        std::max(0.0, 0.004 * top - 0.5 * (mode.frequency_high - mode.frequency_low));  // a line has to be seen
-    panel.bands.back().from -= half, panel.bands.back().to += half;
-    panel.series.push_back({first ? "bound" : "",
-                            {mode.frequency_low - half, mode.frequency_high + half},
-                            {level, level},
-                            Mark::line,
-                            binding_style,
-                            true});
-  }
-  panel.x.min = 0.0, panel.x.max = top;
-  std::set<double> dampings;
-  for (const Mode& mode : modes) dampings.insert({mode.damping_low, mode.damping_high});
-  if (dampings.empty()) dampings.insert(0.0);
-  // Each point takes a pass over all taps.
-  const int points = static_cast<int>(std::clamp(1e8 / (filter.order() + 1.0), 100.0, 800.0));
-  for (const double damping : dampings) {
-    const bool first = damping == *dampings.begin();
-    Series response{*dampings.rbegin() > 0.0 ? fmt::format("damping {:.4g}", damping) : "",
-                    {},
-                    {},
-                    Mark::line,
-                    first ? design_style : baseline_style,
-                    true};
-    for (int i = 0; i <= points; ++i) {
-      const double f = top * i / points;
-      response.x.push_back(f);
-      response.y.push_back(std::max(residual_vibration(filter, f, sample_period, damping), 1e-6));
-    }
-    panel.series.push_back(std::move(response));
-  }
-  return panel;
 }
 
 /// Reduces a long curve to its ends and the extremes of as many pieces as a drawing can show.
@@ -293,8 +300,6 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
     throw std::runtime_error(
         fmt::format("the result holds no filter to draw ({}): {}", to_string(result.status), result.message));
   }
-  const Filter& filter = *result.filter;
-  const double period = result.task.sample_period;
   const std::optional<DesignResult> old = today(result);
   const CornerMotion now(result, index);
   std::optional<CornerMotion> then;
@@ -305,6 +310,7 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   figure.title = title_of(result, old ? &*old : nullptr, now.measures);
   figure.columns = 2;
   figure.panels = {path_panel(now, before), distance_panel(now, before)};
+  const bool supply_limited = limits_supply(result.task.machine);
   std::vector<std::vector<Panel>> axes;
   for (std::size_t axis = 0; axis < result.task.machine.axes.size(); ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
@@ -313,9 +319,11 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
     if (moves) axes.push_back(axis_panels(now, before, axis));
   }
   add_side_by_side(figure.panels, std::move(axes));
-  figure.panels.push_back(
-      response_panel(Response(result.task.machine, period).command(filter), period, result.task.machine.modes));
-  figure.panels.push_back(taps_panel(filter));
+  if (now.task.speed_min > 0.0 || figure.panels.size() % 2 != (supply_limited ? 1U : 0U))
+    figure.panels.push_back(speed_panel(now, before));
+  if (supply_limited) figure.panels.push_back(total_power_panel(now, before));
+  figure.panels.push_back(response_panel(result, old ? &*old->filter : nullptr));
+  figure.panels.push_back(taps_panel(*result.filter, old ? &*old->filter : nullptr));
   for (Panel& panel : figure.panels) {
     for (Series& series : panel.series) thin_out(series);
   }
