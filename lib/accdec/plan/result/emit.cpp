@@ -1,13 +1,14 @@
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/plan/result/emit.hpp>
+#include <accdec/plan/result/emitted_lines.hpp>
+#include <accdec/plan/result/timed_moves.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/blend_limits.hpp>
 #include <accdec/task/settings_text.hpp>
@@ -34,55 +35,7 @@ DelayKind kind_of(const ProgramResult& result, std::size_t b) {
   return known ? result.settings->chosen.delays[b] : DelayKind::dwell;
 }
 
-/// Moves of an unused axis that wait, see emit_for_linuxcnc.
-class TimedMoves {
- public:
-  /// @param axis  0: there are none
-  explicit TimedMoves(char axis) : axis_(axis) {}
-  bool used() const { return axis_ != 0; }
-
-  void require(const ProgramResult& result) const {
-    const Toolpath& path = result.plan.path;
-    for (const std::size_t a : path.axes) {
-      if (program_axes[a] == axis_)
-        throw std::invalid_argument(fmt::format("axis {} cannot time delays: the program moves it", axis_));
-    }
-    for (const auto& passed : path.passed) {
-      if (passed.words.starts_with("G4"))
-        throw std::invalid_argument("the program dwells (G4), which LinuxCNC does not time in samples");
-    }
-    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-      if (result.plan.delay(b) == lost_at_ends)
-        throw std::invalid_argument(
-            fmt::format("block {} has a delay of {} samples, which timed moves cannot have: they have 1, 3, 4, ..",
-                        b + 1, lost_at_ends));
-    }
-  }
-
-  std::string remark() const {
-    return fmt::format(
-        "(for LinuxCNC, with the filter behind joint.N.motor-pos-cmd: moves of axis {} time the delays)\n", axis_);
-  }
-  std::string begin() const { return used() ? fmt::format("G0 {}0\n", axis_) : ""; }
-
-  /// Away from 0, or back.
-  std::string wait(int delay, double period) {
-    const int samples = delay - lost_at_ends;
-    if (samples < 1) return "";
-    away_ = !away_;
-    return fmt::format("G93\nG1 {}{} F{}\nG94\n", axis_, away_ ? "0.01" : "0",
-                       plain_number(60.0 / (samples * period), 9));
-  }
-
- private:
-  /// Samples that the ends of a block and of the move behind it take.
-  static constexpr int lost_at_ends = 2;
-
-  char axis_;
-  bool away_ = false;
-};
-
-/// Writes words line by line and passes them on in portions.
+/// Writes a plan block by block.
 class Emission {
  public:
   /// @param timed_axis  see emit_for_linuxcnc; 0: none
@@ -91,7 +44,7 @@ class Emission {
         path_(result.plan.path),
         filter_(result.plan.filter()),
         n_(path_.dimensions()),
-        out_(out),
+        lines_(out),
         timed_(timed_axis),
         decimals_(decimals_needed()),
         written_(n_, "0") {}
@@ -111,24 +64,19 @@ class Emission {
       path_mode(b);
       block(b, limits);
       rest(b);
-      if (text_.size() > 60000) flush();
+      lines_.pass_on();
     }
     passed(path_.blocks());
-    leave_notes();
+    lines_.leave_notes();
     line("{}", path_.end.empty() ? "M2" : path_.end);
     if (path_.percent) line("%");
-    flush();
+    lines_.flush();
   }
 
  private:
   template <class... Arguments>
   void line(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
-    text_.push_back('\n');
-  }
-  void flush() {
-    out_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
-    text_.clear();
+    lines_.line(format, std::forward<Arguments>(arguments)...);
   }
 
   void header(bool slowed_rapids) {
@@ -137,7 +85,7 @@ class Emission {
     const double period = result_.sample_period * 1e3;
     line("(planned for a filter of {} taps at T = {} ms)", filter_.order() + 1, plain_number(period, 6));
     if (timed_.used())
-      text_.append(timed_.remark());
+      lines_.append(timed_.remark());
     else
       line(
           "(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to "
@@ -150,9 +98,9 @@ class Emission {
       line("(read back by: accdec program FILE --task TASK.toml --plan fixed --dwells-before-filter{}{})",
            result_.feeds_chosen ? "" : " --feeds keep", path_.length_at ? " --tool-length 0" : "");
     if (slowed_rapids) line("{} where the plan runs them slower than G0, which would break a limit)", slowed_remark);
-    text_.append(filter_remarks(filter_));
+    lines_.append(filter_remarks(filter_));
     line("G21 G17 G90 G94");
-    text_.append(timed_.begin());
+    lines_.append(timed_.begin());
     position();
   }
 
@@ -225,7 +173,7 @@ class Emission {
     for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_) {
       const std::string& words = path_.passed[next_passed_].words;
       if (path_.passed[next_passed_].with_block) {
-        note(words);
+        lines_.note(words);
         continue;
       }
       // A program that was written here and read again does not accumulate remarks.
@@ -237,24 +185,6 @@ class Emission {
       }
       if (!own) line("{}", words);
     }
-  }
-
-  /// Writes line numbers and comments with the first command of their block.
-  void note(const std::string& words) {
-    const bool number = words.starts_with('N');
-    if (number && (!number_.empty() || !comments_.empty())) leave_notes();
-    (number ? number_ : comments_).append(number ? words + " " : " " + words);
-  }
-  /// Writes the notes of blocks too short to be written.
-  void leave_notes() {
-    const std::string all = number_ + (comments_.empty() ? "" : comments_.substr(1));
-    if (!all.empty()) line("{}", all.substr(0, all.find_last_not_of(' ') + 1));
-    number_.clear(), comments_.clear();
-  }
-  template <class... Arguments>
-  void command(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    line("{}{}{}", number_, fmt::format(format, std::forward<Arguments>(arguments)...), comments_);
-    number_.clear(), comments_.clear();
   }
 
   /// Tolerance of the next joint with a rounded corner. If a block was split near it, the motion passes the joint of
@@ -317,15 +247,15 @@ class Emission {
     const std::string to = words(path_.point(b + 1));
     if (to.empty()) return;  // shorter than what is written
     if (rapid(b, limits)) {
-      command("{}G0{}", kind_of(result_, b) == DelayKind::in_position ? "G9 " : "", to);
+      lines_.command("{}G0{}", kind_of(result_, b) == DelayKind::in_position ? "G9 " : "", to);
       return;
     }
     const std::string feed = this->feed(b);
     const char* in_position = kind_of(result_, b) == DelayKind::in_position ? "G9 " : "";
     if (feed == feed_) {
-      command("{}G1{}", in_position, to);
+      lines_.command("{}G1{}", in_position, to);
     } else {
-      command("{}G1{} F{}", in_position, to, feed);
+      lines_.command("{}G1{} F{}", in_position, to, feed);
       feed_ = feed;
     }
   }
@@ -348,7 +278,7 @@ class Emission {
     const bool last = b + 1 == path_.blocks();
     if (timed_.used() && !last) {
       const std::string move = timed_.wait(result_.plan.delay(b), result_.sample_period);
-      text_.append(move);
+      lines_.append(move);
       if (!move.empty()) feed_.clear();
       return;
     }
@@ -362,12 +292,10 @@ class Emission {
   const Toolpath& path_;
   const Filter& filter_;
   std::size_t n_;
-  std::ostream& out_;
+  EmittedLines lines_;
   TimedMoves timed_;
   const int decimals_;
-  fmt::memory_buffer text_;
   std::string mode_, feed_;
-  std::string number_, comments_;     // of the block to come: "N10 ", " (one) (two)"
   std::vector<std::string> written_;  // of every axis; a program begins at the origin unless it is told otherwise
   std::size_t next_passed_ = 0;
 };
