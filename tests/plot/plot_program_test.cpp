@@ -105,6 +105,29 @@ TEST(PlotProgram, EnlargesThePartWithMostCorners) {
   EXPECT_LT(*part.x.max - *part.x.min, 0.3 * (*figure.panels[0].x.max - *figure.panels[0].x.min));
 }
 
+TEST(PlotProgram, ALongThinPathFillsItsPanelAndTheAxisSaysSo) {
+  // 20 mm by 2000 mm: true to scale 4 of 640 px.
+  std::string text = "G1 F6000 X20\n";
+  for (int i = 1; i <= 20; ++i) text += fmt::format("X{} Y{}\n", i % 2 == 0 ? 20 : 0, 100 * i);
+  const Figure figure = plot_program(planned(text));
+  for (const Panel* panel : {&figure.panels[0], &figure.panels[1]}) {
+    EXPECT_EQ(panel->x.label, "x / mm, drawn 100 times as long");
+    EXPECT_EQ(panel->y.label, "y / mm");
+    EXPECT_FALSE(panel->equal_aspect);
+    EXPECT_LE(*panel->x.max - *panel->x.min, 2.0 * 20.0) << "at least half of the panel";
+    EXPECT_LE(*panel->y.max - *panel->y.min, 2.0 * 2000.0);
+  }
+  // Places stay in mm.
+  double left = INFINITY, right = -INFINITY;
+  for (const double x : figure.panels[0].series.at(0).x) left = std::min(left, x), right = std::max(right, x);
+  EXPECT_NEAR(left, 0.0, 1e-9);
+  EXPECT_NEAR(right, 20.0, 1e-9);
+  EXPECT_GE(value_at(figure.panels[0], 0.0, 100.0, 0.5), 0.0) << "a corner's square";
+  // Neither a path of usual proportions nor a straight one is stretched.
+  EXPECT_EQ(plot_program(planned("G1 F6000 X50\nY20\n")).panels[0].x.label, "x / mm");
+  EXPECT_EQ(plot_program(planned("G1 F6000 X50\nX20\n")).panels[0].y.label.find("times"), std::string::npos);
+}
+
 TEST(PlotProgram, TheHistogramCountsEveryCornerOnce) {
   std::ostringstream text;
   generate_program(GeneratedProgram::zigzag, {}, text);

@@ -54,16 +54,18 @@ Panel view_panel(const ProgramView& view) {
   const auto label = [&](std::size_t row) {
     const bool long_path = view.scale == 1.0;
     if (view.names[row].empty()) return std::string();
-    return fmt::format("{} / {}", view.names[row],
-                       view.rotary[row] ? (long_path ? "1000 deg" : "deg") : (long_path ? "m" : "mm"));
+    const std::string stretch =
+        view.stretch[row] == 1.0 ? "" : fmt::format(", drawn {:g} times as long", view.stretch[row]);
+    return fmt::format("{} / {}{}", view.names[row],
+                       view.rotary[row] ? (long_path ? "1000 deg" : "deg") : (long_path ? "m" : "mm"), stretch);
   };
   panel.x.label = label(0);
   panel.y.label = label(1);
-  panel.equal_aspect = true;
+  panel.equal_aspect = view.stretch[0] == view.stretch[1];
   panel.taller = std::max(1.0, (view.height + around_plot) / panel_height);
   const double air = 8.0 * view.pixel;
-  panel.x.min = (view.low[0] - air) * view.scale, panel.x.max = (view.high[0] + air) * view.scale;
-  panel.y.min = (view.low[1] - air) * view.scale, panel.y.max = (view.high[1] + air) * view.scale;
+  panel.x.min = view.drawn(0, view.low[0] - air), panel.x.max = view.drawn(0, view.high[0] + air);
+  panel.y.min = view.drawn(1, view.low[1] - air), panel.y.max = view.drawn(1, view.high[1] + air);
   return panel;
 }
 
@@ -172,7 +174,7 @@ void add_motion_panels(Figure& figure, const Toolpath& programmed, const Machine
 Figure plot_program(const ProgramResult& result, ViewFrom from) {
   const Plan& plan = result.plan;
   const bool command = plan.command() != nullptr;
-  const ProgramView whole = whole_view(plan.path, from);
+  const ProgramView whole = stretched(whole_view(plan.path, from));
   Figure figure = program_page_frame(result.program);
   figure.title += command ? fmt::format(": {:.6g} s, {} taps", result.cycle_time, plan.filter().order() + 1)
                           : fmt::format(": {:.6g} s, plan {}", result.cycle_time, plan.name());

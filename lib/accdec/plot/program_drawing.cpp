@@ -119,12 +119,12 @@ Series stroke_series(const std::vector<Stroke>& strokes, const ProgramView& view
   // Thin black, or thin dashed.
   Series series{"", {}, {}, Mark::line, rapid ? 17 : 16};
   const auto add = [&](double x, double y) {
-    series.x.push_back(x * view.scale);
-    series.y.push_back(y * view.scale);
+    series.x.push_back(view.drawn(0, x));
+    series.y.push_back(view.drawn(1, y));
   };
   const auto line = [&](const Point& p, const Point& q) {
     const bool goes_on =
-        !series.x.empty() && series.x.back() == p[0] * view.scale && series.y.back() == p[1] * view.scale;
+        !series.x.empty() && series.x.back() == view.drawn(0, p[0]) && series.y.back() == view.drawn(1, p[1]);
     if (!goes_on && !series.x.empty()) add(NAN, NAN);
     if (!goes_on) add(p[0], p[1]);
     add(q[0], q[1]);
@@ -148,12 +148,12 @@ ColouredLines speed_lines(const std::vector<Stroke>& strokes, const ProgramView&
   if (lines.high == 0.0) lines.high = 1.0;
   const double step = lines.high / speeds;
   const auto add = [&](const Point& p, const Point& q, double value) {
-    const double x = p[0] * view.scale, y = p[1] * view.scale;
+    const double x = view.drawn(0, p[0]), y = view.drawn(1, p[1]);
     const bool goes_on = !lines.pieces.empty() && lines.pieces.back().value == value &&
                          lines.pieces.back().x.back() == x && lines.pieces.back().y.back() == y;
     if (!goes_on) lines.pieces.push_back({{x}, {y}, value});
-    lines.pieces.back().x.push_back(q[0] * view.scale);
-    lines.pieces.back().y.push_back(q[1] * view.scale);
+    lines.pieces.back().x.push_back(view.drawn(0, q[0]));
+    lines.pieces.back().y.push_back(view.drawn(1, q[1]));
   };
   const bool dense = strokes.size() > strokes_max;
   Cells cells(view);
@@ -183,8 +183,8 @@ std::vector<ColouredLines::Piece> squares(const std::vector<PlaceValue>& places,
   std::vector<ColouredLines::Piece> pieces;
   const double half = 0.5 * line_width * view.pixel;
   for (const auto& [where, p] : kept) {
-    const double y = p.place[1] * view.scale;
-    pieces.push_back({{(p.place[0] - half) * view.scale, (p.place[0] + half) * view.scale}, {y, y}, p.value});
+    const double y = view.drawn(1, p.place[1]);
+    pieces.push_back({{view.drawn(0, p.place[0] - half), view.drawn(0, p.place[0] + half)}, {y, y}, p.value});
   }
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
   return pieces;

@@ -150,8 +150,24 @@ ProgramView whole_view(const Toolpath& path, ViewFrom from) {
   return view;
 }
 
+ProgramView stretched(ProgramView view) {
+  constexpr double thin = 1.0 / 6.0, straight = 200.0;
+  if (view.names[0] == view.names[1]) return view;
+  const std::array<double, 2> room{view_width, view.height};
+  for (std::size_t a = 0; a < 2; ++a) {
+    const double pixels = (view.high[a] - view.low[a]) / view.pixel;
+    if (!(pixels < thin * room[a]) || !(pixels * straight > room[a])) continue;
+    for (const double factor : {5.0, 10.0, 20.0, 50.0, 100.0}) {
+      if (factor * pixels <= room[a]) view.stretch[a] = factor;
+    }
+    for (double& part : view.rows[a]) part *= view.stretch[a];
+    view.low[a] *= view.stretch[a], view.high[a] *= view.stretch[a];
+  }
+  fit(view);
+  return view;
+}
+
 ProgramView enlarged(const ProgramView& view, const std::vector<Point>& places) {
-  constexpr double part = 0.25;
   constexpr int steps = 13;  // windows that overlap
   ProgramView window = view, best = view;
   std::size_t most = 0;
@@ -159,7 +175,7 @@ ProgramView enlarged(const ProgramView& view, const std::vector<Point>& places) 
     for (int i = 0; i < steps; ++i) {
       const std::array<int, 2> step{i, j};
       for (std::size_t a = 0; a < 2; ++a) {
-        const double extent = view.high[a] - view.low[a];
+        const double extent = view.high[a] - view.low[a], part = view.stretch[a] > 1.0 ? 0.5 : 0.25;
         window.low[a] = view.low[a] + (1.0 - part) * extent * step[a] / (steps - 1);
         window.high[a] = window.low[a] + part * extent;
       }

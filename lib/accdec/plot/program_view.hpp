@@ -24,22 +24,29 @@ ViewFrom view_from(const std::string& name);
 struct ProgramView {
   /// Coefficients of the path's columns, for the drawing's two axes; all 0 for an axis that the path does not move.
   std::array<ProgramPoint, 2> rows{};
-  std::array<std::string, 2> names;      ///< of the drawing's axes: x; several axes: isometric
-  std::array<bool, 2> rotary{};          ///< a degree counts as a millimetre
-  std::size_t dimensions = 0;            ///< of the path
-  std::array<double, 2> low{}, high{};   ///< m, of the window
-  double pixel = 1.0;                    ///< m, of the drawing
-  double height = 1.0;                   ///< px of the plot
-  double scale = 1e3;                    ///< units of the drawing a metre: mm, or m for a path that long
+  std::array<std::string, 2> names;     ///< of the drawing's axes: x; several axes: isometric
+  std::array<bool, 2> rotary{};         ///< a degree counts as a millimetre
+  std::size_t dimensions = 0;           ///< of the path
+  std::array<double, 2> low{}, high{};  ///< m, of the window
+  double pixel = 1.0;                   ///< m, of the drawing
+  double height = 1.0;                  ///< px of the plot
+  double scale = 1e3;                   ///< units of the drawing a metre: mm, or m for a path that long
+  /// How many times longer each axis is drawn than its lengths; `rows` and the window are stretched.
+  std::array<double, 2> stretch{1.0, 1.0};
   std::optional<std::size_t> over_time;  ///< of a program that only drills: the column shown over time
 
   std::array<double, 2> at(const double* point) const;
+  /// A length of the window in units of the drawing.
+  double drawn(std::size_t axis, double length) const { return length * scale / stretch[axis]; }
   bool shows(const std::array<double, 2>& p, const std::array<double, 2>& q) const;  ///< whether a line may be seen
 };
 
 /// The whole path.
 ProgramView whole_view(const Toolpath& path, ViewFrom from = ViewFrom::automatic);
-/// A window a quarter as wide and as high, around as many of the places as it can hold.
+/// A long and thin path would be a line in the middle of its plot: the view with its short axis stretched by 5, 10, 20,
+/// 50 or 100. Others, straight and isometric ones are left as they are.
+ProgramView stretched(ProgramView view);
+/// A window a quarter as wide and as high (half along a stretched axis), around as many of the places as it can hold.
 ProgramView enlarged(const ProgramView& view, const std::vector<std::array<double, 2>>& places);
 
 inline constexpr double view_width = 640.0;  ///< px of a plot
