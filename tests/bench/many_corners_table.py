@@ -42,7 +42,7 @@ set logscale y
 set format y '%g'
 set xrange [1.5:12.5]
 set xtics (2, 3, 4, 6, 8, 12)
-set yrange [0.01:200]
+set yrange [0.005:100]
 set xlabel 'corners that share the filter'
 set ylabel 'processor time in user mode / s'
 set key outside right top Left reverse samplen 1

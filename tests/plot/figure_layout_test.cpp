@@ -81,6 +81,14 @@ TEST(Figure, ALongLabelOfALegendIsWrappedSoThatThePlotKeepsItsWidth) {
   EXPECT_GE(place_of(svg, "last").second, above + 11.5);
 }
 
+TEST(Figure, ALabelLongerThanALineIsNotCut) {
+  const std::string label = "ipopt-lbfgs, mu_strategy monotone, nlp_scaling_method none, nlp_scaling_max_gradient 100";
+  ASSERT_GT(text_width(label), 420.0);
+  std::string all;
+  for (const std::string& line : legend_lines(label, 420.0)) all += (all.empty() ? "" : " ") + line;
+  EXPECT_EQ(all, label);
+}
+
 TEST(Figure, PanelsWithOneQuantityBelowEachOtherAreInLine) {
   Figure figure;
   figure.columns = 2;

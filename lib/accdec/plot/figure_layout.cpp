@@ -16,7 +16,8 @@ constexpr double left = 70, right = 18, top = 30, bottom = 56;  // px around a p
 constexpr double title_line = 16, heading_line = 20;            // px
 constexpr double legend_sample = 34, long_legend_sample = 58, legend_air = 18;
 constexpr double narrowest_plot = 320, closest_lines = 12.6, line_height = 18, colour_bar = 104;
-constexpr double narrow_label = 200, wide_label = 300, longest_label = 420, longest_name = 200;
+constexpr double narrow_label = 220, wide_label = 300, longest_label = 420, longest_name = 200;
+constexpr double all_of_a_label = 840;  // px, on several lines
 
 std::size_t character_length(const std::string& text, std::size_t i) {
   std::size_t length = 1;
@@ -169,7 +170,7 @@ std::string axis_name(const std::string& name) {
 }
 
 std::string legend_label(const std::string& label) {
-  return shortened(clean_title(label), longest_label);
+  return shortened(clean_title(label), all_of_a_label);
 }
 
 std::vector<std::string> legend_lines(const std::string& label, double width) {

@@ -17,7 +17,7 @@ std::string shortened(const std::string& text, double width);
 /// line.
 std::vector<std::string> wrapped(const std::string& text, double width);
 
-/// A label as the legend shows it: clean, and shortened to 420 px.
+/// A label as the legend shows it: clean, and shortened to 840 px.
 std::string legend_label(const std::string& label);
 
 /// A name of a value on the y axis as it is drawn: clean, and shortened to 200 px.

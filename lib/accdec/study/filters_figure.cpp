@@ -35,9 +35,11 @@ std::vector<Compared> compared(const study::Optimum& optimum) {
     if (!result.filter) return;
     std::string delays;
     for (const CornerResult& corner : result.corners) delays += fmt::format(" {}", corner.delay);
-    filters.push_back(
-        {fmt::format("{}: N = {}, d ={}, {:.6g} ms", title, result.filter->order(), delays, 1e3 * result.cycle_time),
-         &result});
+    // The legend has no room for what a title says in brackets.
+    const std::string_view name = title.substr(0, title.find(" ("));
+    filters.push_back({fmt::format("{}: N = {}, d ={}, {:.6g}\u00a0ms", name, result.filter->order(), delays,
+                                   1e3 * result.cycle_time),
+                       &result});
   };
   add("optimum", optimum.design);
   for (const char* name : {"trapezoid", "exponential"}) {

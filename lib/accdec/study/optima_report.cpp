@@ -152,7 +152,7 @@ Figure shapes_figure(const std::vector<Optimum>& optima) {
   Figure figure;
   figure.title = "Filters that controllers have beside the designed one, under the same limits";
   Panel panel;
-  panel.x = {"cycle time over the optimum's", true, 0.9, {}};
+  panel.x = {"cycle time over the optimum's", false, 0.9, {}};
   panel.y.min = 0.0;
   panel.y.max = static_cast<double>(optima.size()) + 1.0;
   for (const Optimum& o : optima) panel.y.names.push_back(o.name);
@@ -183,6 +183,7 @@ Figure shapes_figure(const std::vector<Optimum>& optima) {
     for (const double ratio : series.x) largest = std::max(largest, ratio);
   }
   panel.x.max = 1.04 * largest;
+  panel.x.log = largest > 10.0;
   panel.series.push_back({"optimum", {1.0, 1.0}, {0.0, *panel.y.max}, Mark::line, 0});
   figure.panels.push_back(std::move(panel));
   figure.panel_width = 820;
