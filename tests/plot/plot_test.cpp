@@ -195,6 +195,15 @@ TEST(PlotResult, TodayIsDrawnBelowTheDesignAndTheTitleSaysWhatIsSaved) {
   }
 }
 
+TEST(PlotResult, TheTitleSaysWhyTodayIsNotDrawn) {
+  DesignResult r = result();
+  r.task.baseline = r.task.filter;
+  r.task.baseline->order = 9;  // 100 mm/s in 10 ms are 10 m/s^2 of the allowed 6
+  const Figure figure = plot_result(r);
+  EXPECT_THAT(figure.title, HasSubstr("today's filter breaks a limit"));
+  for (const Panel& p : figure.panels) EXPECT_EQ(std::ranges::count(p.series, "today", &Series::label), 0) << p.title;
+}
+
 TEST(PlotResult, NoPanelShowsMoreThanHappensAndNoneHides) {
   // Every panel in pairs, so that no half of a row is empty.
   const Figure figure = plot_result(result());

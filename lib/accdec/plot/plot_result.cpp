@@ -232,7 +232,7 @@ void add_side_by_side(std::vector<Panel>& panels, std::vector<std::vector<Panel>
   }
 }
 
-/// The task with the filter of today, its delays as small as they can be; nothing if that filter breaks a limit.
+/// The task with the filter of today, its delays as small as they can be; without a filter if it breaks a limit.
 std::optional<DesignResult> today(const DesignResult& result) {
   // The delays of a given filter are known for one response of all axes.
   if (!result.task.baseline || !Response(result.task.machine, result.task.sample_period).common()) return {};
@@ -240,7 +240,7 @@ std::optional<DesignResult> today(const DesignResult& result) {
   task.filter = std::exchange(task.baseline, {});
   task.settings.reset();
   DesignResult made = design_task(task);
-  if (made.status != Status::optimal && made.status != Status::feasible) return {};
+  if (made.status != Status::optimal && made.status != Status::feasible) made.filter.reset();
   return made;
 }
 
@@ -248,7 +248,10 @@ std::optional<DesignResult> today(const DesignResult& result) {
 std::string title_of(const DesignResult& result, const DesignResult* before, const CornerResult& corner) {
   std::string title =
       fmt::format("{}: {:.6g} ms", result.task.title.empty() ? "accdec" : result.task.title, 1e3 * result.objective());
-  if (before) {
+  if (before && !before->filter) {
+    title +=
+        before->status == Status::infeasible ? "; today's filter breaks a limit" : "; today's filter has no answer";
+  } else if (before) {
     const double saved = before->objective() - result.objective();
     title += fmt::format(" designed, {:.4g} ms {} than today's {:.6g} ms", 1e3 * std::abs(saved),
                          saved < 0.0 ? "more" : "less", 1e3 * before->objective());
@@ -301,9 +304,10 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
         fmt::format("the result holds no filter to draw ({}): {}", to_string(result.status), result.message));
   }
   const std::optional<DesignResult> old = today(result);
+  const Filter* const old_filter = old && old->filter ? &*old->filter : nullptr;
   const CornerMotion now(result, index);
   std::optional<CornerMotion> then;
-  if (old) then.emplace(*old, index);
+  if (old_filter) then.emplace(*old, index);
   const CornerMotion* const before = then ? &*then : nullptr;
 
   Figure figure;
@@ -322,8 +326,8 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   if (now.task.speed_min > 0.0 || figure.panels.size() % 2 != (supply_limited ? 1U : 0U))
     figure.panels.push_back(speed_panel(now, before));
   if (supply_limited) figure.panels.push_back(total_power_panel(now, before));
-  figure.panels.push_back(response_panel(result, old ? &*old->filter : nullptr));
-  figure.panels.push_back(taps_panel(*result.filter, old ? &*old->filter : nullptr));
+  figure.panels.push_back(response_panel(result, old_filter));
+  figure.panels.push_back(taps_panel(*result.filter, old_filter));
   for (Panel& panel : figure.panels) {
     for (Series& series : panel.series) thin_out(series);
   }
