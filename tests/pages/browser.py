@@ -67,6 +67,25 @@ class Browser:
             self.events.append(self.receive())
         self.value("1")  # whatever the page's script had to say is here now
 
+    def watch_canvases(self):
+        """From the next page on, `cut` lists the texts that are drawn beyond the edge of their canvas."""
+        self.page("Page.addScriptToEvaluateOnNewDocument", source="""globalThis.cut = [];
+            const fill = CanvasRenderingContext2D.prototype.fillText;
+            CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {
+              const box = this.measureText(text), { width, height } = this.canvas;
+              for (const dx of [-box.actualBoundingBoxLeft, box.actualBoundingBoxRight]) {
+                const at = this.getTransform().transformPoint(new DOMPoint(x + dx, y));
+                if (at.x < -0.5 || at.x > width + 0.5 || at.y < 0 || at.y > height) cut.push(text);
+              }
+              return fill.call(this, text, x, y, ...rest);
+            };""")
+
+    def sideways(self):
+        """What would have to be moved sideways to be seen."""
+        return self.value("[...document.querySelectorAll('body *')].filter(e => e.clientWidth && e.scrollWidth > e.clientWidth + 1 &&"
+                          " !['visible', 'clip'].includes(getComputedStyle(e).overflowX) && !e.matches('input, select'))"
+                          ".map(e => `${e.tagName}#${e.id} in ${e.parentElement.id}: ${e.scrollWidth} of ${e.clientWidth}`)")
+
     def complaints(self):
         """Errors on the console, exceptions, and requests for anything but the page itself."""
         found = []

@@ -8,11 +8,19 @@
 namespace accdec {
 namespace {
 
+constexpr std::size_t fewest_card_columns = 4;  ///< a phone has no room for so many beside each other
+constexpr std::size_t longest_line = 60;        ///< characters of a cell; a longer text has several lines
+
 bool is_number(const std::string& text) {
   if (text.empty()) return false;
   char* end = nullptr;
   std::strtod(text.c_str(), &end);
   return *end == '\0';
+}
+
+/// The attribute that says how a cell is set.
+const char* kind_of(const std::string& cell) {
+  return is_number(cell) ? " class=\"n\"" : cell.size() > longest_line ? " class=\"long\"" : "";
 }
 
 }  // namespace
@@ -60,15 +68,22 @@ std::string html_figure(const std::string& name, const Figure& figure, const std
 }
 
 std::string html_table(const HtmlTable& table) {
+  const bool cards = !table.sortable && table.head.size() >= fewest_card_columns;
   std::string html = fmt::format("<div class=\"wide\"><table{}{}><thead><tr>",
                                  table.id.empty() ? "" : fmt::format(" id=\"{}\"", html_escaped(table.id)),
-                                 table.sortable ? " class=\"sorts\"" : "");
+                                 table.sortable ? " class=\"sorts\""
+                                 : cards        ? " class=\"cards\""
+                                                : "");
   for (const std::string& cell : table.head) html += fmt::format("<th>{}</th>", html_escaped(cell));
   html += "</tr></thead><tbody>\n";
   for (const auto& row : table.rows) {
     html += "<tr>";
-    for (const std::string& cell : row)
-      html += fmt::format("<td{}>{}</td>", is_number(cell) ? " class=\"n\"" : "", html_escaped(cell));
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string& cell = row[i];
+      html += fmt::format("<td{}{}>{}</td>", kind_of(cell),
+                          cards ? fmt::format(" data-head=\"{}\"", html_escaped(table.head.at(i))) : "",
+                          html_escaped(cell));
+    }
     html += "</tr>\n";
   }
   return html + "</tbody></table></div>\n";

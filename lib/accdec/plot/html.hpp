@@ -31,8 +31,8 @@ struct HtmlTable {
   std::string id = {};    ///< of the element; none if empty
   bool sortable = false;  ///< by a click on a heading
 };
-/// A table that scrolls by itself if the page is too narrow. Cells with numbers are right-aligned. All texts are
-/// escaped.
+/// A table with a line a row. On a phone the cells of a row stand below each other, each with its heading; a sortable
+/// table scrolls by itself. Cells with numbers are right-aligned. All texts are escaped.
 std::string html_table(const HtmlTable& table);
 
 }  // namespace accdec

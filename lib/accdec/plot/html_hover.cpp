@@ -51,10 +51,12 @@ json panel_json(const Panel& panel, const PanelLayout& place) {
 
 std::string hover_json(const Figure& figure) {
   const PageLayout page = layout(figure);
-  json out = {{"panels", json::array()}};
-  if (points_of(figure) <= most_hover_points) {
-    for (std::size_t i = 0; i < figure.panels.size(); ++i)
-      out["panels"].push_back(panel_json(figure.panels[i], page.panels[i]));
+  json out = {{"title", clean_title(figure.title)}, {"panels", json::array()}, {"boxes", json::array()}};
+  const bool told = points_of(figure) <= most_hover_points;
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    const PanelLayout& place = page.panels[i];
+    out["boxes"].push_back({place.x, place.y, place.width, place.height});
+    if (told) out["panels"].push_back(panel_json(figure.panels[i], place));
   }
   const std::string text = out.dump(-1, ' ', false, json::error_handler_t::replace);
   std::string safe;  // nothing in it may end the script element

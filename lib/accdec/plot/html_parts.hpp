@@ -17,8 +17,9 @@ extern const std::string_view program_script;
 /// Figures with more points show no values: a page must stay small.
 inline constexpr std::size_t most_hover_points = 50'000;
 
-/// The places, ranges and points of the panels of a figure's drawing, as JSON that may stand inside <script>. A figure
-/// of too many points has no panels there. Numbers are written so that they read back to the bit. In html_hover.cpp.
+/// The title of a figure, the boxes of its panels, and the places, ranges and points of the panels, as JSON that may
+/// stand inside <script>. A figure of too many points has boxes only. Numbers are written so that they read back to
+/// the bit. In html_hover.cpp.
 std::string hover_json(const Figure& figure);
 
 }  // namespace accdec

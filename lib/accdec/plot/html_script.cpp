@@ -24,12 +24,21 @@ canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #c
   touch-action:none;cursor:crosshair}
 #speed{height:16rem;touch-action:pan-y}
 #info{min-height:1.45em;font-variant-numeric:tabular-nums}
-.beside{display:grid;grid-template-columns:fit-content(28rem) minmax(0,1fr);gap:1.5rem}
-.beside td{white-space:normal}
+td.long{white-space:normal;min-width:16rem}
+.beside{display:grid;grid-template-columns:max-content minmax(0,1fr);gap:1.5rem}
+.stack{display:none}
+.stack svg{display:block;width:100%}
 .tip{position:fixed;pointer-events:none;background:#222;color:#fff;font-size:.85rem;padding:.3rem .5rem;border-radius:.25rem;
   white-space:pre;z-index:2}
 @media (max-width:60rem){.beside{display:block}}
-@media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}figure svg{max-width:none;width:44rem}
+@media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}pre{white-space:pre-wrap}
+table:not(.sorts) td,table:not(.sorts) th{white-space:normal;overflow-wrap:anywhere}
+.stacked .wide{height:0;overflow:hidden}.stacked .stack{display:block}
+table.cards,.cards tbody,.cards tr{display:block}.cards thead{display:none}
+.cards tr{border:1px solid #bbb;margin:.5rem 0}
+.cards td,.cards td.long{display:flex;justify-content:space-between;gap:1rem;min-width:0;border:0;text-align:right}
+.cards td::before{content:attr(data-head);color:#555;text-align:left;flex:none}
+.cards td:empty{display:none}
 }
 @media print{body{margin:0;max-width:none}.wide,.tall,pre{overflow:visible;max-height:none}pre{white-space:pre-wrap}
 figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem;white-space:normal}.sorts th{white-space:normal;position:static}
@@ -74,10 +83,30 @@ function find(panel, px, py) {
 for (const figure of document.querySelectorAll("figure")) {
   const svg = figure.querySelector("svg"), data = figure.querySelector("script");
   if (!svg || !data) continue;
-  const panels = JSON.parse(data.textContent).panels;
-  const ring = document.createElementNS("http://www.w3.org/2000/svg", "circle");
-  const look = { r: 6, fill: "none", stroke: "#d00000", "stroke-width": 2, visibility: "hidden" };
-  for (const [k, v] of Object.entries(look)) ring.setAttribute(k, v);
+  const { title, panels, boxes } = JSON.parse(data.textContent);
+  tells(svg, panels);
+  if (boxes.length < 2) continue;
+  // On a phone the panels stand below each other.
+  const drawing = svg.querySelector("g"), stack = document.createElement("div");
+  drawing.id = figure.id + "-drawing";
+  stack.className = "stack";
+  stack.append(Object.assign(document.createElement("p"), { textContent: title }));
+  for (const box of boxes) {
+    const one = drawn("svg", { viewBox: box.join(" ") });
+    one.append(drawn("use", { href: "#" + drawing.id }));
+    stack.append(one);
+    tells(one, panels);
+  }
+  figure.append(stack);
+  figure.classList.add("stacked");
+}
+function drawn(tag, look) {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [k, v] of Object.entries(look)) element.setAttribute(k, v);
+  return element;
+}
+function tells(svg, panels) {
+  const ring = drawn("circle", { r: 6, fill: "none", stroke: "#d00000", "stroke-width": 2, visibility: "hidden" });
   svg.append(ring);
   const leave = () => { tip.hidden = true; ring.setAttribute("visibility", "hidden"); };
   const show = event => {
