@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -102,17 +103,28 @@ Json motion_json(const Toolpath& programmed, const Machine& machine, const Progr
             {"velocities_mm_s", velocities},
             {"accelerations_mm_s2", accelerations},
             {"jerks_mm_s3", jerks},
-            {"lost", Json::array()}};
+            {"lost", Json::array()},
+            {"bounds", bounds_to_json(bounds_of(result))}};
   for (const CornerLoss& loss : time_lost(programmed, motion))
     if (loss.count > 0)
       json["lost"].push_back({{"turn", class_name(loss)}, {"count", loss.count}, {"time_s", loss.time}});
   return json;
 }
 
-/// The plans that hold, the fastest first.
+/// The page shows the way of the tool's tip.
+ProgramFileOptions tip_options() {
+  ProgramFileOptions options;
+  options.tools.length = 0.0;
+  return options;
+}
+
+/// The plans that hold, the fastest first, each with the bounds that `accdec program` prints beside it.
 std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& file, const Task& task,
                                     double free_seconds, const std::function<void(const std::string&)>& tell) {
   std::vector<ProgramResult> plans;
+  std::optional<CornerBound> bound;
+  if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task);
+  const double chords = file.reading.read.arc_tolerance;
   const auto add = [&](ProgramResult result) {
     if (result.verification.feasible)
       plans.push_back(std::move(result));
@@ -120,9 +132,14 @@ std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& 
       tell(result.message);
   };
   ProgramFile fixed = file;
-  add(run_program_file(name, fixed, task, {}, tell));
+  ProgramResult one_filter = run_program_file(name, fixed, task, {}, tell);
+  if (bound && one_filter.verification.feasible)
+    one_filter.corner_bound = corner_bound_as_read(*bound, chords, name, fixed, task, tip_options());
+  add(std::move(one_filter));
   try {
-    add(plan_profiles_of(name, file.path, file.reading.read.arc_tolerance, task));
+    ProgramResult profiles = plan_profiles_of(name, file.path, chords, task);
+    profiles.corner_bound = bound;
+    add(std::move(profiles));
   } catch (const std::invalid_argument& error) {
     tell(error.what());  // a program with delays of its own, or vibration bounds that no last filter holds
   }
@@ -146,12 +163,12 @@ Eigen::VectorXd direction(const Toolpath& path, std::size_t block) {
   return (to - from).normalized();
 }
 
-/// Joints that turn, as corners of a task, and where they are.
+/// Joints that turn, as corners of a task, and where they are: those that `accdec program` counts.
 Json corners_json(const Toolpath& path) {
   Json corners = Json::array();
   const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.begin(), v.end()); };
   for (std::size_t b = 0; b + 1 < path.blocks() && corners.size() < most_program_corners; ++b) {
-    if (path.joint[b] != Joint::corner || path.inside_arc[b] != 0) continue;
+    if (path.joint[b] == Joint::straight || path.inside_arc[b] != 0) continue;
     const Eigen::VectorXd in = direction(path, b), out = direction(path, b + 1);
     const double angle = 180.0 - std::acos(std::clamp(in.dot(out), -1.0, 1.0)) * 180.0 / M_PI;
     Json corner{{"name", "N" + std::to_string(path.line[b])},
@@ -162,9 +179,19 @@ Json corners_json(const Toolpath& path) {
     if (path.tolerance[b] < unlimited) corner["error_max_um"] = um * path.tolerance[b];
     std::vector<double> at(path.point(b + 1), path.point(b + 1) + path.dimensions());
     for (double& x : at) x = rounded(mm * x);
-    corners.push_back({{"line", path.line[b]}, {"angle_deg", angle}, {"at_mm", at}, {"corner", std::move(corner)}});
+    corners.push_back({{"line", path.line[b]},
+                       {"angle_deg", angle},
+                       {"at_mm", at},
+                       {"stop", path.joint[b] == Joint::stop},
+                       {"corner", std::move(corner)}});
   }
   return corners;
+}
+
+/// Corners that are passed before those where the program stops: a way back on itself is no task.
+bool sharper(const Json& a, const Json& b) {
+  if (a["stop"] != b["stop"]) return b["stop"].get<bool>();
+  return a["angle_deg"] < b["angle_deg"];
 }
 
 /// The task of its corners by themselves: an axis for every column of the path, and the program's filter as today's.
@@ -184,9 +211,7 @@ Json base_of(Task task, const Toolpath& path) {
 
 std::string program_start_json(const std::string& name, const Task& task, double free_seconds,
                                const std::function<void(const std::string&)>& tell) {
-  ProgramFileOptions options;
-  options.tools.length = 0.0;  // the page shows the way of the tool's tip
-  const ProgramFile file = read_program_file(name, task, options, tell);
+  const ProgramFile file = read_program_file(name, task, tip_options(), tell);
   const Toolpath& path = file.path;
   const Machine machine = program_machine(task.machine, path);
   Json program{{"name", name},
@@ -197,20 +222,16 @@ std::string program_start_json(const std::string& name, const Task& task, double
                {"velocity_max", bounds_json(machine, &Axis::velocity_max)},
                {"acceleration_max", bounds_json(machine, &Axis::acceleration_max)},
                {"jerk_max", bounds_json(machine, &Axis::jerk_max)},
-               {"plans", Json::array()},
-               {"bounds", Json::array()}};
+               {"plans", Json::array()}};
   for (std::size_t a = 0; a < path.dimensions(); ++a) program["axes"].push_back(path.axis_name(a));
   for (std::size_t i = 0; i < axis_limits.size(); ++i) program["limits"].push_back(binding_name(static_cast<int>(i)));
   program["other"] = binding_name(-1);
   const std::vector<ProgramResult> plans = plans_of(name, file, task, free_seconds, tell);
   for (const ProgramResult& plan : plans) program["plans"].push_back(motion_json(path, machine, plan));
-  for (const NamedBound& bound : bounds_of(plans.front()))
-    program["bounds"].push_back({{"name", bound.name}, {"time_s", bound.time}, {"motions", bound.motions}});
   program["corners"] = corners_json(path);
   program["base"] = base_of(task, path);
   if (program["corners"].empty()) throw std::invalid_argument(name + " has no corner to explore");
-  const auto sharpest = std::min_element(program["corners"].begin(), program["corners"].end(),
-                                         [](const Json& a, const Json& b) { return a["angle_deg"] < b["angle_deg"]; });
+  const auto sharpest = std::min_element(program["corners"].begin(), program["corners"].end(), sharper);
   Json first = program["base"];
   first["corner"] = Json::array({(*sharpest)["corner"]});
   std::string start = start_json(parse_task_json(first.dump(), name), name);

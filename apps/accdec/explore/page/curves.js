@@ -1,11 +1,9 @@
-// Quantities over time: design over before, limits where they are and red where they bind. One cursor through all.
-import { four, make, unit } from "./format.js";
+// A chart of curves: design over before. It is made once and then gets new data; keys move its cursor.
+import { four, make } from "./format.js";
+import { colour, marks } from "./marks.js";
 
-export const binding = 0.999; // share of a limit from which it binds
 const dashes = [[], [7, 4], [2, 3], [10, 3, 2, 3]];
 const sync = "time";
-
-export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 /** Values of several curves on one time axis; null where a curve has no sample. */
 function aligned(curves, period) {
@@ -21,78 +19,6 @@ function aligned(curves, period) {
     columns.push(column);
   }
   return columns;
-}
-
-/** The samples of a view between the start that ends and the stop that begins: the legs are as short as they can be. */
-export function blendOnly(view) {
-  const cut = (values) => values.slice(view.events.blend - 1, view.events.stop + 1);
-  const axes = (q) => q.axes.map((axis) => ({ ...axis, values: cut(axis.values) }));
-  return {
-    ...view,
-    time_ms: cut(view.time_ms),
-    speed_mm_s: cut(view.speed_mm_s),
-    path: { ...view.path, off_um: cut(view.path.off_um) },
-    quantities: view.quantities.map((q) => ({ ...q, axes: axes(q) })),
-  };
-}
-
-/** um from the legs; what is below a picometre is the rounding of numbers, and no distance. */
-export const distances = (path) => path.off_um.map((x) => (x < 1e-6 ? 0 : x));
-
-/** Power has a bound of its own for driving, above zero, and for braking, below. */
-const sidesOf = { power: [1], regeneration: [-1] };
-
-/** Words at the largest value of a curve, red bars where a limit binds, the zero line. */
-export function marks(specs, limits) {
-  return (plot) => {
-    const { ctx } = plot;
-    ctx.save();
-    const ratio = devicePixelRatio;
-    const { left, top, width, height } = plot.bbox;
-    ctx.beginPath();
-    ctx.rect(left, top, width, height);
-    ctx.clip();
-    for (const { value } of limits) {
-      const y = plot.valToPos(value, "y", true);
-      (ctx.strokeStyle = colour("limit")), (ctx.lineWidth = ratio), ctx.setLineDash([3 * ratio, 4 * ratio]);
-      ctx.beginPath(), ctx.moveTo(left, y), ctx.lineTo(left + width, y), ctx.stroke();
-    }
-    ctx.setLineDash([]);
-    (ctx.strokeStyle = colour("binds")), (ctx.lineWidth = 4 * ratio);
-    specs.forEach((spec, i) => {
-      if (!spec.bound || spec.before) return;
-      const binds = spec.least
-        ? (v) => Math.abs(v / spec.bound - 1) <= 1 - binding
-        : (v) => Math.abs(v) >= binding * spec.bound && (spec.sides ?? [1, -1]).includes(Math.sign(v));
-      plot.data[i + 1].forEach((v, n) => {
-        if (v === null || n === 0 || !binds(v)) return;
-        const y = plot.valToPos(Math.sign(v) * spec.bound, "y", true);
-        const [a, b] = [n - 1, n].map((k) => plot.valToPos(plot.data[0][k], "x", true));
-        ctx.beginPath(), ctx.moveTo(a, y), ctx.lineTo(b, y), ctx.stroke();
-      });
-    });
-    (ctx.font = `${12 * ratio}px system-ui, sans-serif`), (ctx.textAlign = "center");
-    specs.forEach((spec, i) => {
-      if (!spec.word || spec.before) return;
-      let best = -1;
-      const { min, max } = plot.scales.x;
-      plot.data[i + 1].forEach((v, n) => {
-        const t = plot.data[0][n];
-        if (v !== null && t >= min && t <= max && (best < 0 || Math.abs(v) > Math.abs(plot.data[i + 1][best]) * 1.0001))
-          best = n;
-      });
-      if (best < 0) return;
-      const v = plot.data[i + 1][best];
-      const y = plot.valToPos(v, "y", true) + (v >= 0 ? -5 : 14) * ratio;
-      ctx.fillStyle = colour("design");
-      const x = Math.min(
-        Math.max(plot.valToPos(plot.data[0][best], "x", true), left + 16 * ratio),
-        left + width - 16 * ratio,
-      );
-      ctx.fillText(spec.word, x, Math.min(Math.max(y, top + 12 * ratio), top + height - 3 * ratio));
-    });
-    ctx.restore();
-  };
 }
 
 /** Arrow keys move the cursor of a chart, and so that of all with it; Home and End go to its ends. */
@@ -114,6 +40,13 @@ export function withKeys(place, plotNow) {
 /** Numbers of an axis, and the width that they need: 7 px a character. */
 export const ticks = (self, values) => values.map((v) => (v === null ? "" : four(v)));
 export const tickWidth = (_, values) => Math.max(50, 16 + 7 * Math.max(0, ...(values ?? []).map((v) => String(v ?? "").length)));
+/** The look of an axis. */
+export const axisLook = () => ({
+  stroke: colour("ink"),
+  grid: { stroke: colour("grid"), width: 1 },
+  ticks: { show: false },
+  font: "12px system-ui",
+});
 /** A number of a legend. */
 export const shownValue = (self, v) => (v === null || v === undefined ? "\u2013" : four(v));
 /** Room at the right for the last number of the axis below. */
@@ -176,12 +109,7 @@ export class Chart {
   }
 
   options(specs) {
-    const ink = {
-      stroke: colour("ink"),
-      grid: { stroke: colour("grid"), width: 1 },
-      ticks: { show: false },
-      font: "12px system-ui",
-    };
+    const ink = axisLook();
     return {
       padding,
       width: Math.max(200, Math.floor(this.draw.clientWidth)),
@@ -232,65 +160,5 @@ export class Chart {
         draw: [(plot) => marks(this.now.specs, this.now.limits)(plot)],
       },
     };
-  }
-}
-
-/** The charts of all quantities of a corner; made again only where other quantities are shown. */
-export class Motion {
-  constructor(place) {
-    this.place = place;
-    this.charts = new Map();
-  }
-
-  /** @param least  the smallest speed along the path that is allowed, or null */
-  show(now, before, period, x, least) {
-    const kinds = now.quantities.map((q) => q.kind);
-    for (const [kind, chart] of this.charts) {
-      if (!kinds.includes(kind)) chart.place.remove(), this.charts.delete(kind);
-    }
-    for (const quantity of now.quantities) {
-      if (!this.charts.has(quantity.kind)) {
-        const section = make("section", { "data-kind": quantity.kind });
-        this.place.append(section);
-        this.charts.set(quantity.kind, new Chart(section, { title: `${quantity.kind} / ${unit(quantity.unit)}` }));
-      }
-      const specs = [],
-        limits = new Set();
-      const old = before?.quantities.find((q) => q.kind === quantity.kind);
-      old?.axes.forEach((axis, i) =>
-        specs.push({
-          label: `${axis.name} before`,
-          time: before.time_ms,
-          values: axis.values,
-          axis: i,
-          before: true,
-          steps: quantity.kind !== "velocity",
-        }),
-      );
-      const sides = sidesOf[quantity.kind] ?? [1, -1];
-      quantity.axes.forEach((axis, i) => {
-        specs.push({
-          label: axis.name,
-          word: axis.name,
-          time: now.time_ms,
-          values: axis.values,
-          axis: i,
-          bound: axis.bound,
-          sides,
-          steps: quantity.kind !== "velocity",
-        });
-        if (axis.bound !== null) for (const side of sides) limits.add(side * axis.bound);
-      });
-      if (quantity.kind === "velocity") {
-        // The smallest speed is asked for between the legs: not at the start, nor at the stop.
-        specs.push({ label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1, bound: least, least });
-        if (least) limits.add(least);
-      }
-      this.charts.get(quantity.kind).show(
-        specs,
-        [...limits].map((value) => ({ value })),
-        { period, x },
-      );
-    }
   }
 }

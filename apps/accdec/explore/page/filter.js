@@ -1,5 +1,6 @@
 // Taps and frequency response.
-import { Chart, colour } from "./curves.js";
+import { Chart } from "./curves.js";
+import { colour } from "./marks.js";
 
 const points = 300;
 

@@ -35,23 +35,37 @@ export function make(tag, attributes = {}, ...children) {
   return element;
 }
 
-/** Rows of cells, each a text or an element. Numbers stand at the right. */
+const most_columns = 5; // of a table on a phone
+const longest_line = 60; // characters of a cell; a longer text has several lines
+
+/**
+ * Rows of cells, each a text or an element. Numbers stand at the right. On a phone the cells of a row of many stand
+ * below each other, each with its heading.
+ */
 export function table(head, rows, attributes = {}) {
-  const cell = (tag, content) =>
+  const cards = head.filter(Boolean).length > most_columns;
+  const kind = (content) => {
+    if (typeof content !== "string") return undefined;
+    return /^[\u2212+]?[\d.]+( %)?$/.test(content) ? "n" : content.length > longest_line ? "long" : undefined;
+  };
+  const cell = (tag, content, i) =>
     make(
       tag,
-      { class: typeof content === "string" && /^[\u2212+]?[\d.]+( %)?$/.test(content) ? "n" : undefined },
+      {
+        class: kind(content),
+        "data-head": cards ? head[i] : undefined,
+      },
       content ?? "",
     );
   return make(
     "table",
-    attributes,
+    { class: cards ? "cards" : undefined, ...attributes },
     make("thead", {}, make("tr", {}, ...head.map((text) => make("th", {}, text)))),
     make(
       "tbody",
       {},
       ...rows.map((row) => {
-        const line = make("tr", row.attributes ?? {}, ...(row.cells ?? row).map((content) => cell("td", content)));
+        const line = make("tr", row.attributes ?? {}, ...(row.cells ?? row).map((content, i) => cell("td", content, i)));
         return line;
       }),
     ),

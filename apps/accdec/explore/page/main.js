@@ -1,8 +1,10 @@
 // The page: a change of the task asks for the families, today's filter and the design, and shows each as it comes.
+import { Beside, withFilter } from "./beside.js";
 import { Controls } from "./controls.js";
-import { blendOnly, Chart, distances, Motion } from "./curves.js";
+import { Chart } from "./curves.js";
 import { FilterCharts } from "./filter.js";
 import { $, filterOfToday, objective } from "./format.js";
+import { blendOnly, distances, Motion } from "./motion.js";
 import { drawPath } from "./path.js";
 import { Latest, askJson, begin, stayAlive } from "./requests.js";
 import { State } from "./state.js";
@@ -10,24 +12,15 @@ import { summary } from "./summary.js";
 import { brief, cornerButtons, cornerTable, familyTable, tapTable, todayText } from "./tables.js";
 import { tools } from "./tools.js";
 
-const page = {
-  corner: 0,
-  chosen: "today",
-  design: null,
-  families: null,
-  today: null,
-  member: null,
-  unasked: false,
-  whole: false,
-};
+const page = { design: null, families: null, today: null };
 const delays = (result) => result.corners.map((c) => c.delay_samples);
-const withFilter = (task, filter) => ({ ...task, filter, baseline: undefined });
 const textOf = (task) => JSON.stringify(task);
 const found = (answer) => (answer?.result.filter ? answer : null);
 
 const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
-const state = (shared.state = new State(start.task, changed));
+const state = (shared.state = new State(start.task, changed, chosen));
+const beside = new Beside(draw);
 const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() => null);
 const controls = new Controls($("#controls"), start.keys, state, refusals);
 const motion = new Motion($("#motion"));
@@ -82,15 +75,6 @@ const today = new Latest(
   },
   () => {},
 );
-const member = new Latest(
-  (task) => askJson("design", task, { seconds: 2, slot: "member", format: "given" }),
-  (answer) => {
-    page.member = answer;
-    draw();
-  },
-  () => {},
-);
-
 function fail(error) {
   page.design = page.families = null;
   document.body.classList.remove("stale");
@@ -107,12 +91,24 @@ function changed(structure) {
   performance.mark("changed");
   if (structure) controls.build();
   else controls.update();
-  // A button that is disabled would lose the focus of who presses it.
-  $("#undo").setAttribute("aria-disabled", String(!state.past.length));
-  $("#redo").setAttribute("aria-disabled", String(!state.future.length));
+  undoable();
   shared.named?.();
   cancelAnimationFrame(changed.frame);
   changed.frame = requestAnimationFrame(ask);
+}
+
+/** The same task is shown otherwise. */
+function chosen() {
+  undoable();
+  $("#whole").checked = Boolean(state.choices.whole);
+  if (page.families) beside.choose(state.task, page.families.families, state.choices);
+  draw();
+}
+
+function undoable() {
+  // A button that is disabled would lose the focus of who presses it.
+  $("#undo").setAttribute("aria-disabled", String(!state.past.length));
+  $("#redo").setAttribute("aria-disabled", String(!state.future.length));
 }
 
 function ask() {
@@ -125,7 +121,7 @@ function askRest(task) {
   design.put(task);
   if (filterOfToday(task)) today.put(task);
   else page.today = null;
-  if (page.chosen.filter) member.put(withFilter(task, page.chosen.filter));
+  beside.ask(task);
 }
 
 // --- answers ---
@@ -135,7 +131,6 @@ function showDesign(answer, task) {
   trouble(answer.result.filter ? "" : `No design: ${answer.result.message}`);
   document.body.classList.toggle("failed", !answer.result.filter);
   if (JSON.stringify(task) === JSON.stringify(state.task)) document.body.classList.remove("stale");
-  page.corner = Math.min(page.corner, answer.result.task.corner.length - 1);
   draw();
   latency("design");
   // The families that take longer do not hold up the proof.
@@ -143,17 +138,6 @@ function showDesign(answer, task) {
   if (of === page.design.of && !complete && showDesign.thorough !== of) {
     showDesign.thorough = of;
     thorough.put(task);
-  }
-}
-
-/** Where the task names no filter of today, the best that a control has stands beside the design. */
-function compareWithBest(task, families) {
-  const best = families.filter((f) => f.filter).sort((a, b) => a.objective_s - b.objective_s)[0];
-  if (filterOfToday(task) || !best) {
-    if (page.unasked) (page.chosen = "today"), (page.member = null), (page.unasked = false);
-  } else if (page.chosen === "today" || (page.unasked && page.chosen.name !== best.name)) {
-    (page.chosen = best), (page.unasked = true);
-    member.put(withFilter(task, best.filter));
   }
 }
 
@@ -167,15 +151,7 @@ function withOlder(answer) {
 function showFamilies(answer, task) {
   const of = textOf(task);
   page.families = { ...withOlder({ ...answer, families: answer.families.map((f) => ({ ...f, of })) }), of };
-  const all = page.families.families;
-  compareWithBest(task, all);
-  if (page.chosen.filter) {
-    const same = all.find((f) => f.name === page.chosen.name && f.filter);
-    if (same && JSON.stringify(same.filter) !== JSON.stringify(page.chosen.filter)) {
-      page.chosen = same;
-      member.put(withFilter(task, same.filter));
-    }
-  }
+  beside.choose(task, page.families.families, state.choices);
   draw(false);
 }
 
@@ -196,9 +172,7 @@ function draw(curves = true) {
   draw.frame = requestAnimationFrame(drawNow);
 }
 
-function compared() {
-  return page.chosen.filter ? found(page.member) : found(page.today);
-}
+const compared = () => found(beside.family ? beside.answer : page.today);
 
 function drawNow() {
   const answer = found(page.design);
@@ -210,17 +184,14 @@ function drawNow() {
   document.body.classList.add("drawn");
   const { result, views } = answer;
   const before = compared();
-  cornerButtons($("#corners"), result, page.corner, (i) => {
-    page.corner = i;
-    draw();
-  });
+  const i = Math.min(state.choices.corner ?? 0, result.task.corner.length - 1);
+  cornerButtons($("#corners"), result, i, (corner) => state.choose({ corner }));
   const period = result.sample_period_s * 1e3;
-  $("#beside").textContent = !before ? "(nothing to compare with)" : page.chosen.filter ? brief(page.chosen.title) : "today";
+  $("#beside").textContent = !before ? "(nothing to compare with)" : beside.family ? brief(beside.family.title) : "today";
   $("#corner-table .wide").replaceChildren(cornerTable(answer.corners));
   if ($("#tap-table").open) $("#tap-table .wide").replaceChildren(tapTable(result));
   filters.show(result.filter, before?.result.filter, result.sample_period_s, result.task.mode ?? []);
-  const i = page.corner,
-    view = views[i],
+  const view = views[i],
     old = before?.views[i];
   if (!view) return;
   const tolerance = result.task.corner[i].error_max_um ?? null;
@@ -233,8 +204,9 @@ function drawNow() {
     const { delay_samples, settling_time_s = 0 } = result.corners[i];
     return period * (result.filter.order + delay_samples + 4) + settling_time_s * 1e3;
   };
-  const x = page.whole ? null : [-period, Math.max(ends(answer), old ? ends(before) : 0)];
-  const [shown, shownBefore] = page.whole ? [view, old] : [blendOnly(view), old && blendOnly(old)];
+  const { whole } = state.choices;
+  const x = whole ? null : [-period, Math.max(ends(answer), old ? ends(before) : 0)];
+  const [shown, shownBefore] = whole ? [view, old] : [blendOnly(view), old && blendOnly(old)];
   const distance = (v, before) => ({
     label: before ? "before" : "design",
     time: v.time_ms,
@@ -276,14 +248,8 @@ function drawFamilies() {
       now,
       task,
       (state.task.sample_period_ms ?? 1) / 1e3,
-      page.chosen.name ?? "today",
-      (which) => {
-        page.chosen = which;
-        page.unasked = false;
-        page.member = null;
-        if (which.filter) member.put(withFilter(state.task, which.filter));
-        draw();
-      },
+      beside.family?.name ?? "today",
+      (which) => state.choose({ beside: which.name ?? which }),
       place.querySelector("details")?.open,
     ),
   );
@@ -293,5 +259,6 @@ function drawFamilies() {
 // --- the rest ---
 
 tools(shared, draw);
+chosen();
 stayAlive((gone) => document.body.classList.toggle("gone", gone));
 changed(false);

@@ -1,6 +1,7 @@
 // Charts over time of a program: speed, then velocity, acceleration and jerk of every axis beside each other, places.
-import { colour, marks, padding, shownValue, tickWidth, ticks } from "./curves.js";
+import { axisLook, padding, shownValue, tickWidth, ticks } from "./curves.js";
 import { four, instant, make } from "./format.js";
+import { colour, marks } from "./marks.js";
 
 /** The index of the time that is nearest. */
 export function nearestTo(times, t) {
@@ -33,6 +34,20 @@ function withKeys(draw, chart, step) {
     event.preventDefault();
     step(way * (event.shiftKey ? 10 : 1), chart.scales.x);
   });
+}
+
+/** What is shown of the time, as text: "from,to" in s; empty for all of it. */
+function rangeText({ min, max }, times) {
+  const near = (a, b) => Math.abs(a - b) < 1e-6 * times.at(-1);
+  return near(min, times[0]) && near(max, times.at(-1)) ? "" : [min, max].map((t) => Number(t.toPrecision(6))).join();
+}
+function rangeFrom(text, times) {
+  const [min, max] = text.split(",").map(Number);
+  return max > min ? { min, max } : { min: times[0], max: times.at(-1) };
+}
+/** Shows this part of the time, a text as above. */
+export function zoomTo(charts, text) {
+  if (charts.length) charts[0].setScale("x", rangeFrom(text, charts[0].data[0]));
 }
 
 /** What is shown of the time, in all charts alike. */
@@ -71,9 +86,11 @@ function rowsOf(program, speeds) {
  * @param sample  the plan's sample at a time: one for all charts
  * @param step    moves the cursor by samples within a range of time
  * @param bars    draws what binds
+ * @param time    the part of the time that is shown at first, as text
+ * @param ranged  called with another part
  * @returns the charts
  */
-export function timeCharts(place, program, { plan, before, follow, sample, step, bars }) {
+export function timeCharts(place, program, { plan, before, follow, sample, step, bars, time, ranged }) {
   const speeds = rangeOf(plan.speed_mm_s);
   const charts = [];
   place.replaceChildren();
@@ -106,18 +123,18 @@ export function timeCharts(place, program, { plan, before, follow, sample, step,
         {
           width: Math.max(260, draw.clientWidth),
           height: 170,
-          scales: { x: { time: false }, ...(first ? { y: { range: speeds.range } } : {}) },
+          scales: { x: { time: false, ...(time ? rangeFrom(time, data[0]) : {}) }, ...(first ? { y: { range: speeds.range } } : {}) },
           legend: { live: true },
           padding,
           cursor: { drag: { x: true, y: false }, dataIdx: lookAt(plan, before, sample) },
           axes: [
-            { size: 26, values: ticks },
-            { size: tickWidth, values: ticks },
+            { ...axisLook(), size: 26, values: ticks },
+            { ...axisLook(), size: tickWidth, values: ticks },
           ],
           series,
           hooks: {
             setCursor: [(u) => follow(u)],
-            setScale: [(u, key) => key === "x" && zoomed(charts, u)],
+            setScale: [(u, key) => key === "x" && (zoomed(charts, u), ranged(rangeText(u.scales.x, u.data[0])))],
             draw: hooks,
           },
         },

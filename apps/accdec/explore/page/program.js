@@ -1,10 +1,11 @@
 // The page of a program: its path by speed, everything over time, where time is lost, one plan against the other.
 import { $, four, instant, make, table } from "./format.js";
-import { nearestTo, timeCharts } from "./over_time.js";
+import { nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
 import { download, frozen } from "./save.js";
 import { Scene } from "./scene.js";
 import { Shades } from "./shades.js";
+import { Shown } from "./shown.js";
 import { taskAddress } from "./state.js";
 
 const start = await begin();
@@ -32,7 +33,8 @@ const scene = new Scene($("#path canvas"), showMark, (place) => {
   const at = (i) => scene.at(program.corners[i].at_mm);
   const i = scene.nearest(program.corners.length, at, place, 15);
   if (i >= 0) open(addressOf(program.corners[i]), "_blank");
-});
+}, (view) => state.set({ view }));
+const state = new Shown(show);
 
 function tell(i) {
   shown.mark = scene.mark = i;
@@ -72,7 +74,9 @@ function drawTime() {
   for (const chart of charts.splice(0)) chart.destroy();
   const plan = program.plans[shown.plan],
     before = program.plans.find((p) => p !== plan);
-  charts.push(...timeCharts($("#over-time"), program, { plan, before, follow, sample, step, bars }));
+  const ranged = (time) => state.set({ time });
+  const { time } = state.now;
+  charts.push(...timeCharts($("#over-time"), program, { plan, before, follow, sample, step, bars, time, ranged }));
 }
 
 /** The sample that the path and all charts tell about; while one chart moves, it is that of its cursor. */
@@ -89,6 +93,7 @@ function showMark(i, from) {
   Object.assign(follow, { busy: true, from });
   shown.mark = i;
   tell(i);
+  state.point(i < 0 ? "" : instant(program.plans[shown.plan].t_s[i]));
   Object.assign(follow, { busy: false, from: null });
 }
 /** By keys: within what is shown of the time. */
@@ -120,7 +125,7 @@ function tables() {
     before = program.plans.find((p) => p !== plan);
   $("#over-time").append(make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...limitsKey(plan)));
   const lost = new Map((before?.lost ?? []).map((l) => [l.turn, l.time_s]));
-  const head = ["turn", "joints", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
+  const columns = ["turn", "joints", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
   const rows = plan.lost.map((l) => [
     l.turn,
     String(l.count),
@@ -129,13 +134,17 @@ function tables() {
     ...(before ? [four(lost.get(l.turn) ?? 0)] : []),
   ]);
   const wide = (content) => make("div", { class: "wide" }, content);
-  $("#lost").replaceChildren(make("h2", {}, "time lost against the programmed feed"), wide(table(head, rows)));
-  const bounds = program.bounds.map((b) => [b.name, four(b.time_s), `${four((100 * b.time_s) / plan.cycle_time_s)} %`, b.motions]);
-  if (bounds.length)
-    $("#bounds").replaceChildren(
-      make("h2", {}, "no motion is faster than"),
-      wide(table(["bound", "time / s", "of this plan", "holds for"], bounds)),
-    );
+  $("#lost").replaceChildren(make("h2", {}, "time lost against the programmed feed"), wide(table(columns, rows)));
+  const bounds = plan.bounds.map((b) => [
+    b.name,
+    b.time_s.toFixed(4),
+    `${((100 * b.time_s) / plan.cycle_time_s).toFixed(2)} %`,
+    b.motions,
+  ]);
+  const head = ["bound", "time / s", "of this plan", "holds for"];
+  $("#bounds").replaceChildren(
+    ...(bounds.length ? [make("h2", {}, "no motion is faster than"), wide(table(head, bounds))] : []),
+  );
 }
 
 function cornerList() {
@@ -166,54 +175,63 @@ function summary() {
     ...program.plans.map((p, i) =>
       make(
         "button",
-        { type: "button", "aria-pressed": String(i === shown.plan), onclick: () => choose({ plan: i }) },
+        { type: "button", "aria-pressed": String(i === shown.plan), onclick: () => state.set({ plan: i ? p.plan : "" }) },
         `${p.plan}, ${seconds(p.cycle_time_s)}`,
       ),
     ),
   );
 }
 
-function draw() {
-  summary();
-  showMark(-1);
-  drawPath();
-  drawTime();
-  tables();
-}
-
-/** What is shown stands in the address; back and forward of the browser undo and redo it. */
-function choose(change) {
-  const { plan, limits } = { ...shown, ...change };
-  history.pushState(null, "", `#plan=${program.plans[plan].plan}&by=${limits ? "limit" : "speed"}`);
-  fromAddress();
-}
-function fromAddress() {
-  const wanted = new URLSearchParams(location.hash.slice(1));
-  const plan = Math.max(
-    0,
-    program.plans.findIndex((p) => p.plan === wanted.get("plan")),
-  );
-  Object.assign(shown, { plan, limits: wanted.get("by") === "limit" });
+/** Draws what is other than before; at first, all. */
+function show(now, before) {
+  const found = program.plans.findIndex((p) => p.plan === now.plan);
+  Object.assign(shown, { plan: Math.max(0, found), limits: now.by === "limit" });
   for (const one of document.querySelectorAll("#colour-by button"))
     one.setAttribute("aria-pressed", String((one.value === "limit") === shown.limits));
-  draw();
+  const other = now.plan !== before?.plan;
+  const at = now.at; // a chart that is made has no cursor
+  if (other) {
+    const focus = $("#plans").contains(document.activeElement);
+    summary();
+    if (focus) $("#plans [aria-pressed=true]").focus();
+    shown.mark = scene.mark = -1;
+  }
+  if (other || now.by !== before?.by) drawPath();
+  if (other) drawTime(), tables();
+  else if (now.time !== before.time) zoomTo(charts, now.time);
+  if (scene.view !== now.view) scene.view = now.view;
+  // A button that is disabled would lose the focus of who presses it.
+  $("#undo").setAttribute("aria-disabled", String(!state.past.length));
+  $("#redo").setAttribute("aria-disabled", String(!state.future.length));
+  requestAnimationFrame(() => pointAt(at));
 }
-addEventListener("popstate", fromAddress);
+
+/** The cursor at a time, a text; empty: nowhere. */
+function pointAt(at) {
+  const t = Number(at);
+  showMark(at !== "" && Number.isFinite(t) ? nearestTo(program.plans[shown.plan].t_s, t) : -1);
+}
+
 for (const button of document.querySelectorAll("#colour-by button"))
-  button.addEventListener("click", () => choose({ limits: button.value === "limit" }));
-$("#undo").addEventListener("click", () => history.back());
-$("#redo").addEventListener("click", () => history.forward());
+  button.addEventListener("click", () => state.set({ by: button.value === "limit" ? "limit" : "" }));
+$("#undo").addEventListener("click", () => state.undo());
+$("#redo").addEventListener("click", () => state.redo());
+addEventListener("keydown", (event) => {
+  if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+  event.preventDefault();
+  event.shiftKey ? state.redo() : state.undo();
+});
 const pageText = () => frozen((copy) => copy.querySelectorAll("#corner-list a").forEach((a) => a.removeAttribute("href")));
 $("#save").addEventListener("click", async () => {
   download(new Blob([await pageText()], { type: "text/html" }), `${program.name.replace(/^.*[/]|[.][^.]*$/g, "")}.html`);
 });
 addEventListener("resize", () => {
-  clearTimeout(draw.later);
-  draw.later = setTimeout(() => (drawTime(), tables()), 200);
+  clearTimeout(drawTime.later);
+  drawTime.later = setTimeout(() => (drawTime(), tables(), requestAnimationFrame(() => pointAt(state.now.at))), 200);
 });
-fromAddress();
+show(state.now);
 cornerList();
 document.title = `accdec explore: ${program.name}`;
-globalThis.accdecProgram = { program, scene, shown, addressOf, shades, pageText };
+globalThis.accdecProgram = { program, scene, charts, shown, state, addressOf, shades, pageText };
 stayAlive((gone) => document.body.classList.toggle("gone", gone));
 document.body.classList.add("ready");

@@ -1,15 +1,17 @@
 // A path in three dimensions on a canvas: turned, moved, zoomed; coloured piece by piece.
 
 const degree = Math.PI / 180;
+const digits = (x) => Number(x.toFixed(4));
 
 export class Scene {
   /**
    * @param canvas  to draw on
    * @param told    called with the index of the point under the pointer, or -1
    * @param clicked called with the place of a click, px
+   * @param viewed  called with the new view after it was turned, moved or zoomed
    */
-  constructor(canvas, told, clicked) {
-    Object.assign(this, { canvas, told, clicked, yaw: -35 * degree, pitch: 30 * degree, lines: [], dots: [], mark: -1 });
+  constructor(canvas, told, clicked, viewed) {
+    Object.assign(this, { canvas, told, clicked, viewed, lines: [], dots: [], mark: -1 });
     new ResizeObserver(() => this.draw()).observe(canvas);
     this.listen();
   }
@@ -26,7 +28,7 @@ export class Scene {
     const spans = this.lines[0].places.map((v) => v.reduce(([a, b], x) => [Math.min(a, x), Math.max(b, x)], [Infinity, -Infinity]));
     this.centre = spans.map(([a, b]) => (a + b) / 2);
     this.size = Math.max(1e-6, Math.hypot(...spans.map(([a, b]) => b - a)));
-    Object.assign(this, { zoom: 1, shift: [0, 0] });
+    Object.assign(this, { yaw: -35 * degree, pitch: 30 * degree, zoom: 1, shift: [0, 0] });
     // A flat program is seen from above.
     const flat = spans.length < 3 || spans[2][1] - spans[2][0] < 0.02 * this.size;
     if (flat) Object.assign(this, { yaw: 0, pitch: 90 * degree });
@@ -34,6 +36,28 @@ export class Scene {
     const corners = [...Array(8).keys()].map((i) => this.turned(spans.map((span, a) => span[(i >> a) & 1])));
     const extent = (way) => 2 * Math.max(1e-6 * this.size, ...corners.map((corner) => Math.abs(corner[way])));
     Object.assign(this, { wide: extent(0), tall: extent(1) });
+    this.homeView = this.numbers().join();
+  }
+
+  /** Angles in degrees, zoom, shift in widths of the canvas. */
+  numbers() {
+    const shift = this.shift.map((v) => v / Math.max(1, this.canvas.clientWidth));
+    return [this.yaw / degree, this.pitch / degree, this.zoom, ...shift].map(digits);
+  }
+  /** As text; empty: all of the path, as a page begins. */
+  get view() {
+    const text = this.numbers().join();
+    return text === this.homeView ? "" : text;
+  }
+  set view(text) {
+    this.home();
+    const [yaw, pitch, zoom, x, y] = text.split(",").map(Number);
+    if (![yaw, pitch, zoom, x, y].every(Number.isFinite)) return this.draw();
+    const shift = [x, y].map((v) => v * this.canvas.clientWidth);
+    Object.assign(this, { yaw: yaw * degree, shift, zoom: 1 });
+    this.pitch = 0;
+    this.turn(0, pitch * degree);
+    this.zoom = Math.min(1e4, Math.max(0.2, zoom));
   }
 
   /** A point from the centre, to the right and up: turned about z, then seen from `pitch` above the horizon. */
@@ -145,6 +169,7 @@ export class Scene {
     });
     canvas.addEventListener("pointerup", (e) => {
       if (held && held.far < 4) this.clicked(at(e));
+      else if (held) this.viewed(this.view);
       held = null;
     });
     canvas.addEventListener("pointercancel", () => (held = null));
@@ -153,6 +178,7 @@ export class Scene {
       (e) => {
         e.preventDefault();
         this.enlarge(Math.exp(-0.0015 * e.deltaY));
+        this.viewed(this.view);
       },
       { passive: false },
     );
@@ -169,6 +195,7 @@ export class Scene {
       if (!keys[e.key]) return;
       e.preventDefault();
       keys[e.key]();
+      this.viewed(this.view);
     });
   }
 }

@@ -45,26 +45,33 @@ export class Shades {
     return this.shades[Math.min(count, Math.round(count * this.at(speed)))];
   }
 
-  /** A bar with the speeds of its colours, mm/s. */
+  /** Round speeds along the bar, none beside another one's number. */
+  ticks() {
+    const rounds = (from, to) => {
+      const power = 10 ** Math.floor(Math.log10(to / 3)),
+        step = [1, 2, 5, 10].find((s) => s * power * 4.5 >= to) * power;
+      const all = [];
+      for (let v = Math.ceil(from / step) * step; v <= to * 1.0001; v += step) all.push(Number(v.toPrecision(6)));
+      return all;
+    };
+    const cutting = rounds(0, this.knee);
+    const apart = (v) => this.at(v) - this.at(cutting.at(-1)) > 0.1;
+    const rapid = this.share < 1 ? rounds(this.knee, this.most).filter(apart).slice(-1) : [];
+    return [...cutting, ...rapid];
+  }
+
+  /** A bar with the speeds of its colours. */
   bar() {
-    const [left, width] = [14, 360];
-    const bar = make("svg", { class: "colourbar", viewBox: "0 0 400 34", role: "img", "aria-label": "colours of speeds" });
+    const [left, width] = [14, 340];
+    const bar = make("svg", { class: "colourbar", viewBox: "0 0 400 34", role: "img", "aria-label": "colours of speeds in mm/s" });
     this.shades.forEach((fill, n) =>
       bar.append(make("rect", { x: left + (n * width) / (count + 1), y: 2, width: width / (count + 1) + 0.5, height: 12, fill })),
     );
-    const power = 10 ** Math.floor(Math.log10(this.knee / 3)),
-      step = [1, 2, 5, 10].find((s) => (s * power * 4.5) >= this.knee) * power;
-    const ticks = [];
-    for (let v = 0; v <= this.knee * 1.0001; v += step) ticks.push(Number(v.toPrecision(6)));
-    if (this.share < 1) ticks.push(this.most);
-    ticks.forEach((v, i) => {
-      const x = left + width * this.at(v),
-        last = i + 1 === ticks.length;
-      bar.append(
-        make("line", { class: "tick", x1: x, x2: x, y1: 14, y2: 18 }),
-        make("text", { x, y: 31, "text-anchor": last ? "end" : "middle" }, last ? `${four(v)} mm/s` : four(v)),
-      );
-    });
+    for (const v of this.ticks()) {
+      const x = left + width * this.at(v);
+      bar.append(make("line", { class: "tick", x1: x, x2: x, y1: 14, y2: 18 }), make("text", { x, y: 31, "text-anchor": "middle" }, four(v)));
+    }
+    bar.append(make("text", { x: left + width + 8, y: 12 }, "mm/s"));
     return bar;
   }
 }

@@ -1,4 +1,4 @@
-// The task on the page: its history, and its copy in the address.
+// The task on the page and what is chosen to be shown of it: their history, and their copy in the address.
 
 const clone = (value) => JSON.parse(JSON.stringify(value));
 
@@ -29,20 +29,38 @@ function apply(task, changes) {
   return task;
 }
 
+/** What may be chosen beside the task, as it stands in the address. */
+const kinds = { corner: "number", beside: "string", whole: "boolean" };
+const isTable = (value) => value?.constructor === Object;
+const isTask = (task) => isTable(task) && ["axis", "corner", "mode"].every((name) => [task[name] ?? []].flat().every(isTable));
+
+function choicesOf(words) {
+  const choices = {};
+  for (const [name, kind] of Object.entries(kinds)) {
+    if (!words.has(name)) continue;
+    const text = words.get(name);
+    choices[name] = kind === "number" ? Math.max(0, Math.floor(Number(text)) || 0) : kind === "boolean" ? text === "true" : text;
+  }
+  return choices;
+}
+
 export class State {
-  /** changed(structure): called after every change; `structure` where keys came or went, not only values. */
-  constructor(task, changed) {
-    this.first = clone(task);
-    this.changed = changed;
-    this.past = [];
-    this.future = [];
-    this.task = this.fromAddress() ?? clone(task);
+  /**
+   * changed(structure): called after every change of the task; `structure` where keys came or went, not only values.
+   * chosen(): called where other things of the same task are shown.
+   */
+  constructor(task, changed, chosen) {
+    Object.assign(this, { first: clone(task), changed, chosen, past: [], future: [] });
+    Object.assign(this, this.fromAddress() ?? { task: clone(task), choices: {} });
     addEventListener("hashchange", () => {
-      const task = this.fromAddress();
-      if (task && JSON.stringify(task) !== JSON.stringify(this.task)) this.replace(task);
+      const found = this.fromAddress();
+      if (found && JSON.stringify(found) !== JSON.stringify(this.now())) this.replace(found.task, found.choices);
     });
   }
 
+  now() {
+    return clone({ task: this.task, choices: this.choices });
+  }
   get(path) {
     return path.reduce((value, step) => value?.[step], this.task);
   }
@@ -55,7 +73,7 @@ export class State {
   /** Sets values at paths; undefined removes. Changes of one name within a second are undone together. */
   set(changes, name, structure = false) {
     const now = Date.now();
-    if (!(name && name === this.last && now - this.when < 1000)) this.past.push(clone(this.task));
+    if (!(name && name === this.last && now - this.when < 1000)) this.past.push(this.now());
     if (this.past.length > 500) this.past.shift();
     this.last = name;
     this.when = now;
@@ -64,12 +82,18 @@ export class State {
     this.tell(structure);
   }
 
-  replace(task) {
-    this.past.push(clone(this.task));
+  /** What is shown of the task: {corner, beside, whole}, as far as it changes. */
+  choose(choices) {
+    this.put({ task: this.task, choices: { ...this.choices, ...choices } });
+  }
+  replace(task, choices = {}) {
+    this.put({ task, choices });
+  }
+  put(next) {
+    if (JSON.stringify(next) === JSON.stringify(this.now())) return;
+    this.past.push(this.now());
     this.future = [];
-    this.task = clone(task);
-    this.last = null;
-    this.tell(true);
+    this.show(next);
   }
 
   undo() {
@@ -80,33 +104,40 @@ export class State {
   }
   move(from, to) {
     if (!from.length) return;
-    to.push(clone(this.task));
-    this.task = from.pop();
-    this.last = null;
-    this.tell(true);
+    to.push(this.now());
+    this.show(from.pop());
   }
   reset() {
     this.replace(this.first);
   }
 
-  tell(structure) {
+  show(next) {
+    const same = JSON.stringify(next.task) === JSON.stringify(this.task);
+    Object.assign(this, clone(next), { last: null });
+    this.tell(true, same);
+  }
+  tell(structure, same = false) {
     clearTimeout(this.writing);
     this.writing = setTimeout(() => this.toAddress(), 200);
-    this.changed(structure);
+    if (same) this.chosen();
+    else this.changed(structure);
   }
   toAddress() {
-    const same = JSON.stringify(this.task) === JSON.stringify(this.first);
-    history.replaceState(null, "", same ? location.pathname : taskAddress(this.task));
+    const words = Object.entries(this.choices).map(([name, value]) => `${name}=${encodeURIComponent(value)}`);
+    const own = JSON.stringify(this.task) !== JSON.stringify(this.first);
+    if (own) words.unshift(taskAddress(this.task).slice(1));
+    history.replaceState(null, "", words.length ? `#${words.join("&")}` : location.pathname);
   }
-  /** The task that the address holds, or null; `broken` says that it should hold one. */
+  /** The task and the choices that the address holds, or null; `broken` says that it should hold a task. */
   fromAddress() {
     this.broken = false;
-    if (!location.hash.startsWith("#task=")) return null;
+    if (location.hash.length < 2) return null;
+    const words = new URLSearchParams(location.hash.slice(1));
+    const choices = choicesOf(words);
+    if (!words.has("task")) return { task: clone(this.first), choices };
     try {
-      const task = JSON.parse(fromBase64(location.hash.slice(6)));
-      const isTable = (value) => value?.constructor === Object;
-      const lists = ["axis", "corner", "mode"].map((name) => task[name] ?? []);
-      if (isTable(task) && lists.every((list) => Array.isArray(list) && list.every(isTable))) return task;
+      const task = JSON.parse(fromBase64(words.get("task")));
+      if (isTask(task)) return { task, choices };
     } catch {
       // told by `broken`
     }

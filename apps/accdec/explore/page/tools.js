@@ -5,17 +5,14 @@ import { copyTask, exportChoice, savePage } from "./save.js";
 import { explanationTable } from "./tables.js";
 
 export function tools(shared, draw) {
-  const { start, state, page } = shared;
+  const { start, state } = shared;
   $("#undo").onclick = () => state.undo();
   $("#redo").onclick = () => state.redo();
   $("#reset").onclick = () => state.reset();
   $("#copy").onclick = () => copyTask(shared);
   $("#save").onclick = () => savePage(shared);
   exportChoice($("#export"), shared);
-  $("#whole").onchange = (event) => {
-    page.whole = event.target.checked;
-    draw();
-  };
+  $("#whole").onchange = (event) => state.choose({ whole: event.target.checked });
   $("#tap-table").ontoggle = draw;
   const changed = make("option", { value: "changed", hidden: true, disabled: true }, "changed");
   $("#shipped").append(

@@ -1,0 +1,58 @@
+// What is drawn over the curves of a chart: limits, red bars where they bind, the axes' names.
+
+const binding = 0.999; // share of a limit from which it binds
+
+export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+/** Words at the largest value of a curve, red bars where a limit binds, the zero line. */
+export function marks(specs, limits) {
+  return (plot) => {
+    const { ctx } = plot;
+    ctx.save();
+    const ratio = devicePixelRatio;
+    const { left, top, width, height } = plot.bbox;
+    ctx.beginPath();
+    ctx.rect(left, top, width, height);
+    ctx.clip();
+    for (const { value } of limits) {
+      const y = plot.valToPos(value, "y", true);
+      (ctx.strokeStyle = colour("limit")), (ctx.lineWidth = ratio), ctx.setLineDash([3 * ratio, 4 * ratio]);
+      ctx.beginPath(), ctx.moveTo(left, y), ctx.lineTo(left + width, y), ctx.stroke();
+    }
+    ctx.setLineDash([]);
+    (ctx.strokeStyle = colour("binds")), (ctx.lineWidth = 4 * ratio);
+    specs.forEach((spec, i) => {
+      if (!spec.bound || spec.before) return;
+      const binds = spec.least
+        ? (v) => Math.abs(v / spec.bound - 1) <= 1 - binding
+        : (v) => Math.abs(v) >= binding * spec.bound && (spec.sides ?? [1, -1]).includes(Math.sign(v));
+      plot.data[i + 1].forEach((v, n) => {
+        if (v === null || n === 0 || !binds(v)) return;
+        const y = plot.valToPos(Math.sign(v) * spec.bound, "y", true);
+        const [a, b] = [n - 1, n].map((k) => plot.valToPos(plot.data[0][k], "x", true));
+        ctx.beginPath(), ctx.moveTo(a, y), ctx.lineTo(b, y), ctx.stroke();
+      });
+    });
+    (ctx.font = `${12 * ratio}px system-ui, sans-serif`), (ctx.textAlign = "center");
+    specs.forEach((spec, i) => {
+      if (!spec.word || spec.before) return;
+      let best = -1;
+      const { min, max } = plot.scales.x;
+      plot.data[i + 1].forEach((v, n) => {
+        const t = plot.data[0][n];
+        if (v !== null && t >= min && t <= max && (best < 0 || Math.abs(v) > Math.abs(plot.data[i + 1][best]) * 1.0001))
+          best = n;
+      });
+      if (best < 0) return;
+      const v = plot.data[i + 1][best];
+      const y = plot.valToPos(v, "y", true) + (v >= 0 ? -5 : 14) * ratio;
+      ctx.fillStyle = colour("design");
+      const x = Math.min(
+        Math.max(plot.valToPos(plot.data[0][best], "x", true), left + 16 * ratio),
+        left + width - 16 * ratio,
+      );
+      ctx.fillText(spec.word, x, Math.min(Math.max(y, top + 12 * ratio), top + height - 3 * ratio));
+    });
+    ctx.restore();
+  };
+}

@@ -1,0 +1,82 @@
+// Quantities over time at a corner: design over before, limits where they are and red where they bind.
+import { Chart } from "./curves.js";
+import { make, unit } from "./format.js";
+
+/** The samples of a view between the start that ends and the stop that begins: the legs are as short as they can be. */
+export function blendOnly(view) {
+  const cut = (values) => values.slice(view.events.blend - 1, view.events.stop + 1);
+  const axes = (q) => q.axes.map((axis) => ({ ...axis, values: cut(axis.values) }));
+  return {
+    ...view,
+    time_ms: cut(view.time_ms),
+    speed_mm_s: cut(view.speed_mm_s),
+    path: { ...view.path, off_um: cut(view.path.off_um) },
+    quantities: view.quantities.map((q) => ({ ...q, axes: axes(q) })),
+  };
+}
+
+/** um from the legs; what is below a picometre is the rounding of numbers, and no distance. */
+export const distances = (path) => path.off_um.map((x) => (x < 1e-6 ? 0 : x));
+
+/** Power has a bound of its own for driving, above zero, and for braking, below. */
+const sidesOf = { power: [1], regeneration: [-1] };
+
+/** The charts of all quantities of a corner; made again only where other quantities are shown. */
+export class Motion {
+  constructor(place) {
+    this.place = place;
+    this.charts = new Map();
+  }
+
+  /** @param least  the smallest speed along the path that is allowed, or null */
+  show(now, before, period, x, least) {
+    const kinds = now.quantities.map((q) => q.kind);
+    for (const [kind, chart] of this.charts) {
+      if (!kinds.includes(kind)) chart.place.remove(), this.charts.delete(kind);
+    }
+    for (const quantity of now.quantities) {
+      if (!this.charts.has(quantity.kind)) {
+        const section = make("section", { "data-kind": quantity.kind });
+        this.place.append(section);
+        this.charts.set(quantity.kind, new Chart(section, { title: `${quantity.kind} / ${unit(quantity.unit)}` }));
+      }
+      const specs = [],
+        limits = new Set();
+      const old = before?.quantities.find((q) => q.kind === quantity.kind);
+      old?.axes.forEach((axis, i) =>
+        specs.push({
+          label: `${axis.name} before`,
+          time: before.time_ms,
+          values: axis.values,
+          axis: i,
+          before: true,
+          steps: quantity.kind !== "velocity",
+        }),
+      );
+      const sides = sidesOf[quantity.kind] ?? [1, -1];
+      quantity.axes.forEach((axis, i) => {
+        specs.push({
+          label: axis.name,
+          word: axis.name,
+          time: now.time_ms,
+          values: axis.values,
+          axis: i,
+          bound: axis.bound,
+          sides,
+          steps: quantity.kind !== "velocity",
+        });
+        if (axis.bound !== null) for (const side of sides) limits.add(side * axis.bound);
+      });
+      if (quantity.kind === "velocity") {
+        // The smallest speed is asked for between the legs: not at the start, nor at the stop.
+        specs.push({ label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1, bound: least, least });
+        if (least) limits.add(least);
+      }
+      this.charts.get(quantity.kind).show(
+        specs,
+        [...limits].map((value) => ({ value })),
+        { period, x },
+      );
+    }
+  }
+}

@@ -1,0 +1,67 @@
+// What is shown of a program: plan, colour, view, time and cursor. Their history, and their copy in the address.
+
+const names = ["plan", "by", "view", "time", "at"];
+
+export class Shown {
+  /** show(now, before): called with the new state and the one before, of texts by `names`; "" is what a page begins with. */
+  constructor(show) {
+    Object.assign(this, { told: show, past: [], future: [], now: this.fromAddress() });
+    addEventListener("hashchange", () => {
+      const next = this.fromAddress();
+      if (names.some((name) => next[name] !== this.now[name])) this.put(next);
+    });
+  }
+
+  fromAddress() {
+    const words = new URLSearchParams(location.hash.slice(1));
+    return Object.fromEntries(names.map((name) => [name, words.get(name) ?? ""]));
+  }
+  toAddress() {
+    clearTimeout(this.writing);
+    this.writing = setTimeout(() => {
+      const words = names.filter((name) => this.now[name]).map((name) => `${name}=${encodeURIComponent(this.now[name])}`);
+      history.replaceState(null, "", words.length ? `#${words.join("&")}` : location.pathname);
+    }, 200);
+  }
+
+  /** Where the cursor is stands in the address, and is not undone. */
+  point(at) {
+    if (at === this.now.at) return;
+    this.now = { ...this.now, at };
+    this.toAddress();
+  }
+
+  /** Changes of the same name within a second are undone together. */
+  set(change) {
+    const next = { ...this.now, ...change };
+    const changed = names.filter((name) => next[name] !== this.now[name]).join();
+    if (!changed) return;
+    const together = changed === this.last && Date.now() - this.when < 1000;
+    this.put(next, together);
+    Object.assign(this, { last: changed, when: Date.now() });
+  }
+  put(next, together = false) {
+    if (!together) this.past.push(this.now);
+    this.future = [];
+    this.show(next);
+  }
+
+  undo() {
+    this.move(this.past, this.future);
+  }
+  redo() {
+    this.move(this.future, this.past);
+  }
+  move(from, to) {
+    if (!from.length) return;
+    to.push(this.now);
+    this.show(from.pop());
+  }
+  show(next) {
+    const before = this.now;
+    this.now = next;
+    this.last = null;
+    this.toAddress();
+    this.told(next, before);
+  }
+}

@@ -1,0 +1,68 @@
+"""The page of a task in a browser: what it shows, and that the numbers are those of the command line."""
+import json
+import subprocess
+import sys
+import time
+
+from program import Program
+
+
+def check(holds, what):
+    if not holds:
+        sys.exit(f"explore page test: {what}")
+    print(f"ok: {what}", flush=True)
+
+
+class Page:
+    def __init__(self, accdec, browser, home, task):
+        self.accdec, self.browser, self.home = accdec, browser, home
+        self.program = Program(accdec, task, cwd=home)
+        self.value = browser.value
+        self.open(self.program.address)
+
+    def open(self, address):
+        self.browser.open("about:blank")
+        self.browser.open(address)
+        self.wait("document.body.classList.contains('ready')", "the page is ready")
+
+    def wait(self, condition, what, seconds=20):
+        until = time.monotonic() + seconds
+        while not self.value(f"!!({condition})"):
+            if time.monotonic() > until:
+                shown = self.value("['#limits', 'header'].map((s) => document.querySelector(s)?.innerText).join(' | ')")
+                sys.exit(f"explore page test: not within {seconds} s: {what}; {shown}")
+            time.sleep(0.02)
+
+    def settle(self):
+        time.sleep(0.1)
+        self.wait("!document.body.classList.contains('stale')", "the answer is there")
+        time.sleep(0.1)
+
+    def key(self, name, shift=False):
+        for kind in ("keyDown", "keyUp"):
+            code = {"ArrowLeft": 37, "ArrowRight": 39, "Tab": 9, "z": 90}[name]
+            self.browser.page("Input.dispatchKeyEvent", type=kind, key=name, code=name, windowsVirtualKeyCode=code, modifiers=8 * shift)
+
+    def task_file(self):
+        """What `copy as task file` gives."""
+        return self.value("import(location.pathname + 'requests.js').then(async (m) => m.askText('file', "
+                          "JSON.parse(document.body.dataset.task)))")
+
+    def same_as_program(self, what):
+        """The page's numbers are those of the command line on the page's task file."""
+        file = self.home / "page.toml"
+        file.write_text(self.task_file())
+        out = self.home / "result.json"
+        said = subprocess.run([self.accdec, "design", file, "--json", out], check=True, capture_output=True, text=True).stdout
+        result = json.loads(out.read_text())
+        shown = self.value("Number(document.querySelector('#time').dataset.value)")
+        check(shown == result["cycle_time_s"], f"{what}: {shown} s, as accdec design --json has it")
+        if "savings" in result:
+            saved = self.value("Number(document.querySelector('#saved').dataset.value)")
+            check(saved == result["savings"]["total_s"], f"{what}: {saved} s saved, as accdec design --json has it")
+        table = self.value("[...document.querySelectorAll('#corner-table tbody tr')].map(r => r.cells[1].textContent)")
+        check(table == [str(c["delay_samples"]) for c in result["corners"]], f"{what}: delays {table}")
+        rows = self.value("[...document.querySelectorAll('#corner-table tbody tr')].map(r => [...r.cells].map(c => c.textContent))")
+        lines = [" ".join(line.split()) for line in said.splitlines()]
+        check(all(" ".join(row) in lines for row in rows), f"{what}: corners as the command line prints them, {rows[0]}")
+        return result
