@@ -129,8 +129,8 @@ def refute(problem, task, target):
     kinds = task.get("controller", {}).get("delays", ["dwell"])
     if not {"dwell", "timed-axis"} & set(kinds):
         raise NotCovered(f"delays of the kinds {kinds}")
-    if problem.supply or any(axis.coulomb > 0 for axis in problem.axes):
-        raise NotCovered("families with dry friction or a shared supply")
+    if problem.supply or len(problem.response) > 1 or any(axis.coulomb > 0 for axis in problem.axes):
+        raise NotCovered("families with a servo, dry friction or a shared supply")
     given, refuted = sum(c.weight * c.delay for c in problem.corners if c.delay is not None), 0
     end = problem.order_max + 1
     if target is not None:

@@ -21,10 +21,10 @@ constexpr const char* machine = "[[axis]]\nacceleration_max_mm_s2 = 6000\n";
 constexpr const char* corner = "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n";
 constexpr const char* given = "delay_samples = 20\n[filter]\nkind = \"boxcar\"\norder = 20\n";
 constexpr const char* servo = "servo_gain_1_s = 200\n";
-/// No refusal advises what refuses it again: designs consider it for free taps alone.
+/// No refusal advises what refuses it again: designs consider it for all but whole coefficients.
 constexpr const char* advice =
     "leave it out. `accdec evaluate` and `accdec verify` consider it at the corners of a task, "
-    "`accdec design` and `accdec explain` do for free taps without `coefficient_bits`";
+    "`accdec design` and `accdec explain` do unless there are `coefficient_bits`";
 constexpr const char* smoothing = "[controller]\nprefilter_taps = [0.25, 0.5, 0.25]\n";
 
 /// Commands that read a task, with the arguments after it that let them come as far as the task.
@@ -163,24 +163,47 @@ TEST_F(ResponseOfTasks, StudiesAndOptimaConsiderIt) {
 }
 
 TEST_F(ResponseOfTasks, WhatDesignsDoNotCoverIsRefused) {
-  for (const std::string& end :
-       {std::string("[design]\nfamily = \"averages\"\n"), std::string("[design]\ncoefficient_bits = 16\n")}) {
-    for (const auto& [text, named] :
-         {std::pair(task(servo, end, "servo.toml"), "does not consider the servo of an axis"),
-          std::pair(task("", end + smoothing, "smooth.toml"), "does not consider the control's prefilter_taps"),
-          std::pair(task("coulomb_N = 40\n", end, "dry.toml"), "does not consider `coulomb_N`")}) {
-      for (const char* command : {"design", "explain"}) {
-        SCOPED_TRACE(std::string(command) + " with " + end + text);
-        const Outcome outcome = run({command, text});
-        EXPECT_EQ(outcome.code, 2);
-        EXPECT_THAT(outcome.err, HasSubstr(named));
-        EXPECT_THAT(outcome.err, HasSubstr(advice));
-      }
+  const std::string end = "[design]\ncoefficient_bits = 16\n";
+  for (const auto& [text, named] :
+       {std::pair(task(servo, end, "servo.toml"), "does not consider the servo of an axis"),
+        std::pair(task("", end + smoothing, "smooth.toml"), "does not consider the control's prefilter_taps"),
+        std::pair(task("coulomb_N = 40\n", end, "dry.toml"), "does not consider `coulomb_N`")}) {
+    for (const char* command : {"design", "explain"}) {
+      SCOPED_TRACE(std::string(command) + " with " + text);
+      const Outcome outcome = run({command, text});
+      EXPECT_EQ(outcome.code, 2);
+      EXPECT_THAT(outcome.err, HasSubstr(named));
+      EXPECT_THAT(outcome.err, HasSubstr(advice));
     }
   }
   const Outcome nlp = run({"design", task(servo, ""), "--solver", "ipopt"});
   EXPECT_EQ(nlp.code, 2);
   EXPECT_THAT(nlp.err, HasSubstr("nonlinear solvers do not consider a response"));
+}
+
+/// The settings of a control for an axis as it is: proved, accepted by verify, and slower than without the servo.
+TEST_F(ResponseOfTasks, SettingsOfAControlConsiderIt) {
+  const std::string family = "[design]\nfamily = \"averages\"\nstages = 2\n";
+  const std::string mode = "[[mode]]\nfrequency_Hz = 40\nresidual_max = 0.2\n";
+  std::map<std::string, double> times;
+  for (const auto& [name, text] :
+       {std::pair("none", task("", family, "none.toml")), std::pair("mode", task(servo, family + mode, "mode.toml")),
+        std::pair("servo", task(servo, family, "servo.toml")),
+        std::pair("both", task(servo, family + smoothing, "both.toml")),
+        std::pair("dry", task("mass_kg = 50\nforce_max_N = 250\ncoulomb_N = 40\n", family, "dry.toml"))}) {
+    SCOPED_TRACE(name);
+    const std::string result = folder_.path("r.json");
+    const Outcome outcome = run({"design", text, "--json", result});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(outcome.out.starts_with("Set these: ")) << outcome.out;
+    EXPECT_THAT(outcome.out, HasSubstr("proved best for this family"));
+    times[name] = Json::parse(folder_.read("r.json"))["cycle_time_s"];
+    const Outcome verified = run({"verify", result});
+    EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
+    EXPECT_THAT(verified.out, HasSubstr("proof accepted"));
+  }
+  EXPECT_GT(times["servo"], times["none"]);
+  EXPECT_GE(times["both"], times["servo"]);
 }
 
 }  // namespace

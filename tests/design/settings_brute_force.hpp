@@ -24,51 +24,94 @@ inline std::vector<double> convolve(const std::vector<double>& a, const std::vec
   return c;
 }
 
-inline double response(const std::vector<double>& taps, int k) {
-  double sum = 0.0;
-  for (int i = 0; i < k && i < static_cast<int>(taps.size()); ++i) sum += taps[static_cast<std::size_t>(i)];
-  return sum;
+/// The sums of a filter: B_k = sum_{i<k} b_i, p(k) = sum b_i max(i - k, 0), q(k) = sum b_i max(k - i, 0).
+class Sums {
+ public:
+  explicit Sums(const std::vector<double>& taps) : n_(static_cast<int>(taps.size()) - 1), b_{0.0}, q_{0.0} {
+    for (const double tap : taps) b_.push_back(b_.back() + tap);
+    for (std::size_t k = 1; k < b_.size(); ++k) q_.push_back(q_.back() + b_[k]);
+    p_.assign(b_.size(), 0.0);
+    for (std::size_t k = taps.size() - 1; k-- > 0;) p_[k] = p_[k + 1] + (1.0 - b_[k + 1]);
+  }
+  int order() const { return n_; }
+  double b(int k) const { return k <= 0 ? 0.0 : k > n_ ? 1.0 : b_[static_cast<std::size_t>(k)]; }
+  double p(int k) const { return k < 0 ? p_[0] - k : k > n_ ? 0.0 : p_[static_cast<std::size_t>(k)]; }
+  double q(int k) const { return k <= 0 ? 0.0 : k > n_ ? q_.back() + (k - n_ - 1) : q_[static_cast<std::size_t>(k)]; }
+
+ private:
+  int n_;
+  std::vector<double> b_, p_, q_;
+};
+
+/// A filter behind nothing, behind the control's smoothing, and behind the servo, which all axes have alike.
+struct Behind {
+  Sums designed, command, motion;
+
+  Behind(const Task& task, const std::vector<double>& taps)
+      : designed(taps),
+        command(convolve(taps, smoothing(task))),
+        motion(convolve(convolve(taps, smoothing(task)), servo(task))) {}
+
+  static std::vector<double> smoothing(const Task& task) {
+    return task.machine.prefilter_taps.empty() ? std::vector{1.0} : task.machine.prefilter_taps;
+  }
+  /// A position control of gain Kv that feeds the part g of the velocity forward: what is missing of a step falls by
+  /// a = exp(-Kv T) in every sample.
+  static std::vector<double> servo(const Task& task) {
+    const Axis& axis = task.machine.axes.front();
+    if (!(axis.servo_gain < unlimited)) return {1.0};
+    const double x = axis.servo_gain * task.sample_period, a = std::exp(-x);
+    double missing = (1.0 - axis.velocity_feedforward) * (1.0 - a) / x;
+    std::vector<double> taps{1.0 - missing};
+    for (; missing > 1e-12; missing *= a) taps.push_back(missing * (1.0 - a));
+    return taps;
+  }
+};
+
+/// Dry friction opposes the motion; at rest it takes what it can of the force.
+inline double force_of(const Axis& axis, double v, double a) {
+  const double moving = axis.mass * a + axis.damping * v;
+  if (std::abs(v) > 1e-9) return moving + std::copysign(axis.coulomb, v);
+  return std::copysign(std::max(0.0, std::abs(moving) - axis.coulomb), moving);
 }
 
-/// sum b_i max(i - k, 0), or with sign -1 sum b_i max(k - i, 0).
-inline double way(const std::vector<double>& taps, int k, int sign) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < taps.size(); ++i) sum += taps[i] * std::max(0, sign * (static_cast<int>(i) - k));
-  return sum;
-}
-
-inline bool sample_holds(const Axis& axis, double v, double a, double jerk) {
-  const double force = axis.mass * a + axis.damping * v, slack = 1.0 + 1e-9;
+/// Velocity, acceleration and jerk are of the command, loads of the motion.
+inline bool sample_holds(const Axis& axis, double v, double a, double jerk, double force, double motion_v) {
+  const double slack = 1.0 + 1e-9;
   return std::abs(v) <= axis.velocity_max * slack && std::abs(a) <= axis.acceleration_max * slack &&
          std::abs(jerk) <= axis.jerk_max * slack && std::abs(force) <= axis.force_max * slack &&
-         force * v <= axis.power_max * slack && -force * v <= axis.regeneration_max * slack;
+         force * motion_v <= axis.power_max * slack && -force * motion_v <= axis.regeneration_max * slack;
 }
 
 /// Rest, leg 1, the corner with this delay, leg 2, rest: all limits of a corner.
-inline bool holds(const Task& task, const TaskCorner& corner, const std::vector<double>& taps, int delay) {
+inline bool holds(const Task& task, const TaskCorner& corner, const Behind& filter, int delay) {
   const Corner& g = corner.geometry();
   const double period = task.sample_period;
-  const int n = static_cast<int>(taps.size()) - 1;
-  const auto events = [&](int axis, int event, int k) {
+  const auto velocity = [&](const Sums& sums, int axis, int event, int k) {
     const double in = g.feed_in * g.direction_in[axis], out = g.feed_out * g.direction_out[axis];
-    if (event == 0) return in * response(taps, k);
-    if (event == 1) return in * (1.0 - response(taps, k)) + out * response(taps, k - delay);
-    return out * (1.0 - response(taps, k));
+    if (event == 0) return in * sums.b(k);
+    if (event == 1) return in * (1.0 - sums.b(k)) + out * sums.b(k - delay);
+    return out * (1.0 - sums.b(k));
   };
   double nearest = none, slowest = none;
   for (int event = 0; event < 3; ++event) {
-    for (int k = 0; k <= n + delay + 3; ++k) {
-      double speed = 0.0;
+    for (int k = 0; k <= filter.motion.order() + delay + 3; ++k) {
+      double speed = 0.0, power = 0.0;
       for (int axis = 0; axis < 2; ++axis) {
-        const double v = events(axis, event, k), a = (v - events(axis, event, k - 1)) / period;
-        const double before = (events(axis, event, k - 1) - events(axis, event, k - 2)) / period;
-        if (!sample_holds(task.machine.axes[static_cast<std::size_t>(axis)], v, a, (a - before) / period)) return false;
-        speed += v * v;
+        const auto of = [&](const Sums& sums, int back) { return velocity(sums, axis, event, k - back); };
+        const double v = of(filter.command, 0), a = (v - of(filter.command, 1)) / period;
+        const double before = (of(filter.command, 1) - of(filter.command, 2)) / period;
+        const double motion_v = of(filter.motion, 0), motion_a = (motion_v - of(filter.motion, 1)) / period;
+        const Axis& limits = task.machine.axes[static_cast<std::size_t>(axis)];
+        const double force = force_of(limits, motion_v, motion_a);
+        if (!sample_holds(limits, v, a, (a - before) / period, force, motion_v)) return false;
+        speed += motion_v * motion_v, power += force * motion_v;
       }
+      if (power > task.machine.power_total_max * (1.0 + 1e-9)) return false;
       if (event != 1) continue;
       slowest = std::min(slowest, std::sqrt(speed));
-      const Eigen::VectorXd s = period * (g.feed_out * way(taps, k - delay, -1) * g.direction_out -
-                                          g.feed_in * way(taps, k, 1) * g.direction_in);
+      const Eigen::VectorXd s = period * (g.feed_out * filter.motion.q(k - delay) * g.direction_out -
+                                          g.feed_in * filter.motion.p(k) * g.direction_in);
       nearest = std::min(nearest, s.norm());
     }
   }
@@ -81,15 +124,17 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
   const auto& kinds = task.settings->delays;
   const auto has = [&](DelayKind kind) { return std::find(kinds.begin(), kinds.end(), kind) != kinds.end(); };
   const bool any = kinds.empty() || has(DelayKind::dwell);
+  const Behind filter(task, taps);
+  const int last = filter.motion.order() + 2;
   std::vector<std::vector<bool>> good;
   for (const TaskCorner& corner : task.corners) {
     good.emplace_back();
-    for (int d = 0; d <= n + 2; ++d) good.back().push_back(holds(task, corner, taps, d));
+    for (int d = 0; d <= last; ++d) good.back().push_back(holds(task, corner, filter, d));
   }
   std::vector<double> widths{none};
   if (has(DelayKind::in_position)) {
     for (const TaskCorner& corner : task.corners) {
-      for (int d = 0; d <= n; ++d) widths.push_back(corner.geometry().feed_in * way(taps, d, 1));
+      for (int d = 0; d <= n; ++d) widths.push_back(corner.geometry().feed_in * filter.designed.p(d));
     }
     std::sort(widths.begin(), widths.end());
     const std::vector<double> ends = widths;
@@ -102,11 +147,12 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
     double cost = task.design.runs * (n + 1);
     for (std::size_t j = 0; j < task.corners.size(); ++j) {
       double least = none;
-      for (int d = 0; d <= n + 2; ++d) {
+      for (int d = 0; d <= last; ++d) {
         const double feed = task.corners[j].geometry().feed_in;
-        const bool by_width = has(DelayKind::in_position) && feed * way(taps, d, 1) <= width &&
-                              (d == 0 || feed * way(taps, d - 1, 1) > width);
-        const bool kind = any || (d == 0 && has(DelayKind::continuous)) || (d >= n && has(DelayKind::exact_stop));
+        const bool by_width = has(DelayKind::in_position) && feed * filter.designed.p(d) <= width &&
+                              (d == 0 || feed * filter.designed.p(d - 1) > width);
+        const bool kind =
+            any || (d == 0 && has(DelayKind::continuous)) || (d >= n && d <= n + 2 && has(DelayKind::exact_stop));
         if ((kind || by_width) && good[j][static_cast<std::size_t>(d)]) least = std::min<double>(least, d);
       }
       cost += task.corners[j].weight * least;

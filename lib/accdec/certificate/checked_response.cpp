@@ -51,6 +51,12 @@ Taps of_axis(const Axis& axis, double period) {
   return {Interval(1.0)};
 }
 
+std::vector<double> middles(const Taps& taps) {
+  std::vector<double> all;
+  for (const Interval& tap : taps) all.push_back(0.5 * (tap.lo + tap.hi));
+  return all;
+}
+
 bool same_servo(const Axis& a, const Axis& b) {
   return a.response_taps == b.response_taps && a.servo_gain == b.servo_gain &&
          (a.servo_gain == unlimited || a.velocity_feedforward == b.velocity_feedforward);
@@ -68,6 +74,7 @@ CheckedResponse::CheckedResponse(const Task& task) : left_(1), gone_(1) {
   if (ideal()) return;
   const Taps first = smooths_ ? of_numbers(machine.prefilter_taps) : Taps{Interval(1.0)},
              second = follows_ ? of_axis(machine.axes.front(), task.sample_period) : Taps{Interval(1.0)};
+  smoothing_ = middles(first), servo_ = middles(second);
   Taps taps(first.size() + second.size() - 1);
   for (std::size_t i = 0; i < first.size(); ++i) {
     for (std::size_t j = 0; j < second.size(); ++j) taps[i + j] = taps[i + j] + first[i] * second[j];

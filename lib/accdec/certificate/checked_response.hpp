@@ -18,6 +18,9 @@ class CheckedResponse {
   /// @throws Rejected if there is a response, or smoothing: for rows that are known only without it
   void require_ideal() const;
   void require_no_smoothing() const;
+  /// Middles of the taps of the smoothing and of the servo; {1} without.
+  const std::vector<double>& smoothing() const { return smoothing_; }
+  const std::vector<double>& servo() const { return servo_; }
   int longer() const { return static_cast<int>(gone_.size()) - 1; }
   /// Weight of a tap in the distance that leg 1 has left, x samples before it counts without a response:
   /// sum_j r_j max(0, x + j).
@@ -28,6 +31,7 @@ class CheckedResponse {
 
  private:
   bool smooths_ = false, follows_ = false;
+  std::vector<double> smoothing_{1.0}, servo_{1.0};
   std::vector<Interval> left_, gone_;  // of x = 0, -1 .. and y = 0, 1 ..
 };
 

@@ -51,19 +51,6 @@ std::vector<double> echoed(const std::vector<double>& taps, const std::vector<do
   return sum;
 }
 
-FamilyMember member_of(std::vector<double> taps) {
-  const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
-  const std::size_t n = taps.size();
-  FamilyMember member{std::move(taps), std::vector<double>(n + 1), std::vector<double>(n + 1),
-                      std::vector<double>(n + 1), std::vector<double>(n + 1)};
-  for (double& tap : member.taps) tap /= sum;
-  for (std::size_t k = 0; k < n; ++k) member.gone[k + 1] = member.gone[k] + member.taps[k];
-  for (std::size_t k = n; k-- > 0;) member.left[k] = member.left[k + 1] + member.taps[k];
-  for (std::size_t k = n; k-- > 0;) member.way_left[k] = member.way_left[k + 1] + member.left[k + 1];
-  for (std::size_t k = 1; k <= n; ++k) member.way_gone[k] = member.way_gone[k - 1] + member.gone[k];
-  return member;
-}
-
 class Cascades {
  public:
   using Visit = std::function<void(const FamilyMember&, const std::string&)>;
@@ -157,6 +144,19 @@ void visit_grid(const Task& task, SettingFamily family, int order_end, const Cas
 }
 
 }  // namespace
+
+FamilyMember member_of(std::vector<double> taps) {
+  const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
+  const std::size_t n = taps.size();
+  FamilyMember member{std::move(taps), std::vector<double>(n + 1), std::vector<double>(n + 1),
+                      std::vector<double>(n + 1), std::vector<double>(n + 1)};
+  for (double& tap : member.taps) tap /= sum;
+  for (std::size_t k = 0; k < n; ++k) member.gone[k + 1] = member.gone[k] + member.taps[k];
+  for (std::size_t k = n; k-- > 0;) member.left[k] = member.left[k + 1] + member.taps[k];
+  for (std::size_t k = n; k-- > 0;) member.way_left[k] = member.way_left[k + 1] + member.left[k + 1];
+  for (std::size_t k = 1; k <= n; ++k) member.way_gone[k] = member.way_gone[k - 1] + member.gone[k];
+  return member;
+}
 
 std::vector<double> grid_taps(SettingFamily family, int order, double number, double period) {
   std::vector<double> taps(static_cast<std::size_t>(order) + 1);

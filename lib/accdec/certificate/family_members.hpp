@@ -19,6 +19,9 @@ struct FamilyMember {
   int order() const { return static_cast<int>(taps.size()) - 1; }
 };
 
+/// @param taps  in any scale
+FamilyMember member_of(std::vector<double> taps);
+
 /// Taps of a family with a length and a real number, in any scale. @param number  SI: time constant, alpha, cut-off
 std::vector<double> grid_taps(SettingFamily family, int order, double number, double period);
 

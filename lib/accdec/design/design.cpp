@@ -74,8 +74,6 @@ DesignResult with_smallest_delays(DesignResult found, double seconds_left) {
 
 /// Refuses a response that no method considers, so that none is ignored silently.
 void require_designable(const Task& task, const DesignOptions& options) {
-  if (task.settings && task.settings->names_family())
-    require_no_shared_loads(task.machine, "a design of settings (family)");
   if (task.design.coefficient_bits > 0) require_no_shared_loads(task.machine, "a design of whole coefficients");
   const Response response(task.machine, task.sample_period);
   if (response.ideal()) return;
@@ -87,8 +85,6 @@ void require_designable(const Task& task, const DesignOptions& options) {
     throw std::invalid_argument(
         "nonlinear solvers do not consider a response (servo_gain_1_s, response_taps, prefilter_taps); leave out "
         "--solver and --method nlp");
-  if (task.settings && task.settings->names_family())
-    require_no_response(task.machine, "a design of settings (family)");
   if (task.design.coefficient_bits > 0) require_no_response(task.machine, "a design of whole coefficients");
 }
 

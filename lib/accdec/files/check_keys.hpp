@@ -155,8 +155,9 @@ class KeyCheck {
     one.type = key.type == KeyType::words ? KeyType::word : KeyType::text;
     one.empty_text = true;
     if (node.is_text()) return text(node, one, at);
-    if (!node.is_list() || node.size() == 0) {
-      faults_.add(node.fault(at, Node::subject(key.name) + "must be a string or a list of strings, not empty"));
+    if (!node.is_list() || (node.size() == 0 && key.least > 0)) {
+      faults_.add(node.fault(at, Node::subject(key.name) + "must be a string or a list of strings" +
+                                     (key.least > 0 ? ", not empty" : "")));
       return;
     }
     for (std::size_t i = 0; i < node.size() && !faults_.full(); ++i) {

@@ -55,6 +55,7 @@ template <class Enum, std::size_t N>
 Key words(std::string name, std::string meaning, const std::array<Enum, N>& all) {
   Key key = word(std::move(name), std::move(meaning), all);
   key.type = KeyType::words;
+  key.least = 0;
   return key;
 }
 Key table(std::string name, KeyType type, std::string meaning, std::vector<Key> keys) {

@@ -41,7 +41,7 @@ Json type_of(const Key& key) {
     case KeyType::text: return text(key);
     case KeyType::word: return {{"enum", key.words}};
     case KeyType::texts: return one_or_list({{"type", "string"}}, 1);
-    case KeyType::words: return one_or_list({{"enum", key.words}}, 1);
+    case KeyType::words: return one_or_list({{"enum", key.words}}, key.least);
     case KeyType::numbers: {
       Json list{{"type", "array"}, {"items", number(key, key.whole)}, {"minItems", key.least}};
       if (key.most > 0) list["maxItems"] = key.most;

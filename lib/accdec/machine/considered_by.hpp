@@ -5,9 +5,9 @@
 namespace accdec {
 
 /// Advice on a key about the response, friction or the supply, where it is not considered. No command considers it for
-/// programs, settings of controllers or whole coefficients.
+/// programs or whole coefficients.
 inline constexpr std::string_view considered_by =
     "leave it out. `accdec evaluate` and `accdec verify` consider it at the corners of a task, `accdec design` and "
-    "`accdec explain` do for free taps without `coefficient_bits`";
+    "`accdec explain` do unless there are `coefficient_bits`";
 
 }  // namespace accdec

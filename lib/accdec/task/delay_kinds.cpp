@@ -15,6 +15,9 @@ namespace {
 /// Widths closer than this part are one width: no controller tells them apart.
 constexpr double same_width = 1e-9;
 
+/// Samples that a limit may ask for at an exact stop, behind the least delay at which the legs do not overlap.
+constexpr int exact_stop_more = 2;
+
 bool names(const std::vector<DelayKind>& kinds, DelayKind kind) {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
@@ -85,7 +88,8 @@ class KindChoice {
       }
     }
     if (names(kinds_, DelayKind::exact_stop)) {
-      for (int d = apart_; d <= last_ && !late_; ++d) {
+      // An exact stop waits for the command, whatever the servo still has to go.
+      for (int d = apart_; d <= apart_ + exact_stop_more && !late_; ++d) {
         if (given.value_or(d) == d && holds(j, d)) return {d, DelayKind::exact_stop};
       }
     }

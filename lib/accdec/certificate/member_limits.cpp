@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include <accdec/certificate/member_limits.hpp>
+#include <accdec/machine/limits.hpp>
+
+namespace accdec {
+namespace {
+
+/// Part of an axis' feed below which its dry friction may count as that of rest.
+constexpr double hardly_moving = 1e-6;
+
+/// An axis at a sample. Velocity, acceleration and jerk are limited of the command, loads of the motion.
+struct Sampled {
+  double v = 0.0, a = 0.0, before = 0.0;  ///< of the command: m/s, m/s^2, m/s^2 one sample ago
+  double motion_v = 0.0, motion_a = 0.0;  ///< behind the servo
+  double period = 0.0, feed = 0.0;        ///< s; m/s, the larger of the axis' legs
+  double load(const Axis& axis) const {   ///< N, without the part of dry friction
+    return axis.mass * motion_a + axis.damping * motion_v;
+  }
+};
+
+/// The value that a limit bounds: the checker's own list.
+double value_of(LimitKind kind, const Sampled& s, const Axis& axis) {
+  if (axis.coulomb > 0.0 && std::abs(s.motion_v) <= hardly_moving * s.feed &&
+      (kind == LimitKind::force || kind == LimitKind::power || kind == LimitKind::regeneration))
+    return 0.0;
+  const double force = s.load(axis) + std::copysign(axis.coulomb, s.motion_v);
+  switch (kind) {
+    case LimitKind::velocity: return std::abs(s.v);
+    case LimitKind::acceleration: return std::abs(s.a);
+    case LimitKind::jerk: return std::abs(s.a - s.before) / s.period;
+    case LimitKind::force: return std::abs(force);
+    case LimitKind::power: return force * s.motion_v;
+    case LimitKind::regeneration: return -force * s.motion_v;
+    case LimitKind::vibration:
+    case LimitKind::corner_error:
+    case LimitKind::speed_min:
+    case LimitKind::power_total:
+    case LimitKind::regeneration_total: break;  // not of an axis
+  }
+  return 0.0;
+}
+
+std::optional<LimitKind> broken(const Axis& axis, const Sampled& sampled) {
+  for (const AxisLimit& limit : axis_limits) {
+    if (axis.*limit.bound < unlimited && value_of(limit.kind, sampled, axis) > axis.*limit.bound) return limit.kind;
+  }
+  return std::nullopt;
+}
+
+double at(const std::vector<double>& values, int k) {
+  return values[static_cast<std::size_t>(std::clamp(k, 0, static_cast<int>(values.size()) - 1))];
+}
+double tap(const FamilyMember& member, int i) {
+  return i < 0 || i > member.order() ? 0.0 : member.taps[static_cast<std::size_t>(i)];
+}
+/// q(m), at full speed behind the last tap.
+double way_gone(const FamilyMember& member, int m) {
+  return m <= 0 ? 0.0 : at(member.way_gone, m) + std::max(0, m - member.order() - 1);
+}
+
+/// What bounds a member's acceleration and jerk at any speed.
+struct Steepness {
+  double tap = 0.0, step = 0.0;  ///< the largest tap, and the largest difference of neighbours
+
+  explicit Steepness(const FamilyMember& member) {
+    double before = 0.0;
+    for (const double now : member.taps) {
+      tap = std::max(tap, now);
+      step = std::max(step, std::abs(now - before));
+      before = now;
+    }
+    step = std::max(step, before);
+  }
+  /// Whether a leg at this speed keeps the limits by more than rounding.
+  bool surely_holds(const Axis& axis, double speed, double period) const {
+    constexpr double below = 1.0 - 1e-9;
+    return std::min({axis.force_max, axis.power_max, axis.regeneration_max}) >= unlimited &&
+           speed <= below * axis.velocity_max && speed * tap <= below * axis.acceleration_max * period &&
+           speed * step <= below * axis.jerk_max * period * period;
+  }
+};
+
+FamilyMember behind(const FamilyMember& member, const std::vector<double>& response) {
+  std::vector<double> taps(member.taps.size() + response.size() - 1, 0.0);
+  for (std::size_t i = 0; i < member.taps.size(); ++i) {
+    for (std::size_t j = 0; j < response.size(); ++j) taps[i + j] += member.taps[i] * response[j];
+  }
+  return member_of(std::move(taps));
+}
+
+}  // namespace
+
+MemberLimits::MemberLimits(const Task& granted, const FamilyMember& member, const CheckedResponse& response)
+    : granted_(granted), member_(member) {
+  if (response.smoothing().size() > 1) command_ = behind(member, response.smoothing());
+  if (response.servo().size() > 1) motion_ = behind(command(), response.servo());
+}
+
+std::optional<LimitKind> MemberLimits::broken_by_legs() const {
+  const FamilyMember &commanded = command(), &moved = motion();
+  const Steepness steep(commanded);
+  const double period = granted_.sample_period;
+  for (const TaskCorner& corner : granted_.corners) {
+    const Corner& g = corner.geometry();
+    for (std::size_t x = 0; x < granted_.machine.axes.size(); ++x) {
+      const Axis& axis = granted_.machine.axes[x];
+      const auto e = static_cast<Eigen::Index>(x);
+      const double in = g.feed_in * g.direction_in[e], out = g.feed_out * g.direction_out[e],
+                   feed = std::max(std::abs(in), std::abs(out));
+      if (steep.surely_holds(axis, feed, period)) continue;
+      for (int k = 0; k <= longest_delay(); ++k) {
+        const double now = tap(commanded, k - 1) / period, before = tap(commanded, k - 2) / period,
+                     then = tap(moved, k - 1) / period;
+        const Sampled start{
+            in * at(commanded.gone, k), in * now, in * before, in * at(moved.gone, k), in * then, period, feed};
+        if (const auto limit = broken(axis, start)) return limit;
+        const Sampled stop{
+            out * at(commanded.left, k), -out * now, -out * before, out * at(moved.left, k), -out * then, period, feed};
+        if (const auto limit = broken(axis, stop)) return limit;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+bool MemberLimits::rings() const {
+  constexpr int ratios = 4;
+  for (const Mode& mode : granted_.machine.modes) {
+    const double band = mode.frequency_high - mode.frequency_low, spread = mode.damping_high - mode.damping_low;
+    const int steps =
+        2 + static_cast<int>(std::min(1e5, 8.0 * band * granted_.sample_period * (command().order() + 1)));
+    for (int i = 0; i <= steps * (ratios + 1); ++i) {
+      const int line = i / (steps + 1);
+      if (line > (spread > 0.0 ? ratios : 0)) break;
+      const double f = mode.frequency_low + band * (i % (steps + 1)) / steps;
+      if (left(f, mode.damping_low + spread * line / ratios) > mode.residual_max) return true;
+    }
+  }
+  return false;
+}
+
+/// Amplitude of a vibration at the last tap.
+double MemberLimits::left(double frequency, double damping) const {
+  const double w = 2.0 * std::numbers::pi * frequency * granted_.sample_period;
+  const std::complex<double> turn =
+      std::polar(std::exp(-damping * w), -w * std::sqrt((1.0 - damping) * (1.0 + damping)));
+  std::complex<double> sum = 0.0;
+  for (const double b : command().taps) sum = sum * turn + b;
+  return std::abs(sum);
+}
+
+bool MemberLimits::broken_by_blend(const TaskCorner& corner, int delay) const {
+  const FamilyMember &commanded = command(), &moved = motion();
+  const Corner& g = corner.geometry();
+  const double period = granted_.sample_period, cosine = g.cos_interior();
+  const int last = moved.order() + delay + 2;
+  if (corner.error_max) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int k = 0; k <= last; ++k) {
+      const double p = g.feed_in * period * at(moved.way_left, k), q = g.feed_out * period * way_gone(moved, k - delay);
+      nearest = std::min(nearest, p * p + q * q + 2.0 * p * q * cosine);
+    }
+    if (std::sqrt(std::max(0.0, nearest)) > *corner.error_max * (1.0 + 1e-12)) return true;
+  }
+  std::vector<double> speed(static_cast<std::size_t>(last) + 1, 0.0);
+  for (std::size_t x = 0; x < granted_.machine.axes.size(); ++x) {
+    const auto e = static_cast<Eigen::Index>(x);
+    const double in = g.feed_in * g.direction_in[e], out = g.feed_out * g.direction_out[e];
+    const auto velocity = [=](const FamilyMember& member, int k) {
+      return in * at(member.left, k) + (k > delay ? out * at(member.gone, k - delay) : 0.0);
+    };
+    const auto acceleration = [=](const FamilyMember& member, int k) {
+      return (out * tap(member, k - 1 - delay) - in * tap(member, k - 1)) / period;
+    };
+    double before = 0.0;
+    for (int k = 0; k <= last; ++k) {
+      const double v = velocity(commanded, k), a = acceleration(commanded, k), motion_v = velocity(moved, k);
+      const Sampled sampled{
+          v, a, before, motion_v, acceleration(moved, k), period, std::max(std::abs(in), std::abs(out))};
+      if (broken(granted_.machine.axes[x], sampled)) return true;
+      before = a;
+      speed[static_cast<std::size_t>(k)] += motion_v * motion_v;
+    }
+  }
+  return corner.speed_min > 0.0 &&
+         corner.speed_min > std::sqrt(*std::min_element(speed.begin(), speed.end())) * (1.0 + 1e-12);
+}
+
+/// At this delay and all shorter ones.
+bool MemberLimits::too_far(const TaskCorner& corner, int delay) const {
+  const FamilyMember& moved = motion();
+  const Corner& g = corner.geometry();
+  const double period = granted_.sample_period, cosine = g.cos_interior();
+  const double allowed = *corner.error_max * *corner.error_max * (1.0 + 1e-9);
+  for (int k = 0; k <= moved.order() + delay + 2; ++k) {
+    const double p = g.feed_in * period * at(moved.way_left, k);
+    // The nearest, if that is farther along leg 2.
+    const double q = std::max(g.feed_out * period * way_gone(moved, k - delay), -p * cosine);
+    if (p * p + q * q + 2.0 * p * q * cosine <= allowed) return false;
+  }
+  return true;
+}
+
+int MemberLimits::least_delay(const TaskCorner& corner) const {
+  if (!corner.error_max) return 0;
+  int first = 0, last = longest_delay();
+  while (first < last) {
+    const int middle = first + (last - first) / 2;
+    if (too_far(corner, middle))
+      first = middle + 1;
+    else
+      last = middle;
+  }
+  return first;
+}
+
+}  // namespace accdec

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+
+#include <accdec/certificate/checked_response.hpp>
+#include <accdec/certificate/family_members.hpp>
+#include <accdec/machine.hpp>
+
+// Internal to the room: what a member of a family breaks, for the check of proof::FamilyEnumeration.
+
+namespace accdec {
+
+/// The checker's own sums over the samples of legs and corners behind one member, and behind the machine's response.
+/// Limits that it calls broken are. It need not see every one: loads of axes with dry friction that hardly move are left
+/// out, and so is a supply that axes share.
+class MemberLimits {
+ public:
+  /// @param granted   the task with limits wider than written, as verification grants them; kept, as is the member
+  /// @param response  of the task's machine
+  MemberLimits(const Task& granted, const FamilyMember& member, const CheckedResponse& response);
+
+  /// From here on, longer delays change nothing.
+  int longest_delay() const { return motion().order() + 2; }
+  /// A limit that a leg breaks which starts from rest or stops.
+  std::optional<LimitKind> broken_by_legs() const;
+  /// Whether a vibration is left that is too large. It is looked for at frequencies closer together than the response
+  /// can hide a peak between, and at a few damping ratios.
+  bool rings() const;
+  bool broken_by_blend(const TaskCorner& corner, int delay) const;
+  /// A delay below which the corner's error is too large. At every shorter delay, leg 2 is at least as far away sample
+  /// by sample. The nearest of all such positions therefore bounds the error of them all.
+  int least_delay(const TaskCorner& corner) const;
+
+ private:
+  const FamilyMember& command() const { return command_ ? *command_ : member_; }
+  const FamilyMember& motion() const { return motion_ ? *motion_ : command(); }
+  double left(double frequency, double damping) const;
+  bool too_far(const TaskCorner& corner, int delay) const;
+
+  const Task& granted_;
+  const FamilyMember& member_;
+  std::optional<FamilyMember> command_;  ///< behind the control's smoothing, where it has any
+  std::optional<FamilyMember> motion_;   ///< behind the servo, where it is given
+};
+
+}  // namespace accdec
