@@ -11,8 +11,8 @@
 namespace accdec {
 
 /// The checker's own sums over the samples of legs and corners behind one member, and behind the machine's response.
-/// Limits that it calls broken are. It need not see every one: loads of axes with dry friction that hardly move are left
-/// out, and so is a supply that axes share.
+/// Limits that it calls broken are. It need not see every one: loads of axes with dry friction that hardly move are
+/// left out, and so is a supply that axes share.
 class MemberLimits {
  public:
   /// @param granted   the task with limits wider than written, as verification grants them; kept, as is the member
