@@ -18,7 +18,7 @@ Interval pick_sign(int sign) {
 }  // namespace
 
 std::optional<CheckedTube> CheckedRows::tube(const CheckedBox& box) const {
-  return checked_tube(plants_, tap_max_, ramp_max(LimitKind::jerk), box.order, box.cuts);
+  return bounds_.tube(box.order, box.cuts);
 }
 
 bool CheckedRows::need_tube(CheckedBox& box) const {
@@ -53,7 +53,8 @@ void CheckedRows::add_row(const proof::EventPower& row, const Interval& weight, 
   if (row.sample < 1 || row.sample > sum.order() + 1) return;
   const Axis& x = axis(row.axis);
   const auto u = static_cast<std::size_t>(row.axis);
-  const CheckedSpeeds legs = row.stop ? CheckedSpeeds{stop_[u], 0.0} : CheckedSpeeds{0.0, start_[u]};
+  const double speed = bounds_.event_speed(u, row.stop);
+  const CheckedSpeeds legs = row.stop ? CheckedSpeeds{speed, 0.0} : CheckedSpeeds{0.0, speed};
   if (legs.in.hi == 0.0 && legs.out.hi == 0.0) throw Rejected("a multiplier names an axis that stands still");
   if (need_tube(box)) add_power(x, row.stop, legs, 0, row.sample, 1, row.low, row.high, weight, *box.tube, sum);
 }
@@ -65,7 +66,7 @@ void CheckedRows::add_row(const proof::BlendPower& row, const Interval& weight, 
   const Axis& x = axis(row.axis);
   if (row.sample < 1 || row.sample > sum.order() + d + 1) return;
   const auto u = static_cast<std::size_t>(row.axis);
-  const CheckedSpeeds legs{speed(corner(row.corner), u, true), speed(corner(row.corner), u, false)};
+  const CheckedSpeeds legs{checked_speed(corner(row.corner), u, true), checked_speed(corner(row.corner), u, false)};
   if (need_tube(box))
     add_power(x, row.regeneration, legs, d, row.sample, row.sign, row.low, row.high, weight, *box.tube, sum);
 }

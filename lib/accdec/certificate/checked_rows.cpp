@@ -13,36 +13,12 @@ void require_limit(double bound) {
 
 namespace {
 
-/// How often the acceleration is differenced over T to give the limited value: the checker's own list. None for other
-/// limits. None: other limits.
-std::optional<int> differences(LimitKind kind) {
-  switch (kind) {
-    case LimitKind::acceleration: return 0;
-    case LimitKind::jerk: return 1;
-    case LimitKind::velocity:
-    case LimitKind::force:
-    case LimitKind::power:
-    case LimitKind::regeneration:
-    case LimitKind::vibration:
-    case LimitKind::corner_error:
-    case LimitKind::speed_min:
-    case LimitKind::power_total:
-    case LimitKind::regeneration_total: break;
-  }
-  return std::nullopt;
-}
-
 /// Adds c times the n-th difference at `at` of the terms that `term` adds; every difference is multiplied by `step`.
 template <class Term>
 void add_difference(int n, int at, const Interval& c, const Interval& step, const Term& term) {
   if (n == 0) return term(at, c);
   add_difference(n - 1, at, c * step, step, term);
   add_difference(n - 1, at - 1, -1.0 * c * step, step, term);
-}
-
-/// Dry friction is against a start and helps a stop: what it adds to the force limit.
-Interval friction_of_event(const Axis& axis, bool stop) {
-  return Interval(stop ? axis.coulomb : -axis.coulomb);
 }
 
 /// Sine of the interior angle. For nearly collinear legs the cosine gives it only to some 1e-8. The part of leg 2
@@ -62,67 +38,7 @@ Interval sine_of(const Corner& corner, const Interval& cosine) {
 
 }  // namespace
 
-CheckedRows::CheckedRows(const Task& task) : task_(task), response_(task) {
-  const Interval t(task.sample_period);
-  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
-    const Axis& axis = task.machine.axes[a];
-    double start = 0.0, stop = 0.0;
-    for (const TaskCorner& c : task.corners) {
-      // Lower ends: a slower leg needs less.
-      const double in = speed(c, a, true).magnitude().lo, out = speed(c, a, false).magnitude().lo;
-      start = std::max({start, in, in == 0.0 ? out : 0.0});
-      stop = std::max({stop, out, out == 0.0 ? in : 0.0});
-    }
-    // Behind a response, loads are not those of the taps themselves.
-    for (const bool ends : {false, true}) {
-      if (!response_.ideal()) break;
-      const Interval s(ends ? stop : start);
-      if (s.lo == 0.0) continue;
-      CheckedPlant p{Interval(axis.mass) / t, Interval(axis.damping), {}, {}, {}, ends};
-      const auto over = [](double bound, const Interval& by) {
-        return bound < unlimited ? Interval(bound) / by : Interval(bound);
-      };
-      p.force = over((Interval(axis.force_max) + friction_of_event(axis, ends)).hi, s);
-      p.power = over(axis.power_max, s * s);
-      // Without its dry friction a stop would brake more.
-      p.regeneration = over(axis.coulomb > 0.0 ? unlimited : axis.regeneration_max, s * s);
-      plants_.push_back(p);
-    }
-    start_.push_back(start);
-    stop_.push_back(stop);
-    const double fastest = std::max(start, stop);
-    // Behind the control's smoothing, no limit is on the taps themselves.
-    if (fastest == 0.0 || response_.smooths()) continue;
-    if (axis.acceleration_max < unlimited)
-      tap_max_ = std::min(tap_max_, (Interval(axis.acceleration_max) * t / fastest).hi);
-    for (const AxisLimit& limit : axis_limits) {
-      const double bound = axis.*limit.bound;
-      if (differences(limit.kind).value_or(0) == 0 || !(bound < unlimited)) continue;
-      Interval max = Interval(bound) * t / fastest;
-      for (int n = *differences(limit.kind); n > 0; --n) max = max * t;
-      double& known = ramp_max_.try_emplace(limit.kind, unlimited).first->second;
-      known = std::min(known, max.hi);
-    }
-    if (response_.ideal() && axis.force_max < unlimited && axis.damping == 0.0 && axis.mass > 0.0) {
-      for (const bool ends : {false, true}) {
-        const Interval inertia = Interval(axis.mass) * (ends ? stop : start);
-        if (inertia.lo > 0.0)
-          tap_max_ = std::min(tap_max_, ((Interval(axis.force_max) + friction_of_event(axis, ends)) * t / inertia).hi);
-      }
-    }
-  }
-}
-
-double CheckedRows::ramp_max(LimitKind kind) const {
-  const auto found = ramp_max_.find(kind);
-  return found == ramp_max_.end() ? unlimited : found->second;
-}
-
-Interval CheckedRows::speed(const TaskCorner& c, std::size_t axis, bool in) const {
-  const auto a = static_cast<Eigen::Index>(axis);
-  return in ? Interval(c.geometry().feed_in) * c.geometry().direction_in[a]
-            : Interval(c.geometry().feed_out) * c.geometry().direction_out[a];
-}
+CheckedRows::CheckedRows(const Task& task) : task_(task), response_(task), bounds_(task, response_) {}
 
 const TaskCorner& CheckedRows::corner(int j) const {
   if (j < 0 || j >= static_cast<int>(task_.corners.size()))
@@ -160,12 +76,12 @@ void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) c
   const auto* vibration = std::get_if<proof::Vibration>(&row);
   bool all = std::holds_alternative<proof::Error>(row) || (vibration != nullptr && vibration->damping == 0.0);
   if (const auto* difference = std::get_if<proof::TapDifference>(&row))
-    all = inside(difference->sample) && inside(difference->sample - differences(difference->limit).value_or(0));
+    all = inside(difference->sample) && inside(difference->sample - checked_differences(difference->limit).value_or(0));
   if (const auto* force = std::get_if<proof::EventForce>(&row)) all = inside(force->sample - 1);
   if (const auto* blend = std::get_if<proof::Blend>(&row)) {
     corner(blend->corner);
     const int d = single_delay(blend->corner, box), tap = blend->sample - 1;
-    const int oldest = tap - differences(blend->limit).value_or(0);
+    const int oldest = tap - checked_differences(blend->limit).value_or(0);
     all = inside(tap) && inside(tap - d) && inside(oldest) && inside(oldest - d);
   }
   if (!all) throw Rejected("a multiplier names a limit beyond its window");
@@ -173,9 +89,9 @@ void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) c
 
 void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
   response_.require_no_smoothing();
-  const int n = differences(row.limit).value_or(0);
+  const int n = checked_differences(row.limit).value_or(0);
   if (n == 0) throw Rejected("a multiplier names a difference that no limit bounds");
-  const double max = ramp_max(row.limit);
+  const double max = bounds_.ramp_max(row.limit);
   require_limit(max);
   if (row.sample < 0 || row.sample > sum.order() + n) return;
   const Interval c = weight * (row.sign < 0 ? -1.0 : 1.0) / Interval(max);
@@ -189,13 +105,13 @@ void CheckedRows::add_row(const proof::EventForce& row, const Interval& weight, 
   if (k < 1 || k > static_cast<int>(sum.taps.size())) return;
   const Axis& x = axis(row.axis);
   require_limit(x.force_max);
-  const double speed = (row.stop ? stop_ : start_)[static_cast<std::size_t>(row.axis)];
+  const double speed = bounds_.event_speed(static_cast<std::size_t>(row.axis), row.stop);
   const Interval scale = weight * speed / Interval(x.force_max);
   sum.tap(k - 1, scale * Interval(x.mass) / period());
   sum.response(k, scale * Interval(x.damping));
   sum.rhs = sum.rhs + weight;
   if (row.stop) sum.rhs = sum.rhs + scale * Interval(x.damping);
-  sum.rhs = sum.rhs + weight * friction_of_event(x, row.stop) / Interval(x.force_max);
+  sum.rhs = sum.rhs + weight * checked_friction(x, row.stop) / Interval(x.force_max);
 }
 
 void CheckedRows::add_row(const proof::Error& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
@@ -272,13 +188,13 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
   if (row.limit == LimitKind::force) response_.require_ideal();
   const int d = single_delay(row.corner, box);
   const auto a = static_cast<std::size_t>(row.axis);
-  const Interval in = speed(c, a, true), out = speed(c, a, false);
+  const Interval in = checked_speed(c, a, true), out = checked_speed(c, a, false);
   const Interval y = weight * (row.sign < 0 ? -1.0 : 1.0);
   const auto acceleration = [&](int at, const Interval& f) {
     sum.tap(at - 1, -1.0 * f * in / period());
     sum.tap(at - 1 - d, f * out / period());
   };
-  if (const std::optional<int> times = differences(row.limit)) {
+  if (const std::optional<int> times = checked_differences(row.limit)) {
     const double bound = x.*axis_limit(row.limit).bound;
     require_limit(bound);
     add_difference(*times, k, y / Interval(bound), Interval(1.0) / period(), acceleration);

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <map>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
 #include <accdec/certificate.hpp>
 #include <accdec/certificate/checked_response.hpp>
-#include <accdec/certificate/checked_tube.hpp>
+#include <accdec/certificate/checked_tap_bounds.hpp>
 
 namespace accdec {
 
@@ -72,7 +72,7 @@ class CheckedRows {
  public:
   /// @param task  with the limits that verification grants (granted_limits.hpp); the reference is kept
   explicit CheckedRows(const Task& task);
-  double tap_max() const { return tap_max_; }
+  double tap_max() const { return bounds_.tap_max(); }
   /// Samples by which the machine's response lengthens the motion.
   int longer() const { return response_.longer(); }
   /// Bounds on the responses in a box; none if no filter is left.
@@ -83,7 +83,6 @@ class CheckedRows {
 
  private:
   Interval period() const { return Interval(task_.sample_period); }
-  Interval speed(const TaskCorner& corner, std::size_t axis, bool in) const;
   const TaskCorner& corner(int j) const;
   const Axis& axis(int a) const;
   // One function per kind of rows; rows over ranges are in checked_ranges.cpp, chords in checked_chords.cpp.
@@ -100,8 +99,6 @@ class CheckedRows {
   void add_row(const proof::Response& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_power(const Axis& axis, bool regeneration, const CheckedSpeeds& legs, int delay, int sample, int sign,
                  double low, double high, const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
-  /// Largest difference of taps that a limit on differences of the acceleration leaves; unlimited where there is none.
-  double ramp_max(LimitKind kind) const;
   int single_delay(int corner, const CheckedBox& box) const;
   /// @throws Rejected if a row concerns taps at or beyond the ends of a window
   void require_inside(const proof::Row& row, const CheckedBox& box) const;
@@ -109,11 +106,8 @@ class CheckedRows {
   bool need_tube(CheckedBox& box) const;
 
   const Task& task_;
-  double tap_max_ = 1.0;
-  std::map<LimitKind, double> ramp_max_;  // of all axes at their fastest legs
-  std::vector<double> start_, stop_;
-  std::vector<CheckedPlant> plants_;
   CheckedResponse response_;
+  CheckedTapBounds bounds_;
 };
 
 /// @throws Rejected if a limit is not given

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <accdec/certificate/checked_response.hpp>
+#include <accdec/certificate/checked_tube.hpp>
+#include <accdec/machine/limits.hpp>
+
+namespace accdec {
+
+/// How often the acceleration is differenced over T to give the limited value: the checker's own list. None: other
+/// limits.
+std::optional<int> checked_differences(LimitKind kind);
+/// Dry friction is against a start and helps a stop: what it adds to the force limit.
+Interval checked_friction(const Axis& axis, bool stop);
+/// Of an axis along a leg, m/s; with its sign.
+Interval checked_speed(const TaskCorner& corner, std::size_t axis, bool in);
+
+/// What all corners together leave of taps, of their differences and of the response, at every axis' fastest leg.
+class CheckedTapBounds {
+ public:
+  CheckedTapBounds(const Task& task, const CheckedResponse& response);
+  double tap_max() const { return tap_max_; }
+  /// Largest difference of taps that a limit on differences of the acceleration leaves; unlimited where there is none.
+  double ramp_max(LimitKind kind) const;
+  /// Lower end of the largest speed at which the axis starts, or stops, m/s.
+  double event_speed(std::size_t axis, bool stop) const { return (stop ? stop_ : start_)[axis]; }
+  /// Bounds on the responses within the cuts; none if no filter is left.
+  std::optional<CheckedTube> tube(int order, const std::vector<CheckedCut>& cuts) const {
+    return checked_tube(plants_, tap_max_, ramp_max(LimitKind::jerk), order, cuts);
+  }
+
+ private:
+  void add_plants(const Axis& axis, double start, double stop, const Interval& period);
+  void add_limits(const Axis& axis, double start, double stop, const Interval& period, bool ideal);
+
+  double tap_max_ = 1.0;
+  std::map<LimitKind, double> ramp_max_;
+  std::vector<double> start_, stop_;
+  std::vector<CheckedPlant> plants_;
+};
+
+}  // namespace accdec
