@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <accdec/families/family_search.hpp>
@@ -15,15 +13,9 @@
 namespace accdec {
 namespace {
 
-using std::numbers::pi;
-
-constexpr double slack = 1.0 + granted_tolerance;
 /// A real parameter is searched down to this part of its range. Behind a response the ranges of taps bound little, so
 /// that fewer values are tried.
 constexpr double resolution = 1e-8, resolution_behind_a_response = 1.0 / 256.0;
-
-/// Tones kept, those that filters rang at first.
-constexpr std::size_t most_tones = 100;
 
 /// Whether the corner's error bound may hold at this delay, up to rounding.
 bool may_hold_error(const Cascade& cascade, const TaskCorner& corner, double period, int delay) {
@@ -40,34 +32,19 @@ FamilySearch::FamilySearch(const Task& task, const Family& baseline, double belo
       family_(baseline),
       members_(std::move(members)),
       cost_(cost_of(task)),
-      bounds_(tap_bounds(granted_limits(*on_taps_))),
+      refusals_(*on_taps_),
       cheapest_(below) {
-  const double period = task.sample_period;
-  for (const TaskCorner& corner : on_taps_->corners) {
-    const Corner& g = corner.geometry();
-    for (std::size_t a = 0; a < on_taps_->machine.axes.size(); ++a) {
-      const auto e = static_cast<Eigen::Index>(a);
-      const double in = std::abs(g.feed_in * g.direction_in[e]), out = std::abs(g.feed_out * g.direction_out[e]);
-      if (std::max(in, out) > 0.0) speeds_.push_back({&on_taps_->machine.axes[a], in, out});
-    }
-  }
-  for (const Mode& mode : on_taps_->machine.modes) {
-    if (!mode.undamped()) continue;
-    for (const double f : {mode.frequency_low, 0.5 * (mode.frequency_low + mode.frequency_high), mode.frequency_high}) {
-      tones_.push_back({2.0 * pi * f * period, mode.residual_max});
-    }
-  }
   // Take all filters with taps of at most 1/L. Their distances p and q are smallest for some shift of the boxcar of L
   // taps or for a mixture of two neighbouring shifts. The reason is that the cost is convex in the tap's index. A
   // mixture is worth at most one sample of delay.
-  const int taps = std::max(1, static_cast<int>(std::min(1.0 / bounds_.most, task.design.order_max + 1.0)));
+  const int taps = std::max(1, static_cast<int>(std::min(1.0 / refusals_.tap_max(), task.design.order_max + 1.0)));
   const Cascade narrowest(std::span(&taps, 1), 0, 0);
   for (const TaskCorner& corner : on_taps_->corners) {
     int least = corner.delay.value_or(0);
     if (!corner.delay && corner.error_max) {
       for (int high = taps; least < high;) {
         const int middle = least + (high - least) / 2;
-        if (may_hold_error(narrowest, corner, period, middle))
+        if (may_hold_error(narrowest, corner, task.sample_period, middle))
           high = middle;
         else
           least = middle + 1;
@@ -112,91 +89,15 @@ void FamilySearch::offer_cascade(std::span<const int> lengths, const FilterSpec&
   const std::vector<double> taps = cascade_taps(lengths, spec.pairs, spec.pair_delay, spec.outer);
   double sum = static_cast<double>(1 << spec.pairs);
   for (const int length : lengths) sum *= length;
-  if (starts(taps, sum)) offer(spec);
+  if (refusals_.starts(taps, sum)) offer(spec);
 }
 
-/// What needs no taps: the plateau, the first step, the vibration at a few frequencies, a few samples, the errors.
+/// What needs no taps: the lengths, a few samples, the errors.
 bool FamilySearch::cheap_refusal(std::span<const int> lengths, const FilterSpec& spec) {
-  const double copies = static_cast<double>(1 << spec.pairs);
-  double first = spec.pairs == 2 ? spec.outer : 1.0 / copies, rest = 0.0;
-  for (const int length : lengths) first /= length, rest += length - 1;
-  rest -= lengths.front() - 1;
-  if (first > bounds_.step) return true;
-  // The longest average has a plateau if it is longer than the others together. With copies, no tap there is below its
-  // share of the largest.
-  const double largest = spec.pairs == 2 ? std::max(spec.outer, 1.0 - 2.0 * spec.outer) : 1.0 / copies;
-  if (lengths.front() > rest && largest / lengths.front() > bounds_.most) return true;
-  if (rings(lengths, spec)) return true;
+  if (refusals_.refuses(lengths, spec)) return true;
   if (spec.order + spec.pairs * spec.pair_delay > Cascade::order_max) return false;
   const Cascade cascade(lengths, spec.pairs, spec.pair_delay, spec.outer);
-  return fails_likewise(cascade) || too_slow(cascade);
-}
-
-bool FamilySearch::rings(std::span<const int> lengths, const FilterSpec& spec) {
-  const std::array<int, 2> delays{spec.pair_delay, spec.pair_delay};
-  const auto pairs = std::span(delays).first(static_cast<std::size_t>(spec.pairs));
-  const bool equal = spec.pairs < 2 || spec.outer == zvd_outer;
-  for (Tone& tone : tones_) {
-    const double left = equal ? cascade_response(tone.phase, lengths, pairs)
-                              : cascade_response(tone.phase, lengths, {}) *
-                                    std::abs(1.0 - 2.0 * spec.outer * (1.0 - std::cos(tone.phase * spec.pair_delay)));
-    if (left <= tone.residual_max * slack + 1e-12) continue;
-    std::swap(tone, tones_.front());
-    return true;
-  }
-  return false;
-}
-
-bool FamilySearch::start_holds(const LegSpeeds& speeds, double tap, double gone) const {
-  const Axis& axis = *speeds.axis;
-  const double v = speeds.start * gone,
-               force = axis.mass * speeds.start * tap / task_.sample_period + axis.damping * v + axis.coulomb;
-  return force <= axis.force_max * slack && force * v <= axis.power_max * slack;
-}
-
-bool FamilySearch::stop_holds(const LegSpeeds& speeds, double tap, double left) const {
-  const Axis& axis = *speeds.axis;
-  const double v = speeds.stop * left,
-               braking = axis.mass * speeds.stop * tap / task_.sample_period - axis.damping * v - axis.coulomb;
-  return braking * v <= axis.regeneration_max * slack;
-}
-
-/// Whether a filter may start every leg and stop it: what most do not, and the cheapest to see on taps not yet divided
-/// by their sum.
-bool FamilySearch::starts(std::span<const double> taps, double sum) {
-  if (*std::max_element(taps.begin(), taps.end()) > bounds_.most * sum || taps.front() > bounds_.step * sum)
-    return false;
-  const int last = static_cast<int>(taps.size()) - 1;
-  for (const LegSpeeds& speeds : speeds_) {
-    const Axis& axis = *speeds.axis;
-    if (axis.force_max < unlimited || axis.power_max < unlimited) {
-      double gone = 0.0;
-      for (int k = 0; k <= last; ++k) {
-        const double b = taps[static_cast<std::size_t>(k)];
-        gone += b;
-        if (!start_holds(speeds, b / sum, gone / sum)) return failed_start_ = {&speeds, k}, false;
-      }
-    }
-    if (axis.regeneration_max < unlimited) {
-      double left = sum;
-      for (int k = 0; k <= last; ++k) {
-        const double b = taps[static_cast<std::size_t>(k)];
-        left -= b;
-        if (!stop_holds(speeds, b / sum, left / sum)) return failed_stop_ = {&speeds, k}, false;
-      }
-    }
-  }
-  return true;
-}
-
-/// Whether it breaks a limit where the last one did that broke one: neighbours mostly do.
-bool FamilySearch::fails_likewise(const Cascade& cascade) const {
-  constexpr double looser = 1.0 - 1e-8;  // than rounding
-  if (const auto& [speeds, k] = failed_start_;
-      speeds != nullptr && !start_holds(*speeds, looser * cascade.tap(k), looser * cascade.gone(k)))
-    return true;
-  const auto& [speeds, k] = failed_stop_;
-  return speeds != nullptr && !stop_holds(*speeds, looser * cascade.tap(k), 1.0 - cascade.gone(k));
+  return refusals_.fails_likewise(cascade) || too_slow(cascade);
 }
 
 void FamilySearch::offer(const FilterSpec& spec) {
@@ -204,16 +105,7 @@ void FamilySearch::offer(const FilterSpec& spec) {
   // A filter of a million taps has up to a million delays, or frequencies, to check.
   const auto late = [this] { return this->late(); };
   const Filter filter = make_filter(spec);
-  if (*std::max_element(filter.taps().begin(), filter.taps().end()) > bounds_.most) return;
-  for (const LimitUse& use : vibration_utilisation(filter, task_.sample_period, on_taps_->machine, late)) {
-    if (use.utilisation <= slack) continue;
-    // The next filters that ring there are refused at once, and so are ranges of them.
-    const double phase = 2.0 * pi * use.frequency * task_.sample_period;
-    const bool known =
-        std::any_of(tones_.begin(), tones_.end(), [=](const Tone& t) { return std::abs(t.phase - phase) < 1e-9; });
-    if (!known && tones_.size() < most_tones) tones_.push_back({phase, use.bound});
-    return;
-  }
+  if (refusals_.refuses(filter, late)) return;
   const auto delays = delays_of_kinds(filter, task_, cheapest_, late);
   if (!delays || late()) return;
   const double cost = cost_(filter.order(), delays->delays);
@@ -258,7 +150,7 @@ void FamilySearch::search_parameter(const FilterSpec& spec, const RealParameter&
     open.pop_back();
     ++tried_;
     const TapRange range = tap_range(interval.taps_from, interval.taps_to, spec.pairs, spec.pair_delay);
-    if (!better(lower_cost(range, *on_taps_, cost_, tones_, least_delays_, cheapest_))) continue;
+    if (!better(lower_cost(range, *on_taps_, cost_, refusals_.tones(), least_delays_, cheapest_))) continue;
     if (!ends_offered) offer_at(high), offer_at(low), ends_offered = true;
     if (interval.to - interval.from < finest * (high - low)) continue;
     const double middle = 0.5 * (interval.from + interval.to);

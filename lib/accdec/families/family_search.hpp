@@ -6,20 +6,12 @@
 #include <span>
 #include <vector>
 
-#include <accdec/families/cascade.hpp>
-#include <accdec/families/tap_range.hpp>
+#include <accdec/families/quick_refusals.hpp>
 #include <accdec/family.hpp>
 #include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/objective.hpp>
-#include <accdec/task/tap_bounds.hpp>
 
 namespace accdec {
-
-/// Speeds at which one axis starts along leg 1 and stops along leg 2, m/s.
-struct LegSpeeds {
-  const Axis* axis;
-  double start, stop;
-};
 
 /// Internal to the room: the search behind `best_member`, of one family for one task.
 class FamilySearch {
@@ -47,17 +39,7 @@ class FamilySearch {
   void offer(const FilterSpec& spec);
   void offer_cascade(std::span<const int> lengths, const FilterSpec& spec);
   bool cheap_refusal(std::span<const int> lengths, const FilterSpec& spec);
-  bool rings(std::span<const int> lengths, const FilterSpec& spec);
-  bool fails_likewise(const Cascade& cascade) const;
   bool too_slow(const Cascade& cascade) const;
-  bool starts(std::span<const double> taps, double sum);
-
-  struct Place {
-    const LegSpeeds* speeds = nullptr;
-    int sample = 0;
-  };
-  bool start_holds(const LegSpeeds& speeds, double tap, double gone) const;
-  bool stop_holds(const LegSpeeds& speeds, double tap, double left) const;
 
   const Task& task_;
   std::shared_ptr<const Task> on_taps_;  ///< the limits by which filters are refused before their motion is looked at
@@ -65,10 +47,7 @@ class FamilySearch {
   Members members_;
   LinearCost cost_;
   std::vector<int> least_delays_;  ///< lower bounds for all filters within the limits
-  TapBounds bounds_;
-  std::vector<LegSpeeds> speeds_;
-  Place failed_start_, failed_stop_;  ///< where the last filter that could not start or stop broke a limit
-  std::vector<Tone> tones_;           ///< frequencies at which filters were found to ring, the last first
+  QuickRefusals refusals_;
   std::function<bool()> stop_now_;
   bool late_ = false;
   double cheapest_;

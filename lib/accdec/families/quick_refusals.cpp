@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <accdec/families/quick_refusals.hpp>
+#include <accdec/filter.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double slack = 1.0 + granted_tolerance;
+
+/// Tones kept, those that filters rang at first.
+constexpr std::size_t most_tones = 100;
+
+}  // namespace
+
+QuickRefusals::QuickRefusals(const Task& on_taps) : on_taps_(on_taps), bounds_(tap_bounds(granted_limits(on_taps))) {
+  const double period = on_taps.sample_period;
+  for (const TaskCorner& corner : on_taps_.corners) {
+    const Corner& g = corner.geometry();
+    for (std::size_t a = 0; a < on_taps_.machine.axes.size(); ++a) {
+      const auto e = static_cast<Eigen::Index>(a);
+      const double in = std::abs(g.feed_in * g.direction_in[e]), out = std::abs(g.feed_out * g.direction_out[e]);
+      if (std::max(in, out) > 0.0) speeds_.push_back({&on_taps_.machine.axes[a], in, out});
+    }
+  }
+  for (const Mode& mode : on_taps_.machine.modes) {
+    if (!mode.undamped()) continue;
+    for (const double f : {mode.frequency_low, 0.5 * (mode.frequency_low + mode.frequency_high), mode.frequency_high}) {
+      tones_.push_back({2.0 * pi * f * period, mode.residual_max});
+    }
+  }
+}
+
+bool QuickRefusals::refuses(std::span<const int> lengths, const FilterSpec& spec) {
+  const double copies = static_cast<double>(1 << spec.pairs);
+  double first = spec.pairs == 2 ? spec.outer : 1.0 / copies, rest = 0.0;
+  for (const int length : lengths) first /= length, rest += length - 1;
+  rest -= lengths.front() - 1;
+  if (first > bounds_.step) return true;
+  // The longest average has a plateau if it is longer than the others together. With copies, no tap there is below its
+  // share of the largest.
+  const double largest = spec.pairs == 2 ? std::max(spec.outer, 1.0 - 2.0 * spec.outer) : 1.0 / copies;
+  if (lengths.front() > rest && largest / lengths.front() > bounds_.most) return true;
+  return rings(lengths, spec);
+}
+
+bool QuickRefusals::rings(std::span<const int> lengths, const FilterSpec& spec) {
+  const std::array<int, 2> delays{spec.pair_delay, spec.pair_delay};
+  const auto pairs = std::span(delays).first(static_cast<std::size_t>(spec.pairs));
+  const bool equal = spec.pairs < 2 || spec.outer == zvd_outer;
+  for (Tone& tone : tones_) {
+    const double left = equal ? cascade_response(tone.phase, lengths, pairs)
+                              : cascade_response(tone.phase, lengths, {}) *
+                                    std::abs(1.0 - 2.0 * spec.outer * (1.0 - std::cos(tone.phase * spec.pair_delay)));
+    if (left <= tone.residual_max * slack + 1e-12) continue;
+    std::swap(tone, tones_.front());
+    return true;
+  }
+  return false;
+}
+
+bool QuickRefusals::start_holds(const LegSpeeds& speeds, double tap, double gone) const {
+  const Axis& axis = *speeds.axis;
+  const double v = speeds.start * gone,
+               force = axis.mass * speeds.start * tap / on_taps_.sample_period + axis.damping * v + axis.coulomb;
+  return force <= axis.force_max * slack && force * v <= axis.power_max * slack;
+}
+
+bool QuickRefusals::stop_holds(const LegSpeeds& speeds, double tap, double left) const {
+  const Axis& axis = *speeds.axis;
+  const double v = speeds.stop * left,
+               braking = axis.mass * speeds.stop * tap / on_taps_.sample_period - axis.damping * v - axis.coulomb;
+  return braking * v <= axis.regeneration_max * slack;
+}
+
+bool QuickRefusals::starts(std::span<const double> taps, double sum) {
+  if (*std::max_element(taps.begin(), taps.end()) > bounds_.most * sum || taps.front() > bounds_.step * sum)
+    return false;
+  const int last = static_cast<int>(taps.size()) - 1;
+  for (const LegSpeeds& speeds : speeds_) {
+    const Axis& axis = *speeds.axis;
+    if (axis.force_max < unlimited || axis.power_max < unlimited) {
+      double gone = 0.0;
+      for (int k = 0; k <= last; ++k) {
+        const double b = taps[static_cast<std::size_t>(k)];
+        gone += b;
+        if (!start_holds(speeds, b / sum, gone / sum)) return failed_start_ = {&speeds, k}, false;
+      }
+    }
+    if (axis.regeneration_max < unlimited) {
+      double left = sum;
+      for (int k = 0; k <= last; ++k) {
+        const double b = taps[static_cast<std::size_t>(k)];
+        left -= b;
+        if (!stop_holds(speeds, b / sum, left / sum)) return failed_stop_ = {&speeds, k}, false;
+      }
+    }
+  }
+  return true;
+}
+
+bool QuickRefusals::fails_likewise(const Cascade& cascade) const {
+  constexpr double looser = 1.0 - 1e-8;  // than rounding
+  if (const auto& [speeds, k] = failed_start_;
+      speeds != nullptr && !start_holds(*speeds, looser * cascade.tap(k), looser * cascade.gone(k)))
+    return true;
+  const auto& [speeds, k] = failed_stop_;
+  return speeds != nullptr && !stop_holds(*speeds, looser * cascade.tap(k), 1.0 - cascade.gone(k));
+}
+
+bool QuickRefusals::refuses(const Filter& filter, const std::function<bool()>& late) {
+  if (*std::max_element(filter.taps().begin(), filter.taps().end()) > bounds_.most) return true;
+  for (const LimitUse& use : vibration_utilisation(filter, on_taps_.sample_period, on_taps_.machine, late)) {
+    if (use.utilisation <= slack) continue;
+    // The next filters that ring there are refused at once, and so are ranges of them.
+    const double phase = 2.0 * pi * use.frequency * on_taps_.sample_period;
+    const bool known =
+        std::any_of(tones_.begin(), tones_.end(), [=](const Tone& t) { return std::abs(t.phase - phase) < 1e-9; });
+    if (!known && tones_.size() < most_tones) tones_.push_back({phase, use.bound});
+    return true;
+  }
+  return false;
+}
+
+}  // namespace accdec
