@@ -1,15 +1,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include <accdec/gcode/canonical_call.hpp>
+#include <accdec/gcode/canonical_position.hpp>
 #include <accdec/gcode/modal_groups.hpp>
 #include <accdec/gcode/move_state.hpp>
 #include <accdec/gcode/number.hpp>
-#include <accdec/gcode/program_frame.hpp>
 #include <accdec/gcode/read_formats.hpp>
 #include <accdec/simulate.hpp>
 
@@ -25,7 +24,7 @@ constexpr const char* allowed_calls =
 class CanonicalReader {
  public:
   CanonicalReader(LineSource& source, const ReadOptions& options, MoveSink& sink)
-      : source_(source), state_(source, sink, options.arc_tolerance), numbered_(options.numbered) {}
+      : source_(source), state_(source, sink, options.arc_tolerance), numbered_(options.numbered), position_(state_) {}
 
   void run() {
     while (source_.next(line_)) {
@@ -61,17 +60,8 @@ class CanonicalReader {
     source_.fail(call_.arguments + 1,
                  "unknown argument of " + std::string(call_.name) + ", allowed: " + std::string(words));
   }
-  static double unit_of(std::size_t axis, double length) { return axis >= 3 && axis < 6 ? 1e-3 : length; }
-  static std::array<std::optional<double>, program_axis_count> origin() {
-    std::array<std::optional<double>, program_axis_count> zeros;
-    zeros.fill(0.0);
-    return zeros;
-  }
-  double scaled(std::size_t argument, std::size_t axis) const { return value_[argument] * unit_of(axis, state_.unit); }
-  double coordinate(std::size_t argument, std::size_t axis);
   ProgramPoint offsets(std::size_t from) const;
   void offset_call();
-  ProgramPoint machine_of(const ProgramPoint& to) const;
   void straight(bool rapid);
   void arc();
   void control();
@@ -82,11 +72,7 @@ class CanonicalReader {
   std::string_view line_;
   CanonicalCall call_;
   bool numbered_, started_ = false;  // started: a line of the program has been seen
-  ProgramFrame frame_;
-  // Where the program stands: in its own frame, and as printed last, if it was in this frame; m a unit then.
-  ProgramPoint here_{};
-  std::array<std::optional<double>, program_axis_count> printed_ = origin();
-  double printed_unit_ = 1e-3;
+  CanonicalPosition position_;
   std::array<double, 10> value_{};
   std::size_t count_ = 0;
 };
@@ -238,17 +224,16 @@ void CanonicalReader::feed() {
 
 ProgramPoint CanonicalReader::offsets(std::size_t from) const {
   ProgramPoint values{};
-  for (std::size_t i = from; i < count_; ++i) values[i - from] = scaled(i, i - from);
+  for (std::size_t i = from; i < count_; ++i) values[i - from] = position_.scaled(value_[i], i - from);
   return values;
 }
 
-/// The machine stays where it is; the program's coordinates of it change.
 void CanonicalReader::offset_call() {
   const std::string_view name = call_.name;
-  const ProgramFrame old = frame_;
+  ProgramFrame frame = position_.frame();
   if (name == "SET_XY_ROTATION") {
     numbers(1, 1);
-    frame_.rotation = value_[0] * std::numbers::pi / 180.0;
+    frame.rotation = value_[0] * std::numbers::pi / 180.0;
   } else if (name == "SET_G5X_OFFSET") {
     numbers(2, 10);
     const double system = value_[0];
@@ -257,81 +242,56 @@ void CanonicalReader::offset_call() {
       const int tenths = system <= 6.0 ? 530 + 10 * static_cast<int>(system) : 584 + static_cast<int>(system);
       state_.select(code_name('G', tenths));
     }
-    frame_.system = offsets(1);
+    frame.system = offsets(1);
   } else {
     numbers(1, 9);
-    (name == "SET_G92_OFFSET" ? frame_.g92 : frame_.tool) = offsets(0);
+    (name == "SET_G92_OFFSET" ? frame.g92 : frame.tool) = offsets(0);
   }
-  if (frame_ == old) return;
-  here_ = frame_.to_program(state_.position);
-  printed_ = {};
-}
-
-/// Coordinates are printed with 4 decimals. A coordinate that has not moved prints the same text. But after a change of
-/// unit it differs by its rounding. Then it must not move; otherwise full circles would be lost and rotary moves would
-/// count as moves of X.
-double CanonicalReader::coordinate(std::size_t argument, std::size_t axis) {
-  const double unit = unit_of(axis, state_.unit), value = value_[argument] * unit;
-  const double old_unit = unit_of(axis, printed_unit_);
-  const bool same = unit == old_unit && printed_[axis] ? value_[argument] == *printed_[axis]
-                                                       : std::abs(value - here_[axis]) <= 0.5001e-4 * (unit + old_unit);
-  printed_[axis] = value_[argument];
-  return same ? here_[axis] : value;
+  position_.set_frame(frame);
 }
 
 void CanonicalReader::straight(bool rapid) {
   numbers(3, program_axis_count);
-  ProgramPoint to = here_;
-  for (std::size_t a = 0; a < count_; ++a) to[a] = coordinate(a, a);
-  printed_unit_ = state_.unit;
-  const ProgramPoint machine = machine_of(to);
-  here_ = to;
+  ProgramPoint to = position_.here();
+  for (std::size_t a = 0; a < count_; ++a) to[a] = position_.coordinate(value_[a], a);
+  position_.end_of_coordinates();
+  const ProgramPoint machine = position_.machine_of(to);
+  position_.go(to);
   state_.straight(machine, rapid, call_.column + 1);
-}
-
-/// Axes of the program that do not move keep the machine's where they are, to the bit.
-ProgramPoint CanonicalReader::machine_of(const ProgramPoint& to) const {
-  ProgramPoint machine = frame_.to_machine(to);
-  for (std::size_t a = 0; a < program_axis_count; ++a) {
-    const bool with_others = frame_.rotation != 0.0 && a < 2;
-    const bool still = with_others ? to[0] == here_[0] && to[1] == here_[1] : to[a] == here_[a];
-    if (still) machine[a] = state_.position[a];
-  }
-  return machine;
 }
 
 void CanonicalReader::arc() {
   numbers(6, 9);
-  ProgramPoint to = here_, center = here_;
+  ProgramPoint to = position_.here(), center = position_.here();
   const std::size_t first = MoveState::first_axis(state_.plane), second = MoveState::second_axis(state_.plane);
   const std::size_t normal = 3 - first - second;
-  if (frame_.rotation != 0.0 && state_.plane != Plane::xy)
+  if (position_.frame().rotation != 0.0 && state_.plane != Plane::xy)
     source_.fail(call_.column + 1, "arcs outside the XY plane are not supported where G10 R rotates it");
-  to[first] = coordinate(0, first);
-  to[second] = coordinate(1, second);
-  center[first] = scaled(2, first);
-  center[second] = scaled(3, second);
-  to[normal] = coordinate(5, normal);
-  for (std::size_t a = 6; a < count_; ++a) to[a - 3] = coordinate(a, a - 3);
-  printed_unit_ = state_.unit;
+  to[first] = position_.coordinate(value_[0], first);
+  to[second] = position_.coordinate(value_[1], second);
+  center[first] = position_.scaled(value_[2], first);
+  center[second] = position_.scaled(value_[3], second);
+  to[normal] = position_.coordinate(value_[5], normal);
+  for (std::size_t a = 6; a < count_; ++a) to[a - 3] = position_.coordinate(value_[a], a - 3);
+  position_.end_of_coordinates();
   const double turns = value_[4];
   if (turns == 0.0 || turns != std::floor(turns) || std::abs(turns) > 1e6) {
     source_.fail(call_.arguments + 1, "the fifth argument of an arc is its number of turns, positive counterclockwise");
   }
   Arc arc;
-  arc.to = machine_of(to);
+  arc.to = position_.machine_of(to);
   // A helix as narrow as its cutter leaves the interpreter's compensation as a line along its axis.
-  const bool narrow = to[first] == here_[first] && to[second] == here_[second] &&
+  const bool narrow = to[first] == position_.here()[first] && to[second] == position_.here()[second] &&
                       std::hypot(center[first] - to[first], center[second] - to[second]) <= 0.5001e-4 * state_.unit;
   if (narrow) {
-    here_ = to;
+    position_.go(to);
     state_.straight(arc.to, false, call_.column + 1);
     return;
   }
-  center = frame_.to_machine(center);
+  center = position_.frame().to_machine(center);
   arc.center_first = center[first];
   arc.center_second = center[second];
-  here_ = to;
+  position_.go(to);
   state_.arc(arc, turns < 0.0, static_cast<int>(std::abs(turns)), nullptr, call_.column + 1);
 }
 
