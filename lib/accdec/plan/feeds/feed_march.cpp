@@ -1,15 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/plan/feeds/feed_changes.hpp>
 #include <accdec/plan/feeds/feed_march.hpp>
-#include <accdec/simulate/command_stream.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr double sum_slack = 1e-6;  // relative; sums of times and lengths differ by rounding
-constexpr double worth = 0.01;      // smallest rise of the speed that is worth a step, of the speed
-constexpr double eps_time = 1e-9;   // s
+constexpr double worth = 0.01;     // smallest rise of the speed that is worth a step, of the speed
+constexpr double eps_time = 1e-9;  // s
 constexpr double good = 1.0 + 2.0 * sum_slack;
 
 template <std::size_t axes>
@@ -17,19 +16,18 @@ class March {
  public:
   March(const FeedPath& path, const FeedWindow& window, std::span<const FeedPiece> caps, Walk walk,
         const Deadline& deadline)
-      : path_(path),
+      : path_(path, caps, walk),
         window_(window),
-        caps_(caps),
-        backward_(walk == Walk::backward),
+        judge_(window, path_.dimensions(), path_.backward()),
         reach_(window.reach()),
         deadline_(deadline) {
     line_.push_back({0.0, 0.0, 1.0F, {}});
   }
 
   std::vector<FeedPiece> run() {
-    out_.reserve(caps_.size() + caps_.size() / 4);
-    for (std::size_t i = 0; i < caps_.size(); ++i) {
-      const FeedPiece& cap = piece(i);
+    out_.reserve(path_.pieces() + path_.pieces() / 4);
+    for (std::size_t i = 0; i < path_.pieces(); ++i) {
+      const FeedPiece& cap = path_.piece(i);
       double left = cap.length;
       while (left > 0.0) {
         if (++steps_ % 4096 == 0) late_ = late_ || deadline_.over();
@@ -42,12 +40,12 @@ class March {
         left -= length;
         go(cap.block, length, v, time);
       }
-      if (rest(i) > 0.0) {
-        out_.back().rest += rest(i);
-        append(now_ + rest(i), 0.0, {}, 1.0F);
+      if (path_.rest(i) > 0.0) {
+        out_.back().rest += path_.rest(i);
+        append(now_ + path_.rest(i), 0.0, {}, 1.0F);
       }
     }
-    if (backward_) {
+    if (path_.backward()) {
       // Rests stand after the piece that comes first in the order of the path.
       std::reverse(out_.begin(), out_.end());
       for (std::size_t i = 0; i < out_.size(); ++i) out_[i].rest = i + 1 < out_.size() ? out_[i + 1].rest : 0.0;
@@ -56,28 +54,7 @@ class March {
   }
 
  private:
-  struct Segment {
-    double end;  // s
-    double speed;
-    float margin;
-    AxisRow<axes> velocity;
-  };
-
-  std::size_t n() const { return axes > 0 ? axes : path_.dimensions; }
-  const FeedPiece& piece(std::size_t i) const { return backward_ ? caps_[caps_.size() - 1 - i] : caps_[i]; }
-  /// At rest after piece i in the direction of the walk.
-  double rest(std::size_t i) const {
-    if (!backward_) return caps_[i].rest;
-    const std::size_t at = caps_.size() - 1 - i;
-    return at > 0 ? caps_[at - 1].rest : 0.0;
-  }
-  AxisRow<axes> velocity(std::uint32_t block, double v) const {
-    AxisRow<axes> row{};
-    const double* u = path_.direction.data() + block * n();
-    const double s = backward_ ? -v : v;
-    for (std::size_t a = 0; a < n(); ++a) row[a] = s * u[a];
-    return row;
-  }
+  using Segment = FeedSegment<axes>;
 
   void append(double end, double v, const AxisRow<axes>& row, float margin) {
     Segment& last = line_.back();
@@ -104,7 +81,7 @@ class March {
     } else {
       out_.push_back({block, length, v, 0.0});
     }
-    append(now_ + time, v, velocity(block, v), path_.margin[block]);
+    append(now_ + time, v, path_.velocity(block, v), path_.margin(block));
     before_ = v;
   }
 
@@ -120,44 +97,9 @@ class March {
     return std::max(next, 1e-6);
   }
 
-  struct Verdict {
-    double use = 0.0;       // largest part of what is allowed
-    double try_next = 0.0;  // a lower speed that may do; 0: unknown
-  };
-
-  void pair(const Segment& at, const Segment& before, double v, Verdict& verdict) const {
-    const double scale = backward_ && before.speed > at.speed ? at.speed / before.speed : 1.0;
-    for (std::size_t a = 0; a < n(); ++a) {
-      const double old = before.velocity[a] * scale, now = at.velocity[a];
-      const double allowed = window_.change(a, now, old, backward_) * static_cast<double>(at.margin);
-      judge(now, now - old, allowed, at.speed, v, verdict);
-    }
-  }
-
-  void judge(double now, double change, double allowed, double speed, double v, Verdict& verdict) const {
-    const double size = std::abs(change);
-    if (size > allowed * verdict.use) verdict.use = allowed > 0.0 ? size / allowed : 1e30;
-    if (size <= allowed * (1.0 + sum_slack) || speed != v || now == 0.0) return;
-    // change = now - old; by how much now, in proportion to v, has to shrink
-    const double excess = (size - allowed) * (change * now > 0.0 ? 1.0 : -1.0);
-    const double lower = v * (1.0 - excess / std::abs(now));
-    if (lower > 0.0 && lower < v) verdict.try_next = verdict.try_next > 0.0 ? std::min(verdict.try_next, lower) : lower;
-  }
-
-  void jerk(const Segment& at, const Segment& one, const Segment& two, const Segment& both, double v,
-            Verdict& verdict) const {
-    const auto scale = [&](const Segment& s) { return backward_ && s.speed > at.speed ? at.speed / s.speed : 1.0; };
-    const double s1 = scale(one), s2 = scale(two), s3 = scale(both);
-    for (std::size_t a = 0; a < n(); ++a) {
-      const double now = at.velocity[a];
-      const double change = now - s1 * one.velocity[a] - s2 * two.velocity[a] + s3 * both.velocity[a];
-      judge(now, change, window_.jerk_change(a) * static_cast<double>(at.margin), at.speed, v, verdict);
-    }
-  }
-
   /// How speed v from here on uses the limits within `ahead` seconds.
-  Verdict check(std::size_t i, double left, double v, double ahead) {
-    Verdict verdict;
+  FeedVerdict check(std::size_t i, double left, double v, double ahead) {
+    FeedVerdict verdict;
     const std::size_t size = line_.size();
     const double horizon = now_ + ahead;
     std::size_t one = keep_, two = keep_, both = keep_;
@@ -172,23 +114,23 @@ class March {
           while (line_[two].end + window_.tau2() <= soon) ++two;
           while (line_[both].end + reach_ <= soon) ++both;
           next = std::min({next, line_[two].end + window_.tau2(), line_[both].end + reach_});
-          jerk(at, line_[one], line_[two], line_[both], v, verdict);
+          judge_.jerk(at, line_[one], line_[two], line_[both], v, verdict);
         }
-        pair(at, line_[one], v, verdict);
+        judge_.pair(at, line_[one], v, verdict);
         t = next;
       }
       t = std::max(t, end);
     };
-    for (; i < caps_.size() && t < horizon - eps_time; ++i) {
-      const FeedPiece& cap = piece(i);
+    for (; i < path_.pieces() && t < horizon - eps_time; ++i) {
+      const FeedPiece& cap = path_.piece(i);
       const double speed = std::min(v, cap.speed);
-      line_.push_back({t + left / speed, speed, path_.margin[cap.block], velocity(cap.block, speed)});
+      line_.push_back({t + left / speed, speed, path_.margin(cap.block), path_.velocity(cap.block, speed)});
       follow(line_.back().end);
-      if (rest(i) > 0.0) {
-        line_.push_back({t + rest(i), 0.0, 1.0F, {}});
+      if (path_.rest(i) > 0.0) {
+        line_.push_back({t + path_.rest(i), 0.0, 1.0F, {}});
         follow(line_.back().end);
       }
-      if (i + 1 < caps_.size()) left = piece(i + 1).length;
+      if (i + 1 < path_.pieces()) left = path_.piece(i + 1).length;
     }
     if (t < horizon - eps_time) {
       line_.push_back({horizon, 0.0, 1.0F, {}});
@@ -202,7 +144,7 @@ class March {
   double decide(std::size_t i, double left, double cap) {
     const bool same = std::abs(cap - sure_speed_) <= 1e-9 * cap;  // speeds differ by rounding
     if (same && now_ + reach_ <= sure_until_) return cap;
-    const Verdict verdict = check(i, left, cap, reach_);
+    const FeedVerdict verdict = check(i, left, cap, reach_);
     if (verdict.use > good) {
       sure_until_ = 0.0;
       return lowered(i, left, cap, verdict);
@@ -218,13 +160,13 @@ class March {
 
   /// The smallest rise that is worth a step: of filters so short that they allow less at a time, a part of that.
   double worth_of(std::size_t i, double v) const {
-    const double* u = path_.direction.data() + piece(i).block * n();
+    const double* u = path_.direction(path_.piece(i).block);
     double step = unlimited;
-    for (std::size_t a = 0; a < n(); ++a) step = std::min(step, window_.step(a) / std::abs(u[a]));
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) step = std::min(step, window_.step(a) / std::abs(u[a]));
     return std::min(worth, 0.25 * step / v);
   }
 
-  double lowered(std::size_t i, double left, double cap, Verdict verdict) {
+  double lowered(std::size_t i, double left, double cap, FeedVerdict verdict) {
     const double least_rise = before_ > 0.0 ? worth_of(i, before_) : worth;
     double best = cap, least = verdict.use, bad = cap, fine = 0.0;
     double v = cap;
@@ -253,10 +195,9 @@ class March {
     return fine;
   }
 
-  const FeedPath& path_;
+  WalkedPath<axes> path_;
   const FeedWindow& window_;
-  std::span<const FeedPiece> caps_;
-  bool backward_;
+  ChangeJudge<axes> judge_;
   double reach_;
   const Deadline& deadline_;
   std::size_t steps_ = 0;

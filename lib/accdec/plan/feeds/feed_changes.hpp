@@ -1,0 +1,119 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include <accdec/plan/feeds/feed_march.hpp>
+#include <accdec/plan/feeds/feed_window.hpp>
+#include <accdec/simulate/command_stream.hpp>
+
+// Internal to the march: the path in the order of its walk, and the limits on changes of its velocity. Templates,
+// because their loops over axes are the march's innermost.
+
+namespace accdec {
+
+/// The pieces of a path in the order in which they are walked.
+template <std::size_t axes>
+class WalkedPath {
+ public:
+  /// References are kept.
+  WalkedPath(const FeedPath& path, std::span<const FeedPiece> caps, Walk walk)
+      : path_(path), caps_(caps), backward_(walk == Walk::backward) {}
+
+  bool backward() const { return backward_; }
+  std::size_t pieces() const { return caps_.size(); }
+  const FeedPiece& piece(std::size_t i) const { return backward_ ? caps_[caps_.size() - 1 - i] : caps_[i]; }
+  /// At rest after piece i in the direction of the walk.
+  double rest(std::size_t i) const {
+    if (!backward_) return caps_[i].rest;
+    const std::size_t at = caps_.size() - 1 - i;
+    return at > 0 ? caps_[at - 1].rest : 0.0;
+  }
+  /// Velocities of the axes at speed v in the direction of the walk.
+  AxisRow<axes> velocity(std::uint32_t block, double v) const {
+    AxisRow<axes> row{};
+    const double* u = direction(block);
+    const double s = backward_ ? -v : v;
+    for (std::size_t a = 0; a < dimensions(); ++a) row[a] = s * u[a];
+    return row;
+  }
+  std::size_t dimensions() const { return axes > 0 ? axes : path_.dimensions; }
+  /// Unit vector of a block, forwards.
+  const double* direction(std::uint32_t block) const { return path_.direction.data() + block * dimensions(); }
+  float margin(std::uint32_t block) const { return path_.margin[block]; }
+
+ private:
+  const FeedPath& path_;
+  std::span<const FeedPiece> caps_;
+  bool backward_;
+};
+
+/// A stretch of the command at one velocity.
+template <std::size_t axes>
+struct FeedSegment {
+  double end;  ///< s
+  double speed;
+  float margin;
+  AxisRow<axes> velocity;
+};
+
+/// How a speed uses the limits.
+struct FeedVerdict {
+  double use = 0.0;       ///< largest part of what is allowed
+  double try_next = 0.0;  ///< a lower speed that may do; 0: unknown
+};
+
+inline constexpr double sum_slack = 1e-6;  // relative; sums of times and lengths differ by rounding
+
+/// Judges changes of the velocity inside one window by its limits.
+template <std::size_t axes>
+class ChangeJudge {
+ public:
+  using Segment = FeedSegment<axes>;
+  /// The reference is kept. @param dimensions  of the path  @param backward  walked from its end
+  ChangeJudge(const FeedWindow& window, std::size_t dimensions, bool backward)
+      : window_(window), dimensions_(dimensions), backward_(backward) {}
+
+  /// The change from an earlier segment.
+  /// @param v  speed on trial: where a segment of this speed is too fast, the verdict names a lower one
+  void pair(const Segment& at, const Segment& before, double v, FeedVerdict& verdict) const {
+    const double scale = backward_ && before.speed > at.speed ? at.speed / before.speed : 1.0;
+    for (std::size_t a = 0; a < n(); ++a) {
+      const double old = before.velocity[a] * scale, now = at.velocity[a];
+      const double allowed = window_.change(a, now, old, backward_) * static_cast<double>(at.margin);
+      judge(now, now - old, allowed, at.speed, v, verdict);
+    }
+  }
+
+  /// The third difference between four segments.
+  void jerk(const Segment& at, const Segment& one, const Segment& two, const Segment& both, double v,
+            FeedVerdict& verdict) const {
+    const auto scale = [&](const Segment& s) { return backward_ && s.speed > at.speed ? at.speed / s.speed : 1.0; };
+    const double s1 = scale(one), s2 = scale(two), s3 = scale(both);
+    for (std::size_t a = 0; a < n(); ++a) {
+      const double now = at.velocity[a];
+      const double change = now - s1 * one.velocity[a] - s2 * two.velocity[a] + s3 * both.velocity[a];
+      judge(now, change, window_.jerk_change(a) * static_cast<double>(at.margin), at.speed, v, verdict);
+    }
+  }
+
+ private:
+  std::size_t n() const { return axes > 0 ? axes : dimensions_; }
+  void judge(double now, double change, double allowed, double speed, double v, FeedVerdict& verdict) const {
+    const double size = std::abs(change);
+    if (size > allowed * verdict.use) verdict.use = allowed > 0.0 ? size / allowed : 1e30;
+    if (size <= allowed * (1.0 + sum_slack) || speed != v || now == 0.0) return;
+    // change = now - old; by how much now, in proportion to v, has to shrink
+    const double excess = (size - allowed) * (change * now > 0.0 ? 1.0 : -1.0);
+    const double lower = v * (1.0 - excess / std::abs(now));
+    if (lower > 0.0 && lower < v) verdict.try_next = verdict.try_next > 0.0 ? std::min(verdict.try_next, lower) : lower;
+  }
+
+  const FeedWindow& window_;
+  std::size_t dimensions_;
+  bool backward_;
+};
+
+}  // namespace accdec
