@@ -22,96 +22,31 @@ ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, do
     : path_(path),
       chain_(chain),
       period_(sample_period),
-      last_(last),
-      taps_(last.order() + 1),
-      n_(path.dimensions()),
+      pieces_(path, chain),
       leg_(first_leg),
       last_leg_(last_leg),
-      place_(2 * static_cast<std::int64_t>(first_leg)) {
-  for (const double tap : last.taps()) equal_ = equal_ && tap == last.tap(0);
-  leg_pieces(first_leg);
-  std::copy_n(path.point(first_leg), n_, raw_.begin());
-  if (first_leg > 0 && !pieces_.empty()) raw_ = pieces_.front().x;
-  out_ = raw_;
-  if (taps_ > 1) {
-    ring_.resize(static_cast<std::size_t>(taps_) * n_);
-    places_.assign(static_cast<std::size_t>(taps_), place_);
-    for (std::size_t i = 0; i < ring_.size(); ++i) ring_[i] = raw_[i % n_];
-    for (std::size_t a = 0; a < n_; ++a) sum_[a] = static_cast<long double>(raw_[a]) * taps_;
-  }
+      place_(2 * static_cast<std::int64_t>(first_leg)),
+      raw_(start(first_leg)),
+      out_(raw_),
+      smoother_(last, path.dimensions(), raw_, place_) {
   while (dwell_ < path.dwell.size() && path.dwell[dwell_].first < first_leg) ++dwell_;
   if (first_leg == 0) rest_ = whole_samples(path.dwell_first / period_);
   time_ = first_sample;
 }
 
-void ProfileMotion::direction(std::size_t b, double* u) const {
-  const double* p = path_.point(b);
-  for (std::size_t a = 0; a < n_; ++a) u[a] = (p[n_ + a] - p[a]) / chain_.length[b];
-}
-
-void ProfileMotion::leg_piece(std::size_t b, double& way, double speed, double acceleration, double duration,
-                              const double* u) {
-  if (!(duration > 0.0)) return;
-  Piece& piece = pieces_.emplace_back();
-  piece.duration = duration;
-  for (std::size_t a = 0; a < n_; ++a) {
-    piece.x[a] = path_.point(b)[a] + u[a] * way;
-    piece.v[a] = u[a] * speed;
-    piece.a[a] = u[a] * acceleration;
-  }
-  way += (speed + 0.5 * acceleration * duration) * duration;
-}
-
-/// From one speed to another, one piece for every level between them.
-void ProfileMotion::ramp_pieces(std::size_t b, double from, double to, double& way, const double* u) {
-  const double width = chain_.feed[b] / chain_.levels, low = std::min(from, to), high = std::max(from, to);
-  for (int i = 0; i < chain_.levels; ++i) {
-    const int k = from < to ? i : chain_.levels - 1 - i;
-    const double bottom = std::max(low, k * width),
-                 top = k + 1 == chain_.levels ? high : std::min(high, (k + 1) * width);
-    if (!(top > bottom)) continue;
-    const double rate = chain_.ramp[b * static_cast<std::size_t>(chain_.levels) + static_cast<std::size_t>(k)];
-    leg_piece(b, way, from < to ? bottom : top, from < to ? rate : -rate, (top - bottom) / rate, u);
-  }
-}
-
-void ProfileMotion::leg_pieces(std::size_t b) {
-  pieces_.clear();
-  piece_ = 0;
-  std::array<double, program_axis_count> u{};
-  direction(b, u.data());
-  const double first = chain_.speed[b], last = chain_.speed[b + 1], peak = chain_.peak[b];
-  const double ramps = 2.0 * chain_.way(b, peak) - chain_.way(b, first) - chain_.way(b, last);
-  const double steady = chain_.length[b] - chain_.taken(b, first) - chain_.taken(b + 1, last) - ramps;
-  double way = chain_.taken(b, first) - chain_.coast[b] * first;
-  leg_piece(b, way, first, 0.0, chain_.coast[b], u.data());
-  ramp_pieces(b, first, peak, way, u.data());
-  if (peak > 0.0) leg_piece(b, way, peak, 0.0, steady / peak, u.data());
-  ramp_pieces(b, peak, last, way, u.data());
-  leg_piece(b, way, last, 0.0, chain_.coast[b + 1], u.data());
-}
-
-void ProfileMotion::corner_piece(std::size_t c) {
-  pieces_.clear();
-  piece_ = 0;
-  const double v = chain_.speed[c], tau = chain_.stretch[c] * v;
-  if (!(tau > 0.0)) return;
-  std::array<double, program_axis_count> in{}, out{};
-  direction(c - 1, in.data());
-  direction(c, out.data());
-  Piece& piece = pieces_.emplace_back();
-  piece.duration = tau;
-  for (std::size_t a = 0; a < n_; ++a) {
-    piece.x[a] = path_.point(c)[a] - in[a] * 0.5 * v * tau;
-    piece.v[a] = in[a] * v;
-    piece.a[a] = (out[a] - in[a]) / chain_.stretch[c];
-  }
+/// Where the motion rests before its first sample.
+ProfileMotion::Point ProfileMotion::start(std::size_t first_leg) {
+  pieces_.begin_leg(first_leg);
+  if (first_leg > 0 && !pieces_.over()) return pieces_.now().x;
+  Point at{};
+  std::copy_n(path_.point(first_leg), path_.dimensions(), at.begin());
+  return at;
 }
 
 /// Rests in corner c: from the next sample on, until the last filter is empty and dwells are over.
 void ProfileMotion::arrive(std::size_t c) {
-  std::copy_n(path_.point(c), n_, raw_.begin());
-  rest_ = taps_;
+  std::copy_n(path_.point(c), path_.dimensions(), raw_.begin());
+  rest_ = smoother_.taps();
   for (; dwell_ < path_.dwell.size() && path_.dwell[dwell_].first < c; ++dwell_) {
     rest_ += whole_samples(path_.dwell[dwell_].second / period_);
   }
@@ -120,7 +55,7 @@ void ProfileMotion::arrive(std::size_t c) {
 
 void ProfileMotion::begin_leg(std::size_t b) {
   leg_ = b;
-  leg_pieces(b);
+  pieces_.begin_leg(b);
   place_ = 2 * static_cast<std::int64_t>(b);
   if (phases_) (*phases_)[b] = time_;
 }
@@ -132,7 +67,7 @@ void ProfileMotion::note_phases(std::vector<double>& phases) {
 
 /// Whether the piece driven is the last one before a stop.
 bool ProfileMotion::ends_at_stop() const {
-  return piece_ + 1 == pieces_.size() && !in_corner_ && chain_.stops(leg_ + 1);
+  return pieces_.last() && !in_corner_ && chain_.stops(leg_ + 1);
 }
 
 /// The next sample of the motion before the last filter, into raw_.
@@ -144,9 +79,10 @@ bool ProfileMotion::raw() {
   }
   stood_ = 0;
   if (done_) return false;
-  while (piece_ == pieces_.size() || time_ > pieces_[piece_].duration - (ends_at_stop() ? almost * period_ : 0.0)) {
-    if (piece_ < pieces_.size()) {
-      time_ -= pieces_[piece_++].duration;
+  while (pieces_.over() || time_ > pieces_.now().duration - (ends_at_stop() ? almost * period_ : 0.0)) {
+    if (!pieces_.over()) {
+      time_ -= pieces_.now().duration;
+      pieces_.go_on();
       continue;
     }
     if (in_corner_) {
@@ -158,7 +94,7 @@ bool ProfileMotion::raw() {
     ++place_;
     if (!chain_.stops(leg_ + 1)) {
       in_corner_ = true;
-      corner_piece(leg_ + 1);
+      pieces_.begin_corner(leg_ + 1);
       continue;
     }
     arrive(leg_ + 1);
@@ -168,56 +104,21 @@ bool ProfileMotion::raw() {
     begin_leg(leg_ + 1);
     return true;
   }
-  const Piece& piece = pieces_[piece_];
-  for (std::size_t a = 0; a < n_; ++a) raw_[a] = piece.x[a] + (piece.v[a] + 0.5 * piece.a[a] * time_) * time_;
+  const MotionPiece& piece = pieces_.now();
+  for (std::size_t a = 0, n = path_.dimensions(); a < n; ++a)
+    raw_[a] = piece.x[a] + (piece.v[a] + 0.5 * piece.a[a] * time_) * time_;
   time_ += period_;
   return true;
 }
 
-void ProfileMotion::smooth() {
-  double* row = ring_.data() + slot_ * n_;
-  for (std::size_t a = 0; a < n_; ++a) {
-    if (equal_) sum_[a] += static_cast<long double>(raw_[a]) - static_cast<long double>(row[a]);
-    row[a] = raw_[a];
-  }
-  places_[slot_] = place_;
-  const std::size_t newest = slot_, count = static_cast<std::size_t>(taps_);
-  slot_ = slot_ + 1 == count ? 0 : slot_ + 1;
-  if (!equal_) return convolve(newest);
-  if (slot_ == 0) {
-    // Summed again once per round, so that rounding does not add up.
-    for (std::size_t a = 0; a < n_; ++a) {
-      sum_[a] = 0.0L;
-      for (std::size_t i = a; i < ring_.size(); i += n_) sum_[a] += static_cast<long double>(ring_[i]);
-    }
-  }
-  for (std::size_t a = 0; a < n_; ++a) out_[a] = static_cast<double>(sum_[a] / taps_);
-}
-
-/// The newest sample and the distances of the others from it; this rounds less than a sum of positions.
-void ProfileMotion::convolve(std::size_t newest) {
-  const std::size_t count = static_cast<std::size_t>(taps_);
-  std::array<double, program_axis_count> sum{};
-  const double* tap = last_.taps().data();
-  for (std::size_t i = 0, at = newest; i < count; ++i, at = at == 0 ? count - 1 : at - 1) {
-    if (tap[i] == 0.0) continue;
-    for (std::size_t a = 0; a < n_; ++a) sum[a] += tap[i] * (ring_[at * n_ + a] - raw_[a]);
-  }
-  for (std::size_t a = 0; a < n_; ++a) out_[a] = raw_[a] + sum[a];
-}
-
 std::int64_t ProfileMotion::pass_rest() {
-  if (stood_ < taps_ + 4 || rest_ == 0) return 0;
+  if (stood_ < smoother_.taps() + 4 || rest_ == 0) return 0;
   return std::exchange(rest_, 1) - 1;
 }
 
 bool ProfileMotion::next() {
   if (!raw()) return false;
-  if (taps_ > 1) {
-    smooth();
-  } else {
-    out_ = raw_;
-  }
+  smoother_.next(raw_, place_, out_);
   return true;
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include <accdec/filter.hpp>
 #include <accdec/simulate.hpp>
+#include <accdec/simulate/profile_pieces.hpp>
+#include <accdec/simulate/sample_smoother.hpp>
 
 namespace accdec {
 
@@ -37,37 +38,23 @@ class ProfileMotion {
   const double* position() const { return out_.data(); }
   /// The place of the sample: 2 b for leg b, 2 b + 1 for the corner after it. For the samples inside the filter, the
   /// first and the last place.
-  std::int64_t place_first() const { return taps_ == 1 ? place_ : places_[slot_]; }
+  std::int64_t place_first() const { return smoother_.oldest_place(place_); }
   std::int64_t place_last() const { return place_; }
 
  private:
-  struct Piece {
-    double duration = 0.0;
-    std::array<double, program_axis_count> x{}, v{}, a{};
-  };
+  using Point = SampleSmoother::Point;
 
-  void leg_pieces(std::size_t b);
-  void ramp_pieces(std::size_t b, double from, double to, double& way, const double* u);
-  void corner_piece(std::size_t c);
+  Point start(std::size_t first_leg);
   void arrive(std::size_t c);
   void begin_leg(std::size_t b);
-  void direction(std::size_t b, double* u) const;
-  void leg_piece(std::size_t b, double& way, double speed, double acceleration, double duration, const double* u);
   bool ends_at_stop() const;
   bool raw();
-  void smooth();
-  void convolve(std::size_t newest);
 
   const Toolpath& path_;
   const ProfileChain& chain_;
   const double period_;
-  const Filter& last_;
-  const int taps_;
-  bool equal_ = true;  // taps
-  const std::size_t n_;
-  std::vector<Piece> pieces_;  // of the leg or corner being driven
-  std::size_t piece_ = 0;
-  std::size_t leg_ = 0;  // being driven, or before the corner being driven
+  ProfilePieces pieces_;  // of the leg or corner being driven
+  std::size_t leg_ = 0;   // being driven, or before the corner being driven
   std::size_t last_leg_ = 0;
   bool in_corner_ = false;
   bool done_ = false;
@@ -77,12 +64,8 @@ class ProfileMotion {
   std::int64_t place_ = 0;
   std::size_t dwell_ = 0;  // next entry of the path's dwells
   std::vector<double>* phases_ = nullptr;
-  std::array<double, program_axis_count> raw_{}, out_{};
-  // the last filter
-  std::vector<double> ring_;  // taps rows
-  std::vector<std::int64_t> places_;
-  std::size_t slot_ = 0;
-  std::array<long double, program_axis_count> sum_{};
+  Point raw_, out_;
+  SampleSmoother smoother_;
 };
 
 /// Continuous time of the chain between its stops, without rounding to samples and without dwells, s.
