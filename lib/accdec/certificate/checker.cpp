@@ -1,17 +1,18 @@
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include <accdec/certificate.hpp>
-#include <accdec/certificate/checked_rows.hpp>
+#include <accdec/certificate/checked_leaves.hpp>
+#include <accdec/certificate/checked_parts.hpp>
 #include <accdec/certificate/constant_feed.hpp>
 #include <accdec/certificate/corner_speed_check.hpp>
 #include <accdec/certificate/family_check.hpp>
 #include <accdec/certificate/merged_corners.hpp>
+#include <accdec/certificate/node_reader.hpp>
 #include <accdec/certificate/proof_claim.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/objective.hpp>
@@ -20,10 +21,11 @@
 namespace accdec {
 namespace {
 
+/// Walks through a proof's lemmas and tree, and keeps track of the part of all designs that a node is about.
 class Checker {
  public:
   Checker(const Task& task, const proof::BranchAndBound& proof, double target, const std::function<bool()>& stop)
-      : task_(task), rows_(task), proof_(proof), tree_(proof.tree), target_(target), stop_(stop) {}
+      : task_(task), proof_(proof), leaves_(task, proof.multipliers, stop), nodes_(stop), target_(target) {}
 
   std::size_t run() {
     const double target = target_;
@@ -35,7 +37,7 @@ class Checker {
     target_ = target;
     known_ = proof_.lemmas.size();
     whole_tree(proof_.tree, [&] { node(root(), 0); });
-    return leaves_;
+    return leaves_.checked() + cited_;
   }
 
  private:
@@ -47,18 +49,17 @@ class Checker {
       // From d = N + 2 on nothing changes, as no limit is on more than a first difference; nor from k = N + d + 1 on.
       static_assert(most_differences == 1);
       // A response delays both by its length.
-      const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2 + rows_.longer());
-      root.corners.push_back({d1, d2, 0, d2 + task_.design.order_max + 1 + rows_.longer()});
+      const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2 + leaves_.longer());
+      root.corners.push_back({d1, d2, 0, d2 + task_.design.order_max + 1 + leaves_.longer()});
     }
     return root;
   }
 
   template <typename Check>
   void whole_tree(const std::vector<proof::Node>& tree, const Check& check) {
-    tree_ = tree;
-    next_ = 0;
+    nodes_.begin(tree);
     check();
-    if (next_ != tree_.size()) throw Rejected("the tree goes on after its end");
+    nodes_.require_end();
   }
 
   void lemma(const proof::Lemma& l) {
@@ -69,7 +70,7 @@ class Checker {
       CheckedRange& r = box.corners[static_cast<std::size_t>(d.corner)];
       r.d2 = std::min(r.d2, d.delay);
       if (r.d2 < r.d1) throw Rejected("a lemma names a delay that its corner cannot have");
-      r.k2 = r.d2 + task_.design.order_max + 1 + rows_.longer();
+      r.k2 = r.d2 + task_.design.order_max + 1 + leaves_.longer();
     }
     if (!l.window) {
       box.order_most = std::min(box.order_most, l.order);
@@ -83,7 +84,7 @@ class Checker {
     box.order = w.order;
     // The anchor's sample is `at` once the filter is shifted. For the other corners, the first and the last sample
     // stand for all samples before and after them. There p and q are at most their values at the ends.
-    for (CheckedRange& r : box.corners) r.k2 = r.d2 + w.order + 1 + rows_.longer();
+    for (CheckedRange& r : box.corners) r.k2 = r.d2 + w.order + 1 + leaves_.longer();
     CheckedRange& anchor = box.corners[static_cast<std::size_t>(w.anchor)];
     if (!task_.corners[static_cast<std::size_t>(w.anchor)].error_max || w.at < 0 || w.at > anchor.k2)
       throw Rejected("a lemma's window has no anchor");
@@ -92,11 +93,11 @@ class Checker {
   }
 
   void window(const CheckedBox& box, int depth) {
-    const proof::Node& entry = next(depth);
+    const proof::Node& entry = nodes_.next(depth);
     if (const auto* refuted = std::get_if<proof::Refuted>(&entry)) {
-      leaf(refuted->multipliers, box, false);
+      leaves_.refute(refuted->multipliers, box, false);
     } else if (const auto* split = std::get_if<proof::Split>(&entry)) {
-      const auto [first, second] = parts(*split, box);
+      const auto [first, second] = checked_parts(*split, box);
       window(first, depth + 1);
       window(second, depth + 1);
     } else {
@@ -106,7 +107,7 @@ class Checker {
 
   void check(const proof::ByLemma& n, const CheckedBox&, const CheckedBox& box, int) {
     if (n.lemma < 0 || n.lemma >= static_cast<int>(known_)) throw Rejected("the tree names a lemma that is not there");
-    ++leaves_;
+    ++cited_;
     const proof::Lemma& l = proof_.lemmas[static_cast<std::size_t>(n.lemma)];
     bool covers = l.window || box.order <= l.order;
     for (const proof::CornerDelay& d : l.delays)
@@ -141,19 +142,12 @@ class Checker {
     return order;
   }
 
-  const proof::Node& next(int depth) {
-    if (next_ >= tree_.size()) throw Rejected("the tree is cut off: not every pair of order and delay is refuted");
-    if (depth > 1000) throw Rejected("the tree is too deep");
-    if (stop_ && stop_()) throw Rejected("it could not be checked in the time allowed");
-    return tree_[next_++];
-  }
-
   void node(CheckedBox box, int depth) {
-    const proof::Node& entry = next(depth);
+    const proof::Node& entry = nodes_.next(depth);
     const CheckedBox whole = box;
     box.order = largest_order(box);
     if (box.order >= 0) {
-      for (CheckedRange& r : box.corners) r.k2 = std::min(r.k2, box.order + r.d2 + 1 + rows_.longer());
+      for (CheckedRange& r : box.corners) r.k2 = std::min(r.k2, box.order + r.d2 + 1 + leaves_.longer());
     }
     const bool too_long = std::holds_alternative<proof::TooLong>(entry);
     const bool empty = box.order < 0 || std::any_of(box.corners.begin(), box.corners.end(),
@@ -169,13 +163,15 @@ class Checker {
   void check(const proof::TooLong&, const CheckedBox&, const CheckedBox&, int) {}
 
   void check(const proof::Refuted& n, const CheckedBox&, const CheckedBox& box, int) {
-    leaf(n.multipliers, box, false);
+    leaves_.refute(n.multipliers, box, false);
   }
 
-  void check(const proof::Unreachable&, const CheckedBox&, const CheckedBox& box, int) { unreachable(box); }
+  void check(const proof::Unreachable&, const CheckedBox&, const CheckedBox& box, int) {
+    leaves_.require_unreachable(box);
+  }
 
   void check(const proof::ResponseSplit& n, const CheckedBox& whole, const CheckedBox& box, int depth) {
-    const auto [first, second] = parts(n, whole, box.order);
+    const auto [first, second] = checked_parts(n, whole, box.order);
     node(first, depth + 1);
     node(second, depth + 1);
   }
@@ -191,29 +187,16 @@ class Checker {
   }
 
   void check(const proof::Split& n, const CheckedBox& whole, const CheckedBox&, int depth) {
-    const auto [first, second] = parts(n, whole);
+    const auto [first, second] = checked_parts(n, whole);
     node(first, depth + 1);
     node(second, depth + 1);
-  }
-
-  static std::pair<CheckedBox, CheckedBox> parts(const proof::Split& n, const CheckedBox& whole) {
-    if (n.corner < 0 || n.corner >= static_cast<int>(whole.corners.size()))
-      throw Rejected("the tree splits a corner that is not there");
-    CheckedBox first = whole, second = whole;
-    const auto j = static_cast<std::size_t>(n.corner);
-    CheckedRange &a = first.corners[j], &b = second.corners[j];
-    if (n.at < (n.on_delay ? a.d1 : a.k1) || n.at >= (n.on_delay ? a.d2 : a.k2))
-      throw Rejected("the tree splits outside the box");
-    (n.on_delay ? a.d2 : a.k2) = n.at;
-    (n.on_delay ? b.d1 : b.k1) = n.at + 1;
-    return {std::move(first), std::move(second)};
   }
 
   void check(const proof::RefutedSymmetric& n, const CheckedBox&, const CheckedBox& box, int) {
     require_symmetric(box);
     CheckedBox one = box;
-    leaf(n.multipliers, one, true);
-    if (--one.order >= least_order()) leaf(n.shorter, one, true);
+    leaves_.refute(n.multipliers, one, true);
+    if (--one.order >= least_order()) leaves_.refute(n.shorter, one, true);
   }
 
   void check(const proof::SymmetricOrders&, const CheckedBox&, const CheckedBox& box, int depth) {
@@ -237,13 +220,13 @@ class Checker {
 
   /// Symmetric filters of exactly the box's order.
   void exact_order(const CheckedBox& box, int depth) {
-    const proof::Node& entry = next(depth);
+    const proof::Node& entry = nodes_.next(depth);
     if (const auto* refuted = std::get_if<proof::Refuted>(&entry)) {
-      leaf(refuted->multipliers, box, true);
+      leaves_.refute(refuted->multipliers, box, true);
     } else if (std::holds_alternative<proof::Unreachable>(entry)) {
-      unreachable(box);
+      leaves_.require_unreachable(box);
     } else if (const auto* split = std::get_if<proof::ResponseSplit>(&entry)) {
-      const auto [first, second] = parts(*split, box, box.order);
+      const auto [first, second] = checked_parts(*split, box, box.order);
       exact_order(first, depth + 1);
       exact_order(second, depth + 1);
     } else {
@@ -251,92 +234,12 @@ class Checker {
     }
   }
 
-  /// The parts with B_k at most a level, and at least that level.
-  static std::pair<CheckedBox, CheckedBox> parts(const proof::ResponseSplit& n, const CheckedBox& box, int order) {
-    if (n.sample < 1 || n.sample > order) throw Rejected("the tree splits a response that is not there");
-    if (!(n.level >= 0.0 && n.level <= 1.0)) throw Rejected("the tree splits a response outside 0 .. 1");
-    std::pair<CheckedBox, CheckedBox> both{box, box};
-    both.first.cuts.push_back({n.sample, true, n.level});
-    both.second.cuts.push_back({n.sample, false, n.level});
-    return both;
-  }
-
-  void unreachable(const CheckedBox& box) {
-    ++leaves_;
-    if (rows_.tube(box)) throw Rejected(fmt::format("{} is called unreachable, but is not", describe(box)));
-  }
-
-  static std::string describe(const CheckedBox& box) {
-    std::string text = fmt::format("order up to {}", box.order);
-    for (const CheckedRange& r : box.corners)
-      text += fmt::format(", d = {} .. {} (k = {} .. {})", r.d1, r.d2, r.k1, r.k2);
-    for (const CheckedCut& c : box.cuts)
-      text += fmt::format(", B_{} {} {:.6g}", c.sample, c.upper ? "<=" : ">=", c.level);
-    return text;
-  }
-
-  void leaf(int index, CheckedBox box, bool symmetric) {
-    if (index < 0 || index >= static_cast<int>(proof_.multipliers.size()))
-      throw Rejected("the tree names multipliers that are not there");
-    ++leaves_;
-    CheckedSum sum(box.order);
-    sum.delays.resize(box.corners.size());
-    sum.samples.resize(box.corners.size());
-    for (const proof::Term& term : proof_.multipliers[static_cast<std::size_t>(index)]) {
-      if (stop_ && stop_()) throw Rejected("it could not be checked in the time allowed");
-      rows_.add(term, box, sum);
-    }
-    if (box.nothing_left) return;
-    Interval suffix(0.0);
-    for (std::size_t i = sum.taps.size(); i-- > 0;) {
-      suffix = suffix + sum.cumulative[i + 1];
-      sum.taps[i] = sum.taps[i] + suffix;
-    }
-    double at_ends = unlimited;
-    std::vector<double> least;
-    for (const Interval& c : sum.taps) least.push_back(c.lo);
-    if (symmetric) {
-      const std::vector<double> plain = least;
-      for (std::size_t i = 0; i < least.size(); ++i)
-        least[i] = (0.5 * (Interval(plain[i]) + Interval(plain[plain.size() - 1 - i]))).lo;
-    }
-    const double tap_max = rows_.tap_max();
-    if (box.window) {
-      // The ends are not bounded by the largest tap: lambda is at most their coefficients.
-      at_ends = std::min(least.front(), least.back());
-      least.front() = least.back() = at_ends;
-    }
-    // For any lambda: sum c b >= lambda + sum u min(0, c - lambda). The best is the c at which the cheapest taps are
-    // full.
-    const double room = 1.0 / tap_max;
-    if (!box.window && static_cast<double>(least.size()) < room * (1.0 - 1e-12))
-      return;  // not even full taps reach a sum of 1
-    std::vector<double> sorted = least;
-    const auto full = static_cast<std::ptrdiff_t>(std::min(static_cast<double>(sorted.size() - 1), room));
-    std::nth_element(sorted.begin(), sorted.begin() + full, sorted.end());
-    const double lambda = std::min(at_ends, sorted[static_cast<std::size_t>(full)]);
-    Interval bound(lambda);
-    for (const double c : least) {
-      if (!(c >= lambda)) bound = bound + Interval(tap_max) * (Interval(c) - Interval(lambda));
-    }
-    bound = bound - sum.rhs;
-    for (std::size_t j = 0; j < box.corners.size(); ++j) {
-      const CheckedRange& r = box.corners[j];
-      if (sum.delays[j].lo < 0.0) bound = bound + Interval(sum.delays[j].lo) * static_cast<double>(r.d2 - r.d1);
-      if (sum.samples[j].lo < 0.0) bound = bound + Interval(sum.samples[j].lo) * static_cast<double>(r.k2 - r.k1);
-    }
-    if (!(bound.lo > 0.0)) {
-      throw Rejected(fmt::format("{} is not refuted by its multipliers (margin {:.3g})", describe(box), bound.lo));
-    }
-  }
-
   const Task& task_;
-  CheckedRows rows_;
   const proof::BranchAndBound& proof_;
-  std::span<const proof::Node> tree_;
+  CheckedLeaves leaves_;
+  NodeReader nodes_;
   double target_;
-  const std::function<bool()>& stop_;
-  std::size_t next_ = 0, leaves_ = 0, known_ = 0;
+  std::size_t cited_ = 0, known_ = 0;  // lemmas: parts that name one; those that may be named
 };
 
 std::string check(const proof::ConstantFeed&, const Task& task, const DesignResult& result,

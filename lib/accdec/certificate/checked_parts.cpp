@@ -1,0 +1,38 @@
+#include <fmt/format.h>
+
+#include <accdec/certificate/checked_parts.hpp>
+
+namespace accdec {
+
+std::pair<CheckedBox, CheckedBox> checked_parts(const proof::Split& n, const CheckedBox& whole) {
+  if (n.corner < 0 || n.corner >= static_cast<int>(whole.corners.size()))
+    throw Rejected("the tree splits a corner that is not there");
+  CheckedBox first = whole, second = whole;
+  const auto j = static_cast<std::size_t>(n.corner);
+  CheckedRange &a = first.corners[j], &b = second.corners[j];
+  if (n.at < (n.on_delay ? a.d1 : a.k1) || n.at >= (n.on_delay ? a.d2 : a.k2))
+    throw Rejected("the tree splits outside the box");
+  (n.on_delay ? a.d2 : a.k2) = n.at;
+  (n.on_delay ? b.d1 : b.k1) = n.at + 1;
+  return {std::move(first), std::move(second)};
+}
+
+std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ResponseSplit& n, const CheckedBox& box, int order) {
+  if (n.sample < 1 || n.sample > order) throw Rejected("the tree splits a response that is not there");
+  if (!(n.level >= 0.0 && n.level <= 1.0)) throw Rejected("the tree splits a response outside 0 .. 1");
+  std::pair<CheckedBox, CheckedBox> both{box, box};
+  both.first.cuts.push_back({n.sample, true, n.level});
+  both.second.cuts.push_back({n.sample, false, n.level});
+  return both;
+}
+
+std::string describe(const CheckedBox& box) {
+  std::string text = fmt::format("order up to {}", box.order);
+  for (const CheckedRange& r : box.corners)
+    text += fmt::format(", d = {} .. {} (k = {} .. {})", r.d1, r.d2, r.k1, r.k2);
+  for (const CheckedCut& c : box.cuts)
+    text += fmt::format(", B_{} {} {:.6g}", c.sample, c.upper ? "<=" : ">=", c.level);
+  return text;
+}
+
+}  // namespace accdec
