@@ -15,10 +15,11 @@ namespace accdec {
 std::optional<int> checked_differences(LimitKind kind);
 /// Dry friction is against a start and helps a stop: what it adds to the force limit.
 Interval checked_friction(const Axis& axis, bool stop);
-/// Of an axis along a leg, m/s; with its sign.
+/// Signed speed of an axis along a leg, m/s.
 Interval checked_speed(const TaskCorner& corner, std::size_t axis, bool in);
 
-/// What all corners together leave of taps, of their differences and of the response, at every axis' fastest leg.
+/// Bounds on taps, their differences and the response that all corners together leave, at the fastest leg of every
+/// axis.
 class CheckedTapBounds {
  public:
   CheckedTapBounds(const Task& task, const CheckedResponse& response);

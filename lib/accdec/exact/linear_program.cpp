@@ -18,18 +18,19 @@ LinearProgram::LinearProgram(const LimitModel& model, int order, const std::func
     : model_(model),
       largest_(order),
       slack_(margin != 0.0 ? -margin : slack),
+      drafts_(model, order, slack_, kind == BoxKind::window),
       stop_(stop),
       window_(kind == BoxKind::window),
       ranges_(kind == BoxKind::budget && model.corners() > 1),
       lp_(order + 2 + (ranges_ ? 2 * static_cast<int>(model.corners()) : 0)) {
   lp_.set_stop(stop);
   for (int i = 0; i <= order; ++i) lp_.set_column_bounds(i, 0.0, tap_bound(i));
-  lp_.set_cost(excess(), 1.0);
+  lp_.set_cost(drafts_.excess(), 1.0);
   for (std::size_t j = 0; j < model.corners(); ++j) {
     if (model.cone(j)) least_ = std::max(least_, model.error_bound(j));
   }
   add_base_rows();
-  base_rows_ = lp_.rows();
+  names_.end_base();
 }
 
 /// The end columns of a window stand for many taps.
@@ -59,8 +60,8 @@ Filter LinearProgram::filter(const Box& box, bool symmetric) const {
 }
 
 void LinearProgram::start_cold() {
-  while (lp_.rows() > base_rows_) lp_.remove_row(lp_.rows() - 1);
-  ids_.resize(static_cast<std::size_t>(base_rows_));
+  while (lp_.rows() > names_.base()) lp_.remove_row(lp_.rows() - 1);
+  names_.remove_cuts();
   lp_.start_cold();
 }
 
@@ -74,25 +75,21 @@ void LinearProgram::tie(const std::vector<Chord>& close, const Filter& at, const
 
 void LinearProgram::add_tangents(const std::vector<Chord>& close, const Filter& at, const Box& box, double least_use,
                                  bool soft) {
-  lp_.set_column_bounds(excess(), 0.0, DualSimplex::infinity);
+  lp_.set_column_bounds(drafts_.excess(), 0.0, DualSimplex::infinity);
   for (const Chord& chord : close) {
     const auto tangent = model_.chords.tangent(chord, at, box, least_use);
     if (!tangent) continue;
-    draft_limit(model_.chords.row(*tangent, box), 1.0, false, soft);
-    add(row_of(*tangent));
+    add(drafts_.limit(model_.chords.row(*tangent, box), 1.0, false, soft), row_of(*tangent));
   }
 }
 
-void LinearProgram::add(Id id) {
-  lp_.add_row(draft_.columns, draft_.values, draft_.low, draft_.high);
-  ids_.push_back(std::move(id));
+void LinearProgram::add(const DraftRow& row, RowName name) {
+  lp_.add_row(row.columns, row.values, row.low, row.high);
+  names_.add(std::move(name));
 }
 
 void LinearProgram::add_base_rows() {
-  draft_.clear();
-  for (int i = 0; i <= largest_; ++i) draft_.add(i, 1.0);
-  draft_.low = draft_.high = 1.0;
-  add(Equation{});
+  add(drafts_.sum_of_taps(), Equation{});
   Box all;
   all.order = largest_;
   all.corners.resize(model_.corners());
@@ -103,173 +100,70 @@ void LinearProgram::add_base_rows() {
     for (int i = 0; ramp.max < reach && i <= largest_ + ramp.differences; ++i) {
       const proof::TapDifference id{i, 1, ramp.kind};
       if (window_ && !inside_window(id, all)) continue;
-      draft_limit(model_.rows.row(id, all), ramp.max, true);
-      add(id);
+      add(drafts_.limit(model_.rows.row(id, all), ramp.max, true), id);
     }
   }
   for (const proof::Row& id : model_.rows.base_force_rows(largest_)) {
     if (window_ && !inside_window(id, all)) continue;
-    draft_limit(model_.row(id, all), 1.0, false);
-    add(id);
+    add(drafts_.limit(model_.row(id, all), 1.0, false), id);
   }
   tube_rows_ = lp_.rows();
   if (model_.convex() || window_) return;
-  draft_.clear();
-  draft_.low = 0.0, draft_.high = 1.0 + slack;
-  for (int k = 1; k <= largest_ + 1; ++k) {
-    draft_.add(k - 1, 1.0);
-    add(proof::Response{k, 1});
-  }
-}
-
-void LinearProgram::draft_limit(const SparseRow& row, double scale, bool both, bool soft) {
-  on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
-  for (const auto& [i, c] : row.taps) on_tap_[static_cast<std::size_t>(i)] += c * scale;
-  for (const auto& [k, c] : row.sums) {
-    for (int i = 0; i < k; ++i) on_tap_[static_cast<std::size_t>(i)] += c * scale;
-  }
-  draft_.clear();
-  if (soft) draft_.add(excess(), -1.0);
-  for (int i = 0; i <= largest_; ++i) {
-    if (const double c = on_tap_[static_cast<std::size_t>(i)]; c != 0.0) draft_.add(i, c);
-  }
-  const double bound = (1.0 + slack_) * scale;
-  draft_.low = both ? -bound : -DualSimplex::infinity;
-  draft_.high = bound - row.constant * scale;
-}
-
-void LinearProgram::draft_cone(const proof::Error& id, const Box& box) {
-  const auto j = static_cast<std::size_t>(id.corner);
-  const double wp = model_.weight_in(j, id.angle), wq = model_.weight_out(j, id.angle);
-  draft_.clear();
-  draft_.add(excess(), -1.0);
-  for (int i = 0; i <= box.order; ++i) {
-    const double c = wp * box.weight_in(j, i) + wq * box.weight_out(j, i);
-    if (c != 0.0) draft_.add(i, c);
-  }
-  draft_.low = -DualSimplex::infinity;
-  draft_.high = model_.error_bound(j) * (1.0 + slack_);
+  for (int k = 1; k <= largest_ + 1; ++k) add(drafts_.response(k), proof::Response{k, 1});
 }
 
 void LinearProgram::add_cone(std::size_t j, double angle, const Box& box) {
   const proof::Error id{static_cast<int>(j), angle};
-  draft_cone(id, box);
-  add(id);
-}
-
-/// Scales vibration rows to units of their bound, so that the linear program's tolerance is relative to it.
-double LinearProgram::vibration_scale(const proof::Vibration& id) const {
-  const double bound = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
-  return bound > 0.01 ? 1.0 / bound : 1.0;
-}
-
-void LinearProgram::draft_vibration(const proof::Vibration& id, const Box& box) {
-  const double scale = vibration_scale(id);
-  draft_.clear();
-  on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
-  if (window_)
-    add_window_vibration(model_, id, scale, on_tap_);
-  else  // damping counts from the box's last tap; without, a row serves every order
-    model_.rows.add_vibration(
-        id, scale, id.damping > 0.0 ? std::span(on_tap_).first(static_cast<std::size_t>(box.order) + 1) : on_tap_);
-  for (int i = 0; i <= largest_; ++i) draft_.add(i, on_tap_[static_cast<std::size_t>(i)]);
-  const double residual = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
-  draft_.high = scale * residual * (1.0 + slack_);
-  draft_.low = window_ ? -DualSimplex::infinity : -draft_.high;
+  add(drafts_.cone(id, box), id);
 }
 
 void LinearProgram::add_symmetry(const Box& box) {
-  draft_.low = draft_.high = 0.0;
-  for (int i = 0; 2 * i < box.order; ++i) {
-    draft_.clear();
-    draft_.add(i, 1.0), draft_.add(box.order - i, -1.0);
-    add(Equation{box.order});
-  }
-}
-
-bool LinearProgram::redraft(const proof::Error& id, const Box& box) {
-  const auto j = static_cast<std::size_t>(id.corner);
-  if (shared(j, box)) return false;
-  const bool grows = std::cos(id.angle) >= 0.0 && std::cos(model_.theta(j) - id.angle) >= 0.0;
-  if (!grows && box.loose(j)) return false;
-  if (box.only_angle && *box.only_angle != id.angle) return false;
-  draft_cone(id, box);
-  return true;
-}
-
-bool LinearProgram::redraft(const proof::RangeError& id, const Box& box) {
-  if (!shared(static_cast<std::size_t>(id.corner), box)) return false;
-  draft_range_cone(id, box);
-  return true;
-}
-
-bool LinearProgram::redraft(const proof::Blend& id, const Box& box) {
-  const CornerBox& c = box.corner(id.corner);
-  if (c.d1 != c.d2 || (window_ && !inside_window(id, box))) return false;
-  const SparseRow limit = model_.rows.row(id, box);
-  if (limit.no_terms()) return false;
-  draft_limit(limit, 1.0, false);
-  return true;
-}
-
-bool LinearProgram::redraft(Chord& chord, const Box& box) {
-  const Chords& chords = model_.chords;
-  if (chord.sample > chords.last_sample(chord.family, box) || !chords.single_delay(chord.family, box)) return false;
-  const auto drawn = chords.draw(chord.family, chord.sample, box);
-  if (!drawn) return false;
-  chord = *drawn;
-  draft_limit(chords.row(chord, box), 1.0, false);
-  return true;
+  for (int i = 0; 2 * i < box.order; ++i) add(drafts_.equal_taps(i, box.order - i), Equation{box.order});
 }
 
 /// Gives a cut its coefficients in a new box. False: it is not worth keeping, or says nothing there.
 bool LinearProgram::carry_over(int row, const Box& box, bool symmetric) {
-  Id& id = ids_[static_cast<std::size_t>(row)];
+  RowName& name = names_[row];
   const bool active = lp_.active(row);
-  if (const auto* equation = std::get_if<Equation>(&id)) return symmetric && equation->order == box.order;
-  if (const auto* vibration = limit_of<proof::Vibration>(id)) {
-    if (!active && lp_.rows() - base_rows_ > most_vibration_rows) return false;
+  if (const auto* equation = std::get_if<Equation>(&name)) return symmetric && equation->order == box.order;
+  const DraftRow* draft = nullptr;
+  if (const auto* vibration = limit_of<proof::Vibration>(name)) {
+    if (!active && lp_.rows() - names_.base() > most_vibration_rows) return false;
     if (vibration->damping == 0.0) return true;
-    draft_vibration(*vibration, box);
-    lp_.replace_row(row, draft_.columns, draft_.values, draft_.low, draft_.high);
-    return true;
-  }
-  if (limit_of<proof::Budget>(id) != nullptr) {
-    if (!box.budget) return false;
-    draft_budget(box);
+    draft = &drafts_.vibration(*vibration, box);
+  } else if (limit_of<proof::Budget>(name) != nullptr) {
+    if (box.budget) draft = &drafts_.budget(box);
   } else if (!active) {
     return false;
-  } else if (const auto* error = limit_of<proof::Error>(id)) {
-    if (!redraft(*error, box)) return false;
-  } else if (const auto* range = limit_of<proof::RangeError>(id)) {
-    if (!redraft(*range, box)) return false;
-  } else if (const auto* blend = limit_of<proof::Blend>(id)) {
-    if (!redraft(*blend, box)) return false;
-  } else if (auto chord = chord_of(std::get<proof::Row>(id))) {
-    if (!redraft(*chord, box)) return false;
-    id = row_of(*chord);
-  } else {
-    return false;  // no other limits are cuts
-  }
-  lp_.replace_row(row, draft_.columns, draft_.values, draft_.low, draft_.high);
+  } else if (const auto* error = limit_of<proof::Error>(name)) {
+    draft = drafts_.again(*error, box);
+  } else if (const auto* range = limit_of<proof::RangeError>(name)) {
+    draft = drafts_.again(*range, box);
+  } else if (const auto* blend = limit_of<proof::Blend>(name)) {
+    draft = drafts_.again(*blend, box);
+  } else if (auto chord = chord_of(std::get<proof::Row>(name))) {
+    draft = drafts_.again(*chord, box);
+    if (draft != nullptr) name = row_of(*chord);
+  }  // no other limits are cuts
+  if (draft == nullptr) return false;
+  lp_.replace_row(row, draft->columns, draft->values, draft->low, draft->high);
   return true;
 }
 
 void LinearProgram::prepare(const Box& box, bool symmetric) {
   bool symmetry = false;
   std::vector<char> has_cone(box.corners.size(), 0);
-  for (int row = lp_.rows() - 1; row >= base_rows_; --row) {
+  for (int row = lp_.rows() - 1; row >= names_.base(); --row) {
     if (carry_over(row, box, symmetric)) {
-      const Id& id = ids_[static_cast<std::size_t>(row)];
-      symmetry |= std::holds_alternative<Equation>(id);
-      if (const auto* error = limit_of<proof::Error>(id)) has_cone[static_cast<std::size_t>(error->corner)] = 1;
+      symmetry |= std::holds_alternative<Equation>(names_[row]);
+      if (const auto* error = limit_of<proof::Error>(names_[row]))
+        has_cone[static_cast<std::size_t>(error->corner)] = 1;
     } else {
       lp_.remove_row(row);
-      ids_[static_cast<std::size_t>(row)] = ids_.back();
-      ids_.pop_back();
+      names_.remove(row);
     }
   }
-  lp_.set_column_bounds(excess(), -least_, DualSimplex::infinity);
+  lp_.set_column_bounds(drafts_.excess(), -least_, DualSimplex::infinity);
   for (int i = 0; i <= largest_; ++i) lp_.set_column_bounds(i, 0.0, i <= box.order ? tap_bound(i) : 0.0);
   for (int k = 1; k <= largest_ + 1 && !model_.convex() && !window_; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -279,7 +173,7 @@ void LinearProgram::prepare(const Box& box, bool symmetric) {
   }
   if (ranges_) prepare_ranges(box);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    if (model_.cone(j) && has_cone[j] == 0 && !shared(j, box) && box.bounds_error(j))
+    if (model_.cone(j) && has_cone[j] == 0 && !RowDrafts::shared(j, box) && box.bounds_error(j))
       add_cone(j, box.only_angle.value_or(0.5 * model_.theta(j)), box);
   }
   if (symmetric && !symmetry) add_symmetry(box);
@@ -304,9 +198,9 @@ bool turn_over(proof::Row& row) {
 
 Multipliers LinearProgram::multipliers() const {
   Multipliers y;
-  for (std::size_t r = 0; r < ids_.size(); ++r) {
-    const auto* limit = std::get_if<proof::Row>(&ids_[r]);
-    double value = -solution_.multipliers[r];  // > 0: the upper side
+  for (int r = 0; r < names_.rows(); ++r) {
+    const auto* limit = std::get_if<proof::Row>(&names_[r]);
+    double value = -solution_.multipliers[static_cast<std::size_t>(r)];  // > 0: the upper side
     if (limit == nullptr || std::abs(value) < 1e-13) continue;
     proof::Row row = *limit;
     if (value < 0.0) {
@@ -315,7 +209,7 @@ Multipliers LinearProgram::multipliers() const {
     }
     if (const auto* difference = std::get_if<proof::TapDifference>(&row))
       value *= model_.rows.ramp_max(difference->limit);
-    if (const auto* vibration = std::get_if<proof::Vibration>(&row)) value *= vibration_scale(*vibration);
+    if (const auto* vibration = std::get_if<proof::Vibration>(&row)) value *= drafts_.vibration_scale(*vibration);
     y.push_back({row, value});
   }
   return y;

@@ -26,13 +26,8 @@ bool LinearProgram::cut(const Filter& filter, const Box& box, double allowed) {
 }
 
 bool LinearProgram::add_limit(const proof::Row& id, const Box& box) {
-  const auto same = [&](const Id& old) {
-    const auto* row = std::get_if<proof::Row>(&old);
-    return row != nullptr && *row == id;
-  };
-  if (std::any_of(ids_.begin() + base_rows_, ids_.end(), same)) return false;
-  draft_limit(model_.row(id, box), 1.0, false);
-  add(id);
+  if (names_.known(id)) return false;
+  add(drafts_.limit(model_.row(id, box), 1.0, false), id);
   return true;
 }
 
@@ -40,7 +35,7 @@ bool LinearProgram::cut_cones(const Filter& filter, const Box& box, double allow
   bool added = false;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     if (!model_.cone(j) || box.only_angle) continue;
-    if (shared(j, box)) {
+    if (RowDrafts::shared(j, box)) {
       cut_ranges(j, filter, box, allowed, added);
       continue;
     }
@@ -60,7 +55,7 @@ bool LinearProgram::cut_cones(const Filter& filter, const Box& box, double allow
     const auto same = [&](const proof::Error& old) {
       return old.corner == static_cast<int>(j) && std::abs(old.angle - angle) < same_angle;
     };
-    if (known<proof::Error>(same)) continue;  // the linear program's own tolerance
+    if (names_.known<proof::Error>(same)) continue;  // the linear program's own tolerance
     add_cone(j, angle, box);
     added = true;
   }
@@ -72,9 +67,8 @@ bool LinearProgram::add_vibration(const proof::Vibration& id, const Box& box) {
     return old.mode == id.mode && old.frequency == id.frequency && old.damping == id.damping &&
            std::abs(old.angle - id.angle) < same_angle;
   };
-  if (known<proof::Vibration>(same)) return false;
-  draft_vibration(id, box);
-  add(id);
+  if (names_.known<proof::Vibration>(same)) return false;
+  add(drafts_.vibration(id, box), id);
   return true;
 }
 

@@ -10,51 +10,26 @@
 
 namespace accdec::exact {
 
-void LinearProgram::draft_budget(const Box& box) {
-  draft_.clear();
-  for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    draft_.add(delay_column(j), model_.task().corners[j].weight);
-  }
-  draft_.low = -DualSimplex::infinity;
-  draft_.high = *box.budget;
-}
-
 /// Sets the bounds of the columns and adds the rows that are not there yet.
 void LinearProgram::prepare_ranges(const Box& box) {
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const CornerBox& c = box.corners[j];
-    const bool ranges = shared(j, box) && model_.cone(j);
-    lp_.set_column_bounds(delay_column(j), 0.0, box.budget ? c.d2 - c.d1 : 0.0);
-    lp_.set_column_bounds(delay_column(j) + 1, 0.0, ranges ? c.k2 - c.k1 : 0.0);
+    const bool ranges = RowDrafts::shared(j, box) && model_.cone(j);
+    lp_.set_column_bounds(drafts_.delay_column(j), 0.0, box.budget ? c.d2 - c.d1 : 0.0);
+    lp_.set_column_bounds(drafts_.sample_column(j), 0.0, ranges ? c.k2 - c.k1 : 0.0);
   }
   if (!box.budget) return;
-  if (!known<proof::Budget>([](const proof::Budget&) { return true; })) {
-    draft_budget(box);
-    add(proof::Budget{});
+  if (!names_.known<proof::Budget>([](const proof::Budget&) { return true; })) {
+    add(drafts_.budget(box), proof::Budget{});
   }
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const auto of_corner = [&](const proof::RangeError& id) { return id.corner == static_cast<int>(j); };
-    if (!model_.cone(j) || !shared(j, box) || known<proof::RangeError>(of_corner)) continue;
+    if (!model_.cone(j) || !RowDrafts::shared(j, box) || names_.known<proof::RangeError>(of_corner)) continue;
     proof::RangeError id{static_cast<int>(j), 0.5 * model_.theta(j), {}, {}};
     id.in.at = box.corners[j].k2;
     id.out.at = box.corners[j].k1 - box.corners[j].d2;
-    draft_range_cone(id, box);
-    add(id);
+    add(drafts_.range_cone(id, box), id);
   }
-}
-
-void LinearProgram::draft_range_cone(const proof::RangeError& id, const Box& box) {
-  const auto j = static_cast<std::size_t>(id.corner);
-  const RangeRow row = range_row(box, j, id.in, id.out, model_.weight_in(j, id.angle), model_.weight_out(j, id.angle));
-  draft_.clear();
-  draft_.add(excess(), -1.0);
-  if (row.on_delay != 0.0) draft_.add(delay_column(j), row.on_delay);
-  if (row.on_sample != 0.0) draft_.add(delay_column(j) + 1, row.on_sample);
-  for (int i = 0; i <= box.order; ++i) {
-    if (const double c = row.taps[static_cast<std::size_t>(i)]; c != 0.0) draft_.add(i, c);
-  }
-  draft_.low = -DualSimplex::infinity;
-  draft_.high = model_.error_bound(j) * (1.0 + slack_) - row.constant;
 }
 
 void LinearProgram::cut_ranges(std::size_t j, const Filter& filter, const Box& box, double allowed, bool& added) {
@@ -71,9 +46,8 @@ void LinearProgram::cut_ranges(std::size_t j, const Filter& filter, const Box& b
     return old.corner == id.corner && std::abs(old.angle - id.angle) < same_angle && old.in == id.in &&
            old.out == id.out;
   };
-  if (known<proof::RangeError>(same)) return;  // the linear program's own tolerance
-  draft_range_cone(id, box);
-  add(id);
+  if (names_.known<proof::RangeError>(same)) return;  // the linear program's own tolerance
+  add(drafts_.range_cone(id, box), id);
   added = true;
 }
 
