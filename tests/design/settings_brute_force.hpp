@@ -131,10 +131,12 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
     good.emplace_back();
     for (int d = 0; d <= last; ++d) good.back().push_back(holds(task, corner, filter, d));
   }
+  const Sums& watched = task.settings->in_position_actual ? filter.motion : filter.designed;
+  const int latency = static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period));
   std::vector<double> widths{none};
   if (has(DelayKind::in_position)) {
     for (const TaskCorner& corner : task.corners) {
-      for (int d = 0; d <= n; ++d) widths.push_back(corner.geometry().feed_in * filter.designed.p(d));
+      for (int d = 0; d <= watched.order(); ++d) widths.push_back(corner.geometry().feed_in * watched.p(d));
     }
     std::sort(widths.begin(), widths.end());
     const std::vector<double> ends = widths;
@@ -149,8 +151,8 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
       double least = none;
       for (int d = 0; d <= last; ++d) {
         const double feed = task.corners[j].geometry().feed_in;
-        const bool by_width = has(DelayKind::in_position) && feed * filter.designed.p(d) <= width &&
-                              (d == 0 || feed * filter.designed.p(d - 1) > width);
+        const bool by_width = has(DelayKind::in_position) && d >= latency && feed * watched.p(d - latency) <= width &&
+                              (d == latency || feed * watched.p(d - latency - 1) > width);
         const bool kind =
             any || (d == 0 && has(DelayKind::continuous)) || (d >= n && d <= n + 2 && has(DelayKind::exact_stop));
         if ((kind || by_width) && good[j][static_cast<std::size_t>(d)]) least = std::min<double>(least, d);

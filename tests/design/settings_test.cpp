@@ -82,13 +82,14 @@ TEST(Settings, AreTheBestOfAllByBruteForce) {
 
 /// A servo lengthens every corner, a smoothing softens the command, and friction takes a part of the force.
 TEST(Settings, ForAxesAsTheyAreAreTheBestOfAllByBruteForce) {
-  const std::vector<std::vector<DelayKind>> kinds{{}, {DelayKind::exact_stop}, {DelayKind::in_position}};
+  const std::vector<std::vector<DelayKind>> kinds{
+      {}, {DelayKind::exact_stop}, {DelayKind::in_position}, {DelayKind::in_position, DelayKind::exact_stop}};
   std::mt19937 rng(28);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   int feasible = 0;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 16; ++i) {
     const SettingFamily family = i % 6 == 3 ? SettingFamily::gaussian : SettingFamily::averages;
-    Task task = settable(rng, family, kinds[static_cast<std::size_t>(i / 4)], 1 + i % 2, 22);
+    Task task = settable(rng, family, kinds[static_cast<std::size_t>(i / 4)], 1 + i % 2, 20);
     for (TaskCorner& corner : task.corners) corner.error_max = 4.0 * *corner.error_max, corner.speed_min *= 0.2;
     const double gain = (0.1 + 0.5 * u(rng)) / task.sample_period, feedforward = u(rng);
     for (Axis& axis : task.machine.axes) {
@@ -97,6 +98,8 @@ TEST(Settings, ForAxesAsTheyAreAreTheBestOfAllByBruteForce) {
       if (i % 3 != 0 && axis.force_max < unlimited) axis.coulomb = 0.1 * axis.force_max;
     }
     if (i % 2 == 0) task.machine.prefilter_taps = {0.25, 0.5, 0.25};
+    task.settings->in_position_actual = i % 2 == 0;
+    if (i % 3 == 2) task.settings->in_position_latency = 2.0 * task.sample_period;
     if (i % 4 == 0) task.machine.power_total_max = 100.0 + 200.0 * u(rng);
     expect_as_brute_force(task, "axes as they are, task " + std::to_string(i));
     feasible += std::isfinite(brute_force(task)) ? 1 : 0;

@@ -103,9 +103,11 @@ class Refutation {
     for (std::size_t j = 0; j < corners; ++j) plain.push_back(plain_delay(j, least_[j], room_));
     if (auto found = within(plain)) return found;
     if (any_delay() || !kind(DelayKind::in_position)) return std::nullopt;
+    const std::vector<double>& left = limits_.way_watched();
+    const int latency = static_cast<int>(std::lround(task_.settings->in_position_latency / task_.sample_period));
     std::vector<double> widths{none};
     for (std::size_t j = 0; j < corners; ++j) {
-      for (const double way : member_.way_left) {
+      for (const double way : left) {
         // On both sides: equal widths of two corners are rounded differently.
         for (const double factor : {1.0 - 1e-9, 1.0 + 1e-9})
           widths.push_back(factor * way * task_.corners[j].geometry().feed_in * task_.sample_period);
@@ -116,9 +118,8 @@ class Refutation {
       std::vector<int> delays = plain;
       for (std::size_t j = 0; j < corners; ++j) {
         const double way = task_.corners[j].geometry().feed_in * task_.sample_period;
-        const auto after = [&](double left) { return way * left > width; };
-        const auto& left = member_.way_left;
-        const int d = static_cast<int>(std::partition_point(left.begin(), left.end(), after) - left.begin());
+        const auto after = [&](double to_go) { return way * to_go > width; };
+        const int d = latency + static_cast<int>(std::partition_point(left.begin(), left.end(), after) - left.begin());
         const bool shorter = delays[j] < 0 || d < delays[j];
         if (!task_.corners[j].delay && shorter && holds(j, d)) delays[j] = d;
       }

@@ -19,6 +19,10 @@ class MemberLimits {
   /// @param response  of the task's machine
   MemberLimits(const Task& granted, const FamilyMember& member, const CheckedResponse& response);
 
+  /// The remaining way that a control's in-position check sees, samples at full speed: p(k).
+  const std::vector<double>& way_watched() const {
+    return granted_.settings->in_position_actual ? motion().way_left : member_.way_left;
+  }
   /// From here on, longer delays change nothing.
   int longest_delay() const { return motion().order() + 2; }
   /// A limit that a leg breaks which starts from rest or stops.

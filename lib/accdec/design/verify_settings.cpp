@@ -5,6 +5,7 @@
 
 #include <accdec/certificate/family_members.hpp>
 #include <accdec/design/verify_settings.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/objective.hpp>
 
 namespace accdec {
@@ -98,12 +99,16 @@ bool values_fit(const Task& task, const ChosenSettings& chosen, const Filter& fi
 
 /// The delay that an in-position width gives.
 int delay_at(const DesignResult& result, std::size_t j, double width) {
-  const auto taps = result.filter->taps();
+  const ControllerSettings& control = *result.task.settings;
+  const FilterBehind behind(*result.filter, result.task.machine, result.task.sample_period);
+  const Filter& watched = control.in_position_actual ? behind.motion() : *result.filter;
+  const auto taps = watched.taps();
   const double step = result.task.corners[j].geometry().feed_in * result.task.sample_period;
   for (int d = 0;; ++d) {
     double way = 0.0;
     for (int i = d + 1; i < static_cast<int>(taps.size()); ++i) way += taps[static_cast<std::size_t>(i)] * (i - d);
-    if (step * way <= width || d > result.filter->order()) return d;
+    if (step * way <= width || d > watched.order())
+      return d + static_cast<int>(std::lround(control.in_position_latency / result.task.sample_period));
   }
 }
 

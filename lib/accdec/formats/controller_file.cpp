@@ -78,6 +78,8 @@ FileKind make_controller_file() {
       *find_key(setting_keys(), "alpha_step"),
       *find_key(setting_keys(), "cutoff_step_Hz"),
       as_in_tasks(controller_keys(), "delays", "how it delays the second leg of a corner", "not known"),
+      *find_key(controller_keys(), "in_position_of"),
+      *find_key(controller_keys(), "in_position_latency_ms"),
       {.name = "unknown",
        .type = KeyType::texts,
        .meaning = "what could not be found; nothing is printed as a fact without a source",
@@ -123,6 +125,8 @@ Controller read_controller(const Table& top, std::string name) {
   controller.note = top.text("note").value_or("");
   for (const std::string& word : top.texts("family")) controller.families.push_back(*setting_family_from_string(word));
   for (const std::string& word : top.texts("delays")) controller.delays.push_back(*delay_kind_from_string(word));
+  controller.in_position_actual = top.has("in_position_of") && top.word("in_position_of") == "actual";
+  controller.in_position_latency = top.number("in_position_latency_ms").value_or(0.0);
   controller.unknown = top.texts("unknown");
   controller.time_constant_step = top.number("time_constant_step_ms").value_or(0.0);
   controller.alpha_step = top.number("alpha_step").value_or(0.0);
@@ -220,6 +224,8 @@ ControllerSettings settings_of(const Controller& controller, double period) {
   if (controller.alpha_step > 0.0) settings.alpha_step = controller.alpha_step;
   if (controller.cutoff_step > 0.0) settings.cutoff_step = controller.cutoff_step;
   settings.delays = controller.delays;
+  settings.in_position_actual = controller.in_position_actual;
+  settings.in_position_latency = std::round(controller.in_position_latency / period) * period;
   for (const ControllerStage& stage : controller.stages) settings.stages.push_back(sampled(stage, period));
   return settings;
 }

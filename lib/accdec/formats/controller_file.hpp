@@ -34,6 +34,8 @@ struct Controller {
   double time_constant_step = 0.0, alpha_step = 0.0, cutoff_step = 0.0;  ///< of the families' numbers, SI; 0: not given
   std::vector<ControllerStage> stages;
   std::vector<DelayKind> delays;     ///< empty: none is known
+  bool in_position_actual = false;   ///< see ControllerSettings
+  double in_position_latency = 0.0;  ///< s
   std::vector<std::string> unknown;  ///< what could not be found
   std::vector<ControllerSource> sources;
 };

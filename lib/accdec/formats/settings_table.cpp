@@ -185,6 +185,24 @@ std::optional<ControllerSettings> named_controller(const Table& table, double pe
   }
 }
 
+/// How the control measures that it is in-position.
+void read_in_position(const Table& table, double period, ControllerSettings& settings) {
+  const auto& kinds = settings.delays;
+  const bool there = std::find(kinds.begin(), kinds.end(), DelayKind::in_position) != kinds.end();
+  for (const std::string_view key : {"in_position_of", "in_position_latency_ms"}) {
+    if (table.has(key) && !there) table.fail_at(key, fmt::format("`{}` goes with delays = [\"in-position\"]", key));
+  }
+  if (table.has("in_position_of")) settings.in_position_actual = table.word("in_position_of") == "actual";
+  if (const auto latency = table.number("in_position_latency_ms")) {
+    settings.in_position_latency = *latency;
+    const double samples = *latency / period;
+    if (std::abs(samples - std::round(samples)) > 1e-9 * std::max(1.0, samples))
+      table.fail_at("in_position_latency_ms",
+                    fmt::format("`in_position_latency_ms` = {:.6g} ms is no multiple of the sample period, {:.6g} ms",
+                                1e3 * *latency, 1e3 * period));
+  }
+}
+
 /// Names and units of the times, and the controller's title.
 void read_parameters(const Table& table, ControllerSettings& settings) {
   if (const auto title = table.text("title")) settings.controller = *title;
@@ -289,54 +307,67 @@ std::vector<Key> setting_keys() {
 }
 
 std::vector<Key> controller_keys() {
-  return {{.name = "delays",
-           .type = KeyType::words,
-           .meaning = "how it delays the second leg of a corner; the design uses only these, at each corner the best",
-           .words = words_of(delay_kinds),
-           .noun = "kind of delay",
-           .fallback = "any number of samples",
-           .example = "[\"in-position\"]"},
-          {.name = "name",
-           .type = KeyType::text,
-           .meaning = "a built-in controller, see `accdec controllers`; keys of the task override what it has",
-           .example = "\"sinumerik-840d\""},
-          {.name = "file",
-           .type = KeyType::text,
-           .meaning = "instead of `name`: a controller's file, beside the task",
-           .example = "\"my-control.toml\"",
-           .long_text = true},
-          {.name = "title",
-           .type = KeyType::text,
-           .meaning = "heading for people",
-           .example = "\"My control\"",
-           .long_text = true},
-          {.name = "parameters",
-           .type = KeyType::texts,
-           .meaning = "one a stage: what the control calls its time",
-           .most = most_stages,
-           .example = "[\"MD32410\", \"MD32411\"]",
-           .empty_text = true,
-           .long_text = true},
-          {.name = "parameter_units",
-           .type = KeyType::texts,
-           .meaning = "with `parameters`: unit in which it is entered",
-           .most = most_stages,
-           .fallback = "ms",
-           .example = "[\"s\", \"s\"]"},
-          {.name = "parameter_unit_ms",
-           .type = KeyType::numbers,
-           .meaning = "with `parameters`: ms in one unit",
-           .range = {0.0, longest_ms, true},
-           .most = most_stages,
-           .fallback = "1",
-           .example = "[1000, 1000]"},
-          {.name = "prefilter_taps",
-           .type = KeyType::numbers,
-           .meaning = "the control's own smoothing of every axis, behind the filter: taps of sum 1",
-           .range = {0.0, 1.0},
-           .most = response_taps_max,
-           .fallback = "none",
-           .example = "[0.25, 0.5, 0.25]"}};
+  return {
+      {.name = "delays",
+       .type = KeyType::words,
+       .meaning = "how it delays the second leg of a corner; the design uses only these, at each corner the best",
+       .words = words_of(delay_kinds),
+       .noun = "kind of delay",
+       .fallback = "any number of samples",
+       .example = "[\"in-position\"]"},
+      {.name = "in_position_of",
+       .type = KeyType::word,
+       .meaning = "with \"in-position\": the position that it looks at, commanded or behind the servo",
+       .words = {"command", "actual"},
+       .fallback = "command",
+       .example = "\"actual\""},
+      {.name = "in_position_latency_ms",
+       .meaning = "with \"in-position\": from within the width until the next block starts; a multiple of the period",
+       .unit = "ms",
+       .range = {0.0, longest_ms},
+       .fallback = "0",
+       .example = "2"},
+      {.name = "name",
+       .type = KeyType::text,
+       .meaning = "a built-in controller, see `accdec controllers`; keys of the task override what it has",
+       .example = "\"sinumerik-840d\""},
+      {.name = "file",
+       .type = KeyType::text,
+       .meaning = "instead of `name`: a controller's file, beside the task",
+       .example = "\"my-control.toml\"",
+       .long_text = true},
+      {.name = "title",
+       .type = KeyType::text,
+       .meaning = "heading for people",
+       .example = "\"My control\"",
+       .long_text = true},
+      {.name = "parameters",
+       .type = KeyType::texts,
+       .meaning = "one a stage: what the control calls its time",
+       .most = most_stages,
+       .example = "[\"MD32410\", \"MD32411\"]",
+       .empty_text = true,
+       .long_text = true},
+      {.name = "parameter_units",
+       .type = KeyType::texts,
+       .meaning = "with `parameters`: unit in which it is entered",
+       .most = most_stages,
+       .fallback = "ms",
+       .example = "[\"s\", \"s\"]"},
+      {.name = "parameter_unit_ms",
+       .type = KeyType::numbers,
+       .meaning = "with `parameters`: ms in one unit",
+       .range = {0.0, longest_ms, true},
+       .most = most_stages,
+       .fallback = "1",
+       .example = "[1000, 1000]"},
+      {.name = "prefilter_taps",
+       .type = KeyType::numbers,
+       .meaning = "the control's own smoothing of every axis, behind the filter: taps of sum 1",
+       .range = {0.0, 1.0},
+       .most = response_taps_max,
+       .fallback = "none",
+       .example = "[0.25, 0.5, 0.25]"}};
 }
 
 std::optional<ControllerSettings> read_settings(const std::optional<Table>& design,
@@ -358,6 +389,7 @@ std::optional<ControllerSettings> read_settings(const std::optional<Table>& desi
     if (controller->has("delays")) settings.delays.clear();
     for (const std::string& word : controller->texts("delays"))
       settings.delays.push_back(*delay_kind_from_string(word));
+    read_in_position(*controller, period, settings);
     read_parameters(*controller, settings);
   }
   if (!settings.names_family() && settings.delays.empty()) return std::nullopt;
@@ -387,6 +419,9 @@ void write_settings(const ControllerSettings& settings, Json& design, Json& cont
     }
   }
   for (const DelayKind kind : settings.delays) controller["delays"].push_back(to_string(kind));
+  if (settings.in_position_actual) controller["in_position_of"] = "actual";
+  if (settings.in_position_latency > 0.0)
+    controller["in_position_latency_ms"] = from_si({.unit = "ms"}, settings.in_position_latency);
   write_parameters(settings, controller);
 }
 

@@ -207,6 +207,8 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
                           bool filter_bound, Feeds feeds, const Deadline& deadline) {
   require_no_response(task.machine, "program");
   require_no_shared_loads(task.machine, "program");
+  if (task.settings && task.settings->in_position_latency > 0.0)
+    throw std::invalid_argument("a program does not consider [controller] in_position_latency_ms; leave it out");
   const auto start = std::chrono::steady_clock::now();
   ProgramResult result = before_planning(name, path, task);
   const Machine machine = program_machine(task.machine, path);

@@ -22,9 +22,43 @@ bool names(const std::vector<DelayKind>& kinds, DelayKind kind) {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
-/// The remaining way of leg 1 at a delay, m: the width below which the next block waits longer.
-double way_left(const Filter& filter, const TaskCorner& corner, double period, int delay) {
-  return corner.geometry().feed_in * period * filter.remaining_moment(delay);
+/// In-position of one filter, as the control measures it.
+class InPosition {
+ public:
+  /// @param filter, motion  the designed filter, and that of the motion behind the machine's response
+  InPosition(const Filter& filter, const Filter& motion, const Task& task)
+      : watched_(task.settings->in_position_actual ? motion : filter),
+        period_(task.sample_period),
+        latency_(static_cast<int>(std::lround(task.settings->in_position_latency / period_))) {}
+
+  int latency() const { return latency_; }  ///< samples
+  /// Samples of leg 1 from its command's end until nothing is left of it.
+  int longest() const { return DelayFinder(watched_).exact_stop_delay(); }
+  /// The remaining way of leg 1 so many samples after its command's end, m: with a smaller width the next block waits
+  /// longer.
+  double way_left(const TaskCorner& corner, int samples) const {
+    return corner.geometry().feed_in * period_ * watched_.remaining_moment(samples);
+  }
+
+ private:
+  const Filter& watched_;
+  double period_;
+  int latency_;
+};
+
+/// See the public one. @param mask  one per corner: whether it is in-position
+std::optional<WidthInterval> width_of(const InPosition& in_position, const Task& task, const std::vector<int>& delays,
+                                      const std::vector<bool>& mask) {
+  WidthInterval width{0.0, unlimited};
+  for (std::size_t j = 0; j < delays.size(); ++j) {
+    if (!mask[j]) continue;
+    const int waited = delays[j] - in_position.latency();
+    if (waited < 0) return std::nullopt;
+    width.low = std::max(width.low, in_position.way_left(task.corners[j], waited));
+    if (waited > 0) width.high = std::min(width.high, in_position.way_left(task.corners[j], waited - 1));
+  }
+  if (width.low >= width.high * (1.0 - same_width)) return std::nullopt;
+  return width;
 }
 
 /// Looks for the cheapest delays of a filter of which everything but the blends holds.
@@ -34,6 +68,7 @@ class KindChoice {
   KindChoice(const Filter& filter, const Filter& motion, const Task& task, const BlendLimits& limits, double samples,
              const std::function<bool()>& stop)
       : filter_(filter),
+        in_position_(filter, motion, task),
         task_(task),
         kinds_(task.settings->delays),
         cost_(cost_of(task)),
@@ -54,7 +89,7 @@ class KindChoice {
     std::vector<bool> mask;
     for (const DelayKind kind : found_->kinds) mask.push_back(kind == DelayKind::in_position);
     if (std::find(mask.begin(), mask.end(), true) != mask.end())
-      found_->width = width_of(filter_, task_, found_->delays, mask);
+      found_->width = width_of(in_position_, task_, found_->delays, mask);
     return found_;
   }
 
@@ -125,11 +160,10 @@ class KindChoice {
     };
     std::vector<Step> steps;
     for (std::size_t j = 0; j < checks_.size(); ++j) {
-      for (int d = 0; d < apart_; ++d)
-        steps.push_back({way_left(filter_, task_.corners[j], task_.sample_period, d), j});
+      for (int d = 0; d < in_position_.longest(); ++d) steps.push_back({in_position_.way_left(task_.corners[j], d), j});
     }
     std::sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.width > b.width; });
-    std::vector<int> delays(checks_.size(), 0);
+    std::vector<int> delays(checks_.size(), in_position_.latency());
     offer(delays);
     for (std::size_t i = 0; i < steps.size() && !late_;) {
       const double width = steps[i].width;
@@ -141,6 +175,7 @@ class KindChoice {
   }
 
   const Filter& filter_;
+  InPosition in_position_;
   const Task& task_;
   const std::vector<DelayKind>& kinds_;
   LinearCost cost_;
@@ -159,15 +194,8 @@ class KindChoice {
 
 std::optional<WidthInterval> width_of(const Filter& filter, const Task& task, const std::vector<int>& delays,
                                       const std::vector<bool>& in_position) {
-  WidthInterval width{0.0, unlimited};
-  for (std::size_t j = 0; j < delays.size(); ++j) {
-    if (!in_position[j]) continue;
-    width.low = std::max(width.low, way_left(filter, task.corners[j], task.sample_period, delays[j]));
-    if (delays[j] > 0)
-      width.high = std::min(width.high, way_left(filter, task.corners[j], task.sample_period, delays[j] - 1));
-  }
-  if (width.low >= width.high * (1.0 - same_width)) return std::nullopt;
-  return width;
+  const FilterBehind behind(filter, task.machine, task.sample_period);
+  return width_of(InPosition(filter, behind.motion(), task), task, delays, in_position);
 }
 
 std::optional<KindDelays> delays_of_kinds(const Filter& filter, const Task& task, double samples,

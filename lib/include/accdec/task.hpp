@@ -46,7 +46,7 @@ std::optional<SettingFamily> setting_family_from_string(std::string_view name);
 enum class DelayKind {
   continuous,   ///< d = 0: the next block starts as the command of the last ends
   exact_stop,   ///< the least d at which the legs do not overlap, one or two more where a limit asks for it
-  in_position,  ///< d = min{d >= 0: v1 T p(d) <= w}, with one width w for all corners
+  in_position,  ///< d = L + min{e >= 0: v1 T p(e) <= w}, with one width w for all corners; L, see ControllerSettings
   dwell,        ///< any d, by a dwell before the filter
   timed_axis    ///< any d, by a timed move of an unused axis
 };
@@ -78,11 +78,13 @@ struct ControllerSettings {
   std::vector<SettableStage> stages{};                       ///< 1 to 3 unless all that is designed are taps
   const ShaperInfo* shaper = nullptr;                        ///< SettingFamily::shaper: which of shaper_list()
   /// Steps of real numbers, whose members are multiples. The length of these families is the first stage's.
-  double time_constant_step = 0.0;  ///< SettingFamily::exponential, s; 0: the sample period
-  double alpha_step = 0.1;          ///< SettingFamily::gaussian; alpha is at most 6
-  double cutoff_step = 1.0;         ///< SettingFamily::windowed_sinc, Hz; at most 1 / (N T)
-  std::vector<DelayKind> delays{};  ///< empty: any number of samples
-  std::string controller{};         ///< its title, for people; may be empty
+  double time_constant_step = 0.0;   ///< SettingFamily::exponential, s; 0: the sample period
+  double alpha_step = 0.1;           ///< SettingFamily::gaussian; alpha is at most 6
+  double cutoff_step = 1.0;          ///< SettingFamily::windowed_sinc, Hz; at most 1 / (N T)
+  std::vector<DelayKind> delays{};   ///< empty: any number of samples
+  bool in_position_actual = false;   ///< the remaining way is that of the motion behind the servo, not of the command
+  double in_position_latency = 0.0;  ///< s, a multiple of the period: from within the width until the next block starts
+  std::string controller{};          ///< its title, for people; may be empty
 
   /// Whether anything but free taps is designed.
   bool names_family() const;
