@@ -301,9 +301,11 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
                    "Command arcs on a radius larger by the filter's radius error, v^2 s^2/(2 R); errors are measured "
                    "from the programmed arc");
   command.add_flag("--per-leg", options.per_leg)->group("");
-  command.add_flag("--filter-bound", options.file.filter_bound,
-                   "Also print a lower bound on the time of any filters within the acceleration limits and no longer "
-                   "than a block, with any delays");
+  command.add_flag(
+      "--filter-bound", options.file.filter_bound,
+      "Also print a lower bound on the time of any filters within the acceleration limits and no longer "
+      "than a block, with any delays, at the programmed feeds; there is none where a block is shorter than "
+      "every such filter");
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST(Bounds, FindTheAxesOfTheProgramByTheirNames) {
     EXPECT_LE(bound, closed);
   }
   // A filter slows the feed down in as many taps as 1/(a T/F); the command takes L/F.
-  EXPECT_NEAR(filter_lower_bound(path, m, T), closed, 1e-5);
+  EXPECT_NEAR(filter_lower_bound(path, m, T).value(), closed, 1e-5);
 }
 
 TEST(AnyMotionBound, IsNotAbovePlansOfRandomPrograms) {

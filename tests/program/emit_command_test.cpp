@@ -73,6 +73,22 @@ TEST_F(ProgramCommand, EmittedStopsBetweenShortLegsTakeNoMoreThanBefore) {
 }
 
 // A block that G61 ends and a move in inverse time lose a sample each in LinuxCNC: 20 ms of delay are a move of 18.
+/// Where feeds step just behind a corner, the joint of the two parts is straight and has no tolerance. Rounding may
+/// turn it, and the tolerance in force is then that of the corner before, which the motion into the arc exceeds.
+TEST_F(ProgramCommand, EmittedStraightJointsHaveTheToleranceOfWhatFollows) {
+  write("uneven.toml",
+        "sample_period_ms = 4\n[filter]\nkind = \"taps\"\ntaps = [0.096, 0.628, 0.56, 0.142, 0.369]\n"
+        "[program]\nerror_max_um = 5\n[[axis]]\nvelocity_max_mm_s = 50\nacceleration_max_mm_s2 = 3000\n"
+        "jerk_max_mm_s3 = 500000\n");
+  write("part.ngc",
+        "G21 G90 G94 G17\nG0 X0 Y0 Z5\nF30000\nG64\nG1 X-1.728 Y5.273 Z0.766\nG64 P0.2\n"
+        "G91 G2 I0.2979 J-0.0357 Z-2.770 P3\nG90\nG1 X1 Y2 Z3\nM2\n");
+  ASSERT_EQ(run("program part.ngc --task uneven.toml --emit e.ngc --json a.json").code, 0) << read("err");
+  ASSERT_EQ(run("program e.ngc --task uneven.toml --plan fixed --dwells-before-filter --json b.json").code, 0)
+      << read("err");
+  EXPECT_NEAR(number_of("b.json", "cycle_time_s"), number_of("a.json", "cycle_time_s"), 1.01 * 0.004);
+}
+
 TEST_F(ProgramCommand, EmittedForLinuxcncTimesDelaysByMoves) {
   write("one.toml",
         "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n[filter]\nkind = \"boxcar\"\n"

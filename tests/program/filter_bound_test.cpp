@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <accdec/bounds/filter_bound.hpp>
@@ -83,7 +84,8 @@ TEST(FilterBound, HoldsForTheProgramsMeasuredAgainstLinuxCNC) {
     Toolpath path = read_toolpath(source, limits, {});
     {
       const ProgramResult result = run_program("a", path, boxcar(99), task);
-      const double bound = filter_lower_bound(result.plan.path, program_machine(limits, path), task.sample_period);
+      const double bound =
+          filter_lower_bound(result.plan.path, program_machine(limits, path), task.sample_period).value();
       EXPECT_TRUE(result.verification.feasible) << entry.path();
       EXPECT_LE(bound, result.cycle_time + 1e-9) << entry.path();
       // A lone corner of legs along the axes leaves only the whole samples of its delay out.
@@ -92,6 +94,22 @@ TEST(FilterBound, HoldsForTheProgramsMeasuredAgainstLinuxCNC) {
       }
     }
   }
+}
+
+// From rest to rest along L takes at least 2 sqrt(L/a), at a feed of sqrt(L a). At the programmed feed every filter
+// takes longer than the block.
+TEST(FilterBound, IsNoneForABlockTooShortForItsFeed) {
+  Machine limits;
+  Axis axis;
+  axis.name = "x";
+  axis.acceleration_max = 1.0;
+  limits.axes.push_back(axis);
+  const auto bound = [&](const char* feed) {
+    return filter_lower_bound(test::path_of(fmt::format("F{}\nG1 X5\nM2\n", feed), limits), limits, 1e-3);
+  };
+  EXPECT_FALSE(bound("12000").has_value());  // 200 ms to start, 25 ms long
+  EXPECT_FALSE(bound("4400").has_value());   // 73 and 68 ms
+  EXPECT_NEAR(bound("4000").value(), 5.0 / (4000.0 / 60.0) + 4.0 / 60.0, 2e-3);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <random>
 #include <utility>
 
@@ -116,6 +117,19 @@ TEST_F(ProgramCommand, OneFilterIsPlannedWhereSamplesTakeTooLongToCheck) {
     EXPECT_THAT(done.out, HasSubstr("plan fixed, filter of"));
     EXPECT_THAT(done.out, HasSubstr("plan profiles, not checked within the time limit"));
   }
+}
+
+// Where there is no time for another plan either, nothing is printed or written.
+TEST_F(ProgramCommand, WithoutTimeForAnyPlanNothingIsWritten) {
+  write("long.toml",
+        "sample_period_ms = 0.1\n[[axis]]\nvelocity_max_mm_s = 500\n"
+        "acceleration_max_mm_s2 = 1000\njerk_max_mm_s3 = 20000\n");
+  write("part.ngc", "G21 G90 G64 P0.05\nG1 X10000 F1\nM2\n");  // 6e9 samples
+  const auto none = run("program part.ngc --task long.toml --time-limit 0.001 --json none.json --plan profiles");
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.err, HasSubstr("the time limit ended plan profiles before all its samples were checked; give"));
+  EXPECT_EQ(none.out, "");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("none.json")));
 }
 
 // A dwell only moves what comes after it: samples that stand still are not made one by one.

@@ -89,11 +89,15 @@ double least_separation(double step_in, double step_out, double tap_in, double t
   return least;
 }
 
-double filter_lower_bound(const Toolpath& path, const Machine& task_machine, double sample_period) {
+std::optional<double> filter_lower_bound(const Toolpath& path, const Machine& task_machine, double sample_period) {
   const Machine machine = program_machine(task_machine, path);
   const std::size_t blocks = path.blocks(), n = path.dimensions();
   if (blocks == 0) return 0.0;
   const std::vector<int> none(blocks, 0);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const double taps = 1.0 / largest_tap(path, b, machine, sample_period);
+    if (taps > path.duration[b] / sample_period * (1.0 + 1e-9) + 1.0) return std::nullopt;
+  }
   const CommandTiming timing(path, sample_period, none);
   const double first_tap = largest_tap(path, 0, machine, sample_period),
                last_tap = largest_tap(path, blocks - 1, machine, sample_period);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <accdec/machine.hpp>
 #include <accdec/simulate.hpp>
 
@@ -20,15 +22,18 @@ namespace accdec {
 double least_separation(double step_in, double step_out, double tap_in, double tap_out, double cos_interior,
                         double error);
 
-/// A lower bound in s on the time of any filters with non-negative taps and unit sum and with any delays, within the
-/// acceleration limits. There may be one filter for all legs or one per leg. With n samples of command, samples = n +
-/// sum d + N_last + 1 = n + M_first + sum Delta + (N_last + 1 - M_last). Each term takes its own minimum.
+/// A lower bound in s on the time of plans that keep the programmed feeds within the acceleration limits. They have any
+/// filters with non-negative taps and unit sum, and any delays. There may be one filter for all legs or one per leg.
+/// With n samples of command, samples = n + sum d + N_last + 1 = n + M_first + sum Delta + (N_last + 1 - M_last). Each
+/// term takes its own minimum.
 ///
 /// It holds for filters that are not longer than the blocks that meet at a corner: then each corner is passed as if it
-/// were alone. Chords of arcs are shorter than filters. So an arc starts and stops with any tap here, and joints inside
-/// it cost nothing. It may be too low, because it leaves out several conditions. One filter must suit both ends of a
-/// leg, limits hold while the legs overlap, limits other than acceleration hold, and samples are whole.
+/// were alone. There is no such bound where a block is shorter than every filter that starts it within the limits.
+/// Plans that choose slower feeds, or step them inside blocks, may be faster. Chords of arcs are shorter than filters.
+/// So an arc starts and stops with any tap here, and joints inside it cost nothing. It may be too low, because it
+/// leaves out several conditions. One filter must suit both ends of a leg, limits hold while the legs overlap, limits
+/// other than acceleration hold, and samples are whole.
 /// @param machine  its axes are found by their names (program_machine)
-double filter_lower_bound(const Toolpath& path, const Machine& machine, double sample_period);
+std::optional<double> filter_lower_bound(const Toolpath& path, const Machine& machine, double sample_period);
 
 }  // namespace accdec

@@ -230,7 +230,7 @@ std::string savings_text(const BaselineTable& table) {
         *saved->by_family);
   }
   add(at_most, "free taps", *saved->by_taps);
-  if (!saved->complete) text += "  (not every family was searched to the end; --baselines searches longer)\n";
+  if (!saved->complete) text += "  (not every family was searched to the end; give --time-limit longer)\n";
   return text;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -216,10 +217,13 @@ class Emission {
       mode = "G61";
     else if (path_.tolerance[b] < unlimited)
       mode = "G64 P" + plain_number((path_.tolerance[b] + moved(b + 1)) * 1e3, 9);
-    // A straight joint with any tolerance or none; in the written text, coordinates may turn it by their rounding.
+    // A straight joint with any tolerance or none; in the written text, coordinates may turn it by their rounding. Then
+    // the tolerance in force must hold there, too.
     if (!timed_.used() && path_.joint[b] == Joint::straight && (mode == "G64" || mode == "G61")) {
-      if (mode_.starts_with("G64 P")) return;
-      mode = "G64 P" + plain_number(next_tolerance(b), 9);
+      const bool rounded = mode_.starts_with("G64 P");
+      const double now = rounded ? std::stod(mode_.substr(5)) : 0.0, next = next_tolerance(b);
+      if (rounded && (next <= now || 1e3 * result_.errors[b] < 0.99 * now)) return;
+      mode = "G64 P" + plain_number(next, 9);
     }
     if (mode == mode_) return;
     mode_ = mode;

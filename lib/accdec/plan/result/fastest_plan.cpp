@@ -17,6 +17,10 @@ PlanTime time_of(const ProgramResult& r) {
   return {r.plan.empty() ? "profiles" : r.plan.name(), r.cycle_time, r.verification.feasible};
 }
 
+void require_plan(const ProgramResult& result) {
+  if (result.plan.empty()) throw std::invalid_argument(result.message + "; give --time-limit longer");
+}
+
 void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
   // The path may be off a chord's end by the tolerance, and the chord off its arc by more.
   const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
@@ -66,18 +70,26 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   // Where checking its samples takes all the time there is, one filter may still be planned.
   const Deadline most = several ? options.deadline.within(0.6 * options.deadline.left()) : options.deadline;
   ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
+  if (!several) require_plan(profiles);
   if (!several) return profiles;
   profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
-  if (options.deadline.over()) return profiles;
+  if (options.deadline.over()) {
+    require_plan(profiles);
+    return profiles;
+  }
   std::optional<AlongPlan> along;
   if (!profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
   ProgramFile copy = file;
   ProgramResult other = run_program_file(name, copy, task, options, tell);
   ProgramResult& best = along ? along->result : profiles;
   if (along) along->result.candidates = {time_of(profiles)};
-  if (other.plan.empty()) return std::move(best);
+  if (other.plan.empty()) {
+    require_plan(best);
+    return std::move(best);
+  }
   const PlanTime mine = time_of(best), theirs = time_of(other);
-  if (theirs.verified && (!mine.verified || theirs.time < mine.time)) {
+  const bool faster = theirs.verified && (!mine.verified || theirs.time < mine.time);
+  if (faster || best.plan.empty()) {
     other.candidates = {mine};
     file.reading = copy.reading;
     other.corner_bound = corner_bound_as_read(*profiles.corner_bound, chords, name, file, task, options);

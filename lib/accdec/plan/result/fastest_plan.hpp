@@ -10,6 +10,9 @@ namespace accdec {
 /// The time of a plan made beside another; 0 without one.
 PlanTime time_of(const ProgramResult& result);
 
+/// @throws std::invalid_argument with the result's message if it has no plan: then there is nothing to print
+void require_plan(const ProgramResult& result);
+
 /// Narrows the tolerances beside arcs by what their chords may be off, so that a motion within them is within the
 /// program's of the arcs.
 /// @param arc_tolerance  m, that the path was read with

@@ -95,6 +95,7 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
       if (tell) tell("plan fixed is faster than the free motion that was found");
     }
     if (fixed) result.candidates.push_back(time_of(*fixed));
+    require_plan(result);
     result.solver.wall_time = seconds_since(start);
     return result;
   };

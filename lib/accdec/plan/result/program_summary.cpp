@@ -84,7 +84,9 @@ class SummaryText {
       row("bound, " + bound.name, bound.time);
       put("    of {}\n", bound.motions);
     }
-    if (result_.filter_bound) row("bound, filters and delays", *result_.filter_bound);
+    if (!result_.filter_bound) return;
+    row("bound, filters and delays", *result_.filter_bound);
+    put("    of plans that keep the programmed feeds, with filters no longer than a block; others may be faster\n");
   }
 
   void corners() {
