@@ -99,7 +99,7 @@ TEST(Cli, WhatReadingAndWritingTakeOfTheTimeLimitIsSaidBeforeTheSearch) {
   std::string task = "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n";
   for (int j = 0; j < 20000; ++j) task += fmt::format("[[corner]]\nangle_deg = 90\nfeed_in_mm_min = {}\n", 1000 + j);
   folder.write("t.toml", task);
-  const Outcome outcome = run({"design", folder.path("t.toml"), "--json", "-", "--time-limit", "1"});
+  const Outcome outcome = run({"design", folder.path("t.toml"), "--json", "-", "--time-limit", "4"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("20000 corners took"));
   EXPECT_THAT(outcome.err, HasSubstr("the search gets"));

@@ -8,37 +8,12 @@
 
 #include <accdec/formats/controller_file.hpp>
 #include <accdec/formats/settings_table.hpp>
-#include <accdec/machine/response.hpp>
 
 namespace accdec {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using toml_input::Table;
-
-constexpr double longest_ms = 1e6;
-constexpr std::size_t most_stages = 3, longest_set = 1000;
-/// Numbers on a grid: more would only take time.
-constexpr double most_numbers = 1e4, largest_alpha = 6.0;
-
-template <class Names>
-std::vector<std::string> words_of(const Names& names) {
-  std::vector<std::string> words;
-  for (const auto& name : names) words.emplace_back(name.name);
-  return words;
-}
-
-Key time_key(std::string name, std::string meaning, std::string fallback, std::string example) {
-  return {.name = std::move(name),
-          .type = KeyType::numbers,
-          .meaning = std::move(meaning),
-          .unit = "ms",
-          .range = {0.0, longest_ms, true},
-          .most = most_stages,
-          .fallback = std::move(fallback),
-          .example = std::move(example),
-          .lone = true};
-}
 
 /// Times as multiples of the sample period, s. @throws InputError at the first that is none
 std::vector<double> whole_samples(const Table& table, std::string_view key, double period) {
@@ -255,119 +230,6 @@ bool any_delay(const std::vector<DelayKind>& kinds) {
   return kinds.empty() || std::any_of(kinds.begin(), kinds.end(), [](DelayKind kind) {
            return kind == DelayKind::dwell || kind == DelayKind::timed_axis;
          });
-}
-
-std::vector<Key> setting_keys() {
-  return {{.name = "family",
-           .type = KeyType::words,
-           .meaning = "families to design; the best of several; all but `taps` are settings of controllers",
-           .words = words_of(setting_families),
-           .noun = "family",
-           .fallback = "taps",
-           .example = "\"averages\""},
-          {.name = "stages",
-           .type = KeyType::integer,
-           .meaning = "with a family: moving averages in series, or poles; each may be off",
-           .range = {1, most_stages},
-           .fallback = "2",
-           .example = "2"},
-          {.name = "shaper",
-           .type = KeyType::word,
-           .meaning = "with family = \"shaper\": impulses at whole samples behind the averages",
-           .words = words_of(shaper_list()),
-           .fallback = "zv",
-           .example = "\"zv\""},
-          time_key("length_step_ms", "with a family: step of its times, a multiple of the period; one, or one a stage",
-                   "the period", "1"),
-          time_key("length_max_ms", "with a family: longest time; one, or one a stage", "no cap", "32"),
-          {.name = "length_set_ms",
-           .type = KeyType::numbers,
-           .meaning = "with a family, instead of step and cap: all times that can be set, multiples of the period",
-           .unit = "ms",
-           .range = {0.0, longest_ms, true},
-           .most = longest_set,
-           .example = "[0.5, 1, 2, 4, 8]"},
-          {.name = "time_constant_step_ms",
-           .meaning = "with family = \"exponential\": its time constants are multiples, up to the longest filter",
-           .unit = "ms",
-           .range = {0.0, longest_ms, true},
-           .fallback = "the period",
-           .example = "0.5"},
-          {.name = "alpha_step",
-           .meaning = "with family = \"gaussian\": alpha, the half width over the standard deviation, is a multiple",
-           .range = {largest_alpha / most_numbers, largest_alpha},
-           .fallback = "0.1",
-           .example = "0.25"},
-          {.name = "cutoff_step_Hz",
-           .meaning = "with family = \"windowed-sinc\": cut-offs are multiples, up to 1 / (N T)",
-           .unit = "Hz",
-           .range = {0.0, 1e6, true},
-           .fallback = "1",
-           .example = "5"}};
-}
-
-std::vector<Key> controller_keys() {
-  return {
-      {.name = "delays",
-       .type = KeyType::words,
-       .meaning = "how it delays the second leg of a corner; the design uses only these, at each corner the best",
-       .words = words_of(delay_kinds),
-       .noun = "kind of delay",
-       .fallback = "any number of samples",
-       .example = "[\"in-position\"]"},
-      {.name = "in_position_of",
-       .type = KeyType::word,
-       .meaning = "with \"in-position\": the position that it looks at, commanded or behind the servo",
-       .words = {"command", "actual"},
-       .fallback = "command",
-       .example = "\"actual\""},
-      {.name = "in_position_latency_ms",
-       .meaning = "with \"in-position\": from within the width until the next block starts; a multiple of the period",
-       .unit = "ms",
-       .range = {0.0, longest_ms},
-       .fallback = "0",
-       .example = "2"},
-      {.name = "name",
-       .type = KeyType::text,
-       .meaning = "a built-in controller, see `accdec controllers`; keys of the task override what it has",
-       .example = "\"sinumerik-840d\""},
-      {.name = "file",
-       .type = KeyType::text,
-       .meaning = "instead of `name`: a controller's file, beside the task",
-       .example = "\"my-control.toml\"",
-       .long_text = true},
-      {.name = "title",
-       .type = KeyType::text,
-       .meaning = "heading for people",
-       .example = "\"My control\"",
-       .long_text = true},
-      {.name = "parameters",
-       .type = KeyType::texts,
-       .meaning = "one a stage: what the control calls its time",
-       .most = most_stages,
-       .example = "[\"MD32410\", \"MD32411\"]",
-       .empty_text = true,
-       .long_text = true},
-      {.name = "parameter_units",
-       .type = KeyType::texts,
-       .meaning = "with `parameters`: unit in which it is entered",
-       .most = most_stages,
-       .fallback = "ms",
-       .example = "[\"s\", \"s\"]"},
-      {.name = "parameter_unit_ms",
-       .type = KeyType::numbers,
-       .meaning = "with `parameters`: ms in one unit",
-       .range = {0.0, longest_ms, true},
-       .most = most_stages,
-       .fallback = "1",
-       .example = "[1000, 1000]"},
-      {.name = "prefilter_taps",
-       .type = KeyType::numbers,
-       .meaning = "the control's own smoothing of every axis, behind the filter: taps of sum 1",
-       .range = {0.0, 1.0},
-       .most = response_taps_max,
-       .fallback = "none",
-       .example = "[0.25, 0.5, 0.25]"}};
 }
 
 std::optional<ControllerSettings> read_settings(const std::optional<Table>& design,

@@ -16,6 +16,9 @@ namespace accdec {
 /// Whether these kinds give any number of samples.
 bool any_delay(const std::vector<DelayKind>& kinds);
 
+/// Numbers on a grid: more would only take time.
+inline constexpr double most_numbers = 1e4;
+
 /// Those of [design].
 std::vector<Key> setting_keys();
 /// Those of [controller].
