@@ -45,12 +45,10 @@ class Sums {
 
 /// A filter behind nothing, behind the control's smoothing, and behind the servo, which all axes have alike.
 struct Behind {
-  Sums designed, command, motion;
+  Sums command, motion;
 
   Behind(const Task& task, const std::vector<double>& taps)
-      : designed(taps),
-        command(convolve(taps, smoothing(task))),
-        motion(convolve(convolve(taps, smoothing(task)), servo(task))) {}
+      : command(convolve(taps, smoothing(task))), motion(convolve(convolve(taps, smoothing(task)), servo(task))) {}
 
   static std::vector<double> smoothing(const Task& task) {
     return task.machine.prefilter_taps.empty() ? std::vector{1.0} : task.machine.prefilter_taps;
@@ -118,8 +116,25 @@ inline bool holds(const Task& task, const TaskCorner& corner, const Behind& filt
   return nearest <= *corner.error_max * (1.0 + 1e-9) && slowest * (1.0 + 1e-9) >= corner.speed_min;
 }
 
+/// Whether the filter leaves more of a vibration at its last tap than a mode allows, each of one frequency and damping.
+inline bool rings(const Task& task, const std::vector<double>& taps) {
+  const std::vector<double> command = convolve(taps, Behind::smoothing(task));
+  for (const Mode& mode : task.machine.modes) {
+    const double w = 2.0 * std::numbers::pi * mode.frequency_low * task.sample_period, z = mode.damping_low;
+    double cosines = 0.0, sines = 0.0;
+    for (std::size_t i = 0; i < command.size(); ++i) {
+      const auto back = static_cast<double>(command.size() - 1 - i);
+      const double fall = command[i] * std::exp(-z * w * back), turn = w * std::sqrt(1.0 - z * z) * back;
+      cosines += fall * std::cos(turn), sines += fall * std::sin(turn);
+    }
+    if (std::hypot(cosines, sines) > mode.residual_max * (1.0 + 1e-9)) return true;
+  }
+  return false;
+}
+
 /// The cheapest delays of a filter, samples of the objective.
 inline double cheapest(const Task& task, const std::vector<double>& taps) {
+  if (rings(task, taps)) return none;
   const int n = static_cast<int>(taps.size()) - 1;
   const auto& kinds = task.settings->delays;
   const auto has = [&](DelayKind kind) { return std::find(kinds.begin(), kinds.end(), kind) != kinds.end(); };
@@ -131,7 +146,7 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
     good.emplace_back();
     for (int d = 0; d <= last; ++d) good.back().push_back(holds(task, corner, filter, d));
   }
-  const Sums& watched = task.settings->in_position_actual ? filter.motion : filter.designed;
+  const Sums& watched = task.settings->in_position_actual ? filter.motion : filter.command;
   const int latency = static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period));
   std::vector<double> widths{none};
   if (has(DelayKind::in_position)) {

@@ -107,6 +107,28 @@ TEST(Settings, ForAxesAsTheyAreAreTheBestOfAllByBruteForce) {
   EXPECT_GE(feasible, 6);
 }
 
+/// A damped vibration dies away: where one filter leaves too much of it, others with a zero there may leave less.
+TEST(Settings, UnderADampedModeAreTheBestOfAllByBruteForce) {
+  std::mt19937 rng(29);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  int feasible = 0;
+  for (int i = 0; i < 60; ++i) {
+    Task task = settable(rng, SettingFamily::averages, {}, 1, 24);
+    task.settings->stages.front() = task.settings->stages.back() = {};
+    // Nothing but the vibration and the tolerance matters.
+    for (Axis& axis : task.machine.axes) axis = {.name = axis.name, .acceleration_max = 1000.0};
+    task.corners.front().speed_min = 0.0, task.corners.front().error_max = 80e-6;
+    Mode mode;
+    mode.frequency_low = mode.frequency_high = 30.0 + 50.0 * u(rng);
+    mode.damping_low = mode.damping_high = i % 4 == 0 ? 0.0 : 0.02 + 0.2 * u(rng);
+    mode.residual_max = 0.05 + 0.25 * u(rng);
+    task.machine.modes.push_back(mode);
+    expect_as_brute_force(task, "damped mode, task " + std::to_string(i));
+    feasible += std::isfinite(brute_force(task)) ? 1 : 0;
+  }
+  EXPECT_GE(feasible, 15);
+}
+
 TEST(Settings, OfPolesAndShapersAreTheBestOfAllByBruteForce) {
   std::mt19937 rng(27);
   for (int i = 0; i < 6; ++i) {

@@ -21,7 +21,7 @@ class MemberLimits {
 
   /// The remaining way that a control's in-position check sees, samples at full speed: p(k).
   const std::vector<double>& way_watched() const {
-    return granted_.settings->in_position_actual ? motion().way_left : member_.way_left;
+    return granted_.settings->in_position_actual ? motion().way_left : command().way_left;
   }
   /// From here on, longer delays change nothing.
   int longest_delay() const { return motion().order() + 2; }

@@ -41,11 +41,13 @@ class ExplainSolver {
     Solved solved;
     solved.result = designed(task, design);
     solved.designed = solved.result.filter.has_value();
-    const bool asks_proof =
-        solved.designed ? !any && solved.result.lower_bound.has_value() : solved.result.status == Status::infeasible;
+    // Settings of a control are as short as their family allows, whatever free taps would do.
+    const std::optional<double>& bound =
+        solved.result.settings ? solved.result.family_bound : solved.result.lower_bound;
+    const bool asks_proof = solved.designed ? !any && bound.has_value() : solved.result.status == Status::infeasible;
     if (asks_proof && verify_result(solved.result, [this] { return cancelled(); }).accepted) {
       solved.refuted = !solved.designed;
-      if (solved.designed) solved.bound = *solved.result.lower_bound;
+      if (solved.designed) solved.bound = *bound;
     }
     if (cancelled()) explanation_.complete = false;
     return solved;

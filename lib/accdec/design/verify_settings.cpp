@@ -101,7 +101,7 @@ bool values_fit(const Task& task, const ChosenSettings& chosen, const Filter& fi
 int delay_at(const DesignResult& result, std::size_t j, double width) {
   const ControllerSettings& control = *result.task.settings;
   const FilterBehind behind(*result.filter, result.task.machine, result.task.sample_period);
-  const Filter& watched = control.in_position_actual ? behind.motion() : *result.filter;
+  const Filter& watched = control.in_position_actual ? behind.motion() : behind.command();
   const auto taps = watched.taps();
   const double step = result.task.corners[j].geometry().feed_in * result.task.sample_period;
   for (int d = 0;; ++d) {

@@ -179,7 +179,7 @@ std::string explanation_text(const Explanation& e, bool samples) {
     text +=
         fmt::format("{} of {} ms, order {}, delay{} {}: {}.\n", whole ? "Cycle time" : "Corner times",
                     ms(e.base.objective()), e.base.filter->order(), delays.size() == 1 ? "" : "s", delays_text(delays),
-                    e.base_proved        ? "proved to be the shortest"
+                    e.base_proved        ? e.base.settings ? "proved best for this family" : "proved to be the shortest"
                     : e.base.lower_bound ? fmt::format("not below {} ms is proved", ms(*e.base.lower_bound))
                                          : "nothing is proved");
     text += gain_text(e) + "\n" + binding_text(e, samples);

@@ -90,7 +90,8 @@ std::vector<Key> controller_keys() {
        .example = "[\"in-position\"]"},
       {.name = "in_position_of",
        .type = KeyType::word,
-       .meaning = "with \"in-position\": the position that it looks at, commanded or behind the servo",
+       .meaning = "with \"in-position\": the position that it looks at: commanded, behind any `prefilter_taps`, or "
+                  "behind the servo",
        .words = {"command", "actual"},
        .fallback = "command",
        .example = "\"actual\""},

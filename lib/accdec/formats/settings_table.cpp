@@ -173,7 +173,7 @@ void read_in_position(const Table& table, double period, ControllerSettings& set
     const double samples = *latency / period;
     if (std::abs(samples - std::round(samples)) > 1e-9 * std::max(1.0, samples))
       table.fail_at("in_position_latency_ms",
-                    fmt::format("`in_position_latency_ms` = {:.6g} ms is no multiple of the sample period, {:.6g} ms",
+                    fmt::format("`in_position_latency_ms` = {:.12g} ms is no multiple of the sample period, {:.12g} ms",
                                 1e3 * *latency, 1e3 * period));
   }
 }

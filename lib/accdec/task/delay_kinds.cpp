@@ -25,9 +25,9 @@ bool names(const std::vector<DelayKind>& kinds, DelayKind kind) {
 /// In-position of one filter, as the control measures it.
 class InPosition {
  public:
-  /// @param filter, motion  the designed filter, and that of the motion behind the machine's response
-  InPosition(const Filter& filter, const Filter& motion, const Task& task)
-      : watched_(task.settings->in_position_actual ? motion : filter),
+  /// @param behind  of the designed filter
+  InPosition(const FilterBehind& behind, const Task& task)
+      : watched_(task.settings->in_position_actual ? behind.motion() : behind.command()),
         period_(task.sample_period),
         latency_(static_cast<int>(std::lround(task.settings->in_position_latency / period_))) {}
 
@@ -64,19 +64,19 @@ std::optional<WidthInterval> width_of(const InPosition& in_position, const Task&
 /// Looks for the cheapest delays of a filter of which everything but the blends holds.
 class KindChoice {
  public:
-  /// @param motion  the filter behind the machine's response
-  KindChoice(const Filter& filter, const Filter& motion, const Task& task, const BlendLimits& limits, double samples,
-             const std::function<bool()>& stop)
+  /// @param behind  the filter behind the machine's response
+  KindChoice(const Filter& filter, const FilterBehind& behind, const Task& task, const BlendLimits& limits,
+             double samples, const std::function<bool()>& stop)
       : filter_(filter),
-        in_position_(filter, motion, task),
+        in_position_(behind, task),
         task_(task),
         kinds_(task.settings->delays),
         cost_(cost_of(task)),
         stop_(stop),
         apart_(DelayFinder(filter).exact_stop_delay()),
-        last_(apart_ + motion.order() - filter.order() + settling),
+        last_(apart_ + behind.longer() + settling),
         best_(samples) {
-    for (const TaskCorner& corner : task.corners) checks_.emplace_back(motion, corner, task, limits);
+    for (const TaskCorner& corner : task.corners) checks_.emplace_back(behind.motion(), corner, task, limits);
     known_.assign(checks_.size(), std::vector<signed char>(static_cast<std::size_t>(last_) + 1, -1));
   }
 
@@ -195,7 +195,7 @@ class KindChoice {
 std::optional<WidthInterval> width_of(const Filter& filter, const Task& task, const std::vector<int>& delays,
                                       const std::vector<bool>& in_position) {
   const FilterBehind behind(filter, task.machine, task.sample_period);
-  return width_of(InPosition(filter, behind.motion(), task), task, delays, in_position);
+  return width_of(InPosition(behind, task), task, delays, in_position);
 }
 
 std::optional<KindDelays> delays_of_kinds(const Filter& filter, const Task& task, double samples,
@@ -208,7 +208,7 @@ std::optional<KindDelays> delays_of_kinds(const Filter& filter, const Task& task
   const BlendLimits limits(filter, task.machine, task.sample_period);
   if (!holds_without_blends(limits, filter, task, stop)) return std::nullopt;
   const FilterBehind behind(filter, task.machine, task.sample_period);
-  return KindChoice(filter, behind.motion(), task, limits, samples, stop).run();
+  return KindChoice(filter, behind, task, limits, samples, stop).run();
 }
 
 }  // namespace accdec

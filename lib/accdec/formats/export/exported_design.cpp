@@ -118,7 +118,8 @@ std::vector<std::string> ExportedDesign::facts() const {
                               1e3 * result.quantisation->unquantised));
   if (result.settings) {
     for (const Setting& setting : result.settings->values)
-      all.push_back(fmt::format("set: {} = {:.10g} {}", setting.name, setting.value, setting.unit));
+      all.push_back(fmt::format("set: {}{:.10g} {}", setting.name.empty() ? "" : setting.name + " = ", setting.value,
+                                setting.unit));
     if (result.settings->width)
       all.push_back(fmt::format("set: in-position width = {:.10g} um", 1e6 * result.settings->width->middle()));
   }
