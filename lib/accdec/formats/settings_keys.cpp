@@ -28,6 +28,76 @@ Key time_key(std::string name, std::string meaning, std::string fallback, std::s
           .lone = true};
 }
 
+/// How the control delays a corner.
+std::vector<Key> about_delays() {
+  return {
+      {.name = "delays",
+       .type = KeyType::words,
+       .meaning = "how it delays the second leg of a corner; the design uses only these, at each corner the best",
+       .words = words_of(delay_kinds),
+       .noun = "kind of delay",
+       .fallback = "any number of samples",
+       .example = "[\"in-position\"]"},
+      {.name = "in_position_of",
+       .type = KeyType::word,
+       .meaning = "with \"in-position\": the position that it looks at: commanded, behind any `prefilter_taps`, or "
+                  "behind the servo",
+       .words = {"command", "actual"},
+       .fallback = "command",
+       .example = "\"actual\""},
+      {.name = "in_position_latency_ms",
+       .meaning = "with \"in-position\": from within the width until the next block starts; a multiple of the period",
+       .unit = "ms",
+       .range = {0.0, longest_ms},
+       .fallback = "0",
+       .example = "2"}};
+}
+
+/// The controller's file, its parameters and its own smoothing.
+std::vector<Key> about_parameters() {
+  return {{.name = "name",
+           .type = KeyType::text,
+           .meaning = "a built-in controller, see `accdec controllers`; keys of the task override what it has",
+           .example = "\"sinumerik-840d\""},
+          {.name = "file",
+           .type = KeyType::text,
+           .meaning = "instead of `name`: a controller's file, beside the task",
+           .example = "\"my-control.toml\"",
+           .long_text = true},
+          {.name = "title",
+           .type = KeyType::text,
+           .meaning = "heading for people",
+           .example = "\"My control\"",
+           .long_text = true},
+          {.name = "parameters",
+           .type = KeyType::texts,
+           .meaning = "one a stage: what the control calls its time",
+           .most = most_stages,
+           .example = "[\"MD32410\", \"MD32411\"]",
+           .empty_text = true,
+           .long_text = true},
+          {.name = "parameter_units",
+           .type = KeyType::texts,
+           .meaning = "with `parameters`: unit in which it is entered",
+           .most = most_stages,
+           .fallback = "ms",
+           .example = "[\"s\", \"s\"]"},
+          {.name = "parameter_unit_ms",
+           .type = KeyType::numbers,
+           .meaning = "with `parameters`: ms in one unit",
+           .range = {0.0, longest_ms, true},
+           .most = most_stages,
+           .fallback = "1",
+           .example = "[1000, 1000]"},
+          {.name = "prefilter_taps",
+           .type = KeyType::numbers,
+           .meaning = "the control's own smoothing of every axis, behind the filter: taps of sum 1",
+           .range = {0.0, 1.0},
+           .most = response_taps_max,
+           .fallback = "none",
+           .example = "[0.25, 0.5, 0.25]"}};
+}
+
 }  // namespace
 
 std::vector<Key> setting_keys() {
@@ -80,68 +150,10 @@ std::vector<Key> setting_keys() {
 }
 
 std::vector<Key> controller_keys() {
-  return {
-      {.name = "delays",
-       .type = KeyType::words,
-       .meaning = "how it delays the second leg of a corner; the design uses only these, at each corner the best",
-       .words = words_of(delay_kinds),
-       .noun = "kind of delay",
-       .fallback = "any number of samples",
-       .example = "[\"in-position\"]"},
-      {.name = "in_position_of",
-       .type = KeyType::word,
-       .meaning = "with \"in-position\": the position that it looks at: commanded, behind any `prefilter_taps`, or "
-                  "behind the servo",
-       .words = {"command", "actual"},
-       .fallback = "command",
-       .example = "\"actual\""},
-      {.name = "in_position_latency_ms",
-       .meaning = "with \"in-position\": from within the width until the next block starts; a multiple of the period",
-       .unit = "ms",
-       .range = {0.0, longest_ms},
-       .fallback = "0",
-       .example = "2"},
-      {.name = "name",
-       .type = KeyType::text,
-       .meaning = "a built-in controller, see `accdec controllers`; keys of the task override what it has",
-       .example = "\"sinumerik-840d\""},
-      {.name = "file",
-       .type = KeyType::text,
-       .meaning = "instead of `name`: a controller's file, beside the task",
-       .example = "\"my-control.toml\"",
-       .long_text = true},
-      {.name = "title",
-       .type = KeyType::text,
-       .meaning = "heading for people",
-       .example = "\"My control\"",
-       .long_text = true},
-      {.name = "parameters",
-       .type = KeyType::texts,
-       .meaning = "one a stage: what the control calls its time",
-       .most = most_stages,
-       .example = "[\"MD32410\", \"MD32411\"]",
-       .empty_text = true,
-       .long_text = true},
-      {.name = "parameter_units",
-       .type = KeyType::texts,
-       .meaning = "with `parameters`: unit in which it is entered",
-       .most = most_stages,
-       .fallback = "ms",
-       .example = "[\"s\", \"s\"]"},
-      {.name = "parameter_unit_ms",
-       .type = KeyType::numbers,
-       .meaning = "with `parameters`: ms in one unit",
-       .range = {0.0, longest_ms, true},
-       .most = most_stages,
-       .fallback = "1",
-       .example = "[1000, 1000]"},
-      {.name = "prefilter_taps",
-       .type = KeyType::numbers,
-       .meaning = "the control's own smoothing of every axis, behind the filter: taps of sum 1",
-       .range = {0.0, 1.0},
-       .most = response_taps_max,
-       .fallback = "none",
-       .example = "[0.25, 0.5, 0.25]"}};
+  std::vector<Key> keys = about_delays();
+  const std::vector<Key> others = about_parameters();
+  keys.insert(keys.end(), others.begin(), others.end());
+  return keys;
 }
 
 }  // namespace accdec
