@@ -30,17 +30,12 @@ double lead(double p, double tap) {
   return moment(1.0 - tap - mass(p, tap), tap) - p;
 }
 
-/// A chord of an arc, which filters are longer than.
-bool chord(const Toolpath& path, std::size_t b) {
-  return path.inside_arc[b] != 0 || (b > 0 && path.inside_arc[b - 1] != 0);
-}
-
 /// Largest tap that starts block b within the acceleration limits. Where other chords move with it, any tap may.
 double largest_tap(const Toolpath& path, std::size_t b, const Machine& machine, double sample_period) {
   const std::size_t n = path.dimensions();
   const double* p = path.point(b);
   double tap = 1.0;
-  if (chord(path, b)) return tap;
+  if (is_chord(path, b)) return tap;
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     const double speed = std::abs(p[n + a] - p[a]) / path.duration[b];
     if (speed > 0.0)

@@ -7,6 +7,11 @@
 
 namespace accdec {
 
+/// Block b is a chord of an arc: other chords move with it when it is fastest.
+inline bool is_chord(const Toolpath& path, std::size_t b) {
+  return path.inside_arc[b] != 0 || (b > 0 && path.inside_arc[b - 1] != 0);
+}
+
 /// Least mean distance, in samples, between the slowing of a corner's first leg and the start of the second. It is
 /// Delta = d + M2 - M1 over all delays d and all pairs of filters with mean delays M. Their taps are at most tap_in and
 /// tap_out, and the corner error at the samples is at most `error`. The result is rounded down by at most 1e-3.

@@ -8,6 +8,7 @@
 
 #include <accdec/bounds/bound_leg.hpp>
 #include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/filter_bound.hpp>
 
 namespace accdec {
 namespace {
@@ -108,13 +109,7 @@ class ProgramCornerBound {
     step_.assign(legs_.size(), 0);
   }
 
-  /// A chord of an arc: other chords move with it when it is fastest.
-  bool chord(std::size_t leg) const {
-    const auto of_arc = [&](std::size_t b) {
-      return path_.inside_arc[b] != 0 || (b > 0 && path_.inside_arc[b - 1] != 0);
-    };
-    return of_arc(legs_[leg].first) || of_arc(legs_[leg].last);
-  }
+  bool chord(std::size_t leg) const { return is_chord(path_, legs_[leg].first) || is_chord(path_, legs_[leg].last); }
   bool stops(std::size_t leg) const { return path_.joint[legs_[leg].last] == Joint::stop; }
 
   /// Length of each leg that a parabola needs to cut the corner by its tolerance; none at rest.

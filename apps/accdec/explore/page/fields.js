@@ -1,4 +1,4 @@
-// What a value of a task is entered with, by the type of its key.
+// Inputs for a value of a task, by the type of its key.
 import { make } from "./format.js";
 import { firstValue, neededBy } from "./keys.js";
 import { slider } from "./slider.js";

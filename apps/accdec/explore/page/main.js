@@ -107,8 +107,8 @@ function chosen() {
 
 function undoable() {
   // A button that is disabled would lose the focus of who presses it.
-  $("#undo").setAttribute("aria-disabled", String(!state.past.length));
-  $("#redo").setAttribute("aria-disabled", String(!state.future.length));
+  $("#undo").setAttribute("aria-disabled", String(!state.history.past.length));
+  $("#redo").setAttribute("aria-disabled", String(!state.history.future.length));
 }
 
 function ask() {

@@ -1,4 +1,4 @@
-// What is drawn over the curves of a chart: limits, red bars where they bind, the axes' names.
+// Marks over the curves of a chart: limits, red bars where they bind, the axes' names.
 
 const binding = 0.999; // share of a limit from which it binds
 

@@ -201,8 +201,8 @@ function show(now, before) {
   else if (now.time !== before.time) zoomTo(charts, now.time);
   if (scene.view !== now.view) scene.view = now.view;
   // A button that is disabled would lose the focus of who presses it.
-  $("#undo").setAttribute("aria-disabled", String(!state.past.length));
-  $("#redo").setAttribute("aria-disabled", String(!state.future.length));
+  $("#undo").setAttribute("aria-disabled", String(!state.history.past.length));
+  $("#redo").setAttribute("aria-disabled", String(!state.history.future.length));
   requestAnimationFrame(() => pointAt(at));
 }
 

@@ -1,4 +1,4 @@
-// What leaves the page: the task, the design in every format of `export`, the page itself.
+// Everything that leaves the page: the task, the design in every format of `export`, the page itself.
 import { make } from "./format.js";
 import { askBlob, askText } from "./requests.js";
 

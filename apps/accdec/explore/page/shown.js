@@ -1,11 +1,12 @@
-// What is shown of a program: plan, colour, view, time and cursor. Their history, and their copy in the address.
+// The shown part of a program: plan, colour, view, time and cursor. Their history, and their copy in the address.
+import { History } from "./history.js";
 
 const names = ["plan", "by", "view", "time", "at"];
 
 export class Shown {
   /** show(now, before): called with the new state and the one before, of texts by `names`; "" is what a page begins with. */
   constructor(show) {
-    Object.assign(this, { told: show, past: [], future: [], now: this.fromAddress() });
+    Object.assign(this, { told: show, history: new History(), now: this.fromAddress() });
     addEventListener("hashchange", () => {
       const next = this.fromAddress();
       if (names.some((name) => next[name] !== this.now[name])) this.put(next);
@@ -41,23 +42,18 @@ export class Shown {
     Object.assign(this, { last: changed, when: Date.now() });
   }
   put(next, together = false) {
-    if (!together) this.past.push(this.now);
-    this.future = [];
+    if (!together) this.history.leave(this.now);
     this.show(next);
   }
 
   undo() {
-    this.move(this.past, this.future);
+    this.show(this.history.undo(this.now));
   }
   redo() {
-    this.move(this.future, this.past);
-  }
-  move(from, to) {
-    if (!from.length) return;
-    to.push(this.now);
-    this.show(from.pop());
+    this.show(this.history.redo(this.now));
   }
   show(next) {
+    if (!next) return;
     const before = this.now;
     this.now = next;
     this.last = null;

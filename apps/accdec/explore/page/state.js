@@ -1,4 +1,5 @@
 // The task on the page and what is chosen to be shown of it: their history, and their copy in the address.
+import { History } from "./history.js";
 
 const clone = (value) => JSON.parse(JSON.stringify(value));
 
@@ -50,7 +51,7 @@ export class State {
    * chosen(): called where other things of the same task are shown.
    */
   constructor(task, changed, chosen) {
-    Object.assign(this, { first: clone(task), changed, chosen, past: [], future: [] });
+    Object.assign(this, { first: clone(task), changed, chosen, history: new History() });
     Object.assign(this, this.fromAddress() ?? { task: clone(task), choices: {} });
     addEventListener("hashchange", () => {
       const found = this.fromAddress();
@@ -73,11 +74,9 @@ export class State {
   /** Sets values at paths; undefined removes. Changes of one name within a second are undone together. */
   set(changes, name, structure = false) {
     const now = Date.now();
-    if (!(name && name === this.last && now - this.when < 1000)) this.past.push(this.now());
-    if (this.past.length > 500) this.past.shift();
+    if (!(name && name === this.last && now - this.when < 1000)) this.history.leave(this.now());
     this.last = name;
     this.when = now;
-    this.future = [];
     apply(this.task, changes);
     this.tell(structure);
   }
@@ -91,27 +90,22 @@ export class State {
   }
   put(next) {
     if (JSON.stringify(next) === JSON.stringify(this.now())) return;
-    this.past.push(this.now());
-    this.future = [];
+    this.history.leave(this.now());
     this.show(next);
   }
 
   undo() {
-    this.move(this.past, this.future);
+    this.show(this.history.undo(this.now()));
   }
   redo() {
-    this.move(this.future, this.past);
-  }
-  move(from, to) {
-    if (!from.length) return;
-    to.push(this.now());
-    this.show(from.pop());
+    this.show(this.history.redo(this.now()));
   }
   reset() {
     this.replace(this.first);
   }
 
   show(next) {
+    if (!next) return;
     const same = JSON.stringify(next.task) === JSON.stringify(this.task);
     Object.assign(this, clone(next), { last: null });
     this.tell(true, same);
