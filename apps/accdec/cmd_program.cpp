@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files/output_files.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/result/emit.hpp>
@@ -57,12 +58,6 @@ ProgramInputs inputs_of(const ProgramArguments& options, const ProgramFile& file
   inputs.interpreted = file.interpreted;
   if (file.interpreted) inputs.tools = options.file.tools;
   return inputs;
-}
-
-ProgramFilter choose_filter(const ProgramArguments& options, const Context& context, const Toolpath& path,
-                            const Task& task) {
-  StatusLine status(context.quiet || task.filter.has_value());
-  return filter_for_program(path, task, options.file, [&](const std::string& line) { status.tell(line); });
 }
 
 void check_options(const ProgramArguments& options) {
@@ -126,18 +121,20 @@ std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context&
   } else if (options.plan == "free") {
     result = free_motion(options, context, file, task);
   } else {
-    const ProgramFilter choice = choose_filter(options, context, file.path, task);
-    if (!choice.filter) {
-      std::fprintf(stderr, "%s\n", choice.message.c_str());
-      context.exit_code = exit_no_answer;
-      return result;
-    }
-    StatusLine status(context.quiet, StatusLine::Lines::none);
-    status.tell("planning and simulating");
+    StatusLine status(context.quiet, task.filter ? StatusLine::Lines::none : StatusLine::Lines::news);
+    status.tell("bounds");
     std::optional<CornerBound> bound;
     const double chords = file.reading.read.arc_tolerance;
-    if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task, options.file.deadline);
-    result = plan_program_file(options.program, file, choice, task, options.file);
+    // Before the plan, which may take all the time that is left.
+    const Deadline most = options.file.deadline.within(0.5 * options.file.deadline.left());
+    if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task, most);
+    result = run_program_file(options.program, file, task, options.file,
+                              [&](const std::string& line) { status.tell(line); });
+    if (result->plan.empty()) {
+      std::fprintf(stderr, "%s\n", result->message.c_str());
+      context.exit_code = exit_no_answer;
+      return {};
+    }
     if (bound) result->corner_bound = corner_bound_as_read(*bound, chords, options.program, file, task, options.file);
   }
   result->worst_shown = options.worst;

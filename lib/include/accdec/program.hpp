@@ -258,24 +258,16 @@ double chord_tolerance(const Task& task);
 ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
                               const std::function<void(const std::string&)>& tell);
 
-/// The task's filter, the filter in a program that --emit wrote, or one designed for the program. None if none holds;
-/// the message gives the reason.
-/// @param tell  one line a step, may be empty
-ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
-                                 const std::function<void(const std::string&)>& tell);
-
-/// Plans and verifies what was read. If arcs were read in finer chords than kept feeds need (see ProgramFileOptions),
-/// the program is also planned with the longer chords. The faster plan is the answer: under long filters fine chords
-/// are no better, and kept feeds need the longer ones. If the filter was designed for chosen feeds, the plan of kept
-/// feeds with its own filter is a candidate, too: chosen feeds are never slower. With compensated arcs the program is
-/// also planned without compensation. If that is faster, it is the answer, and ProgramResult::compensation says so.
+/// Chooses the filter, plans and verifies what was read. The filter is the task's, the one in a program that --emit
+/// wrote, or one designed for the program. If none holds, the result is failed and says why.
+///
+/// If arcs were read in finer chords than kept feeds need (see ProgramFileOptions), the program is also planned with
+/// the longer chords. The faster plan is the answer: under long filters fine chords are no better, and kept feeds need
+/// the longer ones. If the filter was designed for chosen feeds, the plan of kept feeds with its own filter is a
+/// candidate, too: chosen feeds are never slower. With compensated arcs the program is first planned without
+/// compensation. If that is faster, it is the answer, and ProgramResult::compensation says so.
 /// @param file  its path is taken; its `reading` becomes that of the answer
-ProgramResult plan_program_file(const std::string& name, ProgramFile& file, const ProgramFilter& choice,
-                                const Task& task, const ProgramFileOptions& options);
-
-/// Chooses the filter, plans and verifies the program as read. If no filter holds, the result is failed and says why.
-/// @param file  as of plan_program_file
-/// @param tell  as of filter_for_program
+/// @param tell  one line a step, may be empty
 ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
                                const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
 

@@ -176,8 +176,8 @@ ProgramFilter choose_settings(const Toolpath& path, const Task& task, const Prog
   return result;
 }
 
-}  // namespace
-
+/// The task's filter, the filter in a program that --emit wrote, or one designed for the program. None if none holds;
+/// the message gives the reason.
 ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
                                  const std::function<void(const std::string&)>& tell) {
   const bool emitted_one = options.dwells_before_filter && emitted_filter(path);
@@ -202,8 +202,6 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
   designed.designed = true;
   return designed;
 }
-
-namespace {
 
 /// The delays that the task's control has.
 void set_control(Toolpath& path, const Task& task, const ProgramFilter& choice) {
@@ -323,35 +321,9 @@ std::string compensation_note(const ProgramResult& plain, const ProgramResult& w
                          : fmt::format("widened, they take {:.6g} s", widened.cycle_time));
 }
 
-}  // namespace
-
-ProgramResult plan_program_file(const std::string& name, ProgramFile& file, const ProgramFilter& choice,
-                                const Task& task, const ProgramFileOptions& options) {
-  if (!options.compensate_arcs || file.path.arcs.empty()) return plan_as_read(name, file, choice, task, options);
-  // First without compensation, so that a time limit cannot make the answer slower than that.
-  ProgramFile plain = file;
-  plain.path.widen_arcs = plain.reading.widen_arcs = false;
-  ProgramFileOptions as_programmed = options;
-  as_programmed.compensate_arcs = false;
-  const ProgramFilter own = filter_for_program(plain.path, task, as_programmed, {});
-  if (!own.filter) return plan_as_read(name, file, choice, task, options);
-  ProgramResult result = plan_as_read(name, plain, own, task, as_programmed);
-  if (options.deadline.over() && result.verification.feasible) {
-    result.compensation = "arcs are commanded as programmed: the time limit ended before a plan that widens them";
-    file.reading = plain.reading;
-    return result;
-  }
-  ProgramResult widened = plan_as_read(name, file, choice, task, options);
-  const bool faster = !widened.verification.feasible || result.cycle_time < widened.cycle_time;
-  if (!result.verification.feasible || !faster) return widened;
-  result.compensation = compensation_note(result, widened);
-  result.solver.wall_time += widened.solver.wall_time;
-  file.reading = plain.reading;
-  return result;
-}
-
-ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
-                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+/// With the filter that suits the program as it was read.
+ProgramResult choose_and_plan(const std::string& name, ProgramFile& file, const Task& task,
+                              const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   const ProgramFilter choice = filter_for_program(file.path, task, options, tell);
   if (!choice.filter) {
     ProgramResult none;
@@ -361,7 +333,33 @@ ProgramResult run_program_file(const std::string& name, ProgramFile& file, const
     none.solver = choice.solver;
     return none;
   }
-  return plan_program_file(name, file, choice, task, options);
+  if (tell) tell("planning and simulating");
+  return plan_as_read(name, file, choice, task, options);
+}
+
+}  // namespace
+
+ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+  if (!options.compensate_arcs || file.path.arcs.empty()) return choose_and_plan(name, file, task, options, tell);
+  // First without compensation and with all the time there is: a time limit cannot make the answer slower than that.
+  ProgramFile plain = file;
+  plain.path.widen_arcs = plain.reading.widen_arcs = false;
+  ProgramFileOptions as_programmed = options;
+  as_programmed.compensate_arcs = false;
+  ProgramResult result = choose_and_plan(name, plain, task, as_programmed, tell);
+  if (options.deadline.over() && result.verification.feasible) {
+    result.compensation = "arcs are commanded as programmed: the time limit ended before a plan that widens them";
+    file.reading = plain.reading;
+    return result;
+  }
+  ProgramResult widened = choose_and_plan(name, file, task, options, tell);
+  if (!result.verification.feasible || (widened.verification.feasible && widened.cycle_time <= result.cycle_time))
+    return widened;
+  result.compensation = compensation_note(result, widened);
+  result.solver.wall_time += widened.solver.wall_time;
+  file.reading = plain.reading;
+  return result;
 }
 
 }  // namespace accdec
