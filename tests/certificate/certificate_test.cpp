@@ -115,6 +115,9 @@ TEST_F(Certificates, ClaimsBeyondTheProof) {
   EXPECT_FALSE(check_certificate(task, changed).accepted);
   bad["bound_samples"] = nullptr;
   EXPECT_FALSE(testing::check_forged(task, changed, bad).accepted);
+  bad = good;
+  bad["bound_samples"] = nullptr;
+  expect_rejected(testing::check_forged(task, result, bad), "nothing exists");
 }
 
 // A proof for stricter limits proves nothing for looser ones.

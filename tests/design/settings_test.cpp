@@ -250,10 +250,19 @@ TEST(Settings, ThatDoNotExistSayWhichLimitAndTheNearest) {
   EXPECT_THAT(result.message, HasSubstr("the longest averages break jerk"));
   EXPECT_THAT(result.message, HasSubstr("averages of 17 ms and 13 ms"));
   EXPECT_THAT(verify_result(result).reasons, IsEmpty());
+  EXPECT_THAT(design_task(corner_task("[design]\nfamily = \"averages\"\norder_max = 60\n[[mode]]\nfrequency_Hz = 40\n"
+                                      "damping_ratio = 0.02\nresidual_max = 0\n"))
+                  .message,
+              HasSubstr("break vibration: more than its bound of 0 at 40 Hz"));
   // The same certificate is no proof for a control that may set more.
   DesignResult forged = result;
   for (SettableStage& stage : forged.task.settings->stages) stage.length_max = 0.0;
   EXPECT_FALSE(verify_result(forged).accepted);
+}
+
+TEST(Settings, SayWhichWidthNoControlHolds) {
+  EXPECT_EQ(width_in_words({1e-5, 3e-5}), "in-position width 0.02 mm (0.01 to 0.03)");
+  EXPECT_THAT(width_in_words({0.0, 3.2e-11}), HasSubstr("no control holds so small a width"));
 }
 
 TEST(Settings, AreNotForged) {
@@ -270,6 +279,8 @@ TEST(Settings, AreNotForged) {
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings->values[0].value += 1.0; }));
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings->values[0].value += 0.4; })) << "rounded, it is the same";
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings->width->high *= 2.0; }));
+  EXPECT_TRUE(refused([](DesignResult& r) { r.settings->width->low *= 1.01; }));
+  EXPECT_TRUE(refused([](DesignResult& r) { r.settings->width->high *= 0.99; }));
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings->width.reset(); }));
   EXPECT_TRUE(refused([](DesignResult& r) { r.settings->delays[0] = DelayKind::continuous; }));
   EXPECT_TRUE(refused([](DesignResult& r) { r.family_bound.reset(); }));
@@ -283,8 +294,21 @@ TEST(Settings, AreNotForged) {
       r.certificate = std::make_shared<Certificate>(std::move(larger));
     })) << "the members were refuted up to the bound, and no further";
   }
+  EXPECT_TRUE(refused([](DesignResult& r) {
+    Certificate none = *r.certificate;
+    std::get<proof::FamilyEnumeration>(none.proof).bound_samples.reset();
+    r.certificate = std::make_shared<Certificate>(std::move(none));
+  })) << "that no member holds";
   // A controller of longer steps does not have this filter.
   EXPECT_TRUE(refused([](DesignResult& r) { r.task.settings->stages[0].length_step = 5e-3; }));
+  // Two stages that differ have a length each.
+  DesignResult capped =
+      design_task(corner_task("[design]\nfamily = \"averages\"\nstages = 2\nlength_max_ms = [60, 9]\n"));
+  ASSERT_EQ(capped.status, Status::optimal);
+  ASSERT_GT(capped.settings->values[0].value, 9.0);
+  EXPECT_TRUE(verify_result(capped).accepted);
+  std::swap(capped.settings->values[0].value, capped.settings->values[1].value);
+  EXPECT_FALSE(verify_result(capped).accepted);
   // A slower member, honestly recorded, is not the best.
   EXPECT_TRUE(refused([](DesignResult& r) {
     Task slower = r.task;

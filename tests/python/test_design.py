@@ -60,6 +60,9 @@ def test_settings_of_a_controller():
     assert result.settings["answer"].startswith("Set these: averages of ") and accdec.verify(result).accepted
     assert pickle.loads(pickle.dumps(result)).settings == result.settings
     assert accdec.design(everyday()).settings is None
+    waits = [everyday(family="averages", controller={"delays": ["in-position"], name: wait})
+             for name, wait in (("in_position_latency", 2e-3), ("in_position_latency_ms", 2))]
+    assert waits[0] == waits[1]
     with pytest.raises(accdec.InputError, match="no multiple of the sample period"):
         everyday(family="averages", length_step=1.5e-3)
 

@@ -132,8 +132,9 @@ family : str or list of str, optional
     free taps, with stages, shaper, and length_step, length_max, length_set (s). The real numbers of a family have
     steps, too: time_constant_step (s), alpha_step, cutoff_step (Hz).
 controller : dict, optional
-    name or file: of a controller, see `accdec controllers`; delays: the kinds of delay that it has; prefilter_taps:
-    its own smoothing of every axis.
+    name or file: of a controller, see `accdec controllers`; delays: the kinds of delay that it has;
+    in_position_of ("command" or "actual") and in_position_latency (s): how it sees that it is in-position;
+    prefilter_taps: its own smoothing of every axis.
 
 Raises
 ------

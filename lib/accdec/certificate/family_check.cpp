@@ -205,16 +205,17 @@ std::string check_families(const proof::FamilyEnumeration& proof, const Task& ta
   if (result.status == Status::infeasible) {
     if (proof.bound_samples) throw Rejected("the certificate proves a bound, not that no member holds");
   } else {
+    if (!proof.bound_samples) throw Rejected("the certificate proves that no member holds, the result is one");
     if (!result.family_bound) throw Rejected("the result claims no bound of its family");
     const bool optimal = result.status == Status::optimal;
     if (optimal && *result.family_bound < result.objective() * (1.0 - 1e-9))
       throw Rejected("the status is optimal, but the family's bound is below the cycle time");
     target = (optimal ? result.objective() : *result.family_bound) / task.sample_period;
-    if (proof.bound_samples.value_or(none) < target * (1.0 - 1e-9))
+    if (*proof.bound_samples < target * (1.0 - 1e-9))
       throw Rejected(
           fmt::format("the certificate proves {} samples, the result claims {}", *proof.bound_samples, target));
     // Members are refuted up to the result's own claim.
-    if (proof.bound_samples.value_or(target) > target * (1.0 + 1e-9))
+    if (*proof.bound_samples > target * (1.0 + 1e-9))
       throw Rejected(fmt::format("the certificate claims {} samples, the result {}", *proof.bound_samples, target));
   }
   const auto refuted = refute_members(task, target, stop);

@@ -10,9 +10,7 @@
 #include <accdec/certificate/family_members.hpp>
 
 namespace accdec {
-namespace {
 
-/// Whether a controller takes this time, samples.
 bool settable(const SettableStage& stage, int samples, double period) {
   const double time = samples * period;
   const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-6 * b; };
@@ -22,6 +20,8 @@ bool settable(const SettableStage& stage, int samples, double period) {
   if (!same(time, std::max(1.0, std::round(time / step)) * step)) return false;
   return stage.length_max <= 0.0 || time <= stage.length_max * (1.0 + 1e-9);
 }
+
+namespace {
 
 /// Taps behind another moving average, not divided by its length: whole numbers stay whole.
 std::vector<double> summed(const std::vector<double>& taps, int length) {

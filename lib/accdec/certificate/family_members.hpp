@@ -25,6 +25,9 @@ FamilyMember member_of(std::vector<double> taps);
 /// Taps of a family with a length and a real number, in any scale. @param number  SI: time constant, alpha, cut-off
 std::vector<double> grid_taps(SettingFamily family, int order, double number, double period);
 
+/// Whether a controller's stage takes a length of so many samples.
+bool settable(const SettableStage& stage, int samples, double period);
+
 /// Visits every member of a family with an order in the task's bounds and below `order_end`.
 /// @param visit  the member, and what it is in words
 void visit_family(const Task& task, SettingFamily family, int order_end,

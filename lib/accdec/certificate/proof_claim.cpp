@@ -32,11 +32,12 @@ double claimed_samples(const Task& task, const DesignResult& result, const proof
   const bool optimal = result.status == Status::optimal;
   if (optimal && *result.lower_bound < result.objective() * (1.0 - 1e-9))
     throw Rejected("the status is optimal, but the lower bound is below the cycle time");
+  if (!proof.bound_samples) throw Rejected("the certificate proves that nothing exists, the result has a design");
   const double target = (optimal ? result.objective() : *result.lower_bound) / task.sample_period;
-  if (proof.bound_samples && *proof.bound_samples < target * (1.0 - 1e-9))
+  if (*proof.bound_samples < target * (1.0 - 1e-9))
     throw Rejected(
         fmt::format("the certificate proves {} samples, the result claims {}", *proof.bound_samples, target));
-  return proof.bound_samples.value_or(target);
+  return *proof.bound_samples;
 }
 
 }  // namespace accdec

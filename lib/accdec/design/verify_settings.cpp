@@ -78,7 +78,8 @@ std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chose
     if (s >= stages.size()) return {};
     if (setting.name != stages[s].name || setting.unit != stages[s].unit) return {};
     const long length = samples_of(setting, stages[s].unit_seconds, task.sample_period);
-    if (length < 0) return {};
+    // 0 or 1 sample: the stage is off.
+    if (length < 0 || (length > 1 && !settable(stages[s], static_cast<int>(length), task.sample_period))) return {};
     ++s;
     if (chosen.family == SettingFamily::one_pole) return {static_cast<double>(length)};  // 0: off
     if (length > 1) spec.lengths.push_back(static_cast<int>(length)), spec.order += spec.lengths.back() - 1;
@@ -97,20 +98,50 @@ bool values_fit(const Task& task, const ChosenSettings& chosen, const Filter& fi
   return std::abs(filter.tap(1) / filter.tap(0) - std::exp(-1.0 / made.front())) <= part;
 }
 
-/// The delay that an in-position width gives.
-int delay_at(const DesignResult& result, std::size_t j, double width) {
-  const ControllerSettings& control = *result.task.settings;
-  const FilterBehind behind(*result.filter, result.task.machine, result.task.sample_period);
-  const Filter& watched = control.in_position_actual ? behind.motion() : behind.command();
-  const auto taps = watched.taps();
-  const double step = result.task.corners[j].geometry().feed_in * result.task.sample_period;
-  for (int d = 0;; ++d) {
-    double way = 0.0;
-    for (int i = d + 1; i < static_cast<int>(taps.size()); ++i) way += taps[static_cast<std::size_t>(i)] * (i - d);
-    if (step * way <= width || d > watched.order())
-      return d + static_cast<int>(std::lround(control.in_position_latency / result.task.sample_period));
+/// The position that the control looks at, by its own sums.
+class InPosition {
+ public:
+  explicit InPosition(const DesignResult& result)
+      : result_(result), behind_(*result.filter, result.task.machine, result.task.sample_period) {}
+
+  /// The delay that an in-position width gives corner j.
+  int delay_at(std::size_t j, double width) const {
+    const ControllerSettings& control = *result_.task.settings;
+    const Filter& watched = control.in_position_actual ? behind_.motion() : behind_.command();
+    const auto taps = watched.taps();
+    const double step = result_.task.corners[j].geometry().feed_in * result_.task.sample_period;
+    for (int d = 0;; ++d) {
+      double way = 0.0;
+      for (int i = d + 1; i < static_cast<int>(taps.size()); ++i) way += taps[static_cast<std::size_t>(i)] * (i - d);
+      if (step * way <= width || d > watched.order())
+        return d + static_cast<int>(std::lround(control.in_position_latency / result_.task.sample_period));
+    }
   }
-}
+
+  /// The recorded interval gives the recorded delays, and no wider one does.
+  void compare_width(const WidthInterval& width, std::vector<std::string>& reasons) const {
+    constexpr double rounding = 1e-15;  // m, of sums
+    bool lower = width.low <= 0.0, higher = !std::isfinite(width.high);
+    const double inside = std::isfinite(width.high) ? width.high * (1.0 - part) : 2.0 * width.low;
+    for (std::size_t j = 0; j < result_.corners.size(); ++j) {
+      if (result_.settings->delays[j] != DelayKind::in_position) continue;
+      const int d = result_.corners[j].delay;
+      for (const double w : {width.low * (1.0 + part), width.middle(), inside}) {
+        if (const int found = delay_at(j, w); found != d)
+          reasons.push_back(fmt::format("corner {}: an in-position width of {:.9g} m gives delay {}, not {}",
+                                        result_.corners[j].name, w, found, d));
+      }
+      lower = lower || delay_at(j, width.low * (1.0 - part) - rounding) != d;
+      higher = higher || delay_at(j, width.high * (1.0 + part) + rounding) != d;
+    }
+    if (!lower) reasons.push_back(fmt::format("settings.width_low_m: widths below {:.9g} m do as well", width.low));
+    if (!higher) reasons.push_back(fmt::format("settings.width_high_m: widths above {:.9g} m do as well", width.high));
+  }
+
+ private:
+  const DesignResult& result_;
+  FilterBehind behind_;
+};
 
 void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons) {
   const auto& kinds = result.settings->delays;
@@ -130,19 +161,11 @@ void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons
       reasons.push_back(fmt::format("corner {}: delay {} is not continuous", name, d));
     if (kinds[j] == DelayKind::exact_stop && (d < apart || d > result.filter->order() + 2))
       reasons.push_back(fmt::format("corner {}: delay {} is no exact stop", name, d));
-    if (kinds[j] != DelayKind::in_position) continue;
-    in_position = true;
-    if (!result.settings->width) continue;
-    const WidthInterval& width = *result.settings->width;
-    const double inside = std::isfinite(width.high) ? width.high * (1.0 - part) : 2.0 * width.low;
-    for (const double w : {width.low * (1.0 + part), width.middle(), inside}) {
-      if (const int found = delay_at(result, j, w); found != d)
-        reasons.push_back(
-            fmt::format("corner {}: an in-position width of {:.9g} m gives delay {}, not {}", name, w, found, d));
-    }
+    in_position = in_position || kinds[j] == DelayKind::in_position;
   }
   if (in_position != result.settings->width.has_value())
     reasons.push_back("an in-position width must be recorded with corners that are in-position, and only then");
+  if (in_position && result.settings->width) InPosition(result).compare_width(*result.settings->width, reasons);
 }
 
 }  // namespace

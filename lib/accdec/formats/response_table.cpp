@@ -99,7 +99,13 @@ void read_servo(const Table& table, Axis& axis) {
 }
 
 void check_response(const Table& top, const Task& task, Considered considered) {
-  if (const auto controller = top.table("controller")) require_considered(*controller, "prefilter_taps", considered);
+  if (const auto controller = top.table("controller")) {
+    require_considered(*controller, "prefilter_taps", considered);
+    require_considered(*controller, "in_position_latency_ms", considered);
+    if (considered == Considered::none && task.settings && task.settings->in_position_latency > 0.0)
+      controller->fail_at(controller->has("name") ? "name" : "file",
+                          "its `in_position_latency_ms` is not considered here; add `in_position_latency_ms = 0`");
+  }
   if (const auto machine = top.table("machine")) {
     for (const SupplyLimit& limit : supply_limits) require_considered(*machine, limit.key, considered);
   }

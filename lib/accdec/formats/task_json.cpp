@@ -79,7 +79,7 @@ void to_file_keys(PlainJson& table, std::string_view which, const std::string& f
 
 void to_file_keys(PlainJson& task, const std::string& file) {
   to_file_keys(task, "", file);
-  for (const char* const table : {"design", "machine", "axis", "corner", "mode", "program"}) {
+  for (const char* const table : {"design", "machine", "axis", "corner", "mode", "program", "controller"}) {
     const auto found = task.find(table);
     if (found == task.end()) continue;
     if (found->is_array()) {

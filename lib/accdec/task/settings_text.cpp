@@ -120,7 +120,9 @@ std::string families_in_words(const ControllerSettings& settings) {
 
 std::string width_in_words(const WidthInterval& width) {
   const std::string high = width.high < unlimited ? fmt::format("{:.4g}", 1e3 * width.high) : "any larger";
-  return fmt::format("in-position width {:.4g} mm ({:.4g} to {})", 1e3 * width.middle(), 1e3 * width.low, high);
+  constexpr double smallest = 1e-9;  // m: below any encoder's step
+  const char* const note = width.high < smallest ? ": no control holds so small a width, stop exactly instead" : "";
+  return fmt::format("in-position width {:.4g} mm ({:.4g} to {}){}", 1e3 * width.middle(), 1e3 * width.low, high, note);
 }
 
 std::string settings_in_words(const ChosenSettings& settings) {

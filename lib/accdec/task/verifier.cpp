@@ -257,7 +257,8 @@ std::string describe(const LimitUse& use) {
   std::string text(to_string(use.kind));
   std::replace(text.begin(), text.end(), '_', ' ');
   if (!use.axis.empty()) text += " " + use.axis;
-  text += fmt::format(": {:.1f} %", 100.0 * use.utilisation);
+  text +=
+      use.utilisation < unlimited ? fmt::format(": {:.1f} %", 100.0 * use.utilisation) : ": more than its bound of 0";
   if (use.kind == LimitKind::vibration) return text + " " + place_of_vibration(use, 4);
   text += fmt::format(" at k = {} of the {}", use.sample, to_string(use.event));
   if (!use.corner.empty()) text += ", corner " + use.corner;
