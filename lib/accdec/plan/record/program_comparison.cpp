@@ -62,19 +62,25 @@ bool of_kind(const Json& value, const Json& kind) {
   });
 }
 
-/// "jerk y: 100.0 % at sample 630, line 14" without its sample.
-std::string without_sample(const std::string& worst) {
-  const std::size_t at = worst.find(" at sample "), end = worst.find(',', at);
-  return at == std::string::npos ? worst : worst.substr(0, at) + (end == std::string::npos ? "" : worst.substr(end));
+/// "jerk y: 100.0 % at sample 630, line 14" without its place.
+std::string without_place(const std::string& worst) {
+  return worst.substr(0, worst.find(" at sample "));
 }
 
 class Comparison {
  public:
+  /// @param recorded     the whole record, kept as is `found`
   /// @param samples      of the motion
   /// @param found_again  the times of other rules for delays were
   /// @param whole        the result is of the present schema: what is always written must be there
-  Comparison(std::vector<std::string> skip, std::int64_t samples, bool found_again, bool whole)
-      : skip_(std::move(skip)), samples_(samples), found_again_(found_again), whole_(whole) {}
+  Comparison(const Json& recorded, const Json& found, std::vector<std::string> skip, std::int64_t samples,
+             bool found_again, bool whole)
+      : recorded_(recorded),
+        again_(found),
+        skip_(std::move(skip)),
+        samples_(samples),
+        found_again_(found_again),
+        whole_(whole) {}
 
   void compare(const std::string& name, const Json& recorded, const Json& found) {
     if (skips(name)) return skip(name, recorded);
@@ -234,13 +240,27 @@ class Comparison {
     }
   }
 
-  /// A limit may be used as much at several samples, but for rounding. Then any of them is the worst; its value is
-  /// compared beside it.
+  /// A limit may be used as much at several samples, but for rounding. Then any of them is the worst, with its line;
+  /// its value is compared beside it.
   bool of_a_tie(const std::string& name, const Json& recorded, const Json& found) const {
-    if (name.starts_with("limits[") && name.ends_with("].sample"))
-      return recorded.is_number_integer() && recorded >= 0 && recorded <= samples_;
+    constexpr std::string_view limits = "limits[";
+    if (name.starts_with(limits) && recorded.is_number_integer()) {
+      if (name.ends_with("].sample")) return recorded >= 0 && recorded <= samples_;
+      const std::size_t i = std::stoul(name.substr(limits.size()));
+      return name.ends_with("].line") &&
+             recorded_["limits"][i].value("sample", Json()) != again_["limits"][i]["sample"];
+    }
     return name == "verification.worst" && recorded.is_string() && found.is_string() &&
-           without_sample(recorded.get<std::string>()) == without_sample(found.get<std::string>());
+           without_place(recorded.get<std::string>()) == without_place(found.get<std::string>()) &&
+           names_a_limit(recorded.get<std::string>());
+  }
+
+  /// Whether it ends with the sample and the line of a recorded limit.
+  bool names_a_limit(const std::string& worst) const {
+    const Json limits = recorded_.value("limits", Json::array());
+    return std::any_of(limits.begin(), limits.end(), [&](const Json& limit) {
+      return worst.ends_with(fmt::format(" at sample {}, line {}", limit.value("sample", -1), limit.value("line", -1)));
+    });
   }
 
   static bool same(const Json& recorded, const Json& found) {
@@ -251,6 +271,7 @@ class Comparison {
   }
 
   const Json& not_compared_ = not_compared_members();
+  const Json &recorded_, &again_;
   std::vector<std::string> skip_;
   std::int64_t samples_;
   bool found_again_, whole_;
@@ -262,13 +283,13 @@ class Comparison {
 ProgramDifferences program_differences(std::string_view text, const ProgramRecord& record, const ProgramResult& found,
                                        const std::vector<std::string>& skip) {
   const bool whole = record.schema == ProgramSchema::program_2;
-  Comparison comparison(skip, found.check.samples, found.cycle_time_no_delay.has_value(), whole);
   Json recorded = Json::parse(text);
   // The plan and its inputs were read and checked as such.
   recorded.erase("inputs");
   recorded.erase("commands");
   recorded.erase("settings");
   const Json again = as_written_then(Json::parse(program_to_json(found)), found, record);
+  Comparison comparison(recorded, again, skip, found.check.samples, found.cycle_time_no_delay.has_value(), whole);
   comparison.compare("", recorded, again);
   comparison.check_bound(recorded, again);
   comparison.check_bounds(recorded, again);

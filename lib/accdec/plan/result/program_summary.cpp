@@ -66,7 +66,7 @@ class SummaryText {
 
   void times() {
     const auto row = [&](std::string_view what, double time) {
-      put("  {:<28}{:>14.4f} s{:>10.2f} %\n", what, time, 100.0 * time / result_.cycle_time);
+      put("  {:<28}{:>14.4f} s {:>9.2f} %\n", what, time, 100.0 * time / result_.cycle_time);
     };
     row("cycle time", result_.cycle_time);
     for (const PlanTime& other : result_.candidates) {
