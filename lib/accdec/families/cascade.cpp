@@ -72,11 +72,16 @@ double cascade_response(double x, std::span<const int> lengths, std::span<const 
   return response;
 }
 
-bool may_hold_error(const Cascade& cascade, double cos_interior, double in, double out, int delay, double allowed) {
+namespace {
+
+/// @param remaining,elapsed  p(k) and q(k), in full-speed samples
+template <class Remaining, class Elapsed>
+bool may_hold(const Remaining& remaining, const Elapsed& elapsed, int order, double cos_interior, double in, double out,
+              int delay, double allowed) {
   const auto nearest = [&](int k) {
-    return nearest_squared(in * cascade.remaining(k), out * cascade.elapsed(k - delay), cos_interior);
+    return nearest_squared(in * remaining(k), out * elapsed(k - delay), cos_interior);
   };
-  int first = std::max(0, delay), last = cascade.order();
+  int first = std::max(0, delay), last = order;
   if (first >= last) return true;
   // Start in the middle. There both legs are equally far away, which is the minimum at equal feeds.
   int k = first + (last - first) / 2;
@@ -93,6 +98,18 @@ bool may_hold_error(const Cascade& cascade, double cos_interior, double in, doub
     }
     k = first + (last - first) / 2;
   }
+}
+
+}  // namespace
+
+bool may_hold_error(const Cascade& cascade, double cos_interior, double in, double out, int delay, double allowed) {
+  return may_hold([&](int k) { return cascade.remaining(k); }, [&](int k) { return cascade.elapsed(k); },
+                  cascade.order(), cos_interior, in, out, delay, allowed);
+}
+
+bool may_hold_error(const Filter& filter, double cos_interior, double in, double out, int delay, double allowed) {
+  return may_hold([&](int k) { return filter.remaining_moment(k); }, [&](int k) { return filter.elapsed_moment(k); },
+                  filter.order(), cos_interior, in, out, delay, allowed);
 }
 
 }  // namespace accdec

@@ -52,5 +52,6 @@ double cascade_response(double x, std::span<const int> lengths, std::span<const 
 /// error of all legs at least as far away, sample by sample; this is convex in the sample.
 /// @param in,out  ways of a full-speed sample, as `allowed` in m
 bool may_hold_error(const Cascade& cascade, double cos_interior, double in, double out, int delay, double allowed);
+bool may_hold_error(const Filter& filter, double cos_interior, double in, double out, int delay, double allowed);
 
 }  // namespace accdec

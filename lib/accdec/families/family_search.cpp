@@ -17,11 +17,12 @@ namespace {
 /// that fewer values are tried.
 constexpr double resolution = 1e-8, resolution_behind_a_response = 1.0 / 256.0;
 
-/// Whether the corner's error bound may hold at this delay, up to rounding.
-bool may_hold_error(const Cascade& cascade, const TaskCorner& corner, double period, int delay) {
+/// Whether the corner's error bound may hold at this delay, up to rounding. @param legs  a Cascade or a Filter
+template <class Legs>
+bool may_hold_error(const Legs& legs, const TaskCorner& corner, double period, int delay) {
   const Corner& g = corner.geometry();
   const double allowed = granted_error(*corner.error_max) * (1.0 + 1e-8);
-  return may_hold_error(cascade, g.cos_interior(), g.feed_in * period, g.feed_out * period, delay, allowed);
+  return may_hold_error(legs, g.cos_interior(), g.feed_in * period, g.feed_out * period, delay, allowed);
 }
 
 }  // namespace
@@ -36,15 +37,23 @@ FamilySearch::FamilySearch(const Task& task, const Family& baseline, double belo
       cheapest_(below) {
   // Take all filters with taps of at most 1/L. Their distances p and q are smallest for some shift of the boxcar of L
   // taps or for a mixture of two neighbouring shifts. The reason is that the cost is convex in the tap's index. A
-  // mixture is worth at most one sample of delay.
+  // mixture is worth at most one sample of delay. Behind a response the same holds, as convolution keeps that order.
   const int taps = std::max(1, static_cast<int>(std::min(1.0 / refusals_.tap_max(), task.design.order_max + 1.0)));
   const Cascade narrowest(std::span(&taps, 1), 0, 0);
-  for (const TaskCorner& corner : on_taps_->corners) {
+  const Response response(task.machine, task.sample_period);
+  std::optional<Filter> motion;
+  if (!response.ideal()) motion = response.motion(make_filter({.kind = Shape::boxcar, .order = taps - 1}));
+  const int last = motion ? motion->order() + 1 : taps;
+  for (const TaskCorner& corner : task.corners) {
     int least = corner.delay.value_or(0);
     if (!corner.delay && corner.error_max) {
-      for (int high = taps; least < high;) {
+      const auto may_hold = [&](int delay) {
+        return motion ? may_hold_error(*motion, corner, task.sample_period, delay)
+                      : may_hold_error(narrowest, corner, task.sample_period, delay);
+      };
+      for (int high = last; least < high;) {
         const int middle = least + (high - least) / 2;
-        if (may_hold_error(narrowest, corner, task.sample_period, middle))
+        if (may_hold(middle))
           high = middle;
         else
           least = middle + 1;

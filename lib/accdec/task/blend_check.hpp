@@ -30,14 +30,17 @@ class BlendCheck {
       : filter_(filter), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
 
   bool holds(int delay) {
-    if (!limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) || !speed_holds(delay))
-      return false;
+    // The error first: it takes a few samples, the limits all of them.
+    return error_holds(delay) && limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) &&
+           speed_holds(delay);
+  }
+
+ private:
+  bool error_holds(int delay) const {
     if (!corner_.error_max) return true;
     const double error = corner_error(Blend(filter_, corner_.geometry(), delay, period_));
     return judged_distance(error) <= *corner_.error_max * formula_slack;
   }
-
- private:
   bool speed_holds(int delay) const {
     if (!(corner_.speed_min > 0.0)) return true;
     const int last = filter_.order() + delay + settling;

@@ -159,8 +159,9 @@ class KindChoice {
       std::size_t corner;
     };
     std::vector<Step> steps;
+    const int longest = in_position_.longest();
     for (std::size_t j = 0; j < checks_.size(); ++j) {
-      for (int d = 0; d < in_position_.longest(); ++d) steps.push_back({in_position_.way_left(task_.corners[j], d), j});
+      for (int d = 0; d < longest; ++d) steps.push_back({in_position_.way_left(task_.corners[j], d), j});
     }
     std::sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.width > b.width; });
     std::vector<int> delays(checks_.size(), in_position_.latency());
