@@ -1,4 +1,6 @@
 """The response behind the filter, against a simulation of the loop by formulas of its own: fourth order, T/50."""
+import math
+
 import numpy as np
 import pytest
 
@@ -23,20 +25,25 @@ def loop(task, taps, delay, gain, feedforward, steps=50):
     zeros = [np.zeros((n, len(into))) for n in (rest, delay, rest)]
     command = np.vstack([np.tile(into, (2 * rest, 1)), zeros[1], np.tile(out, (2 * rest, 1)), zeros[2]])
     velocity = np.vstack([np.convolve(column, taps)[:len(column)] for column in command.T]).T
-    length, h = 2 * rest * T * into, T / steps
-    s, x, samples = -length, -length, []
+    return np.array([axis_loop(speeds.tolist(), -2 * rest * T * start, gain, feedforward, steps)
+                     for speeds, start in zip(velocity.T, into)]).T
+
+
+def axis_loop(velocity, s, gain, feedforward, steps):
+    """Of one axis, in Python's own numbers, which are faster than arrays of two."""
+    h, x, samples = T / steps, s, []
     for v in velocity:
         for i in range(steps):
-            def slope(at, y):
-                return gain * (s + (i * h + at) * v - y) + feedforward * v
-            k1 = slope(0, x)
-            k2 = slope(h / 2, x + h / 2 * k1)
-            k3 = slope(h / 2, x + h / 2 * k2)
-            k4 = slope(h, x + h * k3)
-            x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-        s = s + T * v
+            now, ahead = s + i * h * v, feedforward * v
+            half, end = now + h / 2 * v, now + h * v
+            k1 = gain * (now - x) + ahead
+            k2 = gain * (half - x - h / 2 * k1) + ahead
+            k3 = gain * (half - x - h / 2 * k2) + ahead
+            k4 = gain * (end - x - h * k3) + ahead
+            x += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        s += T * v
         samples.append(x)
-    return np.array(samples)
+    return samples
 
 
 def nearest(samples):
@@ -111,22 +118,25 @@ class Cascade:
 
     def follow(self, velocity):
         """Positions at the samples, one column an axis, for a velocity command that is constant in a sample."""
-        x, v, force, integral, s = (np.zeros(velocity.shape[1]) for _ in range(5))
+        return np.array([self.follow_axis(column.tolist()) for column in velocity.T]).T
+
+    def follow_axis(self, velocity):
+        x, v, force, integral, s = (0.0,) * 5
         samples = []
         for command in velocity:
             for _ in range(round(T / self.control)):
-                s = s + command * self.control
+                s += command * self.control
                 error = self.gain * (s - x) - v
-                integral = integral + self.stiffness * error * self.control
+                integral += self.stiffness * error * self.control
                 asked = self.damping * error + integral
                 for _ in range(round(self.control / self.step)):
-                    force = force + (asked - force) * self.step / self.lag
-                    drive = force - np.clip(self.friction * np.sign(v), -self.friction, self.friction)
-                    sticks = (np.abs(v) < 1e-6) & (np.abs(force) <= self.friction)
-                    v = np.where(sticks, 0.0, v + drive / self.mass * self.step)
-                    x = x + v * self.step
+                    force += (asked - force) * self.step / self.lag
+                    sticks = abs(v) < 1e-6 and abs(force) <= self.friction
+                    opposed = math.copysign(self.friction, v) if v else 0.0
+                    v = 0.0 if sticks else v + (force - opposed) / self.mass * self.step
+                    x += v * self.step
             samples.append(x)
-        return np.array(samples)
+        return samples
 
     def taps(self):
         pulse = np.zeros((400, 1))
