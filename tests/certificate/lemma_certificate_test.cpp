@@ -13,6 +13,7 @@
 
 #include "support/certificates.hpp"
 #include "support/tasks.hpp"
+#include "support/tries.hpp"
 
 // Proofs for several corners by lemmas: some corners' delays that no filter holds together, up to an order or of any
 // order through a window.
@@ -123,7 +124,7 @@ TEST_F(LemmaCertificate, ChangedNumbersNeverProveMoreThanIsTrue) {
   good["bound_samples"] = worse.objective() / task.sample_period;
   std::mt19937 random(3);
   const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int trial = 0; trial < test_support::tries(300); ++trial) {
     json bad = good;
     for (std::size_t changes = 1 + below(3); changes > 0; --changes) {
       json& lemma = bad["lemmas"][below(bad["lemmas"].size())];

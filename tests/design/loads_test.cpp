@@ -11,6 +11,7 @@
 #include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
+#include "support/tries.hpp"
 
 // Dry friction and the supply that axes share, against a simulation by plain loops.
 
@@ -155,7 +156,7 @@ TEST(Loads, AnExactStopTakesTheForceThatFrictionLeaves) {
 
 TEST(Loads, DryFrictionOfAxesThatReverseHolds) {
   std::mt19937 rng(9);
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < test_support::tries(12); ++i) {
     SCOPED_TRACE(i);
     const Task task = random_loads(rng, true);
     const DesignResult result = designed(task, 10.0);

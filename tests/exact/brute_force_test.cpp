@@ -11,6 +11,7 @@
 
 #include "expect_proved.hpp"
 #include "support/tasks.hpp"
+#include "support/tries.hpp"
 
 // The exact method against every order, delay and sample tried by a linear program of its own.
 
@@ -136,7 +137,7 @@ TEST(ExactBruteForce, TwoCornersAgree) {
 TEST(ExactBruteForce, ThreeCornersAgreeWithTheSearchBelowATarget) {
   std::mt19937 rng(5);
   std::uniform_real_distribution<double> u(0.0, 1.0);
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < test_support::tries(6); ++i) {
     SCOPED_TRACE(i);
     Axis axis;
     axis.acceleration_max = 8.0;

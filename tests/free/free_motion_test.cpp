@@ -17,6 +17,7 @@
 #include "../program/free_corner.hpp"
 #include "../program/reference.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/tries.hpp"
 
 namespace accdec {
 namespace {
@@ -71,7 +72,7 @@ TEST(FreeMotion, OfOneCornerIsTheOptimumOfALinearProgramme) {
 TEST(FreeMotion, OfRandomProgramsHoldsAndIsNotSlowerThanProfiles) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < test_support::tries(8); ++i) {
     Task task = task_of(2e-3, i % 2 == 0 ? unlimited : 40.0);
     if (i % 3 == 0) {
       for (Axis& axis : task.machine.axes) {

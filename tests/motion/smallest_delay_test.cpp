@@ -9,6 +9,7 @@
 #include <accdec/corner.hpp>
 
 #include "support/random_case.hpp"
+#include "support/tries.hpp"
 
 namespace accdec {
 namespace {
@@ -65,7 +66,7 @@ void expect_smallest(const Filter& in, const Filter& out, const Case& corner) {
 
 TEST(SmallestDelay, EqualsBruteForceOneFilter) {
   Random random(1);
-  for (int i = 0; i < 400000; ++i) {
+  for (int i = 0; i < test_support::tries(400000); ++i) {
     const Filter filter = random_filter(random, i % 500 == 0 ? 300 : 40);
     expect_smallest(filter, filter, random_corner(random, filter));
     if (HasFatalFailure()) return;
@@ -74,7 +75,7 @@ TEST(SmallestDelay, EqualsBruteForceOneFilter) {
 
 TEST(SmallestDelay, EqualsBruteForcePairs) {
   Random random(2);
-  for (int i = 0; i < 200000; ++i) {
+  for (int i = 0; i < test_support::tries(200000); ++i) {
     const Filter in = random_filter(random, i % 500 == 0 ? 300 : 40),
                  out = random_filter(random, i % 300 == 0 ? 300 : 40);
     expect_smallest(in, out, random_corner(random, in));
@@ -85,7 +86,7 @@ TEST(SmallestDelay, EqualsBruteForcePairs) {
 // A bound that is the error of some delay, but for rounding, is met by that delay, not by the next.
 TEST(SmallestDelay, TiesAreMetNotMissed) {
   Random random(3);
-  for (int i = 0; i < 50000; ++i) {
+  for (int i = 0; i < test_support::tries(50000); ++i) {
     const Filter filter = random_filter(random, 40);
     Case corner = random_corner(random, filter);
     const int d = integer(random, 0, filter.order());

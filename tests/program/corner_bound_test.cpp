@@ -11,6 +11,7 @@
 
 #include "reference.hpp"
 #include "support/paths.hpp"
+#include "support/tries.hpp"
 
 namespace accdec {
 namespace {
@@ -114,7 +115,7 @@ TEST(CornerBound, IsNotAbovePlansOfRandomPrograms) {
   std::mt19937 random(15);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   double sum = 0.0, plans = 0.0;
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < test_support::tries(40); ++i) {
     const Machine m = machine_of(i % 4 < 2 ? 0.5 : 2.0, i % 2 == 0 ? 50.0 : unlimited);
     std::string text = fmt::format("G91 G64 P{} F6000\n", i % 3 == 0 ? 0.3 : 0.03);
     const double shortest = i % 5 == 0 ? 1.0 : 5.0;

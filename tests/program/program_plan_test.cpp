@@ -15,6 +15,7 @@
 #include <accdec/simulate/simulate.hpp>
 
 #include "reference.hpp"
+#include "support/tries.hpp"
 
 namespace accdec {
 namespace {
@@ -139,7 +140,7 @@ TEST(Plan, DelaysGrowUntilTheAxisLimitsHoldWhereLegsOverlap) {
 
 TEST(Plan, ShortMovesTogetherHoldTheLimitsThatEachAloneHolds) {
   std::size_t raised = 0;
-  for (unsigned seed = 1; seed <= 6; ++seed) {
+  for (unsigned seed = 1; seed <= unsigned{test_support::tries(6)}; ++seed) {
     Machine machine;
     const Filter filter = trapezoid(30, 6);
     // Each axis can just start the fastest block, 6000 mm/min, from rest.

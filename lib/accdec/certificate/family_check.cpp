@@ -22,8 +22,9 @@ constexpr double none = std::numeric_limits<double>::infinity();
 class Refutation {
  public:
   /// @param limits  of the member
-  Refutation(const Task& task, const Task& granted, const FamilyMember& member, const MemberLimits& limits, double room,
-             const std::function<bool()>& stop)
+  /// @param least   of each corner: a delay below which every member's error is too large
+  Refutation(const Task& task, const Task& granted, const FamilyMember& member, const MemberLimits& limits,
+             std::vector<int> least, double room, const std::function<bool()>& stop)
       : task_(task),
         granted_(granted),
         member_(member),
@@ -32,18 +33,17 @@ class Refutation {
         stop_(stop),
         cost_(cost_of(task)),
         longest_(limits.longest_delay()),
+        least_(std::move(least)),
         known_(task.corners.size(), std::vector<signed char>(static_cast<std::size_t>(longest_) + 1, unseen)) {}
 
   /// The rule that refutes it, or empty.
   std::string rule() {
     if (const auto limit = limits_.broken_by_legs()) return std::string(to_string(*limit));
     if (limits_.rings()) return "vibration";
-    double least_cost = 0.0;
+    if (cost_of_least() >= room_) return "delays";
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
-      const std::optional<int> given = task_.corners[j].delay;
-      least_.push_back(given ? *given : limits_.least_delay(granted_.corners[j]));
-      least_cost += cost_.delay[j] * least_.back();
-      if (least_cost >= room_) return "delays";
+      if (!task_.corners[j].delay) least_[j] = std::max(least_[j], limits_.least_delay(granted_.corners[j]));
+      if (cost_of_least() >= room_) return "delays";
     }
     bool simulated = false;
     for (;;) {
@@ -57,6 +57,12 @@ class Refutation {
 
  private:
   static constexpr signed char unseen = 0, shut = 1, open = 2;
+
+  double cost_of_least() const {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < least_.size(); ++j) sum += cost_.delay[j] * least_[j];
+    return sum;
+  }
 
   bool holds(std::size_t j, int delay) {
     signed char& known = known_[j][static_cast<std::size_t>(std::min(delay, longest_))];
@@ -172,6 +178,9 @@ std::vector<proof::RefutedMembers> refute_members(const Task& task, double targe
   const Task granted = granted_limits(task);
   const CheckedResponse response(task);
   const LinearCost cost = cost_of(task);
+  std::vector<int> least;
+  for (const TaskCorner& corner : granted.corners)
+    least.push_back(corner.delay ? *corner.delay : least_delay_behind(response, corner, task.sample_period));
   // What costs as much as the target up to rounding is not shorter.
   const double limit = std::isinf(target) ? none : target * (1.0 - 1e-9);
   const double given = cost.given_delays(task);
@@ -184,7 +193,7 @@ std::vector<proof::RefutedMembers> refute_members(const Task& task, double targe
                    if (stop && stop()) throw Rejected(late);
                    const double room = std::isinf(limit) ? none : limit - cost.filter * (m.order() + 1);
                    const MemberLimits limits(granted, m, response);
-                   const std::string rule = Refutation(task, granted, m, limits, room, stop).rule();
+                   const std::string rule = Refutation(task, granted, m, limits, least, room, stop).rule();
                    if (rule.empty()) throw Rejected(fmt::format("{} are not refuted", words));
                    const auto same = [&](const proof::RefutedMembers& r) { return r.family == name && r.rule == rule; };
                    const auto found = std::find_if(all.begin(), all.end(), same);

@@ -85,6 +85,20 @@ struct Steepness {
   }
 };
 
+/// The least delay up to `last` that is not too far; too_far holds below a delay.
+template <class TooFar>
+int first_near(int last, const TooFar& too_far) {
+  int first = 0;
+  while (first < last) {
+    const int middle = first + (last - first) / 2;
+    if (too_far(middle))
+      first = middle + 1;
+    else
+      last = middle;
+  }
+  return first;
+}
+
 FamilyMember behind(const FamilyMember& member, const std::vector<double>& response) {
   std::vector<double> taps(member.taps.size() + response.size() - 1, 0.0);
   for (std::size_t i = 0; i < member.taps.size(); ++i) {
@@ -96,13 +110,20 @@ FamilyMember behind(const FamilyMember& member, const std::vector<double>& respo
 }  // namespace
 
 MemberLimits::MemberLimits(const Task& granted, const FamilyMember& member, const CheckedResponse& response)
-    : granted_(granted), member_(member) {
+    : granted_(granted), member_(member), servo_(response.servo()) {
   if (response.smoothing().size() > 1) command_ = behind(member, response.smoothing());
-  if (response.servo().size() > 1) motion_ = behind(command(), response.servo());
+  order_behind_ = command().order() + static_cast<int>(servo_.size()) - 1;
+}
+
+const FamilyMember& MemberLimits::motion() const {
+  if (servo_.size() <= 1) return command();
+  // A slow servo has more taps than the filter, and most members are refuted without them.
+  if (!motion_) motion_ = behind(command(), servo_);
+  return *motion_;
 }
 
 std::optional<LimitKind> MemberLimits::broken_by_legs() const {
-  const FamilyMember &commanded = command(), &moved = motion();
+  const FamilyMember& commanded = command();
   const Steepness steep(commanded);
   const double period = granted_.sample_period;
   for (const TaskCorner& corner : granted_.corners) {
@@ -113,6 +134,7 @@ std::optional<LimitKind> MemberLimits::broken_by_legs() const {
       const double in = g.feed_in * g.direction_in[e], out = g.feed_out * g.direction_out[e],
                    feed = std::max(std::abs(in), std::abs(out));
       if (steep.surely_holds(axis, feed, period)) continue;
+      const FamilyMember& moved = motion();
       for (int k = 0; k <= longest_delay(); ++k) {
         const double now = tap(commanded, k - 1) / period, before = tap(commanded, k - 2) / period,
                      then = tap(moved, k - 1) / period;
@@ -208,15 +230,28 @@ bool MemberLimits::too_far(const TaskCorner& corner, int delay) const {
 
 int MemberLimits::least_delay(const TaskCorner& corner) const {
   if (!corner.error_max) return 0;
-  int first = 0, last = longest_delay();
-  while (first < last) {
-    const int middle = first + (last - first) / 2;
-    if (too_far(corner, middle))
-      first = middle + 1;
-    else
-      last = middle;
-  }
-  return first;
+  return first_near(longest_delay(), [&](int delay) { return too_far(corner, delay); });
+}
+
+int least_delay_behind(const CheckedResponse& response, const TaskCorner& corner, double period) {
+  if (!corner.error_max) return 0;
+  const FamilyMember moved = behind(member_of(response.smoothing()), response.servo());
+  const Corner& g = corner.geometry();
+  const double cosine = g.cos_interior(), sine_squared = (1.0 - cosine) * (1.0 + cosine);
+  const double allowed = *corner.error_max * *corner.error_max * (1.0 + 1e-9);
+  const auto too_far = [&](int delay) {
+    for (int k = 0; k <= moved.order() + delay + 2; ++k) {
+      // From sample k to the next, p is at least as it is at the end, and q as at the beginning.
+      const double p = g.feed_in * period * at(moved.way_left, k + 1),
+                   q = g.feed_out * period * way_gone(moved, k - delay);
+      double nearest = p * p + q * q + 2.0 * p * q * cosine;
+      if (p + q * cosine < 0.0) nearest = q * q * sine_squared;
+      if (q + p * cosine < 0.0) nearest = p * p * sine_squared;
+      if (nearest <= allowed) return false;
+    }
+    return true;
+  };
+  return first_near(moved.order() + 2, too_far);
 }
 
 }  // namespace accdec

@@ -24,7 +24,7 @@ class MemberLimits {
     return granted_.settings->in_position_actual ? motion().way_left : command().way_left;
   }
   /// From here on, longer delays change nothing.
-  int longest_delay() const { return motion().order() + 2; }
+  int longest_delay() const { return order_behind_ + 2; }
   /// A limit that a leg breaks which starts from rest or stops.
   std::optional<LimitKind> broken_by_legs() const;
   /// Whether a vibration is left that is too large. It is looked for at frequencies closer together than the response
@@ -37,14 +37,21 @@ class MemberLimits {
 
  private:
   const FamilyMember& command() const { return command_ ? *command_ : member_; }
-  const FamilyMember& motion() const { return motion_ ? *motion_ : command(); }
+  const FamilyMember& motion() const;
   double left(double frequency, double damping) const;
   bool too_far(const TaskCorner& corner, int delay) const;
 
   const Task& granted_;
   const FamilyMember& member_;
   std::optional<FamilyMember> command_;  ///< behind the control's smoothing, where it has any
-  std::optional<FamilyMember> motion_;   ///< behind the servo, where it is given
+  const std::vector<double>& servo_;
+  int order_behind_;                            ///< of the motion
+  mutable std::optional<FamilyMember> motion_;  ///< behind the servo, where it is given: made when it is asked for
 };
+
+/// A delay below which the corner's error is too large behind this response, whatever non-negative taps come before it.
+/// The ways p and q behind the response are convex over time. By Jensen's inequality, those behind taps as well are at
+/// least as long as they are earlier by the taps' mean delay.
+int least_delay_behind(const CheckedResponse& response, const TaskCorner& corner, double period);
 
 }  // namespace accdec
