@@ -65,15 +65,15 @@ TEST(Journal, WhatStandsBeforeANewBeginningIsVoid) {
   {
     Journal journal(path, "s");
     journal.append(1, {0.5, R"({"old":1})"});
-    EXPECT_FALSE(journal.anew());
-    journal.begin_anew();
-    EXPECT_TRUE(journal.anew());
+    EXPECT_FALSE(journal.fresh());
+    journal.begin_fresh();
+    EXPECT_TRUE(journal.fresh());
     EXPECT_TRUE(journal.entries().empty());
     journal.append(2, {0.5, R"({"new":2})"});
   }
   {
     Journal again(path, "s");
-    EXPECT_TRUE(again.anew());
+    EXPECT_TRUE(again.fresh());
     ASSERT_EQ(again.entries().size(), 1u);
     EXPECT_EQ(again.entries().at(2).row, R"({"new":2})");
   }
@@ -82,7 +82,7 @@ TEST(Journal, WhatStandsBeforeANewBeginningIsVoid) {
   const std::string whole = content(path);
   set_content(path, whole.substr(0, whole.find("anew\n") + 4));
   Journal torn(path, "s");
-  EXPECT_FALSE(torn.anew());
+  EXPECT_FALSE(torn.fresh());
   EXPECT_EQ(torn.entries().count(1), 1u);
 }
 

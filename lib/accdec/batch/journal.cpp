@@ -105,7 +105,7 @@ std::uint64_t scan_journal(const std::string& path, const std::string& study, co
   std::uint64_t at = header.size() + 1;
   while (whole()) {
     if (line == mark) {
-      visit.anew();
+      visit.fresh();
     } else if (auto entry = parse_line(line)) {
       entry->offset += at;
       visit.entry(*entry);
@@ -127,8 +127,8 @@ Journal::Journal(std::string path, const std::string& study, const JournalVisito
           "{}: was in use by another accdec study, which has just ended; run the same command again", path_));
     const JournalVisitor to = visit ? *visit : collect(entries_);
     size_ = scan_journal(path_, study, {to.entry, [&] {
-                                          to.anew();
-                                          anew_ = true;
+                                          to.fresh();
+                                          fresh_ = true;
                                         }});
     if (::ftruncate(file_, static_cast<off_t>(size_)) != 0)
       throw JournalError(fmt::format("{}: {}", path_, std::strerror(errno)));
@@ -155,10 +155,10 @@ std::uint64_t Journal::append(std::size_t index, const Entry& entry) {
   return offset;
 }
 
-void Journal::begin_anew() {
+void Journal::begin_fresh() {
   write(fmt::format("{}\n", mark));
   entries_.clear();
-  anew_ = true;
+  fresh_ = true;
 }
 
 std::vector<Entry> read_any_journal(const std::string& path) {

@@ -33,7 +33,7 @@ struct JournalLine {
 /// Functions called for a journal's lines in the order they were written.
 struct JournalVisitor {
   std::function<void(const JournalLine&)> entry;
-  std::function<void()> anew = [] {};  ///< called at a mark: all entries before it are void
+  std::function<void()> fresh = [] {};  ///< called at a mark: all entries before it are void
 };
 
 /// Append-only record of the finished points of a study. Every entry is one line, written at once with one system call.
@@ -53,9 +53,9 @@ class Journal {
 
   /// Makes all entries void, here and for every later opening of the journal.
   /// @throws JournalError as append does
-  void begin_anew();
+  void begin_fresh();
   /// Whether the entries are of a fresh run: then older results must not replace missing points.
-  bool anew() const { return anew_; }
+  bool fresh() const { return fresh_; }
 
   /// Entries found when opening, since the last mark.
   const std::map<std::size_t, Entry>& entries() const { return entries_; }
@@ -68,7 +68,7 @@ class Journal {
   std::string path_;
   int file_ = -1;
   std::uint64_t size_ = 0;
-  bool anew_ = false;
+  bool fresh_ = false;
   std::map<std::size_t, Entry> entries_;
 };
 

@@ -50,8 +50,7 @@ class AnyMotionBound {
   }
 
   double bound() {
-    double time = path_.dwell_first;
-    for (const auto& dwell : path_.dwell) time += dwell.second;
+    double time = path_.dwells();
     if (!(wider_ < unlimited)) return 0.0;
     for (std::size_t first = 0; first < path_.blocks();) {
       std::size_t last = first;

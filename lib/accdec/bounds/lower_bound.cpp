@@ -21,8 +21,7 @@ double program_lower_bound(const Toolpath& path, const Machine& task_machine, do
     return path.joint[joint] == Joint::stop ? 0.0 : path.tolerance[joint];
   };
 
-  double time = path.dwell_first;
-  for (const auto& dwell : path.dwell) time += dwell.second;
+  double time = path.dwells();
   for (std::size_t first = 0; first < path.blocks();) {
     std::size_t last = first;
     while (path.joint[last] != Joint::stop) ++last;

@@ -214,8 +214,7 @@ class ProgramCornerBound {
   double least_sum() {
     std::vector<std::array<std::uint8_t, bound_steps>> from(legs_.size());
     std::array<double, bound_steps> best{};
-    double before = path_.dwell_first;  // of earlier sections between stops
-    for (const auto& dwell : path_.dwell) before += dwell.second;
+    double before = path_.dwells();  // and of earlier sections between stops
     for (std::size_t i = 0; i < legs_.size(); ++i) {
       std::array<double, bound_steps> earlier = best;
       const int corner = i > 0 ? legs_[i - 1].corner_class : -1;

@@ -355,38 +355,6 @@ Toolpath Builder::finish() {
 
 }  // namespace
 
-double PathArc::from(const double* point, double& dx, double& dy) const {
-  dx = point[x] - center_x;
-  dy = point[y] - center_y;
-  const double r = std::hypot(dx, dy);
-  dx /= r;
-  dy /= r;
-  return r;
-}
-
-std::string Toolpath::axis_name(std::size_t dimension) const {
-  return std::string(1, static_cast<char>(program_axes[axes[dimension]] | 0x20));
-}
-
-const Axis* find_axis(const Machine& machine, std::size_t program_axis) {
-  if (machine.axes.size() == 1 && !rotary_axis(program_axis)) return &machine.axes.front();
-  for (const Axis& axis : machine.axes) {
-    if (axis.name.size() == 1 && (axis.name[0] & ~0x20) == program_axes[program_axis]) return &axis;
-  }
-  return nullptr;
-}
-
-Machine program_machine(const Machine& machine, const Toolpath& path) {
-  Machine result;
-  result.modes = machine.modes;
-  for (std::size_t i = 0; i < path.dimensions(); ++i) {
-    const Axis* axis = find_axis(machine, path.axes[i]);
-    result.axes.push_back(axis != nullptr ? *axis : Axis{});
-    result.axes.back().name = path.axis_name(i);
-  }
-  return result;
-}
-
 Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options) {
   Builder builder(source, machine, options);
   read_program(source, options.read, builder);

@@ -126,7 +126,7 @@ void collect_shards(const Study& study, const std::vector<std::string>& folders,
       const std::size_t file = rows.add_file(item.path().string());
       batch::JournalVisitor visit = noting(rows, file);
       // A mark makes the earlier entries of this journal void, not those of other shards.
-      visit.anew = [&rows, file] { rows.clear(file); };
+      visit.fresh = [&rows, file] { rows.clear(file); };
       batch::scan_journal(item.path().string(), identity(study), visit);
     }
   }
@@ -189,7 +189,7 @@ StudySummary run_study(const Study& study, const StudyRunOptions& options) try {
   const batch::JournalVisitor found = noting(rows, file);
   if (options.fresh) batch::set_aside_other(journal_path, identity(study));
   batch::Journal journal(journal_path, identity(study), &found);
-  if (options.fresh) journal.begin_anew();
+  if (options.fresh) journal.begin_fresh();
   if (options.fresh) rows.clear();
   rows.drop_lost();
 
@@ -250,7 +250,7 @@ std::vector<batch::ShardState> study_shards(const Study& study, const std::strin
       done[line.index] = !lost[line.index];
       if (done[line.index]) state.seconds += line.seconds;
     };
-    visit.anew = [&] {
+    visit.fresh = [&] {
       for (const std::size_t i : seen) done[i] = lost[i] = false;
       seen.clear();
       state.seconds = 0.0;

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -237,6 +238,8 @@ struct Toolpath {
   const double* asked(std::size_t i) const { return asked_points() + i * axes.size(); }
   const double* asked_points() const { return programmed.empty() ? points.data() : programmed.data(); }
   std::string axis_name(std::size_t dimension) const;
+  double dwells() const;                                                             ///< of the whole program, s
+  std::span<const std::pair<std::uint32_t, double>> dwells_at(std::size_t b) const;  ///< at the end of block b
 };
 
 /// Whether a leg ends with block b.

@@ -80,7 +80,7 @@ class Joining {
       return free_.path.dwell_first > 0.0 ? k - begin : 0;
     }
     double time = 0.0;
-    for (const auto& [block, dwell] : free_.path.dwell) time += block + 1 == first ? dwell : 0.0;
+    for (const auto& [block, dwell] : free_.path.dwells_at(first - 1)) time += dwell;
     return static_cast<std::size_t>(std::ceil(time / free_.period - 1e-9));
   }
 

@@ -65,11 +65,8 @@ int JointDelays::stop(std::size_t b) {
 }
 
 std::int64_t JointDelays::dwell_samples(std::size_t b) const {
-  const auto before = [](const auto& dwell, std::size_t block) { return dwell.first < block; };
   std::int64_t samples = 0;
-  for (auto at = std::lower_bound(path_.dwell.begin(), path_.dwell.end(), b, before);
-       at != path_.dwell.end() && at->first == b; ++at)
-    samples += whole_samples(at->second / period_);
+  for (const auto& [block, dwell] : path_.dwells_at(b)) samples += whole_samples(dwell / period_);
   return samples;
 }
 

@@ -31,8 +31,7 @@ double slowest_at_kept_feeds(const Toolpath& programmed, const Filter& filter, d
   const BlendLimits limits(filter, machine, sample_period);
   const std::size_t n = programmed.dimensions();
   std::vector<double> velocity(n);
-  double time = programmed.dwell_first;
-  for (const auto& [block, dwell] : programmed.dwell) time += dwell;
+  double time = programmed.dwells();
   for (std::size_t b = 0; b < programmed.blocks(); ++b) {
     const double* p = programmed.point(b);
     for (std::size_t a = 0; a < n; ++a) velocity[a] = (p[n + a] - p[a]) / programmed.duration[b];

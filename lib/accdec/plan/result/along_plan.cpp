@@ -23,9 +23,7 @@ bool keeps_limits(const Machine& machine) {
 
 bool rests_too_long(const Toolpath& path, double sample_period) {
   constexpr double rests_max = 2e6;  // samples
-  double time = path.dwell_first;
-  for (const auto& [block, dwell] : path.dwell) time += dwell;
-  return time / sample_period > rests_max;
+  return path.dwells() / sample_period > rests_max;
 }
 
 FreeMotion as_motion(const Toolpath& path, const FreeSamples& samples) {

@@ -1,0 +1,54 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/simulate.hpp>
+
+// A path and its machine as data; toolpath.cpp reads them.
+
+namespace accdec {
+
+double PathArc::from(const double* point, double& dx, double& dy) const {
+  dx = point[x] - center_x;
+  dy = point[y] - center_y;
+  const double r = std::hypot(dx, dy);
+  dx /= r;
+  dy /= r;
+  return r;
+}
+
+std::string Toolpath::axis_name(std::size_t dimension) const {
+  return std::string(1, static_cast<char>(program_axes[axes[dimension]] | 0x20));
+}
+
+double Toolpath::dwells() const {
+  double time = dwell_first;
+  for (const auto& [block, seconds] : dwell) time += seconds;
+  return time;
+}
+
+std::span<const std::pair<std::uint32_t, double>> Toolpath::dwells_at(std::size_t b) const {
+  const auto block = [](const auto& one) { return std::size_t{one.first}; };
+  const auto found = std::ranges::equal_range(dwell, b, {}, block);
+  return {found.begin(), found.end()};
+}
+
+const Axis* find_axis(const Machine& machine, std::size_t program_axis) {
+  if (machine.axes.size() == 1 && !rotary_axis(program_axis)) return &machine.axes.front();
+  for (const Axis& axis : machine.axes) {
+    if (axis.name.size() == 1 && (axis.name[0] & ~0x20) == program_axes[program_axis]) return &axis;
+  }
+  return nullptr;
+}
+
+Machine program_machine(const Machine& machine, const Toolpath& path) {
+  Machine result;
+  result.modes = machine.modes;
+  for (std::size_t i = 0; i < path.dimensions(); ++i) {
+    const Axis* axis = find_axis(machine, path.axes[i]);
+    result.axes.push_back(axis != nullptr ? *axis : Axis{});
+    result.axes.back().name = path.axis_name(i);
+  }
+  return result;
+}
+
+}  // namespace accdec
