@@ -27,9 +27,11 @@ double Toolpath::dwells() const {
 }
 
 std::span<const std::pair<std::uint32_t, double>> Toolpath::dwells_at(std::size_t b) const {
-  const auto block = [](const auto& one) { return std::size_t{one.first}; };
-  const auto found = std::ranges::equal_range(dwell, b, {}, block);
-  return {found.begin(), found.end()};
+  const auto before = [](const auto& one, std::size_t block) { return one.first < block; };
+  const auto first = std::lower_bound(dwell.begin(), dwell.end(), b, before),
+             last = std::lower_bound(first, dwell.end(), b + 1, before);
+  return std::span(dwell).subspan(static_cast<std::size_t>(first - dwell.begin()),
+                                  static_cast<std::size_t>(last - first));
 }
 
 const Axis* find_axis(const Machine& machine, std::size_t program_axis) {
