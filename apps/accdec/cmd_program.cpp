@@ -187,7 +187,9 @@ void say_what_ended(const ProgramResult& result) {
 void run(ProgramArguments& options, Context& context) {
   check_options(options);
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
-  const Task task = read_task(options.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
+  const Task task = read_task(
+      options.task,
+      {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::smoothing});
   warn(task, options.task, context);
   require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},
                   {options.program, options.task, options.file.tools.table});

@@ -86,6 +86,7 @@ TEST_F(ResponseOfTasks, OtherCommandsRefuseItByName) {
     for (const auto& [command, arguments] : refusing) {
       SCOPED_TRACE(command + " with " + key);
       // Both stand behind the filter that is found.
+      if (command == "program" && key == "prefilter_taps") continue;
       if (command == "identify" && (key == "prefilter_taps" || key == "in_position_latency_ms")) continue;
       std::vector<std::string> call{command};
       for (const std::string& argument : arguments)

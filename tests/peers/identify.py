@@ -112,7 +112,7 @@ def main():
         print("averages found:", lengths, "there:", THERE)
         failed = failed or lengths != THERE
         for name in options.programs:
-            emitted, time = predicted(options.accdec, name, found, folder)
+            emitted, time = predicted(options.accdec, name, found + table, folder)
             linuxcnc(emitted, folder / "run.csv", there)
             samples = loop.columns(folder / "run.csv", ("x_mm", "y_mm", "z_mm"))
             # One sample more, as in the report: up to the first at rest.

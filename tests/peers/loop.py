@@ -3,7 +3,7 @@
 
 Exports the filter of a plan as a HAL component, builds it with halcompile, puts it behind every joint of a LinuxCNC
 without a screen, runs the emitted program (--emit --dwell-axis A) and compares the logged positions with the plan's
-samples behind the control's own smoothing, [1 5 5 1]/12. Needs root, linuxcnc-uspace and linuxcnc-uspace-dev; without
+samples. The task has the control's own smoothing as prefilter_taps, [1 5 5 1]/12. Needs root, linuxcnc-uspace and linuxcnc-uspace-dev; without
 them it says so and ends with 77.
 """
 import argparse
@@ -18,7 +18,8 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-SMOOTHING = (1 / 12, 5 / 12, 5 / 12, 1 / 12)  # of LinuxCNC 2.9: half a sample of ramp, then its cubic interpolator
+SMOOTHING = [1 / 12, 5 / 12, 5 / 12, 1 / 12]  # of LinuxCNC 2.9: half a sample of ramp, then its cubic interpolator
+SMOOTHED = f"[controller]\nprefilter_taps = {SMOOTHING}\n"
 ALLOWED = 1.0  # um
 SKIPPED = 77
 # LinuxCNC's own limits are far above the filter's: its steps of velocity then fit into one sample.
@@ -50,14 +51,6 @@ def columns(path, names):
     return [[float(row.get(name, 0.0)) for name in names] for row in rows]
 
 
-def smoothed(samples):
-    before = [samples[0]] * 3 + samples + [samples[-1]] * 10
-    return [
-        [sum(h * before[k + 3 - i][a] for i, h in enumerate(SMOOTHING)) for a in range(3)]
-        for k in range(len(before) - 3)
-    ]
-
-
 def first_motion(samples):
     start = samples[0]
     return next(k for k, s in enumerate(samples) if max(abs(x - y) for x, y in zip(s, start)) > 1e-9)
@@ -72,10 +65,10 @@ def run(name, accdec, folder):
     program, task = folder / (name + ".ngc"), folder / (name + ".toml")
     if name == "corner":
         program.write_text(CORNER)
-        task.write_text(CORNER_TASK)
+        task.write_text(CORNER_TASK + SMOOTHED)
     else:
         shutil.copy(ROOT / "problems/program" / (name + ".ngc"), program)
-        shutil.copy(ROOT / "problems/program/mill.toml", task)
+        task.write_text((ROOT / "problems/program/mill.toml").read_text() + SMOOTHED)
     emitted, samples, result = folder / (name + "-a.ngc"), folder / "samples.csv", folder / "result.json"
     subprocess.check_call(
         [accdec, "--quiet", "program", program, "--task", task, "--emit", emitted, "--dwell-axis", "A"]
@@ -90,7 +83,7 @@ def run(name, accdec, folder):
         env={**os.environ, "PEER_FILTER": str(folder / "accdec_filter.so")},
     )
     names = ("x_mm", "y_mm", "z_mm")
-    logged, predicted = columns(log, names), smoothed(columns(samples, names))
+    logged, predicted = columns(log, names), columns(samples, names)
     # The way to where the program begins is not part of the plan.
     ends = len(logged) - last_motion(logged), len(predicted) - last_motion(predicted)
     length = min(ends[1] - first_motion(predicted), ends[0])

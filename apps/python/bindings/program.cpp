@@ -112,7 +112,7 @@ std::string describe_program(const Program& r) {
 py::object taps(const py::object& self) {
   const auto& result = self.cast<const Program&>();
   if (result.plan.empty()) return py::none();
-  const auto taps = result.plan.filter().taps();
+  const auto taps = result.plan.set().taps();
   return read_only(py::array_t<double>(static_cast<py::ssize_t>(taps.size()), taps.data(), self));
 }
 

@@ -14,8 +14,10 @@ namespace {
 
 using toml_input::Table;
 
-void require_considered(const Table& table, std::string_view key, Considered considered) {
-  if (!table.has(key) || considered != Considered::none) return;
+/// @param least  what a caller has to consider for this key
+void require_considered(const Table& table, std::string_view key, Considered considered,
+                        Considered least = Considered::common) {
+  if (!table.has(key) || considered >= least) return;
   table.fail_at(key, fmt::format("`{}` is not considered here; {}", key, considered_by));
 }
 
@@ -100,9 +102,9 @@ void read_servo(const Table& table, Axis& axis) {
 
 void check_response(const Table& top, const Task& task, Considered considered) {
   if (const auto controller = top.table("controller")) {
-    require_considered(*controller, "prefilter_taps", considered);
+    require_considered(*controller, "prefilter_taps", considered, Considered::smoothing);
     require_considered(*controller, "in_position_latency_ms", considered);
-    if (considered == Considered::none && task.settings && task.settings->in_position_latency > 0.0)
+    if (considered < Considered::common && task.settings && task.settings->in_position_latency > 0.0)
       controller->fail_at(controller->has("name") ? "name" : "file",
                           "its `in_position_latency_ms` is not considered here; add `in_position_latency_ms = 0`");
   }

@@ -96,12 +96,17 @@ FilterBehind::FilterBehind(const Filter& designed, const Machine& machine, doubl
   motion_ = response.motion(designed);
 }
 
-void require_no_response(const Machine& machine, const char* what) {
-  const bool servo = std::any_of(machine.axes.begin(), machine.axes.end(), has_servo);
-  if (!servo && machine.prefilter_taps.empty()) return;
+void require_no_servo(const Machine& machine, const char* what) {
+  if (std::none_of(machine.axes.begin(), machine.axes.end(), has_servo)) return;
   throw std::invalid_argument(fmt::format(
-      "{} does not consider {}; {}", what,
-      servo ? "the servo of an axis (servo_gain_1_s, response_taps)" : "the control's prefilter_taps", considered_by));
+      "{} does not consider the servo of an axis (servo_gain_1_s, response_taps); {}", what, considered_by));
+}
+
+void require_no_response(const Machine& machine, const char* what) {
+  require_no_servo(machine, what);
+  if (machine.prefilter_taps.empty()) return;
+  throw std::invalid_argument(
+      fmt::format("{} does not consider the control's prefilter_taps; {}", what, considered_by));
 }
 
 }  // namespace accdec

@@ -80,7 +80,9 @@ class FilterBehind {
   std::optional<Filter> command_, motion_;
 };
 
-/// @throws std::invalid_argument if the machine has a response, which `what` does not consider
+/// @throws std::invalid_argument if an axis has a servo, which `what` does not consider
+void require_no_servo(const Machine& machine, const char* what);
+/// The same for the control's own smoothing, too.
 void require_no_response(const Machine& machine, const char* what);
 
 }  // namespace accdec

@@ -32,9 +32,14 @@ constexpr int feed_rounds_max = 40;  // of mending feeds
 /// Makes the plan of the result: the fastest requested plan that holds.
 class Planning {
  public:
-  Planning(ProgramResult& result, const Filter& filter, const Task& task, const Machine& machine,
-           const Deadline& deadline)
-      : result_(result), filter_(filter), task_(task), machine_(machine), deadline_(deadline) {}
+  /// @param set  without the control's own smoothing
+  Planning(ProgramResult& result, const Filter& set, const Task& task, const Machine& machine, const Deadline& deadline)
+      : result_(result),
+        set_(set),
+        filter_(Response(machine, task.sample_period).command(set)),
+        task_(task),
+        machine_(machine),
+        deadline_(deadline) {}
 
   /// Plans at the programmed feeds, with rapid moves as fast as the filter can start and stop them.
   /// @param tune_curves  see plan_program
@@ -54,7 +59,7 @@ class Planning {
   /// Whether a program that --emit wrote, which this is, holds as it is: then it is the plan.
   bool as_written(const Toolpath& path, Feeds feeds) {
     const std::optional<Filter> written = emitted_filter(path);
-    if (!written || !std::ranges::equal(written->taps(), filter_.taps())) return false;
+    if (!written || !std::ranges::equal(written->taps(), set_.taps())) return false;
     as_commanded(path, feeds != Feeds::keep);
     return all_holds(best_.plan);
   }
@@ -88,7 +93,9 @@ class Planning {
     result_.slowed = plan.slowed;
     result_.too_fast = std::move(plan.too_fast);
     result_.rounds = plan.rounds;
-    result_.plan = {std::move(best_.path), FilteredCommand{filter_, std::move(plan.delays)}};
+    FilteredCommand command{filter_, std::move(plan.delays)};
+    if (!machine_.prefilter_taps.empty()) command.own = set_;
+    result_.plan = {std::move(best_.path), std::move(command)};
   }
 
   /// Whether the control can give the delays of the plan taken.
@@ -169,7 +176,8 @@ class Planning {
   }
 
   ProgramResult& result_;
-  const Filter& filter_;
+  const Filter& set_;
+  const Filter filter_;  // all that acts on the command
   const Task& task_;
   const Machine& machine_;
   const Deadline& deadline_;
@@ -205,7 +213,7 @@ void say_what_ended(ProgramResult& result, const Deadline& deadline) {
 
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
                           bool filter_bound, Feeds feeds, const Deadline& deadline) {
-  require_no_response(task.machine, "program");
+  require_no_servo(task.machine, "program");
   require_no_shared_loads(task.machine, "program");
   if (task.settings && task.settings->in_position_latency > 0.0)
     throw std::invalid_argument("a program does not consider [controller] in_position_latency_ms; leave it out");
@@ -213,7 +221,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   ProgramResult result = before_planning(name, path, task);
   const Machine machine = program_machine(task.machine, path);
   // Computed before any move is slowed for this filter, because the bounds hold for all filters.
-  snap_durations(path, filter, task.sample_period, machine);
+  snap_durations(path, Response(machine, task.sample_period).command(filter), task.sample_period, machine);
   result.lower_bound = program_lower_bound(path, machine, task.sample_period);
   if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
   Planning planning(result, filter, task, machine, deadline);
@@ -239,7 +247,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
 }
 
 ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
-  require_no_response(task.machine, "program");
+  require_no_response(task.machine, "plan profiles");
   require_no_shared_loads(task.machine, "program");
   const auto start = std::chrono::steady_clock::now();
   if (task.settings && task.settings->names_family()) {

@@ -176,7 +176,7 @@ Figure plot_program(const ProgramResult& result, ViewFrom from) {
   const bool command = plan.command() != nullptr;
   const ProgramView whole = stretched(whole_view(plan.path, from));
   Figure figure = program_page_frame(result.program);
-  figure.title += command ? fmt::format(": {:.6g} s, {} taps", result.cycle_time, plan.filter().order() + 1)
+  figure.title += command ? fmt::format(": {:.6g} s, {} taps", result.cycle_time, plan.set().order() + 1)
                           : fmt::format(": {:.6g} s, plan {}", result.cycle_time, plan.name());
   figure.title += bounds_in_title(result);
   add_corner_panels(figure, plan.path, corners_of(result, whole), whole);

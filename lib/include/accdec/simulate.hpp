@@ -322,8 +322,11 @@ void look_ahead(ProfileChain& chain);
 
 /// Straight moves at their feeds, with a delay after each, through one filter: what a control with a filter runs.
 struct FilteredCommand {
-  Filter filter{{1.0}};
+  Filter filter{{1.0}};     ///< all that acts on the command: what is set, and behind it the control's own smoothing
   std::vector<int> delays;  ///< samples, one a block, of the joint at its end
+  std::optional<Filter> own{};  ///< what is set, where the machine has `prefilter_taps`; none: `filter` is set
+
+  const Filter& set() const { return own ? *own : filter; }
 };
 
 /// A motion given by its samples, from the first after the start to the last before it rests.
@@ -350,6 +353,8 @@ struct Plan {
   const Trajectory* trajectory() const { return std::get_if<Trajectory>(&motion); }
   /// The one filter of the plan: that of the command, or the last.
   const Filter& filter() const { return command() != nullptr ? command()->filter : trajectory()->last; }
+  /// As `filter`, without the control's own smoothing: the taps that are set.
+  const Filter& set() const { return command() != nullptr ? command()->set() : trajectory()->last; }
   /// Samples, at the end of a block; a trajectory has no delays.
   int delay(std::size_t block) const { return command() != nullptr ? command()->delays[block] : 0; }
   /// As on the command line: "fixed", "profiles" or "free".

@@ -187,8 +187,8 @@ struct Task {
   std::optional<double> program_error_max;  ///< m, [program] error_max_um
 };
 
-/// Responses that a caller considers: none, one of all axes without negative taps, or any.
-enum class Considered { none, common, any };
+/// Responses that a caller considers: none, the control's own smoothing, one of all axes without negative taps, or any.
+enum class Considered { none, smoothing, common, any };
 
 /// Requirements of the caller on a task.
 struct TaskOptions {
@@ -197,9 +197,9 @@ struct TaskOptions {
   /// Number of axes that a single [[axis]] table, or none, stands for if no corner gives their number: 1 .. 9. They are
   /// named x, y, z, a, b, c, u, v, w in order.
   int axes = 2;
-  /// Which responses of the machine the caller considers (machine/response.hpp), and with any of them also dry friction
-  /// and a shared supply. Keys that give another are refused
-  /// where they stand, so that none is ignored silently.
+  /// Which responses of the machine the caller considers (machine/response.hpp), and with those of axes also dry
+  /// friction and a shared supply. Keys that give another are refused where they stand, so that none is ignored
+  /// silently.
   Considered response = Considered::none;
 };
 

@@ -9,6 +9,7 @@
 #include <accdec/families/trial_search.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/feeds/stretched.hpp>
 #include <accdec/plan/filters/filter_search.hpp>
@@ -23,7 +24,9 @@ namespace {
 constexpr std::size_t short_program = 2'000;
 
 /// Unlimited when the filter cannot hold the limits.
-double program_time(const Toolpath& path, const Filter& filter, const Task& task, const Machine& machine) {
+/// @param set  without the control's own smoothing
+double program_time(const Toolpath& path, const Filter& set, const Task& task, const Machine& machine) {
+  const Filter filter = Response(machine, task.sample_period).command(set);
   for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, machine)) {
     if (use.utilisation > 1.0) return unlimited;
   }
@@ -37,8 +40,9 @@ double program_time(const Toolpath& path, const Filter& filter, const Task& task
 }
 
 /// The time of the simulated plan, with all overlaps. Unlimited if the plan does not hold.
-double planned_time(const Toolpath& path, const Filter& filter, const Task& task, const Machine& machine,
+double planned_time(const Toolpath& path, const Filter& set, const Task& task, const Machine& machine,
                     const Deadline& deadline) {
+  const Filter filter = Response(machine, task.sample_period).command(set);
   Toolpath copy = path;
   limit_rapids(copy, filter, task.sample_period, machine);
   snap_durations(copy, filter, task.sample_period, machine);
@@ -267,7 +271,8 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
   // As in the planner: with chosen feeds or, for programs that are short enough for both plans, with programmed feeds.
   const auto time = [&](const Filter& filter) {
     if (deadline.over()) return program_time(path, filter, task, machine);
-    const ScheduledPlan plan = schedule_feeds(path, filter, task.sample_period, machine, rounds, deadline);
+    const ScheduledPlan plan = schedule_feeds(path, Response(machine, task.sample_period).command(filter),
+                                              task.sample_period, machine, rounds, deadline);
     const double chosen =
         all_holds(plan.plan) ? static_cast<double>(plan.plan.simulation.samples) * task.sample_period : unlimited;
     // A plan at programmed feeds is not faster than its prediction and takes many times as long to compute.

@@ -6,6 +6,7 @@
 
 #include <accdec/families/trial_search.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
 #include <accdec/plan/filters/filter_search.hpp>
 #include <accdec/verify.hpp>
@@ -112,7 +113,8 @@ class Search {
 
   bool late() const { return seconds_since(start_) > options_.time_limit; }
 
-  double time_of(const Filter& filter) const {
+  double time_of(const Filter& set) const {
+    const Filter filter = Response(machine_, period_).command(set);
     for (const LimitUse& use : vibration_utilisation(filter, period_, machine_)) {
       if (use.utilisation > 1.0) return unlimited;
     }
@@ -125,7 +127,7 @@ class Search {
     // A plan that was not finished is judged only where there is no other.
     if (late() && search_.cost() < unlimited) return unlimited;
     if (options_.progress && time < search_.cost())
-      options_.progress(fmt::format("{} taps: {:.4f} s", filter.order() + 1, time));
+      options_.progress(fmt::format("{} taps: {:.4f} s", set.order() + 1, time));
     return time;
   }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <accdec/families/settable_search.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
@@ -51,7 +52,8 @@ class Trials {
 
   /// With the width that suits it best. Delays of any number of samples are planned first: if the program takes `below`
   /// samples even so, the delays of the control are not tried.
-  Timed with(const Filter& filter, double below) const {
+  Timed with(const Filter& set, double below) const {
+    const Filter filter = Response(machine_, task_.sample_period).command(set);
     for (const LimitUse& use : vibration_utilisation(filter, task_.sample_period, machine_)) {
       if (use.utilisation > 1.0 + verification_tolerance) return {};
     }

@@ -16,6 +16,7 @@
 #include <accdec/files.hpp>
 #include <accdec/formats/json_text.hpp>
 #include <accdec/formats/json_value.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
@@ -48,12 +49,21 @@ class Reader {
       const auto& width = r.settings->chosen.width;
       r.plan.path.control = {record_.task.settings->delays, width ? width->middle() : 0.0};
     }
+    set_behind_smoothing();
     if (record_.commands && r.sample_period != record_.task.sample_period)
       json_["sample_period_s"].fail("is not that of the task in it");
     return std::move(record_);
   }
 
  private:
+  /// The record has the taps that are set.
+  void set_behind_smoothing() {
+    auto* command = std::get_if<FilteredCommand>(&record_.result.plan.motion);
+    if (command == nullptr || record_.task.machine.prefilter_taps.empty()) return;
+    command->own = command->filter;
+    command->filter = Response(record_.task.machine, record_.result.sample_period).command(*command->own);
+  }
+
   void read_summary() {
     ProgramResult& r = record_.result;
     r.feeds_chosen = one_of(json_["feeds"], {"chosen", "programmed"}) == "chosen";
@@ -142,8 +152,9 @@ class Reader {
     if (json.has("tool_table")) in.tools.table = json["tool_table"].text();
     in.tools.table_in_inch = json.has("tool_table_in_inch") && json["tool_table_in_inch"].boolean();
     if (json.has("tool_length_m")) in.tools.length = json["tool_length_m"].number();
-    record_.task = parse_task(in.task_text, in.task_path + " (in " + name_ + ")",
-                              {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
+    record_.task = parse_task(
+        in.task_text, in.task_path + " (in " + name_ + ")",
+        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::smoothing});
     in.reading.error_max = record_.task.program_error_max;
   }
 
@@ -357,7 +368,7 @@ DesignResult filter_of(const ProgramRecord& record, const std::string& name) {
   DesignResult design;
   design.task = record.task;
   design.task.sample_period = record.result.sample_period;
-  design.filter = command->filter;
+  design.filter = command->set();
   design.status = record.result.status;
   const Toolpath& path = record.result.plan.path;
   for (std::size_t block = 0; record.commands && block < path.blocks(); ++block) {

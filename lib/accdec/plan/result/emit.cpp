@@ -84,7 +84,7 @@ class Emission {
     if (path_.percent) line("%");
     if (!path_.label.empty()) line("{}", path_.label);
     const double period = result_.sample_period * 1e3;
-    line("(planned for a filter of {} taps at T = {} ms)", filter_.order() + 1, plain_number(period, 6));
+    line("(planned for a filter of {} taps at T = {} ms)", result_.plan.set().order() + 1, plain_number(period, 6));
     if (timed_.used())
       lines_.append(timed_.remark());
     else
@@ -99,7 +99,7 @@ class Emission {
       line("(read back by: accdec program FILE --task TASK.toml --plan fixed --dwells-before-filter{}{})",
            result_.feeds_chosen ? "" : " --feeds keep", path_.length_at ? " --tool-length 0" : "");
     if (slowed_rapids) line("{} where the plan runs them slower than G0, which would break a limit)", slowed_remark);
-    lines_.append(filter_remarks(filter_));
+    lines_.append(filter_remarks(result_.plan.set()));
     line("G21 G17 G90 G94");
     lines_.append(timed_.begin());
     position();

@@ -101,7 +101,7 @@ std::vector<std::string> control_needs(const ProgramResult& result) {
   std::vector<std::string> needs;
   if (const std::size_t moves = result.plan.path.blocks(); result.feeds_chosen && moves > result.programmed_moves)
     needs.push_back(fmt::format("step its feed inside blocks ({} steps)", moves - result.programmed_moves));
-  needs.push_back(fmt::format("filter all axes alike ({} taps)", result.plan.filter().order() + 1));
+  needs.push_back(fmt::format("filter all axes alike ({} taps)", result.plan.set().order() + 1));
   // Exact stops are waited for by every control; chords of arcs may need a delay, too.
   std::size_t held = 0;
   for (std::size_t b = 0; b + 1 < result.plan.path.blocks(); ++b)

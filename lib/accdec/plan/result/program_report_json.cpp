@@ -90,7 +90,7 @@ void add_times(Json& json, const ProgramResult& result) {
 }  // namespace
 
 std::string program_to_json(const ProgramResult& result) {
-  const Filter& filter = result.plan.filter();
+  const Filter& filter = result.plan.set();
   Json json;
   json["schema"] = "accdec.program/2";
   json["program"] = result.program;

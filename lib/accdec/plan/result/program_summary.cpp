@@ -56,7 +56,7 @@ class SummaryText {
   void head() {
     put("{}: {} blocks in {} straight moves, {} corners, {} delayed, {} at rest\n", printable(result_.program),
         result_.programmed_blocks, result_.programmed_moves, result_.corners, result_.delayed, result_.at_rest);
-    const int taps = result_.plan.filter().order() + 1;
+    const int taps = result_.plan.set().order() + 1;
     put("plan {}, {}, T = {:.6g} ms, {} samples\n\n", result_.plan.name(),
         result_.plan.command() != nullptr ? fmt::format("filter of {} taps", taps)
         : taps > 1                        ? fmt::format("last filter of {} taps", taps)

@@ -78,6 +78,18 @@ class UseOfLimit {
   double period_;
 };
 
+/// The control's own smoothing behind a filter, which the plan's is made without.
+Filter smoothed(const Filter& set, const std::vector<double>& smoothing) {
+  if (smoothing.empty()) return set;
+  std::vector<double> taps(static_cast<std::size_t>(set.order()) + smoothing.size(), 0.0);
+  for (std::size_t k = 0; k < taps.size(); ++k) {
+    for (std::size_t j = 0; j < smoothing.size() && j <= k; ++j) {
+      if (k - j <= static_cast<std::size_t>(set.order())) taps[k] += smoothing[j] * set.tap(static_cast<int>(k - j));
+    }
+  }
+  return Filter(std::move(taps));
+}
+
 class CommandCheck {
  public:
   CommandCheck(const ProgramResult& result, const Task& task, const std::optional<BlockFilters>& filters)
@@ -86,7 +98,8 @@ class CommandCheck {
         command_(*result.plan.command()),
         task_(task),
         per_leg_(filters.has_value()),
-        filters_(filters.value_or(BlockFilters{{command_.filter}, {}})) {}
+        filter_(smoothed(command_.set(), task.machine.prefilter_taps)),
+        filters_(filters.value_or(BlockFilters{{filter_}, {}})) {}
 
   ProgramResultCheck run() {
     const DirectMotion motion = direct_motion(path_, result_.sample_period, command_.delays, filters_);
@@ -113,11 +126,11 @@ class CommandCheck {
     if (result_.settings && !families) return wrong("settings are recorded, the task asks for none");
     if (result_.settings && result_.settings->free_taps.value_or(unlimited) < result_.lower_bound * (1.0 - rounding))
       wrong("settings.free_taps_s is below the bound of any filter");
-    if (result_.settings) return compare_setting(task_, result_.settings->chosen, command_.filter, report_.reasons);
+    if (result_.settings) return compare_setting(task_, result_.settings->chosen, command_.set(), report_.reasons);
     // Else the program brought its filter along, or the task gives it.
     if (families || !task_.filter) return;
     const Filter given = make_filter(*task_.filter);
-    const auto own = command_.filter.taps(), asked = given.taps();
+    const auto own = command_.set().taps(), asked = given.taps();
     const bool same = std::equal(own.begin(), own.end(), asked.begin(), asked.end(),
                                  [](double a, double b) { return std::abs(a - b) <= 1e-12; });
     if (!same) wrong("the taps are not those of the task's filter");
@@ -142,7 +155,7 @@ class CommandCheck {
   void check_kind(const DirectMotion& motion, std::size_t b, DelayKind kind) {
     const auto& allowed = task_.settings->delays;
     const int delay = command_.delays[b];
-    const int apart = command_.filter.last_nonzero_tap() - command_.filter.first_nonzero_tap();
+    const int apart = filter_.last_nonzero_tap() - filter_.first_nonzero_tap();
     if (std::find(allowed.begin(), allowed.end(), kind) == allowed.end())
       wrong(fmt::format("line {}: the control has no delay of kind {}", path_.line[b], to_string(kind)));
     if ((kind == DelayKind::continuous && delay != 0) ||
@@ -161,7 +174,7 @@ class CommandCheck {
   /// m, of the motion from the end of block b, d samples after the command has reached it.
   double distance(const DirectMotion& motion, std::size_t b, int d) const {
     // An order later the motion has come to rest.
-    const auto k = static_cast<std::size_t>(motion.windows[b].first + std::min(d, command_.filter.order() + 1));
+    const auto k = static_cast<std::size_t>(motion.windows[b].first + std::min(d, filter_.order() + 1));
     double square = 0.0;
     for (std::size_t a = 0; a < path_.dimensions(); ++a)
       square += std::pow(motion.position[a][k] - path_.point(b + 1)[a], 2);
@@ -231,7 +244,7 @@ class CommandCheck {
     std::vector<double> errors(path_.blocks());
     SimulationOptions options;
     options.machine = &machine;
-    return simulate_program(CommandTiming(path_, result_.sample_period, command_.delays), command_.filter, 0,
+    return simulate_program(CommandTiming(path_, result_.sample_period, command_.delays), filter_, 0,
                             path_.blocks() - 1, errors, options);
   }
 
@@ -274,6 +287,7 @@ class CommandCheck {
   const FilteredCommand& command_;
   const Task& task_;
   const bool per_leg_;
+  const Filter filter_;  // that is set, and the control's own smoothing behind it
   const BlockFilters filters_;
   ProgramResultCheck report_;
   std::size_t limits_ = 0;  // of axes
