@@ -14,6 +14,7 @@
 #include <accdec/files/temporaries.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/gcode/canonical_call.hpp>
+#include <accdec/gcode/dialects.hpp>
 #include <accdec/gcode/modal_groups.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/gcode/run_rs274.hpp>
@@ -131,7 +132,7 @@ std::string in_inches(std::string_view table) {
 }
 
 /// The message of rs274, with the user's file and line in place of the copy's.
-std::string refusal(const std::string& program, const std::string& copy, std::string errors) {
+std::string refusal(const std::string& program, std::string_view text, const std::string& copy, std::string errors) {
   // The whole name first; some messages have no folder.
   for (const std::string& name : {copy, std::filesystem::path(copy).filename().string()}) {
     for (std::size_t at = 0; (at = errors.find(name, at)) != std::string::npos; at += program.size())
@@ -144,7 +145,12 @@ std::string refusal(const std::string& program, const std::string& copy, std::st
     if (end - n - 1 != line_number_digits) continue;
     const std::int64_t line = std::stoll(errors.substr(n + 1, line_number_digits));
     errors.erase(n, end - n);
-    return fmt::format("{}:{}:1: refused by rs274: {}", program, line, errors);
+    const std::vector<std::string_view> lines = lines_of(text);
+    const std::string foreign =
+        line > 0 && line <= std::ssize(lines) ? foreign_words(lines[static_cast<std::size_t>(line - 1)]) : "";
+    while (errors.ends_with('\n')) errors.pop_back();
+    return fmt::format("{}:{}:1: refused by rs274: {}{}{}", program, line, errors, foreign.empty() ? "" : "\n",
+                       foreign);
   }
   return fmt::format("{}: refused by rs274: {}", program, errors);
 }
@@ -241,7 +247,7 @@ Toolpath read_interpreted(const std::filesystem::path& program, const ProgramToo
                     "by itself: {} {}",
                     g_supported, m_supported));
   }
-  if (done.exit_code != 0) throw std::invalid_argument(refusal(name, copy.name(), done.errors));
+  if (done.exit_code != 0) throw std::invalid_argument(refusal(name, text, copy.name(), done.errors));
   refuse_own_tools(name, text, done.output, tools);
   refuse_set_tools(name, done.output, tools);
   ToolpathOptions reading = options;

@@ -11,6 +11,7 @@
 #include <accdec/files.hpp>
 #include <accdec/files/file_kind.hpp>
 #include <accdec/files/text_file.hpp>
+#include <accdec/gcode/dialects.hpp>
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/gcode/read_error.hpp>
 #include <accdec/gcode/run_rs274.hpp>
@@ -33,7 +34,26 @@ void refuse_other_kinds(const std::string& file) {
     throw std::invalid_argument(file + ": " + wrong);
 }
 
+/// See foreign_words.
+std::string foreign_at(const std::string& file, std::int64_t number) {
+  LineSource source{std::filesystem::path(file)};
+  std::string_view line;
+  while (source.next(line)) {
+    if (source.line_number() == number) return foreign_words(line);
+  }
+  return "";
+}
+
 using Tell = std::function<void(const std::string&)>;
+
+/// G4 is in seconds, as LinuxCNC, GRBL and Mach read it. A dwell that is a minute or longer may be meant in ms.
+void say_long_dwells(const Toolpath& path, const std::string& file, const Tell& tell) {
+  constexpr double long_dwell = 60.0;
+  double longest = path.dwell_first;
+  for (const auto& [block, seconds] : path.dwell) longest = std::max(longest, seconds);
+  if (!tell || longest < long_dwell) return;
+  tell(fmt::format("{}: a G4 dwells {:g} s; FANUC, Haas and Marlin read P as ms, this is in seconds", file, longest));
+}
 
 /// Puts a remark before everything, unless the program has one of this head from when it was written before.
 void remark(Toolpath& path, const std::string& head, const std::string& text) {
@@ -125,10 +145,15 @@ ProgramFile read_program_file(const std::string& file, const Task& task, const P
     result.path = read_toolpath(source, task.machine, reading);
     if (source.byte_order_mark() && tell) tell(file + ": begins with a byte order mark, which is passed over");
     say_systems(result.path, file, false, tell);
+    say_long_dwells(result.path, file, tell);
     say_tools(result.path, file, options.tools, tell);
     return result;
   } catch (const NeedsInterpreter& reason) {
     refuse_other_kinds(file);
+    if (const std::string foreign = foreign_at(file, reason.line()); !foreign.empty()) {
+      const std::string place = fmt::format("{}:{}:{}: ", file, reason.line(), reason.column());
+      throw std::invalid_argument(place + "neither accdec nor LinuxCNC reads this: " + foreign);
+    }
     try {
       result.path = read_interpreted(file, options.tools, task.machine, reading);
     } catch (const ReadError&) {
@@ -140,10 +165,13 @@ ProgramFile read_program_file(const std::string& file, const Task& task, const P
     result.interpreted = true;
     say_what_acts(result.path, options.tools);
     say_systems(result.path, file, true, tell);
+    say_long_dwells(result.path, file, tell);
     return result;
-  } catch (const ReadError&) {
+  } catch (const ReadError& error) {
     refuse_other_kinds(file);
-    throw;
+    const std::string foreign = foreign_at(file, error.line());
+    if (foreign.empty()) throw;
+    throw std::invalid_argument(std::string(error.what()) + "\n" + foreign);
   }
 }
 
