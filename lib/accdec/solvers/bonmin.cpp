@@ -1,4 +1,5 @@
-// Bonmin 1.8: branch and bound over Ipopt (B-BB), and outer approximation with linear programs (B-Hyb).
+// Bonmin 1.8: branch and bound over Ipopt (B-BB). Its outer approximations (B-OA, B-QG, B-Hyb) called designs
+// infeasible that have a filter, so they are not offered.
 
 #include <algorithm>
 #include <chrono>
@@ -97,8 +98,7 @@ Claim claim_of(Bonmin::Bab::MipStatuses status, bool late) {
 
 class BonminSolver final : public Solver {
  public:
-  explicit BonminSolver(bool hybrid) : hybrid_(hybrid) {}
-  std::string name() const override { return hybrid_ ? "bonmin-hyb" : "bonmin"; }
+  std::string name() const override { return "bonmin"; }
   std::string library_version() const override { return "Bonmin " ACCDEC_BONMIN_VERSION; }
   Capabilities capabilities() const override {
     Capabilities can;
@@ -106,10 +106,8 @@ class BonminSolver final : public Solver {
     return can;
   }
   std::string settings() const override {
-    return fmt::format(
-        "algorithm = {}, tol = tolerance, constr_viol_tol = feasibility_tolerance / 10, "
-        "allowable_gap = 0.5e-3, allowable_fraction_gap = 0",
-        algorithm());
+    return "algorithm = B-BB, tol = tolerance, constr_viol_tol = feasibility_tolerance / 10, allowable_gap = 5e-4, "
+           "allowable_fraction_gap = 0, no feasibility pump";
   }
 
  protected:
@@ -156,22 +154,19 @@ class BonminSolver final : public Solver {
     }
     return false;
   }
-  const char* algorithm() const { return hybrid_ ? "B-Hyb" : "B-BB"; }
 
-  std::string options_text(const nlp::Problem& problem, const Options& options) const {
+  static std::string options_text(const nlp::Problem& problem, const Options& options) {
     std::string text = fmt::format(
-        "bonmin.algorithm {}\nbonmin.time_limit {}\ntol {}\nconstr_viol_tol {}\nbonmin.allowable_gap 0.5e-3\n"
+        "bonmin.algorithm B-BB\nbonmin.time_limit {}\ntol {}\nconstr_viol_tol {}\nbonmin.allowable_gap 5e-4\n"
         "bonmin.allowable_fraction_gap 0\nbonmin.pump_for_minlp no\nbonmin.heuristic_feasibility_pump no\nprint_level "
         "0\nsb yes\n",
-        algorithm(), options.time_limit, options.tolerance, 0.1 * options.feasibility_tolerance);
+        options.time_limit, options.tolerance, 0.1 * options.feasibility_tolerance);
     for (const char* log :
          {"bb_log_level", "lp_log_level", "nlp_log_level", "milp_log_level", "oa_log_level", "fp_log_level"})
       text += fmt::format("bonmin.{} 0\n", log);
     if (!problem.has_hessian()) text += "hessian_approximation limited-memory\n";
     return text;
   }
-
-  bool hybrid_;
 };
 
 }  // namespace
@@ -179,6 +174,5 @@ class BonminSolver final : public Solver {
 
 void accdec_add_solvers(accdec::solvers::SolverList& list) {
   using namespace accdec::solvers;
-  list.push_back(std::make_unique<BonminSolver>(false));
-  list.push_back(std::make_unique<BonminSolver>(true));
+  list.push_back(std::make_unique<BonminSolver>());
 }
