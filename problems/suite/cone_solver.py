@@ -5,8 +5,6 @@ This is an example of an [[external]] solver with `reads = "cbf"` and `answer = 
 """
 import sys
 
-from cvxopt import matrix, solvers, spmatrix
-
 
 def read(file):
     """Columns, costs, and rows by cone, of a CBF file: http://cblib.zib.de/format.pdf. Every row is a map of coefficients
@@ -48,6 +46,7 @@ def combined(a, left, b, right):
 
 def solve(file):
     """Status, objective and point. A rotated cone |u|^2 <= 2 s t becomes |(s - t, sqrt2 u)| <= s + t."""
+    from cvxopt import matrix, solvers, spmatrix  # here, so that others may read files without it
     n, costs, constant, cones, rows = read(file)
     equal, linear, second, sizes, at = [], [], [], [], 0
     for kind, size in cones:

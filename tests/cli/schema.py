@@ -118,7 +118,7 @@ def check_files():
     for path in sorted(problems.rglob("*.toml")):
         content = tomllib.loads(path.read_text())
         kind = ("controller" if path.parent.name == "controllers" else "study" if "compute" in content
-                else "suite" if "problem" in content else "task")
+                else "suite" if "problem" in content or "hypercube" in content else "task")
         for error in validators[kind][0].iter_errors(content):
             failures.append(f"{path}: {'/'.join(map(str, error.path))}: {error.message}")
         checked += 1

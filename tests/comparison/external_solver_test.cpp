@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/comparison/comparison_case.hpp>
+#include <accdec/comparison/external_answer.hpp>
 #include <accdec/comparison/external_solver.hpp>
 #include <accdec/comparison/suite_file.hpp>
 #include <accdec/files/limited_process.hpp>
@@ -157,7 +158,105 @@ command = "/nowhere/solver {nl}"
   const std::string raw = testing::content(home_ / "out" / "raw.jsonl");
   EXPECT_THAT(raw, HasSubstr("ran longer than 1 s"));
   EXPECT_THAT(raw, HasSubstr("cannot be started: No such file"));
-  EXPECT_THAT(raw, HasSubstr("external solvers take margin and delay problems"));
+}
+
+/// One run of the raw data.
+nlohmann::json run_of(const std::string& raw, const std::string& solver, int problem) {
+  std::istringstream lines(raw);
+  for (std::string line; std::getline(lines, line);) {
+    nlohmann::json row = nlohmann::json::parse(line);
+    if (row.value("record", "") == "run" && row.value("solver", "") == solver && row.value("case", -1) == problem)
+      return row;
+  }
+  return {};
+}
+
+constexpr const char* design_problem = R"(
+[[problem]]
+name = "design"
+task = "task.toml"
+formulation = "design"
+order = 34
+)";
+
+// Whole designs: a script per fault. Each is recorded with its reason, and the run goes on to the exact method.
+TEST_F(ExternalCommand, FaultsOnDesignsAreRecordedAndTheRunGoesOn) {
+  const struct {
+    const char *name, *script, *claim, *message;
+  } faults[] = {{"nan", "printf 'optimal\\nX1 nan\\n'", "invalid number", "not finite"},
+                {"length", "printf 'optimal\\nX99999 1\\n'", "failed", "names X99999"},
+                {"silent", "true", "failed", "names no variable"},
+                {"hangs", "sleep 600", "time limit", "ran longer than 1 s"},
+                {"prints", "yes X1 1", "failed", "printed more than"},
+                {"forks", "for i in 1 2 3; do setsid -f sleep 600; done; echo infeasible", "infeasible", ""},
+                {"lies", "echo optimal; echo X1 1", "solved", "no filter found for its delays"}};
+  std::string text = "solvers = [\"exact\"]\nstarts = 1\nrepeats = 1\ntime_limit_s = 1\n";
+  for (const auto& fault : faults) {
+    testing::write(home_ / (std::string(fault.name) + ".sh"), fault.script);
+    text += fmt::format(
+        "[[external]]\nname = \"{0}\"\ncommand = \"sh {{suite}}/{0}.sh {{mps}}\"\nreads = \"mps\"\nanswer = "
+        "\"names\"\n",
+        fault.name);
+  }
+  testing::write(home_ / "faults.toml", text + design_problem);
+  const testing::Outcome outcome = run("compare faults.toml --out out --workers 2");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::string raw = testing::content(home_ / "out/raw.jsonl");
+  for (const auto& fault : faults) {
+    const nlohmann::json row = run_of(raw, fault.name, 0);
+    EXPECT_EQ(row["claim"], fault.claim) << row;
+    EXPECT_FALSE(row.contains("objective")) << row;
+    EXPECT_THAT(row.value("message", ""), HasSubstr(fault.message));
+    EXPECT_LT(row.value("wall_time_s", 0.0), 5.0) << row;
+  }
+  EXPECT_EQ(run_of(raw, "exact", 0)["claim"], "solved");
+  // The lie is a wrong claim, and so is "infeasible" in its column.
+  const std::string board = testing::content(home_ / "out/leaderboard.csv");
+  EXPECT_THAT(board, HasSubstr("exact,accdec,100.0,1,1"));
+  EXPECT_THAT(board, ::testing::ContainsRegex("lies,.*,0\\.0,0,1,.*,0,1,0,0,1,0,0"));
+}
+
+// Programs of Debian solve the same design from its MPS file. They have another method and another reader.
+TEST_F(ExternalCommand, MixedIntegerProgramsFindTheOptimaOfTheExactMethod) {
+  if (std::system("command -v cbc > /dev/null && command -v glpsol > /dev/null") != 0)
+    GTEST_SKIP() << "coinor-cbc and glpk-utils are not installed";
+  testing::write(home_ / "rivals.toml", R"(solvers = ["exact"]
+starts = 1
+repeats = 1
+time_limit_s = 60
+[[external]]
+name = "cbc"
+command = "cbc {mps} sec {seconds} solve solution {answer}"
+reads = "mps"
+answer = "names"
+[[external]]
+name = "glpsol"
+command = "glpsol --freemps {mps} --tmlim {seconds} -o {answer}"
+reads = "mps"
+answer = "names"
+[[hypercube]]
+name = "small"
+task = "task.toml"
+count = 4
+seed = 2
+formulation = "design"
+[hypercube.ranges]
+"sample_period_ms" = [3, 5]
+"corner.*.angle_deg" = [30, 150]
+"corner.*.error_max_um" = [20, 200]
+)");
+  const testing::Outcome outcome = run("compare rivals.toml --out out --workers 2");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::string raw = testing::content(home_ / "out/raw.jsonl");
+  for (int c = 0; c < 4; ++c) {
+    const nlohmann::json exact = run_of(raw, "exact", c);
+    ASSERT_EQ(exact["claim"], "solved") << exact;
+    for (const char* program : {"cbc", "glpsol"}) {
+      const nlohmann::json row = run_of(raw, program, c);
+      EXPECT_EQ(row["claim"], "solved") << row;
+      EXPECT_EQ(row["objective"], exact["objective"]) << row;
+    }
+  }
 }
 
 TEST_F(ExternalCommand, SuitesAreCheckedBeforeAnythingRuns) {

@@ -169,13 +169,14 @@ py::list solver_list() {
   py::list list;
   for (const auto& solver : solvers::registry()) {
     const solvers::Capabilities can = solver->capabilities();
-    list.append(py::dict(
-        py::arg("name") = solver->name(), py::arg("version") = solver->library_version(),
-        py::arg("linear_only") = can.linear_only, py::arg("inequality_rows") = can.inequality_rows,
-        py::arg("equality_rows") = can.equality_rows, py::arg("needs_finite_bounds") = can.needs_finite_bounds,
-        py::arg("needs_residuals") = can.needs_residuals, py::arg("uses_gradient") = can.uses_gradient,
-        py::arg("uses_jacobian") = can.uses_jacobian, py::arg("uses_hessian") = can.uses_hessian,
-        py::arg("is_global") = can.global, py::arg("seeded") = can.seeded, py::arg("settings") = solver->settings()));
+    list.append(py::dict(py::arg("name") = solver->name(), py::arg("version") = solver->library_version(),
+                         py::arg("linear_only") = can.linear_only, py::arg("inequality_rows") = can.inequality_rows,
+                         py::arg("equality_rows") = can.equality_rows,
+                         py::arg("needs_finite_bounds") = can.needs_finite_bounds,
+                         py::arg("needs_residuals") = can.needs_residuals, py::arg("uses_gradient") = can.uses_gradient,
+                         py::arg("uses_jacobian") = can.uses_jacobian, py::arg("uses_hessian") = can.uses_hessian,
+                         py::arg("is_global") = can.global, py::arg("seeded") = can.seeded,
+                         py::arg("integers") = can.integers, py::arg("settings") = solver->settings()));
   }
   return list;
 }

@@ -21,4 +21,14 @@ inline void shuffle(std::vector<std::size_t>& order, std::mt19937_64& rng) {
     std::swap(order[i - 1], order[static_cast<std::size_t>(uniform(rng) * static_cast<double>(i))]);
 }
 
+/// A column of a Latin hypercube: numbers in [0, 1), one in each of `count` equal cells, in random order.
+inline std::vector<double> latin_column(std::size_t count, std::mt19937_64& rng) {
+  std::vector<std::size_t> cells(count);
+  shuffle(cells, rng);
+  std::vector<double> column;
+  for (const std::size_t cell : cells)
+    column.push_back((static_cast<double>(cell) + uniform(rng)) / static_cast<double>(count));
+  return column;
+}
+
 }  // namespace accdec::batch

@@ -11,7 +11,6 @@ namespace {
 
 using comparison::Attempt;
 using comparison::ComparisonData;
-using comparison::Judgement;
 
 struct Score {
   std::string solver;
@@ -25,10 +24,8 @@ void count_claims(const ComparisonData& data, std::size_t s, Score& score) {
   for (std::size_t c = 0; c < data.cases.size(); ++c) {
     for (int start = 0; start < data.starts; ++start) {
       const Attempt& a = data.attempt(c, start, s);
-      if (a.claim != "solved" && a.claim != "acceptable") continue;
-      ++score.claims;
-      if (a.judgement == Judgement::violates || a.judgement == Judgement::none || data.cases[c].infeasible)
-        ++score.wrong;
+      if (comparison::claims_solution(a)) ++score.claims;
+      if (comparison::wrong_claim(data.cases[c], a)) ++score.wrong;
     }
   }
 }

@@ -54,6 +54,22 @@ std::optional<Question> question_from_string(std::string_view name) {
   return std::nullopt;
 }
 
+std::string_view to_string(Expected expected) {
+  switch (expected) {
+    case Expected::feasible: return "feasible";
+    case Expected::infeasible: return "infeasible";
+    case Expected::unknown: return "unknown";
+  }
+  return "?";
+}
+
+std::optional<Expected> expected_from_string(std::string_view name) {
+  for (const Expected e : {Expected::feasible, Expected::infeasible, Expected::unknown}) {
+    if (to_string(e) == name) return e;
+  }
+  return std::nullopt;
+}
+
 CaseSpec refined(CaseSpec spec, int factor) {
   if (factor < 1) throw std::invalid_argument("a size must be at least 1");
   spec.size = factor;

@@ -23,6 +23,11 @@ enum class Question {
 std::string_view to_string(Question question);
 std::optional<Question> question_from_string(std::string_view name);
 
+/// Whether a suite says that a problem has an answer.
+enum class Expected { feasible, infeasible, unknown };
+std::string_view to_string(Expected expected);
+std::optional<Expected> expected_from_string(std::string_view name);
+
 /// One problem of a comparison at one size.
 struct CaseSpec {
   std::string name, family;
@@ -33,7 +38,7 @@ struct CaseSpec {
   std::vector<int> delays;  ///< margin: d_j; delay: those at which limits on the blends are imposed; empty: 0, or as
                             ///< large as the start needs
   double time_limit = 0.0;  ///< s, instead of the comparison's; 0: that
-  bool infeasible = false;  ///< the suite says that no filter holds all limits
+  Expected expected = Expected::feasible;  ///< whether some filter holds all limits
   std::string identity;  ///< distinguishes it from every other problem, whatever its name; empty: no earlier result is
                          ///< used
 };
@@ -90,6 +95,7 @@ struct Reference {
   Proof proof = Proof::bound;
   double lower = 0.0, upper = 0.0;  ///< of the objective; upper infinite unless proof is optimal
   std::string method;               ///< the method in words
+  long work = 0;                    ///< linear programs solved
 };
 std::string_view to_string(Reference::Proof proof);
 

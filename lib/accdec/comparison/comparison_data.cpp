@@ -35,7 +35,8 @@ ComparedCase case_of(const batch::Row& row) {
   c.rows = row.at("rows");
   c.method = row.at("method");
   c.time_limit = number_in(row, "time_limit_s", 0.0);
-  c.expect_infeasible = row.at("expected") == "infeasible";
+  c.expected = row.at("expected");
+  if (const auto work = row.find("work"); work != row.end()) c.work = work->get<long>();
   c.proof = row.at("proof");
   c.infeasible = c.proof == "infeasible proved";
   c.lower = c.infeasible ? nan : number_in(row, "lower", -infinite);
@@ -137,10 +138,10 @@ class Reader {
       ComparedCase& c = data_.cases[i];
       if (c.infeasible && best[i] < infinite)
         contradict(c, fmt::format("proved infeasible, but {} has a feasible point", by[i]));
-      if (c.infeasible != c.expect_infeasible && (c.infeasible || best[i] < infinite)) {
-        contradict(c, fmt::format("the suite says {}", c.expect_infeasible ? "infeasible, but a feasible point is known"
-                                                                           : "feasible, but it is proved infeasible"));
-      }
+      if (c.expected == "infeasible" && !c.infeasible && best[i] < infinite)
+        contradict(c, "the suite says infeasible, but a feasible point is known");
+      if (c.expected == "feasible" && c.infeasible)
+        contradict(c, "the suite says feasible, but it is proved infeasible");
       if (c.infeasible) continue;
       if (best[i] < c.lower - allowed(c.lower))
         contradict(c, fmt::format("{} is below the proved bound {:g}: {:g}", by[i], c.lower, best[i]));
@@ -279,6 +280,22 @@ std::string_view to_string(Judgement judgement) {
     case Judgement::impossible: return "problem infeasible";
   }
   return "?";
+}
+
+std::string difficulty_of(const ComparedCase& compared) {
+  if (compared.proof != "proved" && !compared.infeasible) return "open";
+  if (!compared.work) return "";
+  const long n = *compared.work;
+  return n <= 10 ? "easy" : n <= 100 ? "medium" : n <= 1000 ? "hard" : "very hard";
+}
+
+bool claims_solution(const Attempt& attempt) {
+  return attempt.claim == "solved" || attempt.claim == "acceptable";
+}
+
+bool wrong_claim(const ComparedCase& compared, const Attempt& attempt) {
+  return claims_solution(attempt) &&
+         (attempt.judgement == Judgement::violates || attempt.judgement == Judgement::none || compared.infeasible);
 }
 
 bool ComparisonData::worth_repeating(std::size_t c, int start, std::size_t solver) const {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,13 +24,19 @@ struct ComparedCase {
   std::string problem, family, question, method;
   std::string asks;  ///< the question in words; empty in older raw data
   int size = 1, order = 0, variables = 0, rows = 0;
-  double time_limit = 0.0;  ///< s; 0: the header's
-  bool expect_infeasible = false;
-  bool infeasible = false;  ///< proved
-  double lower = 0.0;       ///< proved; NaN if infeasible
-  double reference = 0.0;   ///< NaN if infeasible, or if no solver found a feasible point and nothing is proved
-  std::string proof;        ///< "proved", "best known", "infeasible proved", "unknown"
+  double time_limit = 0.0;   ///< s; 0: the header's
+  std::string expected;      ///< "feasible", "infeasible", "unknown"
+  std::optional<long> work;  ///< linear programs of the exact method; none in older raw data
+  bool infeasible = false;   ///< proved
+  double lower = 0.0;        ///< proved; NaN if infeasible
+  double reference = 0.0;    ///< NaN if infeasible, or if no solver found a feasible point and nothing is proved
+  std::string proof;         ///< "proved", "best known", "infeasible proved", "unknown"
 };
+
+/// The work of the exact method for the proof of a problem: "easy" to 10 linear programs, "medium" to 100, "hard" to
+/// 1000, "very hard" above. It is "open" without a proof, and empty in older raw data, which do not say.
+std::string difficulty_of(const ComparedCase& compared);
+inline constexpr const char* difficulties[] = {"easy", "medium", "hard", "very hard", "open"};
 
 /// The outcome of a run, by recomputation.
 enum class Judgement {
@@ -69,6 +76,11 @@ struct Attempt {
   /// count even if the final answer is another.)
   double accuracy_cost = infinite;
 };
+
+/// Whether a run claims a solution, and whether recomputation refutes that: it breaks a limit, has no point, or there
+/// is no solution.
+bool claims_solution(const Attempt& attempt);
+bool wrong_claim(const ComparedCase& compared, const Attempt& attempt);
 
 /// The raw data as read: everything that tables and figures are made from.
 struct ComparisonData {

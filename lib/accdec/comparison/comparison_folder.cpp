@@ -184,6 +184,9 @@ class FolderRun {
     session_ = Row();
     session_["record"] = "session";
     session_["workers"] = batch::workers_of(run_);
+    Row environment;
+    add_environment(environment, options_.version);
+    session_["machine"] = environment["machine"];
     session_["entries"] = summary_.computed;
     session_["wall_time_s"] = summary_.wall_time;
     session_["solving_s"] = times_.solving;

@@ -92,17 +92,17 @@ double margin_of(const Task& task, const Filter& filter, const std::vector<int>&
   return worst;
 }
 
-Reference infeasible(std::string method) {
-  return {Reference::Proof::infeasible, infinity, infinity, std::move(method)};
+Reference infeasible(std::string method, long work) {
+  return {Reference::Proof::infeasible, infinity, infinity, std::move(method), work};
 }
 
 /// A proof of infeasibility without any tolerance, or a filter that holds the convex limits.
 std::optional<Reference> no_filter_at_all(const Task& task, const CaseSpec& spec, const std::vector<int>& delays,
                                           const std::vector<int>& samples, std::optional<Filter>& filter) {
   if (order_lower_bound(spec.task, spec.order) > spec.order)
-    return infeasible("fastest start within the limits takes a larger order");
+    return infeasible("fastest start within the limits takes a larger order", 0);
   const exact::Outcome outcome = solve(task, spec, delays, samples, infinity);
-  if (outcome.kind == exact::Outcome::refuted) return infeasible("linear program refuted by its dual multipliers");
+  if (outcome.kind == exact::Outcome::refuted) return infeasible("linear program refuted by its dual multipliers", 1);
   if (outcome.kind == exact::Outcome::feasible) filter = outcome.filter;
   return std::nullopt;
 }
@@ -169,6 +169,7 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
       break;
   }
   reference.lower = search.lower * search.lower;
+  reference.work = search.linear_programs();
   if (!search.best) return reference;
   const auto& problem = dynamic_cast<const MarginProblem&>(*subject.problem(true));
   std::vector<double> x = problem.start_from(*search.best);
@@ -231,6 +232,7 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
     searches.back()->run(spec.order + 1.0,
                          [&](double upper) { return share * closed * std::max(1.0 / task.corners[j].weight, upper); });
     reference.lower += task.corners[j].weight * searches.back()->lower;
+    reference.work += searches.back()->linear_programs();
   }
   reference.method = free.size() > 1 ? "exact bound: the sum of what each corner needs on its own" : "exact bound";
   for (const auto& search : searches) {
@@ -258,9 +260,10 @@ Reference design_reference(const CaseSpec& spec, double time_limit) {
   Task task = spec.task;
   task.design.order_min = task.design.order_max = spec.order;
   const DesignResult result = design_exact(task, options);
-  if (result.status == Status::infeasible) return infeasible("exact: " + result.message);
+  if (result.status == Status::infeasible) return infeasible("exact: " + result.message, result.solver.evaluations);
   const double period = task.sample_period;
-  Reference reference{Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, infinity, "exact bound"};
+  Reference reference{Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, infinity, "exact bound",
+                      result.solver.evaluations};
   if (result.status != Status::optimal) return reference;
   reference.proof = Reference::Proof::optimal;
   reference.lower = reference.upper = result.objective() / period;

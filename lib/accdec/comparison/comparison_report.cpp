@@ -191,6 +191,9 @@ std::vector<std::pair<std::string, std::string>> comparison_documents(const std:
       "every "
       "pair: pairs.csv; how it was made: manifest.json.");
   documents.emplace_back("report.html", html + html_foot());
+  const ComparisonTable leaderboard = leaderboard_table(data);
+  documents.emplace_back("leaderboard.csv", csv_table(leaderboard.head, leaderboard.rows));
+  documents.emplace_back("leaderboard.html", leaderboard_html(data));
   return documents;
 }
 

@@ -29,6 +29,12 @@ ComparisonTable runs_table(const comparison::ComparisonData& data);
 /// Every pair of solvers compared with each other alone, by the time to accuracy: profile values at ratios 1, 2 and 10.
 ComparisonTable pairs_table(const comparison::ComparisonData& data);
 
+/// One row for each solver: how often it reached the proved optimum, in all and by difficulty, how fast, and its wrong
+/// claims.
+ComparisonTable leaderboard_table(const comparison::ComparisonData& data);
+/// The same as a page: sorted by a click, with how to join and what is fair in it. Both in leaderboard.cpp.
+std::string leaderboard_html(const comparison::ComparisonData& data);
+
 /// Name and figure. There are joint performance profiles by the time to the judged accuracy, and by the time until the
 /// solver ends ("performance-end"). There are pairwise profiles against the solver that solves most, by the time to
 /// accuracy. There are also data profiles, and runtime distributions to the targets. All of them are made for the

@@ -175,7 +175,7 @@ batch::Row Comparison::beginning_of_reference(std::size_t case_index, const Comp
   row["variables"] = subject.variables();
   row["rows"] = subject.rows();
   row["time_limit_s"] = spec.time_limit > 0.0 ? spec.time_limit : settings_.time_limit;
-  row["expected"] = spec.infeasible ? "infeasible" : "feasible";
+  row["expected"] = to_string(spec.expected);
   return row;
 }
 
@@ -193,6 +193,7 @@ batch::Row Comparison::reference_row(const ScheduledRun& entry) const {
   row["lower"] = batch::number(reference.lower);
   row["upper"] = batch::number(reference.upper);
   row["method"] = reference.method;
+  row["work"] = reference.work;
   row["reference_time_s"] = batch::seconds(seconds_since(began));
   return row;
 }

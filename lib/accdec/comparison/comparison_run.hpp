@@ -77,10 +77,13 @@ class Comparison {
   batch::Row run_row(const ScheduledRun& entry) const;
   /// The order of the solvers for a case, start and repeat.
   std::vector<std::size_t> order_of_solvers(std::size_t case_index, std::size_t start, std::size_t repeat) const;
-  /// These three in comparison_solve.cpp.
+  /// These two in comparison_solve.cpp.
   solvers::Options solver_options(const ScheduledRun& entry) const;
   void solve_into(batch::Row& row, const ScheduledRun& entry) const;
+  /// The rest in comparison_design.cpp. @param task  of the case's order
   void design_into(batch::Row& row, const ScheduledRun& entry) const;
+  void exact_into(batch::Row& row, const ScheduledRun& entry, const Task& task) const;
+  void choice_into(batch::Row& row, const ScheduledRun& entry, const ComparisonCase& subject, const Task& task) const;
 
   ComparisonSettings settings_;
   /// Every entry builds its own case: a process that holds all cases takes three times as long to fork.

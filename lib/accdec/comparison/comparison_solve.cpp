@@ -7,7 +7,7 @@
 #include <accdec/batch/row_numbers.hpp>
 #include <accdec/comparison/comparison_run.hpp>
 #include <accdec/comparison/recorded_problem.hpp>
-#include <accdec/design.hpp>
+#include <accdec/comparison/run_rows.hpp>
 #include <accdec/files.hpp>
 #include <accdec/nlp/violation.hpp>
 #include <accdec/solver.hpp>
@@ -17,9 +17,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Keeps the improvements that matter: the first, the last, and those that leave at most 0.9 of the previous distance
-/// to the last one. So the time at which a target is met is at most that of a target a tenth nearer to the last
-/// improvement.
+/// Largest violation of any bound or row; infinite where something is not finite.
+double violation_of(const nlp::Problem& problem, const std::vector<double>& x, double& objective) {
+  objective = problem.objective(x);
+  return std::isfinite(objective) ? nlp::largest_violation(problem, x) : nlp::infinity;
+}
+
+}  // namespace
+
 batch::Row thinned(const std::vector<nlp::Improvement>& history) {
   batch::Row list = batch::Row::array();
   double left = nlp::infinity;
@@ -33,12 +38,6 @@ batch::Row thinned(const std::vector<nlp::Improvement>& history) {
   return list;
 }
 
-/// Largest violation of any bound or row; infinite where something is not finite.
-double violation_of(const nlp::Problem& problem, const std::vector<double>& x, double& objective) {
-  objective = problem.objective(x);
-  return std::isfinite(objective) ? nlp::largest_violation(problem, x) : nlp::infinity;
-}
-
 batch::Row counts_row(const nlp::Counts& n) {
   return {{"objective", n.objective},
           {"gradient", n.gradient},
@@ -46,8 +45,6 @@ batch::Row counts_row(const nlp::Counts& n) {
           {"jacobian", n.jacobian},
           {"hessian", n.hessian}};
 }
-
-}  // namespace
 
 solvers::Options Comparison::solver_options(const ScheduledRun& entry) const {
   solvers::Options options;
@@ -64,6 +61,11 @@ solvers::Options Comparison::solver_options(const ScheduledRun& entry) const {
 void Comparison::solve_into(batch::Row& row, const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
   const Competitor& competitor = settings_.solvers[entry.solver];
+  if (competitor.is_exact()) {
+    row["claim"] = to_string(solvers::Claim::refused);
+    row["message"] = "the exact method takes part in designs; elsewhere it gives the references";
+    return;
+  }
   const bool reduced = competitor.wants_reduced(settings_.reduced);
   const solvers::Options options = solver_options(entry);
   const std::vector<double> start = subject.start(reduced, entry.start, settings_.seed);
@@ -116,58 +118,6 @@ void Comparison::solve_into(batch::Row& row, const ScheduledRun& entry) const {
   if (entry.repeat > 0) {  // this is recorded only for the first repeat
     for (const char* key : {"message", "claimed_objective", "worst", "stationarity", "complementarity"}) row.erase(key);
   }
-}
-
-void Comparison::design_into(batch::Row& row, const ScheduledRun& entry) const {
-  const ComparisonCase subject(cases_[entry.case_index]);
-  const CaseSpec& spec = subject.spec();
-  const Competitor& competitor = settings_.solvers[entry.solver];
-  if (competitor.external) {
-    row["claim"] = to_string(solvers::Claim::refused);
-    row["message"] = "external solvers take margin and delay problems";
-    return;
-  }
-  Task task = spec.task;
-  task.design.order_min = task.design.order_max = spec.order;
-  DesignOptions options;
-  options.method = Method::nlp;
-  options.nlp.solver = competitor.solver;
-  options.time_limit = options.nlp.options.time_limit = time_limit(entry);
-  options.nlp.options.tolerance = settings_.tolerance;
-  options.nlp.options.evaluation_limit = settings_.evaluation_limit;
-  options.nlp.options.own_budget = false;
-  options.nlp.options.native = competitor.native;
-  options.nlp.options.seed = settings_.seed + static_cast<std::uint64_t>(entry.start);
-  options.nlp.start = subject.start_filter(entry.start, settings_.seed);
-  options.nlp.reduced = competitor.wants_reduced(settings_.reduced);
-  const auto began = Clock::now();
-  std::vector<nlp::Improvement> history;
-  options.nlp.improved = [&](double objective, const nlp::Counts& so_far) {
-    history.push_back({std::max(so_far.objective, so_far.rows), seconds_since(began) - so_far.verification_time,
-                       objective / task.sample_period});
-  };
-  DesignResult result;
-  try {
-    result = design_nlp(task, options);
-  } catch (const std::invalid_argument& refusal) {
-    row["claim"] = to_string(solvers::Claim::refused);
-    row["message"] = refusal.what();
-    return;
-  }
-  // Checking takes longer for solvers that give no multipliers. As with single problems, this is not part of their
-  // time.
-  const double judging = result.solver.counts.verification_time, wall = seconds_since(began) - judging;
-  const bool found = result.status == Status::feasible || result.status == Status::optimal;
-  const bool late = wall + judging > time_limit(entry);
-  row["claim"] = late ? to_string(solvers::Claim::time_limit) : found ? to_string(solvers::Claim::solved) : "no design";
-  if (entry.repeat == 0) row["message"] = result.message;
-  row["verdict"] = found ? "feasible" : "none";
-  if (found) row["objective"] = batch::number(result.objective() / task.sample_period);
-  row["evaluations"] = counts_row(result.solver.counts);
-  row["wall_time_s"] = batch::seconds(wall);
-  row["evaluation_time_s"] = batch::seconds(result.solver.counts.evaluation_time);
-  row["verification_time_s"] = batch::seconds(judging);
-  row["history"] = thinned(history);
 }
 
 }  // namespace accdec::comparison

@@ -24,10 +24,6 @@ std::size_t position(Judgement j) {
   return static_cast<std::size_t>(j);
 }
 
-bool claims_success(const Attempt& a) {
-  return a.claim == "solved" || a.claim == "acceptable";
-}
-
 /// Every attempt of one solver.
 template <class Visit>
 void each_attempt(const ComparisonData& data, std::size_t solver, Visit visit) {
@@ -77,8 +73,7 @@ struct Tally {
     ++judged[position(a.judgement)];
     if (c.infeasible && a.success) ++recognised;
     if (c.infeasible && a.claim == "no design") ++none_found;
-    if (claims_success(a) && (a.judgement == Judgement::violates || a.judgement == Judgement::none || c.infeasible))
-      ++refuted;
+    if (comparison::wrong_claim(c, a)) ++refuted;
     if (a.success && !c.infeasible) {
       times.push_back(a.time.median);
       accuracy_times.push_back(a.accuracy_cost);

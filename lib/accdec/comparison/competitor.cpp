@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <stdexcept>
 
 #include <accdec/comparison/competitor.hpp>
 #include <accdec/problem.hpp>
@@ -25,6 +26,24 @@ class Line final : public nlp::Problem {
 
  private:
   std::vector<nlp::Entry> none_;
+};
+
+/// Stands for the exact method where solvers are listed; Comparison calls the method itself.
+class ExactMethod final : public solvers::Solver {
+ public:
+  std::string name() const override { return exact_name; }
+  std::string library_version() const override { return "accdec"; }
+  solvers::Capabilities capabilities() const override {
+    solvers::Capabilities can;
+    can.linear_only = can.global = can.integers = true;
+    return can;
+  }
+  std::string settings() const override { return "one thread, with its certificate"; }
+
+ protected:
+  solvers::Result do_solve(const nlp::Problem&, std::span<const double>, const solvers::Options&) const override {
+    throw std::logic_error("the exact method takes tasks");
+  }
 };
 
 }  // namespace
@@ -54,6 +73,7 @@ Competitor competitor_from_entry(const std::string& entry) {
   Competitor c;
   c.name = entry;
   c.solver = entry.substr(0, entry.find('/'));
+  if (c.is_exact()) c.external = std::make_shared<ExactMethod>();
   if (entry.ends_with("/sparse")) c.form = Competitor::Form::sparse;
   if (entry.ends_with("/reduced")) c.form = Competitor::Form::reduced;
   return c;

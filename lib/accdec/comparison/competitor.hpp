@@ -9,6 +9,9 @@
 
 namespace accdec::comparison {
 
+/// The entry of the exact method. It takes designs only.
+inline constexpr const char* exact_name = "exact";
+
 /// A solver in a comparison: the form of the problems it gets, and the options of its library.
 struct Competitor {
   enum class Form { suited, sparse, reduced };  ///< `suited`: the form the suite gives all entries of this solver
@@ -16,8 +19,11 @@ struct Competitor {
   std::string name;    ///< in tables and figures, unique in a comparison
   std::string solver;  ///< registry name
   Form form = Form::suited;
-  std::map<std::string, std::string> native;        ///< the library's own options
-  std::shared_ptr<const solvers::Solver> external;  ///< a program of the user instead of a registered solver
+  std::map<std::string, std::string> native;  ///< the library's own options
+  /// A program of the user, or the exact method, instead of a registered solver.
+  std::shared_ptr<const solvers::Solver> external;
+
+  bool is_exact() const { return solver == exact_name; }
 
   /// @throws std::invalid_argument for a solver that is not registered.
   const solvers::Solver& registered() const { return external ? *external : solvers::find_solver(solver); }
@@ -32,8 +38,8 @@ struct Competitor {
   bool wants_reduced(const std::vector<std::string>& reduced) const;
 };
 
-/// A competitor from an entry of a list of solvers: a registry name, or "NAME/sparse" or "NAME/reduced" for a solver
-/// that takes equality rows.
+/// A competitor from an entry of a list of solvers: "exact", a registry name, or "NAME/sparse" or "NAME/reduced" for a
+/// solver that takes equality rows.
 Competitor competitor_from_entry(const std::string& entry);
 
 /// Whether a solver takes both forms of a problem.

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/comparison/external_answer.hpp>
 #include <accdec/comparison/external_solver.hpp>
 #include <accdec/comparison/recorded_problem.hpp>
 #include <accdec/files/limited_process.hpp>
@@ -47,23 +46,8 @@ class ScratchFolder {
   fs::path path_;
 };
 
-double number_of(const std::string& word) {
-  double x = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
-  if (error == std::errc::result_out_of_range) return std::numeric_limits<double>::infinity();
-  if (error != std::errc() || end != word.data() + word.size())
-    throw std::invalid_argument(
-        fmt::format("its answer has \"{}\" where a number belongs", printable(word.substr(0, 40))));
-  return x;
-}
-
-Claim claim_of_code(int code) {
-  if (code >= 0 && code < 100) return Claim::solved;
-  if (code >= 100 && code < 200) return Claim::acceptable;
-  if (code >= 200 && code < 300) return Claim::infeasible;
-  if (code >= 300 && code < 400) return Claim::unbounded;
-  if (code >= 400 && code < 500) return Claim::time_limit;
-  return Claim::failed;
+bool has_binary(const instances::Instance& instance) {
+  return std::any_of(instance.variables.begin(), instance.variables.end(), [](const auto& v) { return v.binary; });
 }
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
@@ -105,62 +89,9 @@ std::string content_of(const fs::path& path) {
 
 }  // namespace
 
-ExternalAnswer read_sol(const std::string& text, std::size_t columns) {
-  std::istringstream in(text);
-  ExternalAnswer answer;
-  std::string line, word;
-  while (std::getline(in, line) && !line.starts_with("Options")) {
-    if (answer.message.size() < 200) answer.message += (answer.message.empty() || line.empty() ? "" : " ") + line;
-  }
-  answer.message = printable(answer.message);
-  if (!in) throw std::invalid_argument("its solution file has no line \"Options\"");
-  const auto next = [&] {
-    if (!(in >> word)) throw std::invalid_argument("its solution file ends too early");
-    return number_of(word);
-  };
-  const double options = next();
-  for (int i = 0; i < std::clamp(options, 0.0, 100.0); ++i) next();
-  next();                        // rows of the problem
-  const double duals = next();   // and those with a multiplier
-  const double wanted = next();  // columns of the problem
-  const double values = next();  // and those with a value
-  if (wanted != static_cast<double>(columns) || (values != wanted && values != 0.0) || !(duals >= 0.0) || duals > 1e9)
-    throw std::invalid_argument(
-        fmt::format("its solution has {} values; the problem has {} variables", values, columns));
-  for (double i = 0; i < duals; ++i) next();
-  for (double i = 0; i < values; ++i) answer.x.push_back(next());
-  if (in >> word && word == "objno") {
-    next();
-    answer.claim = claim_of_code(static_cast<int>(std::clamp(next(), -1.0, 1000.0)));
-  }
-  return answer;
-}
-
-ExternalAnswer read_values(const std::string& text, std::size_t columns) {
-  std::istringstream in(text);
-  ExternalAnswer answer;
-  std::string line;
-  std::getline(in, line);
-  constexpr std::array claims{Claim::solved,    Claim::acceptable, Claim::infeasible,
-                              Claim::unbounded, Claim::failed,     Claim::time_limit};
-  const auto claim = std::find_if(claims.begin(), claims.end(), [&](Claim c) { return solvers::to_string(c) == line; });
-  if (claim == claims.end())
-    throw std::invalid_argument(
-        fmt::format("its answer begins with \"{}\", which is no claim", printable(line.substr(0, 40))));
-  answer.claim = *claim;
-  for (std::string word; in >> word;) {
-    answer.x.push_back(number_of(word));
-    if (answer.x.size() > columns) break;
-  }
-  if (!answer.x.empty() && answer.x.size() != columns)
-    throw std::invalid_argument(fmt::format("its answer has {}{} values; the problem has {} variables",
-                                            answer.x.size() > columns ? "more than " : "",
-                                            std::min(answer.x.size(), columns), columns));
-  return answer;
-}
-
 solvers::Capabilities ExternalSolver::capabilities() const {
   solvers::Capabilities can;
+  can.integers = true;
   can.uses_hessian = external_.reads == "nl";
   return can;
 }
@@ -177,7 +108,10 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
   instances::Text text;
   try {
     const instances::Instance instance = instances::instance_of(*whole, start);
-    text = external_.reads == "nl" ? instances::nl_text(instance) : instances::cbf_text(instance);
+    if (external_.reads == "mps" && !has_binary(instance))
+      throw std::invalid_argument(
+          "files of MPS hold whole designs only: cones become tangents, and no answer would hold every row");
+    text = instances::text_of(instance, external_.reads);
   } catch (const std::invalid_argument& reason) {
     result.claim = Claim::refused;
     result.message = reason.what();
@@ -191,15 +125,16 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
   limits.seconds = options.time_limit;
   try {
     const LimitedOutput output = run_limited(words, folder.string(), limits);
+    result.wall_time = output.seconds;
     if (!output.stopped.empty()) {
       result.claim = output.seconds >= limits.seconds ? Claim::time_limit : Claim::failed;
       result.message = "killed: " + output.stopped;
       return result;
     }
     result.message = fmt::format("exit code {}: {}", output.exit_code, last_line(output.output));
-    const std::string content = content_of(answer_file);
+    const bool printed = external_.answer == "names" && external_.command.find("{answer}") == std::string::npos;
     const ExternalAnswer answer =
-        external_.answer == "sol" ? read_sol(content, text.columns.size()) : read_values(content, text.columns.size());
+        read_answer(external_.answer, printed ? output.output : content_of(answer_file), text.columns.size());
     result.claim = answer.claim;
     if (!answer.message.empty()) result.message = answer.message;
     if (answer.x.empty()) return result;
@@ -208,7 +143,10 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
       result.message = "its answer has a number that is not finite";
       return result;
     }
-    for (std::size_t i = 0; i < n; ++i) result.x[static_cast<std::size_t>(text.variables[i])] = answer.x[i];
+    for (std::size_t i = 0; i < answer.x.size(); ++i) {
+      if (const auto variable = static_cast<std::size_t>(text.variables[i]); variable < n)
+        result.x[variable] = answer.x[i];
+    }
     result.claimed_objective = problem.objective(result.x);  // this also records the point
     std::vector<double> rows(static_cast<std::size_t>(problem.num_rows()));
     problem.rows(result.x, rows);

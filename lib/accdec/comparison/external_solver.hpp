@@ -10,9 +10,9 @@ namespace accdec::comparison {
 /// A solver that is a program of the user: [[external]] of a suite.
 struct External {
   std::string name;
-  std::string command;  ///< words; {nl} or {cbf}, {answer}, {seconds} and {suite} are replaced
-  std::string reads;    ///< nl or cbf
-  std::string answer;   ///< sol: AMPL's solution file; values: a word, then one number for each variable
+  std::string command;  ///< words; {nl}, {mps} or {cbf}, {answer}, {seconds} and {suite} are replaced
+  std::string reads;    ///< nl, mps or cbf
+  std::string answer;   ///< sol: AMPL's solution file; values: a word, then one number for each variable; names
   std::string folder;   ///< of the suite, for {suite}
 };
 
@@ -33,20 +33,5 @@ class ExternalSolver final : public solvers::Solver {
  private:
   External external_;
 };
-
-/// The content of a solution file.
-struct ExternalAnswer {
-  solvers::Claim claim = solvers::Claim::failed;
-  std::vector<double> x;  ///< in the order of the file; empty if there is none
-  std::string message;
-};
-
-/// AMPL's text solution file: message, options, duals, values, `objno 0 CODE`. @param columns  of the instance
-/// @throws std::invalid_argument if it is malformed or has another number of values
-ExternalAnswer read_sol(const std::string& text, std::size_t columns);
-
-/// A claim in words (solved, acceptable, infeasible, unbounded, failed, time limit), then a number for each variable.
-/// Without a point there are no numbers. @throws as read_sol
-ExternalAnswer read_values(const std::string& text, std::size_t columns);
 
 }  // namespace accdec::comparison

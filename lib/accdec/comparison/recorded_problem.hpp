@@ -32,6 +32,7 @@ class RecordedProblem final : public nlp::Problem {
   int num_rows() const override { return problem_.num_rows(); }
   nlp::Bound variable_bound(int i) const override { return problem_.variable_bound(i); }
   nlp::Bound row_bound(int i) const override { return problem_.row_bound(i); }
+  bool is_integer(int i) const override { return problem_.is_integer(i); }
   std::string variable_name(int i) const override { return problem_.variable_name(i); }
   std::string row_name(int i) const override { return problem_.row_name(i); }
   nlp::ProblemClass problem_class() const override { return problem_.problem_class(); }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
@@ -7,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/comparison/suite_file.hpp>
+#include <accdec/comparison/suite_hypercube.hpp>
 #include <accdec/comparison/suite_keys.hpp>
 #include <accdec/comparison/suite_solvers.hpp>
 #include <accdec/formats/task_tree.hpp>
@@ -29,7 +31,8 @@ class SuiteReader {
     suite.path = path_;
     read_settings(top, suite.settings);
     for (const Table& table : top.tables("problem")) read_problem(top, table, suite);
-    if (suite.cases.empty()) top.fail("the suite needs at least one [[problem]]");
+    for (const Table& table : top.tables("hypercube")) read_hypercube(table, suite);
+    if (suite.cases.empty()) top.fail("the suite needs at least one [[problem]] or [[hypercube]]");
     suite.hash = toml_input::hash_of(text_.str());
     return suite;
   }
@@ -91,17 +94,46 @@ class SuiteReader {
       throw;
     }
     spec.order = table.required_integer("order");
-    spec.infeasible = table.word("expected") == "infeasible";
+    spec.expected = *comparison::expected_from_string(table.word("expected"));
     spec.time_limit = table.number("time_limit_s").value_or(0.0);
     read_delays(table, spec);
+    add_cases(table, spec, tree, table.has("sizes") ? sizes(table) : sizes(top), suite);
+  }
+
+  void read_hypercube(const Table& table, Suite& suite) {
+    std::string path;
+    const toml::table base = toml_input::parse_task_beside(table, "task", *table.text("task"), path);
+    for (const toml_input::DrawnProblem& drawn : toml_input::draw_problems(table, base)) {
+      comparison::CaseSpec spec;
+      spec.name = drawn.name;
+      spec.family = table.text("family").value_or(*table.text("name"));
+      spec.expected = *comparison::expected_from_string(table.word("expected"));
+      spec.time_limit = table.number("time_limit_s").value_or(0.0);
+      try {
+        spec.task = task_from_tree(drawn.task, path, "", {});
+      } catch (const InputError& error) {
+        table.fail_at("ranges", fmt::format("problem \"{}\": {}", drawn.name, error.what()));
+      }
+      const int least = toml_input::fastest_order(spec.task, most_taps);
+      if (least > most_taps)
+        table.fail_at("ranges", fmt::format("problem \"{}\": no filter of {} taps starts", drawn.name, most_taps));
+      spec.order = std::max(1, static_cast<int>(std::ceil(drawn.order_factor * least)));
+      add_cases(table, spec, drawn.task, {1}, suite);
+    }
+  }
+
+  /// A case for each formulation and size. @param tree  of the task
+  void add_cases(const Table& table, comparison::CaseSpec& spec, const toml::table& tree,
+                 const std::vector<int>& factors, Suite& suite) {
     std::ostringstream problem;
     problem << tree << '\n'
-            << fmt::format("{} {} {} {}\n", spec.order, spec.infeasible, spec.time_limit, fmt::join(spec.delays, " "));
+            << fmt::format("{} {} {} {}\n", spec.order, expected_number(spec), spec.time_limit,
+                           fmt::join(spec.delays, " "));
     text_ << spec.name << '\n' << problem.str();
     for (const std::string& name : table.texts("formulation")) {
       spec.question = *comparison::question_from_string(name);
       check(table, spec, suite);
-      for (const int factor : table.has("sizes") ? sizes(table) : sizes(top)) {
+      for (const int factor : factors) {
         if (static_cast<long>(spec.order + 1) * factor > most_taps)
           table.fail(
               fmt::format("order {} at size {} is too large; {} taps are allowed", spec.order, factor, most_taps));
@@ -110,6 +142,12 @@ class SuiteReader {
         text_ << name << ' ' << factor << '\n';
       }
     }
+  }
+
+  /// `feasible` and `infeasible` as they stand in the identity of earlier results.
+  static std::string expected_number(const comparison::CaseSpec& spec) {
+    if (spec.expected == comparison::Expected::unknown) return "unknown";
+    return spec.expected == comparison::Expected::infeasible ? "true" : "false";
   }
 
   void read_delays(const Table& table, comparison::CaseSpec& spec) const {

@@ -25,13 +25,6 @@ using Json = nlohmann::ordered_json;
 /// The rows of a choice grow with the square of the order.
 constexpr int most_choice_order = 200;
 
-instances::Text text_of(const instances::Instance& instance, const std::string& format) {
-  if (format == "nl") return instances::nl_text(instance);
-  if (format == "mps") return instances::mps_text(instance);
-  if (format == "cbf") return instances::cbf_text(instance);
-  return instances::dat_s_text(instance);
-}
-
 std::string stem_of(const CaseSpec& spec) {
   std::string stem;
   for (const unsigned char c : spec.name) {
@@ -88,7 +81,7 @@ class Writer {
       entry["reason"] = reason.what();
       ++summary_.left_out;
     }
-    entry["expected"] = spec.infeasible ? "infeasible" : "feasible";
+    entry["expected"] = to_string(spec.expected);
     if (options_.optima) optimum(entry, stem, subject);
     entry["task"] = task_to_json(spec.task);
     manifest_["instances"].push_back(std::move(entry));
@@ -107,7 +100,7 @@ class Writer {
 
  private:
   void write(Json& entry, const std::string& stem, const instances::Instance& instance) {
-    instances::Text text = text_of(instance, options_.format);
+    instances::Text text = instances::text_of(instance, options_.format);
     const std::string file = stem + "." + options_.format;
     entry["file"] = file;
     entry["class"] = text.kind;
@@ -162,13 +155,17 @@ class Writer {
 
 }  // namespace
 
+instances::Choice choice_of(const ComparisonCase& subject) {
+  if (subject.spec().order > most_choice_order)
+    throw std::invalid_argument(
+        fmt::format("a whole choice is written down to order {}: its rows grow with the square", most_choice_order));
+  return instances::choice_of(subject.spec().task, subject.spec().order);
+}
+
 instances::Instance instance_of(const ComparisonCase& subject) {
-  const CaseSpec& spec = subject.spec();
-  if (spec.question == Question::design) {
-    if (spec.order > most_choice_order)
-      throw std::invalid_argument(
-          fmt::format("a whole choice is written down to order {}: its rows grow with the square", most_choice_order));
-    return instances::choice_instance(spec.task, spec.order);
+  if (subject.spec().question == Question::design) {
+    const instances::Choice choice = choice_of(subject);
+    return instances::instance_of(choice.problem, choice.start);
   }
   const auto& problem = dynamic_cast<const QuadraticProblem&>(*subject.problem(false));
   return instances::instance_of(problem, subject.start(false, 0, 1));

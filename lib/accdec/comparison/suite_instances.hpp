@@ -10,6 +10,9 @@
 
 namespace accdec::comparison {
 
+/// The whole choice of a `design` case. @throws std::invalid_argument for more taps than its rows allow, or a servo
+instances::Choice choice_of(const ComparisonCase& subject);
+
 /// A case as data: the sparse form with its first start, or the whole choice for Question::design.
 /// @throws std::invalid_argument if it cannot be written down, with the reason
 instances::Instance instance_of(const ComparisonCase& subject);

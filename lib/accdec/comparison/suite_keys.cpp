@@ -130,7 +130,49 @@ std::vector<Key> problem_keys() {
           sizes("those of the suite"),
           delays,
           number("time_limit_s", "time limit of a run of this problem", "s", 1e6, "that of the suite", "10"),
-          word("expected", "whether there is an answer", {"feasible", "infeasible"}, "feasible", "\"infeasible\"")};
+          word("expected", "whether there is an answer", {"feasible", "infeasible", "unknown"}, "feasible",
+               "\"infeasible\"")};
+}
+
+std::vector<Key> hypercube_keys() {
+  Key ranges = required(free_table("ranges",
+                                   "the least and the largest value of keys of the task; those of `corner.*` "
+                                   "are drawn for each corner by itself",
+                                   "{ \"corner.*.angle_deg\" = [20, 170] }"));
+  ranges.conditions = fmt::format(R"({{"propertyNames": {{"pattern": {}}}, "additionalProperties": {{"type": "array", )"
+                                  R"("items": {{"type": "number"}}, "minItems": 2, "maxItems": 2}}}})",
+                                  task_key_pattern());
+  const auto pair = [](std::string name, std::string meaning, Range range, std::string fallback, std::string example) {
+    return Key{.name = std::move(name),
+               .type = KeyType::numbers,
+               .meaning = std::move(meaning),
+               .range = range,
+               .most = 2,
+               .fallback = std::move(fallback),
+               .example = std::move(example),
+               .lone = true};
+  };
+  Key corners = pair("corners", "the least and the largest number of corners, each a copy of the task's only one",
+                     {1, 100}, "those of the task", "[1, 12]");
+  corners.whole = true;
+  return {required(text_key("name", "name of the problems, followed by a number", "", "\"jerk\"")),
+          text_key("family", "group of problems in tables", "its name", "\"convex\""),
+          required(text_key("task", "task file, relative to the suite", "", "\"../corner/power.toml\"")),
+          required(integer("count", "number of problems", {1, 10'000}, "", "50")),
+          integer("seed", "seed of the hypercube", {0, 2e9}, "1", "7"),
+          ranges,
+          corners,
+          pair("order_factor",
+               "order N over a simple estimate of the least one: the fastest start, a ramp of the acceleration where "
+               "jerk is limited, and half a period of the slowest mode",
+               {0.1, 100}, "[1.2, 2]", "[1, 3]"),
+          required(names("formulation", "as of a problem",
+                         {std::string(to_string(comparison::Question::delay)),
+                          std::string(to_string(comparison::Question::design))},
+                         "formulation", "\"design\"")),
+          number("time_limit_s", "time limit of a run of these problems", "s", 1e6, "that of the suite", "10"),
+          word("expected", "whether they have an answer", {"feasible", "infeasible", "unknown"}, "unknown",
+               "\"feasible\"")};
 }
 
 std::vector<Key> variant_keys() {
@@ -146,15 +188,21 @@ std::vector<Key> variant_keys() {
 std::vector<Key> external_keys() {
   return {
       required(text_key("name", "name in tables and figures", "", "\"my solver\"")),
-      required(text_key("command",
-                        "program and arguments, without a shell; {nl} or {cbf} (the problem), {answer}, {seconds} and "
-                        "{suite} (its folder) are replaced",
-                        "", "\"couenne {nl} -AMPL\"")),
-      word("reads", "format of the problem, as of `accdec instances`", {"nl", "cbf"}, "nl", "\"cbf\""),
+      required(text_key(
+          "command",
+          "program and arguments, without a shell; {nl}, {mps} or {cbf} (the problem), {answer}, {seconds} and "
+          "{suite} (its folder) are replaced",
+          "", "\"couenne {nl} -AMPL\"")),
+      word("reads",
+           "format of the problem, as of `accdec instances`; `mps` holds whole designs only, the others every problem "
+           "that they can",
+           {"nl", "mps", "cbf"}, "nl", "\"mps\""),
       word("answer",
            "`sol`: AMPL's solution file; `values`: a claim (solved, acceptable, infeasible, unbounded, failed, time "
-           "limit), then a number for each variable",
-           {"sol", "values"}, "sol", "\"values\"")};
+           "limit), then a number for each variable; `names`: lines with a variable's name in the file (X1, X2, .. in "
+           "MPS) and its value, others are 0, the claim by words like \"optimal\" and \"infeasible\"; what is printed, "
+           "if `command` has no {answer}",
+           {"sol", "values", "names"}, "sol", "\"names\"")};
 }
 
 FileKind make_suite_file() {
@@ -165,7 +213,7 @@ FileKind make_suite_file() {
   FileKind file{.name = "suite", .title = "accdec suite"};
   Key solvers = names("solvers", "solvers that take part; may be left out if there are other entries", entries,
                       "solver", "[\"ipopt\", \"nlopt-slsqp/reduced\"]");
-  solvers.allowed = "allowed are `all`, or names of `accdec solvers`, NAME/sparse and NAME/reduced";
+  solvers.allowed = "allowed are `all`, or names of `accdec solvers`, NAME/sparse and NAME/reduced, and `exact`";
   Key reduced = names("reduced", "solvers that get the reduced form although they accept equality rows", solver_names(),
                       "solver", "[\"nlopt-cobyla\"]");
   reduced.allowed = "allowed are names of `accdec solvers`";
@@ -174,8 +222,11 @@ FileKind make_suite_file() {
   file.keys.push_back(reduced);
   file.keys.push_back(list("variant", "a further entry: a solver with options of its own", variant_keys()));
   file.keys.push_back(list("external", "a further entry: a program that reads problems from files", external_keys()));
-  file.keys.push_back(required(list("problem", "a task and what is asked of it", problem_keys())));
-  file.conditions = R"({"anyOf": [{"required": ["solvers"]}, {"required": ["variant"]}, {"required": ["external"]}]})";
+  file.keys.push_back(list("problem", "a task and what is asked of it", problem_keys()));
+  file.keys.push_back(list("hypercube", "problems drawn at random, as a Latin hypercube", hypercube_keys()));
+  file.conditions =
+      R"({"allOf": [{"anyOf": [{"required": ["solvers"]}, {"required": ["variant"]}, {"required": ["external"]}]},)"
+      R"( {"anyOf": [{"required": ["problem"]}, {"required": ["hypercube"]}]}]})";
   return file;
 }
 
@@ -189,6 +240,7 @@ std::vector<std::string> solver_names() {
 
 std::vector<std::string> solver_names_with_forms() {
   std::vector<std::string> names = solver_names();
+  names.emplace_back(comparison::exact_name);
   for (const auto& solver : solvers::registry()) {
     if (!comparison::takes_both_forms(*solver)) continue;
     for (const char* form : {"/sparse", "/reduced"}) names.push_back(solver->name() + form);

@@ -54,6 +54,15 @@ std::map<std::string, std::string> options_of(const Table& table, const toml::ta
   return native;
 }
 
+/// What "all" means. Mixed-integer rivals are optional parts of the build, so a suite names them.
+Names names_of_all() {
+  Names names;
+  for (const auto& solver : solvers::registry()) {
+    if (!solver->capabilities().integers) names.push_back(solver->name());
+  }
+  return names;
+}
+
 Competitor read_variant(const Table& table) {
   Competitor c;
   c.name = *table.text("name");
@@ -103,7 +112,7 @@ void read_competitors(const Table& top, const std::string& folder, const Names& 
   }
   if (!top.has("solvers") && variants.empty() && externals.empty())
     top.fail(fmt::format("the suite needs `solvers`: \"all\" or a list of {}", fmt::join(names, ", ")));
-  for (const std::string& name : top.text("solvers") == "all" ? names : known_solvers(top, "solvers", known))
+  for (const std::string& name : top.text("solvers") == "all" ? names_of_all() : known_solvers(top, "solvers", known))
     settings.solvers.push_back(comparison::competitor_from_entry(name));
   const auto add = [&](const Table& table, Competitor entry) {
     const auto same = [&](const Competitor& c) { return c.name == entry.name; };

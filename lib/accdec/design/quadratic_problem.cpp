@@ -57,7 +57,7 @@ Affine operator+(Affine a, const Affine& b) {
 }
 
 int QuadraticProblem::add_variable(std::string name, nlp::Bound bound) {
-  variables_.push_back({std::move(name), bound});
+  variables_.push_back({std::move(name), bound, false});
   return num_variables() - 1;
 }
 

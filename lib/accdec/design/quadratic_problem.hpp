@@ -42,6 +42,7 @@ class QuadraticProblem : public nlp::Problem {
  public:
   int add_variable(std::string name, nlp::Bound bound);
   void set_variable_bound(int i, nlp::Bound bound) { variables_[static_cast<std::size_t>(i)].bound = bound; }
+  void set_integer(int i) { variables_[static_cast<std::size_t>(i)].integer = true; }
   int add_row(std::string name, nlp::Bound bound);
   void add_to_row(int row, const Affine& a);
   /// row += coefficient * left * right
@@ -63,6 +64,7 @@ class QuadraticProblem : public nlp::Problem {
   nlp::Bound variable_bound(int i) const override { return variables_[static_cast<std::size_t>(i)].bound; }
   nlp::Bound row_bound(int i) const override { return rows_[static_cast<std::size_t>(i)].bound; }
   std::string variable_name(int i) const override { return variables_[static_cast<std::size_t>(i)].name; }
+  bool is_integer(int i) const override { return variables_[static_cast<std::size_t>(i)].integer; }
   std::string row_name(int i) const override { return rows_[static_cast<std::size_t>(i)].name; }
   nlp::ProblemClass problem_class() const override;
   double objective(std::span<const double> x) const override { return objective_(x); }
@@ -95,6 +97,7 @@ class QuadraticProblem : public nlp::Problem {
   struct Variable {
     std::string name;
     nlp::Bound bound;
+    bool integer;
   };
   /// For a derived class, before `finish`: reserves the Jacobian entry (row, variable). After `finish` its slot is in
   /// Row::extra.

@@ -20,7 +20,7 @@ const Kind& kind_of(InputKind kind) {
   static const std::array<Kind, 5> kinds{{
       {"a task", "`accdec design`, `explain` and `evaluate` take", {"sample_period_ms", "[[corner]]", "[[axis]]"}},
       {"a study", "`accdec study` takes", {"compute", "[[vary]]"}},
-      {"a suite", "`accdec compare` takes", {"[[problem]]"}},
+      {"a suite", "`accdec compare` takes", {"[[problem]]", "[[hypercube]]"}},
       {"a result", "`accdec verify`, `plot` and `export` take", {}},
       {"a program", "`accdec program` takes", {}},
   }};

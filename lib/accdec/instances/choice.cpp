@@ -9,18 +9,21 @@
 namespace accdec::instances {
 namespace {
 
-/// Builds `choice_instance`.
+/// Builds `choice_of`.
 class ChoiceBuilder {
  public:
   ChoiceBuilder(const Task& task, int order)
-      : task_(task), b_(add_cumulative_variables(problem_, order)), tap_max_(exact::ConvexRows(task).tap_max()) {
+      : task_(task),
+        problem_(choice_.problem),
+        b_(add_cumulative_variables(problem_, order)),
+        tap_max_(exact::ConvexRows(task).tap_max()) {
     options_.order = order;
     options_.margin = 0.0;
     options_.mode_frequencies = initial_frequencies(task, order);
     options_.blend_delays.assign(task.corners.size(), 0);
   }
 
-  Instance build() {
+  Choice build() {
     add_common_rows(problem_, b_, task_, options_);
     for (std::size_t j = 0; j < task_.corners.size(); ++j) corner(j);
     const bool each = task_.design.objective == Objective::corner;
@@ -29,10 +32,9 @@ class ChoiceBuilder {
     problem_.set_objective(objective_);
     problem_.set_name("whole choice of taps and delays");
     problem_.finish();
-    Instance instance = instance_of(problem_, std::vector<double>(count(problem_.num_variables()), 0.0));
-    for (const int i : binary_) instance.variables[count(i)].binary = true;
-    for (int k = 1; k <= order(); ++k) instance.variables[count(k - 1)].start = k / (order() + 1.0);
-    return instance;
+    choice_.start.assign(count(problem_.num_variables()), 0.0);
+    for (int k = 1; k <= order(); ++k) choice_.start[count(k - 1)] = k / (order() + 1.0);
+    return std::move(choice_);
   }
 
  private:
@@ -40,8 +42,9 @@ class ChoiceBuilder {
   int order() const { return options_.order; }
 
   int binary(std::string name) {
-    binary_.push_back(problem_.add_variable(std::move(name), {0.0, 1.0}));
-    return binary_.back();
+    const int variable = problem_.add_variable(std::move(name), {0.0, 1.0});
+    problem_.set_integer(variable);
+    return variable;
   }
 
   /// Binary variables of sum 1, one for each value low .. high, and the value as their sum.
@@ -69,6 +72,7 @@ class ChoiceBuilder {
     Affine delay;
     const std::vector<int> chosen = choice("delay, corner " + corner.name, low, high, delay);
     objective_ += corner.weight * delay;
+    choice_.delays.push_back(delay);
     for (int d = low; d <= high; ++d) blend(j, d, chosen[count(d - low)]);
     if (bounded) error(corner, delay);
   }
@@ -164,17 +168,17 @@ class ChoiceBuilder {
   }
 
   const Task& task_;
-  QuadraticProblem problem_;
+  Choice choice_;
+  QuadraticProblem& problem_;  // of the choice
   CumulativeVariables b_;
   double tap_max_;
   FormulationOptions options_;
   Affine objective_;
-  std::vector<int> binary_;
 };
 
 }  // namespace
 
-Instance choice_instance(const Task& task, int order) {
+Choice choice_of(const Task& task, int order) {
   return ChoiceBuilder(task, order).build();
 }
 

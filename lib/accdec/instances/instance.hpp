@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <accdec/design/formulation.hpp>
@@ -34,6 +35,14 @@ struct Instance {
 /// A formulation as data. @param start  size num_variables
 Instance instance_of(const QuadraticProblem& problem, std::span<const double> start);
 
+/// The whole choice at one order, as a problem with whole variables, its start, and the delay of every corner of the
+/// task as a form in its variables. Its variables begin with B_1 .. B_N.
+struct Choice {
+  QuadraticProblem problem;
+  std::vector<double> start;
+  std::vector<Affine> delays;
+};
+
 /// The whole choice at one order, as a mixed-integer problem: taps, and the delay d_j and the sample k_j of every
 /// corner with a tolerance, as sums of binary variables. The objective is sum_j weight_j d_j + runs (N + 1), in
 /// samples, or that of `objective = "corner"`.
@@ -42,7 +51,7 @@ Instance instance_of(const QuadraticProblem& problem, std::span<const double> st
 /// d_j = d, also by big-M. Every M bounds its row over the taps' range. Corners without a tolerance, or with tolerance
 /// zero, have a fixed delay. Vibration is bounded at the grid of `initial_frequencies`, so that a band is relaxed.
 /// @throws std::invalid_argument for a servo
-Instance choice_instance(const Task& task, int order);
+Choice choice_of(const Task& task, int order);
 
 /// An instance as the text of a file.
 struct Text {
@@ -69,5 +78,8 @@ Text cbf_text(const Instance& instance);
 /// Sparse SDPA (.dat-s): convex rows of degree 2 are blocks [slack s'; s I]. Equality rows are solved for one variable
 /// each, so that the program keeps an interior. @throws std::invalid_argument also for binary variables
 Text dat_s_text(const Instance& instance);
+
+/// One of these, by its name in `accdec instances --format`.
+Text text_of(const Instance& instance, std::string_view format);
 
 }  // namespace accdec::instances

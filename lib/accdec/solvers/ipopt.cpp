@@ -8,10 +8,10 @@
 #include <IpoptConfig.h>
 
 #include <IpIpoptApplication.hpp>
-#include <IpTNLP.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/solvers/ipopt_problem.hpp>
 #include <accdec/solvers/registration.hpp>
 #include <accdec/solvers/run.hpp>
 
@@ -19,74 +19,23 @@ namespace accdec::solvers {
 namespace {
 
 using nlp::Evaluator;
-using nlp::StopRun;
 
-std::size_t at(Ipopt::Index i) {
-  return static_cast<std::size_t>(i);
-}
-
-/// Ipopt's view of a problem. The exception StopRun never passes through Ipopt: a callback reports failure, and the
-/// next intermediate callback ends the run.
-class Adapter : public Ipopt::TNLP {
+/// Keeps the answer. Ends the run at the next intermediate callback after a callback reported failure.
+class Adapter : public IpoptProblem<Ipopt::TNLP> {
  public:
   Adapter(Evaluator& evaluator, std::span<const double> start)
-      : evaluator_(evaluator), x_(start.begin(), start.end()), start_(x_) {}
+      : IpoptProblem(evaluator, start), x_(start.begin(), start.end()) {}
 
   bool finished() const { return finished_; }
   std::vector<double>& x() { return x_; }
   std::vector<double>& multipliers() { return multipliers_; }
   double objective() const { return objective_; }
 
-  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian, Ipopt::Index& hessian,
-                    IndexStyleEnum& style) override {
-    n = problem().num_variables();
-    m = problem().num_rows();
-    jacobian = static_cast<Ipopt::Index>(problem().jacobian_pattern().size());
-    hessian = problem().has_hessian() ? static_cast<Ipopt::Index>(problem().hessian_pattern().size()) : 0;
-    style = C_STYLE;
-    return true;
-  }
-
-  bool get_bounds_info(Ipopt::Index n, double* xl, double* xu, Ipopt::Index m, double* cl, double* cu) override {
-    const auto fill = [](nlp::Bound b, double& lower, double& upper) {
-      lower = std::max(b.lower, -2e19);  // beyond 1e19 Ipopt takes a bound as absent
-      upper = std::min(b.upper, 2e19);
-    };
-    for (int i = 0; i < n; ++i) fill(problem().variable_bound(i), xl[i], xu[i]);
-    for (int i = 0; i < m; ++i) fill(problem().row_bound(i), cl[i], cu[i]);
-    return true;
-  }
-
-  bool get_starting_point(Ipopt::Index, bool, double* x, bool, double*, double*, Ipopt::Index, bool, double*) override {
-    std::copy(start_.begin(), start_.end(), x);
-    return true;
-  }
-
-  bool eval_f(Ipopt::Index n, const double* x, bool, double& value) override {
-    return guarded([&] { value = evaluator_.objective({x, at(n)}); });
-  }
-  bool eval_grad_f(Ipopt::Index n, const double* x, bool, double* g) override {
-    return guarded([&] { evaluator_.gradient({x, at(n)}, {g, at(n)}); });
-  }
-  bool eval_g(Ipopt::Index n, const double* x, bool, Ipopt::Index m, double* c) override {
-    return guarded([&] { evaluator_.rows({x, at(n)}, {c, at(m)}); });
-  }
-  bool eval_jac_g(Ipopt::Index n, const double* x, bool, Ipopt::Index, Ipopt::Index count, Ipopt::Index* rows,
-                  Ipopt::Index* columns, double* values) override {
-    if (values == nullptr) return copy_pattern(problem().jacobian_pattern(), rows, columns);
-    return guarded([&] { evaluator_.jacobian({x, at(n)}, {values, at(count)}); });
-  }
-  bool eval_h(Ipopt::Index n, const double* x, bool, double factor, Ipopt::Index m, const double* multipliers, bool,
-              Ipopt::Index count, Ipopt::Index* rows, Ipopt::Index* columns, double* values) override {
-    if (values == nullptr) return copy_pattern(problem().hessian_pattern(), rows, columns);
-    return guarded([&] { evaluator_.hessian({x, at(n)}, factor, {multipliers, at(m)}, {values, at(count)}); });
-  }
-
   // Ipopt 3.11 knows only CPU time limits; wall clock and cancellation are polled here.
   bool intermediate_callback(Ipopt::AlgorithmMode, Ipopt::Index, double, double, double, double, double, double, double,
                              double, Ipopt::Index, const Ipopt::IpoptData*,
                              Ipopt::IpoptCalculatedQuantities*) override {
-    return guarded([&] { evaluator_.poll(); });
+    return guarded([&] { evaluator().poll(); });
   }
 
   void finalize_solution(Ipopt::SolverReturn, Ipopt::Index n, const double* x, const double*, const double*,
@@ -99,28 +48,7 @@ class Adapter : public Ipopt::TNLP {
   }
 
  private:
-  const nlp::Problem& problem() const { return evaluator_.problem(); }
-
-  template <class Call>
-  static bool guarded(Call call) {
-    try {
-      call();
-      return true;
-    } catch (const StopRun&) {
-      return false;
-    }
-  }
-
-  static bool copy_pattern(const std::vector<nlp::Entry>& pattern, Ipopt::Index* rows, Ipopt::Index* columns) {
-    for (const nlp::Entry& e : pattern) {
-      *rows++ = e.row;
-      *columns++ = e.column;
-    }
-    return true;
-  }
-
-  Evaluator& evaluator_;
-  std::vector<double> x_, start_, multipliers_;
+  std::vector<double> x_, multipliers_;
   double objective_ = 0.0;
   bool finished_ = false;
 };

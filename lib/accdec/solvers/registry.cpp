@@ -14,7 +14,12 @@ namespace accdec::solvers {
 namespace {
 
 /// The modules, in the order of the registry. The names of a module's solvers begin with the module's.
-constexpr const char* modules[] = {"ipopt", "nlopt", "ceres", "clp"};
+constexpr const char* modules[] = {
+    "ipopt",  "nlopt", "ceres", "clp",
+#ifdef ACCDEC_BONMIN_VERSION
+    "bonmin",
+#endif
+};
 
 struct Registry {
   SolverList list;
@@ -47,10 +52,13 @@ const std::map<std::string, std::string>& missing_modules() {
 }
 
 std::vector<std::pair<std::string, std::string>> libraries() {
-  return {{"Ipopt", ACCDEC_IPOPT_VERSION},
-          {"NLopt", ACCDEC_NLOPT_VERSION},
-          {"Ceres", ACCDEC_CERES_VERSION},
-          {"Clp", ACCDEC_CLP_VERSION}};
+  return {
+      {"Ipopt", ACCDEC_IPOPT_VERSION},   {"NLopt", ACCDEC_NLOPT_VERSION},
+      {"Ceres", ACCDEC_CERES_VERSION},   {"Clp", ACCDEC_CLP_VERSION},
+#ifdef ACCDEC_BONMIN_VERSION
+      {"Bonmin", ACCDEC_BONMIN_VERSION},
+#endif
+  };
 }
 
 void register_solver(std::unique_ptr<Solver> solver) {

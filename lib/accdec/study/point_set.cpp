@@ -11,8 +11,6 @@
 
 namespace accdec::study {
 
-using batch::shuffle;
-using batch::uniform;
 namespace {
 
 double between(const Variation& v, double t) {
@@ -37,11 +35,8 @@ PointSet::PointSet(std::vector<std::string> cases, std::vector<Variation> variat
     points_per_case_ = samples;
     std::mt19937_64 rng(seed);
     for (const Variation& v : variations_) {
-      std::vector<std::size_t> strata(samples);
-      shuffle(strata, rng);
       std::vector<double>& column = hypercube_.emplace_back();
-      for (const std::size_t stratum : strata) {
-        const double t = (static_cast<double>(stratum) + uniform(rng)) / static_cast<double>(samples);
+      for (const double t : batch::latin_column(samples, rng)) {
         const auto pick = static_cast<std::size_t>(t * static_cast<double>(v.values.size()));
         column.push_back(v.range ? between(v, t) : v.values[std::min(pick, v.values.size() - 1)]);
       }

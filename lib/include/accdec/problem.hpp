@@ -51,6 +51,8 @@ class Problem {
   virtual int num_rows() const = 0;
   virtual Bound variable_bound(int i) const = 0;
   virtual Bound row_bound(int i) const = 0;
+  /// Whether a variable must be whole.
+  virtual bool is_integer(int /*i*/) const { return false; }
   virtual std::string variable_name(int i) const { return std::string("x").append(std::to_string(i + 1)); }
   virtual std::string row_name(int i) const { return std::string("c").append(std::to_string(i + 1)); }
   virtual ProblemClass problem_class() const { return ProblemClass::general; }

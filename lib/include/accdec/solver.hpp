@@ -27,8 +27,9 @@ struct Capabilities {
   bool uses_gradient = true;
   bool uses_jacobian = true;
   bool uses_hessian = false;
-  bool global = false;  ///< searches the whole box; false: local
-  bool seeded = false;  ///< random, reproducible by Options::seed; false: deterministic
+  bool global = false;    ///< searches the whole box; false: local
+  bool seeded = false;    ///< random, reproducible by Options::seed; false: deterministic
+  bool integers = false;  ///< variables that must be whole
 };
 
 /// A library's statement about its own run (claimed), and the verifier's finding on the returned point (verified).

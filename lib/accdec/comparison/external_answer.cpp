@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <accdec/comparison/external_answer.hpp>
+#include <accdec/files/shown_text.hpp>
+
+namespace accdec::comparison {
+namespace {
+
+using solvers::Claim;
+
+double number_of(const std::string& word) {
+  double x = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
+  if (error == std::errc::result_out_of_range) return std::numeric_limits<double>::infinity();
+  if (error != std::errc() || end != word.data() + word.size())
+    throw std::invalid_argument(
+        fmt::format("its answer has \"{}\" where a number belongs", printable(word.substr(0, 40))));
+  return x;
+}
+
+Claim claim_of_code(int code) {
+  if (code >= 0 && code < 100) return Claim::solved;
+  if (code >= 100 && code < 200) return Claim::acceptable;
+  if (code >= 200 && code < 300) return Claim::infeasible;
+  if (code >= 300 && code < 400) return Claim::unbounded;
+  if (code >= 400 && code < 500) return Claim::time_limit;
+  return Claim::failed;
+}
+
+/// Capital letters as small ones.
+std::string in_small(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// The claim in a line of a solver's words, if there is one.
+std::optional<Claim> claim_in(const std::string& line) {
+  constexpr std::pair<const char*, Claim> words[] = {
+      {"unbounded", Claim::unbounded},      {"time limit", Claim::time_limit},  {"stopped on time", Claim::time_limit},
+      {"non-optimal", Claim::time_limit},   {"sub-optimal", Claim::time_limit}, {"suboptimal", Claim::time_limit},
+      {"infeasible", Claim::infeasible},    {"no feasible", Claim::infeasible}, {"integer empty", Claim::infeasible},
+      {"integer undefined", Claim::failed}, {"optimal", Claim::solved}};
+  for (const auto& [word, claim] : words) {
+    if (line.find(word) != std::string::npos) return claim;
+  }
+  return std::nullopt;
+}
+
+/// The number of a name X1, X2, ..; 0 for any other word.
+std::size_t column_of(const std::string& word) {
+  std::size_t number = 0;
+  if (word.size() < 2 || (word[0] != 'X' && word[0] != 'x')) return 0;
+  const auto [end, error] = std::from_chars(word.data() + 1, word.data() + word.size(), number);
+  return error == std::errc() && end == word.data() + word.size() ? number : 0;
+}
+
+/// The first number among the rest of a line's words; "*" and the like may stand before it.
+std::optional<double> number_after(std::istringstream& words) {
+  for (std::string word; words >> word;) {
+    double x = 0.0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
+    if (end == word.data() + word.size() && end != word.data())
+      return error == std::errc() ? x : std::numeric_limits<double>::infinity();
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+ExternalAnswer read_sol(const std::string& text, std::size_t columns) {
+  std::istringstream in(text);
+  ExternalAnswer answer;
+  std::string line, word;
+  while (std::getline(in, line) && !line.starts_with("Options")) {
+    if (answer.message.size() < 200) answer.message += (answer.message.empty() || line.empty() ? "" : " ") + line;
+  }
+  answer.message = printable(answer.message);
+  if (!in) throw std::invalid_argument("its solution file has no line \"Options\"");
+  const auto next = [&] {
+    if (!(in >> word)) throw std::invalid_argument("its solution file ends too early");
+    return number_of(word);
+  };
+  const double options = next();
+  for (int i = 0; i < std::clamp(options, 0.0, 100.0); ++i) next();
+  next();                        // rows of the problem
+  const double duals = next();   // and those with a multiplier
+  const double wanted = next();  // columns of the problem
+  const double values = next();  // and those with a value
+  if (wanted != static_cast<double>(columns) || (values != wanted && values != 0.0) || !(duals >= 0.0) || duals > 1e9)
+    throw std::invalid_argument(
+        fmt::format("its solution has {} values; the problem has {} variables", values, columns));
+  for (double i = 0; i < duals; ++i) next();
+  for (double i = 0; i < values; ++i) answer.x.push_back(next());
+  if (in >> word && word == "objno") {
+    next();
+    answer.claim = claim_of_code(static_cast<int>(std::clamp(next(), -1.0, 1000.0)));
+  }
+  return answer;
+}
+
+ExternalAnswer read_values(const std::string& text, std::size_t columns) {
+  std::istringstream in(text);
+  ExternalAnswer answer;
+  std::string line;
+  std::getline(in, line);
+  constexpr std::array claims{Claim::solved,    Claim::acceptable, Claim::infeasible,
+                              Claim::unbounded, Claim::failed,     Claim::time_limit};
+  const auto claim = std::find_if(claims.begin(), claims.end(), [&](Claim c) { return solvers::to_string(c) == line; });
+  if (claim == claims.end())
+    throw std::invalid_argument(
+        fmt::format("its answer begins with \"{}\", which is no claim", printable(line.substr(0, 40))));
+  answer.claim = *claim;
+  for (std::string word; in >> word;) {
+    answer.x.push_back(number_of(word));
+    if (answer.x.size() > columns) break;
+  }
+  if (!answer.x.empty() && answer.x.size() != columns)
+    throw std::invalid_argument(fmt::format("its answer has {}{} values; the problem has {} variables",
+                                            answer.x.size() > columns ? "more than " : "",
+                                            std::min(answer.x.size(), columns), columns));
+  return answer;
+}
+
+ExternalAnswer read_names(const std::string& text, std::size_t columns) {
+  std::istringstream in(text);
+  ExternalAnswer answer;
+  std::optional<Claim> claim;
+  std::vector<bool> seen(columns);
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::size_t column = 0;
+    for (std::string word; column == 0 && words >> word;) column = column_of(word);
+    const std::optional<double> value = column > 0 ? number_after(words) : std::nullopt;
+    if (value) {
+      if (column > columns)
+        throw std::invalid_argument(fmt::format("its answer names X{}; the problem has {} variables", column, columns));
+      answer.x.resize(columns, 0.0);
+      if (!seen[column - 1]) answer.x[column - 1] = *value;  // multipliers may follow under the same names
+      seen[column - 1] = true;
+    } else if (!claim) {
+      claim = claim_in(in_small(line));
+      if (claim) answer.message = printable(line.substr(0, 200));
+    }
+  }
+  if (!claim && answer.x.empty()) throw std::invalid_argument("its answer names no variable and says nothing known");
+  answer.claim = claim.value_or(Claim::acceptable);
+  if (answer.claim == Claim::infeasible) answer.x.clear();
+  return answer;
+}
+
+ExternalAnswer read_answer(const std::string& kind, const std::string& text, std::size_t columns) {
+  if (kind == "sol") return read_sol(text, columns);
+  return kind == "values" ? read_values(text, columns) : read_names(text, columns);
+}
+
+}  // namespace accdec::comparison

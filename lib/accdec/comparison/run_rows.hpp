@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include <accdec/batch/row_numbers.hpp>
+#include <accdec/problem.hpp>
+
+namespace accdec::comparison {
+
+/// Keeps the improvements that matter: the first, the last, and those that leave at most 0.9 of the previous distance
+/// to the last one. So the time at which a target is met is at most that of a target a tenth nearer to the last
+/// improvement.
+batch::Row thinned(const std::vector<nlp::Improvement>& history);
+/// Numbers of evaluations by kind. Both in comparison_solve.cpp.
+batch::Row counts_row(const nlp::Counts& counts);
+
+}  // namespace accdec::comparison

@@ -1,0 +1,178 @@
+// Bonmin 1.8: branch and bound over Ipopt (B-BB). Its outer approximations (B-OA, B-QG, B-Hyb) called designs
+// infeasible that have a filter, so they are not offered.
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <random>
+
+#include <BonBonminSetup.hpp>
+#include <BonCbc.hpp>
+#include <CoinError.hpp>
+#include <fmt/format.h>
+
+#include <accdec/files.hpp>
+#include <accdec/solvers/ipopt_problem.hpp>
+#include <accdec/solvers/registration.hpp>
+#include <accdec/solvers/run.hpp>
+
+namespace accdec::solvers {
+namespace {
+
+using nlp::Evaluator;
+
+/// Adds the whole variables, and which rows are linear.
+class Adapter : public IpoptProblem<Bonmin::TMINLP> {
+ public:
+  Adapter(Evaluator& evaluator, std::span<const double> start) : IpoptProblem(evaluator, start) {
+    find_linear_rows(start);
+  }
+
+  bool get_variables_types(Ipopt::Index n, VariableType* types) override {
+    for (int i = 0; i < n; ++i) {
+      const nlp::Bound b = problem().variable_bound(i);
+      const bool binary = b.lower == 0.0 && b.upper == 1.0;
+      types[i] = !problem().is_integer(i) ? CONTINUOUS : binary ? BINARY : INTEGER;
+    }
+    return true;
+  }
+  bool get_variables_linearity(Ipopt::Index n, Ipopt::TNLP::LinearityType* types) override {
+    std::fill(types, types + n, Ipopt::TNLP::NON_LINEAR);
+    for (int i = 0; i < n; ++i) {
+      if (problem().is_integer(i) && !curved_[static_cast<std::size_t>(i)]) types[i] = Ipopt::TNLP::LINEAR;
+    }
+    return true;
+  }
+  bool get_constraints_linearity(Ipopt::Index m, Ipopt::TNLP::LinearityType* types) override {
+    for (int r = 0; r < m; ++r)
+      types[r] = linear_[static_cast<std::size_t>(r)] ? Ipopt::TNLP::LINEAR : Ipopt::TNLP::NON_LINEAR;
+    return true;
+  }
+  void finalize_solution(SolverReturn, Ipopt::Index, const double*, double) override {}
+  const BranchingInfo* branchingInfo() const override { return nullptr; }
+  const SosInfo* sosConstraints() const override { return nullptr; }
+
+ private:
+  /// A row is linear if all its second derivatives are exactly zero at the start and at two points drawn in the box.
+  void find_linear_rows(std::span<const double> start) {
+    const auto n = static_cast<std::size_t>(problem().num_variables()),
+               m = static_cast<std::size_t>(problem().num_rows());
+    const std::vector<nlp::Entry>& pattern = problem().hessian_pattern();
+    linear_.assign(m, problem().has_hessian());
+    curved_.assign(n, !problem().has_hessian());
+    if (!problem().has_hessian()) return;
+    std::mt19937_64 random(1);
+    std::vector<double> x(start.begin(), start.end()), values(pattern.size()), multipliers(m, 0.0);
+    for (int point = 0; point < 3; ++point) {
+      for (std::size_t r = 0; r < m; ++r) {
+        multipliers[r] = 1.0;
+        problem().hessian(x, 0.0, multipliers, values);
+        multipliers[r] = 0.0;
+        for (std::size_t e = 0; e < values.size(); ++e) {
+          if (values[e] == 0.0) continue;
+          linear_[r] = false;
+          curved_[static_cast<std::size_t>(pattern[e].row)] = curved_[static_cast<std::size_t>(pattern[e].column)] =
+              true;
+        }
+      }
+      for (std::size_t i = 0; i < n; ++i) {
+        const nlp::Bound b = problem().variable_bound(static_cast<int>(i));
+        const double low = std::max(b.lower, -10.0), high = std::max(low, std::min(b.upper, 10.0));
+        x[i] = low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+      }
+    }
+  }
+
+  std::vector<bool> linear_, curved_;
+};
+
+Claim claim_of(Bonmin::Bab::MipStatuses status, bool late) {
+  switch (status) {
+    case Bonmin::Bab::FeasibleOptimal: return Claim::solved;
+    case Bonmin::Bab::ProvenInfeasible: return Claim::infeasible;
+    case Bonmin::Bab::UnboundedOrInfeasible: return Claim::infeasible;
+    case Bonmin::Bab::Feasible: return late ? Claim::time_limit : Claim::acceptable;
+    default: return late ? Claim::time_limit : Claim::failed;
+  }
+}
+
+class BonminSolver final : public Solver {
+ public:
+  std::string name() const override { return "bonmin"; }
+  std::string library_version() const override { return "Bonmin " ACCDEC_BONMIN_VERSION; }
+  Capabilities capabilities() const override {
+    Capabilities can;
+    can.uses_hessian = can.integers = true;
+    return can;
+  }
+  std::string settings() const override {
+    return "algorithm = B-BB, tol = tolerance, constr_viol_tol = feasibility_tolerance / 10, allowable_gap = 5e-4, "
+           "allowable_fraction_gap = 0, no feasibility pump";
+  }
+
+ protected:
+  Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
+    if (!options.native.empty()) throw std::invalid_argument("Bonmin takes no options here");
+    const auto began = std::chrono::steady_clock::now();
+    Evaluator evaluator(problem, limits_of(options));
+    Result result;
+    result.x.assign(start.begin(), start.end());
+    const Ipopt::SmartPtr<Adapter> adapter = new Adapter(evaluator, start);
+    try {
+      Bonmin::BonminSetup setup;
+      setup.initializeOptionsAndJournalist();
+      setup.readOptionsString(options_text(problem, options));
+      setup.initialize(Ipopt::SmartPtr<Bonmin::TMINLP>(Ipopt::GetRawPtr(adapter)));
+      Bonmin::Bab search;
+      search(setup);
+      result.claim = claim_of(search.mipStatus(), seconds_since(began) >= options.time_limit);
+      result.message = fmt::format("Bonmin: {} nodes", search.numNodes());
+      if (search.bestSolution()) {
+        result.x.assign(search.bestSolution(), search.bestSolution() + problem.num_variables());
+        result.claimed_objective = search.bestObj();
+      }
+    } catch (Bonmin::TNLPSolver::UnsolvedError* thrown) {  // it throws pointers
+      const std::unique_ptr<Bonmin::TNLPSolver::UnsolvedError> error(thrown);
+      result.message = fmt::format("Bonmin: a nonlinear problem was not solved: {}", error->errorName());
+    } catch (const Bonmin::OsiTMINLPInterface::SimpleError& error) {
+      result.message = "Bonmin: " + error.message();
+    } catch (const CoinError& error) {
+      result.message = "Bonmin: " + error.message();
+    }
+    if (!whole(problem)) {
+      conclude(evaluator, result);
+    } else if (result.counts = evaluator.counts(); evaluator.stop() == nlp::Stop::exception) {
+      std::rethrow_exception(evaluator.exception());  // the best point seen may have fractions, so it is no answer
+    }
+    return result;
+  }
+
+ private:
+  static bool whole(const nlp::Problem& problem) {
+    for (int i = 0; i < problem.num_variables(); ++i) {
+      if (problem.is_integer(i)) return true;
+    }
+    return false;
+  }
+
+  static std::string options_text(const nlp::Problem& problem, const Options& options) {
+    std::string text = fmt::format(
+        "bonmin.algorithm B-BB\nbonmin.time_limit {}\ntol {}\nconstr_viol_tol {}\nbonmin.allowable_gap 5e-4\n"
+        "bonmin.allowable_fraction_gap 0\nbonmin.pump_for_minlp no\nbonmin.heuristic_feasibility_pump no\nprint_level "
+        "0\nsb yes\n",
+        options.time_limit, options.tolerance, 0.1 * options.feasibility_tolerance);
+    for (const char* log :
+         {"bb_log_level", "lp_log_level", "nlp_log_level", "milp_log_level", "oa_log_level", "fp_log_level"})
+      text += fmt::format("bonmin.{} 0\n", log);
+    if (!problem.has_hessian()) text += "hessian_approximation limited-memory\n";
+    return text;
+  }
+};
+
+}  // namespace
+}  // namespace accdec::solvers
+
+void accdec_add_solvers(accdec::solvers::SolverList& list) {
+  using namespace accdec::solvers;
+  list.push_back(std::make_unique<BonminSolver>());
+}
