@@ -1,5 +1,6 @@
 """The page of a task in a browser: what it shows, and that the numbers are those of the command line."""
 import json
+import statistics
 import subprocess
 import sys
 import time
@@ -66,3 +67,17 @@ class Page:
         lines = [" ".join(line.split()) for line in said.splitlines()]
         check(all(" ".join(row) in lines for row in rows), f"{what}: corners as the command line prints them, {rows[0]}")
         return result
+
+    def latency(self, name, steps=20):
+        """ms from a change to the picture, of the families and of the proved design, as a line."""
+        self.wait("!document.querySelector('#beside').textContent.includes('nothing')", "a filter to compare with")
+        self.value("globalThis.accdecLatency = {}")
+        for i in range(steps):
+            self.value(f"(r => {{ r.value = Number(r.value) + {3 if i % 4 < 2 else -3}; r.dispatchEvent(new Event('input')); }})"
+                       "(document.querySelector('[id$=error_max_um-slider], [id$=feed_in_mm_min-slider]'))")
+            self.settle()
+            time.sleep(0.1)
+        found = self.value("globalThis.accdecLatency")
+        median = {what: statistics.median(times) for what, times in found.items()}
+        return (f"{name}: families {median.get('families', 0):.0f} ms, proved design {median.get('design', 0):.0f} ms "
+                f"(medians of {steps})")

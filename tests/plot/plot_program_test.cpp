@@ -219,6 +219,7 @@ TEST(PlotProgram, MotionPanelsShowWhatStandsInTheSamples) {
     EXPECT_EQ(lost.series[0].y[i], loss->time);
   }
   EXPECT_TRUE(std::is_sorted(lost.series[0].y.rbegin(), lost.series[0].y.rend()));
+  EXPECT_EQ(*lost.x.max, 0.5 + std::max<std::size_t>(2, lost.x.names.size())) << "no room without bars";
 }
 
 TEST(PlotProgram, ADensePathStaysASmallDrawing) {

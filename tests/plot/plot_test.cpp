@@ -157,7 +157,7 @@ TEST(PlotResult, AnExactStopIsDrawnInAWindowThatCanBeSeen) {
   const Figure figure = plot_result(r);
   const Panel& path = panel(figure, "path around corner first one");
   EXPECT_GT(*path.x.max - *path.x.min, 10.0) << path.x.label;
-  for (const double d : panel(figure, "distance").series.at(0).y) EXPECT_EQ(d, 0.0);
+  EXPECT_THROW(panel(figure, "distance"), std::out_of_range);
 }
 
 TEST(PlotResult, TodayIsDrawnBelowTheDesignAndTheTitleSaysWhatIsSaved) {
@@ -261,6 +261,10 @@ TEST(PlotResult, LimitsOfTheCornerAndOfTheFilterAreMarkedWhereTheyBind) {
   const Series& point = *std::ranges::find(vibration.series, "binds", &Series::label);
   EXPECT_NEAR(point.x.at(0), 45.0, 1e-6);
   EXPECT_NEAR(point.y.at(0), edge, 1e-6);
+  r.task.machine.modes.push_back(r.task.machine.modes[0]);
+  const Panel two = marked("residual vibration");
+  EXPECT_EQ(std::ranges::count(two.series, "binds", &Series::label), 1) << "a legend names every mark once";
+  r.task.machine.modes.pop_back();
   // Both axes brake and drive at once: 100 mm/s against and with 50 N each.
   r.task.machine.power_total_max = 10.0;
   EXPECT_THAT(marked("power of all axes").title, HasSubstr("% used"));
@@ -275,6 +279,20 @@ TEST(PlotResult, DistanceIsThatFromTheNearerLeg) {
   const Figure figure = plot_result(result());
   const Panel& distance = panel(figure, "distance from the programmed path");
   EXPECT_NEAR(largest(distance.series.at(0)), 225.0, 1e-9);
+}
+
+TEST(PlotResult, AStopHasNoDistanceToDrawButItsSpeed) {
+  // 20 taps: the first leg slows down in 20 ms, and the second one begins 20 ms after the end of the first.
+  const Figure figure = plot_result(result(), "second");
+  EXPECT_THROW(panel(figure, "distance from the programmed path"), std::out_of_range);
+  const Series& speed = panel(figure, "speed along the path").series.at(0);
+  std::size_t compared = 0;
+  for (std::size_t n = 0; n < speed.x.size(); ++n) {
+    if (speed.x[n] < 0.0 || speed.x[n] > 40.0) continue;
+    EXPECT_NEAR(speed.y[n], 5.0 * std::abs(20.0 - speed.x[n]), 1e-9) << speed.x[n];
+    ++compared;
+  }
+  EXPECT_EQ(compared, 41U);
 }
 
 TEST(PlotResult, PathPassesTheCornerAtTheErrorItStates) {

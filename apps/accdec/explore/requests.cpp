@@ -183,6 +183,7 @@ Json key_json(const Key& key) {
   if (!key.words.empty()) json["words"] = key.words;
   if (key.type == KeyType::numbers) json["most"] = key.most, json["lone"] = key.lone, json["whole"] = key.whole;
   if (key.per_axis) json["per_axis"] = true;
+  if (key.of_period) json["of_period"] = true;
   if (!key.conditions.empty()) json["conditions"] = Json::parse(key.conditions);
   for (const Key& inner : key.keys) json["keys"].push_back(key_json(inner));
   return json;

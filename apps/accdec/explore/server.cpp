@@ -172,7 +172,8 @@ class PageServer : public httplib::Server {
     const std::string host = fmt::format("127.0.0.1:{}", port_);
     if (request.get_header_value_count("Host") != 1 || request.get_header_value("Host") != host)
       return Refusal{403, "another host"};
-    if (request.has_header("Origin") && request.get_header_value("Origin") != "http://" + host)
+    const std::size_t origins = request.get_header_value_count("Origin");
+    if (origins > 1 || (origins == 1 && request.get_header_value("Origin") != "http://" + host))
       return Refusal{403, "another origin"};
     const std::string_view path = request.path;
     if (path.size() < token_.size() + 2 || path[0] != '/' || path[token_.size() + 1] != '/' ||

@@ -16,7 +16,7 @@ std::vector<std::string> words_of(const Names& names) {
   return words;
 }
 
-Key time_key(std::string name, std::string meaning, std::string fallback, std::string example) {
+Key time_key(std::string name, std::string meaning, std::string fallback, std::string example, bool of_period) {
   return {.name = std::move(name),
           .type = KeyType::numbers,
           .meaning = std::move(meaning),
@@ -25,7 +25,8 @@ Key time_key(std::string name, std::string meaning, std::string fallback, std::s
           .most = most_stages,
           .fallback = std::move(fallback),
           .example = std::move(example),
-          .lone = true};
+          .lone = true,
+          .of_period = of_period};
 }
 
 /// How the control delays a corner.
@@ -50,7 +51,8 @@ std::vector<Key> about_delays() {
        .unit = "ms",
        .range = {0.0, longest_ms},
        .fallback = "0",
-       .example = "2"}};
+       .example = "2",
+       .of_period = true}};
 }
 
 /// The controller's file, its parameters and its own smoothing.
@@ -121,15 +123,16 @@ std::vector<Key> setting_keys() {
            .fallback = "zv",
            .example = "\"zv\""},
           time_key("length_step_ms", "with a family: step of its times, a multiple of the period; one, or one a stage",
-                   "the period", "1"),
-          time_key("length_max_ms", "with a family: longest time; one, or one a stage", "no cap", "32"),
+                   "the period", "1", true),
+          time_key("length_max_ms", "with a family: longest time; one, or one a stage", "no cap", "32", false),
           {.name = "length_set_ms",
            .type = KeyType::numbers,
            .meaning = "with a family, instead of step and cap: all times that can be set, multiples of the period",
            .unit = "ms",
            .range = {0.0, longest_ms, true},
            .most = longest_set,
-           .example = "[0.5, 1, 2, 4, 8]"},
+           .example = "[0.5, 1, 2, 4, 8]",
+           .of_period = true},
           {.name = "time_constant_step_ms",
            .meaning = "with family = \"exponential\": its time constants are multiples, up to the longest filter",
            .unit = "ms",

@@ -38,7 +38,9 @@ void add_modes(Panel& panel, const DesignResult& result, double top) {
                             binds ? binding_style + static_cast<int>(most_lines) / 3 : binding_style,
                             true});
     if (!worst) continue;
-    panel.series.push_back({binds ? "binds" : "largest use",
+    const char* const name = binds ? "binds" : "largest use";
+    const bool named = std::ranges::find(panel.series, name, &Series::label) != panel.series.end();
+    panel.series.push_back({named ? "" : name,
                             {worst->frequency},
                             {std::max(worst->value, 1e-4)},
                             Mark::points,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/units.hpp>
 #include <accdec/plot/html.hpp>
 #include <accdec/plot/html_parts.hpp>
 
@@ -21,6 +22,13 @@ bool is_number(const std::string& text) {
 /// The attribute that says how a cell is set.
 const char* kind_of(const std::string& cell) {
   return is_number(cell) ? " class=\"n\"" : cell.size() > longest_line ? " class=\"long\"" : "";
+}
+
+/// "mm/s^2" and "error um" with their unit as it is printed: "mm/s²" and "error µm".
+std::string printed(const std::string& text) {
+  const std::size_t at = text.rfind(' ') + 1;
+  const Unit* const unit = find_unit(std::string_view(text).substr(at));
+  return unit ? text.substr(0, at).append(unit->printed) : text;
 }
 
 }  // namespace
@@ -74,15 +82,15 @@ std::string html_table(const HtmlTable& table) {
                                  table.sortable ? " class=\"sorts\""
                                  : cards        ? " class=\"cards\""
                                                 : "");
-  for (const std::string& cell : table.head) html += fmt::format("<th>{}</th>", html_escaped(cell));
+  for (const std::string& cell : table.head) html += fmt::format("<th>{}</th>", html_escaped(printed(cell)));
   html += "</tr></thead><tbody>\n";
   for (const auto& row : table.rows) {
     html += "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
       const std::string& cell = row[i];
       html += fmt::format("<td{}{}>{}</td>", kind_of(cell),
-                          cards ? fmt::format(" data-head=\"{}\"", html_escaped(table.head.at(i))) : "",
-                          html_escaped(cell));
+                          cards ? fmt::format(" data-head=\"{}\"", html_escaped(printed(table.head.at(i)))) : "",
+                          html_escaped(table.head.at(i) == "unit" ? printed(cell) : cell));
     }
     html += "</tr>\n";
   }

@@ -65,10 +65,10 @@ std::string html_result_page(const DesignResult& result, const Figure& figure, c
   const ReportTable corners = corner_report(result), limits = limit_report(result);
   std::string html = html_head(result.task.title.empty() ? "accdec" : result.task.title);
   html += html_paragraph(answer(result));
-  html += "<div class=\"beside\"><div>\n" + numbers(result);
-  html += "</div>\n" + html_figure("figure", figure, svg) + "</div>\n";
+  html += html_figure("figure", figure, svg);
   html += html_table({corners.head, corners.rows, "corners"});
   html += html_table({limits.head, limits.rows, "limits"});
+  html += html_folded("Numbers of the design", numbers(result));
   html += html_folded("Taps", taps(*result.filter));
   html +=
       html_folded("The task, as a task file", fmt::format("<pre>{}</pre>\n", html_escaped(task_to_toml(result.task))));

@@ -25,12 +25,10 @@ canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #c
 #speed{height:16rem;touch-action:pan-y}
 #info{min-height:1.45em;font-variant-numeric:tabular-nums}
 td.long{white-space:normal;min-width:16rem}
-.beside{display:grid;grid-template-columns:max-content minmax(0,1fr);gap:1.5rem}
 .stack{display:none}
 .stack svg{display:block;width:100%}
 .tip{position:fixed;pointer-events:none;background:#222;color:#fff;font-size:.85rem;padding:.3rem .5rem;border-radius:.25rem;
   white-space:pre;z-index:2}
-@media (max-width:60rem){.beside{display:block}}
 @media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}pre{white-space:pre-wrap}
 table:not(.sorts) td,table:not(.sorts) th{white-space:normal;overflow-wrap:anywhere}
 .stacked .wide{height:0;overflow:hidden}.stacked .stack{display:block}
@@ -42,7 +40,7 @@ table.cards,.cards tbody,.cards tr{display:block}.cards thead{display:none}
 }
 @media print{body{margin:0;max-width:none}.wide,.tall,pre{overflow:visible;max-height:none}pre{white-space:pre-wrap}
 figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem;white-space:normal}.sorts th{white-space:normal;position:static}
-.beside{display:block}.tip,.unprinted{display:none}}
+.tip,.unprinted{display:none}}
 )css";
 
 // Values under the pointer: of the nearest point of a line, or of the cell, in the drawing's own pixels.

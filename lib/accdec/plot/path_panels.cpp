@@ -203,7 +203,7 @@ Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
   return panel;
 }
 
-Panel distance_panel(const CornerMotion& now, const CornerMotion* before) {
+std::optional<Panel> distance_panel(const CornerMotion& now, const CornerMotion* before) {
   Panel panel;
   panel.title = "distance from the programmed path";
   panel.x.label = "time from the corner command / ms";
@@ -225,18 +225,15 @@ Panel distance_panel(const CornerMotion& now, const CornerMotion* before) {
                                      : "today",
                             at->time, std::move(off), Mark::line, design ? design_style : baseline_style, true});
   }
+  if (!(panel.x.min < panel.x.max)) return {};
+  const double air = 0.04 * (*panel.x.max - *panel.x.min);
+  *panel.x.min -= air, *panel.x.max += air;
   const auto [scale, unit] = length_unit(most);
   for (Series& series : panel.series) {
     for (double& y : series.y) y *= scale;
   }
   panel.y.label = fmt::format("distance / {}", unit);
   panel.y.min = 0.0;
-  if (panel.x.min < panel.x.max) {
-    const double air = 0.04 * (*panel.x.max - *panel.x.min);
-    *panel.x.min -= air, *panel.x.max += air;
-  } else {
-    panel.x.min.reset(), panel.x.max.reset();
-  }
   return panel;
 }
 

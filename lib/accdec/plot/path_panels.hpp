@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -30,7 +31,7 @@ std::pair<double, double> moving_time(const CornerMotion& at);
 
 /// The path where it leaves the legs, with the tolerance and the error. That of `before` in grey below it, if not null.
 Panel path_panel(const CornerMotion& now, const CornerMotion* before);
-/// Distance of the path from the nearer leg over time.
-Panel distance_panel(const CornerMotion& now, const CornerMotion* before);
+/// Distance of the path from the nearer leg over time; nothing where no motion leaves its legs.
+std::optional<Panel> distance_panel(const CornerMotion& now, const CornerMotion* before);
 
 }  // namespace accdec

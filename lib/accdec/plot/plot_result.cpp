@@ -313,7 +313,10 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   Figure figure;
   figure.title = title_of(result, old ? &*old : nullptr, now.measures);
   figure.columns = 2;
-  figure.panels = {path_panel(now, before), distance_panel(now, before)};
+  // A motion that stays on its path has no distance to draw, but a speed that falls to zero.
+  std::optional<Panel> distance = distance_panel(now, before);
+  const bool stays = !distance;
+  figure.panels = {path_panel(now, before), stays ? speed_panel(now, before) : *std::move(distance)};
   const bool supply_limited = limits_supply(result.task.machine);
   std::vector<std::vector<Panel>> axes;
   for (std::size_t axis = 0; axis < result.task.machine.axes.size(); ++axis) {
@@ -323,7 +326,7 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
     if (moves) axes.push_back(axis_panels(now, before, axis));
   }
   add_side_by_side(figure.panels, std::move(axes));
-  if (now.task.speed_min > 0.0 || figure.panels.size() % 2 != (supply_limited ? 1U : 0U))
+  if (!stays && (now.task.speed_min > 0.0 || figure.panels.size() % 2 != (supply_limited ? 1U : 0U)))
     figure.panels.push_back(speed_panel(now, before));
   if (supply_limited) figure.panels.push_back(total_power_panel(now, before));
   figure.panels.push_back(response_panel(result, old_filter));

@@ -137,7 +137,8 @@ Panel time_lost_panel(const Toolpath& programmed, const ProgramMotion& motion) {
   panel.title = fmt::format("time lost against the programmed feed, {:.4g} s of the {:.6g} s", sum, motion.cycle_time);
   panel.x.label = "at corners that turn by";
   panel.y.label = "time lost / s";
-  panel.x.min = 0.5, panel.x.max = 0.5 + classes_drawn;
+  // One bar alone does not fill the panel.
+  panel.x.min = 0.5, panel.x.max = 0.5 + static_cast<double>(std::max<std::size_t>(bars.x.size(), 2));
   panel.y.min = 0.0, panel.y.max = bars.y.empty() ? 1.0 : 1.06 * bars.y.front();
   panel.series.push_back(std::move(bars));
   return panel;

@@ -2,8 +2,13 @@
 import { filterOfToday } from "./format.js";
 import { askJson, Latest } from "./requests.js";
 
-/** The task with this filter in place of a choice. */
-export const withFilter = (task, filter) => ({ ...task, filter, baseline: undefined });
+/** The task with this filter in place of a choice; bits are those of taps that are designed. */
+export const withFilter = (task, filter) => ({
+  ...task,
+  filter,
+  baseline: undefined,
+  design: task.design && { ...task.design, coefficient_bits: undefined },
+});
 
 /** The family that the address or a click names; where there is no filter of today, the fastest. */
 function wanted(task, families, { beside }) {

@@ -2,7 +2,7 @@
 import { make, unit } from "./format.js";
 import { field } from "./fields.js";
 import { markUnread } from "./slider.js";
-import { alongWith, barredBy, firstTable, firstValue, neededBy, otherWay, shortName } from "./keys.js";
+import { alongWith, barredBy, firstTable, firstValue, neededBy, otherWay, shares, shortName } from "./keys.js";
 
 // On a phone all groups are folded at first, as the answer stands below them.
 const narrow = globalThis.matchMedia?.("(max-width: 760px)").matches ?? false;
@@ -209,14 +209,20 @@ export class Controls {
 
   one(key, paths, table, index) {
     const id = paths[0].join("-");
+    // The taps of a response have the sum 1.
+    const change = (path, value) =>
+      index !== undefined && key.name.endsWith("_taps")
+        ? [path.slice(0, -1), shares(this.state.get(path.slice(0, -1)), index, value)]
+        : [path, value];
     const put = (value) =>
       this.state.set(
-        paths.map((path) => [path, value]),
+        paths.map((path) => change(path, value)),
         id,
       );
     const label = `${shortName(key)}${index === undefined ? "" : ` ${index + 1}`}`;
     const { state, updates } = this;
-    const entry = field(key, paths[0], { id, state, put, table, updates });
+    const grain = key.of_period && (() => state.get(["sample_period_ms"]));
+    const entry = field({ ...key, grain }, paths[0], { id, state, put, table, updates });
     const needed =
       key.required || (table && neededBy(table, this.state.get(paths[0].slice(0, -1)) ?? {}).includes(key.name));
     const drop =

@@ -40,8 +40,11 @@ export function withKeys(place, plotNow) {
 /** Numbers of an axis, and the width that they need: 7 px a character. */
 export const ticks = (self, values) => values.map((v) => (v === null ? "" : four(v)));
 export const tickWidth = (_, values) => Math.max(50, 16 + 7 * Math.max(0, ...(values ?? []).map((v) => String(v ?? "").length)));
+/** Steps between the numbers of an axis: 1, 2 or 5 of every power of ten. */
+const steps = Array.from({ length: 26 }, (_, i) => i - 12).flatMap((p) => [1, 2, 5].map((n) => Number(`${n}e${p}`)));
 /** The look of an axis. */
 export const axisLook = () => ({
+  incrs: steps,
   stroke: colour("ink"),
   grid: { stroke: colour("grid"), width: 1 },
   ticks: { show: false },

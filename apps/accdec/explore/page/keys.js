@@ -50,3 +50,10 @@ export const alongWith = (key, inner) => [inner.name, ...(key.conditions?.depend
 
 /** The alternative of a table that a key belongs to. */
 export const otherWay = (key, inner) => key.conditions?.oneOf?.find((way) => way.required?.includes(inner.name));
+
+/** Taps with the sum 1, one of them new: the others share what is left as they did before. */
+export function shares(taps, index, value) {
+  const rest = taps.reduce((sum, tap, i) => (i === index ? sum : sum + tap), 0);
+  const part = (tap) => (rest ? tap / rest : 1 / (taps.length - 1));
+  return taps.map((tap, i) => (i === index ? value : (1 - value) * part(tap)));
+}

@@ -25,7 +25,7 @@ const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() 
 const controls = new Controls($("#controls"), start.keys, state, refusals);
 const motion = new Motion($("#motion"));
 const filters = new FilterCharts($("#taps"), $("#response"));
-const off = new Chart($("#off"), {});
+const off = new Chart($("#off"), { height: 290 });
 
 function note(text) {
   $("#note").textContent = text;

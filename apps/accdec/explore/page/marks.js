@@ -51,7 +51,10 @@ export function marks(specs, limits) {
         Math.max(plot.valToPos(plot.data[0][best], "x", true), left + 16 * ratio),
         left + width - 16 * ratio,
       );
-      ctx.fillText(spec.word, x, Math.min(Math.max(y, top + 12 * ratio), top + height - 3 * ratio));
+      const at = [x, Math.min(Math.max(y, top + 12 * ratio), top + height - 3 * ratio)];
+      // A rim of paper sets the word off from the lines below it.
+      (ctx.strokeStyle = "#ffffff"), (ctx.lineWidth = 4 * ratio), (ctx.lineJoin = "round");
+      ctx.strokeText(spec.word, ...at), ctx.fillText(spec.word, ...at);
     });
     ctx.restore();
   };

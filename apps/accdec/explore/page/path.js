@@ -85,6 +85,26 @@ function curve(view, at, name, dots) {
   ];
 }
 
+/** Where words of 150 px stand in the corner of the drawing that is farthest from path and legs. */
+function emptiest(points, legs) {
+  const { left, right, top, bottom, width, height } = size;
+  const onLegs = [0, 1].flatMap((leg) =>
+    Array.from({ length: 600 }, (_, i) => legs[leg].map((v, a) => v + (i / 600) * (legs[leg + 1][a] - v))),
+  );
+  const all = [...points, ...onLegs].filter(([x, y]) => x > 0 && x < width && y > 0 && y < height);
+  const places = [
+    { x: width - right - 6, y: top + 16, anchor: "end" },
+    { x: left + 6, y: top + 16, anchor: "start" },
+    { x: width - right - 6, y: height - bottom - 8, anchor: "end" },
+    { x: left + 6, y: height - bottom - 8, anchor: "start" },
+  ];
+  const room = ({ x, y, anchor }) => {
+    const middle = anchor === "end" ? x - 75 : x + 75;
+    return Math.min(200, ...all.map(([a, b]) => Math.hypot(Math.max(0, Math.abs(a - middle) - 75), b - y + 4)));
+  };
+  return places.map((place) => [room(place), place]).reduce((a, b) => (b[0] > a[0] ? b : a))[1];
+}
+
 /**
  * @param place   element to draw in
  * @param now     {view, corner, tolerance}: of the design; corner is its entry in the result, tolerance in um or null
@@ -142,9 +162,9 @@ export function drawPath(place, now, before) {
   );
   parts.push(...axes(box, at, view.path.names, large ? 1e-3 : 1, large ? "mm" : "\u00b5m"), inner);
   const words = `error ${four(1e6 * corner.corner_error_m)} \u00b5m${tolerance ? ` of ${four(tolerance)}` : ""}`;
-  parts.push(
-    make("text", { class: "said", x: size.width - size.right - 6, y: size.top + 16, "text-anchor": "end" }, words),
-  );
+  const drawn = view.path.x_um.map((x, i) => at(x, view.path.y_um[i]));
+  const { x, y, anchor } = emptiest(drawn, legs);
+  parts.push(make("text", { class: "said", x, y, "text-anchor": anchor }, words));
   place.replaceChildren(
     make(
       "svg",

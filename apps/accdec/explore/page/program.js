@@ -16,6 +16,9 @@ const charts = [];
 const shades = new Shades(program.palette);
 const other = program.colours.at(-1);
 
+/** The plan that stands beside another: the slowest one, and beside that the fastest. */
+const besides = (plan) => [program.plans.at(-1), program.plans[0]].find((p) => p !== plan);
+
 const colourOf = (limit) => (limit < 0 ? other : program.colours[1 + limit]);
 
 /** The names of the limits that bind somewhere, each with its colour. */
@@ -73,7 +76,7 @@ function drawPath() {
 function drawTime() {
   for (const chart of charts.splice(0)) chart.destroy();
   const plan = program.plans[shown.plan],
-    before = program.plans.find((p) => p !== plan);
+    before = besides(plan);
   const ranged = (time) => state.set({ time });
   const { time } = state.now;
   charts.push(...timeCharts($("#over-time"), program, { plan, before, follow, sample, step, bars, time, ranged }));
@@ -122,7 +125,7 @@ function bars(chart, plan) {
 
 function tables() {
   const plan = program.plans[shown.plan],
-    before = program.plans.find((p) => p !== plan);
+    before = besides(plan);
   $("#over-time").append(make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...limitsKey(plan)));
   const lost = new Map((before?.lost ?? []).map((l) => [l.turn, l.time_s]));
   const columns = ["turn", "joints", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
@@ -164,12 +167,13 @@ function cornerList() {
 
 function summary() {
   const plan = program.plans[shown.plan],
-    before = program.plans.find((p) => p !== plan);
+    before = besides(plan);
   const time = make("b", { id: "time", "data-value": plan.cycle_time_s }, seconds(plan.cycle_time_s));
   $("#sentence").replaceChildren(`Plan ${plan.plan}: `, time, ". Every sample holds its limits.");
   const saved = before ? before.cycle_time_s - plan.cycle_time_s : 0;
+  const than = saved ? `${seconds(Math.abs(saved))} ${saved < 0 ? "more" : "less"} than` : "As long as";
   $("#today").textContent = before
-    ? `${seconds(Math.abs(saved))} ${saved < 0 ? "more" : "less"} than plan ${before.plan}, which is drawn in grey.`
+    ? `${than} plan ${before.plan}, which is drawn in grey.`
     : "The other plan does not hold here.";
   $("#plans").replaceChildren(
     ...program.plans.map((p, i) =>

@@ -6,7 +6,22 @@ const steps = 240;
 /** A number of three digits. */
 const round = (x) => Number(x.toPrecision(3));
 
+/** Multiples of a number: places, and what they are. */
+function multiplesOf(grain, key, value) {
+  const whole = scaleOf({ type: "integer", low: key.open_low ? 1 : 0, high: key.high / grain }, Math.round(value / grain));
+  const exact = (n) => Number((n * grain).toPrecision(12));
+  return {
+    grain,
+    from: exact(whole.from),
+    to: exact(whole.to),
+    count: whole.count,
+    at: (p) => exact(whole.at(p, whole)),
+    of: (x) => whole.of(Math.round(x / grain), whole),
+  };
+}
+
 function scaleOf(key, value) {
+  if (key.grain?.()) return multiplesOf(key.grain(), key, value);
   const low = key.low ?? -Infinity,
     high = key.high ?? Infinity;
   const whole = key.type === "integer";
@@ -106,7 +121,7 @@ export function slider(key, id, now, put) {
       if (number.classList.contains("wrong")) wrong(null);
     }
     if (source !== range) {
-      if (value < scale.from || value > scale.to) scale = scaleOf(key, value);
+      if (value < scale.from || value > scale.to || scale.grain !== key.grain?.()) scale = scaleOf(key, value);
       range.max = scale.count;
       range.value = Math.round(scale.of(value, scale));
     }

@@ -44,6 +44,15 @@ export function tools(shared, draw) {
     }
     button.disabled = false;
   };
+  // A page of paper cannot be unfolded.
+  const folded = [];
+  addEventListener("beforeprint", () => {
+    folded.push(...document.querySelectorAll("#controls details:not([open])"));
+    for (const group of folded) group.open = true;
+  });
+  addEventListener("afterprint", () => {
+    for (const group of folded.splice(0)) group.open = false;
+  });
   addEventListener("keydown", (event) => {
     if (
       !(event.ctrlKey || event.metaKey) ||

@@ -62,6 +62,15 @@ class jthread : public thread {
 
 namespace ranges {
 
+template <class Range, class Test>
+bool any_of(Range&& range, Test test) {
+  return std::any_of(begin(range), end(range), [&](const auto& item) { return invoke(test, item); });
+}
+template <class Range, class Test, class Value>
+void replace_if(Range&& range, Test test, const Value& value) {
+  std::replace_if(
+      begin(range), end(range), [&](const auto& item) { return invoke(test, item); }, value);
+}
 template <class From, class To>
 auto copy(From&& from, To to) {
   return std::copy(begin(from), end(from), to);
