@@ -141,9 +141,12 @@ class BonminSolver final : public Solver {
     }
     if (!whole(problem)) {
       conclude(evaluator, result);
-    } else if (result.counts = evaluator.counts(); evaluator.stop() == nlp::Stop::exception) {
-      std::rethrow_exception(evaluator.exception());  // the best point seen may have fractions, so it is no answer
+      return result;
     }
+    // The best point seen may have fractions, so it is no answer.
+    if (evaluator.stop() == nlp::Stop::exception) std::rethrow_exception(evaluator.exception());
+    if (evaluator.stop() == nlp::Stop::time_limit) result.claim = Claim::time_limit;
+    result.counts = evaluator.counts();
     return result;
   }
 
