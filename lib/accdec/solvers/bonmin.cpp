@@ -1,5 +1,5 @@
-// Bonmin 1.8: branch and bound over Ipopt (B-BB). Its outer approximations (B-OA, B-QG, B-Hyb) called designs
-// infeasible that have a filter, so they are not offered.
+// Bonmin 1.8: branch and bound over Ipopt (B-BB). Its outer approximations (B-OA, B-QG, B-Hyb) called a design
+// infeasible that has a filter, for an unknown cause, so they are not offered.
 
 #include <algorithm>
 #include <chrono>
