@@ -13,6 +13,7 @@
 
 #include <accdec/files.hpp>
 #include <accdec/solvers/ipopt_problem.hpp>
+#include <accdec/solvers/module.hpp>
 #include <accdec/solvers/registration.hpp>
 #include <accdec/solvers/run.hpp>
 
@@ -113,6 +114,7 @@ class BonminSolver final : public Solver {
  protected:
   Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
     if (!options.native.empty()) throw std::invalid_argument("Bonmin takes no options here");
+    const std::lock_guard lock(*module_function<decltype(accdec_ipopt_mutex)>("ipopt", "accdec_ipopt_mutex")());
     const auto began = std::chrono::steady_clock::now();
     Evaluator evaluator(problem, limits_of(options));
     Result result;
