@@ -199,6 +199,8 @@ SUITE = {
     "reduced": ["nlopt-cobyla"],
     "variant": [{"name": "v", "solver": "ipopt", "form": "reduced"}],
     "problem": [{"name": "p", "task": "good.toml", "formulation": ["margin"], "order": 9, "sizes": [1]}],
+    "hypercube": [{"name": "h", "task": "good.toml", "count": 1, "formulation": ["delay"],
+                   "ranges": {"sample_period_ms": [1, 2]}}],
 }
 
 validators = {kind: validator(kind) for kind in ("task", "study", "suite", "result", "controller")}

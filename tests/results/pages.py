@@ -129,6 +129,22 @@ def comparison(page):
     page.same("three corners, delays", delays, f"{fresh:g}")
 
 
+@check_of("comparison/benchmark.md")
+def benchmark(page):
+    """One hypercube by itself: its problems do not depend on the others."""
+    count, total = page.find(r"The optima of the (\d+) problems `jerk` are (\d+) samples in all")
+    blocks = (page.source / "problems/suite/benchmark-500.toml").read_text().split("[[hypercube]]\n")
+    jerk = next(block for block in blocks if block.startswith('name = "jerk"'))
+    folder = (page.source / "problems/suite").resolve()
+    jerk = jerk.replace('task = "', f'task = "{folder}/')
+    (page.folder / "suite.toml").write_text(f"{blocks[0]}\n[[hypercube]]\n{jerk}")
+    page.run("compare", "suite.toml", "--out", "out", "--solvers", "exact", "-q")
+    lines = [json.loads(line) for line in (page.folder / "out/raw.jsonl").read_text().splitlines()]
+    optima = [line["upper"] for line in lines if line["record"] == "problem" and line["proof"] == "proved"]
+    page.same("problems jerk", count, str(len(optima)))
+    page.same("their optima", total, f"{sum(optima):g}")
+
+
 def weighted(result):
     """The corners of a result with their weights in the task."""
     corners = result["task"]["corner"]

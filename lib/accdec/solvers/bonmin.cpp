@@ -1,5 +1,5 @@
-// Bonmin 1.8: branch and bound over Ipopt (B-BB). Its outer approximations (B-OA, B-QG, B-Hyb) called designs
-// infeasible that have a filter, so they are not offered.
+// Bonmin 1.8: branch and bound over Ipopt (B-BB). Its outer approximations (B-OA, B-QG, B-Hyb) called a design
+// infeasible that has a filter, for an unknown cause, so they are not offered.
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +13,7 @@
 
 #include <accdec/files.hpp>
 #include <accdec/solvers/ipopt_problem.hpp>
+#include <accdec/solvers/module.hpp>
 #include <accdec/solvers/registration.hpp>
 #include <accdec/solvers/run.hpp>
 
@@ -113,6 +114,7 @@ class BonminSolver final : public Solver {
  protected:
   Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
     if (!options.native.empty()) throw std::invalid_argument("Bonmin takes no options here");
+    const std::lock_guard lock(*module_function<decltype(accdec_ipopt_mutex)>("ipopt", "accdec_ipopt_mutex")());
     const auto began = std::chrono::steady_clock::now();
     Evaluator evaluator(problem, limits_of(options));
     Result result;
@@ -141,9 +143,12 @@ class BonminSolver final : public Solver {
     }
     if (!whole(problem)) {
       conclude(evaluator, result);
-    } else if (result.counts = evaluator.counts(); evaluator.stop() == nlp::Stop::exception) {
-      std::rethrow_exception(evaluator.exception());  // the best point seen may have fractions, so it is no answer
+      return result;
     }
+    // The best point seen may have fractions, so it is no answer.
+    if (evaluator.stop() == nlp::Stop::exception) std::rethrow_exception(evaluator.exception());
+    if (evaluator.stop() == nlp::Stop::time_limit) result.claim = Claim::time_limit;
+    result.counts = evaluator.counts();
     return result;
   }
 

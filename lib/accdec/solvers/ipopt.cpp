@@ -116,12 +116,6 @@ std::string words_of(Ipopt::ApplicationReturnStatus status) {
   }
 }
 
-/// MUMPS keeps global state: two Ipopts at once in one process crash.
-std::mutex& one_at_a_time() {
-  static std::mutex mutex;
-  return mutex;
-}
-
 /// Settings that differ from Ipopt's defaults.
 constexpr std::pair<const char*, const char*> own_settings[] = {
     {"bound_relax_factor", "0"},
@@ -156,7 +150,7 @@ class IpoptSolver final : public Solver {
 
  protected:
   Result do_solve(const nlp::Problem& problem, std::span<const double> start, const Options& options) const override {
-    const std::lock_guard lock(one_at_a_time());
+    const std::lock_guard lock(*accdec_ipopt_mutex());
     Evaluator evaluator(problem, limits_of(options));
     const Ipopt::SmartPtr<Adapter> adapter = new Adapter(evaluator, start);
     const Ipopt::SmartPtr<Ipopt::IpoptApplication> app = new Ipopt::IpoptApplication(false);
@@ -191,6 +185,11 @@ class IpoptSolver final : public Solver {
 
 }  // namespace
 }  // namespace accdec::solvers
+
+std::mutex* accdec_ipopt_mutex() {
+  static std::mutex mutex;
+  return &mutex;
+}
 
 void accdec_add_solvers(accdec::solvers::SolverList& list) {
   using namespace accdec::solvers;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -96,3 +97,6 @@ class IpoptProblem : public Base {
 };
 
 }  // namespace accdec::solvers
+
+/// MUMPS keeps global state: two Ipopts at once in one process crash. Ipopt's module has the mutex for all.
+extern "C" std::mutex* accdec_ipopt_mutex();
