@@ -8,6 +8,7 @@
 #include <accdec/bounds/any_motion_bound.hpp>
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
+#include <accdec/bounds/plane_bound.hpp>
 #include <accdec/bounds/tube_window.hpp>
 #include <accdec/files.hpp>
 #include <accdec/simulate/tube_check.hpp>
@@ -16,7 +17,8 @@ namespace accdec {
 namespace {
 
 constexpr std::size_t programs_max = 600;  // linear programs
-constexpr double cell_ratio = 1.05;        // of one length of windows to the next
+constexpr std::size_t plane_programs_max = 12'000;
+constexpr double cell_ratio = 1.05;  // of one length of windows to the next
 constexpr int widenings_max = 24;
 
 /// Blocks that go straight on at one feed.
@@ -33,7 +35,12 @@ struct Leg {
 class AnyMotionBound {
  public:
   AnyMotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit)
-      : path_(path), machine_(machine), n_(path.dimensions()), time_limit_(time_limit) {
+      : path_(path),
+        machine_(machine),
+        n_(path.dimensions()),
+        time_limit_(time_limit),
+        planes_(machine, path.dimensions(),
+                [this] { return plane_programs_++ < plane_programs_max && seconds_since(start_) < time_limit_; }) {
     double acceleration2 = 0.0;
     bool jerk = false;
     for (const Axis& axis : machine.axes) {
@@ -160,7 +167,13 @@ class AnyMotionBound {
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
-    return rounding * best;
+    return rounding * std::max(best, by_planes());
+  }
+
+  double by_planes() {
+    std::vector<PlaneLeg> legs;
+    for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
+    return planes_.time(legs);
   }
 
   /// The loss of all ends and corners, windows by what legs take at least; windows of no length at first.
@@ -244,7 +257,8 @@ class AnyMotionBound {
   std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;
   std::map<Key, TubeLoss> corners_;
-  std::size_t programs_ = 0;
+  std::size_t programs_ = 0, plane_programs_ = 0;
+  PlaneBound planes_;
 };
 
 }  // namespace
