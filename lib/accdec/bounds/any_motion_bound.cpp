@@ -32,6 +32,15 @@ struct Leg {
   double first_loss = 0.0, last_loss = 0.0;  // s at its ends, each by itself
 };
 
+bool same(const TubeLeg& a, const TubeLeg& b) {
+  double difference = 0.0, length = 0.0;
+  for (std::size_t i = 0; i < a.pace.size(); ++i) {
+    difference = std::hypot(difference, a.pace[i] - b.pace[i]);
+    length = std::hypot(length, a.pace[i]);
+  }
+  return difference <= 1e-9 * length && (a.feed < unlimited) == (b.feed < unlimited);
+}
+
 class AnyMotionBound {
  public:
   AnyMotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit)
@@ -140,14 +149,6 @@ class AnyMotionBound {
       whole.tolerance = leg.tolerance;
     }
   }
-  static bool same(const TubeLeg& a, const TubeLeg& b) {
-    double difference = 0.0, length = 0.0;
-    for (std::size_t i = 0; i < a.pace.size(); ++i) {
-      difference = std::hypot(difference, a.pace[i] - b.pace[i]);
-      length = std::hypot(length, a.pace[i]);
-    }
-    return difference <= 1e-9 * length && (a.feed < unlimited) == (b.feed < unlimited);
-  }
 
   double section(std::size_t first, std::size_t last) {
     make_legs(first, last);
@@ -167,13 +168,9 @@ class AnyMotionBound {
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
-    return rounding * std::max(best, by_planes());
-  }
-
-  double by_planes() {
     std::vector<PlaneLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
-    return planes_.time(legs);
+    return rounding * std::max(best, planes_.time(legs));
   }
 
   /// The loss of all ends and corners, windows by what legs take at least; windows of no length at first.

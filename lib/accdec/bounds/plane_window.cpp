@@ -19,6 +19,17 @@ struct Shares {
   double low = 0.0, high = 1.0;
 };
 
+using Entries = std::vector<std::pair<int, double>>;
+
+/// Of a row.
+struct Side {
+  std::array<double, 4> powers{};  // of the time, over the side at the program's time
+  bool both = false;
+};
+double value(const std::array<double, 4>& powers, double time) {
+  return powers[0] + time * (powers[1] + time * (powers[2] + time * powers[3]));
+}
+
 /// The linear program for a range of shares. Columns are the positions from the corner at every moment.
 class PlaneProgram {
  public:
@@ -32,8 +43,7 @@ class PlaneProgram {
     double axes2 = 0.0;
     for (std::size_t a = 0; a < dimensions; ++a) {
       const bool moves = window.out->direction[a] != 0.0 || window.after_normal[a] != 0.0 ||
-                         window.before_normal[a] != 0.0 ||
-                         (window.in != nullptr && window.in->direction[a] != 0.0);
+                         window.before_normal[a] != 0.0 || (window.in != nullptr && window.in->direction[a] != 0.0);
       if (moves) active_.push_back(a);
       axes2 += machine.axes[a].velocity_max * machine.axes[a].velocity_max;
     }
@@ -62,12 +72,6 @@ class PlaneProgram {
   }
 
  private:
-  using Entries = std::vector<std::pair<int, double>>;
-  struct Side {
-    std::array<double, 4> powers{};  // of the time, over the side at time_
-    bool both = false;
-  };
-
   int column(int moment, std::size_t i) const {
     return moment * static_cast<int>(active_.size()) + static_cast<int>(i);
   }
@@ -77,9 +81,6 @@ class PlaneProgram {
       if (d[active_[i]] != 0.0) entries.emplace_back(column(moment, i), factor * d[active_[i]]);
     }
     return entries;
-  }
-  static double value(const std::array<double, 4>& powers, double time) {
-    return powers[0] + time * (powers[1] + time * (powers[2] + time * powers[3]));
   }
   /// entries (m) <= powers of the time (m); on both sides of zero if asked.
   void add(Entries entries, const std::array<double, 4>& powers, bool both) {
@@ -109,16 +110,19 @@ class PlaneProgram {
       const int known = k <= corner_ ? k : rest ? 3 : k - corner_;  // steps of this side; at rest all before count
       if (v < unlimited) add_difference(i, k, {1.0, -1.0}, {0.0, v * h, 0.0, 0.0});
       if (a < unlimited && known >= 2 && k >= 2) add_difference(i, k, {1.0, -2.0, 1.0}, {0.0, 0.0, a * h * h, 0.0});
-      if (jerk < unlimited && known >= 3 && k >= 2) add_difference(i, k, {1.0, -3.0, 3.0, -1.0}, {0.0, 0.0, 0.0, jerk * h * h * h});
+      if (jerk < unlimited && known >= 3 && k >= 2)
+        add_difference(i, k, {1.0, -3.0, 3.0, -1.0}, {0.0, 0.0, 0.0, jerk * h * h * h});
     }
     if (rest) {  // in the first step no farther than at the largest acceleration, or jerk, throughout
       if (a < unlimited) add({{column(1, i), 1.0}}, {0.0, 0.0, 0.5 * a * step_out_ * step_out_, 0.0}, true);
-      if (jerk < unlimited) add({{column(1, i), 1.0}}, {0.0, 0.0, 0.0, jerk * step_out_ * step_out_ * step_out_ / 6.0}, true);
+      if (jerk < unlimited)
+        add({{column(1, i), 1.0}}, {0.0, 0.0, 0.0, jerk * step_out_ * step_out_ * step_out_ / 6.0}, true);
       return;
     }
     // Across the corner, where the length of steps changes.
     if (a < unlimited) add_divided(i, {corner_ - 1, corner_, corner_ + 1}, a / 2.0);
-    for (int k = corner_ - 2; jerk < unlimited && k < corner_; ++k) add_divided(i, {k, k + 1, k + 2, k + 3}, jerk / 6.0);
+    for (int k = corner_ - 2; jerk < unlimited && k < corner_; ++k)
+      add_divided(i, {k, k + 1, k + 2, k + 3}, jerk / 6.0);
   }
   /// A divided difference of moments is at most `most`.
   void add_divided(std::size_t i, const std::vector<int>& moments, double most) {
@@ -170,7 +174,6 @@ class PlaneProgram {
       const double room_after = between * norm(window_.after_normal);
       add(along(window_.after_normal, count_, 1.0), {window_.after, room_after, 0.0, 0.0}, false);
     }
-
   }
   void add_tube(int moment, double away, double radius) {
     if (!(radius < unlimited)) return;
@@ -217,11 +220,11 @@ class PlaneProgram {
   const PlaneWindow& window_;
   const Machine& machine_;
   const Shares shares_;
-  const double time_;                       // s, that the multipliers are of
-  double step_in_ = 0.0, step_out_ = 0.0;   // of the time
+  const double time_;                             // s, that the multipliers are of
+  double step_in_ = 0.0, step_out_ = 0.0;         // of the time
   double feed_ = 0.0, speed_ = 0.0, unit_ = 0.0;  // m/s, m/s, m
-  int corner_ = 0, count_ = 0;              // moments
-  std::vector<std::size_t> active_;         // axes
+  int corner_ = 0, count_ = 0;                    // moments
+  std::vector<std::size_t> active_;               // axes
   LegPlane plane_;
   BoundRows rows_;
   std::vector<Side> sides_;
@@ -234,8 +237,7 @@ class PlaneProgram {
 double plane_time(const PlaneWindow& window, const Machine& machine, std::size_t dimensions,
                   const std::function<bool()>& more) {
   double speed = std::max(window.out->feed, window.in == nullptr ? 0.0 : window.in->feed), axes2 = 0.0;
-  for (std::size_t a = 0; a < dimensions; ++a)
-    axes2 += machine.axes[a].velocity_max * machine.axes[a].velocity_max;
+  for (std::size_t a = 0; a < dimensions; ++a) axes2 += machine.axes[a].velocity_max * machine.axes[a].velocity_max;
   speed = std::min(speed, std::sqrt(axes2));
   if (!(speed < unlimited) || !(window.tolerance < unlimited)) return 0.0;
   const auto least = [&](const Shares& shares, double guess) {
