@@ -8,6 +8,7 @@
 #include <accdec/bounds/any_motion_bound.hpp>
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
+#include <accdec/bounds/plane_bound.hpp>
 #include <accdec/bounds/tube_window.hpp>
 #include <accdec/files.hpp>
 #include <accdec/simulate/tube_check.hpp>
@@ -16,7 +17,8 @@ namespace accdec {
 namespace {
 
 constexpr std::size_t programs_max = 600;  // linear programs
-constexpr double cell_ratio = 1.05;        // of one length of windows to the next
+constexpr std::size_t plane_programs_max = 12'000;
+constexpr double cell_ratio = 1.05;  // of one length of windows to the next
 constexpr int widenings_max = 24;
 
 /// Blocks that go straight on at one feed.
@@ -30,10 +32,24 @@ struct Leg {
   double first_loss = 0.0, last_loss = 0.0;  // s at its ends, each by itself
 };
 
+bool same(const TubeLeg& a, const TubeLeg& b) {
+  double difference = 0.0, length = 0.0;
+  for (std::size_t i = 0; i < a.pace.size(); ++i) {
+    difference = std::hypot(difference, a.pace[i] - b.pace[i]);
+    length = std::hypot(length, a.pace[i]);
+  }
+  return difference <= 1e-9 * length && (a.feed < unlimited) == (b.feed < unlimited);
+}
+
 class AnyMotionBound {
  public:
   AnyMotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit)
-      : path_(path), machine_(machine), n_(path.dimensions()), time_limit_(time_limit) {
+      : path_(path),
+        machine_(machine),
+        n_(path.dimensions()),
+        time_limit_(time_limit),
+        planes_(machine, path.dimensions(),
+                [this] { return plane_programs_++ < plane_programs_max && seconds_since(start_) < time_limit_; }) {
     double acceleration2 = 0.0;
     bool jerk = false;
     for (const Axis& axis : machine.axes) {
@@ -133,14 +149,6 @@ class AnyMotionBound {
       whole.tolerance = leg.tolerance;
     }
   }
-  static bool same(const TubeLeg& a, const TubeLeg& b) {
-    double difference = 0.0, length = 0.0;
-    for (std::size_t i = 0; i < a.pace.size(); ++i) {
-      difference = std::hypot(difference, a.pace[i] - b.pace[i]);
-      length = std::hypot(length, a.pace[i]);
-    }
-    return difference <= 1e-9 * length && (a.feed < unlimited) == (b.feed < unlimited);
-  }
 
   double section(std::size_t first, std::size_t last) {
     make_legs(first, last);
@@ -160,7 +168,9 @@ class AnyMotionBound {
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
-    return rounding * best;
+    std::vector<PlaneLeg> legs;
+    for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
+    return rounding * std::max(best, planes_.time(legs));
   }
 
   /// The loss of all ends and corners, windows by what legs take at least; windows of no length at first.
@@ -244,7 +254,8 @@ class AnyMotionBound {
   std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;
   std::map<Key, TubeLoss> corners_;
-  std::size_t programs_ = 0;
+  std::size_t programs_ = 0, plane_programs_ = 0;
+  PlaneBound planes_;
 };
 
 }  // namespace

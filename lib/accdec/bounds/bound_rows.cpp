@@ -49,11 +49,13 @@ BoundRows::Multipliers BoundRows::multipliers(const std::vector<double>& costs, 
   row_duals(program, dual);
   Multipliers result;
   result.part.assign(costs.size(), 0.0);
+  result.rows.assign(rows_.size(), 0.0);
   if (dual.empty()) return result;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const double side = dual[r] > 0.0 ? low_[r] : high_[r];
     if (dual[r] == 0.0 || !(std::abs(side) < 0.1 * none) || !std::isfinite(dual[r])) continue;
     result.sides += dual[r] * side;
+    result.rows[r] = dual[r];
     for (const auto& [column, factor] : rows_[r]) result.part[static_cast<std::size_t>(column)] += dual[r] * factor;
   }
   return result;

@@ -19,6 +19,7 @@ class BoundRows {
   struct Multipliers {
     double sides = 0.0;        ///< the multipliers times the sides of their rows that their signs name
     std::vector<double> part;  ///< the multipliers' part in every column
+    std::vector<double> rows;  ///< the multipliers; 0 where their side is missing
     /// The least that this leaves of costs x with columns in [low, high].
     double least(const std::vector<double>& costs, const std::vector<double>& low,
                  const std::vector<double>& high) const;

@@ -5,23 +5,13 @@
 
 #include <accdec/bounds/bound_rows.hpp>
 #include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/leg_plane.hpp>
 #include <accdec/bounds/tube_window.hpp>
 
 namespace accdec {
 namespace {
 
-using Vector = std::array<double, program_axis_count>;
-
-double dot(const Vector& a, const Vector& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-Vector combined(double x, const Vector& a, double y, const Vector& b) {
-  Vector sum{};
-  for (std::size_t i = 0; i < a.size(); ++i) sum[i] = x * a[i] + y * b[i];
-  return sum;
-}
+using Vector = AxisVector;
 
 /// The linear program of a window. Columns are the positions from the corner, of every moment the axes that either leg
 /// moves, in units of what the feed passes between two moments.
@@ -47,7 +37,7 @@ class WindowProgram {
     unit_ = std::min(feed_, std::sqrt(axes2)) * step_;
     if (!(unit_ < unlimited) || active_.empty()) count_ = 0;
     rows_ = BoundRows(columns());
-    make_plane();
+    plane_ = LegPlane(in == nullptr ? Vector{} : in->direction, out.direction, active_);
     for (const std::size_t a : active_) add_axis(a);
     add_feed();
     add_places();
@@ -76,21 +66,8 @@ class WindowProgram {
     return entries;
   }
 
-  /// Two unit vectors that both legs lie in the plane of; the second is zero where there is only one axis.
-  void make_plane() {
-    first_ = out_.direction;
-    Vector other = in_ == nullptr ? Vector{} : in_->direction;
-    other = combined(1.0, other, -dot(other, first_), first_);
-    for (std::size_t i = 0; i < active_.size() && dot(other, other) < 1e-12; ++i) {
-      other = {};
-      other[active_[i]] = 1.0;
-      other = combined(1.0, other, -dot(other, first_), first_);
-    }
-    const double length2 = dot(other, other);
-    if (length2 >= 1e-12) second_ = combined(1.0 / std::sqrt(length2), other, 0.0, other);
-  }
-  Vector at_angle(double angle) const { return combined(std::cos(angle), first_, std::sin(angle), second_); }
-  double angle_of(const Vector& v) const { return std::atan2(dot(v, second_), dot(v, first_)); }
+  Vector at_angle(double angle) const { return plane_.at_angle(angle); }
+  double angle_of(const Vector& v) const { return plane_.angle_of(v); }
 
   void add_axis(std::size_t axis) {
     const auto i = static_cast<std::size_t>(std::find(active_.begin(), active_.end(), axis) - active_.begin());
@@ -182,14 +159,10 @@ class WindowProgram {
   double step_ = 0.0, feed_ = unlimited, unit_ = 1.0;  // s, m/s, m
   int before_ = 0, count_ = 0;                         // moments
   std::vector<std::size_t> active_;                    // axes
-  Vector first_{}, second_{};
+  LegPlane plane_;
   BoundRows rows_;
   std::vector<double> low_, high_;
 };
-
-double norm(const Vector& v) {
-  return std::sqrt(dot(v, v));
-}
 
 }  // namespace
 
