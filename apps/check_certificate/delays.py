@@ -19,8 +19,8 @@ def too_far(problem, corner, left, gained):
 
 
 def strays(problem, corner, left, gained):
-    """Whether the polyline surely leaves the contour's strips: at no time are both p and q at most m, the tolerance over
-    sin(theta). p falls and q rises, so only the chord on which p passes m counts."""
+    """Whether the polyline surely leaves the contour's strips: at no time are both p and q at most m, the tolerance
+    over sin(theta). p falls and q rises, so only the chord on which p passes m counts."""
     if corner.contour is None or corner.sine.lo <= 0:
         return False
     most = exact(corner.contour / problem.period) / corner.sine

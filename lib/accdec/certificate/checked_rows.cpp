@@ -153,8 +153,8 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
   sum.rhs = sum.rhs + weight * error / (period() * Interval(fastest));
 }
 
-/// The nearer leg of a point in the wedge of both legs is min(p, q) sin(theta) away. p falls and q rises,
-/// linearly between the samples of the polyline. So it keeps the tolerance if and only if both are at most that over
+/// In the wedge of both legs, the nearer one is min(p, q) sin(theta) away. Linearly between samples, p falls and q
+/// rises. So it keeps the tolerance if and only if both are at most that over
 /// sin(theta) at some time c. For c in c1 .. c2, p(c) >= p(c2) and q(c - d) >= q(c1 - d2).
 void CheckedRows::add_row(const proof::Contour& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
   const TaskCorner& c = corner(row.corner);
