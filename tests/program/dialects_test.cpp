@@ -27,8 +27,9 @@ TEST(ForeignWords, AreNamedWithTheirDialect) {
 }
 
 TEST(ForeignWords, AreNoWordsOfLinuxcncAndNoComments) {
-  for (const char* own : {"G1 X1 (G68 turns)", "G61.1", "G6", "G680", "G16.5", "G5 X1 Y1 P1 Q1", "G5.1 I1 J1 X1 Y1", "G8",
-                          "G4 P1", "G30 Z1", "O100 if [#1 EQ 0]", "O100 while [#<goto> LT 5]", "%", "; $H", "M10", ""})
+  for (const char* own :
+       {"G1 X1 (G68 turns)", "G61.1", "G6", "G680", "G16.5", "G5 X1 Y1 P1 Q1", "G5.1 I1 J1 X1 Y1", "G8", "G4 P1",
+        "G30 Z1", "O100 if [#1 EQ 0]", "O100 while [#<goto> LT 5]", "%", "; $H", "M10", ""})
     EXPECT_EQ(foreign_words(own), "") << own;
 }
 
