@@ -18,6 +18,27 @@ def too_far(problem, corner, left, gained):
     return True
 
 
+def strays(problem, corner, left, gained):
+    """Whether the polyline surely leaves the contour's strips: at no time are both p and q at most m, the tolerance
+    over sin(theta). p falls and q rises, so only the chord on which p passes m counts."""
+    if corner.contour is None or corner.sine.lo <= 0:
+        return False
+    most = exact(corner.contour / problem.period) / corner.sine
+    to_go, gone, before = sum(left[1:], ZERO), ZERO, None
+    for k, (a, b) in enumerate(zip(left, gained)):
+        to_go, gone = to_go - a if k > 0 else to_go, gone + b
+        p, q = to_go * exact(corner.feed_in), gone * exact(corner.feed_out)
+        if p.lo > most.hi:
+            before = p, q
+            continue
+        if q.lo <= most.hi:
+            return False
+        # The chord passes beyond the point p = q = m.
+        beyond = ((before[0] - most) * (q - most)).lo > ((most - before[1]) * (most - p)).hi if before else True
+        return beyond or before[1].lo > most.hi
+    return True
+
+
 def with_friction(axis, force, v, still):
     """Dry friction is against the motion. An axis that stands has up to as much where it helps, one that moves as
     slowly as that may have either."""
@@ -49,6 +70,8 @@ def breaks_a_limit(problem, corner, gone, delay):
     speeds = [[into * a + out * b for a, b in zip(left, gained)] for into, out in legs]
     slowest = min(sum((v * v for v in now), ZERO).hi for now in zip(*speeds))
     if slowest < (exact(corner.speed_min) * exact(corner.speed_min)).lo or too_far(problem, corner, left, gained):
+        return True
+    if strays(problem, corner, left, gained):
         return True
     still = exact(max(corner.feed_in, corner.feed_out) * STILL).lo
     return any(breaks_axis(exact(problem.period), axis, along, still) for axis, along in zip(problem.axes, speeds))

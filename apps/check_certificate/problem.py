@@ -115,15 +115,17 @@ def _corner(table, axes):
     feed_in = number(table["feed_in_mm_min"]) / 60000
     feed_out = number(table["feed_out_mm_min"]) / 60000 if "feed_out_mm_min" in table else feed_in
     weight, delay, error = number(table.get("weight", 1)), table.get("delay_samples"), table.get("error_max_um")
+    contour = table.get("contour_max_um")
     known = min(feed_in, feed_out, weight) > 0 and (delay is None or whole(delay) >= 0)
     refuse_if(not known, "a corner has a feed, weight or delay below what a task may have")
-    if error is not None:
-        error = max(number(error) / 10**6 * WIDER, FLOOR) + FLOOR / 1000
+    error, contour = [
+        None if most is None else max(number(most) / 10**6 * WIDER, FLOOR) + FLOOR / 1000 for most in (error, contour)
+    ]
     along = [[exact(feed) * x for x in part] for feed, part in ((feed_in, part_in), (feed_out, part_out))]
     speed_min = number(table.get("speed_min_mm_s", 0)) / 1000 / WIDER
     return SimpleNamespace(
         name=table.get("name", ""), feed_in=feed_in, feed_out=feed_out, part_in=part_in, part_out=part_out,
-        cosine=cosine, sine=sine, error=error, speed_min=speed_min, delay=delay, weight=weight,
+        cosine=cosine, sine=sine, error=error, contour=contour, speed_min=speed_min, delay=delay, weight=weight,
         speed_in=along[0], speed_out=along[1],
     )
 
@@ -176,7 +178,7 @@ def _close(a, b):
 
 def _same_question(axes, a, b):
     """Whether the axes of one corner can be exchanged and turned round so that it is the other."""
-    told = [(c.error, c.speed_min, c.delay, c.feed_in, c.feed_out) for c in (a, b)]
+    told = [(c.error, c.contour, c.speed_min, c.delay, c.feed_in, c.feed_out) for c in (a, b)]
     turned = _close(UNIT + a.cosine, UNIT + b.cosine) and _close(UNIT - a.cosine, UNIT - b.cosine)
     if told[0] != told[1] or not turned:
         return False

@@ -1,5 +1,7 @@
 """Limits of a task as rows `terms <= bound`, from the names a certificate gives them. A row holds for every design in
 the part of the search that it is asked for; README.md of lib/accdec/certificate has the formulas."""
+from math import floor
+
 import chords
 from enclosure import BITS, ONE, PI, UNIT, ZERO, Enclosure, cos_sin, exact, exponential, square_root
 from problem import NotCovered, number, refuse_if, whole
@@ -222,6 +224,20 @@ class Rows:
         row.to_go(k2, of_p)
         row.gone(min(k1 - d2, box.order) if box.window else k1 - d2, of_q)
 
+    def contour(self, row, box, j, out):
+        """The nearer leg is min(p, q) sin(theta) away. So p(c) <= m and q(c - d) <= m at one time c, m the tolerance
+        over sin(theta). Between whole numbers both are linear; over c1 .. c2 and d1 .. d2 they are at least p(c2) and
+        q(c1 - d2)."""
+        corner, (c1, c2), d2 = self.corner(j), box.times[j], box.corners[j][1]
+        refuse_if(corner.contour is None, "a multiplier names a contour that is not bounded")
+        refuse_if(corner.sine.lo <= 0 or not isinstance(out, bool), "a contour of collinear legs, or of no leg")
+        fastest, time = max(corner.feed_in, corner.feed_out), c1 - d2 if out else c2
+        at, add = floor(time), row.gone if out else row.to_go
+        scale = exact((corner.feed_out if out else corner.feed_in) / fastest)
+        add(at, scale * exact(1 - (time - at)))
+        add(at + 1, scale * exact(time - at))
+        row.limit(exact(corner.contour / self.problem.period / fastest) / corner.sine)
+
     def range_error(self, row, box, j, angle, *touches):
         of_p, of_q = self._seen(row, box, j, angle, False)
         a, a_after, a_high, b, b_after, b_high = touches
@@ -278,7 +294,9 @@ class Rows:
 
 
 # Rows of the command, and of what is known of the motion behind a servo.
-BEHIND_A_SERVO = {"jerk", "blend acceleration", "blend jerk", "error", "budget", "vibration", "damped vibration"}
+BEHIND_A_SERVO = {
+    "jerk", "blend acceleration", "blend jerk", "error", "contour", "budget", "vibration", "damped vibration"
+}
 # Name in the file: what makes the row; how many entries it has between its name and its multiplier; whether it can
 # speak of filters of any order. Then follows what else the name says.
 KINDS = {
@@ -287,7 +305,7 @@ KINDS = {
     "blend acceleration": (Rows.blend, 4, True, "acceleration"),
     "blend jerk": (Rows.blend, 4, True, "jerk"),
     "blend force": (Rows.blend, 4, True, "force"),
-    "error": (Rows.error, 2, True),
+    "error": (Rows.error, 2, True), "contour": (Rows.contour, 2, False),
     "range error": (Rows.range_error, 8, False), "budget": (Rows.budget, 0, False),
     "vibration": (Rows.vibration, 3, True), "damped vibration": (Rows.vibration, 4, False),
     "power start": (chords.event_power, 4, False, False), "regeneration stop": (chords.event_power, 4, False, True),

@@ -10,16 +10,17 @@ ROUNDING = Fraction(1, 10**9)  # of times: shorter by less is not shorter
 
 
 class Box:
-    """A part: by corner (d1, d2, k1, k2); bounds on the order; cuts (sample, at most?, level) of responses."""
+    """A part: by corner (d1, d2, k1, k2), and (c1, c2) of its contour; bounds on the order; cuts (sample, at most?,
+    level) of responses."""
 
-    def __init__(self, corners, order_most, order_least=0, cuts=(), window=False):
-        self.corners, self.cuts, self.window = corners, cuts, window
+    def __init__(self, corners, times, order_most, order_least=0, cuts=(), window=False):
+        self.corners, self.times, self.cuts, self.window = corners, times, cuts, window
         self.order_least, self.order_most = order_least, order_most
         self.order, self.budget = -1, None  # what the target leaves
         self.tube, self.tube_known = None, False
 
     def copy(self, **changes):
-        other = Box(self.corners, self.order_most, self.order_least, self.cuts, self.window)
+        other = Box(self.corners, self.times, self.order_most, self.order_least, self.cuts, self.window)
         other.order, other.budget = self.order, self.budget
         other.__dict__.update(changes)
         return other
@@ -60,7 +61,7 @@ class Tree:
         for c in self.problem.corners:
             d1, d2 = (0, most + 2 + self.rows.longer) if c.delay is None else (c.delay, c.delay)
             corners.append((d1, d2, 0, d2 + most + 1 + self.rows.longer))
-        return Box(corners, most)
+        return Box(corners, [(Fraction(0), Fraction(k2)) for _, _, _, k2 in corners], most)
 
     def _whole(self, tree, check, box):
         self.tree, self.at = tree, 0
@@ -119,13 +120,15 @@ class Tree:
         if reduced.order >= 0:
             last = reduced.order + 1 + self.rows.longer
             reduced.corners = [(d1, d2, k1, min(k2, last + d2)) for d1, d2, k1, k2 in reduced.corners]
+            # There the motion has ended: a contour that holds later holds there.
+            reduced.times = [(c1, min(c2, last + c[1])) for (c1, c2), c in zip(box.times, reduced.corners)]
         return reduced
 
     def _node(self, part, depth):
         """`part` is as splits have left it, `box` what the target leaves of it."""
         node, box = self._next(depth), self._reduced(part)
         if node is None:
-            if box.order >= 0 and all(k1 <= k2 for _, _, k1, k2 in box.corners):
+            if box.order >= 0 and all(k1 <= k2 for _, _, k1, k2 in box.corners) and all(a <= b for a, b in box.times):
                 raise Refused(f"{box} is left out as too long, but is not")
         elif box.order < 0:
             raise Refused("the tree goes on where every design is too long")
@@ -154,7 +157,17 @@ class Tree:
             return self._response_split(node, part, box.order)
         if tagged(node, 1, "d", "k"):
             return self._split(node, part)
+        if tagged(node, 1, "c") and len(node) == 3:
+            return self._contour_split(node, part)
         raise NotCovered(f"a node {node!r}")
+
+    @staticmethod
+    def _contour_split(node, box):
+        j, at = node[0], number(node[2])
+        refuse_if(not 0 <= whole(j) < len(box.corners), "the tree splits a corner that is not there")
+        c1, c2 = box.times[j]
+        refuse_if(not c1 < at < c2, "the tree splits outside the part")
+        return tuple(box.copy(times=[*box.times[:j], half, *box.times[j + 1:]]) for half in ((c1, at), (at, c2)))
 
     @staticmethod
     def _split(node, box):

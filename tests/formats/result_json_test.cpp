@@ -64,6 +64,7 @@ Certificate certificate_of_every_kind() {
                         {proof::Blend{LimitKind::force, 0, 1, 7, -1}, 1.0},
                         {Error{1, 0.1}, 2.0},
                         {RangeError{0, -0.7, {5, true, false}, {-2, false, true}}, 2.0},
+                        {proof::Contour{1, true}, 2.0},
                         {Budget{}, 5.0},
                         {Vibration{1, 38.1, -3.0}, 2.0},
                         {EventPower{false, 0, 2, 0.1, 0.2}, 2.0},
@@ -73,8 +74,16 @@ Certificate certificate_of_every_kind() {
                         {Speed{1, 9, -0.5, 0.25}, 2.0},
                         {Response{4, -1}, 2.0}},
                        {}};
-  proof.tree = {Split{1, true, 3}, Split{0, false, 9}, OrderSplit{12},    ResponseSplit{4, 1.0 / 3.0}, Refuted{1},
-                TooLong{},         Unreachable{},      SymmetricOrders{}, RefutedSymmetric{0, -2}};
+  proof.tree = {Split{1, true, 3},
+                Split{0, false, 9},
+                OrderSplit{12},
+                ResponseSplit{4, 1.0 / 3.0},
+                Refuted{1},
+                TooLong{},
+                Unreachable{},
+                SymmetricOrders{},
+                RefutedSymmetric{0, -2},
+                proof::ContourSplit{1, 4.25}};
   return {proof};
 }
 

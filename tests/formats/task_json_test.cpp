@@ -21,14 +21,15 @@ std::string complaint(const std::string& json) {
 TEST(TaskJson, NamesInSiAndKeysOfFilesMakeTheSameTask) {
   const Task si = parse_task_json(
       R"({"sample_period": 0.0007, "axis": [{"acceleration_max": 6, "mass": 34, "damping": 0.3, "force_max": 465}],
-          "corner": [{"angle_deg": 80, "heading": 0.5, "feed_in": 0.1, "error_max": 33e-6, "speed_min": 0.001,
+          "corner": [{"angle_deg": 80, "heading": 0.5, "feed_in": 0.1, "error_max": 33e-6, "contour_max": 2e-5, "speed_min": 0.001,
                       "delay": 3}],
           "mode": [{"frequency": [30, 34], "residual_max": 0.1}], "program": {"error_max": 1e-5}})",
       "task");
   const Task file = parse_task(
       "sample_period_ms = 0.7\n[[axis]]\nacceleration_max_mm_s2 = 6000\nmass_kg = 34\ndamping_N_s_m = 0.3\n"
       "force_max_N = 465\n[[corner]]\nangle_deg = 80\nheading_deg = 28.64788975654116\nfeed_in_mm_min = 6000\n"
-      "error_max_um = 33\nspeed_min_mm_s = 1\ndelay_samples = 3\n[[mode]]\nfrequency_Hz = [30, 34]\n"
+      "error_max_um = 33\ncontour_max_um = 20\nspeed_min_mm_s = 1\ndelay_samples = 3\n[[mode]]\nfrequency_Hz = [30, "
+      "34]\n"
       "residual_max = 0.1\n[program]\nerror_max_um = 10\n",
       "task");
   EXPECT_EQ(task_to_toml(si), task_to_toml(file));

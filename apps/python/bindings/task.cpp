@@ -64,6 +64,7 @@ py::dict corner_dict(const TaskCorner& c) {
   d["feed_out"] = c.geometry().feed_out;
   d["error_max"] = c.error_max;
   d["speed_min"] = c.speed_min;
+  d["contour_max"] = c.contour_max;
   d["delay"] = c.delay;
   d["weight"] = c.weight;
   return d;

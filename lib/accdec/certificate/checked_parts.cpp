@@ -17,6 +17,16 @@ std::pair<CheckedBox, CheckedBox> checked_parts(const proof::Split& n, const Che
   return {std::move(first), std::move(second)};
 }
 
+std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ContourSplit& n, const CheckedBox& whole) {
+  if (n.corner < 0 || n.corner >= static_cast<int>(whole.corners.size()))
+    throw Rejected("the tree splits a corner that is not there");
+  const auto j = static_cast<std::size_t>(n.corner);
+  if (!(n.at > whole.corners[j].c1 && n.at < whole.corners[j].c2)) throw Rejected("the tree splits outside the box");
+  std::pair<CheckedBox, CheckedBox> both{whole, whole};
+  both.first.corners[j].c2 = both.second.corners[j].c1 = n.at;
+  return both;
+}
+
 std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ResponseSplit& n, const CheckedBox& box, int order) {
   if (n.sample < 1 || n.sample > order) throw Rejected("the tree splits a response that is not there");
   if (!(n.level >= 0.0 && n.level <= 1.0)) throw Rejected("the tree splits a response outside 0 .. 1");

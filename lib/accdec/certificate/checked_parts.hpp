@@ -13,6 +13,9 @@ std::pair<CheckedBox, CheckedBox> checked_parts(const proof::Split& split, const
 /// The parts with B_k at most a level, and at least that level.
 /// @throws Rejected if no filter up to the order has this response, or the level is outside 0 .. 1
 std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ResponseSplit& split, const CheckedBox& whole, int order);
+/// The parts with a contour time at most a value, and at least that value.
+/// @throws Rejected unless the value is inside the range
+std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ContourSplit& split, const CheckedBox& whole);
 /// The box in words, for what is said about it.
 std::string describe(const CheckedBox& box);
 

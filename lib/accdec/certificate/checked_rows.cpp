@@ -153,6 +153,34 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
   sum.rhs = sum.rhs + weight * error / (period() * Interval(fastest));
 }
 
+/// In the wedge of both legs, the nearer one is min(p, q) sin(theta) away. Linearly between samples, p falls and q
+/// rises. So it keeps the tolerance if and only if both are at most that over
+/// sin(theta) at some time c. For c in c1 .. c2, p(c) >= p(c2) and q(c - d) >= q(c1 - d2).
+void CheckedRows::add_row(const proof::Contour& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
+  const TaskCorner& c = corner(row.corner);
+  if (!c.contour_max) throw Rejected("a multiplier names a limit that is not there");
+  const CheckedRange& r = box.corners[static_cast<std::size_t>(row.corner)];
+  const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
+                        std::nextafter(c.geometry().cos_interior(), 2.0));
+  const Interval sine = sine_of(c.geometry(), cosine);
+  if (!(sine.lo > 0.0)) throw Rejected("a contour tolerance says nothing of collinear legs");
+  const double fastest = std::max(c.geometry().feed_in, c.geometry().feed_out);
+  const double time = row.out ? r.c1 - r.d2 : r.c2, whole = std::floor(time);
+  if (!(std::abs(time) < 1e8)) throw Rejected("a contour's time is out of range");
+  // c1 - d2 may round; q does not fall, so the part is taken low there.
+  const Interval part =
+      row.out ? (Interval(r.c1) - Interval(r.d2)) - Interval(whole) : Interval(time) - Interval(whole);
+  const Interval rest = Interval(1.0) - part;
+  const int k = static_cast<int>(whole), n = sum.order();
+  const Interval scale = weight * Interval(row.out ? c.geometry().feed_out : c.geometry().feed_in) / Interval(fastest);
+  for (int i = row.out ? 0 : std::max(0, k + 1 - longer()); i <= (row.out ? std::min(n, k) : n); ++i) {
+    const Interval here = row.out ? response_.gone(k - i) : response_.left(i - k),
+                   next = row.out ? response_.gone(k + 1 - i) : response_.left(i - k - 1);
+    sum.tap(i, scale * (rest * here + part * next));
+  }
+  sum.rhs = sum.rhs + weight * Interval(*c.contour_max) / (period() * Interval(fastest) * sine);
+}
+
 void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
   if (row.mode < 0 || row.mode >= static_cast<int>(task_.machine.modes.size()))
     throw Rejected("a multiplier names a mode that is not there");

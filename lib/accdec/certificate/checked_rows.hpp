@@ -15,9 +15,10 @@ struct Rejected : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Delays and samples of one corner.
+/// Delays and samples of one corner, and the times at which its path changes from one leg's strip to the other's.
 struct CheckedRange {
   int d1, d2, k1, k2;
+  double c1 = 0.0, c2 = 0.0;
 };
 
 /// A part of all designs: filters up to `order`, delays and samples in the ranges, responses within the cuts.
@@ -91,6 +92,7 @@ class CheckedRows {
   void add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Error& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::RangeError& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::Contour& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Budget& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Vibration& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::EventPower& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;

@@ -16,7 +16,8 @@ std::optional<int> checked_differences(LimitKind kind) {
     case LimitKind::corner_error:
     case LimitKind::speed_min:
     case LimitKind::power_total:
-    case LimitKind::regeneration_total: break;
+    case LimitKind::regeneration_total:
+    case LimitKind::contour: break;
   }
   return std::nullopt;
 }

@@ -50,7 +50,8 @@ class Checker {
       static_assert(most_differences == 1);
       // A response delays both by its length.
       const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2 + leaves_.longer());
-      root.corners.push_back({d1, d2, 0, d2 + task_.design.order_max + 1 + leaves_.longer()});
+      const int last = d2 + task_.design.order_max + 1 + leaves_.longer();
+      root.corners.push_back({d1, d2, 0, last, 0.0, static_cast<double>(last)});
     }
     return root;
   }
@@ -147,11 +148,16 @@ class Checker {
     const CheckedBox whole = box;
     box.order = largest_order(box);
     if (box.order >= 0) {
-      for (CheckedRange& r : box.corners) r.k2 = std::min(r.k2, box.order + r.d2 + 1 + leaves_.longer());
+      for (CheckedRange& r : box.corners) {
+        // At the last sample the motion has ended: what holds later holds there.
+        const int last = box.order + r.d2 + 1 + leaves_.longer();
+        r.k2 = std::min(r.k2, last);
+        r.c2 = std::min(r.c2, static_cast<double>(last));
+      }
     }
     const bool too_long = std::holds_alternative<proof::TooLong>(entry);
     const bool empty = box.order < 0 || std::any_of(box.corners.begin(), box.corners.end(),
-                                                    [](const CheckedRange& r) { return r.k1 > r.k2; });
+                                                    [](const CheckedRange& r) { return r.k1 > r.k2 || r.c1 > r.c2; });
     if (too_long && !empty) throw Rejected(fmt::format("{} is left out as too long, but is not", describe(box)));
     if (too_long) return;
     if (box.order < 0) throw Rejected("the tree goes on where every design is too long");
@@ -187,6 +193,12 @@ class Checker {
   }
 
   void check(const proof::Split& n, const CheckedBox& whole, const CheckedBox&, int depth) {
+    const auto [first, second] = checked_parts(n, whole);
+    node(first, depth + 1);
+    node(second, depth + 1);
+  }
+
+  void check(const proof::ContourSplit& n, const CheckedBox& whole, const CheckedBox&, int depth) {
     const auto [first, second] = checked_parts(n, whole);
     node(first, depth + 1);
     node(second, depth + 1);

@@ -40,7 +40,8 @@ double value_of(LimitKind kind, const Sampled& s, const Axis& axis) {
     case LimitKind::corner_error:
     case LimitKind::speed_min:
     case LimitKind::power_total:
-    case LimitKind::regeneration_total: break;  // not of an axis
+    case LimitKind::regeneration_total:
+    case LimitKind::contour: break;  // not of an axis
   }
   return 0.0;
 }
@@ -176,6 +177,22 @@ double MemberLimits::left(double frequency, double damping) const {
   return std::abs(sum);
 }
 
+/// The nearer leg is min(p, q) sin(theta) away. Between two samples that is largest where p = q.
+bool MemberLimits::contour_broken(const TaskCorner& corner, int delay, int last) const {
+  const FamilyMember& moved = motion();
+  const Corner& g = corner.geometry();
+  const double in = g.feed_in * granted_.sample_period, out = g.feed_out * granted_.sample_period;
+  const double sine = (g.direction_out + g.cos_interior() * g.direction_in).norm();
+  double farthest = 0.0, p0 = 0.0, q0 = 0.0;
+  for (int k = 0; k <= last; ++k) {
+    const double p = in * at(moved.way_left, k), q = out * way_gone(moved, k - delay);
+    farthest = std::max(farthest, std::min(p, q));
+    if (k > 0 && p0 > q0 && p < q) farthest = std::max(farthest, (p0 * q - q0 * p) / (p0 - q0 + q - p));
+    p0 = p, q0 = q;
+  }
+  return farthest * sine > *corner.contour_max * (1.0 + 1e-12);
+}
+
 bool MemberLimits::broken_by_blend(const TaskCorner& corner, int delay) const {
   const FamilyMember &commanded = command(), &moved = motion();
   const Corner& g = corner.geometry();
@@ -189,6 +206,7 @@ bool MemberLimits::broken_by_blend(const TaskCorner& corner, int delay) const {
     }
     if (std::sqrt(std::max(0.0, nearest)) > *corner.error_max * (1.0 + 1e-12)) return true;
   }
+  if (corner.contour_max && contour_broken(corner, delay, last)) return true;
   std::vector<double> speed(static_cast<std::size_t>(last) + 1, 0.0);
   for (std::size_t x = 0; x < granted_.machine.axes.size(); ++x) {
     const auto e = static_cast<Eigen::Index>(x);

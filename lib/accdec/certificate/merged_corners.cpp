@@ -44,8 +44,9 @@ std::vector<Asked> asked_of(const Machine& machine, const Corner& corner) {
 /// search matches instead.
 bool one_question(const Machine& machine, const TaskCorner& a, const TaskCorner& b) {
   const Corner &g = a.geometry(), &h = b.geometry();
-  if (a.error_max != b.error_max || a.speed_min != b.speed_min || a.delay != b.delay || g.feed_in != h.feed_in ||
-      g.feed_out != h.feed_out || g.axes() != h.axes() || !alike(1.0 + g.cos_interior(), 1.0 + h.cos_interior()))
+  if (a.error_max != b.error_max || a.contour_max != b.contour_max || a.speed_min != b.speed_min ||
+      a.delay != b.delay || g.feed_in != h.feed_in || g.feed_out != h.feed_out || g.axes() != h.axes() ||
+      !alike(1.0 + g.cos_interior(), 1.0 + h.cos_interior()))
     return false;
   const std::vector<Asked> of_a = asked_of(machine, g), of_b = asked_of(machine, h);
   return std::all_of(of_a.begin(), of_a.end(), [&](const Asked& asked) {

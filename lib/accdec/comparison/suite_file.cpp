@@ -167,6 +167,10 @@ class SuiteReader {
       if (other.name == spec.name && other.question == spec.question)
         table.fail_at("name", fmt::format("the name \"{}\" is taken already", spec.name));
     }
+    const bool contour = std::any_of(spec.task.corners.begin(), spec.task.corners.end(),
+                                     [](const TaskCorner& c) { return c.contour_max.has_value(); });
+    if (contour)
+      table.fail_at("task", "a comparison problem knows no contour_max_um: it would be left out of what solvers get");
     const bool bounded = std::any_of(spec.task.corners.begin(), spec.task.corners.end(),
                                      [](const TaskCorner& c) { return c.error_max && *c.error_max > 0.0; });
     if (!bounded) table.fail_at("task", "a comparison problem needs a corner with error_max_um > 0");

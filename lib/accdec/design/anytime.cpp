@@ -53,7 +53,10 @@ bool exact_covers(const Task& task) {
 /// The task without the limits that the exact method does not know.
 Task covered_part(const Task& task) {
   Task part = *limits_on_taps(task);
-  for (std::size_t j = 0; j < task.corners.size(); ++j) part.corners[j].error_max = task.corners[j].error_max;
+  for (std::size_t j = 0; j < task.corners.size(); ++j) {
+    part.corners[j].error_max = task.corners[j].error_max;
+    part.corners[j].contour_max = task.corners[j].contour_max;
+  }
   part.machine.power_total_max = part.machine.regeneration_total_max = unlimited;
   for (Axis& axis : part.machine.axes) {
     if (axis.coulomb > 0.0) axis.power_max = axis.regeneration_max = unlimited;

@@ -82,6 +82,8 @@ class CornerCheck {
     if (corner_.error_max)
       add(LimitKind::corner_error, judged_distance(measures.corner_error), *corner_.error_max,
           measures.corner_error_sample);
+    if (corner_.contour_max)
+      add(LimitKind::contour, judged_distance(measures.contour_deviation), *corner_.contour_max, 0);
     if (corner_.speed_min > 0.0)
       add(LimitKind::speed_min, measures.speed_min, corner_.speed_min, measures.speed_min_sample);
     return uses;

@@ -54,6 +54,17 @@ Lever error_lever(const TaskCorner& corner, std::size_t j) {
   return lever;
 }
 
+Lever contour_lever(const TaskCorner& corner, std::size_t j) {
+  Lever lever = limit_lever(LimitKind::contour, *corner.contour_max);
+  lever.name = "contour " + corner.name;
+  lever.key = fmt::format("corner.{}.contour_max_um", corner.name);
+  lever.corner = corner.name;
+  lever.end = 10.0;
+  if (lever.value == 0.0) lever.scale = 1e-6;
+  lever.set = [j](Task& t, double v) { t.corners[j].contour_max = v; };
+  return lever;
+}
+
 Lever speed_lever(const TaskCorner& corner, std::size_t j) {
   Lever lever = limit_lever(LimitKind::speed_min, corner.speed_min);
   lever.name = "smallest speed " + corner.name;
@@ -149,6 +160,7 @@ std::vector<Lever> limit_levers(const Task& task) {
   }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].error_max) levers.push_back(error_lever(task.corners[j], j));
+    if (task.corners[j].contour_max) levers.push_back(contour_lever(task.corners[j], j));
   }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].speed_min > 0.0) levers.push_back(speed_lever(task.corners[j], j));

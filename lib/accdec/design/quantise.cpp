@@ -45,6 +45,7 @@ Task tightened(Task task, double unit, double part, int order) {
   for (TaskCorner& corner : task.corners) {
     const double speed = corner.geometry().feed_in + corner.geometry().feed_out;
     if (corner.error_max) lower(*corner.error_max, 0.25 * unit * order * speed * period);
+    if (corner.contour_max) lower(*corner.contour_max, 0.25 * unit * order * speed * period);
     if (corner.speed_min > 0.0) corner.speed_min += part * 0.5 * unit * speed;
   }
   return task;

@@ -86,7 +86,7 @@ void compare_choice(const DesignResult& result, std::vector<std::string>& reason
 
 /// Rounding of the measures of a limit that are close to zero.
 double floor_of(const LimitUse& use) {
-  return use.kind == LimitKind::corner_error ? position_floor : 1e-12;
+  return use.kind == LimitKind::corner_error || use.kind == LimitKind::contour ? position_floor : 1e-12;
 }
 
 /// Whether a frequency is in a band of the task with this bound.
@@ -102,7 +102,8 @@ bool in_band(const Task& task, const LimitUse& use) {
 bool names_a_place(const Task& task, const LimitUse& use, const LimitUse& found) {
   if (use.kind == LimitKind::vibration)
     return use.sample == found.sample && use.event == found.event && in_band(task, use);
-  const bool of_the_blend = use.kind == LimitKind::corner_error || use.kind == LimitKind::speed_min;
+  const bool of_the_blend =
+      use.kind == LimitKind::corner_error || use.kind == LimitKind::speed_min || use.kind == LimitKind::contour;
   return use.frequency == found.frequency && (!of_the_blend || use.event == found.event);
 }
 

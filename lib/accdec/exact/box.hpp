@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -13,9 +14,11 @@ namespace accdec::exact {
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Delays d1 .. d2 and samples k1 .. k2 of one corner.
+/// Delays d1 .. d2 and samples k1 .. k2 of one corner. The path changes from leg 1's strip of the contour tolerance to
+/// leg 2's at a time in c1 .. c2, in samples. As the path is the polyline, that is not a whole number.
 struct CornerBox {
   int d1 = 0, d2 = 0, k1 = 0, k2 = 0;
+  double c1 = 0.0, c2 = 0.0;
 };
 /// B_k >= level or B_k <= level, from a split.
 struct SumBound {
@@ -65,6 +68,21 @@ struct Box {
     if (!distances.empty()) return distances[j].out[static_cast<std::size_t>(i)];
     return servo == nullptr ? std::max(0, first_out(j) - i) : servo->out(first_out(j) - i);
   }
+  /// Weights of tap i in the leg distances of corner j at its contour times: leg 1's at the last, leg 2's at the first.
+  double contour_in(std::size_t j, int i) const {
+    const double k = std::floor(corners[j].c2), part = corners[j].c2 - k;
+    const int x = i - static_cast<int>(k);
+    return (1.0 - part) * ramp_in(x) + part * ramp_in(x - 1);
+  }
+  double contour_out(std::size_t j, int i) const {
+    const double time = corners[j].c1 - corners[j].d2, m = std::floor(time), part = time - m;
+    const int y = static_cast<int>(m) - i;
+    return (1.0 - part) * ramp_out(y) + part * ramp_out(y + 1);
+  }
+  double ramp_in(int x) const { return servo == nullptr ? std::max(0, x) : servo->in(x); }
+  double ramp_out(int y) const { return servo == nullptr ? std::max(0, y) : servo->out(y); }
+  /// Whether contour tolerances are bounded: not of windows, nor of distances in place of samples.
+  bool contour_rows() const { return !window && distances.empty(); }
   /// Whether more than one delay or sample is in it, or distances in place of both.
   bool ranges(std::size_t j) const { return corners[j].k1 < corners[j].k2 || corners[j].d1 < corners[j].d2; }
   /// Whether any tap is far enough out to be in a corner's least distances.
@@ -75,6 +93,13 @@ struct Box {
   int longer() const { return servo == nullptr ? 0 : servo->longer(); }
   /// The last sample of a blend that still changes anything, for the longest filter and delay.
   int last_sample(std::size_t j) const { return order + corners[j].d2 + 1 + longer(); }
+  /// Cuts samples and contour times to those that still change anything.
+  void end_samples() {
+    for (std::size_t j = 0; j < corners.size(); ++j) {
+      corners[j].k2 = std::min(corners[j].k2, last_sample(j));
+      corners[j].c2 = std::min(corners[j].c2, static_cast<double>(last_sample(j)));
+    }
+  }
   bool loose(std::size_t j) const { return window || !distances.empty() || ranges(j); }
 };
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include <accdec/exact/branching.hpp>
+#include <accdec/exact/contour_path.hpp>
 #include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/parts.hpp>
 
@@ -54,6 +55,12 @@ std::vector<Scored> candidates(const LimitModel& model, const Box& box, const Ou
     // The sample first: it bounds both distances.
     if (c.k1 < c.k2)
       found.push_back({split_node(j, false, within(c.k1 + outcome.samples[j], c.k1, c.k2)), 1.01 * lacking});
+  }
+  if (outcome.filter) {
+    if (const auto missed = missed_contour(model, *outcome.filter, box)) {
+      const double weight = model.task().corners[static_cast<std::size_t>(missed->corner)].weight;
+      found.push_back({proof::ContourSplit{missed->corner, missed->at}, 2.0 * weight * missed->by});
+    }
   }
   if (!found.empty()) return found;
   // The errors hold, but other limits of the blend do not: these need single delays.
@@ -118,9 +125,13 @@ proof::Node Branching::choose_split(const Box& whole, const Box& box, const Outc
 /// are broken. These bind only a single delay, or the order that a longer delay leaves.
 proof::Node Branching::split_alone(const Filter& filter, const Box& box) const {
   const CornerBox& c = box.corners.front();
-  const CornerError error(model_, filter, 0);
   ErrorSplit chosen;
-  if (!error.holds(c.d2, c, box.order)) consider_splits(error, 0, c, c.k1 == c.k2, chosen);
+  if (model_.cone(0)) {
+    const CornerError error(model_, filter, 0);
+    if (!error.holds(c.d2, c, box.order)) consider_splits(error, 0, c, c.k1 == c.k2, chosen);
+  }
+  const auto missed = missed_contour(model_, filter, box);
+  if (missed && missed->by > std::max(0.0, chosen.gain)) return proof::ContourSplit{0, missed->at};
   if (chosen.gain > 0.0) return chosen.split;
   if (c.d1 < c.d2) return proof::Split{0, true, c.d1 + (c.d2 - c.d1) / 2};
   return proof::Split{0, false, c.k1 + (c.k2 - c.k1) / 2};

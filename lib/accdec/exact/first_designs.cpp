@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 
+#include <accdec/exact/contour_path.hpp>
 #include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/first_designs.hpp>
 #include <accdec/family.hpp>
@@ -21,6 +22,7 @@ int FirstDesigns::smallest_order() {
       CornerBox& b = box.corners[j];
       if (!task_.corners[j].delay) b.d1 = 0, b.d2 = std::max(order, most) + settling + box.longer();
       b.k1 = 0, b.k2 = b.d2 + order + 1 + box.longer();
+      b.c1 = 0.0, b.c2 = b.k2;
     }
     if (!model_.convex() && !model_.shrink(box)) return false;
     const Outcome outcome = bench_.relaxation().solve(box, false);
@@ -56,7 +58,8 @@ bool FirstDesigns::holds_alone(int order, int delay) {
   box.order = order;
   box.servo = model_.servo();
   const int k = CornerError(model_, designs_.best->filter, 0).closest_sample(delay);
-  box.corners = {CornerBox{delay, delay, k, k}};
+  box.corners = {CornerBox{delay, delay, k, k, 0.0, static_cast<double>(box.order + delay + 1 + box.longer())}};
+  box = at_crossings(model_, designs_.best->filter, std::move(box));
   const Outcome outcome = bench_.relaxation().solve(box, false);
   const double before = designs_.best->value;
   if (outcome.filter) designs_.offer(*outcome.filter);

@@ -18,7 +18,8 @@ LemmaProver::LemmaProver(const Task& task, const std::function<bool()>& stop, co
     : task_(task),
       stop_(stop),
       cost_(cost_of(task)),
-      sees_all_(LimitModel(task).convex()),
+      sees_all_(LimitModel(task).convex() &&
+                std::ranges::none_of(task.corners, [](const TaskCorner& c) { return c.contour_max.has_value(); })),
       number_(number),
       some_(task, stop),
       any_(task, stop, window) {}

@@ -30,7 +30,10 @@ const LimitModel& LimitModel::granted() const {
 
 void LimitModel::follow_tolerances() {
   const Task now = granted_limits(task_);
-  for (std::size_t j = 0; j < now.corners.size(); ++j) granted_->task.corners[j].error_max = now.corners[j].error_max;
+  for (std::size_t j = 0; j < now.corners.size(); ++j) {
+    granted_->task.corners[j].error_max = now.corners[j].error_max;
+    granted_->task.corners[j].contour_max = now.corners[j].contour_max;
+  }
 }
 
 double LimitModel::error_bound(std::size_t corner) const {
@@ -38,6 +41,19 @@ double LimitModel::error_bound(std::size_t corner) const {
   // Slightly less than what the simulation counts as zero, so that its rounding does not matter.
   return std::max(*c.error_max, 0.999 * position_floor) /
          (task_.sample_period * std::max(c.geometry().feed_in, c.geometry().feed_out));
+}
+
+bool LimitModel::contour(std::size_t corner) const {
+  constexpr double beyond = 1e6;  // samples: longer than any blend
+  return task_.corners[corner].contour_max && contour_bound(corner) < beyond;
+}
+
+double LimitModel::contour_bound(std::size_t corner) const {
+  const TaskCorner& c = task_.corners[corner];
+  // The part of leg 2 across leg 1 is precise for nearly collinear legs, too.
+  const double sine = (c.geometry().direction_out + c.geometry().cos_interior() * c.geometry().direction_in).norm();
+  return std::max(*c.contour_max, 0.999 * position_floor) /
+         (sine * task_.sample_period * std::max(c.geometry().feed_in, c.geometry().feed_out));
 }
 
 double LimitModel::theta(std::size_t corner) const {

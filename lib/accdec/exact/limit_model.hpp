@@ -38,7 +38,10 @@ class LimitModel {
   bool convex() const { return chords.families().empty(); }
 
   bool cone(std::size_t corner) const { return task_.corners[corner].error_max.has_value(); }
-  double error_bound(std::size_t corner) const;               ///< in samples of the faster leg
+  double error_bound(std::size_t corner) const;  ///< in samples of the faster leg
+  /// Whether a corner has a contour tolerance that can bind.
+  bool contour(std::size_t corner) const;
+  double contour_bound(std::size_t corner) const;             ///< of both legs' distances, in samples of the faster leg
   double weight_in(std::size_t corner, double angle) const;   ///< of p in a cut, scaled as error_bound
   double weight_out(std::size_t corner, double angle) const;  ///< of q
   double cos_interior(std::size_t corner) const { return task_.corners[corner].geometry().cos_interior(); }

@@ -28,6 +28,7 @@ LinearProgram::LinearProgram(const LimitModel& model, int order, const std::func
   lp_.set_cost(drafts_.excess(), 1.0);
   for (std::size_t j = 0; j < model.corners(); ++j) {
     if (model.cone(j)) least_ = std::max(least_, model.error_bound(j));
+    if (model.contour(j)) least_ = std::max(least_, model.contour_bound(j));
   }
   add_base_rows();
   names_.end_base();
@@ -117,6 +118,16 @@ void LinearProgram::add_cone(std::size_t j, double angle, const Box& box) {
   add(drafts_.cone(id, box), id);
 }
 
+/// Those that the program does not have yet.
+void LinearProgram::add_contours(std::size_t j, const Box& box) {
+  if (!model_.contour(j)) return;
+  for (const bool out : {false, true}) {
+    const proof::Contour id{static_cast<int>(j), out};
+    if (names_.known(id)) continue;
+    if (const DraftRow* row = drafts_.contour(id, box)) add(*row, id);
+  }
+}
+
 void LinearProgram::add_symmetry(const Box& box) {
   for (int i = 0; 2 * i < box.order; ++i) add(drafts_.equal_taps(i, box.order - i), Equation{box.order});
 }
@@ -133,6 +144,8 @@ bool LinearProgram::carry_over(int row, const Box& box, bool symmetric) {
     draft = &drafts_.vibration(*vibration, box);
   } else if (limit_of<proof::Budget>(name) != nullptr) {
     if (box.budget) draft = &drafts_.budget(box);
+  } else if (const auto* contour = limit_of<proof::Contour>(name)) {
+    draft = drafts_.contour(*contour, box);
   } else if (!active) {
     return false;
   } else if (const auto* error = limit_of<proof::Error>(name)) {
@@ -175,6 +188,7 @@ void LinearProgram::prepare(const Box& box, bool symmetric) {
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     if (model_.cone(j) && has_cone[j] == 0 && !RowDrafts::shared(j, box) && box.bounds_error(j))
       add_cone(j, box.only_angle.value_or(0.5 * model_.theta(j)), box);
+    add_contours(j, box);
   }
   if (symmetric && !symmetry) add_symmetry(box);
 }

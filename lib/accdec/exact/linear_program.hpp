@@ -59,6 +59,7 @@ class LinearProgram {
   void add_tangents(const std::vector<Chord>& close, const Filter& at, const Box& box, double least_use, bool soft);
   void add_base_rows();
   void add_cone(std::size_t j, double angle, const Box& box);
+  void add_contours(std::size_t j, const Box& box);
   void add_symmetry(const Box& box);
   void prepare_ranges(const Box& box);
   void cut_ranges(std::size_t j, const Filter& filter, const Box& box, double allowed, bool& added);

@@ -20,10 +20,11 @@ bool Search::improve() {
       box.order_most = designs_.best->filter.order() + 2 * reach;
       for (std::size_t j = 0; j < box.corners.size() && reach < everywhere; ++j) {
         CornerBox& c = box.corners[j];
-        const int delay = designs_.best->delays[j],
-                  k = CornerError(model_, designs_.best->filter, j).closest_sample(delay);
+        const int delay = designs_.best->delays[j];
         c.d1 = std::max(c.d1, delay - 2 * reach), c.d2 = std::min(c.d2, delay + 2 * reach);
-        if (model_.cone(j)) c.k1 = std::max(0, k - 2 * reach), c.k2 = k + 2 * reach;
+        if (!model_.cone(j)) continue;
+        const int k = CornerError(model_, designs_.best->filter, j).closest_sample(delay);
+        c.k1 = std::max(0, k - 2 * reach), c.k2 = k + 2 * reach;
       }
       bench_.allow(300L * reach);
       const double before = designs_.best->value;

@@ -27,19 +27,34 @@ std::pair<Box, Box> parts(const Box& box, const proof::ResponseSplit& split) {
   return both;
 }
 
+std::pair<Box, Box> parts(const Box& box, const proof::ContourSplit& split) {
+  std::pair<Box, Box> both{box, box};
+  const auto j = static_cast<std::size_t>(split.corner);
+  both.first.corners[j].c2 = both.second.corners[j].c1 = split.at;
+  return both;
+}
+
+bool splits(const proof::Node& node) {
+  return std::holds_alternative<proof::Split>(node) || std::holds_alternative<proof::OrderSplit>(node) ||
+         std::holds_alternative<proof::ResponseSplit>(node) || std::holds_alternative<proof::SymmetricOrders>(node) ||
+         std::holds_alternative<proof::ContourSplit>(node);
+}
+
+bool splits_corner(const proof::Node& node) {
+  return std::holds_alternative<proof::Split>(node) || std::holds_alternative<proof::ContourSplit>(node);
+}
+
 std::pair<Box, Box> parts(const Box& box, const proof::Node& node) {
   if (const auto* response = std::get_if<proof::ResponseSplit>(&node)) return parts(box, *response);
   if (const auto* order = std::get_if<proof::OrderSplit>(&node)) return parts(box, *order);
   if (const auto* split = std::get_if<proof::Split>(&node)) return parts(box, *split);
+  if (const auto* contour = std::get_if<proof::ContourSplit>(&node)) return parts(box, *contour);
   throw std::logic_error("a node of a proof that is no split of a box has no parts");
 }
 
 std::size_t after(const std::vector<proof::Node>& tree, std::size_t node) {
   for (std::size_t left = 1; left > 0; --left, ++node) {
-    const proof::Node& at = tree[node];
-    if (std::holds_alternative<proof::Split>(at) || std::holds_alternative<proof::OrderSplit>(at) ||
-        std::holds_alternative<proof::ResponseSplit>(at) || std::holds_alternative<proof::SymmetricOrders>(at))
-      left += 2;
+    if (splits(tree[node])) left += 2;
   }
   return node;
 }

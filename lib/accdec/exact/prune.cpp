@@ -30,8 +30,7 @@ class Pruner {
       to_.tree.push_back(proof::TooLong{});
       return;
     }
-    for (std::size_t j = 0; j < box.corners.size(); ++j)
-      box.corners[j].k2 = std::min(box.corners[j].k2, box.last_sample(j));
+    box.end_samples();
     if (!model_.convex() && !model_.shrink(box)) {
       skip();
       to_.tree.push_back(proof::Unreachable{});
@@ -43,7 +42,7 @@ class Pruner {
       return;
     }
     to_.tree.push_back(node);
-    if (!std::holds_alternative<proof::Split>(node)) {
+    if (!splits_corner(node)) {
       // The part was narrowed away under the longer target, so it is empty under the shorter one.
       holds_ = false;
       return;
@@ -57,7 +56,7 @@ class Pruner {
   static bool no_sample(const Box& box) {
     for (std::size_t j = 0; j < box.corners.size(); ++j) {
       const CornerBox& c = box.corners[j];
-      if (c.k1 > std::min(c.k2, box.last_sample(j))) return true;
+      if (c.k1 > std::min(c.k2, box.last_sample(j)) || c.c1 > box.last_sample(j)) return true;
     }
     return false;
   }
@@ -69,7 +68,7 @@ class Pruner {
 
   /// Skips one node and all nodes below it.
   void skip() {
-    if (!std::holds_alternative<proof::Split>(from_.tree[next_++])) return;
+    if (!splits_corner(from_.tree[next_++])) return;
     skip();
     skip();
   }
@@ -88,7 +87,9 @@ class Pruner {
 
   /// Rows at samples past the end of a shorter filter have no terms.
   bool has_terms(const proof::Row& id, const Box& box) const {
-    if (std::holds_alternative<proof::Error>(id) || std::holds_alternative<proof::Vibration>(id)) return true;
+    if (std::holds_alternative<proof::Error>(id) || std::holds_alternative<proof::Vibration>(id) ||
+        std::holds_alternative<proof::Contour>(id))
+      return true;
     if (const auto* response = std::get_if<proof::Response>(&id); response && response->sample > box.order)
       return false;
     if (const auto chord = chord_of(id); chord && chord->sample > model_.chords.last_sample(chord->family, box))

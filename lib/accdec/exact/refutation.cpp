@@ -96,6 +96,15 @@ class WeightedSum {
     return counts(y, y * model_.error_bound(j) - row.constant);
   }
 
+  bool add(const proof::Contour& id, double y) {
+    const auto j = static_cast<std::size_t>(id.corner);
+    if (!box_.contour_rows() || !model_.contour(j)) return false;
+    for (int i = 0; i <= exact_box_.order; ++i)
+      taps_[static_cast<std::size_t>(i)] +=
+          y * (id.out ? model_.scale_out(j) * box_.contour_out(j, i) : model_.scale_in(j) * box_.contour_in(j, i));
+    return counts(y, y * model_.contour_bound(j));
+  }
+
   bool add(const proof::Budget&, double y) {
     if (!box_.budget) return false;
     for (std::size_t j = 0; j < box_.corners.size(); ++j) delays_[j] += y * model_.task().corners[j].weight;

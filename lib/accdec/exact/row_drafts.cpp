@@ -60,6 +60,20 @@ const DraftRow& RowDrafts::cone(const proof::Error& id, const Box& box) {
   return draft_;
 }
 
+const DraftRow* RowDrafts::contour(const proof::Contour& id, const Box& box) {
+  const auto j = static_cast<std::size_t>(id.corner);
+  if (!box.contour_rows()) return nullptr;
+  draft_.clear();
+  draft_.add(excess(), -1.0);
+  for (int i = 0; i <= box.order; ++i) {
+    const double c = id.out ? model_.scale_out(j) * box.contour_out(j, i) : model_.scale_in(j) * box.contour_in(j, i);
+    if (c != 0.0) draft_.add(i, c);
+  }
+  draft_.low = -DualSimplex::infinity;
+  draft_.high = model_.contour_bound(j) * (1.0 + slack_);
+  return draft_.columns.size() > 1 ? &draft_ : nullptr;
+}
+
 const DraftRow& RowDrafts::range_cone(const proof::RangeError& id, const Box& box) {
   const auto j = static_cast<std::size_t>(id.corner);
   const RangeRow row = range_row(box, j, id.in, id.out, model_.weight_in(j, id.angle), model_.weight_out(j, id.angle));

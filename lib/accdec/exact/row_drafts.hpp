@@ -46,6 +46,8 @@ class RowDrafts {
   /// @param both  bounded on both sides  @param soft  the excess may break it
   const DraftRow& limit(const SparseRow& row, double scale, bool both, bool soft = false);
   const DraftRow& cone(const proof::Error& id, const Box& box);
+  /// Null: it says nothing in this box.
+  const DraftRow* contour(const proof::Contour& id, const Box& box);
   const DraftRow& range_cone(const proof::RangeError& id, const Box& box);
   const DraftRow& vibration(const proof::Vibration& id, const Box& box);
   const DraftRow& budget(const Box& box);

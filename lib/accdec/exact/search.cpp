@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include <accdec/exact/contour_path.hpp>
 #include <accdec/exact/parts.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/task/objective.hpp>
@@ -30,6 +31,17 @@ proof::Node widest_split(const LimitModel& model, const Box& box) {
   return split;
 }
 
+/// Symmetric filters and chords: the filter of the leaf is another than that of the linear program, so that times are
+/// split until it does not matter where they are.
+std::optional<proof::Node> finest_contour_split(const LimitModel& model, const Box& box) {
+  if (model.convex() && !model.task().design.symmetric) return std::nullopt;
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const CornerBox& c = box.corners[j];
+    if (model.contour(j) && c.c2 - c.c1 > 1e-3) return proof::ContourSplit{static_cast<int>(j), 0.5 * (c.c1 + c.c2)};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 /// Uses the delay of the box. With several delays, the linear program has no limits of the blend, so the filter breaks
@@ -56,6 +68,7 @@ BoxState Search::refute(Box box) {
   }
   if (const int y = draft_.refuted_before(box); y >= 0) return bench_.close_by(y);
   const bool one = box.corners.size() == 1 && model_.cone(0);
+  const bool alone = one || (box.corners.size() == 1 && model_.contour(0));
   if (const auto beginning = one ? draft_.refuted_beginning(box) : std::nullopt) {
     if (beginning->last == box.corners.front().k2) return bench_.close_by(beginning->multipliers);
     draft_.add(proof::Split{0, false, beginning->last});
@@ -66,17 +79,33 @@ BoxState Search::refute(Box box) {
   Outcome outcome = bench_.relaxation().solve(box, false);
   if (outcome.kind == Outcome::refuted)
     return bench_.close_by(draft_.keep(std::move(outcome.multipliers), one ? box.corners.front() : CornerBox{.k1 = 1}));
-  if (single(model_, box)) return go_on(refute_single(std::move(box), std::move(outcome)), whole);
+  const bool is_single = single(model_, box);
+  const std::optional<proof::Node> contour = is_single ? contour_split(box, outcome) : std::nullopt;
+  if (is_single && !contour) return go_on(refute_single(std::move(box), std::move(outcome)), whole);
   if (outcome.filter && (!one || may_be_shorter(*outcome.filter, box))) designs_.offer(*outcome.filter);
   const auto found = [&] { return bench_.below_target(); };
   if (found()) return go_on(BoxState::found, whole);
-  const proof::Node node = box.budget              ? branching_.choose_split(whole, box, outcome)
-                           : one && outcome.filter ? branching_.split_alone(*outcome.filter, box)
-                                                   : widest_split(model_, box);
+  const proof::Node node = contour                   ? *contour
+                           : box.budget              ? branching_.choose_split(whole, box, outcome)
+                           : alone && outcome.filter ? branching_.split_alone(*outcome.filter, box)
+                                                     : widest_split(model_, box);
   if (found()) return BoxState::found;
   draft_.add(node);
   const auto [first, second] = parts(whole, node);
   return both(refute(first), [&, part = &second] { return refute(*part); });
+}
+
+/// Single delays and samples: where a contour time must be split, as the linear program's filter keeps the tolerance at
+/// no time of its range. Before that, the time of its own crossing is tried.
+std::optional<proof::Node> Search::contour_split(const Box& box, const Outcome& outcome) {
+  if (!outcome.filter) return std::nullopt;
+  const auto missed = missed_contour(model_, *outcome.filter, box);
+  if (!missed) return finest_contour_split(model_, box);
+  const Box point = at_crossings(model_, *outcome.filter, box);
+  const Outcome there = bench_.relaxation().solve(point, false);
+  if (there.kind == Outcome::feasible && model_.convex() && !task_.design.symmetric)
+    designs_.offer(*there.filter, point, false);
+  return proof::ContourSplit{missed->corner, missed->at};
 }
 
 /// Refutes a box of one delay and one sample for every corner.
@@ -91,7 +120,7 @@ BoxState Search::refute_single(Box box, Outcome outcome) {
     return both(state, [&] { return sums_.refute(box, true); });
   }
   const auto found = [&](const Filter& filter, const Box& of) {
-    designs_.offer(filter, of, task_.design.symmetric);
+    designs_.offer(filter, at_crossings(model_, filter, of), task_.design.symmetric);
     return bench_.below_target() ? BoxState::found : bench_.undecided();
   };
   if (!task_.design.symmetric) {

@@ -53,6 +53,7 @@ class Search {
   BoxState go_on(BoxState state, const Box& box);
   BoxState refute(Box box);
   BoxState refute_single(Box box, Outcome outcome);
+  std::optional<proof::Node> contour_split(const Box& box, const Outcome& outcome);
   bool may_be_shorter(const Filter& filter, const Box& box) const;
 
   Workbench& bench_;

@@ -16,10 +16,7 @@ double value_of_one(const Task& task, int order, int delay) {
 
 /// Number of nodes for the parts of this node.
 int parts_of(const proof::Node& node) {
-  const bool two = std::holds_alternative<proof::Split>(node) || std::holds_alternative<proof::OrderSplit>(node) ||
-                   std::holds_alternative<proof::ResponseSplit>(node) ||
-                   std::holds_alternative<proof::SymmetricOrders>(node);
-  return two ? 2 : 0;
+  return splits(node) ? 2 : 0;
 }
 
 }  // namespace
@@ -82,7 +79,6 @@ BoxState Search::refute_again(const Box& whole, std::size_t& next) {
   if (bench_.stopped()) return BoxState::stopped;
   const proof::Node& node = proof.tree[next++];
   const auto* refuted = std::get_if<proof::Refuted>(&node);
-  const auto* split = std::get_if<proof::Split>(&node);
   const auto skip = [&] {
     for (int left = parts_of(node); left > 0; --left) left += parts_of(proof.tree[next++]);
   };
@@ -92,9 +88,9 @@ BoxState Search::refute_again(const Box& whole, std::size_t& next) {
     skip();
     return bench_.leave(why);
   }
-  if (split != nullptr) {
+  if (splits_corner(node)) {
     draft_.add(node);
-    const auto [first, second] = parts(whole, *split);
+    const auto [first, second] = parts(whole, node);
     return both(refute_again(first, next), [&, part = &second] { return refute_again(*part, next); });
   }
   skip();

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/exact/contour_path.hpp>
 #include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/parts.hpp>
 #include <accdec/exact/sum_search.hpp>
@@ -60,7 +61,7 @@ std::optional<proof::Node> TogetherSearch::split(const Filter& filter, const Box
     for (int d = c.d1; d <= c.d2 && !limits_hold; ++d) {
       if (error && !error->holds(d, c, box.order)) continue;
       error_holds = true;
-      limits_hold = blend_holds(filter, box, j, d);
+      limits_hold = contour_holds(bench_.model(), filter, box, j, d) && blend_holds(filter, box, j, d);
     }
     if (!error_holds) {
       consider_splits(*error, j, c, false, chosen);
@@ -70,6 +71,8 @@ std::optional<proof::Node> TogetherSearch::split(const Filter& filter, const Box
       chosen.split = {static_cast<int>(j), true, c.d2 - 1};
     }
   }
+  const auto missed = missed_contour(bench_.model(), filter, box);
+  if (missed && missed->by > std::max(0.0, chosen.gain)) return proof::ContourSplit{missed->corner, missed->at};
   if (chosen.gain > -std::numeric_limits<double>::infinity()) return chosen.split;
   if (bench_.model().convex() || box.window) return std::nullopt;
   const auto broken = widest_break(bench_.model(), filter, box, &among_);
@@ -117,6 +120,13 @@ BoxState TogetherSearch::refute_like(const std::vector<proof::Node>& tree, std::
       return refute_like(tree, first, whole, depth);
     if (!counts || split->at < (split->on_delay ? c.d1 : c.k1)) return refute_like(tree, second, whole, depth);
     return both_like(tree, node, whole, depth);
+  } else if (const auto* contour = std::get_if<proof::ContourSplit>(&tree[node])) {
+    const CornerBox& c = whole.corner(contour->corner);
+    const std::size_t first = node + 1, second = after(tree, first);
+    const bool counts = among_[static_cast<std::size_t>(contour->corner)] != 0;
+    if (counts && contour->at > c.c1 && contour->at < c.c2) return both_like(tree, node, whole, depth);
+    // A corner that does not count any more, or a time outside its range.
+    return refute_like(tree, !counts || contour->at >= c.c2 ? first : second, whole, depth);
   } else if (std::holds_alternative<proof::ResponseSplit>(tree[node])) {
     return both_like(tree, node, whole, depth);
   }
@@ -172,6 +182,7 @@ std::vector<char> TogetherSearch::corners_used(const std::vector<proof::Node>& t
   std::vector<char> used(bench_.task().corners.size(), 0);
   for (const proof::Node& node : tree) {
     if (const auto* split = std::get_if<proof::Split>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
+    if (const auto* split = std::get_if<proof::ContourSplit>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
     const auto* refuted = std::get_if<proof::Refuted>(&node);
     if (refuted == nullptr) continue;
     for (const auto& [id, y] : multipliers()[static_cast<std::size_t>(refuted->multipliers)]) {

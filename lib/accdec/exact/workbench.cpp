@@ -28,6 +28,7 @@ Box Workbench::root() const {
     b.d1 = corner.delay.value_or(0);
     b.d2 = corner.delay.value_or(task().design.order_max + settling + box.longer());
     b.k2 = b.d2 + task().design.order_max + 1 + box.longer();
+    b.c2 = b.k2;
     box.corners.push_back(b);
   }
   return box;
@@ -54,10 +55,9 @@ bool Workbench::narrow(Box& box, proof::Node* why) const {
   if (why) *why = proof::TooLong{};
   if (box.window) return true;
   if (!tighten(task(), target_, box)) return false;
-  for (std::size_t j = 0; j < box.corners.size(); ++j)
-    box.corners[j].k2 = std::min(box.corners[j].k2, box.last_sample(j));
+  box.end_samples();
   for (const CornerBox& b : box.corners) {
-    if (b.k1 > b.k2) return false;
+    if (b.k1 > b.k2 || b.c1 > b.c2) return false;
   }
   if (why) *why = proof::Unreachable{};
   return (model_.convex() && !box.budget) || model_.shrink(box);

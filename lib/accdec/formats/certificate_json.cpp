@@ -35,6 +35,9 @@ auto parts(const proof::RangeError& r) {
   return std::tuple(Name("range error"), r.corner, r.angle, r.in.at, r.in.after, r.in.high, r.out.at, r.out.after,
                     r.out.high);
 }
+auto parts(const proof::Contour& r) {
+  return std::tuple(Name("contour"), r.corner, r.out);
+}
 auto parts(const proof::Budget&) {
   return std::tuple(Name("budget"));
 }
@@ -158,6 +161,7 @@ class Writer {
   void put_node(const proof::RefutedSymmetric& n) { put(std::tuple(n.multipliers, n.shorter)); }
   void put_node(const proof::SymmetricOrders&) { put(std::tuple(Name("symmetric"))); }
   void put_node(const proof::Split& n) { put(std::tuple(n.corner, Name(n.on_delay ? "d" : "k"), n.at)); }
+  void put_node(const proof::ContourSplit& n) { put(std::tuple(n.corner, Name("c"), n.at)); }
   void put_node(const proof::OrderSplit& n) { put(std::tuple(Name("N"), n.at)); }
   void put_node(const proof::ResponseSplit& n) { put(std::tuple(n.sample, Name("B"), n.level)); }
   void put_node(const proof::ByLemma& n) { put(std::tuple(Name("lemma"), n.lemma)); }

@@ -134,19 +134,20 @@ TaskCorner make_task_corner(const Table& table, const std::string& name, const C
   }
 }
 
-/// An error bound, m. Between 0 and what rounding does to a simulated path it could only be loosened silently.
-std::optional<double> read_error_max(const Table& table) {
-  const std::optional<double> error = table.number("error_max_um");
-  if (error && *error > 0.0 && *error < position_floor)
-    table.fail_at("error_max_um", fmt::format("error_max_um = {:g} is less than a simulation can tell from 0; allowed "
-                                              "is 0 or {:g} and more",
-                                              1e6 * *error, 1e6 * position_floor));
-  return error;
+/// A bound on a distance of the path, m. Between 0 and what rounding does to a simulated path it could only be loosened
+/// silently.
+std::optional<double> read_distance(const Table& table, const char* key) {
+  const std::optional<double> most = table.number(key);
+  if (most && *most > 0.0 && *most < position_floor)
+    table.fail_at(key, fmt::format("{} = {:g} is less than a simulation can tell from 0; allowed is 0 or {:g} and more",
+                                   key, 1e6 * *most, 1e6 * position_floor));
+  return most;
 }
 
 TaskCorner read_corner(const Table& table, const std::string& name, const CornerLegs& legs, std::size_t axes) {
   TaskCorner corner = make_task_corner(table, name, legs, axes);
-  corner.error_max = read_error_max(table);
+  corner.error_max = read_distance(table, "error_max_um");
+  corner.contour_max = read_distance(table, "contour_max_um");
   corner.speed_min = table.required_number("speed_min_mm_s");
   corner.delay = table.integer("delay_samples");
   corner.weight = table.required_number("weight");
@@ -270,7 +271,7 @@ class TaskReader {
       for (const SupplyLimit& limit : supply_limits)
         task_.machine.*limit.bound = table.number(limit.key).value_or(unlimited);
     });
-    read_table("program", [&](const Table& table) { task_.program_error_max = read_error_max(table); });
+    read_table("program", [&](const Table& table) { task_.program_error_max = read_distance(table, "error_max_um"); });
     for (const Table& mode : top_.tables("mode"))
       faults_.attempt(mode.pointer(), [&] { task_.machine.modes.push_back(read_mode(mode)); });
   }

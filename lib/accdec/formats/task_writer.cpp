@@ -86,6 +86,7 @@ Json task_corner_json(const TaskCorner& corner) {
   table.number("feed_in_mm_min", corner.geometry().feed_in);
   table.number("feed_out_mm_min", corner.geometry().feed_out);
   if (corner.error_max) table.number("error_max_um", *corner.error_max);
+  if (corner.contour_max) table.number("contour_max_um", *corner.contour_max);
   if (corner.speed_min > 0.0) table.number("speed_min_mm_s", corner.speed_min);
   if (corner.delay) table.value("delay_samples", *corner.delay);
   table.number("weight", corner.weight);

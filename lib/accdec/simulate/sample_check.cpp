@@ -81,7 +81,8 @@ double SampleChecker::value_of(const Worst& worst) const {
     case LimitKind::corner_error:
     case LimitKind::speed_min:
     case LimitKind::power_total:
-    case LimitKind::regeneration_total: break;  // of no one axis; named so that the compiler reports a missing new one
+    case LimitKind::regeneration_total:
+    case LimitKind::contour: break;  // of no one axis; named so that the compiler reports a missing new one
   }
   return 0.0;
 }

@@ -31,8 +31,8 @@ class BlendCheck {
 
   bool holds(int delay) {
     // The error first: it takes a few samples, the limits all of them.
-    return error_holds(delay) && limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) &&
-           speed_holds(delay);
+    return error_holds(delay) && contour_holds(delay) &&
+           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) && speed_holds(delay);
   }
 
  private:
@@ -40,6 +40,11 @@ class BlendCheck {
     if (!corner_.error_max) return true;
     const double error = corner_error(Blend(filter_, corner_.geometry(), delay, period_));
     return judged_distance(error) <= *corner_.error_max * formula_slack;
+  }
+  bool contour_holds(int delay) const {
+    if (!corner_.contour_max) return true;
+    const double deviation = measure(Blend(filter_, corner_.geometry(), delay, period_)).contour_deviation;
+    return judged_distance(deviation) <= *corner_.contour_max * formula_slack;
   }
   bool speed_holds(int delay) const {
     if (!(corner_.speed_min > 0.0)) return true;

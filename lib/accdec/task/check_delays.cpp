@@ -121,7 +121,8 @@ double sampled(LimitKind kind, double velocity, double acceleration, double jerk
     case LimitKind::corner_error:
     case LimitKind::speed_min:
     case LimitKind::power_total:
-    case LimitKind::regeneration_total: break;  // not of an axis
+    case LimitKind::regeneration_total:
+    case LimitKind::contour: break;  // not of an axis
   }
   return 0.0;
 }

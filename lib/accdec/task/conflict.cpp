@@ -41,6 +41,8 @@ std::vector<Limit> limits_of(const Task& task, bool each_axis) {
     const TaskCorner& corner = task.corners[j];
     if (corner.error_max)
       limits.push_back({"corner error " + corner.name, [j](Task& t) { t.corners[j].error_max.reset(); }});
+    if (corner.contour_max)
+      limits.push_back({"contour " + corner.name, [j](Task& t) { t.corners[j].contour_max.reset(); }});
     if (corner.speed_min > 0.0)
       limits.push_back({"smallest speed " + corner.name, [j](Task& t) { t.corners[j].speed_min = 0.0; }});
     if (corner.delay)

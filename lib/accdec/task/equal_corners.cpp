@@ -25,7 +25,8 @@ bool same_limits(const Axis& a, const Axis& b) {
 }  // namespace
 
 bool ask_the_same(const Machine& machine, const TaskCorner& a, const TaskCorner& b) {
-  if (a.error_max != b.error_max || a.speed_min != b.speed_min || a.delay != b.delay) return false;
+  if (a.error_max != b.error_max || a.speed_min != b.speed_min || a.contour_max != b.contour_max || a.delay != b.delay)
+    return false;
   const Corner &g = a.geometry(), &h = b.geometry();
   if (g.feed_in != h.feed_in || g.feed_out != h.feed_out || g.axes() != h.axes()) return false;
   // The error is |p - q| plus a part from the turn: for nearly collinear legs the digits of the turn itself count.
@@ -55,11 +56,11 @@ std::vector<int> MergedTask::expand(const std::vector<int>& delays) const {
 MergedTask merge_equal_corners(const Task& task) {
   std::vector<std::size_t> firsts;  // of each kind
   std::vector<int> of;
-  using Key = std::tuple<double, double, double, double, int>;
+  using Key = std::tuple<double, double, double, double, double, int>;
   std::map<Key, std::vector<int>> alike;
   for (const TaskCorner& corner : task.corners) {
-    const Key key{corner.geometry().feed_in, corner.geometry().feed_out, corner.error_max.value_or(-1.0),
-                  corner.speed_min, corner.delay.value_or(-1)};
+    const Key key{corner.geometry().feed_in,         corner.geometry().feed_out, corner.error_max.value_or(-1.0),
+                  corner.contour_max.value_or(-1.0), corner.speed_min,           corner.delay.value_or(-1)};
     std::vector<int>& kinds = alike[key];
     const auto first = [&](int j) -> const TaskCorner& { return task.corners[firsts[static_cast<std::size_t>(j)]]; };
     const auto known =

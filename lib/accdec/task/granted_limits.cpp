@@ -32,6 +32,7 @@ Task granted_limits(Task task) {
     mode.residual_max = std::max(mode.residual_max * wider, residual_floor) + rounding_of_residual;
   for (TaskCorner& corner : task.corners) {
     if (corner.error_max) corner.error_max = granted_error(*corner.error_max);
+    if (corner.contour_max) corner.contour_max = granted_error(*corner.contour_max);
     corner.speed_min /= wider;
   }
   return task;

@@ -14,7 +14,7 @@ std::shared_ptr<const Task> limits_on_taps(const Task& whole) {
   }
   if (response.prefilter_order() > 0) task.machine.modes.clear();
   for (TaskCorner& corner : task.corners) {
-    corner.error_max.reset();
+    corner.error_max.reset(), corner.contour_max.reset();
     corner.speed_min = 0.0;
   }
   return reduced;

@@ -32,7 +32,7 @@ std::string not_considered_text(const Machine& machine) {
     if (!text.empty()) text += "; ";
     switch (what) {
       case NotConsidered::vibration: text += "vibration of the machine (the task has no [[mode]])"; break;
-      case NotConsidered::servo: text += std::string("following error and feedforward of the servo, ") + rating; break;
+      case NotConsidered::servo: text.append("following error and feedforward of the servo, ").append(rating); break;
     }
   }
   const bool servo_given = not_considered(machine).empty() || not_considered(machine).back() != NotConsidered::servo;

@@ -16,6 +16,7 @@
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verification_cost.hpp>
 #include <accdec/task/verified_axes.hpp>
+#include <accdec/task/verified_contour.hpp>
 #include <accdec/task/verified_vibration.hpp>
 #include <accdec/verify.hpp>
 
@@ -30,55 +31,39 @@ double origin_to_segment(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return (a + t * (b - a)).norm();
 }
 
-/// Distance from a point to the programmed contour: leg 1 backwards from the origin, leg 2 forwards.
-double leg_gap(const Eigen::VectorXd& x, const Eigen::VectorXd& outward) {
-  const double along = std::max(0.0, x.dot(outward));
-  return (x - along * outward).norm();
-}
+/// Where a corner's limits are used most; k of its blend.
+struct WorstSamples {
+  int error = 0, speed = 0, contour = 0;
+};
 
 /// @param longer  samples by which the machine's response lengthens the motion
 CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, int delay, int order, int longer,
-                             double period, int* error_sample, int* speed_sample) {
+                             double period, WorstSamples& worst) {
   CornerResult result;
   result.name = corner.name;
   result.delay = delay;
   result.corner_time = (order + 1 + delay) * period;
   const int last = m.corner + order + longer + delay + 1;
-  const Eigen::VectorXd back = -corner.geometry().direction_in, forward = corner.geometry().direction_out;
+  ContourWatch contour(corner.geometry());
   result.corner_error = result.polyline_error = result.speed_min = unlimited;
-  // Between two samples the deviation is largest where the nearer leg changes: from back to forward.
-  double previous_back = 0.0, previous_forward = 0.0;
-  Eigen::VectorXd x = m.position.row(m.corner).transpose(), previous = x, between = x;
+  Eigen::VectorXd x = m.position.row(m.corner).transpose(), previous = x;
   for (int row = m.corner; row <= last; ++row) {
     x = m.position.row(row).transpose();
     const double distance = x.norm(), speed = m.velocity.row(row).norm();
     if (distance < result.corner_error) {
       result.corner_error = distance;
-      *error_sample = row - m.corner;
+      worst.error = row - m.corner;
     }
     if (speed < result.speed_min) {
       result.speed_min = speed;
-      *speed_sample = row - m.corner;
+      worst.speed = row - m.corner;
     }
-    const double to_back = leg_gap(x, back), to_forward = leg_gap(x, forward);
-    result.contour_deviation = std::max(result.contour_deviation, std::min(to_back, to_forward));
-    if (row > m.corner) {
-      result.polyline_error = std::min(result.polyline_error, origin_to_segment(previous, x));
-      if (previous_back < previous_forward && to_back > to_forward) {
-        double low = 0.0, high = 1.0;
-        for (int i = 0; i < 60; ++i) {
-          const double middle = 0.5 * (low + high);
-          between = previous + middle * (x - previous);
-          (leg_gap(between, back) < leg_gap(between, forward) ? low : high) = middle;
-        }
-        between = previous + low * (x - previous);
-        result.contour_deviation =
-            std::max(result.contour_deviation, std::min(leg_gap(between, back), leg_gap(between, forward)));
-      }
-    }
+    contour.add(x, row - m.corner);
+    if (row > m.corner) result.polyline_error = std::min(result.polyline_error, origin_to_segment(previous, x));
     previous = x;
-    previous_back = to_back, previous_forward = to_forward;
   }
+  result.contour_deviation = contour.deviation();
+  worst.contour = contour.sample();
   for (double* distance : {&result.corner_error, &result.polyline_error, &result.contour_deviation})
     *distance = judged_distance(*distance);
   return result;
@@ -107,19 +92,23 @@ void measure_corner(const Task& task, const Filter& filter, const TaskCorner& co
   if (delay < 0) throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delay));
   const SampledResponse sampled = simulate_response(filter, corner.geometry(), delay, task.sample_period, task.machine);
   axis_uses(sampled, task.machine, corner.name, still_speed(corner.geometry()), out.uses);
-  int error_sample = 0, speed_sample = 0;
-  out.corners.push_back(measure_samples(sampled.motion(), corner, delay, filter.order(), sampled.longer,
-                                        task.sample_period, &error_sample, &speed_sample));
+  WorstSamples worst;
+  out.corners.push_back(
+      measure_samples(sampled.motion(), corner, delay, filter.order(), sampled.longer, task.sample_period, worst));
   out.corners.back().settling_time =
       settling_time(sampled.motion(), corner, filter.order(), sampled.longer, task.sample_period);
   const CornerResult& measured = out.corners.back();
   if (corner.error_max) {
     out.uses.push_back(make_use(LimitKind::corner_error, "", corner.name,
-                                {measured.corner_error, Event::blend, error_sample}, *corner.error_max));
+                                {measured.corner_error, Event::blend, worst.error}, *corner.error_max));
   }
   if (corner.speed_min > 0.0) {
-    out.uses.push_back(make_use(LimitKind::speed_min, "", corner.name, {measured.speed_min, Event::blend, speed_sample},
+    out.uses.push_back(make_use(LimitKind::speed_min, "", corner.name, {measured.speed_min, Event::blend, worst.speed},
                                 corner.speed_min));
+  }
+  if (corner.contour_max) {
+    out.uses.push_back(make_use(LimitKind::contour, "", corner.name,
+                                {measured.contour_deviation, Event::blend, worst.contour}, *corner.contour_max));
   }
 }
 
@@ -207,6 +196,12 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
     if (use.event == Event::none || row < 0 || row >= m.velocity.rows()) break;
     if (use.kind == LimitKind::corner_error) return m.position.row(row).norm();
     if (use.kind == LimitKind::speed_min) return m.velocity.row(row).norm();
+    if (use.kind == LimitKind::contour) {
+      ContourWatch contour(task.corners[j].geometry());
+      for (int at = row; at <= std::min<int>(row + 1, static_cast<int>(m.position.rows()) - 1); ++at)
+        contour.add(m.position.row(at).transpose(), at);
+      return contour.deviation();
+    }
     const double still = still_speed(task.corners[j].geometry());
     if (use.kind == LimitKind::power_total) return total_power(m, task.machine, row, still);
     if (use.kind == LimitKind::regeneration_total) return -total_power(m, task.machine, row, still);

@@ -61,6 +61,13 @@ struct RangeError {
   Tangent in{}, out{};
   bool operator==(const RangeError&) const = default;
 };
+/// A corner's path changes from leg 1's strip to leg 2's at a time in a range. Distance left of leg 1 at the last of
+/// these times, or gone of leg 2 at the first. It is at most the contour tolerance over sin(theta).
+struct Contour {
+  int corner = 0;
+  bool out = false;  ///< leg 2's
+  bool operator==(const Contour&) const = default;
+};
 /// The bound that the target puts on all delays together.
 struct Budget {
   bool operator==(const Budget&) const = default;
@@ -100,7 +107,7 @@ struct Response {
 };
 
 using Row = std::variant<TapDifference, EventForce, Blend, Error, RangeError, Budget, Vibration, EventPower, BlendPower,
-                         Speed, Response>;
+                         Speed, Response, Contour>;
 struct Term {
   Row row;
   double multiplier = 0.0;  ///< >= 0
@@ -140,6 +147,12 @@ struct Split {
   int at = 0;
   bool operator==(const Split&) const = default;
 };
+/// Such a time, in samples: at most `at` in the first part, at least `at` in the second.
+struct ContourSplit {
+  int corner = 0;
+  double at = 0.0;
+  bool operator==(const ContourSplit&) const = default;
+};
 /// Order of the filter: at most `at` in the first part, above it in the second.
 struct OrderSplit {
   int at = 0;
@@ -159,7 +172,7 @@ struct ByLemma {
 };
 
 using Node = std::variant<TooLong, Unreachable, Refuted, RefutedSymmetric, SymmetricOrders, Split, OrderSplit,
-                          ResponseSplit, ByLemma>;
+                          ResponseSplit, ByLemma, ContourSplit>;
 
 // ---- Lemmas: no filter has delays of at most these for these corners together, whatever the others' are. They are
 // proved once and used all over a tree.

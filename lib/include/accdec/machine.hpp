@@ -67,7 +67,8 @@ enum class LimitKind {
   corner_error,
   speed_min,
   power_total,
-  regeneration_total
+  regeneration_total,
+  contour
 };
 
 /// Name and unit of every kind of limit. Tasks, results and tables all take them from here.
@@ -77,7 +78,7 @@ struct LimitName {
   std::string_view unit;  ///< for people
   double per_si;          ///< value in `unit` = per_si * value in SI
 };
-inline constexpr std::array<LimitName, 11> limit_names{{
+inline constexpr std::array<LimitName, 12> limit_names{{
     {LimitKind::velocity, "velocity", "mm/s", 1e3},
     {LimitKind::acceleration, "acceleration", "mm/s^2", 1e3},
     {LimitKind::jerk, "jerk", "mm/s^3", 1e3},
@@ -89,6 +90,7 @@ inline constexpr std::array<LimitName, 11> limit_names{{
     {LimitKind::speed_min, "speed_min", "mm/s", 1e3},                 ///< a lower bound
     {LimitKind::power_total, "power_total", "W", 1.0},                ///< all axes together, motoring
     {LimitKind::regeneration_total, "regeneration_total", "W", 1.0},  ///< all axes together, braking
+    {LimitKind::contour, "contour", "um", 1e6},                       ///< distance of the path from the programmed legs
 }};
 constexpr const LimitName& limit_name(LimitKind kind) {
   return limit_names[static_cast<std::size_t>(kind)];

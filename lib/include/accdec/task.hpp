@@ -161,8 +161,10 @@ class TaskCorner {
   std::string name;
   std::optional<double> error_max;  ///< m; none: no bound
   double speed_min = 0.0;           ///< m/s, bound on the smallest tangential speed
-  std::optional<int> delay;         ///< samples; none: to be chosen
-  double weight = 1.0;              ///< > 0, of this corner in the cycle time
+  /// m, bound on the largest distance of the polyline through the samples from the two programmed legs; none: no bound
+  std::optional<double> contour_max;
+  std::optional<int> delay;  ///< samples; none: to be chosen
+  double weight = 1.0;       ///< > 0, of this corner in the cycle time
 
   const CornerLegs& legs() const { return legs_; }
   const Corner& geometry() const { return geometry_; }

@@ -23,7 +23,8 @@ Uses worst_uses(const std::vector<LimitUse>& limits) {
   };
   for (const LimitUse& use : limits) {
     // The limits of an axis are the same at every corner.
-    const bool by_corner = use.kind == LimitKind::corner_error || use.kind == LimitKind::speed_min;
+    const bool by_corner =
+        use.kind == LimitKind::corner_error || use.kind == LimitKind::speed_min || use.kind == LimitKind::contour;
     if (use.kind != LimitKind::vibration) note(use.kind, use.axis, by_corner ? use.corner : "", use.utilisation);
   }
   return uses;
@@ -65,6 +66,7 @@ std::vector<ExportedLimit> limits_of(const DesignResult& result) {
   }
   for (const TaskCorner& corner : task.corners) {
     if (corner.error_max) limits.push_back(limit_of(uses, LimitKind::corner_error, "", corner.name, *corner.error_max));
+    if (corner.contour_max) limits.push_back(limit_of(uses, LimitKind::contour, "", corner.name, *corner.contour_max));
     if (corner.speed_min > 0.0)
       limits.push_back(limit_of(uses, LimitKind::speed_min, "", corner.name, corner.speed_min));
   }
