@@ -64,7 +64,8 @@ TEST(CornerFeed, IsTheLargestPartThatHoldsTheToleranceByFormula) {
 /// An exact stop costs N samples, a corner feed more than that below about half the feed.
 TEST(CornerFeed, IsTakenWhereItIsFasterThanAStop) {
   const auto kind = [&](double part) {
-    return designed(right_angle(1e6 * error_at_feed * part, 12, "\"exact-stop\", \"corner-feed\"")).settings->delays.at(0);
+    return designed(right_angle(1e6 * error_at_feed * part, 12, "\"exact-stop\", \"corner-feed\""))
+        .settings->delays.at(0);
   };
   EXPECT_EQ(kind(0.8), DelayKind::corner_feed);
   EXPECT_EQ(kind(0.2), DelayKind::exact_stop);
@@ -149,7 +150,8 @@ TEST(CornerFeed, KeyIsRefusedWhereItIsOfNoUse) {
     return "";
   };
   EXPECT_EQ(message("delays = [\"corner-feed\"]\ncorner_feed_step = 0.1"), "");
-  EXPECT_THAT(message("delays = [\"dwell\"]\ncorner_feed_step = 0.1"), HasSubstr("goes with delays = [\"corner-feed\"]"));
+  EXPECT_THAT(message("delays = [\"dwell\"]\ncorner_feed_step = 0.1"),
+              HasSubstr("goes with delays = [\"corner-feed\"]"));
   EXPECT_THAT(message("delays = [\"corner-feed\"]\ncorner_feed_step = 0"), HasSubstr("task.toml:6"));
   EXPECT_THAT(message("delays = [\"corner-feed\"]\ncorner_feed_step = 0.6"), HasSubstr("task.toml:6"));
   EXPECT_THAT(message("delays = [\"corner-fed\"]"), HasSubstr("corner-feed"));

@@ -4,10 +4,10 @@
 
 // Corners that are passed at a part of the feed: DelayKind::corner_feed.
 //
-// A block before the corner lowers the command to part f of leg 1's feed, `lead` samples before the corner. Leg 2 begins
-// at part f of its own feed, with d = 0, and its feed is commanded again `lead` samples later. The lead is so long that
-// the motion has settled at each feed before the next step. The corner is therefore that of feeds f v1 and f v2, and its
-// error f times as large. Two steps of the speed along a straight line come with it.
+// A block before the corner lowers the command to part f of leg 1's feed, `lead` samples before the corner. Leg 2
+// begins at part f of its own feed, with d = 0, and its feed is commanded again `lead` samples later. The lead is so
+// long that the motion has settled at each feed before the next step. The corner is therefore that of feeds f v1 and f
+// v2, and its error f times as large. Two steps of the speed along a straight line come with it.
 //
 // A sample at part f covers f of the way that it covers at feed. The corner takes (1 - f) T longer for each of its
 // 2 `lead` slow samples than it would with d = 0 at feed. That time counts as a delay's.
