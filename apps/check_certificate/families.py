@@ -127,7 +127,7 @@ def _need_too_much(problem, gone, room):
 def refute(problem, task, target):
     """Number of members refuted: all that cost less than the target. None: all there are."""
     kinds = task.get("controller", {}).get("delays", ["dwell"])
-    if not {"dwell", "timed-axis"} & set(kinds):
+    if not {"dwell", "timed-axis"} & set(kinds) or "corner-feed" in kinds:
         raise NotCovered(f"delays of the kinds {kinds}")
     if problem.supply or len(problem.response) > 1 or any(axis.coulomb > 0 for axis in problem.axes):
         raise NotCovered("families with a servo, dry friction or a shared supply")

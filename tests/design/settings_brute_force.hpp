@@ -81,19 +81,30 @@ inline bool sample_holds(const Axis& axis, double v, double a, double jerk, doub
          force * motion_v <= axis.power_max * slack && -force * motion_v <= axis.regeneration_max * slack;
 }
 
-/// Rest, leg 1, the corner with this delay, leg 2, rest: all limits of a corner.
-inline bool holds(const Task& task, const TaskCorner& corner, const Behind& filter, int delay) {
+/// Samples from a step of the command until its motion is steady.
+inline int lead_of(const Behind& filter) {
+  return filter.motion.order() + 2;
+}
+
+/// Rest, leg 1, the corner with this delay, leg 2, rest: all limits of a corner. It may be passed at a part of the
+/// feed, to which the command steps on leg 1, and from which it steps on leg 2.
+inline bool holds(const Task& task, const TaskCorner& corner, const Behind& filter, int delay, double part = 1.0) {
   const Corner& g = corner.geometry();
   const double period = task.sample_period;
+  const int lead = part < 1.0 ? lead_of(filter) : 0;
   const auto velocity = [&](const Sums& sums, int axis, int event, int k) {
     const double in = g.feed_in * g.direction_in[axis], out = g.feed_out * g.direction_out[axis];
     if (event == 0) return in * sums.b(k);
-    if (event == 1) return in * (1.0 - sums.b(k)) + out * sums.b(k - delay);
+    if (event == 1) {
+      return in * (1.0 - (1.0 - part) * sums.b(k + lead) - part * sums.b(k)) +
+             out * (part * sums.b(k - delay) + (1.0 - part) * sums.b(k - delay - lead));
+    }
     return out * (1.0 - sums.b(k));
   };
   double nearest = none, slowest = none;
   for (int event = 0; event < 3; ++event) {
-    for (int k = 0; k <= filter.motion.order() + delay + 3; ++k) {
+    const int around = event == 1 ? lead : 0;
+    for (int k = -around; k <= filter.motion.order() + delay + 3 + around; ++k) {
       double speed = 0.0, power = 0.0;
       for (int axis = 0; axis < 2; ++axis) {
         const auto of = [&](const Sums& sums, int back) { return velocity(sums, axis, event, k - back); };
@@ -108,8 +119,10 @@ inline bool holds(const Task& task, const TaskCorner& corner, const Behind& filt
       if (power > task.machine.power_total_max * (1.0 + 1e-9)) return false;
       if (event != 1) continue;
       slowest = std::min(slowest, std::sqrt(speed));
-      const Eigen::VectorXd s = period * (g.feed_out * filter.motion.q(k - delay) * g.direction_out -
-                                          g.feed_in * filter.motion.p(k) * g.direction_in);
+      const Sums& m = filter.motion;
+      const double to_go = (1.0 - part) * m.p(k + lead) + part * m.p(k),
+                   gone = part * m.q(k - delay) + (1.0 - part) * m.q(k - delay - lead);
+      const Eigen::VectorXd s = period * (g.feed_out * gone * g.direction_out - g.feed_in * to_go * g.direction_in);
       nearest = std::min(nearest, s.norm());
     }
   }
@@ -146,6 +159,13 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
     good.emplace_back();
     for (int d = 0; d <= last; ++d) good.back().push_back(holds(task, corner, filter, d));
   }
+  const double step = task.settings->corner_feed_step;
+  std::vector<std::vector<bool>> by_part;
+  for (const TaskCorner& corner : task.corners) {
+    by_part.emplace_back();
+    for (int m = 1; has(DelayKind::corner_feed) && m * step < 1.0 - 1e-9; ++m)
+      by_part.back().push_back(holds(task, corner, filter, 0, m * step));
+  }
   const Sums& watched = task.settings->in_position_actual ? filter.motion : filter.command;
   const int latency = static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period));
   std::vector<double> widths{none};
@@ -171,6 +191,10 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
         const bool kind =
             any || (d == 0 && has(DelayKind::continuous)) || (d >= n && d <= n + 2 && has(DelayKind::exact_stop));
         if ((kind || by_width) && good[j][static_cast<std::size_t>(d)]) least = std::min<double>(least, d);
+      }
+      if (has(DelayKind::corner_feed)) {
+        for (std::size_t m = 0; m < by_part[j].size(); ++m)
+          if (by_part[j][m]) least = std::min(least, 2.0 * lead_of(filter) * (1.0 - (m + 1.0) * step));
       }
       cost += task.corners[j].weight * least;
     }

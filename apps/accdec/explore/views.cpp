@@ -84,7 +84,7 @@ Json view_json(const DesignResult& result, std::size_t index) {
   const Task& task = result.task;
   const TaskCorner& corner = task.corners[index];
   const SampledResponse sampled = simulate_response(*result.filter, corner.geometry(), result.corners[index].delay,
-                                                    task.sample_period, task.machine);
+                                                    task.sample_period, task.machine, result.corners[index].feed_part);
   const SampledMotion& motion = sampled.motion();
   std::vector<double> time;
   for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)

@@ -71,7 +71,8 @@ py::list corners(const DesignResult& r) {
     list.append(py::dict(py::arg("name") = c.name, py::arg("delay") = c.delay, py::arg("corner_error") = c.corner_error,
                          py::arg("polyline_error") = c.polyline_error,
                          py::arg("contour_deviation") = c.contour_deviation, py::arg("speed_min") = c.speed_min,
-                         py::arg("corner_time") = c.corner_time, py::arg("settling_time") = c.settling_time));
+                         py::arg("corner_time") = c.corner_time, py::arg("settling_time") = c.settling_time,
+                         py::arg("feed_part") = c.feed_part));
   }
   return list;
 }
@@ -169,7 +170,8 @@ delays : ndarray of int
 cycle_time, corner_time : float or None
     s.
 corners : list of dict
-    name, delay, corner_error, polyline_error, contour_deviation (m), speed_min (m/s), corner_time, settling_time (s).
+    name, delay, corner_error, polyline_error, contour_deviation (m), speed_min (m/s), corner_time, settling_time (s),
+    feed_part (of the feed, at which the corner is passed).
 limits : list of dict
     The worst use of every limit: kind, axis, corner, event, value, bound (SI), utilisation (1 is the bound), sample,
     frequency (Hz).

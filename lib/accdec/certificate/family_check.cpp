@@ -9,6 +9,8 @@
 #include <accdec/certificate/family_check.hpp>
 #include <accdec/certificate/family_members.hpp>
 #include <accdec/certificate/member_limits.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/verify.hpp>
 
@@ -17,6 +19,66 @@ namespace {
 
 constexpr const char* late = "it could not be checked in the time allowed";
 constexpr double none = std::numeric_limits<double>::infinity();
+
+/// The ways to pass each corner with one member: a delay, or `at_part` more than a multiple of the step of corner
+/// feeds.
+class Ways {
+ public:
+  static constexpr int at_part = 1 << 30;
+
+  Ways(const Task& task, const Task& granted, const FamilyMember& member, const MemberLimits& limits)
+      : task_(task),
+        granted_(granted),
+        member_(member),
+        limits_(limits),
+        longest_(limits.longest_delay()),
+        parts_(kind(DelayKind::corner_feed) ? corner_feed_multiples(task.settings->corner_feed_step) : 0),
+        lead_(corner_feed_lead(member.order(), Response(task.machine, task.sample_period).order())),
+        known_(task.corners.size(), std::vector<State>(static_cast<std::size_t>(longest_ + parts_) + 1)) {}
+
+  bool kind(DelayKind wanted) const { return task_.settings->names(wanted); }
+  bool any_delay() const {
+    return task_.settings->delays.empty() || kind(DelayKind::dwell) || kind(DelayKind::timed_axis);
+  }
+  /// Whether a corner may be passed at a part of the feed.
+  bool slows(std::size_t j) const { return parts_ > 0 && task_.corners[j].delay.value_or(0) == 0; }
+
+  int longest() const { return longest_; }               ///< from here on, longer delays change nothing
+  int largest_part() const { return at_part + parts_; }  ///< the cheapest of the parts
+  double part_of(int way) const { return way > at_part ? (way - at_part) * task_.settings->corner_feed_step : 1.0; }
+  double samples_of(int way) const { return way > at_part ? corner_feed_loss(part_of(way), lead_) : way; }
+  /// The least delay at which the legs do not overlap.
+  int apart() const {
+    int first = 0, last = member_.order();
+    while (member_.taps[static_cast<std::size_t>(first)] == 0.0) ++first;
+    while (member_.taps[static_cast<std::size_t>(last)] == 0.0) --last;
+    return last - first;
+  }
+
+  bool holds(std::size_t j, int way) {
+    State& state = known(j, way);
+    if (state == State::unseen) {
+      const bool broken = way > at_part ? limits_.broken_by_corner_feed(granted_.corners[j], part_of(way))
+                                        : limits_.broken_by_blend(granted_.corners[j], std::min(way, longest_));
+      state = broken ? State::shut : State::open;
+    }
+    return state == State::open;
+  }
+  void shut(std::size_t j, int way) { known(j, way) = State::shut; }
+
+ private:
+  enum class State : signed char { unseen, shut, open };
+  State& known(std::size_t j, int way) {
+    return known_[j][static_cast<std::size_t>(way > at_part ? longest_ + way - at_part : std::min(way, longest_))];
+  }
+
+  const Task& task_;
+  const Task& granted_;
+  const FamilyMember& member_;
+  const MemberLimits& limits_;
+  int longest_, parts_, lead_;
+  std::vector<std::vector<State>> known_;  ///< of each corner and way
+};
 
 /// Refutes one member.
 class Refutation {
@@ -29,12 +91,11 @@ class Refutation {
         granted_(granted),
         member_(member),
         limits_(limits),
+        ways_(task, granted, member, limits),
         room_(room),
         stop_(stop),
         cost_(cost_of(task)),
-        longest_(limits.longest_delay()),
-        least_(std::move(least)),
-        known_(task.corners.size(), std::vector<signed char>(static_cast<std::size_t>(longest_) + 1, unseen)) {}
+        least_(std::move(least)) {}
 
   /// The rule that refutes it, or empty.
   std::string rule() {
@@ -48,67 +109,57 @@ class Refutation {
     bool simulated = false;
     for (;;) {
       if (stop_ && stop_()) throw Rejected(late);
-      const std::optional<std::vector<int>> delays = cheap_delays();
-      if (!delays) return simulated ? "simulation" : "delays";
-      if (!close_one(*delays)) return "";
+      const std::optional<std::vector<int>> ways = cheap_ways();
+      if (!ways) return simulated ? "simulation" : "delays";
+      if (!close_one(*ways)) return "";
       simulated = true;
     }
   }
 
  private:
-  static constexpr signed char unseen = 0, shut = 1, open = 2;
-
   double cost_of_least() const {
     double sum = 0.0;
-    for (std::size_t j = 0; j < least_.size(); ++j) sum += cost_.delay[j] * least_[j];
+    for (std::size_t j = 0; j < least_.size(); ++j) {
+      const double by_feed = ways_.slows(j) ? ways_.samples_of(ways_.largest_part()) : none;
+      sum += cost_.delay[j] * std::min<double>(least_[j], by_feed);
+    }
     return sum;
   }
 
-  bool holds(std::size_t j, int delay) {
-    signed char& known = known_[j][static_cast<std::size_t>(std::min(delay, longest_))];
-    if (known == unseen) known = limits_.broken_by_blend(granted_.corners[j], std::min(delay, longest_)) ? shut : open;
-    return known == open;
-  }
-
-  bool kind(DelayKind wanted) const {
-    const auto& kinds = task_.settings->delays;
-    return std::find(kinds.begin(), kinds.end(), wanted) != kinds.end();
-  }
-  bool any_delay() const {
-    return task_.settings->delays.empty() || kind(DelayKind::dwell) || kind(DelayKind::timed_axis);
+  /// The cheapest way without a width; -1: none.
+  int plain_way(std::size_t j) {
+    const int delay = plain_delay(j, least_[j], room_);
+    if (!ways_.slows(j)) return delay;
+    for (int way = ways_.largest_part(); way > Ways::at_part; --way) {
+      if (ways_.samples_of(way) * cost_.delay[j] >= room_ || (delay >= 0 && ways_.samples_of(way) >= delay)) break;
+      if (ways_.holds(j, way)) return way;
+    }
+    return delay;
   }
 
   /// The shortest delay without a width; -1: none.
   int plain_delay(std::size_t j, int least, double room) {
     const std::optional<int> given = task_.corners[j].delay;
-    if (given) return holds(j, *given) ? *given : -1;
-    const int first = std::max(any_delay() ? 0 : apart(), least);
-    if (!any_delay() && kind(DelayKind::continuous) && holds(j, 0)) return 0;
-    if (!any_delay() && !kind(DelayKind::exact_stop)) return -1;
+    if (given) return ways_.holds(j, *given) ? *given : -1;
+    const int first = std::max(ways_.any_delay() ? 0 : ways_.apart(), least);
+    if (!ways_.any_delay() && ways_.kind(DelayKind::continuous) && ways_.holds(j, 0)) return 0;
+    if (!ways_.any_delay() && !ways_.kind(DelayKind::exact_stop)) return -1;
     constexpr int more = 2;  // samples that a limit may ask for at an exact stop
-    const int last = any_delay() ? longest_ : apart() + more;
+    const int last = ways_.any_delay() ? ways_.longest() : ways_.apart() + more;
     for (int d = first; d <= last; ++d) {
       if (cost_.delay[j] * d >= room) return -1;
-      if (holds(j, d)) return d;
+      if (ways_.holds(j, d)) return d;
     }
     return -1;
   }
 
-  /// The least delay at which the legs do not overlap.
-  int apart() const {
-    int first = 0, last = member_.order();
-    while (member_.taps[static_cast<std::size_t>(first)] == 0.0) ++first;
-    while (member_.taps[static_cast<std::size_t>(last)] == 0.0) --last;
-    return last - first;
-  }
-
-  /// Delays that hold all limits within the room, of any kind that the controller has.
-  std::optional<std::vector<int>> cheap_delays() {
+  /// Ways that hold all limits within the room, of any kind that the controller has.
+  std::optional<std::vector<int>> cheap_ways() {
     const std::size_t corners = task_.corners.size();
     std::vector<int> plain;
-    for (std::size_t j = 0; j < corners; ++j) plain.push_back(plain_delay(j, least_[j], room_));
+    for (std::size_t j = 0; j < corners; ++j) plain.push_back(plain_way(j));
     if (auto found = within(plain)) return found;
-    if (any_delay() || !kind(DelayKind::in_position)) return std::nullopt;
+    if (ways_.any_delay() || !ways_.kind(DelayKind::in_position)) return std::nullopt;
     const std::vector<double>& left = limits_.way_watched();
     const int latency = static_cast<int>(std::lround(task_.settings->in_position_latency / task_.sample_period));
     std::vector<double> widths{none};
@@ -121,30 +172,30 @@ class Refutation {
     }
     for (const double width : widths) {
       if (stop_ && stop_()) throw Rejected(late);
-      std::vector<int> delays = plain;
+      std::vector<int> ways = plain;
       for (std::size_t j = 0; j < corners; ++j) {
         const double way = task_.corners[j].geometry().feed_in * task_.sample_period;
         const auto after = [&](double to_go) { return way * to_go > width; };
         const int d = latency + static_cast<int>(std::partition_point(left.begin(), left.end(), after) - left.begin());
-        const bool shorter = delays[j] < 0 || d < delays[j];
-        if (!task_.corners[j].delay && shorter && holds(j, d)) delays[j] = d;
+        const bool shorter = ways[j] < 0 || d < ways_.samples_of(ways[j]);
+        if (!task_.corners[j].delay && shorter && ways_.holds(j, d)) ways[j] = d;
       }
-      if (auto found = within(delays)) return found;
+      if (auto found = within(ways)) return found;
     }
     return std::nullopt;
   }
 
-  std::optional<std::vector<int>> within(const std::vector<int>& delays) const {
+  std::optional<std::vector<int>> within(const std::vector<int>& ways) const {
     double sum = 0.0;
-    for (std::size_t j = 0; j < delays.size(); ++j) {
-      if (delays[j] < 0) return std::nullopt;
-      sum += cost_.delay[j] * delays[j];
+    for (std::size_t j = 0; j < ways.size(); ++j) {
+      if (ways[j] < 0) return std::nullopt;
+      sum += cost_.delay[j] * ways_.samples_of(ways[j]);
     }
-    return sum < room_ ? std::optional(delays) : std::nullopt;
+    return sum < room_ ? std::optional(ways) : std::nullopt;
   }
 
-  /// Whether the verification refuses these delays, or the filter; then it knows so of one more delay.
-  bool close_one(const std::vector<int>& delays) {
+  /// Whether the verification refuses these ways, or the filter; then it knows so of one more way.
+  bool close_one(const std::vector<int>& ways) {
     const Filter filter(member_.taps);
     Task alone = task_;
     alone.corners.clear();
@@ -152,9 +203,11 @@ class Refutation {
       room_ = -none;
       return true;
     }
-    for (std::size_t j = 0; j < delays.size(); ++j) {
-      if (verify_by_simulation(corner_alone(task_, task_.corners[j]), filter, {delays[j]}).feasible) continue;
-      known_[j][static_cast<std::size_t>(std::min(delays[j], longest_))] = shut;
+    for (std::size_t j = 0; j < ways.size(); ++j) {
+      const int delay = ways[j] > Ways::at_part ? 0 : ways[j];
+      const Task one = corner_alone(task_, task_.corners[j]);
+      if (verify_by_simulation(one, filter, {delay}, nullptr, nullptr, {ways_.part_of(ways[j])}).feasible) continue;
+      ways_.shut(j, ways[j]);
       return true;
     }
     return false;
@@ -164,12 +217,11 @@ class Refutation {
   const Task& granted_;
   const FamilyMember& member_;
   const MemberLimits& limits_;
+  Ways ways_;
   double room_;
   const std::function<bool()>& stop_;
   LinearCost cost_;
-  int longest_;
-  std::vector<int> least_;                       ///< of each corner: every shorter delay breaks its error bound
-  std::vector<std::vector<signed char>> known_;  ///< of each corner and delay
+  std::vector<int> least_;  ///< of each corner: every shorter delay breaks its error bound
 };
 
 }  // namespace

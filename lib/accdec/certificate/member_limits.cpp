@@ -231,6 +231,20 @@ bool MemberLimits::broken_by_blend(const TaskCorner& corner, int delay) const {
          corner.speed_min > std::sqrt(*std::min_element(speed.begin(), speed.end())) * (1.0 + 1e-12);
 }
 
+bool MemberLimits::broken_by_corner_feed(const TaskCorner& corner, double part) const {
+  const Corner& g = corner.geometry();
+  TaskCorner slow = corner;
+  slow.set_feeds(part * g.feed_in, part * g.feed_out);
+  if (broken_by_blend(slow, 0)) return true;
+  const auto step_breaks = [&](const Eigen::VectorXd& along, double before, double after) {
+    const std::vector<double> direction(along.begin(), along.end());
+    const int axes = static_cast<int>(direction.size());
+    return broken_by_blend(TaskCorner("", DirectedLegs{direction, direction}, before, after, axes), 0);
+  };
+  return step_breaks(g.direction_in, g.feed_in, part * g.feed_in) ||
+         step_breaks(g.direction_out, part * g.feed_out, g.feed_out);
+}
+
 /// At this delay and all shorter ones.
 bool MemberLimits::too_far(const TaskCorner& corner, int delay) const {
   const FamilyMember& moved = motion();

@@ -32,6 +32,8 @@ class MemberLimits {
   bool rings() const;
   bool broken_by_blend(const TaskCorner& corner, int delay) const;
   bool contour_broken(const TaskCorner& corner, int delay, int last) const;
+  /// Whether a corner at this part of its feeds breaks a limit, or the step down to it or up from it does.
+  bool broken_by_corner_feed(const TaskCorner& corner, double part) const;
   /// A delay below which the corner's error is too large. At every shorter delay, leg 2 is at least as far away sample
   /// by sample. The nearest of all such positions therefore bounds the error of them all.
   int least_delay(const TaskCorner& corner) const;

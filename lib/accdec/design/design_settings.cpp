@@ -105,12 +105,13 @@ void compare_with_today(DesignResult& result) {
   if (!result.task.baseline) return;
   const Filter today = make_filter(*result.task.baseline);
   const auto delays = delays_of_kinds(today, result.task, unlimited);
-  if (!delays || !verify_by_simulation(result.task, today, delays->delays).feasible) {
+  if (!delays || !verify_by_simulation(result.task, today, delays->delays, nullptr, nullptr, delays->parts).feasible) {
     result.message += result.message.empty() ? "" : "; ";
     result.message += "today's setting breaks a limit, whatever the delays";
     return;
   }
-  const double time = objective_time(result.task, today.order(), delays->delays);
+  const double time =
+      objective_time(result.task, today.order(), delays->delays) + delays->lost * result.task.sample_period;
   Savings savings;
   savings.today = time;
   savings.total = time - result.objective();
@@ -132,7 +133,7 @@ DesignResult design_settings(const Task& asked, const DesignOptions& options) {
   const SettableDesign best = best_settings(task, options.time_limit, options.cancel);
   DesignResult result;
   if (best.chosen) {
-    result = assess(task, make_filter(best.chosen->filter), best.delays.delays, false);
+    result = assess(task, make_filter(best.chosen->filter), best.delays.delays, false, best.delays.parts);
     if (result.has_design()) result.settings = best.chosen;
   } else {
     result.task = task;

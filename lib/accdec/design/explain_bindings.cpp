@@ -52,8 +52,9 @@ std::vector<Binding> find_bindings(const DesignResult& design) {
   }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
-    const SampledResponse sampled =
-        simulate_response(*design.filter, corner.geometry(), design.corners[j].delay, task.sample_period, task.machine);
+    const CornerResult& measured = design.corners[j];
+    const SampledResponse sampled = simulate_response(*design.filter, corner.geometry(), measured.delay,
+                                                      task.sample_period, task.machine, measured.feed_part);
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a)
       axis_bindings(sampled, task.sample_period, task.machine.axes[a], static_cast<Eigen::Index>(a), corner.name,
                     found);

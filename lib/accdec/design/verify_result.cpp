@@ -13,6 +13,13 @@ namespace {
 
 constexpr double tolerance = 1e-9;
 
+/// Parts of the feed at which the corners are passed.
+std::vector<double> feed_parts(const DesignResult& result) {
+  std::vector<double> parts;
+  for (const CornerResult& corner : result.corners) parts.push_back(corner.feed_part);
+  return parts;
+}
+
 class Comparison {
  public:
   explicit Comparison(std::vector<std::string>& reasons) : reasons_(reasons) {}
@@ -125,13 +132,14 @@ void compare_limit(const DesignResult& recorded, std::size_t i, const LimitUse& 
   if (use.sample == found.sample && use.event == found.event && use.frequency == found.frequency) return;
   std::vector<int> delays;
   for (const CornerResult& corner : recorded.corners) delays.push_back(corner.delay);
+  const std::vector<double> parts = feed_parts(recorded);
   if (!names_a_place(recorded.task, use, found)) {
     reasons.push_back(
         fmt::format("limits[{}] names an event, a sample or a frequency at which no {} is measured, found: {}", i,
                     to_string(use.kind), describe(found)));
     return;
   }
-  const double there = std::max(0.0, value_where(recorded.task, *recorded.filter, delays, use));
+  const double there = std::max(0.0, value_where(recorded.task, *recorded.filter, delays, use, parts));
   if (std::abs(there - found.value) <= tolerance * std::abs(found.value) + floor) return;
   reasons.push_back(
       use.kind == LimitKind::vibration
@@ -325,9 +333,13 @@ ResultCheck verify_result(const DesignResult& result, const std::function<bool()
       report.reasons.push_back(fmt::format("corner {}: delay {} is negative", corner.name, corner.delay));
       return report;
     }
+    if (!(corner.feed_part > 0.0 && corner.feed_part <= 1.0)) {
+      report.reasons.push_back(fmt::format("corner {}: {} is no part of the feed", corner.name, corner.feed_part));
+      return report;
+    }
     delays.push_back(corner.delay);
   }
-  const DesignResult found = assess(result.task, *result.filter, delays, true);
+  const DesignResult found = assess(result.task, *result.filter, delays, true, feed_parts(result));
   report.verification = found.verification;
   if (!found.verification.feasible) report.reasons.push_back("a limit is broken: " + found.verification.worst);
   compare_choice(result, report.reasons);

@@ -143,6 +143,21 @@ class InPosition {
   FilterBehind behind_;
 };
 
+/// A corner feed, and nothing else, passes the corner at a part of the feed that the controller has.
+void compare_feed(const DesignResult& result, std::size_t j, std::vector<std::string>& reasons) {
+  const CornerResult& corner = result.corners[j];
+  const bool slow = result.settings->delays[j] == DelayKind::corner_feed;
+  if (slow != (corner.feed_part < 1.0))
+    reasons.push_back(
+        fmt::format("corner {}: a corner feed goes with a feed_part below 1, and only that", corner.name));
+  if (!slow) return;
+  if (corner.delay != 0) reasons.push_back(fmt::format("corner {}: a corner feed has no delay", corner.name));
+  const double multiple = corner.feed_part / result.task.settings->corner_feed_step;
+  if (!(std::abs(multiple - std::round(multiple)) <= part * multiple) || std::round(multiple) < 1.0)
+    reasons.push_back(
+        fmt::format("corner {}: {} of the feed is no multiple of corner_feed_step", corner.name, corner.feed_part));
+}
+
 void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons) {
   const auto& kinds = result.settings->delays;
   const auto& allowed = result.task.settings->delays;
@@ -152,6 +167,7 @@ void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons
   }
   bool in_position = false;
   for (std::size_t j = 0; j < kinds.size(); ++j) {
+    compare_feed(result, j, reasons);
     const int d = result.corners[j].delay,
               apart = result.filter->last_nonzero_tap() - result.filter->first_nonzero_tap();
     const std::string& name = result.corners[j].name;
@@ -181,6 +197,12 @@ void compare_setting(const Task& task, const ChosenSettings& chosen, const Filte
 
 void compare_settings(const DesignResult& result, std::vector<std::string>& reasons) {
   const bool asked = result.task.settings && result.task.settings->names_family();
+  if (!asked || result.task.settings->delays.empty()) {
+    for (const CornerResult& corner : result.corners) {
+      if (corner.feed_part < 1.0)
+        reasons.push_back(fmt::format("corner {}: the task has no corner feeds", corner.name));
+    }
+  }
   if (!asked) {
     if (result.settings || result.family_bound || result.free_taps)
       reasons.push_back("settings are recorded, the task asks for none");

@@ -33,6 +33,7 @@ FamilySearch::FamilySearch(const Task& task, const Family& baseline, double belo
       family_(baseline),
       members_(std::move(members)),
       cost_(cost_of(task)),
+      by_feed_(task.settings && task.settings->names(DelayKind::corner_feed)),
       refusals_(*on_taps_),
       cheapest_(below) {
   // Take all filters with taps of at most 1/L. Their distances p and q are smallest for some shift of the boxcar of L
@@ -46,7 +47,7 @@ FamilySearch::FamilySearch(const Task& task, const Family& baseline, double belo
   const int last = motion ? motion->order() + 1 : taps;
   for (const TaskCorner& corner : task.corners) {
     int least = corner.delay.value_or(0);
-    if (!corner.delay && corner.error_max) {
+    if (!corner.delay && corner.error_max && !by_feed_) {
       const auto may_hold = [&](int delay) {
         return motion ? may_hold_error(*motion, corner, task.sample_period, delay)
                       : may_hold_error(narrowest, corner, task.sample_period, delay);
@@ -117,7 +118,7 @@ void FamilySearch::offer(const FilterSpec& spec) {
   if (refusals_.refuses(filter, late)) return;
   const auto delays = delays_of_kinds(filter, task_, cheapest_, late);
   if (!delays || late()) return;
-  const double cost = cost_(filter.order(), delays->delays);
+  const double cost = cost_(filter.order(), delays->delays) + delays->lost;
   if (!better(cost)) return;
   cheapest_ = cost;
   best_ = spec;
@@ -126,7 +127,7 @@ void FamilySearch::offer(const FilterSpec& spec) {
 
 /// Whether some corner's error bound needs a delay that costs too much.
 bool FamilySearch::too_slow(const Cascade& cascade) const {
-  if (cheapest_ == unlimited) return false;
+  if (cheapest_ == unlimited || by_feed_) return false;
   const double room = cheapest_ - cost_(cascade.order(), least_delays_);
   for (std::size_t j = 0; j < task_.corners.size(); ++j) {
     const TaskCorner& corner = on_taps_->corners[j];

@@ -46,6 +46,7 @@ class FamilySearch {
   const Family& family_;
   Members members_;
   LinearCost cost_;
+  bool by_feed_;                   ///< corners may be passed at a part of the feed: an error then needs no delay
   std::vector<int> least_delays_;  ///< lower bounds for all filters within the limits
   QuickRefusals refusals_;
   std::function<bool()> stop_now_;

@@ -80,6 +80,7 @@ FileKind make_controller_file() {
       as_in_tasks(controller_keys(), "delays", "how it delays the second leg of a corner", "not known"),
       *find_key(controller_keys(), "in_position_of"),
       *find_key(controller_keys(), "in_position_latency_ms"),
+      *find_key(controller_keys(), "corner_feed_step"),
       {.name = "unknown",
        .type = KeyType::texts,
        .meaning = "what could not be found; nothing is printed as a fact without a source",
@@ -127,6 +128,7 @@ Controller read_controller(const Table& top, std::string name) {
   for (const std::string& word : top.texts("delays")) controller.delays.push_back(*delay_kind_from_string(word));
   controller.in_position_actual = top.has("in_position_of") && top.word("in_position_of") == "actual";
   controller.in_position_latency = top.number("in_position_latency_ms").value_or(0.0);
+  controller.corner_feed_step = top.number("corner_feed_step").value_or(controller.corner_feed_step);
   controller.unknown = top.texts("unknown");
   controller.time_constant_step = top.number("time_constant_step_ms").value_or(0.0);
   controller.alpha_step = top.number("alpha_step").value_or(0.0);
@@ -224,6 +226,7 @@ ControllerSettings settings_of(const Controller& controller, double period) {
   if (controller.alpha_step > 0.0) settings.alpha_step = controller.alpha_step;
   if (controller.cutoff_step > 0.0) settings.cutoff_step = controller.cutoff_step;
   settings.delays = controller.delays;
+  settings.corner_feed_step = controller.corner_feed_step;
   settings.in_position_actual = controller.in_position_actual;
   settings.in_position_latency = std::round(controller.in_position_latency / period) * period;
   for (const ControllerStage& stage : controller.stages) settings.stages.push_back(sampled(stage, period));

@@ -36,6 +36,7 @@ struct Controller {
   std::vector<DelayKind> delays;     ///< empty: none is known
   bool in_position_actual = false;   ///< see ControllerSettings
   double in_position_latency = 0.0;  ///< s
+  double corner_feed_step = 0.05;
   std::vector<std::string> unknown;  ///< what could not be found
   std::vector<ControllerSource> sources;
 };

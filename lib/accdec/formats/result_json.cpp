@@ -100,6 +100,7 @@ void write_corner(ListWriter& writer, const CornerResult& c) {
       .member("speed_min_m_s", c.speed_min)
       .member("corner_time_s", c.corner_time);
   if (c.settling_time > 0.0) writer.member("settling_time_s", c.settling_time);
+  if (c.feed_part < 1.0) writer.member("feed_part", c.feed_part);
 }
 
 void write_limit(ListWriter& writer, const LimitUse& use) {

@@ -80,11 +80,15 @@ Key corners() {
        number("corner_error_m", "distance of the path from the corner point, at samples", "m"),
        number("polyline_error_m", "distance of the polyline through the samples from the corner point", "m"),
        number("contour_deviation_m", "largest distance of the path from the legs", "m"),
-       number("speed_min_m_s", "smallest tangential speed", "m/s"), number("corner_time_s", "(N + 1 + d) T", "s"),
+       number("speed_min_m_s", "smallest tangential speed", "m/s"),
+       number("corner_time_s", "(N + 1 + d) T, and what a corner feed loses", "s"),
        optional(number("settling_time_s",
                        "behind a servo: from the end of the command until the motion is within the tolerance of its "
                        "end; left out if 0",
-                       "s"))});
+                       "s")),
+       optional(
+           number("feed_part",
+                  "with a corner feed: part of both feeds at which the corner is passed, above 0; left out if 1"))});
 }
 
 Key limits() {

@@ -151,7 +151,8 @@ CornerResult read_corner(const Json& json) {
           json["contour_deviation_m"],
           json["speed_min_m_s"],
           json["corner_time_s"],
-          optional_number(json, "settling_time_s").value_or(0.0)};
+          optional_number(json, "settling_time_s").value_or(0.0),
+          optional_number(json, "feed_part").value_or(1.0)};
 }
 
 LimitUse read_limit(const Json& json) {

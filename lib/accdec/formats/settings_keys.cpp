@@ -52,7 +52,12 @@ std::vector<Key> about_delays() {
        .range = {0.0, longest_ms},
        .fallback = "0",
        .example = "2",
-       .of_period = true}};
+       .of_period = true},
+      {.name = "corner_feed_step",
+       .meaning = "with \"corner-feed\": corners are passed at multiples of this part of both feeds, below the whole",
+       .range = {0.001, 0.5},
+       .fallback = "0.05",
+       .example = "0.1"}};
 }
 
 /// The controller's file, its parameters and its own smoothing.

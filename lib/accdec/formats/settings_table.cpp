@@ -160,10 +160,18 @@ std::optional<ControllerSettings> named_controller(const Table& table, double pe
   }
 }
 
+/// Parts of the feed at which the control passes corners.
+void read_corner_feed(const Table& table, ControllerSettings& settings) {
+  constexpr std::string_view key = "corner_feed_step";
+  if (!table.has(key)) return;
+  if (!settings.names(DelayKind::corner_feed))
+    table.fail_at(key, fmt::format("`{}` goes with delays = [\"corner-feed\"]", key));
+  settings.corner_feed_step = *table.number(key);
+}
+
 /// How the control measures that it is in-position.
 void read_in_position(const Table& table, double period, ControllerSettings& settings) {
-  const auto& kinds = settings.delays;
-  const bool there = std::find(kinds.begin(), kinds.end(), DelayKind::in_position) != kinds.end();
+  const bool there = settings.names(DelayKind::in_position);
   for (const std::string_view key : {"in_position_of", "in_position_latency_ms"}) {
     if (table.has(key) && !there) table.fail_at(key, fmt::format("`{}` goes with delays = [\"in-position\"]", key));
   }
@@ -252,6 +260,7 @@ std::optional<ControllerSettings> read_settings(const std::optional<Table>& desi
     for (const std::string& word : controller->texts("delays"))
       settings.delays.push_back(*delay_kind_from_string(word));
     read_in_position(*controller, period, settings);
+    read_corner_feed(*controller, settings);
     read_parameters(*controller, settings);
   }
   if (!settings.names_family() && settings.delays.empty()) return std::nullopt;
@@ -284,6 +293,7 @@ void write_settings(const ControllerSettings& settings, Json& design, Json& cont
   if (settings.in_position_actual) controller["in_position_of"] = "actual";
   if (settings.in_position_latency > 0.0)
     controller["in_position_latency_ms"] = from_si({.unit = "ms"}, settings.in_position_latency);
+  if (settings.names(DelayKind::corner_feed)) controller["corner_feed_step"] = settings.corner_feed_step;
   write_parameters(settings, controller);
 }
 

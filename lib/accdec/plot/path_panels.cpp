@@ -144,7 +144,8 @@ CornerMotion::CornerMotion(const DesignResult& r, std::size_t index)
     : result(r),
       task(r.task.corners[index]),
       measures(r.corners[index]),
-      sampled(simulate_response(*r.filter, task.geometry(), measures.delay, r.task.sample_period, r.task.machine)),
+      sampled(simulate_response(*r.filter, task.geometry(), measures.delay, r.task.sample_period, r.task.machine,
+                                measures.feed_part)),
       motion(sampled.motion()) {
   for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
     time.push_back(static_cast<double>(n - motion.corner) * r.task.sample_period * 1e3);

@@ -35,6 +35,10 @@ bool ControllerSettings::names_family() const {
   return std::any_of(families.begin(), families.end(), [](SettingFamily f) { return f != SettingFamily::taps; });
 }
 
+bool ControllerSettings::names(DelayKind kind) const {
+  return std::find(delays.begin(), delays.end(), kind) != delays.end();
+}
+
 bool ControlDelays::names(DelayKind kind) const {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }

@@ -5,9 +5,11 @@
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/task/blend_check.hpp>
+#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
@@ -61,6 +63,58 @@ std::optional<WidthInterval> width_of(const InPosition& in_position, const Task&
   return width;
 }
 
+/// Corners at parts of the feed with one filter.
+class CornerFeeds {
+ public:
+  CornerFeeds(const Filter& filter, const FilterBehind& behind, const Task& task, const BlendLimits& limits)
+      : behind_(behind),
+        task_(task),
+        limits_(limits),
+        step_(task.settings->corner_feed_step),
+        lead_(corner_feed_lead(filter.order(), behind.longer())) {}
+
+  /// The largest part at which a corner holds its limits and loses less than `samples`; none: there is none.
+  std::optional<double> largest(const TaskCorner& corner, double samples, const std::function<bool()>& stop) const {
+    int multiple = corner_feed_multiples(step_);
+    if (corner.error_max) {
+      // The error is in proportion to the feed.
+      const double error = corner_error(Blend(behind_.motion(), corner.geometry(), 0, task_.sample_period));
+      const double most = *corner.error_max * (1.0 + 1e-6) + position_floor;
+      if (multiple * step_ * error > most) multiple = static_cast<int>(most / (step_ * error));
+    }
+    for (; multiple > 0; --multiple) {
+      const double part = multiple * step_;
+      if (lost(part) >= samples || (stop && stop())) return std::nullopt;
+      if (holds(corner, part)) return part;
+    }
+    return std::nullopt;
+  }
+  double lost(double part) const { return corner_feed_loss(part, lead_); }
+
+ private:
+  /// The motion has settled between the steps of the command, so that each is a corner by itself.
+  bool holds(const TaskCorner& corner, double part) const {
+    const Corner& g = corner.geometry();
+    TaskCorner slow = corner;
+    slow.set_feeds(part * g.feed_in, part * g.feed_out);
+    return BlendCheck(behind_.motion(), slow, task_, limits_).holds(0) &&
+           step_holds(g.direction_in, g.feed_in, part * g.feed_in) &&
+           step_holds(g.direction_out, part * g.feed_out, g.feed_out);
+  }
+  bool step_holds(const Eigen::VectorXd& along, double before, double after) const {
+    const std::vector<double> direction(along.begin(), along.end());
+    const TaskCorner straight("", DirectedLegs{direction, direction}, before, after,
+                              static_cast<int>(direction.size()));
+    return BlendCheck(behind_.motion(), straight, task_, limits_).holds(0);
+  }
+
+  const FilterBehind& behind_;
+  const Task& task_;
+  const BlendLimits& limits_;
+  double step_;
+  int lead_;
+};
+
 /// Looks for the cheapest delays of a filter of which everything but the blends holds.
 class KindChoice {
  public:
@@ -69,6 +123,7 @@ class KindChoice {
              double samples, const std::function<bool()>& stop)
       : filter_(filter),
         in_position_(behind, task),
+        corner_feeds_(filter, behind, task, limits),
         task_(task),
         kinds_(task.settings->delays),
         cost_(cost_of(task)),
@@ -81,7 +136,7 @@ class KindChoice {
   }
 
   std::optional<KindDelays> run() {
-    for (std::size_t j = 0; j < checks_.size(); ++j) others_.push_back(other_kinds(j));
+    for (std::size_t j = 0; j < checks_.size(); ++j) others_.push_back(with_corner_feed(j, other_kinds(j)));
     none_else_ = std::all_of(others_.begin(), others_.end(), [](const Choice& c) { return c.delay < 0; });
     offer(std::vector<int>(checks_.size(), -1));
     if (names(kinds_, DelayKind::in_position)) every_width();
@@ -97,7 +152,13 @@ class KindChoice {
   struct Choice {
     int delay = -1;  ///< -1: there is none
     DelayKind kind = DelayKind::continuous;
+    double part = 1.0;  ///< of the feed
   };
+
+  /// Samples that a choice costs the corner.
+  double samples_of(const Choice& choice) const {
+    return choice.delay < 0 ? unlimited : choice.delay + (choice.part < 1.0 ? corner_feeds_.lost(choice.part) : 0.0);
+  }
 
   bool holds(std::size_t j, int delay) {
     const auto at = static_cast<std::size_t>(delay);
@@ -131,25 +192,36 @@ class KindChoice {
     return {};
   }
 
+  /// This choice, or a part of the feed if that loses less.
+  Choice with_corner_feed(std::size_t j, const Choice& choice) {
+    if (late_ || !names(kinds_, DelayKind::corner_feed) || task_.corners[j].delay.value_or(0) != 0) return choice;
+    const double room = std::min(samples_of(choice), best_ / cost_.delay[j]);
+    const auto part = corner_feeds_.largest(task_.corners[j], room, stop_);
+    return part ? Choice{0, DelayKind::corner_feed, *part} : choice;
+  }
+
   /// Takes for every corner the shorter of both kinds, if all have one and they cost least.
   void offer(const std::vector<int>& by_width) {
     std::vector<int> delays;
     std::vector<DelayKind> kinds;
+    std::vector<double> parts;
+    double lost = 0.0;
     for (std::size_t j = 0; j < others_.size(); ++j) {
-      const bool shorter =
-          by_width[j] >= 0 && !task_.corners[j].delay && (others_[j].delay < 0 || by_width[j] < others_[j].delay);
+      const bool shorter = by_width[j] >= 0 && !task_.corners[j].delay && by_width[j] < samples_of(others_[j]);
       if (shorter && holds(j, by_width[j])) {
-        delays.push_back(by_width[j]), kinds.push_back(DelayKind::in_position);
+        delays.push_back(by_width[j]), kinds.push_back(DelayKind::in_position), parts.push_back(1.0);
       } else if (others_[j].delay >= 0) {
-        delays.push_back(others_[j].delay), kinds.push_back(others_[j].kind);
+        delays.push_back(others_[j].delay), kinds.push_back(others_[j].kind), parts.push_back(others_[j].part);
+        if (parts.back() < 1.0) lost += cost_.delay[j] * corner_feeds_.lost(parts.back());
       } else {
         return;
       }
     }
-    const double cost = cost_(filter_.order(), delays);
+    const double cost = cost_(filter_.order(), delays) + lost;
     if (!(cost < best_ * (1.0 - 1e-12))) return;
     best_ = cost;
-    found_ = {std::move(delays), std::move(kinds), std::nullopt};
+    found_ = {std::move(delays), std::move(kinds), std::nullopt, {}, lost};
+    if (lost > 0.0) found_->parts = std::move(parts);
   }
 
   /// From the widest on, one step of one or more delays after another.
@@ -177,6 +249,7 @@ class KindChoice {
 
   const Filter& filter_;
   InPosition in_position_;
+  CornerFeeds corner_feeds_;
   const Task& task_;
   const std::vector<DelayKind>& kinds_;
   LinearCost cost_;

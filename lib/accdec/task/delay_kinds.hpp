@@ -13,6 +13,8 @@ struct KindDelays {
   std::vector<int> delays;             ///< samples
   std::vector<DelayKind> kinds;        ///< of each corner; empty if the task names none
   std::optional<WidthInterval> width;  ///< where a corner is in-position
+  std::vector<double> parts{};         ///< of the feed, at which each corner is passed; empty: all at feed
+  double lost = 0.0;                   ///< samples of the objective that parts of the feed cost
 };
 
 /// The cheapest delays of the kinds that the task's settings name, at which the error bounds and all limits hold with

@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 
 #include <accdec/machine.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/settings_text.hpp>
 
 namespace accdec {
@@ -42,6 +44,15 @@ std::string_view family_member(SettingFamily family) {
   return family == SettingFamily::gaussian ? "a Gaussian" : "a windowed sinc";
 }
 
+/// A corner with what a kind of delay sets there.
+std::string corner_in_words(const DesignResult& result, std::size_t j) {
+  const CornerResult& corner = result.corners[j];
+  const DelayKind kind = result.settings->delays[j];
+  if (kind == DelayKind::corner_feed) return fmt::format("{} ({})", corner.name, corner_feed_in_words(result, j));
+  if (kind != DelayKind::dwell && kind != DelayKind::timed_axis) return corner.name;
+  return fmt::format("{} ({:.6g} ms)", corner.name, 1e3 * corner.delay * result.task.sample_period);
+}
+
 /// The delays in words: ", exact stop at every corner".
 std::string delays_in_words(const DesignResult& result) {
   const ChosenSettings& chosen = *result.settings;
@@ -51,11 +62,7 @@ std::string delays_in_words(const DesignResult& result) {
     if (kind.kind == DelayKind::in_position) continue;
     std::vector<std::string> corners;
     for (std::size_t j = 0; j < chosen.delays.size(); ++j) {
-      if (chosen.delays[j] == kind.kind)
-        corners.push_back(kind.kind == DelayKind::dwell || kind.kind == DelayKind::timed_axis
-                              ? fmt::format("{} ({:.6g} ms)", result.corners[j].name,
-                                            1e3 * result.corners[j].delay * result.task.sample_period)
-                              : result.corners[j].name);
+      if (chosen.delays[j] == kind.kind) corners.push_back(corner_in_words(result, j));
     }
     if (corners.empty()) continue;
     constexpr std::size_t shown = 5;
@@ -123,6 +130,20 @@ std::string width_in_words(const WidthInterval& width) {
   constexpr double smallest = 1e-9;  // m: below any encoder's step
   const char* const note = width.high < smallest ? ": no control holds so small a width, stop exactly instead" : "";
   return fmt::format("in-position width {:.4g} mm ({:.4g} to {}){}", 1e3 * width.middle(), 1e3 * width.low, high, note);
+}
+
+std::string corner_feed_in_words(const DesignResult& result, std::size_t corner) {
+  const Task& task = result.task;
+  const Corner& g = task.corners[corner].geometry();
+  const double part = result.corners[corner].feed_part;
+  const int lead = corner_feed_lead(result.filter->order(), Response(task.machine, task.sample_period).order());
+  const double slow = part * lead * task.sample_period;  // s, at full feed
+  const auto both = [&](double of_in, double of_out) {
+    return g.feed_in == g.feed_out ? fmt::format("{:.6g}", of_in) : fmt::format("{:.6g} and {:.6g}", of_in, of_out);
+  };
+  return fmt::format("{:.6g} % of the feed, {} mm/min, from {:.4g} mm before to {:.4g} mm behind it", 1e2 * part,
+                     both(6e4 * part * g.feed_in, 6e4 * part * g.feed_out), 1e3 * slow * g.feed_in,
+                     1e3 * slow * g.feed_out);
 }
 
 std::string settings_in_words(const ChosenSettings& settings) {

@@ -15,6 +15,9 @@ std::string settings_in_words(const ChosenSettings& settings);
 /// "in-position width 0.23 mm (0.21 to 0.25)".
 std::string width_in_words(const WidthInterval& width);
 
+/// "40 % of the feed, 2400 mm/min, from 1.2 mm before to 1.2 mm behind it": a corner with DelayKind::corner_feed.
+std::string corner_feed_in_words(const DesignResult& result, std::size_t corner);
+
 /// The answer to a task of a controller, for its user: what to set, the time and what is proved about it. It also says
 /// what free taps would do and what the design saves against today's setting. A line or two; empty without settings.
 std::string settings_answer(const DesignResult& result);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <accdec/machine/response.hpp>
+#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/simulation.hpp>
 
 namespace accdec {
@@ -15,9 +16,9 @@ struct Step {
   double size;
 };
 
-/// The command of one axis: rest, leg 1, gap, leg 2, rest.
+/// The command of one axis: rest, leg 1, gap, leg 2, rest. The feed is lowered on leg 1 and raised on leg 2.
 struct Command {
-  std::array<Step, 4> steps;
+  std::array<Step, 6> steps;
 
   double at(int k) const {
     double value = 0.0;
@@ -79,24 +80,46 @@ class Column {
 };
 
 /// Rest, leg 1, gap, leg 2, rest: where they are, and room for the samples.
-struct Stretches {
-  int rest, leg, delay;
-  Stretches(int order, int settling, int gap) : rest(order + settling + 3), leg(order + settling + 4), delay(gap) {}
+class Stretches {
+ public:
+  Stretches(int order, int response, int gap, double part)
+      : part_(part),
+        slow_(part < 1.0 ? corner_feed_lead(order, response) : 0),
+        rest_(order + response + 3),
+        leg_(order + response + 4 + slow_),
+        delay_(gap) {}
   SampledMotion motion(Eigen::Index axes) const {
     SampledMotion motion;
-    motion.start = rest - 1;
-    motion.corner = rest + leg - 1;
-    motion.stop = motion.corner + delay + leg;
+    motion.start = rest_ - 1;
+    motion.corner = rest_ + leg_ - 1;
+    motion.stop = motion.corner + delay_ + leg_;
     motion.cruise_in = motion.corner - 1;
     motion.cruise_out = motion.stop - 1;
     motion.velocity = Eigen::MatrixXd::Zero(total(), axes);
     motion.acceleration = motion.jerk = motion.position = motion.velocity;
     return motion;
   }
-  int total() const { return rest + leg + delay + leg + rest; }
+  int total() const { return rest_ + leg_ + delay_ + leg_ + rest_; }
   Command command(double in, double out) const {
-    return {{{{rest, in}, {rest + leg, -in}, {rest + leg + delay, out}, {rest + leg + delay + leg, -out}}}};
+    const int corner = rest_ + leg_, after = corner + delay_;
+    const double slow_in = part_ * in, slow_out = part_ * out;
+    return {{{{rest_, in},
+              {corner - slow_, slow_in - in},
+              {corner, -slow_in},
+              {after, slow_out},
+              {after + slow_, out - slow_out},
+              {after + leg_, -out}}}};
   }
+  /// Minus the commanded way of leg 1, m: positions from there are relative to the corner point.
+  long double start(double in, double period) const {
+    const long double way =
+        static_cast<long double>(in) * (leg_ - slow_) + static_cast<long double>(part_ * in) * slow_;
+    return -way * period;
+  }
+
+ private:
+  double part_;
+  int slow_, rest_, leg_, delay_;
 };
 
 /// The filtered command of one axis, m/s, sample by sample. The convolution of the command with the taps changes only
@@ -137,38 +160,38 @@ Filter smoothed(const Filter& filter, const std::vector<double>& smoothing) {
 
 }  // namespace
 
-SampledMotion simulate_corner(const Filter& filter, const Corner& corner, int delay, double sample_period) {
-  const Stretches stretches(filter.order(), 0, delay);
+SampledMotion simulate_corner(const Filter& filter, const Corner& corner, int delay, double sample_period,
+                              double part) {
+  const Stretches stretches(filter.order(), 0, delay, part);
   SampledMotion motion = stretches.motion(corner.axes());
   for (Eigen::Index a = 0; a < corner.axes(); ++a) {
     const double in = corner.feed_in * corner.direction_in[a], out = corner.feed_out * corner.direction_out[a];
     const Command command = stretches.command(in, out);
     Filtered filtered(filter, command);
-    // Extended precision, because the path is metres long and the corner error micrometres. Starting from minus the
-    // commanded length of leg 1 makes the position relative to the corner point.
-    Column column(motion, a, sample_period, -static_cast<long double>(in) * stretches.leg * sample_period);
+    // Extended precision, because the path is metres long and the corner error micrometres.
+    Column column(motion, a, sample_period, stretches.start(in, sample_period));
     for (int k = 0; k < stretches.total(); ++k) column.add(k, filtered.at(k));
   }
   return motion;
 }
 
 SampledResponse simulate_response(const Filter& filter, const Corner& corner, int delay, double sample_period,
-                                  const Machine& machine) {
+                                  const Machine& machine, double part) {
   const Response response(machine, sample_period);
   SampledResponse sampled;
   if (response.ideal()) {
-    sampled.command = simulate_corner(filter, corner, delay, sample_period);
+    sampled.command = simulate_corner(filter, corner, delay, sample_period, part);
     return sampled;
   }
   const Filter behind = smoothed(filter, response.prefilter_order() > 0 ? response.prefilter() : std::vector<double>{});
   sampled.longer = response.order();
-  const Stretches stretches(behind.order(), response.servo_order(), delay);
+  const Stretches stretches(behind.order(), response.servo_order(), delay, part);
   sampled.command = sampled.moved.emplace(stretches.motion(corner.axes()));
   for (Eigen::Index a = 0; a < corner.axes(); ++a) {
     const double in = corner.feed_in * corner.direction_in[a], out = corner.feed_out * corner.direction_out[a];
     const Command command = stretches.command(in, out);
     Filtered filtered(behind, command);
-    const long double start = -static_cast<long double>(in) * stretches.leg * sample_period;
+    const long double start = stretches.start(in, sample_period);
     Column commanded(sampled.command, a, sample_period, start), moved(*sampled.moved, a, sample_period, start);
     Servo servo(machine.axes[static_cast<std::size_t>(a)], sample_period);
     for (int k = 0; k < stretches.total(); ++k) {

@@ -27,7 +27,9 @@ struct SampledMotion {
 
 /// Plain convolution of the command stream (rest, leg 1, gap, leg 2, rest) with the taps; both legs long enough to
 /// reach full speed.
-SampledMotion simulate_corner(const Filter& filter, const Corner& corner, int delay, double sample_period);
+/// @param part  of both feeds, at which the corner is passed (corner_feed.hpp)
+SampledMotion simulate_corner(const Filter& filter, const Corner& corner, int delay, double sample_period,
+                              double part = 1.0);
 
 /// One corner's command and its motion behind the machine's response (machine/response.hpp). Both have the same rows.
 struct SampledResponse {
@@ -40,8 +42,9 @@ struct SampledResponse {
 /// The same with the machine's response. The smoothing, and taps of a servo that were measured, are convolved. The
 /// following error e of a servo of gain Kv is integrated exactly: e' = (1 - g) V' - Kv e, with V' constant in a sample.
 /// Axes may differ.
+/// @param part  of both feeds, at which the corner is passed (corner_feed.hpp)
 SampledResponse simulate_response(const Filter& filter, const Corner& corner, int delay, double sample_period,
-                                  const Machine& machine);
+                                  const Machine& machine, double part = 1.0);
 
 /// State of an axis in every row: velocity, acceleration and jerk of the command, force and power of the motion.
 /// @param a      column of the axis

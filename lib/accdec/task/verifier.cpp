@@ -12,6 +12,8 @@
 #include <accdec/files/side_by_side.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verification_cost.hpp>
@@ -88,15 +90,22 @@ struct Measures {
   std::vector<CornerResult> corners;
 };
 
-void measure_corner(const Task& task, const Filter& filter, const TaskCorner& corner, int delay, Measures& out) {
+void measure_corner(const Task& task, const Filter& filter, const TaskCorner& corner, int delay, double part,
+                    Measures& out) {
   if (delay < 0) throw std::invalid_argument(fmt::format("corner {}: delay {} is negative", corner.name, delay));
-  const SampledResponse sampled = simulate_response(filter, corner.geometry(), delay, task.sample_period, task.machine);
+  if (!(part > 0.0 && part <= 1.0))
+    throw std::invalid_argument(fmt::format("corner {}: {} is no part of the feed", corner.name, part));
+  const SampledResponse sampled =
+      simulate_response(filter, corner.geometry(), delay, task.sample_period, task.machine, part);
   axis_uses(sampled, task.machine, corner.name, still_speed(corner.geometry()), out.uses);
   WorstSamples worst;
   out.corners.push_back(
       measure_samples(sampled.motion(), corner, delay, filter.order(), sampled.longer, task.sample_period, worst));
   out.corners.back().settling_time =
       settling_time(sampled.motion(), corner, filter.order(), sampled.longer, task.sample_period);
+  out.corners.back().feed_part = part;
+  const int lead = corner_feed_lead(filter.order(), sampled.longer);
+  out.corners.back().corner_time += corner_feed_loss(part, lead) * task.sample_period;
   const CornerResult& measured = out.corners.back();
   if (corner.error_max) {
     out.uses.push_back(make_use(LimitKind::corner_error, "", corner.name,
@@ -112,15 +121,20 @@ void measure_corner(const Task& task, const Filter& filter, const TaskCorner& co
   }
 }
 
+double part_of(const std::vector<double>& parts, std::size_t j) {
+  return parts.empty() ? 1.0 : parts[j];
+}
+
 /// Measures in the order of the corners; very many corners use all cores.
-Measures measure_corners(const Task& task, const Filter& filter, const std::vector<int>& delays) {
+Measures measure_corners(const Task& task, const Filter& filter, const std::vector<int>& delays,
+                         const std::vector<double>& feeds) {
   constexpr std::size_t part_size = 1000;
   std::vector<Measures> parts((delays.size() + part_size - 1) / part_size);
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
   side_by_side(parts.size(), threads, [&](std::size_t part) {
     const std::size_t end = std::min(delays.size(), (part + 1) * part_size);
     for (std::size_t j = part * part_size; j < end; ++j)
-      measure_corner(task, filter, task.corners[j], delays[j], parts[part]);
+      measure_corner(task, filter, task.corners[j], delays[j], part_of(feeds, j), parts[part]);
   });
   if (parts.size() == 1) return std::move(parts.front());
   Measures all;
@@ -145,12 +159,13 @@ Filter smoothed_filter(const Filter& filter, const Machine& machine) {
 }  // namespace
 
 VerificationReport verify_by_simulation(const Task& task, const Filter& filter, const std::vector<int>& delays,
-                                        std::vector<LimitUse>* limits, std::vector<CornerResult>* corners) {
-  if (delays.size() != task.corners.size()) {
+                                        std::vector<LimitUse>* limits, std::vector<CornerResult>* corners,
+                                        const std::vector<double>& parts) {
+  if (delays.size() != task.corners.size() || (!parts.empty() && parts.size() != delays.size())) {
     throw std::invalid_argument(fmt::format("{} delays for {} corners", delays.size(), task.corners.size()));
   }
   require_simulation_room(task, filter.order(), delays);
-  auto [uses, measured] = measure_corners(task, filter, delays);
+  auto [uses, measured] = measure_corners(task, filter, delays, parts);
   if (!task.machine.modes.empty()) {
     const Filter command = smoothed_filter(filter, task.machine);
     for (const Mode& mode : task.machine.modes) uses.push_back(verified_vibration(command, mode, task.sample_period));
@@ -183,13 +198,14 @@ Task corner_alone(const Task& task, const TaskCorner& corner) {
   return alone;
 }
 
-double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use) {
+double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use,
+                   const std::vector<double>& parts) {
   if (use.kind == LimitKind::vibration)
     return amplitude_left(smoothed_filter(filter, task.machine), use.frequency, use.damping, task.sample_period);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].name != use.corner) continue;
-    const SampledResponse sampled =
-        simulate_response(filter, task.corners[j].geometry(), delays[j], task.sample_period, task.machine);
+    const SampledResponse sampled = simulate_response(filter, task.corners[j].geometry(), delays[j], task.sample_period,
+                                                      task.machine, part_of(parts, j));
     const SampledMotion& m = sampled.motion();
     const int zero = use.event == Event::start ? m.start : use.event == Event::blend ? m.corner : m.stop;
     const int row = zero + static_cast<int>(use.sample);
@@ -214,12 +230,18 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-DesignResult assess(const Task& task, const Filter& filter, const std::vector<int>& delays, bool keep_broken) {
+DesignResult assess(const Task& task, const Filter& filter, const std::vector<int>& delays, bool keep_broken,
+                    const std::vector<double>& parts) {
   DesignResult result;
   result.task = task;
-  result.verification = verify_by_simulation(task, filter, delays, &result.limits, &result.corners);
-  result.cycle_time = cycle_time(task, filter.order(), delays);
-  result.corner_time = corner_time(task, filter.order(), delays);
+  result.verification = verify_by_simulation(task, filter, delays, &result.limits, &result.corners, parts);
+  double lost = 0.0;  // s, at corners that are passed at a part of the feed
+  for (std::size_t j = 0; j < parts.size(); ++j) {
+    const int lead = corner_feed_lead(filter.order(), Response(task.machine, task.sample_period).order());
+    lost += task.corners[j].weight * corner_feed_loss(parts[j], lead) * task.sample_period;
+  }
+  result.cycle_time = cycle_time(task, filter.order(), delays) + lost;
+  result.corner_time = corner_time(task, filter.order(), delays) + lost;
   result.status = result.verification.feasible ? Status::feasible : Status::failed;
   if (!result.verification.feasible) {
     result.message = "a limit is broken: " + result.verification.worst;

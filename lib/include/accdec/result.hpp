@@ -45,6 +45,7 @@ struct CornerResult {
   double corner_time = 0.0;                                                  ///< s
   /// s; how long after the end of the filtered command the motion still is farther from its end than the tolerance.
   double settling_time = 0.0;
+  double feed_part = 1.0;  ///< of both feeds, at which the corner is passed; below 1 with DelayKind::corner_feed
 };
 
 /// Result of the independent simulation.

@@ -48,17 +48,19 @@ enum class DelayKind {
   exact_stop,   ///< the least d at which the legs do not overlap, one or two more where a limit asks for it
   in_position,  ///< d = L + min{e >= 0: v1 T p(e) <= w}, with one width w for all corners; L, see ControllerSettings
   dwell,        ///< any d, by a dwell before the filter
-  timed_axis    ///< any d, by a timed move of an unused axis
+  timed_axis,   ///< any d, by a timed move of an unused axis
+  corner_feed   ///< d = 0 at a part of both feeds, at which the motion has settled: see task/corner_feed.hpp
 };
 struct DelayKindName {
   DelayKind kind;
   std::string_view name;  ///< in task files
 };
-inline constexpr std::array<DelayKindName, 5> delay_kinds{{{DelayKind::continuous, "continuous"},
+inline constexpr std::array<DelayKindName, 6> delay_kinds{{{DelayKind::continuous, "continuous"},
                                                            {DelayKind::exact_stop, "exact-stop"},
                                                            {DelayKind::in_position, "in-position"},
                                                            {DelayKind::dwell, "dwell"},
-                                                           {DelayKind::timed_axis, "timed-axis"}}};
+                                                           {DelayKind::timed_axis, "timed-axis"},
+                                                           {DelayKind::corner_feed, "corner-feed"}}};
 std::string_view to_string(DelayKind kind);
 std::optional<DelayKind> delay_kind_from_string(std::string_view name);
 
@@ -84,8 +86,10 @@ struct ControllerSettings {
   std::vector<DelayKind> delays{};   ///< empty: any number of samples
   bool in_position_actual = false;   ///< the remaining way is that of the motion behind the servo, not of the command
   double in_position_latency = 0.0;  ///< s, a multiple of the period: from within the width until the next block starts
+  double corner_feed_step = 0.05;    ///< DelayKind::corner_feed: the parts of the feed are multiples of it, below 1
   std::string controller{};          ///< its title, for people; may be empty
 
+  bool names(DelayKind kind) const;
   /// Whether anything but free taps is designed.
   bool names_family() const;
 };

@@ -54,14 +54,17 @@ inline Verdict verdict_by_formula(double utilisation) {
 /// of d samples, leg 2, rest. It is convolved with the taps sample by sample, integrated and differenced, and all
 /// values are read off the samples. It uses no blend formulas, no formulations and none of their tables. O(axes N (N +
 /// d)) a corner.
+/// With DelayKind::corner_feed the command is lowered before the corner and raised behind it.
 /// @param delays   one per corner, >= 0
 /// @param limits   when not null, receives the worst use of every limit: per corner and axis, corner errors, speeds,
 /// vibration
 /// @param corners  when not null, receives the measures of every corner
-/// @throws std::invalid_argument if the number of delays or their sign is wrong.
+/// @param parts    one per corner, of the feed at which it is passed, > 0, <= 1; empty: 1
+/// @throws std::invalid_argument if the number of delays or parts, or their sign, is wrong.
 VerificationReport verify_by_simulation(const Task& task, const Filter& filter, const std::vector<int>& delays,
                                         std::vector<LimitUse>* limits = nullptr,
-                                        std::vector<CornerResult>* corners = nullptr);
+                                        std::vector<CornerResult>* corners = nullptr,
+                                        const std::vector<double>& parts = {});
 
 /// One corner of a task, with all limits in which its delay has a part.
 Task corner_alone(const Task& task, const TaskCorner& corner);
@@ -69,7 +72,9 @@ Task corner_alone(const Task& task, const TaskCorner& corner);
 /// A result made of a filter and delays: simulated, measured, and `feasible` only if every limit holds. Otherwise it is
 /// `failed`, with the worst limit in the message. It keeps the filter then only if `keep_broken` (evaluation of a given
 /// filter).
-DesignResult assess(const Task& task, const Filter& filter, const std::vector<int>& delays, bool keep_broken);
+/// @param parts  as above
+DesignResult assess(const Task& task, const Filter& filter, const std::vector<int>& delays, bool keep_broken,
+                    const std::vector<double>& parts = {});
 
 /// `accdec evaluate`: the task's own filter and delays.
 /// @throws std::invalid_argument when the filter or a delay is left open.
@@ -78,7 +83,9 @@ DesignResult evaluate_task(const Task& task);
 /// The value of a limit at the event and sample (or the frequency) that `use` names; not a number if there is no such
 /// place.
 /// @param delays  one per corner, >= 0
-double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use);
+/// @param parts   as above
+double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use,
+                   const std::vector<double>& parts = {});
 
 /// "force x: 97.1 % at k = 12 of the stop, corner A".
 std::string describe(const LimitUse& use);

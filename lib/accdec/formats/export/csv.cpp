@@ -27,8 +27,10 @@ std::string csv_export(const ExportedDesign& design) {
   row("title", csv_cell(design.result.task.title));
   row("status", std::string(to_string(design.result.status)));
   row("sample_period_s", fmt::format("{}", design.period));
-  for (const CornerResult& corner : design.result.corners)
+  for (const CornerResult& corner : design.result.corners) {
     row("delay_samples", fmt::format("{},{}", csv_cell(corner.name), corner.delay));
+    if (corner.feed_part < 1.0) row("feed_part", fmt::format("{},{}", csv_cell(corner.name), corner.feed_part));
+  }
   for (const ExportedLimit& limit : design.limits)
     row("limit", fmt::format("{},{},{},{},{},{}", limit.kind, csv_cell(limit.axis), csv_cell(limit.corner), limit.bound,
                              limit.unit, limit.used ? fmt::format("{}", *limit.used) : ""));

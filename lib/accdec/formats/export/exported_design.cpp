@@ -8,6 +8,7 @@
 #include <accdec/formats/export/exported_design.hpp>
 #include <accdec/formats/manifest.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/task/settings_text.hpp>
 
 namespace accdec {
 namespace {
@@ -124,6 +125,11 @@ std::vector<std::string> ExportedDesign::facts() const {
                                 setting.unit));
     if (result.settings->width)
       all.push_back(fmt::format("set: in-position width = {:.10g} um", 1e6 * result.settings->width->middle()));
+    for (std::size_t j = 0; j < result.corners.size(); ++j) {
+      const CornerResult& corner = result.corners[j];
+      if (corner.feed_part < 1.0)
+        all.push_back(fmt::format("set: corner feed of {} = {}", corner.name, corner_feed_in_words(result, j)));
+    }
   }
   for (const ExportedLimit& limit : limits) all.push_back("limit: " + limit.text());
   all.push_back("exported by accdec, commit " + commit);

@@ -19,6 +19,8 @@ Coefficients rounded_here(const ExportedDesign& design, int bits) {
   if (result.task.corners.empty() || result.task.corners.size() != result.corners.size())
     refuse("the limits of a program cannot be checked here");
   if (!result.has_design()) refuse("the result does not hold all limits");
+  if (std::any_of(result.corners.begin(), result.corners.end(), [](const auto& c) { return c.feed_part < 1.0; }))
+    refuse("limits of corners at a part of the feed cannot be checked here");
   std::vector<int> delays;
   for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
   // A minute of exchanges is more than a user waits for a file.

@@ -25,8 +25,10 @@ Json limit_json(const ExportedLimit& limit) {
 
 void add_about(Json& json, const ExportedDesign& design) {
   json["corners"] = Json::array();
-  for (const CornerResult& corner : design.result.corners)
+  for (const CornerResult& corner : design.result.corners) {
     json["corners"].push_back({{"name", corner.name}, {"delay_samples", corner.delay}});
+    if (corner.feed_part < 1.0) json["corners"].back()["feed_part"] = corner.feed_part;
+  }
   if (design.result.settings) {
     const ChosenSettings& chosen = *design.result.settings;
     json["settings"] = Json::array();

@@ -4,6 +4,12 @@
 
 namespace accdec {
 
+ControlDelays control_of(const ControllerSettings& settings, double width) {
+  ControlDelays control{settings.delays, width};
+  for (DelayKind& kind : control.kinds) kind = kind == DelayKind::corner_feed ? DelayKind::continuous : kind;
+  return control;
+}
+
 std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least) {
   if (control.any()) return least;
   if (least == 0 && control.names(DelayKind::continuous)) return 0;

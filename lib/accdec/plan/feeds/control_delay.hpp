@@ -8,6 +8,10 @@
 
 namespace accdec {
 
+/// The delays that a control has for a program. A corner feed is there a feed of the blocks beside a corner, which the
+/// planner chooses, and the control runs on: DelayKind::continuous.
+ControlDelays control_of(const ControllerSettings& settings, double width);
+
 /// Samples beyond an exact stop that a limit may ask for.
 inline constexpr int stop_slack = 2;
 

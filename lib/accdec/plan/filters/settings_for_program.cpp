@@ -10,6 +10,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
@@ -57,7 +58,7 @@ class Trials {
     for (const LimitUse& use : vibration_utilisation(filter, task_.sample_period, machine_)) {
       if (use.utilisation > 1.0 + verification_tolerance) return {};
     }
-    const ControlDelays control{task_.settings->delays, 0.0};
+    const ControlDelays control = control_of(*task_.settings, 0.0);
     const double any = samples(filter, {});
     if (control.any() || !(any < below)) return {any, 0.0};
     Timed best{samples(filter, control), 0.0};
@@ -67,7 +68,7 @@ class Trials {
       // In the middle of the widths that give this delay at the fastest corner.
       const double more = delay > 0 ? filter.remaining_moment(delay - 1) : filter.remaining_moment(0) + 1.0;
       const double width = 0.5 * step_ * (filter.remaining_moment(delay) + more);
-      const double time = samples(filter, {task_.settings->delays, width});
+      const double time = samples(filter, control_of(*task_.settings, width));
       if (!(time < best.samples)) return false;
       best = {time, width}, middle_ = delay;
       return true;

@@ -17,6 +17,7 @@
 #include <accdec/formats/json_text.hpp>
 #include <accdec/formats/json_value.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
@@ -47,7 +48,7 @@ class Reader {
     if (record_.commands) read_commands(json_["commands"]);
     if (r.settings && record_.task.settings) {
       const auto& width = r.settings->chosen.width;
-      r.plan.path.control = {record_.task.settings->delays, width ? width->middle() : 0.0};
+      r.plan.path.control = control_of(*record_.task.settings, width ? width->middle() : 0.0);
     }
     set_behind_smoothing();
     if (record_.commands && r.sample_period != record_.task.sample_period)

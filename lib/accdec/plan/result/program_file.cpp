@@ -233,7 +233,7 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
 
 /// The delays that the task's control has.
 void set_control(Toolpath& path, const Task& task, const ProgramFilter& choice) {
-  if (task.settings) path.control = {task.settings->delays, choice.settings ? choice.settings->width : 0.0};
+  if (task.settings) path.control = control_of(*task.settings, choice.settings ? choice.settings->width : 0.0);
 }
 
 /// As `--feeds keep` plans the program, with the filter designed for that, if it is faster than the result.
@@ -291,7 +291,7 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Tool
   if (programmed.blocks() == 0 || options.deadline.over()) return;
   if (choice.today) {
     Toolpath path = programmed;
-    path.control = {task.settings->delays, choice.today->width};
+    path.control = control_of(*task.settings, choice.today->width);
     const ProgramResult today = run_program(result.program, std::move(path), make_filter(choice.today->chosen.filter),
                                             task, false, options.feeds, options.deadline);
     result.has_today = true;

@@ -7,6 +7,7 @@
 #include <accdec/design/verify_settings.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 #include <accdec/simulate/direct.hpp>
 #include <accdec/simulate/profile_motion.hpp>
@@ -153,7 +154,7 @@ class CommandCheck {
   }
 
   void check_kind(const DirectMotion& motion, std::size_t b, DelayKind kind) {
-    const auto& allowed = task_.settings->delays;
+    const auto allowed = control_of(*task_.settings, 0.0).kinds;
     const int delay = command_.delays[b];
     const int apart = filter_.last_nonzero_tap() - filter_.first_nonzero_tap();
     if (std::find(allowed.begin(), allowed.end(), kind) == allowed.end())
