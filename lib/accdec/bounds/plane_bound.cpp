@@ -36,7 +36,7 @@ double PlaneBound::acceleration_along(const AxisVector& direction) const {
   return least;
 }
 
-/// Of a corner passed at constant acceleration within its tolerance.
+/// The speed of a corner passed at constant acceleration within its tolerance.
 double PlaneBound::corner_speed(const PlaneLeg& in, const PlaneLeg& out) const {
   const double feed = std::min(feed_of(in), feed_of(out));
   const AxisVector change = combined(1.0, out.tube.direction, -1.0, in.tube.direction);

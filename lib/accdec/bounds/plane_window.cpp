@@ -21,7 +21,7 @@ struct Shares {
 
 using Entries = std::vector<std::pair<int, double>>;
 
-/// Of a row.
+/// The right side of a row.
 struct Side {
   std::array<double, 4> powers{};  // of the time, over the side at the program's time
   bool both = false;
