@@ -43,11 +43,12 @@ bool same(const TubeLeg& a, const TubeLeg& b) {
 
 class AnyMotionBound {
  public:
-  AnyMotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit)
+  AnyMotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit, bool planes)
       : path_(path),
         machine_(machine),
         n_(path.dimensions()),
         time_limit_(time_limit),
+        with_planes_(planes),
         planes_(machine, path.dimensions(),
                 [this] { return plane_programs_++ < plane_programs_max && seconds_since(start_) < time_limit_; }) {
     double acceleration2 = 0.0;
@@ -168,6 +169,7 @@ class AnyMotionBound {
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
+    if (!with_planes_) return rounding * best;
     std::vector<PlaneLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
     return rounding * std::max(best, planes_.time(legs));
@@ -248,6 +250,7 @@ class AnyMotionBound {
   const Machine& machine_;
   const std::size_t n_;
   const double time_limit_;
+  const bool with_planes_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   double wider_ = 0.0, saved_ = 0.0;
   std::vector<double> radius_;  // m, of every block's tube
@@ -260,10 +263,11 @@ class AnyMotionBound {
 
 }  // namespace
 
-double any_motion_bound(const Toolpath& path, const Machine& task_machine, double sample_period, double time_limit) {
+double any_motion_bound(const Toolpath& path, const Machine& task_machine, double sample_period, double time_limit,
+                        bool planes) {
   const Machine machine = program_machine(task_machine, path);
   const double points = program_lower_bound(path, machine, sample_period);
-  return std::max(points, AnyMotionBound(path, machine, sample_period, time_limit).bound());
+  return std::max(points, AnyMotionBound(path, machine, sample_period, time_limit, planes).bound());
 }
 
 }  // namespace accdec

@@ -33,6 +33,8 @@ namespace accdec {
 /// for every section between stops, and tolerances are widened.
 /// @param machine  its axes are found by their names (program_machine)  @param time_limit  s, for the linear programs;
 /// corners left over count as if they cost nothing
-double any_motion_bound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit);
+/// @param planes  whether planes are tried where corners are close: some thousand linear programs, seconds
+double any_motion_bound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit,
+                        bool planes = true);
 
 }  // namespace accdec

@@ -128,10 +128,6 @@ void LinearProgram::add_contours(std::size_t j, const Box& box) {
   }
 }
 
-void LinearProgram::add_symmetry(const Box& box) {
-  for (int i = 0; 2 * i < box.order; ++i) add(drafts_.equal_taps(i, box.order - i), Equation{box.order});
-}
-
 /// Gives a cut its coefficients in a new box. False: it is not worth keeping, or says nothing there.
 bool LinearProgram::carry_over(int row, const Box& box, bool symmetric) {
   RowName& name = names_[row];
@@ -190,7 +186,8 @@ void LinearProgram::prepare(const Box& box, bool symmetric) {
       add_cone(j, box.only_angle.value_or(0.5 * model_.theta(j)), box);
     add_contours(j, box);
   }
-  if (symmetric && !symmetry) add_symmetry(box);
+  for (int i = 0; symmetric && !symmetry && 2 * i < box.order; ++i)
+    add(drafts_.equal_taps(i, box.order - i), Equation{box.order});
 }
 
 namespace {

@@ -60,7 +60,6 @@ class LinearProgram {
   void add_base_rows();
   void add_cone(std::size_t j, double angle, const Box& box);
   void add_contours(std::size_t j, const Box& box);
-  void add_symmetry(const Box& box);
   void prepare_ranges(const Box& box);
   void cut_ranges(std::size_t j, const Filter& filter, const Box& box, double allowed, bool& added);
   bool add_limit(const proof::Row& id, const Box& box);

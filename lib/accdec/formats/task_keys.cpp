@@ -14,9 +14,7 @@
 namespace accdec {
 namespace {
 
-using task_keys::axes_limit;
-using task_keys::delay_limit;
-using task_keys::order_limit;
+using task_keys::axes_limit, task_keys::delay_limit, task_keys::order_limit;
 
 constexpr Range orders{0, order_limit};
 

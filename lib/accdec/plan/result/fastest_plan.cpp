@@ -40,12 +40,11 @@ ProgramResult plan_profiles_of(const std::string& name, Toolpath path, double ar
   return result;
 }
 
-CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline) {
+CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline, bool planes) {
   const Machine machine = program_machine(task.machine, path);
   const double limit = std::clamp(0.15 * deadline.left(), 0.0, 10.0);
   CornerBound bound = program_corner_bound(path, machine, task.sample_period, limit);
-  // Its linear programs are more, and each takes milliseconds.
-  bound.any_motion = any_motion_bound(path, machine, task.sample_period, 3.0 * limit);
+  bound.any_motion = any_motion_bound(path, machine, task.sample_period, planes ? 3.0 * limit : limit, planes);
   bound.time = std::max(bound.time, bound.any_motion);
   return bound;
 }

@@ -80,7 +80,7 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
   const Deadline most = options.deadline.within(0.6 * options.deadline.left());
   ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
   if (file.path.blocks() <= several_plans_max)
-    profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
+    profiles.corner_bound = corner_bound_of(file.path, task, options.deadline, true);
   const std::string no_motion = why_no_motion(profiles, options.deadline);
   ProgramFile copy = file;
   // One filter may be faster than any motion that was found on arcs, or than the plan that stays what it is.
