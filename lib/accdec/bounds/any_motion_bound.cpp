@@ -48,9 +48,10 @@ class AnyMotionBound {
         machine_(machine),
         n_(path.dimensions()),
         time_limit_(time_limit),
-        with_planes_(planes),
-        planes_(machine, path.dimensions(),
-                [this] { return plane_programs_++ < plane_programs_max && seconds_since(start_) < time_limit_; }) {
+        plane_programs_left_(planes ? plane_programs_max : 0),
+        planes_(machine, path.dimensions(), [this] {
+          return plane_programs_left_ > 0 && plane_programs_left_-- > 0 && seconds_since(start_) < time_limit_;
+        }) {
     double acceleration2 = 0.0;
     bool jerk = false;
     for (const Axis& axis : machine.axes) {
@@ -169,7 +170,7 @@ class AnyMotionBound {
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
-    if (!with_planes_) return rounding * best;
+    if (plane_programs_left_ == 0) return rounding * best;
     std::vector<PlaneLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
     return rounding * std::max(best, planes_.time(legs));
@@ -250,14 +251,13 @@ class AnyMotionBound {
   const Machine& machine_;
   const std::size_t n_;
   const double time_limit_;
-  const bool with_planes_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   double wider_ = 0.0, saved_ = 0.0;
   std::vector<double> radius_;  // m, of every block's tube
   std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;
   std::map<Key, TubeLoss> corners_;
-  std::size_t programs_ = 0, plane_programs_ = 0;
+  std::size_t programs_ = 0, plane_programs_left_;
   PlaneBound planes_;
 };
 
