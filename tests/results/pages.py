@@ -220,12 +220,14 @@ def linuxcnc_loop(page):
               [sorted(row.values()) for row in page.csv("linuxcnc-identify.csv")])
     (page.folder / "corner.ngc").write_text(loop.CORNER)
     samples = page.folder / "samples.csv"
-    page.run("program", page.folder / "corner.ngc", "--task", page.task(loop.CORNER_TASK), "--samples", samples, "--quiet")
-    # The smoothing of four taps moves three samples longer; the last change ends at rest.
-    page.same("corner", logged[0]["samples predicted"], str(round(1e3 * motion_time(samples)) + 3 - 1))
-    mill = re.sub(r"(?ms)^\[filter\].*?(?=^\[\[)", '[filter]\nkind = "averages"\nlengths = [18, 7]\n',
+    page.run("program", page.folder / "corner.ngc", "--task", page.task(loop.CORNER_TASK + loop.SMOOTHED), "--samples",
+             samples, "--quiet")
+    predicted = loop.columns(samples, ("x_mm", "y_mm", "z_mm"))
+    page.same("corner", logged[0]["samples predicted"],
+              str(len(predicted) - loop.last_motion(predicted) - loop.first_motion(predicted)))
+    mill = re.sub(r"(?ms)^\[filter\].*?(?=^\[\[)", '[filter]\nkind = "averages"\nlengths = [18, 7]\n' + loop.SMOOTHED,
                   (page.source / "problems/program/mill.toml").read_text())
-    for name in ("zigzag", "star"):
+    for name in ("legs", "zigzag"):
         plan = page.result("program", page.source / f"problems/program/{name}.ngc", "--feeds", "keep", "--task",
                            page.task(mill))
         page.same(name, page.row(times, "program", name)["predicted, ms"], f"{1e3 * plan['cycle_time_s']:.0f}")
