@@ -279,11 +279,11 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
       ->check(positive_number());
   command
       .add_option("--plan", options.plan,
-                  "fixed: one filter for the whole program; profiles: a filter and a speed for every corner, for "
+                  "fixed: one filter for the whole program. profiles: a filter and a speed for every corner, for "
                   "controllers that take a position every cycle (--samples, --stream). profiles also makes the plan "
-                  "fixed and returns the faster one, by name. free: profiles, shortened over windows of its samples as "
-                  "far as limits, feeds and tolerances allow any motion; until nothing is gained, --time-limit or "
-                  "Ctrl-C")
+                  "fixed and returns the faster one, by name. free: begins with profiles and shortens windows of its "
+                  "samples as far as limits, feeds and tolerances allow. It ends when nothing is gained, at "
+                  "--time-limit or at Ctrl-C")
       ->check([](const std::string& plan) { return std::string(plan == "per-leg" ? no_per_leg : ""); })
       ->check(one_of({"fixed", "profiles", "free"}))
       ->capture_default_str();
@@ -302,9 +302,9 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
   command.add_flag("--per-leg", options.per_leg)->group("");
   command.add_flag(
       "--filter-bound", options.file.filter_bound,
-      "Also print a lower bound on the time of any filters within the acceleration limits and no longer "
-      "than a block, with any delays, at the programmed feeds; there is none where a block is shorter than "
-      "every such filter");
+      "Also print a lower bound of the time at the programmed feeds. It holds for all filters that keep the "
+      "acceleration limits and are no longer than a block, with any delays. There is none if a block is shorter "
+      "than every such filter");
 }
 
 }  // namespace

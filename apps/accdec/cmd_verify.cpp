@@ -88,7 +88,7 @@ void add_verify(CLI::App& app, Context& context) {
                    check.verification.worst.empty() ? "none" : check.verification.worst);
       }
       if (!check.proof.empty()) fmt::print("proof accepted: {}\n", check.proof);
-      fmt::print("not checked, because no recheck can find it: message, stop, solver{}{}\n",
+      fmt::print("not checked, because it cannot be recomputed: message, stop, solver{}{}\n",
                  result.savings ? ", savings" : "",
                  result.free_taps ? ", free_taps_s between its bound and the time of the settings" : "");
       return;

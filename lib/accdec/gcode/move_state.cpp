@@ -7,8 +7,7 @@
 namespace accdec {
 namespace {
 
-constexpr const char* no_feed =
-    "no feed: an F word must come before this move, and after a G94, which forgets the feed before it";
+constexpr const char* no_feed = "no feed: an F word must come before this move; G94 forgets the feed before it";
 
 /// m: how precisely an arc in an exact path mode is followed. With chords as fine as the sagitta between two samples of
 /// the arc's fastest motion, the arc is driven at nearly that speed. Chord, rounding of the chords' ends, and sagitta

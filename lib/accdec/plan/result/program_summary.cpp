@@ -82,11 +82,11 @@ class SummaryText {
     if (result_.cycle_time_no_delay) row("no delay at any corner", *result_.cycle_time_no_delay);
     for (const NamedBound& bound : named_bounds(result_.lower_bound, result_.corner_bound)) {
       row("bound, " + bound.name, bound.time);
-      put("    of {}\n", bound.motions);
+      put("    for {}\n", bound.motions);
     }
     if (!result_.filter_bound) return;
     row("bound, filters and delays", *result_.filter_bound);
-    put("    of plans that keep the programmed feeds, with filters no longer than a block; others may be faster\n");
+    put("    for plans that keep the programmed feeds, with filters no longer than a block; others may be faster\n");
   }
 
   void corners() {
@@ -105,18 +105,18 @@ class SummaryText {
   void feeds() {
     const Toolpath& path = result_.plan.path;
     if (result_.plan.trajectory() != nullptr) {
-      put("  the speed of every sample chosen{}\n",
+      put("  every sample has a speed of its own{}\n",
           result_.rounds > 0
-              ? fmt::format(", in {} rounds lower where a limit or a tolerance was broken", result_.rounds)
+              ? fmt::format("; {} rounds lowered it where a limit or a tolerance was broken", result_.rounds)
               : "");
     } else if (result_.feeds_chosen) {
-      put("  feeds chosen, in {} steps inside {} straight moves\n", path.blocks() - result_.programmed_moves,
+      put("  feeds chosen: {} steps of the feed inside {} straight moves\n", path.blocks() - result_.programmed_moves,
           result_.programmed_moves);
     }
     if (!path.programmed.empty()) put("  arcs commanded on radii larger by up to {:.3f} um\n", widest(path) * 1e6);
     if (!result_.compensation.empty()) put("  {}\n", result_.compensation);
     if (!path.clamped.empty()) {
-      put("  feeds above an axis' velocity limit lowered to it in {} lines, the first {}\n", path.clamped.size(),
+      put("  feeds above an axis' velocity limit are lowered to it in {} lines, the first {}\n", path.clamped.size(),
           path.clamped.front());
     }
     if (result_.raised > 0)
