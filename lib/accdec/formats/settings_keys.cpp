@@ -47,7 +47,8 @@ std::vector<Key> about_delays() {
        .fallback = "command",
        .example = "\"actual\""},
       {.name = "in_position_latency_ms",
-       .meaning = "with \"in-position\": from within the width until the next block starts; a multiple of the period",
+       .meaning = "with \"in-position\": time from entering the width to the start of the next block; a multiple of "
+                  "the period",
        .unit = "ms",
        .range = {0.0, longest_ms},
        .fallback = "0",

@@ -194,7 +194,7 @@ std::vector<Key> axis_keys() {
                   .fallback = "0",
                   .example = "800"});
   keys.push_back({.name = "coulomb_N",
-                  .meaning = "dry friction against the motion; an axis that stands has up to as much where it helps",
+                  .meaning = "dry friction against the motion; at rest up to as much, in the direction that helps",
                   .unit = "N",
                   .range = {0.0, 1e8},
                   .fallback = "0",
