@@ -98,8 +98,7 @@ TEST(ProgramServo, ErrorsAndLoadsAreThoseOfTheLoop) {
   for (const auto& [gain, feedforward] : {std::pair{200.0, 0.0}, {100.0, 0.7}, {400.0, 0.0}}) {
     for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
       const Task task = task_with(gain, feedforward);
-      const ProgramResult result =
-          run_program("part", test::path_of(part, task.machine), filter, task, false, feeds);
+      const ProgramResult result = run_program("part", test::path_of(part, task.machine), filter, task, false, feeds);
       ASSERT_TRUE(result.verification.feasible) << result.message;
       ASSERT_TRUE(result.servo);
       const auto command = samples_of(result.plan, task.sample_period, false);
@@ -156,13 +155,15 @@ class ServoCommand : public ProgramCommand {
 
 TEST_F(ServoCommand, IsInEveryOutput) {
   task("servo_gain_1_s = 90\nvelocity_feedforward = 0.1\n", "[controller]\nprefilter_taps = [0.5, 0.5]\n");
-  ASSERT_EQ(run("program part.ngc --task servo.toml --json r.json --emit e.ngc --samples s.csv --time-limit 10").code, 0)
+  ASSERT_EQ(run("program part.ngc --task servo.toml --json r.json --emit e.ngc --samples s.csv --time-limit 10").code,
+            0)
       << read("err");
   EXPECT_THAT(read("out"), HasSubstr("the motion is within 50 um of its end"));
   const auto result = nlohmann::ordered_json::parse(read("r.json"));
   EXPECT_GT(result["servo"]["settling_s"], 0.0);
   EXPECT_GT(result["servo"]["stop_error_m"], 0.0);
-  EXPECT_THAT(read("s.csv"), HasSubstr("x_mm,x_mm_s,y_mm,y_mm_s,x_motion_mm,x_motion_mm_s,y_motion_mm,y_motion_mm_s\n"));
+  EXPECT_THAT(read("s.csv"),
+              HasSubstr("x_mm,x_mm_s,y_mm,y_mm_s,x_motion_mm,x_motion_mm_s,y_motion_mm,y_motion_mm_s\n"));
   ASSERT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
   ASSERT_EQ(run("program e.ngc --task servo.toml --dwells-before-filter --json again.json").code, 0) << read("err");
   EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"), 1.0001e-3);
@@ -172,9 +173,12 @@ TEST_F(ServoCommand, IsInEveryOutput) {
     write("forged.json", forged.dump());
     EXPECT_EQ(run("verify forged.json").code, 1) << what << read("out") << read("err");
   };
-  refused("settling", [](auto& json) { json["servo"]["settling_s"] = 0.5 * json["servo"]["settling_s"].template get<double>(); });
+  refused("settling",
+          [](auto& json) { json["servo"]["settling_s"] = 0.5 * json["servo"]["settling_s"].template get<double>(); });
   refused("stops", [](auto& json) { json["servo"]["stop_error_m"] = 0.0; });
-  refused("errors", [](auto& json) { json["commands"]["error_m"][2] = 0.5 * json["commands"]["error_m"][2].template get<double>(); });
+  refused("errors", [](auto& json) {
+    json["commands"]["error_m"][2] = 0.5 * json["commands"]["error_m"][2].template get<double>();
+  });
 }
 
 TEST_F(ServoCommand, BoundsStopsWhereTheTaskDoes) {
@@ -205,7 +209,7 @@ TEST_F(ServoCommand, OtherPlansAndOtherServosAreRefused) {
   EXPECT_THAT(read("err"), HasSubstr("`servo_gain_1_s` of axis y is not that of axis x"));
   task("servo_gain_1_s = 150\ncoulomb_N = 3\n");
   EXPECT_EQ(run("program part.ngc --task servo.toml").code, 2);
-  EXPECT_THAT(read("err"), HasSubstr("servo.toml:9:1: `coulomb_N` is not considered here"));
+  EXPECT_THAT(read("err"), HasSubstr("servo.toml:9:13: `coulomb_N` is not considered here"));
 }
 
 }  // namespace

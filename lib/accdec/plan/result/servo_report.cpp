@@ -25,7 +25,8 @@ std::optional<ServoReport> servo_report(const ProgramResult& result) {
     if (std::sqrt(square) > report.within) settled = k + 1;
   };
   visit_samples(result, look, Rests::passed, MotionOf::servo);
-  report.settling = static_cast<double>(std::max<std::int64_t>(0, settled - result.check.samples)) * result.sample_period;
+  report.settling =
+      static_cast<double>(std::max<std::int64_t>(0, settled - result.check.samples)) * result.sample_period;
   return report;
 }
 
