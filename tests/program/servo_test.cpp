@@ -21,11 +21,11 @@ namespace {
 using test::ProgramCommand;
 using testing::HasSubstr;
 
-constexpr const char* part =
+constexpr const char* servo_part =
     "G21 G90 G64 P0.05 F3000\nG0 X5 Y5\nG1 X30\nY30\nG3 X20 Y40 I-10\nG1 X0 Y10\nX-0.4\nY9.6\nG61.1\nG1 X3 Y3\n"
     "G64 P0.02\nX20\nM2\n";
 
-Task task_with(double gain, double feedforward) {
+Task servo_task(double gain, double feedforward) {
   Task task;
   task.sample_period = 1e-3;
   for (const char* name : {"x", "y"}) {
@@ -97,8 +97,9 @@ TEST(ProgramServo, ErrorsAndLoadsAreThoseOfTheLoop) {
   const Filter filter = trapezoid(40, 10);
   for (const auto& [gain, feedforward] : {std::pair{200.0, 0.0}, {100.0, 0.7}, {400.0, 0.0}}) {
     for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
-      const Task task = task_with(gain, feedforward);
-      const ProgramResult result = run_program("part", test::path_of(part, task.machine), filter, task, false, feeds);
+      const Task task = servo_task(gain, feedforward);
+      const ProgramResult result =
+          run_program("part", test::path_of(servo_part, task.machine), filter, task, false, feeds);
       ASSERT_TRUE(result.verification.feasible) << result.message;
       ASSERT_TRUE(result.servo);
       const auto command = samples_of(result.plan, task.sample_period, false);
@@ -129,9 +130,9 @@ TEST(ProgramServo, ErrorsAndLoadsAreThoseOfTheLoop) {
 TEST(ProgramServo, CostsTime) {
   const Filter filter = trapezoid(40, 10);
   const auto time = [&](double gain) {
-    const Task task = task_with(gain, 0.0);
+    const Task task = servo_task(gain, 0.0);
     const ProgramResult result =
-        run_program("part", test::path_of(part, task.machine), filter, task, false, Feeds::choose);
+        run_program("part", test::path_of(servo_part, task.machine), filter, task, false, Feeds::choose);
     EXPECT_TRUE(result.verification.feasible) << gain << result.message;
     return result.cycle_time;
   };
@@ -149,7 +150,7 @@ class ServoCommand : public ProgramCommand {
           "sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 2000\n"
           "jerk_max_mm_s3 = 200000\nmass_kg = 20\nforce_max_N = 100\n" +
               more + end);
-    write("part.ngc", part);
+    write("part.ngc", servo_part);
   }
 };
 
@@ -184,12 +185,17 @@ TEST_F(ServoCommand, IsInEveryOutput) {
 TEST_F(ServoCommand, BoundsStopsWhereTheTaskDoes) {
   task("servo_gain_1_s = 150\n");
   ASSERT_EQ(run("program part.ngc --task servo.toml --json free.json --time-limit 10").code, 0) << read("err");
-  EXPECT_GT(number_of("free.json", "stop_error_m"), 20e-6);
-  task("servo_gain_1_s = 150\n", "[program]\nerror_max_um = 20\n");
-  ASSERT_EQ(run("program part.ngc --task servo.toml --json bounded.json --time-limit 10").code, 0) << read("err");
-  EXPECT_LE(number_of("bounded.json", "stop_error_m"), 20e-6 * (1 + 1e-9));
+  EXPECT_GT(number_of("free.json", "stop_error_m"), 5e-6);
+  task("servo_gain_1_s = 150\n", "[program]\nerror_max_um = 5\n");
+  ASSERT_EQ(run("program part.ngc --task servo.toml --json bounded.json --emit e.ngc --time-limit 10").code, 0)
+      << read("err");
+  EXPECT_LE(number_of("bounded.json", "stop_error_m"), 5e-6 * (1 + 1e-9));
   EXPECT_GT(number_of("bounded.json", "cycle_time_s"), number_of("free.json", "cycle_time_s"));
   ASSERT_EQ(run("verify bounded.json").code, 0) << read("err") << read("out");
+  // What the stop waits for the servo is written as a dwell.
+  ASSERT_EQ(run("program e.ngc --task servo.toml --dwells-before-filter --json again.json").code, 0) << read("err");
+  EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("bounded.json", "cycle_time_s"), 1.0001e-3);
+  EXPECT_LE(number_of("again.json", "stop_error_m"), 5e-6 * (1 + 1e-9));
 }
 
 TEST_F(ServoCommand, OtherPlansAndOtherServosAreRefused) {

@@ -76,17 +76,17 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
   const double cosine = std::clamp(-dot, -1.0, 1.0);
   const double feed_max = std::min(feed(b), feed(b + 1));
   const bool stops = path_.joint[b] == Joint::stop;
-  // At a stop the control waits for the command, and for a servo only as far as there is a tolerance.
-  const int stop = stops ? exact_stop_of(filter_) : finder_.exact_stop_delay();
+  // Behind a servo the motion goes on while the command rests: it may need longer than that to stay within a tolerance.
+  const int rest = exact_stop_of(filter_), longest = finder_.exact_stop_delay();
+  const auto within = [&](double v) { return finder_(cosine, v * period_, v * period_, tolerance); };
   const auto delay_at = [&](double v) {
-    if (stops)
-      return tolerance < unlimited ? std::max(stop, finder_(cosine, v * period_, v * period_, tolerance)) : stop;
-    const int least = finder_(cosine, v * period_, v * period_, tolerance);
-    return control_delay(path_.control, filter_, v * period_, least).value_or(stop);
+    if (stops) return std::max(rest, within(v));
+    return control_delay(path_.control, filter_, v * period_, within(v)).value_or(longest);
   };
-  CornerFeed best{std::max(slowest * feed_max, largest(b, feed_max, true, false)), stop};
-  if (stops) best.delay = delay_at(best.speed);
-  double least = stop * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
+  const double alone = std::max(slowest * feed_max, largest(b, feed_max, true, false));
+  const int apart = std::max(rest, within(alone));
+  CornerFeed best{alone, stops || path_.control.any() || apart <= rest + stop_slack ? apart : longest};
+  double least = best.delay * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
   if (stops || !(tolerance > 0.0)) return best;
   const double no_delay = largest(b, feed_max, false, true), overlap = largest(b, feed_max, true, true);
   const auto offer = [&](double v) {
