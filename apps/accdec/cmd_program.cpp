@@ -14,6 +14,7 @@
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/result/emit.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
@@ -127,7 +128,9 @@ std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context&
     const double chords = file.reading.read.arc_tolerance;
     // Before the plan, which may take all the time that is left.
     const Deadline most = options.file.deadline.within(0.5 * options.file.deadline.left());
-    if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task, most);
+    // The bounds are of motions, and the time behind a servo is that of the command.
+    if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path)))
+      bound = corner_bound_of(file.path, task, most);
     result = run_program_file(options.program, file, task, options.file,
                               [&](const std::string& line) { status.tell(line); });
     if (result->plan.empty()) {
@@ -189,7 +192,7 @@ void run(ProgramArguments& options, Context& context) {
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(
       options.task,
-      {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::smoothing});
+      {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::common});
   warn(task, options.task, context);
   require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},
                   {options.program, options.task, options.file.tools.table});

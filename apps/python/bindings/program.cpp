@@ -63,7 +63,8 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
         ProgramResult found = how == "free" ? run_free_plan(file, read, *task, asked, free_options(work), teller(work))
                               : how == "profiles" ? run_fastest_plan(file, read, *task, asked, teller(work))
                                                   : run_program_file(file, read, *task, asked, teller(work));
-        if (!found.corner_bound && !found.plan.empty() && programmed.blocks() <= several_plans_max)
+        // The bounds are of motions, and the time behind a servo is that of the command.
+        if (!found.servo && !found.corner_bound && !found.plan.empty() && programmed.blocks() <= several_plans_max)
           found.corner_bound = read.reading.read.arc_tolerance == chords
                                    ? corner_bound_of(programmed, *task, asked.deadline)
                                    : corner_bound_as_read({}, chords, file, read, *task, asked);
@@ -128,12 +129,29 @@ py::object settings(const Program& r) {
   return settings_dict(r.settings->chosen, program_settings_answer(*r.settings, r.cycle_time, r.has_today));
 }
 
+/// None without a servo.
+py::object servo(const Program& r) {
+  if (!r.servo) return py::none();
+  return py::dict(py::arg("settling") = r.servo->settling, py::arg("within") = r.servo->within,
+                  py::arg("stop_error") = r.servo->stop_error);
+}
+
 constexpr const char* no_plan = "there is no plan: ";
 
 /// A trajectory that breaks a limit is not given to anyone.
 void require_motion(const Program& r) {
   if (r.plan.empty() || (r.plan.trajectory() != nullptr && !r.verification.feasible))
     throw std::runtime_error(no_plan + r.message);
+}
+
+/// Positions behind the servo at the samples of the command, m, samples by axes.
+py::array_t<double> motion_behind(const Program& r, py::ssize_t rows) {
+  const auto n = static_cast<std::ptrdiff_t>(r.plan.path.axes.size());
+  std::vector<double> position;
+  Motion motion(r.plan, r.sample_period, true);
+  for (Sample sample; motion.next(sample) && sample.number < rows;)
+    position.insert(position.end(), sample.position.begin(), sample.position.begin() + n);
+  return py::array_t<double>({rows, n}, position.data());
 }
 
 /// Every sample of the motion, samples by axes; the first is at rest where the program begins.
@@ -155,9 +173,11 @@ py::dict samples(const Program& r) {
   const auto rows = static_cast<py::ssize_t>(time.size());
   py::list axes;
   for (std::size_t a = 0; a < path.axes.size(); ++a) axes.append(path.axis_name(a));
-  return py::dict(py::arg("time") = py::array_t<double>(rows, time.data()),
-                  py::arg("position") = py::array_t<double>({rows, n}, position.data()),
-                  py::arg("velocity") = py::array_t<double>({rows, n}, velocity.data()), py::arg("axes") = axes);
+  py::dict all(py::arg("time") = py::array_t<double>(rows, time.data()),
+               py::arg("position") = py::array_t<double>({rows, n}, position.data()),
+               py::arg("velocity") = py::array_t<double>({rows, n}, velocity.data()), py::arg("axes") = axes);
+  if (r.servo) all["motion"] = motion_behind(r, rows);
+  return all;
 }
 
 std::string page_of(const Program& r) {
@@ -204,6 +224,9 @@ durations : ndarray
 settings : dict or None
     What to set in the task's controller, if the task names families: family, values, delays (the kind at the end of
     every commanded move), width, width_low, width_high (m, None if no corner is in-position), answer (in words).
+servo : dict or None
+    Of a task with a servo: settling (s, from the end of the command until the motion is within `within` of its end),
+    within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
 )";
 
 constexpr const char* json_doc = "to_json()\n\nThe text of a result file, as the command line's --json.";
@@ -212,7 +235,8 @@ constexpr const char* page_doc =
     "over time, "
     "and the time lost by classes of corners.";
 constexpr const char* samples_doc =
-    "samples()\n\nEvery sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes.";
+    "samples()\n\nEvery sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes. "
+    "Behind a servo that is the command, and motion (m) is what the axes do.";
 
 void bind_plan(py::module_& module) {
   py::class_<Program, std::shared_ptr<Program>>(module, "Program", program_doc)
@@ -233,6 +257,7 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("lines", view_of(&Toolpath::line))
       .def_property_readonly("durations", view_of(&Toolpath::duration))
       .def_property_readonly("settings", &settings)
+      .def_property_readonly("servo", &servo)
       .def(
           "to_json", [](const Program& r) { return program_to_json(r); }, json_doc)
       .def("page", &page_of, page_doc)

@@ -244,7 +244,7 @@ class TaskReader {
     place_corners();
     faults_.raise();
     require_loads();
-    check_response(top_, task_, options_.response);
+    check_response(top_, task_, options_.response, !options_.require_corners && options_.response != Considered::any);
     if (options_.require_choices) require_choices(task_, top_, corners_);
     return std::move(task_);
   }

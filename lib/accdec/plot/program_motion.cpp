@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_motion.hpp>
@@ -30,10 +31,11 @@ double turn_at(const Toolpath& path, std::size_t b) {
   return std::acos(std::clamp(dot / std::sqrt(in2 * out2), -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-/// The limits of one machine, and how much of each a sample uses.
+/// The limits of one machine, and how much of each a sample uses. Loads behind a servo are not those of the command,
+/// and are left out.
 class Uses {
  public:
-  Uses(const Machine& machine, double period) : period_(period) {
+  Uses(const Machine& machine, double period) : period_(period), loads_(!has_servo(machine)) {
     for (const Axis& axis : machine.axes) axes_.push_back({&axis, AxisSampler(axis, period)});
   }
   /// Index in `axis_limits` of the limit that the next sample uses most; -1 if none is used to 98 %.
@@ -43,6 +45,7 @@ class Uses {
     for (Followed& followed : axes_) {
       const AxisState state = followed.sampler.next(*v, (*v - followed.velocity) / period_);
       for (std::size_t i = 0; i < axis_limits.size(); ++i) {
+        if (axis_limits[i].load && !loads_) continue;
         const double use = axis_limits[i].value(state) / (followed.axis->*axis_limits[i].bound);
         if (use > most) most = use, binding = static_cast<int>(i);
       }
@@ -58,6 +61,7 @@ class Uses {
     double velocity = 0.0;  ///< m/s, of the last sample
   };
   double period_;
+  bool loads_;
   std::vector<Followed> axes_;
 };
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/html.hpp>
 #include <accdec/plot/html_parts.hpp>
@@ -13,6 +14,8 @@
 namespace accdec {
 namespace {
 
+constexpr const char* behind_servo =
+    "<p>Path, speed and limits are those of the command. The axes follow behind it with their servo.</p>\n";
 constexpr std::int64_t page_points_max = 40'000;
 
 /// The path as the script draws it, across and upwards: coefficients of the path's columns.
@@ -106,7 +109,8 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
   page +=
       "<p>The path has the colour of its speed; the speed over time that of the limit that binds. Wheel or two "
       "fingers: "
-      "zoom. Drag: move. Double click: everything. The pointer tells time, place and speed.</p>\n"
+      "zoom. Drag: move. Double click: everything. The pointer tells time, place and speed.</p>\n" +
+      std::string(has_servo(machine) ? behind_servo : "") +
       "<canvas id=\"path\"></canvas>\n<p id=\"info\">&nbsp;</p>\n<canvas id=\"speed\"></canvas>\n"
       "<p id=\"legend\"></p>\n<h2>Time lost against the programmed feed</h2>\n";
   page += html_table({{"turn", "joints", "lost, s", "lost by each, ms"}, rows});

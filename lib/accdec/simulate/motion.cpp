@@ -40,13 +40,13 @@ struct Stretches {
 
 class Motion::FilteredSource : public Source {
  public:
-  FilteredSource(const Toolpath& path, const FilteredCommand& command, double period)
+  FilteredSource(const Toolpath& path, const FilteredCommand& command, const Filter& filter, double period)
       : path_(path),
         n_(path.dimensions()),
         period_(period),
         timing_(path, period, command.delays),
-        buffer_(command.filter, n_, path.point(0)),
-        last_(motion_samples(timing_, command.filter)) {
+        buffer_(filter, n_, path.point(0)),
+        last_(motion_samples(timing_, filter)) {
     std::copy_n(path.point(0), n_, at_.begin());
     rest(timing_.dwell_samples(path.dwell_first));
   }
@@ -195,9 +195,10 @@ class Motion::SampledSource : public Source {
   std::int64_t number_ = 0;
 };
 
-Motion::Motion(const Plan& plan, double sample_period) {
+Motion::Motion(const Plan& plan, double sample_period, bool servo) {
   if (const FilteredCommand* command = plan.command()) {
-    source_ = std::make_unique<FilteredSource>(plan.path, *command, sample_period);
+    source_ = std::make_unique<FilteredSource>(plan.path, *command, servo ? command->motion() : command->filter,
+                                               sample_period);
   } else if (plan.trajectory()->is_free()) {
     source_ = std::make_unique<SampledSource>(plan.path, plan.trajectory()->free, sample_period);
   } else {

@@ -95,6 +95,13 @@ struct AxisLoad {
   double rms = 0.0;   ///< N, root of the mean of F^2: what heats the drive
 };
 
+/// The motion behind the servo, where it is not the command.
+struct ServoReport {
+  double settling = 0.0;    ///< s, from the end of the command until the motion stays within `within` of its end
+  double within = 0.0;      ///< m, the least tolerance of a joint; 1 um without
+  double stop_error = 0.0;  ///< m, the largest error of a stop, where the control waits for the command
+};
+
 struct ProgramResult {
   std::string program;  ///< the file
   Status status = Status::failed;
@@ -137,6 +144,7 @@ struct ProgramResult {
   std::string compensation;                 ///< why arcs that were to be widened are not; empty: nothing to say
   std::vector<AxisLoad> loads;              ///< of the axes that have a mass or damping; of programs of up to
                                             ///< `several_plans_max` blocks
+  std::optional<ServoReport> servo;         ///< behind a servo, of programs of up to `several_plans_max` blocks
   std::vector<FeedOverride> overrides;      ///< of programs of up to `several_plans_max` blocks
   VerificationReport verification;
   SolverReport solver;

@@ -261,7 +261,7 @@ struct ToolpathOptions {
 /// gives its limits to every linear axis; a rotary axis has its own limits, in degrees. A task without any axis limits
 /// nothing. nullptr if there is none of that name.
 const Axis* find_axis(const Machine& machine, std::size_t program_axis);
-/// The machine with one axis per column of the path.
+/// The machine with one axis per column of the path, without the control's own smoothing: filters of plans have it.
 Machine program_machine(const Machine& machine, const Toolpath& path);
 
 /// Reads a whole program.
@@ -324,9 +324,10 @@ void look_ahead(ProfileChain& chain);
 struct FilteredCommand {
   Filter filter{{1.0}};     ///< all that acts on the command: what is set, and behind it the control's own smoothing
   std::vector<int> delays;  ///< samples, one a block, of the joint at its end
-  std::optional<Filter> own{};  ///< what is set, where the machine has `prefilter_taps`; none: `filter` is set
-
+  std::optional<Filter> own{};    ///< what is set, where the machine has `prefilter_taps`; none: `filter` is set
+  std::optional<Filter> moved{};  ///< `filter` and the servo behind it, where the axes have one; none: `filter`
   const Filter& set() const { return own ? *own : filter; }
+  const Filter& motion() const { return moved ? *moved : filter; }
 };
 
 /// A motion given by its samples, from the first after the start to the last before it rests.
@@ -374,12 +375,11 @@ struct Sample {
 /// The motion of a plan, from rest at its start to the first sample at rest at its end: what controllers are sent, and
 /// what tables, figures and pages show.
 ///
-/// It holds only one run of a command (see CommandTiming) and some thousand samples, or one leg of a trajectory at a
-/// time.
+/// It holds one run of a command (see CommandTiming) and some thousand samples, or one leg of a trajectory.
 class Motion {
  public:
-  /// References are kept. @param plan  not empty
-  Motion(const Plan& plan, double sample_period);
+  /// References are kept. @param plan  not empty  @param servo  what the servo makes of it, until that rests, too
+  Motion(const Plan& plan, double sample_period, bool servo = false);
   ~Motion();
   Motion(const Motion&) = delete;
   Motion& operator=(const Motion&) = delete;

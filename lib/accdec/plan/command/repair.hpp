@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <accdec/filter.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/simulate/simulate.hpp>
 
 namespace accdec {
@@ -59,7 +60,8 @@ class Repair {
   int raised(std::size_t joint, int step) const;
 
   Toolpath& path_;
-  const Filter& filter_;
+  const Filter& filter_;  // of the command
+  const FilterBehind behind_;
   const Machine* machine_;
   CommandTiming timing_;
   std::vector<int>& delays_;
@@ -67,7 +69,8 @@ class Repair {
   std::vector<double> scratch_;
   std::vector<std::uint32_t> broken_;
   int rounds_ = 0;
-  int apart_;  // delay from which the legs of a joint do not overlap
+  int apart_;    // delay from which the commands of a joint's legs do not overlap
+  int settled_;  // and from which their motions do not
 };
 
 }  // namespace accdec

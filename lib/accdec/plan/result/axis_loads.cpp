@@ -46,7 +46,7 @@ std::vector<AxisLoad> axis_loads(const ProgramResult& result, const Machine& mac
   const auto look = [&](std::int64_t, const double*, const double* velocity) {
     for (Loaded& axis : loaded) axis.look(velocity[axis.dimension()]);
   };
-  visit_samples(result, look, Rests::passed);
+  visit_samples(result, look, Rests::passed, MotionOf::servo);
   std::vector<AxisLoad> loads;
   for (Loaded& axis : loaded) loads.push_back(axis.finish(result.plan.path, result.check.samples));
   return loads;

@@ -83,6 +83,10 @@ void add_times(Json& json, const ProgramResult& result) {
   json["not_considered"] = Json::array();
   for (const NotConsidered what : not_considered(result.task_machine))
     json["not_considered"].push_back(to_string(what));
+  if (result.servo)
+    json["servo"] = {{"settling_s", result.servo->settling},
+                     {"within_m", result.servo->within},
+                     {"stop_error_m", number(result.servo->stop_error)}};
   if (!result.overrides.empty()) json["feed_overrides"] = overrides_json(result);
   json["delay_total_s"] = result.delay_total;
 }

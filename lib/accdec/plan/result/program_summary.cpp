@@ -93,6 +93,14 @@ class SummaryText {
     put("\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n",
         result_.worst_error * 1e6, 100.0 * result_.worst_utilisation, result_.worst_line);
     const std::vector<CornerUse> worst = worst_corners(result_, result_.worst_shown);
+    if (const auto& servo = result_.servo) {
+      put("  errors are those behind the servo; {:.4g} s after the command, the motion is within {:.4g} um of its "
+          "end\n",
+          servo->settling, servo->within * 1e6);
+      if (servo->stop_error > 0.0)
+        put("  at stops the control waits for the command: the motion leaves out up to {:.3f} um\n",
+            servo->stop_error * 1e6);
+    }
     if (worst.empty()) return;
     put("\n  {:<14}{:>12}{:>14}{:>10}{:>9}\n", "worst corners", "error", "tolerance", "use", "delay");
     for (const CornerUse& corner : worst) {
