@@ -33,11 +33,11 @@ void SampleTable::flush() {
   text_.clear();
 }
 
-void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Rests rests) {
+void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Steady steady) {
   Motion motion(result.plan, result.sample_period);
   for (Sample sample; motion.next(sample);) {
     visit(sample.number, sample.position.data(), sample.velocity.data());
-    if (rests == Rests::passed) motion.pass_rest();
+    if (steady == Steady::passed) motion.pass_steady();
   }
 }
 
