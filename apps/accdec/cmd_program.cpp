@@ -181,9 +181,15 @@ void write_outputs(const ProgramArguments& options, const Context& context, cons
 }
 
 /// Says how much slower than its bound a plan is, if by much.
-void say_what_ended(const ProgramResult& result) {
+void say_what_ended(const ProgramResult& result, const ProgramFileOptions& options) {
   const double ratio = result.lower_bound > 0.0 ? result.cycle_time / result.lower_bound : 1.0;
   std::fputs("the time limit ended the search: a longer --time-limit may find a faster plan\n", stderr);
+  const double passed = -options.deadline.left(), limit = options.time_limit.value_or(0.0);
+  if (!options.deadline.asked_to_end() && passed > 0.1 + 0.1 * limit) {
+    fmt::print(stderr,
+               "it was passed by {:.1f} s: reading the program, one plan of it and its check are never cut short\n",
+               passed);
+  }
   if (ratio > 2.0) fmt::print(stderr, "this one takes {:.3g} times the way over the feed\n", ratio);
 }
 
@@ -211,7 +217,7 @@ void run(ProgramArguments& options, Context& context) {
                 figure_type.empty()
                     ? ""
                     : program_figure(result, programmed, task.machine, figure_type, view_from(options.view)));
-  if (result.verification.feasible && options.file.deadline.over()) say_what_ended(result);
+  if (result.verification.feasible && options.file.deadline.over()) say_what_ended(result, options.file);
   context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
 }
 

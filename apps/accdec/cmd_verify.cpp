@@ -45,8 +45,8 @@ double reading_seconds(const std::string& path) {
 bool too_long(const std::string& path, std::string_view what, double seconds, double limit, Context& context) {
   if (seconds <= limit) return false;
   context.exit_code = exit_no_answer;
-  fmt::print(stderr, "{}: not checked: {} would take about {:.2g} s; --time-limit is {:g} s\n", printable(path), what,
-             seconds, limit);
+  fmt::print(stderr, "{}: not checked: {} would take about {} s; --time-limit is {:g} s\n", printable(path), what,
+             shown_above(seconds, limit), limit);
   return true;
 }
 

@@ -128,9 +128,10 @@ struct ProgramResult {
   double cycle_time = 0.0;                ///< s, samples of the motion times T
   double delay_total = 0.0;               ///< s, of all delays
   std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000
-                                          ///< blocks
+                                          ///< blocks, nor where no such plan holds
+  bool kept_same_filter = false;  ///< that plan has this one's filter, which was chosen for other feeds; else its own
   std::optional<double> cycle_time_exact_stop;  ///< s, of a command: with an exact stop after every block (the chords
-                                                ///< of an arc are one block)
+                                                ///< of an arc are one block), as the plan at the programmed feeds
   std::string exact_stop_breaks;                ///< the limit that this nevertheless breaks most; empty: it holds all
   std::optional<double> cycle_time_no_delay;    ///< s, of a command: no delay but where the program stops
   double lower_bound =

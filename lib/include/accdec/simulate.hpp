@@ -386,8 +386,9 @@ class Motion {
 
   /// The next sample, the start first; false after the last.
   bool next(Sample& sample);
-  /// After next(): where the motion has stood still for thousands of samples, passes over those that it still rests.
-  void pass_rest();
+  /// After next(): where the motion rests or goes straight on at one speed, passes over those samples but for the last
+  /// ones. The number of the next sample tells how many.
+  void pass_steady();
 
  private:
   class Source;
