@@ -93,8 +93,9 @@ std::vector<Key> make_filter_keys() {
                   .fallback = "no shaper",
                   .example = "\"zv\""});
   keys.push_back({.name = "shaper_delay",
-                  .type = KeyType::integer,
-                  .meaning = "delay from each impulse to the next; needed with `shaper`",
+                  .meaning =
+                      "delay from each impulse to the next; needed with `shaper`; an impulse between two samples "
+                      "is split onto them",
                   .unit = "samples",
                   .range = {1, order_limit},
                   .example = "12"});
