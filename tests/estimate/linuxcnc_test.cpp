@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <accdec/estimate/linuxcnc.hpp>
+
 #include "estimated.hpp"
 
 // LinuxCNC's rules in closed form. results/program/estimates.md compares whole programs with LinuxCNC itself.
@@ -54,11 +56,12 @@ TEST(LinuxCncEstimate, OfACircleIsItsConstantSpeed) {
               long_move(2.0 * std::numbers::pi * radius, 0.0, speed, 0.0, 0.5 * acceleration), 1e-4);
 }
 
-// Below that speed, the circle leaves more along it.
-TEST(LinuxCncEstimate, OfASlowCircleHasMoreAccelerationAlongIt) {
-  constexpr double radius = 10.0, feed = 50.0;
-  const double normal = feed * feed / radius, along = std::sqrt(acceleration * acceleration - normal * normal);
-  EXPECT_NEAR(estimated(control, "G61.1\nG2 X0 Y0 I10 J0 F3000\nM2\n"),
+// A circle that the velocity of the axes limits has more of it along its way, whatever the feed.
+TEST(LinuxCncEstimate, LargeCirclesHaveMoreAccelerationAlongThem) {
+  constexpr double radius = 100.0, feed = 50.0;
+  const double normal = test::velocity * test::velocity / radius,
+               along = std::sqrt(acceleration * acceleration - normal * normal);
+  EXPECT_NEAR(estimated(control, "G61.1\nG2 X0 Y0 I100 J0 F3000\nM2\n"),
               long_move(2.0 * std::numbers::pi * radius, 0.0, feed, 0.0, along), 1e-4);
 }
 
@@ -77,7 +80,31 @@ TEST(LinuxCncEstimate, MovesInLineWithinQAreMerged) {
   const double merged = estimated(control, "G64 P0.05" + moves);
   EXPECT_NEAR(merged, long_move(200.0, 0.0, 100.0, 0.0), 1e-2);
   EXPECT_NEAR(estimated(control, "G64 P0.05 Q0.05" + moves), merged, 1e-12);
-  EXPECT_GT(estimated(control, "G64 P0.05 Q0" + moves), 1.1 * merged);
+  EXPECT_GT(estimated(control, "G64 P0.05 Q0" + moves), merged + 1e-2);
+}
+
+// A line along X meets an arc of radius A at a right angle. The blend of radius R touches the arc from outside: its
+// centre is A + R from the arc's, and R above the line.
+TEST(LinuxCncEstimate, ABlendIsTangentToALineAndAnArc) {
+  constexpr double a = 0.01, r = 0.002;
+  Piece line, arc;
+  line.first = line.last = Vector(1.0, 0.0, 0.0);
+  line.length = line.nominal = 0.02;
+  arc.arc = true;
+  arc.radius = a;
+  arc.center = Vector(a, 0.0, 0.0);
+  arc.axis = Vector(0.0, 0.0, 1.0);
+  arc.first = Vector(0.0, 1.0, 0.0);
+  const double d = std::sqrt((a + r) * (a + r) - r * r) - a, left = std::hypot(d, r) - r;
+  const auto blend = tangent_arc(line, arc, r, left * 1.001, 1.0, 1.0);
+  ASSERT_TRUE(blend);
+  EXPECT_NEAR(blend->taken_before, d, 1e-15);
+  EXPECT_NEAR(blend->taken_after, a * std::atan2(r, a + d), 1e-15);
+  EXPECT_NEAR(blend->length, r * std::atan2(a + d, r), 1e-15);
+  EXPECT_FALSE(tangent_arc(line, arc, r, left * 0.999, 1.0, 1.0));
+  EXPECT_FALSE(tangent_arc(line, arc, r, left * 1.001, 1.0, 0.999 * std::atan2(r, a + d)));
+  arc.axis = Vector(0.0, 1.0, 0.0);
+  EXPECT_FALSE(tangent_arc(line, arc, r, left * 1.001, 1.0, 1.0));
 }
 
 TEST(LinuxCncEstimate, TheReaderKeepsPathModes) {

@@ -73,9 +73,13 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
     >>> faster.plan, faster.cycle_time <= plan.cycle_time, [other["plan"] for other in faster.candidates]
     ('profiles', True, ['fixed'])
     """
-    controls = [estimate] if isinstance(estimate, str) else list(estimate)
+    controls = [estimate] if isinstance(estimate, str) else estimate
+    if not isinstance(controls, (list, tuple)):
+        raise arguments.wrong("estimate", "must be a list of controls", estimate, TypeError)
     for control in controls:
         arguments.one_of("estimate", control, ("klipper", "grbl", "linuxcnc-2.9"))
+    if not isinstance(estimate_options, (Mapping, type(None))):
+        raise arguments.wrong("estimate_options", "must be a dict of numbers", estimate_options, TypeError)
     options = {str(name): arguments.real(f"estimate_options[{name!r}]", value)
                for name, value in (estimate_options or {}).items()}
     if options and not controls:
@@ -99,4 +103,4 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
     return _core.program(arguments.path("file", file), as_task(task, program=True), plan=plan, keep_feeds=keep,
                          arc_tolerance=arc_tolerance, time_limit=time_limit, **flags,
                          tool_table=arguments.path("tool_table", tool_table), tool_length=tool_length,
-                         estimate=controls, estimate_options=options, progress=arguments.listener(progress))
+                         estimate=list(controls), estimate_options=options, progress=arguments.listener(progress))

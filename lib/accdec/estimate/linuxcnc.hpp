@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <accdec/estimate/control_moves.hpp>
@@ -21,6 +22,7 @@ struct Piece {
   double length = 0.0, nominal = 0.0;  ///< m; before blends took their parts
   bool arc = false, blend = false, rapid = false;
   Vector center = Vector::Zero();         ///< m, from the arc's start
+  Vector axis = Vector::Zero();           ///< unit, across an arc's plane
   Vector center_at_end = Vector::Zero();  ///< m, from the arc's end
   double radius = 0.0, turn = 0.0;        ///< m and rad > 0, of an arc
   double request = 0.0, speed = 0.0;      ///< m/s, of the program and largest
@@ -42,6 +44,20 @@ double piece_acceleration(const Piece& piece);
 
 /// The moves that the planner is given: those in line within Q merged, flat arcs as two lines.
 std::vector<Piece> linuxcnc_pieces(const std::vector<ControlMove>& moves, const ControlLimits& limits);
+
+/// An arc within the tolerance of a corner, tangent to both pieces.
+struct TangentArc {
+  double length = 0.0;                           ///< m
+  double taken_before = 0.0, taken_after = 0.0;  ///< m, of the pieces
+};
+/// Where a piece is an arc, the sides of both decide which of several arcs of this radius it is. None where it leaves
+/// the tolerance, the plane of the pieces or the parts of them that it may take.
+/// @param radius     m  @param tolerance  m
+/// @param part_before, part_after  rad, of arcs
+std::optional<TangentArc> tangent_arc(const Piece& before, const Piece& after, double radius, double tolerance,
+                                      double part_before, double part_after);
+/// Whether an arc and the blend beside it lie on the same side of their tangent. @param towards  from the corner
+bool bends_with(const Vector& center, const Vector& towards);
 
 /// The times that two pieces overlap in a parabolic blend.
 struct ParabolicBlend {

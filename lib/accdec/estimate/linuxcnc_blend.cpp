@@ -27,23 +27,23 @@ double in_plane(const Vector& normal, const Vector& limits) {
   return most;
 }
 
-/// Length that a blend may take of a piece.
+/// The part of a piece that a blend may take.
 struct Room {
   double length = 0.0;  // m
-  double theta_less = 0.0;
+  double turn = 0.0;    // rad, of an arc
+  double less = 0.0;    // rad, by which the arc's chord lowers half the angle of the corner
 };
-Room room_of(const Piece& piece, const Vector& center, const Vector& other, double theta) {
-  if (!piece.arc) return {std::min(piece.length, 0.5 * piece.nominal), 0.0};
-  // Convex: the arc's centre is on the other side of it than the blend's.
-  const bool convex = center.dot(other) < 0.0;
-  const double turn = std::min(piece.turn / 3.0, convex ? theta : 0.5 * pi);
-  if (convex) return {std::sin(0.25 * turn) * piece.radius, 0.25 * turn};
-  return {turn * piece.radius, 0.0};
+Room room_of(const Piece& piece, const Vector& center, const Vector& towards, double part, double theta) {
+  if (!piece.arc) return {std::min(piece.length, 0.5 * piece.nominal)};
+  const bool with = bends_with(center, towards);
+  const double turn = std::min(piece.turn * part, with ? theta : 0.5 * pi);
+  if (with) return {std::sin(0.25 * turn) * piece.radius, turn, 0.25 * turn};
+  return {turn * piece.radius, turn};
 }
 
 struct ArcBlend {
   Piece piece;
-  double taken = 0.0;  // m, of both neighbours
+  TangentArc arc;
   bool whole = false;  // all of the piece before
 };
 
@@ -61,9 +61,9 @@ std::optional<ArcBlend> arc_blend(const Piece& before, const Piece& after, const
                                   const ControlSettings& settings) {
   const double tangents = half_angle(before.last, after.first);
   if (0.5 * pi - tangents < 1e-6 || tangents < 1e-6) return {};
-  const Room r1 = room_of(before, before.center_at_end, after.first, tangents);
-  const Room r2 = room_of(after, after.center, -before.last, tangents);
-  const double theta = tangents - r1.theta_less - r2.theta_less, phi = pi - 2.0 * theta;
+  const Room r1 = room_of(before, before.center_at_end, after.first, 2.0 / 3.0, tangents);
+  const Room r2 = room_of(after, after.center, -before.last, 1.0 / 3.0, tangents);
+  const double theta = tangents - std::max(r1.less, r2.less), phi = pi - 2.0 * theta;
   const auto own = [](const Piece& piece) {
     return piece.tolerance > 0.0 ? std::min(piece.tolerance, 0.25 * piece.nominal) : 0.25 * piece.nominal;
   };
@@ -73,7 +73,8 @@ std::optional<ArcBlend> arc_blend(const Piece& before, const Piece& after, const
   const auto at = [](const Piece& piece, double scale) { return std::min(scale * piece.request, piece.speed); };
   const double goal = std::min(std::max(at(before, most), at(after, most)),
                                blend_speed_max(before, after, phi, in_plane(plane, limits.velocity)));
-  const double by_tolerance = std::cos(theta) * std::min(own(before), own(after)) / (1.0 - std::sin(theta));
+  const double tolerance = std::min(own(before), own(after));
+  const double by_tolerance = std::cos(theta) * tolerance / (1.0 - std::sin(theta));
   const double room = std::min({r1.length, r2.length, by_tolerance});
   const double largest = std::tan(theta) * room;
   const double speed = std::min(std::sqrt(normal_part * acceleration * largest), goal);
@@ -81,16 +82,18 @@ std::optional<ArcBlend> arc_blend(const Piece& before, const Piece& after, const
   const double time = std::min(std::sqrt(acceleration * room), speed) / (0.5 * acceleration);
   const double radius = std::max(speed * speed / (normal_part * acceleration), std::min(time * speed / phi, largest));
   if (radius < 1e-15 || radius * phi < 1e-9) return {};
+  const auto arc = tangent_arc(before, after, radius, tolerance, r1.turn, r2.turn);
+  if (!arc) return {};
   ArcBlend blend;
-  blend.taken = radius / std::tan(theta);
-  const double rest = before.length - blend.taken;
+  blend.arc = *arc;
+  const double rest = before.length - arc->taken_before;
   blend.whole = !before.arc && !before.blended &&
                 rest / speed < settings.at("arc_blend_gap_cycles") * settings.at("servo_period");
   Piece& piece = blend.piece;
   piece.blend = true;
   piece.first = before.last;
   piece.last = after.first;
-  piece.length = piece.nominal = radius * phi + (blend.whole ? rest : 0.0);
+  piece.length = piece.nominal = arc->length + (blend.whole ? rest : 0.0);
   piece.rapid = before.rapid;
   piece.request = std::max(at(before, 1.0), at(after, 1.0));
   piece.speed = speed;
@@ -199,11 +202,11 @@ void add_piece(std::vector<Piece>& queue, Piece piece, const ControlLimits& limi
     }
   }
   if (blend) {
-    piece.length -= blend->taken;
+    piece.length -= blend->arc.taken_after;
     if (blend->whole) {
       queue.pop_back();
     } else {
-      before.length -= blend->taken;
+      before.length -= blend->arc.taken_before;
       before.end = PieceEnd::tangent;
       fix_length(before, period);
     }

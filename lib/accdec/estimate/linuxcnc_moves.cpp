@@ -79,6 +79,7 @@ Piece arc_piece(const ControlMove& arc, const ControlLimits& limits) {
   for (const Eigen::Index a : {0, 1, 2}) {
     if (a != arc.x && a != arc.y) piece.center[a] = piece.center_at_end[a] = 0.0;
   }
+  piece.axis[3 - arc.x - arc.y] = 1.0;
   piece.turn = std::abs(arc.angle);
   const double planar = arc.radius * piece.turn;
   const double velocity = std::min(limits.velocity[arc.x], limits.velocity[arc.y]);
