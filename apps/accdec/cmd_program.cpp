@@ -41,6 +41,7 @@ constexpr const char* no_per_leg =
 struct ProgramArguments {
   std::string program, task, json, delays, samples, emit, dwell_axis, figure, stream;
   std::string plan = "fixed", feeds = "choose", view = "auto";
+  std::vector<std::string> controls, control_options;
   std::optional<double> arc_tolerance_um, tool_length_mm;
   ProgramFileOptions file;
   std::size_t worst = 5;
@@ -61,7 +62,22 @@ ProgramInputs inputs_of(const ProgramArguments& options, const ProgramFile& file
   return inputs;
 }
 
+/// How long other controls would take.
+std::vector<ControlEstimate> estimates_of(const ProgramArguments& options, const Toolpath& path, const Task& task) {
+  return estimate_times(path, task.machine, options.controls, named_numbers("--as-option", options.control_options));
+}
+
+/// As the answer's chords of arcs were read, so that whoever rechecks it finds the same.
+void add_estimates(const ProgramArguments& options, const ProgramFile& file, const Task& task, ProgramResult& result) {
+  if (options.controls.empty()) return;
+  ProgramFileOptions as_answered = options.file;
+  as_answered.arc_tolerance = file.reading.read.arc_tolerance;
+  result.estimates = estimates_of(options, read_program_file(options.program, task, as_answered, {}).path, task);
+}
+
 void check_options(const ProgramArguments& options) {
+  if (!options.controls.empty() && options.file.dwells_before_filter)
+    throw std::invalid_argument("--as excludes --dwells-before-filter: other controls stop for G4");
   if (options.per_leg) throw std::invalid_argument(no_per_leg);
   const bool positions = options.plan != "fixed";
   const auto refuse = [&](const std::string& value, bool belongs, const char* name, const char* which) {
@@ -210,8 +226,13 @@ void run(ProgramArguments& options, Context& context) {
     if (!context.quiet) std::fprintf(stderr, "%s\n", line.c_str());
   });
   const Toolpath programmed = figure_type.empty() ? Toolpath{} : file.path;
-  const std::optional<ProgramResult> planned = plan_with(options, context, file, task);
-  if (!planned) return;
+  const std::vector<ControlEstimate> estimates = estimates_of(options, file.path, task);
+  std::optional<ProgramResult> planned = plan_with(options, context, file, task);
+  if (!planned) {
+    for (const ControlEstimate& estimate : estimates) std::fputs(estimate_text(estimate, 0.0).c_str(), stdout);
+    return;
+  }
+  add_estimates(options, file, task, *planned);
   const ProgramResult& result = *planned;
   write_outputs(options, context, result, options.json.empty() ? "" : program_to_json(result, inputs_of(options, file)),
                 figure_type.empty()
@@ -273,6 +294,20 @@ void add_outputs(CLI::App& command, ProgramArguments& options) {
   add_view_option(command, options.view);
   add_output_option(command, "--stream", options.stream,
                     "With --plan profiles or free: write the positions, one line per cycle, - for standard output");
+  command
+      .add_option("--as", options.controls,
+                  "Also estimate how long another control needs, by the rules of its own planner: klipper, grbl or "
+                  "linuxcnc-2.9; may be repeated")
+      ->type_name("CONTROL")
+      ->allow_extra_args(false)
+      ->check(one_of(estimated_controls()));
+  command
+      .add_option("--as-option", options.control_options,
+                  "A parameter of that control under its own name and in its own unit, such as "
+                  "square_corner_velocity=8; the answer lists all with their values; may be repeated")
+      ->type_name("NAME=NUMBER")
+      ->allow_extra_args(false)
+      ->needs("--as");
   command.add_option("--worst", options.worst, "How many corners to list: those that use most of their tolerance")
       ->check(CLI::Range(0, 10000))
       ->type_name("N")

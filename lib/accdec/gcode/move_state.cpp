@@ -22,6 +22,7 @@ void MoveState::send(const ProgramPoint& to, bool rapid, bool inside_arc, std::s
   Move move;
   move.to = to;
   move.tolerance = tolerance;
+  move.merge = merge;
   move.control = control;
   if (inside_arc && control != PathControl::blend) {
     // Chord ends are no corners of the program.

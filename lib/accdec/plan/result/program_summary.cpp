@@ -24,6 +24,12 @@ std::string unit_of(const LimitUse& use) {
   return unit;
 }
 
+/// Two blanks before every line but the first.
+std::string indented(std::string text) {
+  for (std::size_t at = text.find('\n'); at + 1 < text.size(); at = text.find('\n', at + 1)) text.insert(at + 1, "  ");
+  return text;
+}
+
 class SummaryText {
  public:
   explicit SummaryText(const ProgramResult& result) : result_(result) {}
@@ -33,6 +39,7 @@ class SummaryText {
       put("{}\n", program_settings_answer(*result_.settings, result_.cycle_time, result_.has_today));
     head();
     times();
+    estimates();
     corners();
     feeds();
     limits();
@@ -88,6 +95,12 @@ class SummaryText {
     if (!result_.filter_bound) return;
     row("bound, filters and delays", *result_.filter_bound);
     put("    for plans that keep the programmed feeds, with filters no longer than a block; others may be faster\n");
+  }
+
+  void estimates() {
+    if (!result_.estimates.empty()) put("\n");
+    for (const ControlEstimate& estimate : result_.estimates)
+      put("  {}", indented(estimate_text(estimate, result_.cycle_time)));
   }
 
   void corners() {
