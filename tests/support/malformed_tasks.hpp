@@ -310,7 +310,7 @@ inline std::vector<Case> cases() {
       {"prefilter_of_an_axis", axis("prefilter_taps = [1]"), "7:1", {"belongs in [controller]"}},
       {"force_alone", axis("force_max_N = 5"), "7:15", {"can never bind", "mass_kg or damping_N_s_m"}},
       {"mode_without_frequency", end("[[mode]]\nresidual_max = 0.1"), "19:1", {"needs `frequency_Hz`", "[low, high]"}},
-      {"mode_without_bound", end("[[mode]]\nfrequency_Hz = 40"), "19:1", {"needs `residual_max`"}},
+      {"mode_without_bound", end("[[mode]]\nfrequency_Hz = 40"), "19:1", {"needs `residual_max` or"}},
       {"band_down",
        end("[[mode]]\nfrequency_Hz = [46, 38]\nresidual_max = 0.1"),
        "20:16",

@@ -110,17 +110,32 @@ class KeyCheck {
       const std::string allowed = key.most == 0           ? fmt::format("{} or more", key.least)
                                   : key.least == key.most ? fmt::format("{}", key.least)
                                                           : fmt::format("{} to {}", key.least, key.most);
-      faults_.add(node.fault(at, fmt::format("{}has {} numbers; allowed are {}", Node::subject(key.name), n, allowed)));
+      faults_.add(node.fault(at, fmt::format("{}has {} {}; allowed are {}", Node::subject(key.name), n,
+                                             key.pairs ? "pairs" : "numbers", allowed)));
       return;
     }
     const Key element = one_of(key);
     const std::size_t before = faults_.size();
     for (std::size_t i = 0; i < n && faults_.size() == before; ++i) {  // the first wrong one is enough
       const Node one = node.element(i);
+      if (key.pairs) {
+        pair(one, element, Node::subject(key.name, i), fmt::format("{}/{}", at, i));
+        continue;
+      }
       const bool fits = one.is_number() && std::isfinite(one.number()) && key.range.holds(one.number());
       if (fits && !key.whole && !lost(key, one.number())) continue;
       number(one, element, Node::subject(key.name, i), fmt::format("{}/{}", at, i));
     }
+  }
+
+  void pair(const Node& node, const Key& element, const std::string& what, const std::string& at) {
+    if (!node.is_list() || node.size() != 2) {
+      faults_.add(node.fault(
+          at, fmt::format("{}must be a pair of numbers, got {}", what,
+                          node.is_list() ? fmt::format("{} elements", node.size()) : std::string(node.type_name()))));
+      return;
+    }
+    for (std::size_t i = 0; i < 2; ++i) number(node.element(i), element, what, fmt::format("{}/{}", at, i));
   }
 
   static Key one_of(const Key& key) {

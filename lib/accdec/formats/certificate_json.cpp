@@ -26,6 +26,10 @@ auto parts(const proof::TapDifference& r) {
 auto parts(const proof::EventForce& r) {
   return std::tuple(Name(r.stop ? "force stop" : "force start"), r.axis, r.sample);
 }
+/// The same below a line of the force-speed curve.
+auto curve_parts(const proof::EventForce& r) {
+  return std::tuple(Name(r.stop ? "force_speed stop" : "force_speed start"), r.axis, r.sample, r.line);
+}
 auto parts(const proof::Blend& r) {
   return std::tuple(fmt::format("blend {}", to_string(r.limit)), r.corner, r.axis, r.sample, r.sign);
 }
@@ -44,6 +48,10 @@ auto parts(const proof::Budget&) {
 }
 auto parts(const proof::Vibration& r) {
   return std::tuple(Name("vibration"), r.mode, r.frequency, r.angle);
+}
+/// The same at the blend of one corner, of a mode of an axis.
+auto blend_parts(const proof::Vibration& r) {
+  return std::tuple(Name("blend vibration"), r.mode, r.corner, r.frequency, r.damping, r.angle);
 }
 /// The same with damping.
 auto damped_parts(const proof::Vibration& r) {
@@ -147,8 +155,14 @@ class Writer {
 
   void put(const proof::Term& term) {
     const std::tuple last(term.multiplier);
-    if (const auto* vibration = std::get_if<proof::Vibration>(&term.row); vibration && vibration->damping > 0.0)
-      return put(std::tuple_cat(damped_parts(*vibration), last));
+    if (const auto* vibration = std::get_if<proof::Vibration>(&term.row)) {
+      if (vibration->corner >= 0) return put(std::tuple_cat(blend_parts(*vibration), last));
+      if (vibration->damping > 0.0) return put(std::tuple_cat(damped_parts(*vibration), last));
+    }
+    if (const auto* force = std::get_if<proof::EventForce>(&term.row); force && force->line >= 0)
+      return put(std::tuple_cat(curve_parts(*force), last));
+    if (const auto* blend = std::get_if<proof::Blend>(&term.row); blend && blend->limit == LimitKind::force_speed)
+      return put(std::tuple_cat(parts(*blend), std::tuple(blend->line, blend->direction), last));
     std::visit([&](const auto& row) { put(std::tuple_cat(parts(row), last)); }, term.row);
   }
   void put(const proof::Node& node) {

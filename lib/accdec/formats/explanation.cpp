@@ -78,6 +78,8 @@ std::string binding_text(const Explanation& e, bool samples) {
     const bool same =
         before != nullptr && before->kind == b.kind && before->axis == b.axis && before->corner == b.corner;
     const std::string where = b.kind == LimitKind::vibration ? place_of_vibration(b)
+                              : b.kind == LimitKind::residual
+                                  ? fmt::format("{} {}", to_string(b.event), place_of_vibration(b))
                               : samples ? fmt::format("k = {} of the {}", ranges(b.samples), to_string(b.event))
                                         : std::string(to_string(b.event));
     if (same) {

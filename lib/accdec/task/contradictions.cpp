@@ -28,6 +28,7 @@ std::vector<std::string> contradictions(const Task& task) {
       tell("velocity", "mm/s", speed, axis.velocity_max, 1e3);
       tell("force", "N", friction, axis.force_max);
       tell("power", "W", friction * speed, axis.power_max);
+      tell("force-speed curve", "N at standstill", at_standstill(axis, speed, friction), axis.force_speed_max);
     }
     const double feed = std::min(corner.geometry().feed_in, corner.geometry().feed_out);
     if (corner.speed_min > feed * (1.0 + granted_tolerance)) {
