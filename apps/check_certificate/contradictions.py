@@ -1,6 +1,7 @@
 """Proofs that name nothing: limits that no filter keeps, whatever its order."""
 from fractions import Fraction
 
+from axes import curve
 from enclosure import ONE, UNIT, ZERO, Enclosure, exact, square_root
 from problem import STILL, Refused
 from rows import Rows
@@ -19,6 +20,8 @@ def constant_feed(problem):
                 for kind, value in (("velocity", speed), ("force", friction), ("power", friction * speed)):
                     if kind in axis.limits and value.lo > exact(axis.limits[kind]).hi:
                         return f"corner {corner.name}: {kind} at constant feed"
+                if curve.breaks(axis, speed, friction):
+                    return f"corner {corner.name}: force-speed curve at constant feed"
         if corner.speed_min > min(corner.feed_in, corner.feed_out):
             return f"corner {corner.name}: its smallest speed is above a feed"
     longest = 10**6 if problem.given_filter else problem.order_max
@@ -107,5 +110,5 @@ def corner_speed(problem):
         least = _Crossing(rows, corner).least_distance()
         across = square_root((UNIT + corner.cosine) / UNIT.times(2)) * exact(problem.period)
         if least is None or (across * Enclosure(least)).lo > exact(corner.error).hi:
-            return f"corner {corner.name}: no filter is as fast as its smallest speed within its error"
+            return f"corner {corner.name}: no filter keeps both its smallest speed and its tolerance"
     raise Refused("no smallest speed is surely too much within its corner's error")

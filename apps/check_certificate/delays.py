@@ -1,4 +1,5 @@
 """Proofs about a given filter: every delay that is smaller breaks a limit."""
+from axes import curve
 from enclosure import UNIT, ZERO, Enclosure, exact
 from problem import STILL, NotCovered, Refused, number, refuse_if
 
@@ -58,7 +59,8 @@ def breaks_axis(period, axis, speeds, still=0):
         jerk, before = (acceleration - before) / period, acceleration
         values = {"velocity": v.magnitude(), "acceleration": acceleration.magnitude(), "jerk": jerk.magnitude()}
         values |= {"force": force.magnitude(), "power": force * v, "regeneration": -(force * v)}
-        if any(values[kind].lo > bound for kind, bound in limits.items()):
+        above = axis.lines and curve.breaks(axis, v.magnitude(), force.magnitude())
+        if above or any(values[kind].lo > bound for kind, bound in limits.items()):
             return True
     return False
 
@@ -81,8 +83,8 @@ def smallest(problem, taps, delays):
     """Number of smaller delays that break a limit: all of them."""
     if len(problem.response) > 1:
         raise NotCovered("delays of a given filter behind a servo")
-    if problem.supply:
-        raise NotCovered("delays of a given filter with a shared supply")
+    if problem.supply or any(mode.axis is not None for mode in problem.modes):
+        raise NotCovered("delays of a given filter with a shared supply or a mode of an axis")
     taps = [number(b) for b in taps]
     refuse_if(min(taps) < 0 or not abs(sum(taps) - 1) < 1e-9, "the taps are negative or do not have the sum 1")
     gone = [exact(sum(taps[:k]) / sum(taps)) for k in range(len(taps) + 1)]

@@ -5,7 +5,9 @@ from copy import copy
 from fractions import Fraction
 from types import SimpleNamespace
 
+from axes import curve, modes
 from enclosure import ONE, UNIT, ZERO, cos_sin_degrees, exact, exponential, square_root
+from refusals import NotCovered, Refused, number, refuse_if, whole
 
 GRANTED = Fraction(2, 10**9)  # relative part by which limits are wider than written
 WIDER = 1 + GRANTED
@@ -17,38 +19,15 @@ LIMITS = {
     "power": ("power_max_W", 1), "regeneration": ("regeneration_max_W", 1),
 }
 SERVO_KEYS = ("servo_gain_1_s", "velocity_feedforward", "response_taps")
-AXIS_KEYS = {key for key, _ in LIMITS.values()} | {"name", "mass_kg", "damping_N_s_m", "coulomb_N"} | set(SERVO_KEYS)
+AXIS_KEYS = {key for key, _ in LIMITS.values()} | {"name", "mass_kg", "damping_N_s_m", "coulomb_N", "force_speed_N"} | set(SERVO_KEYS)
 STILL = Fraction(1, 10**9)  # part of the feed below which an axis stands: no dry friction is against it
 REST = Fraction(1, 10**12)  # a servo's response ends where less is left, which its last tap takes
 LONGEST = 50000  # taps of a response
 
-Axis = namedtuple("Axis", "mass damping coulomb limits")  # limits: those given, by kind
-Mode = namedtuple("Mode", "low high residual least_damping most_damping", defaults=(0, 0))
-
-
-class Refused(Exception):
-    """Why a proof is not accepted."""
-
-
-class NotCovered(Refused):
-    """The proof may hold, but it is of a kind that this checker does not know."""
-
-
-def refuse_if(condition, reason):
-    if condition:
-        raise Refused(reason)
-
-
-def number(x):
-    """A number of a JSON file, exactly as written."""
-    refuse_if(isinstance(x, (bool, str)) or not hasattr(x, "__le__"), f"{x!r} stands where a number should")
-    return Fraction(x)
-
-
-def whole(x):
-    known = isinstance(x, int) and not isinstance(x, bool) and abs(x) <= 10**8
-    refuse_if(not known, f"{x!r} stands where a whole number up to 10^8 should")
-    return x
+# limits: those given, by kind; own: its number if it has modes of its own, as then no other axis stands for it
+Axis = namedtuple("Axis", "mass damping coulomb limits lines last_speed own", defaults=((), None, None))
+# A mode of an axis has a displacement in place of a residual.
+Mode = namedtuple("Mode", "low high residual least_damping most_damping axis displacement", defaults=(0, 0, None, None))
 
 
 def _axis(table, period, fastest):
@@ -59,7 +38,8 @@ def _axis(table, period, fastest):
     refuse_if(min(mass, damping, coulomb) < 0, "an axis has a negative load")
     if coulomb > 0 and "force" in limits:  # a sample that counts as standing may accelerate by that little
         limits["force"] += STILL * fastest * mass / period
-    return Axis(mass, damping, coulomb, limits)
+    standing = STILL * fastest * mass / period if coulomb > 0 else 0
+    return Axis(mass, damping, coulomb, limits, *curve.lines(table.get("force_speed_N"), WIDER, standing), None)
 
 
 def _response(tables, period):
@@ -130,7 +110,7 @@ def _corner(table, axes):
     )
 
 
-def _mode(table):
+def _mode(table, names):
     if "frequency_spread" in table:
         raise NotCovered("a spread of frequencies that is not written as a band")
     (low, high), (least, most) = [
@@ -138,7 +118,9 @@ def _mode(table):
         for end in (table["frequency_Hz"], table.get("damping_ratio", 0))
     ]
     refuse_if(not 0 <= least <= most < 1, "a damping ratio is out of range")
-    return Mode(low, high, max(number(table["residual_max"]) * WIDER, FLOOR) + FLOOR / 10, least, most)
+    axis, metres = modes.of_axis(table, names, WIDER, FLOOR / 1000)
+    residual = 1 if metres else max(number(table["residual_max"]) * WIDER, FLOOR) + FLOOR / 10
+    return Mode(low, high, residual, least, most, axis, metres)
 
 
 def read(task):
@@ -146,6 +128,8 @@ def read(task):
     design, period = task.get("design", {}), number(task["sample_period_ms"]) / 1000
     feeds = [number(c[key]) for c in task["corner"] for key in ("feed_in_mm_min", "feed_out_mm_min") if key in c]
     axes = [_axis(table, period, max(feeds, default=0) / 60000) for table in task["axis"]]
+    bounded = [_mode(table, [axis.get("name") for axis in task["axis"]]) for table in task.get("mode", [])]
+    axes = [axis._replace(own=a if any(m.axis == a for m in bounded) else None) for a, axis in enumerate(axes)]
     if "prefilter_taps" in task.get("controller", {}):
         raise NotCovered("a control's own smoothing")
     problem = SimpleNamespace(
@@ -159,7 +143,7 @@ def read(task):
         axes=axes,
         supply=task.get("machine", {}),
         corners=[_corner(table, len(axes)) for table in task["corner"]],
-        modes=[_mode(table) for table in task.get("mode", [])],
+        modes=bounded,
         given_filter="filter" in task,
     )
     refuse_if(min(problem.period, problem.runs) <= 0, "the task's period or its number of runs is not above zero")

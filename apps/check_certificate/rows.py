@@ -3,7 +3,8 @@ the part of the search that it is asked for; README.md of lib/accdec/certificate
 from math import floor
 
 import chords
-from enclosure import BITS, ONE, PI, UNIT, ZERO, Enclosure, cos_sin, exact, exponential, square_root
+from axes import curve, modes
+from enclosure import ONE, UNIT, ZERO, Enclosure, cos_sin, exact, square_root
 from problem import NotCovered, number, refuse_if, whole
 from tube import Plant, tube
 
@@ -123,6 +124,9 @@ class Rows:
     def axis(self, a):
         return member(self.problem.axes, a, "an axis")
 
+    def mode(self, m):
+        return member(self.problem.modes, m, "a mode")
+
     def limit(self, axis, kind):
         refuse_if(kind not in axis.limits, f"a multiplier names a limit of {kind} that is not there")
         return exact(axis.limits[kind])
@@ -159,22 +163,24 @@ class Rows:
         row.tap(k - 1, -c)
         row.limit(UNIT)
 
-    def event_force(self, row, box, stop, a, k):
+    def event_force(self, row, box, stop, a, k, line=None):
         axis = self.axis(a)
-        scale = (self.stop if stop else self.start)[a] / self.limit(axis, "force")
+        slope, most = curve.force_of(axis, line, self.limit)
+        scale = (self.stop if stop else self.start)[a] / most
         if not 1 <= whole(k) <= box.order + 1:
             return
         self.inside(box, k - 1)
-        drag = scale * exact(axis.damping)
+        drag = scale * (exact(axis.damping) - slope if stop else exact(axis.damping) + slope)
         row.tap(k - 1, scale * exact(axis.mass) / self.period)
         row.response(k, drag)
-        dry = exact(axis.coulomb) / self.limit(axis, "force")  # against a start, for a stop
+        dry = exact(axis.coulomb) / most  # against a start, for a stop
         row.limit(UNIT + drag + dry if stop else UNIT - dry)
 
-    def blend(self, row, box, limit, j, a, k, sign):
+    def blend(self, row, box, limit, j, a, k, sign, line=None, direction=1):
         corner, axis, d = self.corner(j), self.axis(a), self.single_delay(j, box)
         into, out = corner.speed_in[a], corner.speed_out[a]
-        unit = UNIT.times(sign_of(sign)) / self.limit(axis, limit)
+        slope, most = curve.line(axis, line) if limit == "force_speed" else (ZERO, self.limit(axis, limit))
+        unit = UNIT.times(sign_of(sign)) / most
         refuse_if(whole(k) < 1, "a multiplier names a sample that is not there")
         before = 1 if limit == "jerk" else 0
         self.inside(box, *(k - 1 - i - e for i in range(before + 1) for e in (0, d)))
@@ -190,14 +196,14 @@ class Rows:
             acceleration(k - 1, -(unit / self.period))
         else:
             acceleration(k, unit * exact(axis.mass))
-            drag = unit * exact(axis.damping)
+            drag = unit * exact(axis.damping) + (slope / most).times(sign_of(direction))
             row.limit(-(drag * into))
             row.response(k, -(drag * into))
             row.response(k - d, drag * out)
             # Dry friction is against an axis that keeps its direction. If it reverses, friction may help everywhere.
             forward = 1 if (into + out).lo > 0 else -1
             helps = 1 if (into * out).lo < 0 else -forward * sign_of(sign)
-            row.limit((UNIT / self.limit(axis, limit) * exact(axis.coulomb)).times(helps))
+            row.limit((UNIT / most * exact(axis.coulomb)).times(helps))
         row.limit(UNIT)
 
     def _seen(self, row, box, j, angle, exactly):
@@ -266,25 +272,6 @@ class Rows:
             row.term(DELAYS, j, exact(corner.weight))
         row.limit(exact(box.budget))
 
-    def vibration(self, row, box, m, frequency, *rest):
-        """What is left at the last tap: tap i has fallen by exp(-z w (N - i)) there."""
-        mode, frequency, z = member(self.problem.modes, m, "a mode"), number(frequency), number((0, *rest)[-2])
-        refuse_if(not mode.low <= frequency <= mode.high, "a multiplier's frequency is outside its band")
-        refuse_if(not mode.least_damping <= z <= mode.most_damping, "a multiplier's damping is outside its range")
-        natural, fall = PI * exact(2 * frequency * self.problem.period), UNIT
-        if z:
-            natural, fall = natural * square_root(exact(1 - z * z)), exponential(-(natural * exact(z)))
-        phase, turn = cos_sin(natural.times(box.order) - exact(number(rest[-1]))), cos_sin(natural)
-        # Rotations and falls keep the length of an error: each adds that of its own factors and of rounding.
-        (cosine, sine), (c, s) = (x.lo for x in phase), ((x * fall).lo for x in turn)
-        error, each = sum(x.hi - x.lo for x in phase), 2 * sum((x * fall).hi - (x * fall).lo for x in turn) + 4
-        for i in range(box.order, -1, -1):
-            end = box.window and i in (0, box.order)  # the taps an end stands for have any phase
-            row.term(TAPS, i, Enclosure(-ONE if end else cosine - error))
-            cosine, sine = cosine * c + sine * s >> BITS, sine * c - cosine * s >> BITS
-            error += each
-        row.limit(exact(mode.residual))
-
     def response(self, row, box, k, sign):
         if not 1 <= whole(k) <= box.order:
             return
@@ -295,19 +282,23 @@ class Rows:
 
 # Rows of the command, and of what is known of the motion behind a servo.
 BEHIND_A_SERVO = {
-    "jerk", "blend acceleration", "blend jerk", "error", "contour", "budget", "vibration", "damped vibration"
+    "jerk", "blend acceleration", "blend jerk", "error", "contour", "budget", "vibration", "damped vibration",
+    "blend vibration",
 }
 # Name in the file: what makes the row; how many entries it has between its name and its multiplier; whether it can
 # speak of filters of any order. Then follows what else the name says.
 KINDS = {
     "jerk": (Rows.tap_difference, 2, True),
     "force start": (Rows.event_force, 2, True, False), "force stop": (Rows.event_force, 2, True, True),
+    "force_speed start": (Rows.event_force, 3, True, False), "force_speed stop": (Rows.event_force, 3, True, True),
+    "blend force_speed": (Rows.blend, 6, True, "force_speed"),
     "blend acceleration": (Rows.blend, 4, True, "acceleration"),
     "blend jerk": (Rows.blend, 4, True, "jerk"),
     "blend force": (Rows.blend, 4, True, "force"),
     "error": (Rows.error, 2, True), "contour": (Rows.contour, 2, False),
     "range error": (Rows.range_error, 8, False), "budget": (Rows.budget, 0, False),
-    "vibration": (Rows.vibration, 3, True), "damped vibration": (Rows.vibration, 4, False),
+    "vibration": (modes.vibration, 3, True), "damped vibration": (modes.vibration, 4, False),
+    "blend vibration": (modes.blend_vibration, 5, False),
     "power start": (chords.event_power, 4, False, False), "regeneration stop": (chords.event_power, 4, False, True),
     "blend power": (chords.blend_power, 6, False, "power"),
     "blend regeneration": (chords.blend_power, 6, False, "regeneration"),

@@ -152,8 +152,8 @@ def _task(period, limits, corner, speed=None):
 SETTINGS = _task(1.0, {"acceleration_max_mm_s2": 6e3, "jerk_max_mm_s3": 500e3}, (95.0, 0.0, 6000.0, 50.0))
 SETTINGS["design"] = {"family": "averages", "stages": 2, "length_max_ms": 32}
 
-# Limits outside the convex class that are so tight that proofs need chords of the speed, splits of responses, and splits
-# of the time at which a path changes from one leg's strip to the other's.
+# Limits outside the convex class, so tight that proofs need chords of the speed and splits of responses. They also need
+# splits of the time at which a path changes from one leg's strip to the other's.
 TIGHT = {
     "slow": _task(
         1.0, {"acceleration_max_mm_s2": 10e3, "jerk_max_mm_s3": 1500e3}, (90.0, 0.0, 6000.0, 60.0), speed=33.0

@@ -13,6 +13,7 @@ sys.dont_write_bytecode = True
 from check_certificate_test import design, verdict  # noqa: E402 isort:skip
 
 import problem  # noqa: E402
+from axes import modes  # noqa: E402
 from enclosure import ONE  # noqa: E402
 from rows import TAPS, Row, Rows  # noqa: E402
 from tree import Box  # noqa: E402
@@ -53,7 +54,7 @@ class DampedModes(unittest.TestCase):
         rows, w = Rows(problem.read(task)), 2 * math.pi * 0.04
         for angle in (0.0, 1.0, 2.5):
             row = Row(3, rows.problem.response, False)
-            rows.vibration(row, Box([(0, 0, 0, 9)], [(Fraction(0), Fraction(9))], 3).copy(order=3), 0, 40, Fraction(1, 10), Fraction(angle))
+            modes.vibration(rows, row, Box([(0, 0, 0, 9)], [(Fraction(0), Fraction(9))], 3).copy(order=3), 0, 40, Fraction(1, 10), Fraction(angle))
             self.assertEqual([what for what, _, _ in row.terms], 4 * [TAPS])
             for _, i, c in row.terms:
                 known = math.exp(-0.1 * w * (3 - i)) * math.cos(w * math.sqrt(0.99) * i - angle)

@@ -229,6 +229,62 @@ TEST(DampedVibration, TheWorstOfARectangleIsThatOfADenseGrid) {
   }
 }
 
+/// Amplitude in m of the base-driven x'' = -2 z w x' - w^2 x - a behind a blend, from its velocities sample by sample.
+double integrated_blend(const Filter& filter, double v1, double v2, int delay, double f, double z) {
+  const double w = 2.0 * pi * f, damped = w * std::sqrt(1.0 - z * z), h = fast_period / 50;
+  double x = 0.0, v = 0.0, before = v1;
+  const auto pull = [&](double at, double speed) { return -2.0 * z * w * speed - w * w * at; };
+  for (int k = 1; k <= filter.order() + 1 + delay; ++k) {
+    for (int step = 0; step < 50; ++step) {
+      const double a1 = pull(x, v), v2nd = v + 0.5 * h * a1, a2 = pull(x + 0.5 * h * v, v2nd);
+      const double v3rd = v + 0.5 * h * a2, a3 = pull(x + 0.5 * h * v2nd, v3rd), v4th = v + h * a3;
+      const double a4 = pull(x + h * v3rd, v4th);
+      x += h / 6.0 * (v + 2.0 * v2nd + 2.0 * v3rd + v4th);
+      v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    }
+    const double now = v1 * filter.remaining(k) + v2 * filter.cumulative(k - delay);
+    v -= now - before;
+    before = now;
+  }
+  return std::hypot(x, (v + z * w * x) / damped);
+}
+
+TEST(ModesOfAxes, AmplitudeIsTheEnvelopeOfAnIntegratedOscillator) {
+  Random random(8);
+  for (int i = 0; i < 40; ++i) {
+    const Filter filter = random_filter(random, 30);
+    const double f = uniform(random, 5, 120), z = uniform(random, 0.0, 0.3), v1 = uniform(random, -0.2, 0.2),
+                 v2 = uniform(random, -0.2, 0.2);
+    const int delay = static_cast<int>(uniform(random, 0, 50));
+    EXPECT_NEAR(residual_amplitude(filter, v1, v2, delay, f, fast_period, z),
+                integrated_blend(filter, v1, v2, delay, f, z), 1e-9)
+        << f << " Hz, " << z;
+  }
+}
+
+TEST(ModesOfAxes, TheWorstOfARectangleIsThatOfADenseGrid) {
+  Random random(9);
+  for (int i = 0; i < 30; ++i) {
+    const Filter filter = random_filter(random, 30);
+    Mode mode{uniform(random, 5, 100), 0.0, 1.0, uniform(random, 0.0, 0.1), 0.0, 0, 1e-5};
+    mode.frequency_high = mode.frequency_low * uniform(random, 1.0, 2.0);
+    mode.damping_high = mode.damping_low + (i % 3 == 0 ? 0.0 : uniform(random, 0.0, 0.2));
+    const double v1 = uniform(random, -0.2, 0.2), v2 = uniform(random, -0.2, 0.2);
+    const int delay = static_cast<int>(uniform(random, 0, 40));
+    const LimitUse use = residual_utilisation(filter, v1, v2, delay, fast_period, mode);
+    double worst = 0.0;
+    for (int j = 0; j <= 400; ++j) {
+      for (int l = 0; l <= 20; ++l) {
+        const double f = mode.frequency_low + (mode.frequency_high - mode.frequency_low) * j / 400;
+        const double z = mode.damping_low + (mode.damping_high - mode.damping_low) * l / 20;
+        worst = std::max(worst, residual_amplitude(filter, v1, v2, delay, f, fast_period, z));
+      }
+    }
+    EXPECT_GE(use.value, worst * (1.0 - 1e-9));
+    EXPECT_LE(use.value, worst * 1.05);
+  }
+}
+
 TEST(DampedVibration, RefusesDampingOutOfRange) {
   for (const Mode& bad : {Mode{10, 10, 0.1, -0.1, 0.1}, Mode{10, 10, 0.1, 0.2, 0.1}, Mode{10, 10, 0.1, 0.0, 1.0}}) {
     Machine machine;

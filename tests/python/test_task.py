@@ -78,6 +78,33 @@ def test_a_damped_mode_is_a_rectangle():
         task(frequency=40, damping_ratio=[0.1, 0.02])
 
 
+def test_a_mode_of_an_axis_is_bounded_in_micrometres():
+    def task(**mode):
+        return accdec.Task(sample_period=1e-3, axes={"acceleration_max": 8.0}, modes={"frequency": 40, **mode},
+                           corners={"angle": 2.0, "feed_in": 0.1, "error_max": 1e-4})
+
+    bounded = task(axis="y", residual_max_um=20)
+    assert accdec.Task.parse(bounded.to_toml()) == bounded and "residual_max_um = 20" in bounded.to_toml()
+    assert task(residual_max=0.1).to_dict()["mode"][0]["residual_max"] == 0.1
+    design = accdec.design(bounded)
+    (use,) = [limit for limit in design.limits if limit["kind"] == "residual"]
+    assert use["axis"] == "y" and use["value"] <= 20e-6 * (1 + 1e-9) and accdec.verify(design).accepted
+    with pytest.raises(accdec.InputError, match="name it by `axis`"):
+        task(residual_max_um=20)
+
+
+def test_a_force_speed_curve():
+    def task(curve):
+        return accdec.Task(sample_period=1e-3, axes={"mass": 50.0, "jerk_max": 1000.0, "force_speed_N": curve},
+                           corners={"angle": 2.0, "feed_in": 0.1, "error_max": 1e-4})
+
+    bounded = task([[0, 400], [50, 350], [150, 150]])
+    assert accdec.Task.parse(bounded.to_toml()) == bounded
+    assert bounded.axes[0]["force_speed"] == [(0, 400), (0.05, 350), (0.15, 150)]
+    with pytest.raises(accdec.InputError, match="must not rise"):
+        task([[0, 400], [50, 500]])
+
+
 def test_writes_and_reads_files(tmp_path):
     path = tmp_path / "task.toml"
     from_si().write(path)

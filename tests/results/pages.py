@@ -205,6 +205,26 @@ def peers(page):
                       f"{motion_time(samples):.3f}")
 
 
+@check_of("program/estimates.md")
+def estimates(page):
+    """Estimates again; the times of the controls' own planners are in the table that estimates.py wrote."""
+    sys.path.insert(0, str(page.source / "tests/peers"))
+    import estimates as peers_estimates
+    import run as peers_run
+
+    written = [list(row.values()) for row in page.csv("estimates.csv")]
+    names = re.search(r"\(commit (\w+)\).*\(commit (\w+)\)", page.text, re.S).groups()
+    page.same("the page is that of estimates.csv", page.text, peers_estimates.page(written, *names))
+    program = peers_run.fair(page.source / "problems/program/star.ngc", page.folder)
+    task = peers_run.task_file(page.folder, 1000, None)
+    for settings in ({control: {} for control in peers_estimates.CONTROLS}, peers_estimates.OTHER):
+        found = peers_estimates.estimates(page.program, program, task, settings)
+        for control, own in settings.items():
+            words = ["star", "1000", control, " ".join("%s=%g" % item for item in own.items())]
+            (printed,) = [row[5] for row in written if row[:4] == words]
+            page.same(" ".join(words), printed, f"{found[control]:.4f}")
+
+
 @check_of("program/linuxcnc-loop.md")
 def linuxcnc_loop(page):
     """What is predicted; what LinuxCNC logged is in the tables that its scripts wrote."""

@@ -4,9 +4,13 @@
 
 namespace accdec::malformed {
 
-/// Faults in dry friction and in limits of the supply that axes share.
+/// Faults in dry friction, in limits of the supply that axes share, in force-speed curves and in modes of axes.
 inline std::vector<Case> load_cases() {
   const auto axis = [](const std::string& lines) { return with_axis("[[axis]]\n" + lines + "\n"); };  // lines from 7
+  const auto curve = [&](const std::string& points) { return axis("mass_kg = 30\nforce_speed_N = " + points); };
+  const auto mode = [](const std::string& lines) {
+    return with_end("[[mode]]\nfrequency_Hz = 40\n" + lines + "\n");  // lines from 22
+  };
   return {
       {"friction_negative", axis("coulomb_N = -40"), "7:13", {"0 <= coulomb_N"}},
       {"friction_nan", axis("coulomb_N = nan"), "7:13", {"must be finite"}},
@@ -22,6 +26,30 @@ inline std::vector<Case> load_cases() {
        Parts{.axis = "[[axis]]\n", .end = "[machine]\nregeneration_total_max_W = 50\n"}.str(),
        "14:28",
        {"can never bind", "mass_kg, damping_N_s_m or coulomb_N"}},
+      {"curve_number", curve("500"), "8:17", {"array of numbers"}},
+      {"curve_flat_list", curve("[0, 500]"), "8:18", {"must be a pair of numbers", "an integer"}},
+      {"curve_of_three", curve("[[0, 500, 1], [100, 300]]"), "8:18", {"must be a pair of numbers", "3 elements"}},
+      {"curve_of_one", curve("[[0, 500]]"), "8:17", {"has 1 pairs", "2 to 100"}},
+      {"curve_in_words", curve("[[0, \"x\"], [100, 300]]"), "8:22", {"must be a number"}},
+      {"curve_negative", curve("[[0, 500], [100, -3]]"), "8:34", {"0 <= force_speed_N"}},
+      {"curve_nan", curve("[[0, 500], [nan, 3]]"), "8:29", {"must be finite"}},
+      {"curve_speeds_fall", curve("[[100, 500], [50, 300]]"), "8:30", {"speeds must rise"}},
+      {"curve_forces_rise", curve("[[0, 500], [50, 600]]"), "8:28", {"forces must not rise"}},
+      {"curve_of_no_force", curve("[[0, 0], [50, 0]]"), "8:18", {"begins without any force"}},
+      {"curve_convex",
+       curve("[[0, 500], [100, 250], [200, 125]]"),
+       "8:28",
+       {"falls less behind 100 mm/s", "`power_max_W` beside `force_max_N`"}},
+      {"curve_without_load", axis("force_speed_N = [[0, 500], [100, 300]]"), "7:17", {"can never bind", "mass_kg"}},
+      {"mode_of_no_axis", mode("axis = \"q\"\nresidual_max_um = 5"), "21:8", {"no axis of the task", "x, y"}},
+      {"mode_of_axis_unnamed", mode("residual_max_um = 5"), "21:19", {"name it by `axis`"}},
+      {"mode_with_axis_alone", mode("axis = \"x\"\nresidual_max = 0.1"), "21:8", {"goes with `residual_max_um`"}},
+      {"mode_with_both", mode("axis = \"x\"\nresidual_max = 0.1\nresidual_max_um = 5"), "19:1", {"has both"}},
+      {"mode_um_zero", mode("axis = \"x\"\nresidual_max_um = 0"), "22:19", {"0 < residual_max_um"}},
+      {"mode_um_with_settings",
+       mode("axis = \"x\"\nresidual_max_um = 5\n[design]\nfamily = \"averages\""),
+       "22:19",
+       {"not considered with a control's settings"}},
       {"supply_of_an_axis", axis("power_total_max_W = 900"), "7:1", {"belongs in [machine]"}},
   };
 }

@@ -171,7 +171,10 @@ Json key_json(const Key& key) {
       {KeyType::tables, "tables"}};
   const auto* const name =
       std::find_if(std::begin(names), std::end(names), [&](const auto& n) { return n.first == key.type; });
-  Json json{{"name", key.name}, {"type", name->second}, {"meaning", key.meaning}, {"required", key.required}};
+  Json json{{"name", key.name},
+            {"type", key.pairs ? "pairs" : name->second},
+            {"meaning", key.meaning},
+            {"required", key.required}};
   const auto text = [&](const char* member, const std::string& value) {
     if (!value.empty()) json[member] = value;
   };

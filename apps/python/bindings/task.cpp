@@ -78,6 +78,9 @@ py::dict axis_dict(const Axis& axis) {
   d["coulomb"] = axis.coulomb;
   for (const AxisLimit& limit : axis_limits)
     d[py::str(fmt::format("{}_max", limit_name(limit.kind).name))] = axis.*limit.bound;
+  py::list curve;
+  for (const SpeedForce& point : axis.force_speed) curve.append(py::make_tuple(point.speed, point.force));
+  d["force_speed"] = curve;
   d["servo_gain"] = axis.servo_gain;
   d["velocity_feedforward"] = axis.velocity_feedforward;
   d["response_taps"] = axis.response_taps;
@@ -110,7 +113,7 @@ sample_period : float
     s.
 axes : dict or list of dict, optional
     velocity_max, acceleration_max, jerk_max, mass, damping, coulomb (N, dry friction), force_max, power_max,
-    regeneration_max, name, servo_gain (1/s) with velocity_feedforward, or response_taps. One dict stands for every
+    regeneration_max, force_speed_N ([[mm/s, N], ..]), name, servo_gain (1/s) with velocity_feedforward, or response_taps. One dict stands for every
     axis.
 machine : dict, optional
     power_total_max, regeneration_total_max (W): limits of the supply that all axes share.
@@ -119,7 +122,7 @@ corners : dict or list of dict
     name.
 modes : dict or list of dict, optional
     frequency (Hz, or a band [low, high]; or one with frequency_spread), damping_ratio (0 .. 0.9, or a range [low,
-    high]) and residual_max (0 .. 1).
+    high]) and residual_max (0 .. 1), or axis and residual_max_um.
 filter : array_like or dict, optional
     Taps, or a shape as {"kind": "trapezoid", "order": 30, "ramp": 8}; left open it is designed.
 order_min, order_max : int, optional
@@ -131,7 +134,8 @@ coefficient_bits : int, optional
 family : str or list of str, optional
     "averages", "one-pole", "exponential", "gaussian", "windowed-sinc", "shaper": settings of a controller instead of
     free taps, with stages, shaper, and length_step, length_max, length_set (s). The real numbers of a family have
-    steps, too: time_constant_step (s), alpha_step, cutoff_step (Hz).
+    steps, too: time_constant_step (s), alpha_step, cutoff_step (Hz). shaper_frequency_step (Hz): of a control that
+    interpolates; without it impulses are at whole samples.
 controller : dict, optional
     name or file: of a controller, see `accdec controllers`; delays: the kinds of delay that it has;
     in_position_of ("command" or "actual") and in_position_latency (s): how it sees that it is in-position;

@@ -41,6 +41,29 @@ Interval sine_of(const Corner& corner, const Interval& cosine) {
   return sine;
 }
 
+/// |F| + slope |V'| <= bound
+struct CheckedForce {
+  Interval bound, slope{0.0};
+};
+
+CheckedForce largest_force(const Axis& axis) {
+  require_limit(axis.force_max);
+  return {Interval(axis.force_max)};
+}
+
+/// The line through two neighbours of the curve, or the constant before the first point.
+CheckedForce checked_line(const Axis& axis, int line) {
+  const std::vector<SpeedForce>& curve = axis.force_speed;
+  require_limit(axis.force_speed_max);
+  if (line < 0 || line >= static_cast<int>(curve.size()))
+    throw Rejected("a multiplier names a line that its force-speed curve does not have");
+  const Interval granted = Interval(axis.force_speed_max) / Interval(curve.front().force);
+  if (line == 0) return {Interval(axis.force_speed_max)};
+  const SpeedForce &a = curve[static_cast<std::size_t>(line) - 1], &b = curve[static_cast<std::size_t>(line)];
+  const Interval slope = (Interval(a.force) - Interval(b.force)) / (Interval(b.speed) - Interval(a.speed));
+  return {granted * (Interval(a.force) + slope * Interval(a.speed)), slope};
+}
+
 }  // namespace
 
 CheckedRows::CheckedRows(const Task& task) : task_(task), response_(task), bounds_(task, response_) {}
@@ -79,7 +102,8 @@ void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) c
   const auto inside = [&](int tap) { return tap >= 1 && tap < box.order; };
   // The rest of a damped vibration depends on how far the filter's end is.
   const auto* vibration = std::get_if<proof::Vibration>(&row);
-  bool all = std::holds_alternative<proof::Error>(row) || (vibration != nullptr && vibration->damping == 0.0);
+  bool all = std::holds_alternative<proof::Error>(row) ||
+             (vibration != nullptr && vibration->damping == 0.0 && vibration->corner < 0);
   if (const auto* difference = std::get_if<proof::TapDifference>(&row))
     all = inside(difference->sample) && inside(difference->sample - checked_differences(difference->limit).value_or(0));
   if (const auto* force = std::get_if<proof::EventForce>(&row)) all = inside(force->sample - 1);
@@ -109,14 +133,16 @@ void CheckedRows::add_row(const proof::EventForce& row, const Interval& weight, 
   const int k = row.sample;
   if (k < 1 || k > static_cast<int>(sum.taps.size())) return;
   const Axis& x = axis(row.axis);
-  require_limit(x.force_max);
+  const CheckedForce force = row.line < 0 ? largest_force(x) : checked_line(x, row.line);
   const double speed = bounds_.event_speed(static_cast<std::size_t>(row.axis), row.stop);
-  const Interval scale = weight * speed / Interval(x.force_max);
+  // At a start drag and the line's fall both add to the force; at a stop drag brakes.
+  const Interval drag = row.stop ? Interval(x.damping) - force.slope : Interval(x.damping) + force.slope;
+  const Interval scale = weight * speed / force.bound;
   sum.tap(k - 1, scale * Interval(x.mass) / period());
-  sum.response(k, scale * Interval(x.damping));
+  sum.response(k, scale * drag);
   sum.rhs = sum.rhs + weight;
-  if (row.stop) sum.rhs = sum.rhs + scale * Interval(x.damping);
-  sum.rhs = sum.rhs + weight * checked_friction(x, row.stop) / Interval(x.force_max);
+  if (row.stop) sum.rhs = sum.rhs + scale * drag;
+  sum.rhs = sum.rhs + weight * checked_friction(x, row.stop) / force.bound;
 }
 
 void CheckedRows::add_row(const proof::Error& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
@@ -205,7 +231,35 @@ void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, C
     sum.taps[i] = sum.taps[i] + fallen * phase;
     if (damped) fallen = fallen * fall;
   }
-  sum.rhs = sum.rhs + weight * Interval(mode.residual_max);
+  sum.rhs = sum.rhs + weight * bound_of_mode(row, mode, box);
+}
+
+/// In units of the filter's residual. Both legs of a blend pass the same filter, d samples apart. So a blend leaves the
+/// residual times |v2 - v1 exp(-(z w + j wd) d T)|/wd. A start or stop leaves it times its speed over wd.
+Interval CheckedRows::bound_of_mode(const proof::Vibration& row, const Mode& mode, const CheckedBox& box) const {
+  if (!mode.of_axis()) {
+    if (row.corner >= 0) throw Rejected("a multiplier sees a blend in a mode of the filter");
+    return {mode.residual_max};
+  }
+  const auto a = static_cast<std::size_t>(mode.axis);
+  const Interval z(row.damping), natural = two_pi() * Interval(row.frequency),
+                                 damped = natural * square_root((Interval(1.0) - z) * (Interval(1.0) + z));
+  Interval speed(std::max(bounds_.event_speed(a, false), bounds_.event_speed(a, true)));
+  if (row.corner >= 0) {
+    const TaskCorner& c = corner(row.corner);
+    const int d = single_delay(row.corner, box);
+    // The longest delay stands for all longer ones, where the phase is another.
+    if (!c.delay && d >= task_.design.order_max + 2 + longer())
+      throw Rejected("a multiplier names the phase of a delay that stands for many");
+    const Interval in = checked_speed(c, a, true), out = checked_speed(c, a, false),
+                   gap = period() * static_cast<double>(d);
+    const Interval left = in * interval_exp(-1.0 * (natural * z * gap)), turn = damped * gap;
+    const Interval along = (out - left * interval_cos(turn)).magnitude(),
+                   across = (left * interval_sin(turn)).magnitude();
+    speed = square_root(along * along + across * across);
+  }
+  if (!(speed.lo > 0.0)) throw Rejected("a multiplier names a mode that nothing excites");
+  return Interval(mode.displacement_max) * damped / speed;
 }
 
 void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
@@ -214,7 +268,7 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
   const Axis& x = axis(row.axis);
   if (k < 1 || k > 100'000'000) throw Rejected("a multiplier names a sample that is not there");
   response_.require_no_smoothing();
-  if (row.limit == LimitKind::force) response_.require_ideal();
+  if (row.limit == LimitKind::force || row.limit == LimitKind::force_speed) response_.require_ideal();
   const int d = single_delay(row.corner, box);
   const auto a = static_cast<std::size_t>(row.axis);
   const Interval in = checked_speed(c, a, true), out = checked_speed(c, a, false);
@@ -227,15 +281,17 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
     const double bound = x.*axis_limit(row.limit).bound;
     require_limit(bound);
     add_difference(*times, k, y / Interval(bound), Interval(1.0) / period(), acceleration);
-  } else if (row.limit == LimitKind::force) {
-    require_limit(x.force_max);
-    const Interval f = y / Interval(x.force_max), drag = f * Interval(x.damping);
+  } else if (row.limit == LimitKind::force || row.limit == LimitKind::force_speed) {
+    const CheckedForce force = row.limit == LimitKind::force ? largest_force(x) : checked_line(x, row.line);
+    const Interval f = y / force.bound;
+    const Interval drag =
+        f * Interval(x.damping) + weight * (row.direction < 0 ? -1.0 : 1.0) * force.slope / force.bound;
     acceleration(k, f * Interval(x.mass));
     sum.rhs = sum.rhs - drag * in;
     // Dry friction is against an axis that keeps its direction. One that reverses may have it help at every sample.
     const double forward = in.lo + out.lo > 0.0 ? 1.0 : -1.0;
     const double help = (in * out).lo < 0.0 ? 1.0 : -forward * (row.sign < 0 ? -1.0 : 1.0);
-    sum.rhs = sum.rhs + weight * Interval(help * x.coulomb) / Interval(x.force_max);
+    sum.rhs = sum.rhs + weight * Interval(help * x.coulomb) / force.bound;
     sum.response(k, -1.0 * drag * in);
     sum.response(k - d, drag * out);
   } else {

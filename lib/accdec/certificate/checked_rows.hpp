@@ -101,6 +101,7 @@ class CheckedRows {
   void add_row(const proof::Response& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_power(const Axis& axis, bool regeneration, const CheckedSpeeds& legs, int delay, int sample, int sign,
                  double low, double high, const Interval& weight, const CheckedTube& tube, CheckedSum& sum) const;
+  Interval bound_of_mode(const proof::Vibration& row, const Mode& mode, const CheckedBox& box) const;
   int single_delay(int corner, const CheckedBox& box) const;
   /// @throws Rejected if a row concerns taps at or beyond the ends of a window
   void require_inside(const proof::Row& row, const CheckedBox& box) const;

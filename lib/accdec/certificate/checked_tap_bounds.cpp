@@ -12,7 +12,9 @@ std::optional<int> checked_differences(LimitKind kind) {
     case LimitKind::force:
     case LimitKind::power:
     case LimitKind::regeneration:
+    case LimitKind::force_speed:
     case LimitKind::vibration:
+    case LimitKind::residual:
     case LimitKind::corner_error:
     case LimitKind::speed_min:
     case LimitKind::power_total:

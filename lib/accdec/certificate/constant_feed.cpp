@@ -10,6 +10,22 @@
 namespace accdec {
 namespace {
 
+/// Whether a speed is beyond the curve's last one, or a force above the curve at a speed. With rounding granted, the
+/// curve is larger by one factor.
+bool above_curve(const Axis& axis, const Interval& speed, const Interval& force) {
+  const std::vector<SpeedForce>& curve = axis.force_speed;
+  const Interval granted = Interval(axis.force_speed_max) / Interval(curve.front().force);
+  if (speed.lo > (granted * Interval(curve.back().speed)).hi || force.lo > axis.force_speed_max) return true;
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    const SpeedForce &a = curve[i - 1], &b = curve[i];
+    // force (b.speed - a.speed) <= a.force (b.speed - speed) + b.force (speed - a.speed), all times the factor
+    const Interval wide = Interval(b.speed) - Interval(a.speed), fall = Interval(a.force) - Interval(b.force);
+    const Interval most = granted * (Interval(a.force) * wide + fall * Interval(a.speed));
+    if ((force * wide + fall * speed).lo > most.hi) return true;
+  }
+  return false;
+}
+
 /// One leg at its feed: nothing accelerates, so the force is friction alone.
 std::string broken_on_leg(const Axis& axis, const Interval& component, double feed) {
   const Interval speed = component.magnitude();
@@ -18,6 +34,8 @@ std::string broken_on_leg(const Axis& axis, const Interval& component, double fe
   const Interval force = Interval(axis.damping) * speed + Interval(dry), power = force * speed;
   if (speed.lo > axis.velocity_max) return fmt::format("velocity {} is above its limit", axis.name);
   if (force.lo > axis.force_max) return fmt::format("friction alone takes more than force {}", axis.name);
+  if (axis.force_speed_max < unlimited && above_curve(axis, speed, force))
+    return fmt::format("friction alone takes more than the force-speed curve {}", axis.name);
   if (power.lo > axis.power_max) return fmt::format("friction alone takes more than power {}", axis.name);
   return {};
 }

@@ -23,10 +23,26 @@ struct Sampled {
   }
 };
 
+/// A force at a speed as a part of what the curve has there, times its first force. Above 1 only if it is above the
+/// curve; 0 where the curve has no say.
+double on_curve(const Axis& axis, double speed, double force) {
+  const std::vector<SpeedForce>& curve = axis.force_speed;
+  if (curve.empty()) return 0.0;
+  double allowed = curve.front().force;
+  for (std::size_t i = 1; i < curve.size() && speed > curve[i - 1].speed; ++i) {
+    const double part = (std::min(speed, curve[i].speed) - curve[i - 1].speed) / (curve[i].speed - curve[i - 1].speed);
+    allowed = curve[i - 1].force + part * (curve[i].force - curve[i - 1].force);
+  }
+  // Sums of taps and the simulation may round apart.
+  const double slack = 1e-6 * curve.front().force;
+  return force > allowed + slack ? 2.0 * axis.force_speed_max : 0.0;
+}
+
 /// The value that a limit bounds: the checker's own list.
 double value_of(LimitKind kind, const Sampled& s, const Axis& axis) {
   if (axis.coulomb > 0.0 && std::abs(s.motion_v) <= hardly_moving * s.feed &&
-      (kind == LimitKind::force || kind == LimitKind::power || kind == LimitKind::regeneration))
+      (kind == LimitKind::force || kind == LimitKind::power || kind == LimitKind::regeneration ||
+       kind == LimitKind::force_speed))
     return 0.0;
   const double force = s.load(axis) + std::copysign(axis.coulomb, s.motion_v);
   switch (kind) {
@@ -36,7 +52,9 @@ double value_of(LimitKind kind, const Sampled& s, const Axis& axis) {
     case LimitKind::force: return std::abs(force);
     case LimitKind::power: return force * s.motion_v;
     case LimitKind::regeneration: return -force * s.motion_v;
+    case LimitKind::force_speed: return on_curve(axis, std::abs(s.motion_v), std::abs(force));
     case LimitKind::vibration:
+    case LimitKind::residual:
     case LimitKind::corner_error:
     case LimitKind::speed_min:
     case LimitKind::power_total:
@@ -80,7 +98,7 @@ struct Steepness {
   /// Whether a leg at this speed keeps the limits by more than rounding.
   bool surely_holds(const Axis& axis, double speed, double period) const {
     constexpr double below = 1.0 - 1e-9;
-    return std::min({axis.force_max, axis.power_max, axis.regeneration_max}) >= unlimited &&
+    return std::min({axis.force_max, axis.power_max, axis.regeneration_max, axis.force_speed_max}) >= unlimited &&
            speed <= below * axis.velocity_max && speed * tap <= below * axis.acceleration_max * period &&
            speed * step <= below * axis.jerk_max * period * period;
   }
@@ -154,6 +172,7 @@ std::optional<LimitKind> MemberLimits::broken_by_legs() const {
 bool MemberLimits::rings() const {
   constexpr int ratios = 4;
   for (const Mode& mode : granted_.machine.modes) {
+    if (mode.of_axis()) continue;
     const double band = mode.frequency_high - mode.frequency_low, spread = mode.damping_high - mode.damping_low;
     const int steps =
         2 + static_cast<int>(std::min(1e5, 8.0 * band * granted_.sample_period * (command().order() + 1)));

@@ -15,7 +15,7 @@ bool alike(double a, double b) {
 }
 
 bool axes_alike(const Axis& a, const Axis& b) {
-  bool alike = a.mass == b.mass && a.damping == b.damping && a.coulomb == b.coulomb;
+  bool alike = a.mass == b.mass && a.damping == b.damping && a.coulomb == b.coulomb && a.force_speed == b.force_speed;
   for (const AxisLimit& limit : axis_limits) alike = alike && a.*limit.bound == b.*limit.bound;
   return alike;
 }
@@ -25,9 +25,11 @@ struct Asked {
   const Axis* axis;
   double in, out;
   bool reverses;
+  int vibrates;  ///< number of an axis that has a mode of its own, which no other axis stands for; else -1
 
   bool operator==(const Asked& other) const {
-    return axes_alike(*axis, *other.axis) && alike(in, other.in) && alike(out, other.out) && reverses == other.reverses;
+    return axes_alike(*axis, *other.axis) && alike(in, other.in) && alike(out, other.out) &&
+           reverses == other.reverses && vibrates == other.vibrates;
   }
 };
 
@@ -35,7 +37,10 @@ std::vector<Asked> asked_of(const Machine& machine, const Corner& corner) {
   std::vector<Asked> asked;
   for (Eigen::Index a = 0; a < corner.axes(); ++a) {
     const double in = corner.direction_in[a], out = corner.direction_out[a];
-    asked.push_back({&machine.axes[static_cast<std::size_t>(a)], std::abs(in), std::abs(out), in * out < 0.0});
+    const bool own =
+        std::any_of(machine.modes.begin(), machine.modes.end(), [&](const Mode& m) { return m.axis == a; });
+    asked.push_back({&machine.axes[static_cast<std::size_t>(a)], std::abs(in), std::abs(out), in * out < 0.0,
+                     own ? static_cast<int>(a) : -1});
   }
   return asked;
 }

@@ -12,6 +12,7 @@
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/task/blend_check.hpp>
 #include <accdec/task/blend_limits.hpp>
 #include <accdec/task/verification_cost.hpp>
 #include <accdec/verify.hpp>
@@ -86,7 +87,26 @@ class CornerCheck {
       add(LimitKind::contour, judged_distance(measures.contour_deviation), *corner_.contour_max, 0);
     if (corner_.speed_min > 0.0)
       add(LimitKind::speed_min, measures.speed_min, corner_.speed_min, measures.speed_min_sample);
+    for (const Mode& mode : task_.machine.modes) {
+      if (mode.of_axis()) add_residuals(mode, delay, uses);
+    }
     return uses;
+  }
+  /// Uses of a mode of one axis, at all three events.
+  void add_residuals(const Mode& mode, int delay, std::vector<LimitUse>& uses) const {
+    const auto a = static_cast<std::size_t>(mode.axis);
+    const double in = legs_.in[a], out = legs_.out[a];
+    const auto add = [&](Event event, double v1, double v2, int d) {
+      LimitUse use = residual_utilisation(limits_.command(), v1, v2, d, task_.sample_period, mode);
+      use.axis = task_.machine.axes[a].name, use.corner = corner_.name, use.event = event;
+      uses.push_back(std::move(use));
+    };
+    add(Event::start, 0.0, in, 0);
+    if (in != 0.0 && out != 0.0)
+      add(Event::blend, in, out, delay);
+    else
+      add(Event::blend, 0.0, in + out, 0);
+    add(Event::stop, out, 0.0, 0);
   }
   /// All of them, to name one.
   std::vector<LimitUse> uses(int delay) const {
@@ -111,6 +131,7 @@ struct FoundDelays {
   std::vector<int> delays;
   std::string impossible;   ///< why there are none; empty if there are
   bool unfinished = false;  ///< stopped before the last corner
+  bool unproved = false;    ///< longer delays than those tried may hold: modes of axes change with every delay
   long tried = 0;
 };
 
@@ -128,8 +149,8 @@ FoundDelays find_delays(const Task& task, const Filter& filter, bool simulate, c
                                     corner.geometry().feed_out * period, granted_error(*corner.error_max))
                          : 0);
     // From N + 1 on, the legs do not overlap, but the last step of one acceleration still meets the first of the other.
-    // From N + 2 on nothing changes.
-    const int last = corner.delay.value_or(std::max(delay, behind.motion().order() + settling));
+    // From N + 2 on nothing changes, except for the phase of modes of axes.
+    const int last = corner.delay.value_or(std::max(delay, last_delay(task, behind.motion().order())));
     CornerCheck check(task, corner, filter, behind.motion(), limits, simulate);
     bool holds = false;
     while (++found.tried, !stopped() && !(holds = check.holds(delay)) && delay < last) ++delay;
@@ -143,6 +164,7 @@ FoundDelays find_delays(const Task& task, const Filter& filter, bool simulate, c
                              ? fmt::format("this filter breaks a limit at the given delay: {}", broken)
                              : fmt::format("this filter breaks a limit at corner {} whatever its delay; at d = {}: {}",
                                            corner.name, delay, broken);
+      found.unproved = !corner.delay && has_mode_of_axis(task.machine);
       return found;
     }
     found.delays.push_back(delay);
@@ -192,8 +214,9 @@ DesignResult try_delays(const Task& task, const Filter& filter, bool simulate, c
     result.message = fmt::format("stopped at corner {} of {}", found.delays.size() + 1, task.corners.size());
     if (!cancelled()) result.message += fmt::format("; the time limit is {:g} s", options.time_limit);
   } else if (!found.impossible.empty()) {
-    result.status = Status::infeasible;
+    result.status = found.unproved ? Status::failed : Status::infeasible;
     result.message = found.impossible;
+    if (found.unproved) result.message += "; longer delays were not tried";
   } else if (simulation > 1.0 && elapsed() + simulation > options.time_limit) {
     result.stop = StopReason::time_limit;
     result.message = fmt::format("simulating all corners would take about {:.0f} s more; the time limit is {:g} s",

@@ -16,7 +16,7 @@ class GainSearch {
   GainSearch(const Task& task, ExplainSolver& solve, Explanation& explanation)
       : task_(task), solve_(solve), out_(explanation) {
     for (const LimitUse& use : out_.base.limits) {
-      if (use.kind == LimitKind::vibration) continue;
+      if (of_mode(use.kind)) continue;
       for (const std::string_view corner : {std::string_view(use.corner), std::string_view()}) {
         double& most = most_used_[{use.kind, use.axis, corner}];
         most = std::max(most, use.utilisation);
@@ -48,7 +48,7 @@ class GainSearch {
  private:
   double use_of(const Lever& lever) const {
     double most = 0.0;
-    if (lever.kind != LimitKind::vibration) {
+    if (!of_mode(*lever.kind)) {
       const auto found = most_used_.find({*lever.kind, lever.axis, lever.corner});
       return found == most_used_.end() ? most : found->second;
     }

@@ -62,8 +62,8 @@ std::vector<Binding> find_bindings(const DesignResult& design) {
       found.push_back({use->kind, "", use->corner, use->event, {static_cast<int>(use->sample)}, use->bound, 0.0});
   }
   for (const LimitUse& use : design.limits) {
-    if (use.kind == LimitKind::vibration && full(use))
-      found.push_back({use.kind, "", "", Event::none, {}, use.bound, use.frequency, use.damping});
+    if (of_mode(use.kind) && full(use))
+      found.push_back({use.kind, use.axis, use.corner, use.event, {}, use.bound, use.frequency, use.damping});
   }
   return found;
 }

@@ -67,6 +67,18 @@ Lever speed_lever(const TaskCorner& corner, std::size_t j) {
   return lever;
 }
 
+Lever axis_mode_lever(const Task& task, std::size_t i) {
+  const Mode& mode = task.machine.modes[i];
+  Lever lever = limit_lever(LimitKind::residual, mode.displacement_max);
+  lever.axis = task.machine.axes[static_cast<std::size_t>(mode.axis)].name;
+  lever.name = fmt::format("residual {} {}", lever.axis, range_of(mode));
+  lever.key = fmt::format("mode.{}.residual_max_um", i);
+  lever.frequency_low = mode.frequency_low;
+  lever.frequency_high = mode.frequency_high;
+  lever.set = [i](Task& t, double v) { t.machine.modes[i].displacement_max = v; };
+  return lever;
+}
+
 Lever mode_lever(const Mode& mode, std::size_t i) {
   Lever lever = limit_lever(LimitKind::vibration, mode.residual_max);
   lever.name = "vibration " + range_of(mode);
@@ -122,8 +134,8 @@ double Lever::moved(double share) const {
 
 bool Lever::concerns(const LimitUse& use) const {
   if (use.kind != kind) return false;
-  if (use.kind == LimitKind::vibration)
-    return use.bound == value && use.frequency >= frequency_low && use.frequency <= frequency_high;
+  if (of_mode(use.kind))
+    return use.bound == value && use.axis == axis && use.frequency >= frequency_low && use.frequency <= frequency_high;
   return use.axis == axis && (corner.empty() || use.corner == corner);
 }
 
@@ -162,6 +174,7 @@ std::vector<Lever> limit_levers(const Task& task) {
     if (task.corners[j].speed_min > 0.0) levers.push_back(speed_lever(task.corners[j], j));
   }
   for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
+    if (task.machine.modes[i].of_axis()) levers.push_back(axis_mode_lever(task, i));
     if (task.machine.modes[i].residual_max < 1.0) levers.push_back(mode_lever(task.machine.modes[i], i));
   }
   return levers;

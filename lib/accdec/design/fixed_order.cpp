@@ -113,20 +113,27 @@ FormulationOptions FixedOrderDesigner::formulation(int order, std::vector<int> b
   return f;
 }
 
+/// Use of a mode of an axis by the fastest of its starts and stops.
+LimitUse FixedOrderDesigner::worst_start_or_stop(const Filter& filter, const Mode& mode) const {
+  return residual_utilisation(filter, 0.0, fastest_leg(task_, mode.axis), 0, task_.sample_period, mode);
+}
+
 /// Adds the frequencies at which a filter breaks its bands. False if it breaks none.
 bool FixedOrderDesigner::refine_bands(const Filter& filter) {
   bool added = false;
   extra_frequencies_.resize(task_.machine.modes.size());
   const std::vector<LimitUse> uses = vibration_utilisation(filter, task_.sample_period, task_.machine);
-  for (std::size_t i = 0; i < uses.size(); ++i) {
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < task_.machine.modes.size(); ++i) {
     const Mode& mode = task_.machine.modes[i];
-    if (uses[i].utilisation <= 1.0 || mode.frequency_low == mode.frequency_high) continue;
+    const LimitUse use = mode.of_axis() ? worst_start_or_stop(filter, mode) : uses[next++];
+    if (use.utilisation <= 1.0 || mode.frequency_low == mode.frequency_high) continue;
     const std::vector<double>& known = extra_frequencies_[i];
     const double apart = 1e-3 * (mode.frequency_high - mode.frequency_low);
     const bool old =
-        std::any_of(known.begin(), known.end(), [&](double f) { return std::abs(f - uses[i].frequency) < apart; });
+        std::any_of(known.begin(), known.end(), [&](double f) { return std::abs(f - use.frequency) < apart; });
     if (old) continue;
-    extra_frequencies_[i].push_back(uses[i].frequency);
+    extra_frequencies_[i].push_back(use.frequency);
     added = true;
   }
   return added;

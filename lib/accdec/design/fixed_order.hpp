@@ -75,6 +75,7 @@ class FixedOrderDesigner {
   using Clock = std::chrono::steady_clock;
   solvers::Result solve(const nlp::Problem& problem, const std::vector<double>& start);
   FormulationOptions formulation(int order, std::vector<int> blend_delays);
+  LimitUse worst_start_or_stop(const Filter& filter, const Mode& mode) const;
   bool refine_bands(const Filter& filter);
   std::optional<Relaxed> relax(int order);
 

@@ -118,6 +118,7 @@ class RowBuilder {
         const Affine force = s * (axis.mass / period_ * b_.tap(k - 1) + axis.damping * b_.cumulative(k)) + dry(axis);
         bounded(axis, "start", k, LimitKind::force, force);
         bounded(axis, "start", k, LimitKind::power, force, s * b_.cumulative(k));
+        along_curve(axis, "start", k, force, s * b_.cumulative(k), 1.0);
       }
       if (speeds.stop > 0.0) {
         const double s = speeds.stop;
@@ -125,6 +126,7 @@ class RowBuilder {
         // Driving forces while stopping stay below friction at feed, which is no row. Braking forces at or below the
         // start's speed stay below the forces of the start.
         if (speeds.stop > speeds.start) bounded(axis, "stop", k, LimitKind::force, force);
+        along_curve(axis, "stop", k, -1.0 * force, s * b_.remaining(k), 1.0);
         if (k <= b_.order()) bounded(axis, "stop", k, LimitKind::regeneration, force, s * b_.remaining(k));
       }
     }
@@ -158,6 +160,11 @@ class RowBuilder {
         if (!reverses) bounded(axis, event, k, LimitKind::regeneration, force, v);
       }
       if (reverses) bounded(axis, event, k, LimitKind::regeneration, moving, v);
+      for (const double direction : {1.0, -1.0}) {
+        if (in * out > 0.0 && direction * in < 0.0) continue;
+        for (const double side : {1.0, -1.0})
+          along_curve(axis, event, k, side * (moving + direction * dry(axis)), v, direction);
+      }
     }
     for (const AxisLimit& limit : axis_limits) {
       const int times = limit.differences;
@@ -198,10 +205,18 @@ class RowBuilder {
   }
 
   void vibration(const Mode& mode, const std::vector<double>& frequencies) {
-    if (mode.residual_max >= 1.0) return;
+    if (mode.residual_max >= 1.0 && !mode.of_axis()) return;
+    const double fastest = mode.of_axis() ? fastest_leg(task_, mode.axis) : 0.0;
+    // A mode of an axis is bounded at starts and stops. Blends depend on the delay; verification judges them.
+    const auto bound = [&](double f, double damping) {
+      const double damped = 2.0 * std::numbers::pi * f * std::sqrt(1.0 - damping * damping);
+      return mode.of_axis() ? mode.displacement_max * damped / fastest : mode.residual_max;
+    };
     for (const double f : frequencies) {
-      vibration(mode.residual_max, f, mode.damping_low);
-      if (mode.damping_high > mode.damping_low) vibration(mode.residual_max, f, mode.damping_high);
+      for (const double damping : {mode.damping_low, mode.damping_high}) {
+        if (bound(f, damping) < 1.0) vibration(bound(f, damping), f, damping);
+        if (mode.damping_high == mode.damping_low) break;
+      }
     }
   }
 
@@ -305,6 +320,14 @@ class RowBuilder {
     add(axis.*axis_limit(kind).bound, {low ? -one_ : -nlp::infinity, high ? one_ : nlp::infinity});
   }
 
+  /// Rows of the lines of a force-speed curve. @param direction  sign of the speed that counts
+  void along_curve(const Axis& axis, const std::string& event, int k, const Affine& force, const Affine& speed,
+                   double direction) {
+    for (const ForceLine& line : force_lines(axis))
+      affine(fmt::format("force_speed {}, {}, k = {}, slope {:.6g}", axis.name, event, k, line.slope),
+             (1.0 / line.force) * (force + direction * line.slope * speed), {-nlp::infinity, one_});
+  }
+
   QuadraticProblem& problem_;
   const CumulativeVariables& b_;
   const Task& task_;
@@ -313,6 +336,11 @@ class RowBuilder {
 };
 
 }  // namespace
+
+double fastest_leg(const Task& task, int axis) {
+  const AxisSpeeds speeds = axis_speeds(task, axis);
+  return std::max(speeds.start, speeds.stop);
+}
 
 void add_blend_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
                     const FormulationOptions& options, std::size_t corner) {

@@ -52,6 +52,9 @@ void add_blend_rows(QuadraticProblem& problem, const CumulativeVariables& b, con
 void add_common_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
                      const FormulationOptions& options);
 
+/// The fastest leg of an axis in any start or stop, m/s.
+double fastest_leg(const Task& task, int axis);
+
 /// A first grid for the bound of each mode's band: the ends, and points half of the response's shortest ripple apart.
 std::vector<std::vector<double>> initial_frequencies(const Task& task, int order);
 

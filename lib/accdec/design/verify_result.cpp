@@ -93,14 +93,19 @@ void compare_choice(const DesignResult& result, std::vector<std::string>& reason
 
 /// Rounding of the measures of a limit that are close to zero.
 double floor_of(const LimitUse& use) {
-  return use.kind == LimitKind::corner_error || use.kind == LimitKind::contour ? position_floor : 1e-12;
+  const bool of_distance =
+      use.kind == LimitKind::corner_error || use.kind == LimitKind::contour || use.kind == LimitKind::residual;
+  return of_distance ? position_floor : 1e-12;
 }
 
 /// Whether a frequency is in a band of the task with this bound.
 bool in_band(const Task& task, const LimitUse& use) {
   return std::any_of(task.machine.modes.begin(), task.machine.modes.end(), [&](const Mode& mode) {
-    return same_bound(use.bound, mode.residual_max) && use.frequency >= mode.frequency_low &&
-           use.frequency <= mode.frequency_high && use.damping >= mode.damping_low && use.damping <= mode.damping_high;
+    const double bound = mode.of_axis() ? mode.displacement_max : mode.residual_max;
+    if (mode.of_axis() && task.machine.axes[static_cast<std::size_t>(mode.axis)].name != use.axis) return false;
+    return mode.of_axis() == (use.kind == LimitKind::residual) && same_bound(use.bound, bound) &&
+           use.frequency >= mode.frequency_low && use.frequency <= mode.frequency_high &&
+           use.damping >= mode.damping_low && use.damping <= mode.damping_high;
   });
 }
 
@@ -109,6 +114,8 @@ bool in_band(const Task& task, const LimitUse& use) {
 bool names_a_place(const Task& task, const LimitUse& use, const LimitUse& found) {
   if (use.kind == LimitKind::vibration)
     return use.sample == found.sample && use.event == found.event && in_band(task, use);
+  if (use.kind == LimitKind::residual)
+    return use.event != Event::none && (use.event != found.event || use.sample == found.sample) && in_band(task, use);
   const bool of_the_blend =
       use.kind == LimitKind::corner_error || use.kind == LimitKind::speed_min || use.kind == LimitKind::contour;
   return use.frequency == found.frequency && (!of_the_blend || use.event == found.event);
@@ -142,7 +149,7 @@ void compare_limit(const DesignResult& recorded, std::size_t i, const LimitUse& 
   const double there = std::max(0.0, value_where(recorded.task, *recorded.filter, delays, use, parts));
   if (std::abs(there - found.value) <= tolerance * std::abs(found.value) + floor) return;
   reasons.push_back(
-      use.kind == LimitKind::vibration
+      of_mode(use.kind)
           ? fmt::format("limits[{}] is recorded at {:.12g} Hz, found: {}", i, use.frequency, describe(found))
           : fmt::format("limits[{}] is recorded at k = {} of the {}, where it is not used most, found: {}", i,
                         use.sample, to_string(use.event), describe(found)));

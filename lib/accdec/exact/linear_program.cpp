@@ -136,14 +136,16 @@ bool LinearProgram::carry_over(int row, const Box& box, bool symmetric) {
   const DraftRow* draft = nullptr;
   if (const auto* vibration = limit_of<proof::Vibration>(name)) {
     if (!active && lp_.rows() - names_.base() > most_vibration_rows) return false;
-    if (vibration->damping == 0.0) return true;
-    draft = &drafts_.vibration(*vibration, box);
+    if (vibration->damping == 0.0 && vibration->corner < 0) return true;
+    draft = drafts_.again(*vibration, box);
   } else if (limit_of<proof::Budget>(name) != nullptr) {
     if (box.budget) draft = &drafts_.budget(box);
   } else if (const auto* contour = limit_of<proof::Contour>(name)) {
     draft = drafts_.contour(*contour, box);
   } else if (!active) {
     return false;
+  } else if (limit_of<proof::EventForce>(name) != nullptr) {
+    return true;  // of a longer filter whose last taps are zero
   } else if (const auto* error = limit_of<proof::Error>(name)) {
     draft = drafts_.again(*error, box);
   } else if (const auto* range = limit_of<proof::RangeError>(name)) {

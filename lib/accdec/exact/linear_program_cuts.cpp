@@ -64,8 +64,8 @@ bool LinearProgram::cut_cones(const Filter& filter, const Box& box, double allow
 
 bool LinearProgram::add_vibration(const proof::Vibration& id, const Box& box) {
   const auto same = [&](const proof::Vibration& old) {
-    return old.mode == id.mode && old.frequency == id.frequency && old.damping == id.damping &&
-           std::abs(old.angle - id.angle) < same_angle;
+    return old.mode == id.mode && old.corner == id.corner && old.frequency == id.frequency &&
+           old.damping == id.damping && std::abs(old.angle - id.angle) < same_angle;
   };
   if (names_.known<proof::Vibration>(same)) return false;
   add(drafts_.vibration(id, box), id);
@@ -76,27 +76,60 @@ bool LinearProgram::cut_vibration(const Filter& filter, const Box& box) {
   bool added = false;
   const double t = model_.task().sample_period;
   const auto uses = vibration_utilisation(filter, t, model_.task().machine);
-  for (std::size_t m = 0; m < uses.size(); ++m) {
-    if (uses[m].value <= uses[m].bound * (1.0 + broken()) + 1e-13) continue;
-    proof::Vibration id{static_cast<int>(m), uses[m].frequency, 0.0, uses[m].damping};
-    if (window_ && !inside_window(id, box)) continue;
-    const double natural = 2.0 * std::numbers::pi * id.frequency * t;
-    const double turn = natural * std::sqrt((1.0 - id.damping) * (1.0 + id.damping));
-    double c = 0.0, s = 0.0;
-    for (int i = 0; i <= box.order; ++i) {
-      const double left = filter.tap(i) * std::exp(-id.damping * natural * (box.order - i));
-      c += left * std::cos(turn * i);
-      s += left * std::sin(turn * i);
+  const std::vector<Mode>& modes = model_.task().machine.modes;
+  std::size_t of_filter = 0;
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    if (modes[m].of_axis()) {
+      added |= cut_residual(m, filter, box);
+      continue;
     }
-    id.angle = std::atan2(s, c);
-    if (!add_vibration(id, box)) continue;
-    added = true;
-    // A zero response needs both components held.
-    if (uses[m].bound >= 1e-6) continue;
-    id.angle += 0.5 * std::numbers::pi;
-    add_vibration(id, box);
+    const LimitUse& use = uses[of_filter++];
+    if (use.value <= use.bound * (1.0 + broken()) + 1e-13) continue;
+    added |= cut_mode({static_cast<int>(m), use.frequency, 0.0, use.damping}, filter, box);
   }
   return added;
+}
+
+/// What starts and stops, and blends of single delays, leave a mode of an axis with.
+bool LinearProgram::cut_residual(std::size_t m, const Filter& filter, const Box& box) {
+  const Mode& mode = model_.task().machine.modes[m];
+  const auto axis = static_cast<std::size_t>(mode.axis);
+  bool added = false;
+  double fastest = 0.0;
+  const auto cut = [&](int corner, double v1, double v2, int delay) {
+    const LimitUse use = residual_utilisation(filter, v1, v2, delay, model_.task().sample_period, mode);
+    if (use.utilisation > 1.0 + broken())
+      added |= cut_mode({static_cast<int>(m), use.frequency, 0.0, use.damping, corner}, filter, box);
+  };
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const Legs v = legs(model_.task().corners[j], axis);
+    fastest = std::max({fastest, std::abs(v.in), std::abs(v.out)});
+    const bool counts = v.in != 0.0 && v.out != 0.0 && box.corners[j].d1 == box.corners[j].d2 && !window_;
+    if (counts) cut(static_cast<int>(j), v.in, v.out, box.corners[j].d1);
+  }
+  cut(-1, 0.0, fastest, 0);
+  return added;
+}
+
+/// @param id  without its angle
+bool LinearProgram::cut_mode(proof::Vibration id, const Filter& filter, const Box& box) {
+  const double bound = model_.rows.vibration_bound(id, box);
+  if (bound == infinity || (window_ && !inside_window(id, box))) return false;
+  const double natural = 2.0 * std::numbers::pi * id.frequency * model_.task().sample_period;
+  const double turn = natural * std::sqrt((1.0 - id.damping) * (1.0 + id.damping));
+  double c = 0.0, s = 0.0;
+  for (int i = 0; i <= box.order; ++i) {
+    const double left = filter.tap(i) * std::exp(-id.damping * natural * (box.order - i));
+    c += left * std::cos(turn * i);
+    s += left * std::sin(turn * i);
+  }
+  id.angle = std::atan2(s, c);
+  if (!add_vibration(id, box)) return false;
+  // A zero response needs both components held.
+  if (bound >= 1e-6) return true;
+  id.angle += 0.5 * std::numbers::pi;
+  add_vibration(id, box);
+  return true;
 }
 
 }  // namespace accdec::exact

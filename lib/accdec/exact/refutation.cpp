@@ -112,8 +112,10 @@ class WeightedSum {
   }
 
   bool add(const proof::Vibration& id, double y) {
+    const double bound = model_.rows.vibration_bound(id, exact_box_);
+    if (bound == infinity) return false;
     model_.rows.add_vibration(id, y, taps_);
-    return counts(y, y * model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max);
+    return counts(y, y * bound);
   }
 
   bool add(const proof::TapDifference& id, double y) { return add(model_.rows.row(id, exact_box_), y); }

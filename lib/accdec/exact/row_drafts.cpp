@@ -90,7 +90,7 @@ const DraftRow& RowDrafts::range_cone(const proof::RangeError& id, const Box& bo
 }
 
 double RowDrafts::vibration_scale(const proof::Vibration& id) const {
-  const double bound = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
+  const double bound = model_.rows.vibration_bound(id);
   return bound > 0.01 ? 1.0 / bound : 1.0;
 }
 
@@ -104,8 +104,7 @@ const DraftRow& RowDrafts::vibration(const proof::Vibration& id, const Box& box)
     model_.rows.add_vibration(
         id, scale, id.damping > 0.0 ? std::span(on_tap_).first(static_cast<std::size_t>(box.order) + 1) : on_tap_);
   for (int i = 0; i <= largest_; ++i) draft_.add(i, on_tap_[static_cast<std::size_t>(i)]);
-  const double residual = model_.task().machine.modes[static_cast<std::size_t>(id.mode)].residual_max;
-  draft_.high = scale * residual * (1.0 + slack_);
+  draft_.high = scale * model_.rows.vibration_bound(id, box) * (1.0 + slack_);
   draft_.low = window_ ? -DualSimplex::infinity : -draft_.high;
   return draft_;
 }
@@ -139,6 +138,10 @@ const DraftRow* RowDrafts::again(const proof::Blend& id, const Box& box) {
   if (c.d1 != c.d2 || (window_ && !inside_window(id, box))) return nullptr;
   const SparseRow row = model_.rows.row(id, box);
   return row.no_terms() ? nullptr : &limit(row, 1.0, false);
+}
+
+const DraftRow* RowDrafts::again(const proof::Vibration& id, const Box& box) {
+  return model_.rows.vibration_bound(id, box) < infinity ? &vibration(id, box) : nullptr;
 }
 
 const DraftRow* RowDrafts::again(Chord& chord, const Box& box) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <utility>
 
@@ -56,6 +57,7 @@ std::vector<EventSpeeds> event_speeds(const Task& task) {
 }
 
 ConvexRows::ConvexRows(const Task& task) : task_(task), speeds_(event_speeds(task)) {
+  for (const Axis& axis : task.machine.axes) lines_.push_back(force_lines(axis));
   const double t = task.sample_period;
   for (std::size_t n = 0; n < period_to_the_.size(); ++n) period_to_the_[n] = std::pow(t, static_cast<double>(n));
   for (std::size_t a = 0; a < speeds_.size(); ++a) {
@@ -114,11 +116,13 @@ SparseRow ConvexRows::row(const proof::EventForce& id, const Box& box) const {
   RowBuilder b{box.order};
   const Axis& axis = task_.machine.axes[static_cast<std::size_t>(id.axis)];
   const EventSpeeds& s = speeds_[static_cast<std::size_t>(id.axis)];
-  const double scale = (id.stop ? s.stop : s.start) / axis.force_max;
+  // A stop brakes: its force points against its speed.
+  const ForceRow force = force_row(id.axis, id.line, id.stop ? -1.0 : 1.0, 1.0);
+  const double scale = (id.stop ? s.stop : s.start) / force.bound, drag = id.stop ? -force.drag : force.drag;
   b.tap(id.sample - 1, scale * axis.mass / task_.sample_period);
-  b.response(id.sample, scale * axis.damping);
-  if (id.stop) b.row.constant -= scale * axis.damping;
-  b.row.constant += (id.stop ? -axis.coulomb : axis.coulomb) / axis.force_max;
+  b.response(id.sample, scale * drag);
+  if (id.stop) b.row.constant -= scale * drag;
+  b.row.constant += (id.stop ? -axis.coulomb : axis.coulomb) / force.bound;
   return std::move(b.row);
 }
 
@@ -132,12 +136,12 @@ SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
     b.tap(at - 1, -c * v.in / t);
     b.tap(at - 1 - d, c * v.out / t);
   };
-  if (id.limit == LimitKind::force) {
-    const double c = id.sign / axis.force_max;
-    acceleration(k, c * axis.mass);
-    b.row.constant += c * axis.damping * v.in - friction_help(axis, v, id.sign) / axis.force_max;
-    b.response(k, -c * axis.damping * v.in);
-    b.response(k - d, c * axis.damping * v.out);
+  if (id.limit == LimitKind::force || id.limit == LimitKind::force_speed) {
+    const ForceRow force = force_row(id.axis, id.limit == LimitKind::force ? -1 : id.line, id.sign, id.direction);
+    acceleration(k, id.sign * axis.mass / force.bound);
+    b.row.constant += (force.drag * v.in - friction_help(axis, v, id.sign)) / force.bound;
+    b.response(k, -force.drag * v.in / force.bound);
+    b.response(k - d, force.drag * v.out / force.bound);
     return std::move(b.row);
   }
   const AxisLimit& limit = axis_limit(id.limit);
@@ -147,9 +151,56 @@ SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
   return std::move(b.row);
 }
 
+/// sign (m a + c v) + slope direction v <= bound: as a force of one sign whose friction is `drag`.
+ConvexRows::ForceRow ConvexRows::force_row(int a, int line, double sign, double direction) const {
+  const Axis& axis = task_.machine.axes[static_cast<std::size_t>(a)];
+  if (line < 0) return {axis.force_max, sign * axis.damping};
+  const ForceLine& of = lines_[static_cast<std::size_t>(a)][static_cast<std::size_t>(line)];
+  return {of.force, sign * axis.damping + direction * of.slope};
+}
+
+void ConvexRows::add_broken_event_forces(const Filter& filter, std::size_t a, double slack,
+                                         std::vector<proof::Row>& out) const {
+  const Axis& axis = task_.machine.axes[a];
+  for (int line = 0; line < static_cast<int>(lines_[a].size()); ++line) {
+    const ForceLine& of = lines_[a][static_cast<std::size_t>(line)];
+    for (int k = 1; k <= filter.order() + 1; ++k) {
+      const double inertia = axis.mass * filter.tap(k - 1) / task_.sample_period;
+      const double start = speeds_[a].start * (inertia + (axis.damping + of.slope) * filter.cumulative(k));
+      const double stop = speeds_[a].stop * (inertia + (of.slope - axis.damping) * filter.remaining(k));
+      if (speeds_[a].start > 0.0 && start + axis.coulomb > of.force * (1.0 + slack))
+        out.push_back(proof::EventForce{false, static_cast<int>(a), k, line});
+      if (speeds_[a].stop > 0.0 && stop - axis.coulomb > of.force * (1.0 + slack))
+        out.push_back(proof::EventForce{true, static_cast<int>(a), k, line});
+    }
+  }
+}
+
+void ConvexRows::add_broken_curve(const Filter& filter, const Box& box, std::size_t j, std::size_t a, double slack,
+                                  std::vector<proof::Row>& out) const {
+  const Axis& axis = task_.machine.axes[a];
+  const Legs v = legs(task_.corners[j], a);
+  const int d = box.corners[j].d1;
+  for (int k = 1; k <= box.order + d + 1 && !lines_[a].empty(); ++k) {
+    const double speed = v.in * filter.remaining(k) + v.out * filter.cumulative(k - d);
+    const double force = axis.mass * (v.out * filter.tap(k - 1 - d) - v.in * filter.tap(k - 1)) / task_.sample_period +
+                         axis.damping * speed;
+    const int direction = speed < 0.0 ? -1 : 1;
+    for (const int sign : {1, -1}) {
+      for (int line = 0; line < static_cast<int>(lines_[a].size()); ++line) {
+        const ForceLine& of = lines_[a][static_cast<std::size_t>(line)];
+        if (sign * force + of.slope * std::abs(speed) > (of.force + friction_help(axis, v, sign)) * (1.0 + slack))
+          out.push_back(
+              proof::Blend{LimitKind::force_speed, static_cast<int>(j), static_cast<int>(a), k, sign, line, direction});
+      }
+    }
+  }
+}
+
 std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, const Box& box, double slack) const {
   std::vector<proof::Row> broken;
   const double t = task_.sample_period;
+  for (std::size_t a = 0; a < lines_.size(); ++a) add_broken_event_forces(filter, a, slack, broken);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     if (box.corners[j].d1 != box.corners[j].d2) continue;
     const int d = box.corners[j].d1;
@@ -157,6 +208,7 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
       const Axis& axis = task_.machine.axes[a];
       const Legs v = legs(task_.corners[j], a);
       if (v.in == 0.0 || v.out == 0.0) continue;
+      add_broken_curve(filter, box, j, a, slack, broken);
       std::array<double, most_differences + 1> difference{};  // of the acceleration, over T each time
       for (int k = 1; k <= box.order + d + 1 + most_differences; ++k) {
         double next = (v.out * filter.tap(k - 1 - d) - v.in * filter.tap(k - 1)) / t;
@@ -176,6 +228,41 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
     }
   }
   return broken;
+}
+
+double ConvexRows::vibration_bound(const proof::Vibration& id) const {
+  const Mode& mode = task_.machine.modes[static_cast<std::size_t>(id.mode)];
+  if (!mode.of_axis()) return mode.residual_max;
+  const EventSpeeds& s = speeds_[static_cast<std::size_t>(mode.axis)];
+  const double damped = 2.0 * std::numbers::pi * id.frequency * std::sqrt((1.0 - id.damping) * (1.0 + id.damping));
+  const double fastest = std::max(s.start, s.stop);
+  return fastest > 0.0 ? mode.displacement_max * damped / fastest : infinity;
+}
+
+double ConvexRows::vibration_bound(const proof::Vibration& id, const Box& box) const {
+  if (id.corner < 0) return vibration_bound(id);
+  const Mode& mode = task_.machine.modes[static_cast<std::size_t>(id.mode)];
+  const CornerBox& c = box.corner(id.corner);
+  const TaskCorner& corner = task_.corners[static_cast<std::size_t>(id.corner)];
+  if (c.d1 < c.d2 || (!corner.delay && c.d1 >= task_.design.order_max + settling + box.longer())) return infinity;
+  const Legs v = legs(corner, static_cast<std::size_t>(mode.axis));
+  const double natural = 2.0 * std::numbers::pi * id.frequency, gap = c.d1 * task_.sample_period;
+  const double damped = natural * std::sqrt((1.0 - id.damping) * (1.0 + id.damping));
+  // Both legs excite the mode through the same filter, the first one earlier.
+  const double speed = std::abs(v.out - v.in * std::polar(std::exp(-id.damping * natural * gap), damped * gap));
+  return speed > 0.0 ? mode.displacement_max * damped / speed : infinity;
+}
+
+bool ConvexRows::breaks_residual(const Filter& filter, const Box& box, std::size_t corner, double slack) const {
+  for (const Mode& mode : task_.machine.modes) {
+    if (!mode.of_axis()) continue;
+    const Legs v = legs(task_.corners[corner], static_cast<std::size_t>(mode.axis));
+    const int delay = box.corners[corner].d1;
+    if (v.in == 0.0 || v.out == 0.0) continue;
+    if (residual_utilisation(filter, v.in, v.out, delay, task_.sample_period, mode).utilisation > 1.0 + slack)
+      return true;
+  }
+  return false;
 }
 
 void ConvexRows::add_vibration(const proof::Vibration& id, double y, std::span<double> taps) const {

@@ -74,13 +74,32 @@ class ConvexRows {
   SparseRow row(const proof::TapDifference& id, const Box& box) const;
   SparseRow row(const proof::EventForce& id, const Box& box) const;
   SparseRow row(const proof::Blend& id, const Box& box) const;
-  /// Blend rows that `taps` breaks by more than `slack`.
+  /// Blend rows that `taps` breaks by more than `slack`, and rows of starts and stops along force-speed curves.
   std::vector<proof::Row> broken_blend_rows(const Filter& filter, const Box& box, double slack) const;
+  /// Bound of a vibration row. For a mode of an axis it follows from the speeds of starts and stops, or of the row's
+  /// blend. Infinite: no bound, or the box has several delays of that corner, or its delay is the longest and stands
+  /// for all longer ones, which have another phase.
+  double vibration_bound(const proof::Vibration& id, const Box& box) const;
+  /// The same without a blend: of the ratio, or of starts and stops.
+  double vibration_bound(const proof::Vibration& id) const;
+  /// Whether the blend of a corner, at the box's delay, leaves a mode of an axis with more than its bound.
+  bool breaks_residual(const Filter& filter, const Box& box, std::size_t corner, double slack) const;
   /// Adds y times the coefficients of a vibration row. @param taps  all of a filter, as damping counts from the last
   void add_vibration(const proof::Vibration& id, double y, std::span<double> taps) const;
 
  private:
+  /// A force with its line of the axis' force-speed curve, or its largest force, as a force with other friction.
+  struct ForceRow {
+    double bound, drag;  ///< N; N s/m
+  };
+  ForceRow force_row(int axis, int line, double sign, double direction) const;
+  void add_broken_event_forces(const Filter& filter, std::size_t axis, double slack,
+                               std::vector<proof::Row>& out) const;
+  void add_broken_curve(const Filter& filter, const Box& box, std::size_t corner, std::size_t axis, double slack,
+                        std::vector<proof::Row>& out) const;
+
   const Task& task_;
+  std::vector<std::vector<ForceLine>> lines_;  ///< of each axis
   std::vector<EventSpeeds> speeds_;
   double tap_max_ = 1.0;
   std::vector<RampLimit> ramps_;

@@ -41,6 +41,7 @@ bool TogetherSearch::blend_holds(const Filter& filter, const Box& box, std::size
                   [&](const proof::Row& id) { return !box.window || inside_window(id, one); }))
     return false;
   if (box.window) return true;
+  if (bench_.model().rows.breaks_residual(filter, one, j, 1e-9)) return false;
   for (const ChordFamily& family : bench_.model().chords.families()) {
     if (family.corner != static_cast<int>(j)) continue;
     for (int sample = 1; sample <= bench_.model().chords.last_sample(family, one); ++sample) {

@@ -16,7 +16,7 @@ struct Inside {
 
   bool operator()(const proof::Error&) const { return true; }
   /// The rest of a damped vibration depends on how far the filter's end is.
-  bool operator()(const proof::Vibration& row) const { return row.damping == 0.0; }
+  bool operator()(const proof::Vibration& row) const { return row.damping == 0.0 && row.corner < 0; }
   bool operator()(const proof::TapDifference& row) const {
     return inner(row.sample) && inner(row.sample - axis_limit(row.limit).differences);
   }
@@ -63,7 +63,7 @@ double window_refutation(const LimitModel& written, const Multipliers& y, const 
     }
     if (const auto* vibration = std::get_if<proof::Vibration>(&id)) {
       add_window_vibration(model, *vibration, value, c);
-      rhs += value * model.task().machine.modes[static_cast<std::size_t>(vibration->mode)].residual_max;
+      rhs += value * model.rows.vibration_bound(*vibration);
       continue;
     }
     const SparseRow row = model.row(id, box);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -80,9 +81,18 @@ class KeyCheck {
       faults_.add(node.fault(at, fmt::format("{}must be finite, got {}; {}", what, x, allowed(key))));
     } else if (!key.range.holds(x)) {
       faults_.add(node.fault(at, fmt::format("{}{} is out of range; {}", Node::equals(what), x, allowed(key))));
+    } else if (lost(key, x)) {
+      faults_.add(node.fault(at, fmt::format("{}{} is too small: in SI units it cannot be told from 0; {}",
+                                             Node::equals(what), x, allowed(key))));
     } else if (key.whole && x != std::floor(x)) {
       faults_.add(node.fault(at, fmt::format("{}{} must be a whole number", Node::equals(what), x)));
     }
+  }
+
+  /// Whether it is 0 in SI units, or so small that it has lost digits. Numbers without a unit stay what they are, and so
+  /// do those that a program wrote.
+  static bool lost(const Key& key, double x) {
+    return Node::is_toml && x != 0.0 && !key.unit.empty() && std::abs(to_si(key, x)) < std::numeric_limits<double>::min();
   }
 
   static std::string allowed(const Key& key) { return key.allowed.empty() ? key.range.text(key.name) : key.allowed; }
@@ -100,21 +110,38 @@ class KeyCheck {
       const std::string allowed = key.most == 0           ? fmt::format("{} or more", key.least)
                                   : key.least == key.most ? fmt::format("{}", key.least)
                                                           : fmt::format("{} to {}", key.least, key.most);
-      faults_.add(node.fault(at, fmt::format("{}has {} numbers; allowed are {}", Node::subject(key.name), n, allowed)));
+      faults_.add(node.fault(at, fmt::format("{}has {} {}; allowed are {}", Node::subject(key.name), n,
+                                             key.pairs ? "pairs" : "numbers", allowed)));
       return;
     }
     const Key element = one_of(key);
     const std::size_t before = faults_.size();
     for (std::size_t i = 0; i < n && faults_.size() == before; ++i) {  // the first wrong one is enough
       const Node one = node.element(i);
-      if (one.is_number() && std::isfinite(one.number()) && key.range.holds(one.number()) && !key.whole) continue;
+      if (key.pairs) {
+        pair(one, element, Node::subject(key.name, i), fmt::format("{}/{}", at, i));
+        continue;
+      }
+      const bool fits = one.is_number() && std::isfinite(one.number()) && key.range.holds(one.number());
+      if (fits && !key.whole && !lost(key, one.number())) continue;
       number(one, element, Node::subject(key.name, i), fmt::format("{}/{}", at, i));
     }
+  }
+
+  void pair(const Node& node, const Key& element, const std::string& what, const std::string& at) {
+    if (!node.is_list() || node.size() != 2) {
+      faults_.add(node.fault(
+          at, fmt::format("{}must be a pair of numbers, got {}", what,
+                          node.is_list() ? fmt::format("{} elements", node.size()) : std::string(node.type_name()))));
+      return;
+    }
+    for (std::size_t i = 0; i < 2; ++i) number(node.element(i), element, what, fmt::format("{}/{}", at, i));
   }
 
   static Key one_of(const Key& key) {
     Key element;
     element.name = key.name;
+    element.unit = key.unit;
     element.range = key.range;
     element.whole = key.whole;
     return element;

@@ -48,6 +48,7 @@ struct Key {
   bool whole = false;        ///< numbers: without a fraction
   bool per_axis = false;     ///< numbers: one for each axis of the machine
   bool lone = false;         ///< numbers: one number without brackets is a list of one
+  bool pairs = false;        ///< numbers: a list of pairs [a, b], each in its own unit
   bool of_period = false;    ///< multiples of the sample period; the readers check it
   bool nullable = false;     ///< JSON: null stands for "none"
   bool empty_text = false;   ///< texts may be empty

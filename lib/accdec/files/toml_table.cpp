@@ -159,6 +159,16 @@ std::vector<double> Table::numbers(std::string_view name) const {
   return values;
 }
 
+std::vector<std::pair<double, double>> Table::pairs(std::string_view name) const {
+  std::vector<std::pair<double, double>> values;
+  if (!has(name)) return values;
+  for (const toml::node& element : *table_->get(name)->as_array()) {
+    const toml::array& pair = *element.as_array();
+    values.emplace_back(pair[0].value_or(0.0), pair[1].value_or(0.0));
+  }
+  return values;
+}
+
 std::vector<std::string> Table::texts(std::string_view name) const {
   if (const auto one = text(name)) return {*one};
   std::vector<std::string> values;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <toml++/toml.h>
@@ -37,7 +38,8 @@ class Table {
   std::optional<std::string> text(std::string_view key) const;
   std::string word(std::string_view key) const;  ///< "" if there is none
   bool boolean(std::string_view key) const;
-  std::vector<double> numbers(std::string_view key) const;     ///< SI; none if not given
+  std::vector<double> numbers(std::string_view key) const;                   ///< SI; none if not given
+  std::vector<std::pair<double, double>> pairs(std::string_view key) const;  ///< in their units; none if not given
   std::vector<std::string> texts(std::string_view key) const;  ///< also of KeyType::words; none if not given
 
   // The same, for keys required here. Throw InputError at the table if there is none.

@@ -1,4 +1,5 @@
 #include <iterator>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -25,6 +26,10 @@ auto parts(const proof::TapDifference& r) {
 auto parts(const proof::EventForce& r) {
   return std::tuple(Name(r.stop ? "force stop" : "force start"), r.axis, r.sample);
 }
+/// The same below a line of the force-speed curve.
+auto curve_parts(const proof::EventForce& r) {
+  return std::tuple(Name(r.stop ? "force_speed stop" : "force_speed start"), r.axis, r.sample, r.line);
+}
 auto parts(const proof::Blend& r) {
   return std::tuple(fmt::format("blend {}", to_string(r.limit)), r.corner, r.axis, r.sample, r.sign);
 }
@@ -43,6 +48,10 @@ auto parts(const proof::Budget&) {
 }
 auto parts(const proof::Vibration& r) {
   return std::tuple(Name("vibration"), r.mode, r.frequency, r.angle);
+}
+/// The same at the blend of one corner, of a mode of an axis.
+auto blend_parts(const proof::Vibration& r) {
+  return std::tuple(Name("blend vibration"), r.mode, r.corner, r.frequency, r.damping, r.angle);
 }
 /// The same with damping.
 auto damped_parts(const proof::Vibration& r) {
@@ -79,10 +88,7 @@ class Writer {
   void put(const proof::Enumeration&) { text += R"({"kind":"enumeration"})"; }
   void put(const proof::BranchAndBound& proof) {
     text += '{';
-    if (proof.bound_samples)
-      member("bound_samples", *proof.bound_samples);
-    else
-      member("bound_samples", nullptr);
+    bound(proof.bound_samples);
     if (!proof.conflict.empty()) member("conflict", proof.conflict);
     member("kind", Name("branch and bound"));
     if (!proof.corner_of.empty()) member("corner_of", proof.corner_of);
@@ -97,10 +103,7 @@ class Writer {
   }
   void put(const proof::FamilyEnumeration& proof) {
     text += '{';
-    if (proof.bound_samples)
-      member("bound_samples", *proof.bound_samples);
-    else
-      member("bound_samples", nullptr);
+    bound(proof.bound_samples);
     member("kind", Name("families"));
     member("refuted", proof.refuted);
     member("schema", Name("accdec.certificate/1"));
@@ -115,6 +118,10 @@ class Writer {
     member("schema", Name("accdec.certificate/1"));
     member("kind", kind);
     text += '}';
+  }
+
+  void bound(const std::optional<double>& samples) {
+    samples ? member("bound_samples", *samples) : member("bound_samples", nullptr);
   }
 
   void put(std::nullptr_t) { text += "null"; }
@@ -148,8 +155,14 @@ class Writer {
 
   void put(const proof::Term& term) {
     const std::tuple last(term.multiplier);
-    if (const auto* vibration = std::get_if<proof::Vibration>(&term.row); vibration && vibration->damping > 0.0)
-      return put(std::tuple_cat(damped_parts(*vibration), last));
+    if (const auto* vibration = std::get_if<proof::Vibration>(&term.row)) {
+      if (vibration->corner >= 0) return put(std::tuple_cat(blend_parts(*vibration), last));
+      if (vibration->damping > 0.0) return put(std::tuple_cat(damped_parts(*vibration), last));
+    }
+    if (const auto* force = std::get_if<proof::EventForce>(&term.row); force && force->line >= 0)
+      return put(std::tuple_cat(curve_parts(*force), last));
+    if (const auto* blend = std::get_if<proof::Blend>(&term.row); blend && blend->limit == LimitKind::force_speed)
+      return put(std::tuple_cat(parts(*blend), std::tuple(blend->line, blend->direction), last));
     std::visit([&](const auto& row) { put(std::tuple_cat(parts(row), last)); }, term.row);
   }
   void put(const proof::Node& node) {

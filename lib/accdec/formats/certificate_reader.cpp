@@ -92,6 +92,13 @@ proof::Row read_row(const Entry& e) {
     if (in_blends && is(fmt::format("blend {}", to_string(limit.kind)), 4))
       return proof::Blend{limit.kind, e.integer(1), e.integer(2), e.integer(3), e.integer(4)};
   }
+  if (is("blend force_speed", 6))
+    return proof::Blend{LimitKind::force_speed, e.integer(1), e.integer(2), e.integer(3),
+                        e.integer(4),           e.integer(5), e.integer(6)};
+  if (is("force_speed start", 3)) return proof::EventForce{false, e.integer(1), e.integer(2), e.integer(3)};
+  if (is("force_speed stop", 3)) return proof::EventForce{true, e.integer(1), e.integer(2), e.integer(3)};
+  if (is("blend vibration", 5))
+    return proof::Vibration{e.integer(1), e.number(3), e.number(5), e.number(4), e.integer(2)};
   if (is("force start", 2)) return proof::EventForce{false, e.integer(1), e.integer(2)};
   if (is("force stop", 2)) return proof::EventForce{true, e.integer(1), e.integer(2)};
   if (is("error", 2)) return proof::Error{e.integer(1), e.number(2)};

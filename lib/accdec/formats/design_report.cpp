@@ -69,9 +69,9 @@ ReportTable limit_report(const DesignResult& result) {
   // One line for each kind and axis: the corner with the highest use.
   std::vector<const LimitUse*> worst;
   for (const LimitUse& use : result.limits) {
-    const bool by_mode = use.kind == LimitKind::vibration;
+    const bool by_mode = use.kind == LimitKind::vibration, in_metres = use.kind == LimitKind::residual;
     const auto same = std::find_if(worst.begin(), worst.end(), [&](const LimitUse* w) {
-      return !by_mode && w->kind == use.kind && w->axis == use.axis;
+      return !by_mode && w->kind == use.kind && w->axis == use.axis && (!in_metres || w->bound == use.bound);
     });
     if (same == worst.end())
       worst.push_back(&use);
@@ -83,8 +83,9 @@ ReportTable limit_report(const DesignResult& result) {
     const LimitName& name = limit_name(use->kind);
     std::string kind(to_string(use->kind));
     std::replace(kind.begin(), kind.end(), '_', ' ');
-    std::string where = use->kind == LimitKind::vibration
-                            ? place_of_vibration(*use, 4)
+    std::string where = use->kind == LimitKind::vibration ? place_of_vibration(*use, 4)
+                        : use->kind == LimitKind::residual
+                            ? fmt::format("{} {} {}", use->corner, to_string(use->event), place_of_vibration(*use, 4))
                             : fmt::format("{} {}, k = {}", use->corner, to_string(use->event), use->sample);
     if (use->utilisation > 1.0 + result.verification.tolerance) where += "  BROKEN";
     table.rows.push_back({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),

@@ -34,7 +34,7 @@ Json levers_json(const Room& room, const char* name, Value value) {
 Json binding_json(const Binding& b) {
   Json json{{"kind", to_string(b.kind)},   {"axis", b.axis},       {"corner", b.corner},
             {"event", to_string(b.event)}, {"samples", b.samples}, {"bound", b.bound}};
-  if (b.kind == LimitKind::vibration) json["frequency_Hz"] = b.frequency;
+  if (of_mode(b.kind)) json["frequency_Hz"] = b.frequency;
   if (b.damping > 0.0) json["damping_ratio"] = b.damping;
   return json;
 }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <accdec/files/toml_table.hpp>
 #include <accdec/machine.hpp>
 
@@ -7,7 +10,13 @@
 
 namespace accdec {
 
+std::vector<Key> mode_keys();
+/// Conditions on several of them, as of Key::conditions.
+std::string mode_conditions();
 /// @throws InputError at the key
 Mode read_mode(const toml_input::Table& table);
+/// Finds the axis that it names. @param settings  whether a control's settings are chosen
+/// @throws InputError at the key
+void find_axis_of_mode(const toml_input::Table& table, const std::vector<Axis>& axes, bool settings, Mode& mode);
 
 }  // namespace accdec

@@ -114,11 +114,13 @@ void check_response(const Table& top, const Task& task, Considered considered, b
   if (const auto machine = top.table("machine")) {
     for (const SupplyLimit& limit : supply_limits) require_considered(*machine, limit.key, beside);
   }
+  for (const Table& mode : top.tables("mode")) require_considered(mode, "residual_max_um", beside);
   const std::vector<Table> tables = top.tables("axis");
   for (std::size_t i = 0; i < tables.size() && i < task.machine.axes.size(); ++i) {
     const Axis& axis = task.machine.axes[i];
     if (axis.servo_gain < unlimited) require_end(tables[i], axis, task.sample_period);
     require_considered(tables[i], "coulomb_N", beside);
+    require_considered(tables[i], force_speed_key, beside);
     require_considered(tables[i], "servo_gain_1_s", considered);
     require_considered(tables[i], "response_taps", considered);
     if (considered == Considered::common) require_common(tables[i], axis, task.machine.axes.front());

@@ -112,7 +112,7 @@ void write_limit(ListWriter& writer, const LimitUse& use) {
       .member("bound", use.bound)
       .member("utilisation", use.utilisation)
       .member("sample", use.sample);
-  if (use.kind == LimitKind::vibration) writer.member("frequency_Hz", use.frequency);
+  if (of_mode(use.kind)) writer.member("frequency_Hz", use.frequency);
   if (use.damping > 0.0) writer.member("damping_ratio", use.damping);
 }
 

@@ -121,6 +121,8 @@ toml::array to_toml_array(const Json& json, const std::string& at, int depth) {
       array.push_back(json[i].get<double>());
     else if (json[i].is_string())
       array.push_back(json[i].get<std::string>());
+    else if (json[i].is_array() && depth < 4)  // pairs of numbers
+      array.push_back(to_toml_array(json[i], place, depth + 1));
     else
       throw mistake(place, "must be a number, a string or an object");
   }

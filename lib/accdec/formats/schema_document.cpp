@@ -43,7 +43,9 @@ Json type_of(const Key& key) {
     case KeyType::texts: return one_or_list({{"type", "string"}}, 1);
     case KeyType::words: return one_or_list({{"enum", key.words}}, key.least);
     case KeyType::numbers: {
-      Json list{{"type", "array"}, {"items", number(key, key.whole)}, {"minItems", key.least}};
+      const Json one = number(key, key.whole);
+      const Json pair{{"type", "array"}, {"items", one}, {"minItems", 2}, {"maxItems", 2}};
+      Json list{{"type", "array"}, {"items", key.pairs ? pair : one}, {"minItems", key.least}};
       if (key.most > 0) list["maxItems"] = key.most;
       return key.lone ? Json{{"anyOf", {number(key, key.whole), list}}} : list;
     }
@@ -108,6 +110,7 @@ std::string allowed(const Key& key) {
     case KeyType::number: return range();
     case KeyType::integer: return "whole, " + range();
     case KeyType::numbers:
+      if (key.pairs) return fmt::format("list of pairs of {}", range());
       return fmt::format("{}list{} of {}", key.lone ? "number or " : "", key.whole ? ", whole," : "", range());
     case KeyType::boolean: return "`true`, `false`";
     case KeyType::word: return fmt::format("`{}`", fmt::join(key.words, "`, `"));

@@ -30,7 +30,9 @@ std::string si_name(const Key& key) {
 const Key* key_in_si(std::string_view table, std::string_view name) {
   const Key* found = table.empty() ? nullptr : find_key(task_file().keys, table);
   if (!table.empty() && !found) return nullptr;
-  for (const Key& key : found ? found->keys : task_file().keys) {
+  const std::vector<Key>& keys = found ? found->keys : task_file().keys;
+  if (find_key(keys, name) != nullptr) return nullptr;  // a name of its own
+  for (const Key& key : keys) {
     if (name != key.name && name == si_name(key)) return &key;
   }
   return nullptr;

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <accdec/filter.hpp>
+#include <accdec/formats/force_speed_table.hpp>
+#include <accdec/formats/mode_table.hpp>
 #include <accdec/formats/response_table.hpp>
 #include <accdec/formats/settings_table.hpp>
 #include <accdec/formats/task_keys.hpp>
@@ -93,8 +95,9 @@ std::vector<Key> make_filter_keys() {
                   .fallback = "no shaper",
                   .example = "\"zv\""});
   keys.push_back({.name = "shaper_delay",
-                  .type = KeyType::integer,
-                  .meaning = "delay from each impulse to the next; needed with `shaper`",
+                  .meaning =
+                      "delay from each impulse to the next; needed with `shaper`; an impulse between two samples "
+                      "is split onto them",
                   .unit = "samples",
                   .range = {1, order_limit},
                   .example = "12"});
@@ -176,7 +179,7 @@ std::vector<Key> axis_keys() {
                          .example = "\"x\""}};
   const auto add_limits = [&](bool load) {
     for (const AxisLimit& limit : axis_limits) {
-      if (limit.load != load) continue;
+      if (limit.load != load || limit.key == force_speed_key) continue;
       keys.push_back(limit_key(limit.key, limit.kind, limit.key_max));
     }
   };
@@ -194,12 +197,13 @@ std::vector<Key> axis_keys() {
                   .fallback = "0",
                   .example = "800"});
   keys.push_back({.name = "coulomb_N",
-                  .meaning = "dry friction against the motion; an axis that stands has up to as much where it helps",
+                  .meaning = "dry friction against the motion; at rest up to as much, in the direction that helps",
                   .unit = "N",
                   .range = {0.0, 1e8},
                   .fallback = "0",
                   .example = "40"});
   add_limits(true);
+  keys.push_back(force_speed_of_files());
   for (Key& key : servo_keys()) keys.push_back(std::move(key));
   return keys;
 }
@@ -291,38 +295,6 @@ std::vector<Key> corner_keys() {
   return keys;
 }
 
-std::vector<Key> mode_keys() {
-  return {{.name = "frequency_Hz",
-           .type = KeyType::numbers,
-           .meaning = "one frequency or a band [low, high]",
-           .unit = "Hz",
-           .range = {0.0, 1e6, true},
-           .most = 2,
-           .example = "[38, 46]",
-           .allowed = "allowed is one number or a band [low, high], 0 < frequency_Hz <= 1000000",
-           .required = true,
-           .lone = true},
-          {.name = "frequency_spread",
-           .meaning = "for one frequency f without damping: the band from f (1 - spread) to f (1 + spread)",
-           .range = {0.0, 0.9},
-           .fallback = "0",
-           .example = "0.1"},
-          {.name = "damping_ratio",
-           .type = KeyType::numbers,
-           .meaning = "damping ratio, one number or a range [low, high]; frequency_Hz then is that without damping",
-           .range = {0.0, 0.9},
-           .most = 2,
-           .fallback = "0",
-           .example = "[0.02, 0.1]",
-           .allowed = "allowed is one number or a range [low, high], 0 <= damping_ratio <= 0.9",
-           .lone = true},
-          {.name = "residual_max",
-           .meaning = "allowed residual vibration; 1 is that of an unfiltered step",
-           .range = {0.0, 1.0},
-           .example = "0.05",
-           .required = true}};
-}
-
 /// Limits of all axes together.
 std::vector<Key> machine_keys() {
   std::vector<Key> keys;
@@ -372,7 +344,11 @@ FileKind make_task_file() {
                 .keys = machine_keys()},
                list("axis", "limits and load of an axis; without any, axes x and y have no limits", axis_keys()),
                list("corner", "a corner of the path", corner_keys()),
-               list("mode", "a vibration that the filter must not excite", mode_keys()),
+               {.name = "mode",
+                .type = KeyType::tables,
+                .meaning = "a vibration that the filter must not excite",
+                .keys = mode_keys(),
+                .conditions = mode_conditions()},
                {.name = "program",
                 .type = KeyType::table,
                 .meaning = "values that a program does not give",

@@ -11,6 +11,7 @@
 #include <accdec/files/text_file.hpp>
 #include <accdec/files/toml_table.hpp>
 #include <accdec/formats/filter_table.hpp>
+#include <accdec/formats/force_speed_table.hpp>
 #include <accdec/formats/mode_table.hpp>
 #include <accdec/formats/response_table.hpp>
 #include <accdec/formats/settings_table.hpp>
@@ -49,13 +50,14 @@ Axis read_axis(const Table& table) {
   axis.mass = table.required_number("mass_kg");
   axis.damping = table.required_number("damping_N_s_m");
   for (const AxisLimit& limit : axis_limits) {
-    axis.*limit.bound = table.number(limit.key).value_or(unlimited);
+    if (limit.key != force_speed_key) axis.*limit.bound = table.number(limit.key).value_or(unlimited);
     if (limit.load && table.has(limit.key) && axis.mass == 0.0 && axis.damping == 0.0) {
       table.fail_at(limit.key, fmt::format("`{}` can never bind: force is mass * acceleration + damping * velocity; "
                                            "give mass_kg or damping_N_s_m",
                                            limit.key));
     }
   }
+  read_force_speed(table, axis);
   axis.coulomb = table.required_number("coulomb_N");
   if (axis.coulomb > 0.0 && axis.force_max < unlimited && axis.coulomb >= axis.force_max)
     table.fail_at("coulomb_N", fmt::format("`coulomb_N` = {:g} is not below `force_max_N` = {:g}: the axis could never "
@@ -242,6 +244,7 @@ class TaskReader {
     if (corners_.empty() && options_.require_corners)
       top_.fail("the task has no corner; at least one [[corner]] with angle_deg and feed_in_mm_min is needed");
     place_corners();
+    find_axes_of_modes();
     faults_.raise();
     require_loads();
     check_response(top_, task_, options_.response, !options_.require_corners && options_.response != Considered::any);
@@ -274,6 +277,15 @@ class TaskReader {
     read_table("program", [&](const Table& table) { task_.program_error_max = read_distance(table, "error_max_um"); });
     for (const Table& mode : top_.tables("mode"))
       faults_.attempt(mode.pointer(), [&] { task_.machine.modes.push_back(read_mode(mode)); });
+  }
+
+  /// The modes that name an axis, once the axes have their names.
+  void find_axes_of_modes() {
+    const std::vector<Table> tables = top_.tables("mode");
+    for (std::size_t i = 0; i < tables.size(); ++i)
+      faults_.attempt(tables[i].pointer(), [&] {
+        find_axis_of_mode(tables[i], task_.machine.axes, task_.settings.has_value(), task_.machine.modes[i]);
+      });
   }
 
   void check_coefficients(const Table& table) const {

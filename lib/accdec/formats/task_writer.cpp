@@ -46,6 +46,16 @@ class Written {
   std::vector<Json> values_;  // as keys_; null if there is no value
 };
 
+/// The curve as it counts. It is another than the one read where a study or a lever has set its bound.
+Json curve_json(const Axis& axis) {
+  static const Key speed{.name = "speed", .unit = "mm/s"};
+  const double scale = axis.force_speed_max / axis.force_speed.front().force;
+  Json curve = Json::array();
+  for (const SpeedForce& point : axis.force_speed)
+    curve.push_back({from_si(speed, scale * point.speed), scale * point.force});
+  return curve;
+}
+
 Json axis_json(const Axis& axis) {
   Written table("axis");
   table.value("name", axis.name);
@@ -53,8 +63,9 @@ Json axis_json(const Axis& axis) {
   if (axis.damping > 0.0) table.number("damping_N_s_m", axis.damping);
   if (axis.coulomb > 0.0) table.number("coulomb_N", axis.coulomb);
   for (const AxisLimit& limit : axis_limits) {
-    if (axis.*limit.bound < unlimited) table.number(limit.key, axis.*limit.bound);
+    if (axis.*limit.bound < unlimited && limit.key != force_speed_key) table.number(limit.key, axis.*limit.bound);
   }
+  if (axis.force_speed_max < unlimited) table.value(force_speed_key, curve_json(axis));
   if (axis.servo_gain < unlimited) {
     table.number("servo_gain_1_s", axis.servo_gain);
     if (axis.velocity_feedforward > 0.0) table.number("velocity_feedforward", axis.velocity_feedforward);
@@ -93,7 +104,7 @@ Json task_corner_json(const TaskCorner& corner) {
   return table.json();
 }
 
-Json mode_json(const Mode& mode) {
+Json mode_json(const Mode& mode, const std::vector<Axis>& axes) {
   Written table("mode");
   if (mode.frequency_low == mode.frequency_high)
     table.value("frequency_Hz", mode.frequency_low);
@@ -105,7 +116,12 @@ Json mode_json(const Mode& mode) {
     else
       table.value("damping_ratio", {mode.damping_low, mode.damping_high});
   }
-  table.number("residual_max", mode.residual_max);
+  if (mode.of_axis()) {
+    table.value("axis", axes[static_cast<std::size_t>(mode.axis)].name);
+    table.number("residual_max_um", mode.displacement_max);
+  } else {
+    table.number("residual_max", mode.residual_max);
+  }
   return table.json();
 }
 
@@ -147,7 +163,7 @@ nlohmann::ordered_json task_to_json(const Task& task) {
   if (limits_supply(task.machine)) top.value("machine", machine_json(task.machine));
   list("axis", task.machine.axes, axis_json);
   list("corner", task.corners, task_corner_json);
-  list("mode", task.machine.modes, mode_json);
+  list("mode", task.machine.modes, [&](const Mode& mode) { return mode_json(mode, task.machine.axes); });
   if (task.program_error_max) {
     Written program("program");
     program.number("error_max_um", *task.program_error_max);

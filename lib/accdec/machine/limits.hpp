@@ -10,6 +10,7 @@
 
 #include <accdec/files/units.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/machine/force_speed.hpp>
 
 namespace accdec {
 
@@ -18,6 +19,7 @@ struct AxisState {
   double velocity = 0.0, acceleration = 0.0, jerk = 0.0;  ///< m/s, m/s^2, m/s^3
   double force = 0.0;                                     ///< N, m a + c v + dry friction
   double motoring = 0.0, braking = 0.0;                   ///< W, F v and -F v
+  double standstill = 0.0;                                ///< N, the force scaled along the force-speed curve
 };
 /// Part of the feed below which an axis stands still: its dry friction then takes whatever part of the force helps.
 inline constexpr double still_part = 1e-9;
@@ -33,7 +35,7 @@ inline AxisState axis_state(const Axis& axis, double velocity, double accelerati
   const double moving = axis.mass * acceleration + axis.damping * velocity;
   const double force = axis.coulomb > 0.0 ? moving + dry_friction(axis, velocity, moving, still) : moving;
   const double power = force * velocity;
-  return {velocity, acceleration, jerk, force, power, -power};
+  return {velocity, acceleration, jerk, force, power, -power, at_standstill(axis, velocity, force)};
 }
 
 /// The same with the load of another motion, that behind the servo (response.hpp).
@@ -41,6 +43,7 @@ inline AxisState with_load(AxisState command, const Axis& axis, double velocity,
                            double still = 0.0) {
   const AxisState motion = axis_state(axis, velocity, acceleration, 0.0, still);
   command.force = motion.force, command.motoring = motion.motoring, command.braking = motion.braking;
+  command.standstill = motion.standstill;
   return command;
 }
 
@@ -67,6 +70,9 @@ class AxisSampler {
   double period_, still_, acceleration_ = 0.0;
 };
 
+/// The key of a limit whose value is a curve, not a number.
+inline constexpr std::string_view force_speed_key = "force_speed_N";
+
 /// A limit of an axis: where its bound is kept and which value is compared with it. To add one, add a line here. The
 /// recipe in lib/accdec/README.md names the code that repeats the formula on purpose.
 struct AxisLimit {
@@ -81,7 +87,7 @@ struct AxisLimit {
                          ///< such difference
 };
 // clang-format off
-inline constexpr std::array<AxisLimit, 6> axis_limits{{
+inline constexpr std::array<AxisLimit, 7> axis_limits{{
     {LimitKind::velocity, "velocity_max_mm_s", 1e6, &Axis::velocity_max,
      [](const AxisState& s) { return std::abs(s.velocity); }, false, 1},
     {LimitKind::acceleration, "acceleration_max_mm_s2", 1e8, &Axis::acceleration_max,
@@ -94,6 +100,8 @@ inline constexpr std::array<AxisLimit, 6> axis_limits{{
      [](const AxisState& s) { return s.motoring; }, true, 2},
     {LimitKind::regeneration, "regeneration_max_W", 1e8, &Axis::regeneration_max,
      [](const AxisState& s) { return s.braking; }, true, 2},
+    {LimitKind::force_speed, force_speed_key, 1e8, &Axis::force_speed_max,
+     [](const AxisState& s) { return s.standstill; }, true, 1},
 }};
 // clang-format on
 /// Names, factors and keys agree with files/units.hpp.
@@ -157,9 +165,16 @@ inline constexpr std::array<SupplyLimit, 2> supply_limits{{
 inline bool limits_supply(const Machine& machine) {
   return machine.power_total_max < unlimited || machine.regeneration_total_max < unlimited;
 }
+/// Whether a mode of an axis is bounded.
+inline bool has_mode_of_axis(const Machine& machine) {
+  return std::any_of(machine.modes.begin(), machine.modes.end(), [](const Mode& mode) { return mode.of_axis(); });
+}
 /// Whether any axis has dry friction.
 bool has_dry_friction(const Machine& machine);
-/// @throws std::invalid_argument if the machine has dry friction or a limited supply, which `what` does not consider
+/// Whether any axis has a force-speed curve.
+bool has_force_curve(const Machine& machine);
+/// @throws std::invalid_argument if the machine has dry friction, a limited supply, a force-speed curve or a mode of an
+/// axis, which `what` does not consider
 void require_no_shared_loads(const Machine& machine, const char* what);
 
 /// Whether the axis has any limit at all.

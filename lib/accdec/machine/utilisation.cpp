@@ -98,10 +98,17 @@ bool has_dry_friction(const Machine& machine) {
   return std::any_of(machine.axes.begin(), machine.axes.end(), [](const Axis& axis) { return axis.coulomb > 0.0; });
 }
 
+bool has_force_curve(const Machine& machine) {
+  return std::any_of(machine.axes.begin(), machine.axes.end(),
+                     [](const Axis& axis) { return axis.force_speed_max < unlimited; });
+}
+
 void require_no_shared_loads(const Machine& machine, const char* what) {
   const char* key = machine.power_total_max < unlimited          ? "power_total_max_W"
                     : machine.regeneration_total_max < unlimited ? "regeneration_total_max_W"
                     : has_dry_friction(machine)                  ? "coulomb_N"
+                    : has_force_curve(machine)                   ? "force_speed_N"
+                    : has_mode_of_axis(machine)                  ? "residual_max_um"
                                                                  : nullptr;
   if (key == nullptr) return;
   throw std::invalid_argument(fmt::format("{} does not consider `{}`; {}", what, key, considered_by));

@@ -114,22 +114,27 @@ double worst_frequency(const Filter& filter, const Mode& mode, double sample_per
 }
 
 /// Finds where a damped mode is left largest. With s = z w + j w sqrt(1 - z^2), what is left is the size of an analytic
-/// function of s. So the largest is on the edge of the rectangle of frequencies and damping ratios.
+/// function of s. So the largest is on the edge of the rectangle of frequencies and damping ratios. This holds for the
+/// size over the imaginary part of s, too, as the logarithm of both is subharmonic.
 class WorstDamped {
  public:
   struct Point {
     double frequency, damping, left = 0.0;
   };
 
-  WorstDamped(const Filter& filter, const Mode& mode, double period, const std::function<bool()>& stop)
-      : filter_(filter), period_(period), stop_(stop) {
+  using Left = std::function<double(double frequency, double damping)>;
+
+  /// @param left  what is left  @param duration  s, of the longest command that it depends on
+  WorstDamped(Left left, const Mode& mode, double duration, const std::function<bool()>& stop)
+      : left_(std::move(left)), stop_(stop) {
     const Point low{mode.frequency_low, mode.damping_low}, high{mode.frequency_high, mode.damping_high};
     best_ = at(low);
     // Between two grid points the response turns by an eighth of a ripple, or is damped by an eighth.
-    const double taps = period * (filter.order() + 1.0);
-    const double ripples = taps * (high.frequency - low.frequency);
-    const double decay = 2.0 * std::numbers::pi * taps * high.frequency * (high.damping - low.damping);
-    for (const double z : {low.damping, high.damping}) edge({low.frequency, z}, {high.frequency, z}, ripples);
+    const double ripples = duration * (high.frequency - low.frequency);
+    const double decay = 2.0 * std::numbers::pi * duration * high.frequency * (high.damping - low.damping);
+    edge({low.frequency, low.damping}, {high.frequency, low.damping}, ripples);
+    if (high.damping == low.damping) return;
+    edge({low.frequency, high.damping}, {high.frequency, high.damping}, ripples);
     for (const double f : {low.frequency, high.frequency}) edge({f, low.damping}, {f, high.damping}, decay);
   }
   const Point& worst() const { return best_; }
@@ -138,7 +143,7 @@ class WorstDamped {
   static constexpr int per_unit = 8, golden_steps = 38;
 
   Point at(Point p) const {
-    p.left = residual_vibration(filter_, p.frequency, period_, p.damping);
+    p.left = left_(p.frequency, p.damping);
     return p;
   }
 
@@ -186,8 +191,7 @@ class WorstDamped {
     }
   }
 
-  const Filter& filter_;
-  double period_;
+  Left left_;
   const std::function<bool()>& stop_;
   Point best_{};
 };
@@ -211,6 +215,7 @@ std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_
     throw std::invalid_argument(fmt::format("sample period must be positive and finite, got {} s", sample_period));
   std::vector<LimitUse> uses;
   for (const Mode& mode : machine.modes) {
+    if (mode.of_axis()) continue;
     require_in_range(mode);
     LimitUse use;
     use.kind = LimitKind::vibration;
@@ -218,7 +223,8 @@ std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_
       use.frequency = worst_frequency(filter, mode, sample_period, stop);
       use.value = residual_vibration(filter, use.frequency, sample_period);
     } else {
-      const WorstDamped search(filter, mode, sample_period, stop);
+      const WorstDamped search([&](double f, double z) { return residual_vibration(filter, f, sample_period, z); },
+                               mode, sample_period * (filter.order() + 1.0), stop);
       use.frequency = search.worst().frequency, use.damping = search.worst().damping;
       use.value = search.worst().left;
     }
@@ -227,6 +233,30 @@ std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_
     uses.push_back(use);
   }
   return uses;
+}
+
+double residual_amplitude(const Filter& filter, double v1, double v2, int delay, double frequency, double sample_period,
+                          double damping) {
+  const double natural = 2.0 * std::numbers::pi * frequency, damped = natural * std::sqrt(1.0 - damping * damping);
+  const double gap = delay * sample_period;
+  // Both legs excite through the same filter, the first one earlier.
+  const double legs = std::abs(v2 - v1 * std::polar(std::exp(-damping * natural * gap), damped * gap));
+  return residual_vibration(filter, frequency, sample_period, damping) * legs / damped;
+}
+
+LimitUse residual_utilisation(const Filter& filter, double v1, double v2, int delay, double sample_period,
+                              const Mode& mode) {
+  require_in_range(mode);
+  const std::function<bool()> never;
+  const WorstDamped search(
+      [&](double f, double z) { return residual_amplitude(filter, v1, v2, delay, f, sample_period, z); }, mode,
+      sample_period * (filter.order() + 1.0 + delay), never);
+  LimitUse use;
+  use.kind = LimitKind::residual;
+  use.frequency = search.worst().frequency, use.damping = search.worst().damping;
+  use.value = search.worst().left, use.bound = mode.displacement_max;
+  use.utilisation = utilisation_of(use.kind, use.value, use.bound);
+  return use;
 }
 
 }  // namespace accdec

@@ -14,6 +14,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/result/other_rules.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/program.hpp>
@@ -53,8 +54,8 @@ class Planning {
     ScheduledPlan kept{base_, std::move(plan)};
     snap(kept);
     base_.duration = kept.path.duration;
-    // A plan that was not finished takes less than its feeds allow.
-    if (all_holds(kept.plan) || !deadline_.over()) result_.cycle_time_kept = seconds(kept.plan);
+    kept_ = seconds(kept.plan);
+    if (all_holds(kept.plan)) result_.cycle_time_kept = kept_;
     offer(std::move(kept), false);
   }
   /// Whether a program that --emit wrote, which this is, holds as it is: then it is the plan.
@@ -68,15 +69,20 @@ class Planning {
     if (path.blocks() <= several_plans_max || !path.given.empty()) as_commanded(path, true);
     ScheduledPlan plan = schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_);
     snap(plan);
-    if (!result_.cycle_time_kept && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
+    if (!kept_ && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
     offer(std::move(plan), true);
   }
   /// Plans again as `--feeds keep` does, so that chosen feeds are not slower.
   void tune(const Toolpath& path, Feeds feeds) {
-    if (deadline_.over() || !result_.cycle_time_kept) return;
+    if (deadline_.over() || !kept_) return;
     const bool hopeless =
-        path.blocks() > tuned_max || *result_.cycle_time_kept > hopelessly_slower * seconds(best_.plan);
+        path.blocks() > tuned_max || *kept_ > hopelessly_slower * seconds(best_.plan);
     if (feeds != Feeds::choose_fitting || !hopeless) keep(path, true);
+  }
+  /// Where no plan holds: a slow one that stops at every joint.
+  void stop(const Toolpath& path, bool feeds_chosen) {
+    if (all_holds(best_.plan)) return;
+    offer(stop_everywhere(path, filter_, task_.sample_period, machine_), feeds_chosen);
   }
   /// The plan as the result's.
   void take() {
@@ -187,6 +193,7 @@ class Planning {
   const Deadline& deadline_;
   ScheduledPlan best_;
   Toolpath base_;  // planned at the programmed feeds
+  std::optional<double> kept_;  // s, of that plan, which need not hold
   bool delays_had_ = true;
 };
 
@@ -245,6 +252,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   if (keep && !written) planning.keep(path, feeds == Feeds::keep);
   if (feeds != Feeds::keep && !written) planning.choose(path);
   if (feeds != Feeds::keep && keep && !written) planning.tune(path, feeds);
+  planning.stop(path, feeds != Feeds::keep);
   path = {};
   planning.take();
   result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;

@@ -25,11 +25,19 @@ void add_modes(Panel& panel, const DesignResult& result, double top) {
     panel.bands.back().from -= half, panel.bands.back().to += half;
     const LimitUse* worst = nullptr;
     for (const LimitUse& use : result.limits) {
-      const bool here = use.kind == LimitKind::vibration && use.frequency >= mode.frequency_low &&
-                        use.frequency <= mode.frequency_high && use.bound == mode.residual_max;
+      const bool here = use.kind == (mode.of_axis() ? LimitKind::residual : LimitKind::vibration) &&
+                        use.frequency >= mode.frequency_low && use.frequency <= mode.frequency_high &&
+                        use.bound == (mode.of_axis() ? mode.displacement_max : mode.residual_max);
       if (here && (!worst || use.utilisation > worst->utilisation)) worst = &use;
     }
     const bool binds = worst && worst->utilisation > binding;
+    if (mode.of_axis()) {  // its bound is an amplitude, not a part
+      if (worst && worst->utilisation > most) {
+        most = worst->utilisation;
+        panel.title = fmt::format("residual {}:", worst->axis) + use_in_title(*worst);
+      }
+      continue;
+    }
     const double level = std::max(mode.residual_max, 1e-4);
     panel.series.push_back({first ? "bound" : "",
                             {mode.frequency_low - half, mode.frequency_high + half},

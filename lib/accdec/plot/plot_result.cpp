@@ -44,7 +44,8 @@ std::vector<Quantity> quantities_of(const Axis& axis) {
     }
     const bool always = limit.kind == LimitKind::velocity || limit.kind == LimitKind::acceleration;
     if (!always && !(bound < unlimited)) continue;
-    drawn.push_back({limit.kind, limit.kind == LimitKind::power ? -unlimited : -bound, bound});
+    const bool above = limit.kind == LimitKind::power || limit.kind == LimitKind::force_speed;
+    drawn.push_back({limit.kind, above ? -unlimited : -bound, bound});
   }
   return drawn;
 }

@@ -86,6 +86,17 @@ class ProgrammedRests {
   std::map<std::ptrdiff_t, std::int64_t> left_;  // by joint; -1: before the first block
 };
 
+/// Goes on to sample x, which steady motion reached in `samples`. How many of these are nearer to the beginning of its
+/// block, if x is nearer to the end.
+std::int64_t nearer_begin(PathFollower& follower, const double* x, const double* v, std::int64_t samples) {
+  const std::size_t block = follower.block();
+  const double from = follower.part();
+  follower.follow(x, v);
+  const double to = follower.part();
+  if (samples == 1 || block != follower.block() || !(from < 0.5 && to >= 0.5)) return 0;
+  return static_cast<std::int64_t>(std::ceil((0.5 - from) / (to - from) * static_cast<double>(samples))) - 1;
+}
+
 }  // namespace
 
 double speed_of(const double* velocity, std::size_t axes) {
@@ -105,11 +116,26 @@ ProgramMotion motion_of(const ProgramResult& result) {
   return {fmt::format("{}: {:.6g} s, plan {}", result.program, result.cycle_time, result.plan.name()),
           result.sample_period,
           result.cycle_time,
-          [&result](const SampleVisitor& visit) { visit_samples(result, visit, Rests::passed); },
+          [&result](const SampleVisitor& visit) { visit_samples(result, visit, Steady::passed); },
           bounds_of(result),
           result.settings && result.verification.feasible
               ? program_settings_answer(*result.settings, result.cycle_time, result.has_today)
               : ""};
+}
+
+std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most) {
+  std::int64_t count = 0, seen = 0, before = -1;
+  motion.samples([&](std::int64_t, const double*, const double*) { ++count; });
+  const std::int64_t every = std::max<std::int64_t>(1, (count + most - 1) / most);
+  const double longest = std::max(1.0, motion.cycle_time / motion.sample_period / static_cast<double>(most));
+  std::vector<std::int64_t> drawn;
+  motion.samples([&](std::int64_t k, const double*, const double*) {
+    const bool far = static_cast<double>(k - before) > longest;
+    if (far && drawn.back() != before) drawn.push_back(before);
+    if (far || seen % every == 0 || seen + 1 == count) drawn.push_back(k);
+    ++seen, before = k;
+  });
+  return drawn;
 }
 
 void visit_velocities(const Machine& machine, const ProgramMotion& motion, const VelocityVisitor& visit) {
@@ -142,17 +168,22 @@ std::vector<CornerLoss> time_lost(const Toolpath& path, const ProgramMotion& mot
   PathFollower follower(path);
   ProgrammedRests rests(path, motion.sample_period);
   constexpr double at_rest = 1e-9;  // m/s
+  const auto lose = [&](std::ptrdiff_t joint, double slower, std::int64_t samples) {
+    const std::size_t i = joint < 0 ? classes.size() - 1 : of_joint[static_cast<std::size_t>(joint)];
+    classes[i].time += slower * static_cast<double>(samples) * motion.sample_period;
+  };
   std::int64_t before = 0;
   motion.samples([&](std::int64_t k, const double* x, const double* v) {
     std::int64_t passed = k - std::exchange(before, k);
     if (k == 0) return;
-    follower.follow(x, v);
+    const std::int64_t early = nearer_begin(follower, x, v, passed);
     const double speed = speed_of(v, path.dimensions());
     const double slower = 1.0 - speed / block_feed(path, follower.block());
     const std::ptrdiff_t joint = follower.joint();
+    lose(joint - 1, slower, early);
+    passed -= early;
     if (speed < at_rest) passed -= rests.take(joint, passed);
-    const std::size_t i = joint < 0 ? classes.size() - 1 : of_joint[static_cast<std::size_t>(joint)];
-    classes[i].time += slower * static_cast<double>(passed) * motion.sample_period;
+    lose(joint, slower, passed);
   });
   return classes;
 }

@@ -45,17 +45,17 @@ double fastest_feed_move(const Toolpath& path, const ProgramMotion& motion) {
   return fastest;
 }
 
-std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMotion& motion, std::int64_t count,
-                   ViewFrom from) {
+std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMotion& motion, ViewFrom from) {
   const ProgramView view = whole_view(path, from);
-  const std::int64_t every = std::max<std::int64_t>(1, (count + page_points_max - 1) / page_points_max);
+  const std::vector<std::int64_t> drawn = drawn_samples(motion, page_points_max);
   std::string t, v, l;
   std::vector<std::string> places(path.dimensions());
   int binding = -1;
-  std::int64_t seen = 0;
+  auto next = drawn.begin();
   visit_velocities(machine, motion, [&](std::int64_t k, const double* at, const double* velocity, int binds) {
     binding = std::max(binding, binds);
-    if (seen++ % every != 0 && seen != count) return;
+    if (next == drawn.end() || k != *next) return;
+    ++next;
     t += fmt::format("{:.6g},", static_cast<double>(k) * motion.sample_period);
     for (std::size_t a = 0; a < places.size(); ++a) places[a] += fmt::format("{:.4f},", at[a] * 1e3);
     v += fmt::format("{:.5g},", speed_of(velocity, places.size()) * 1e3);
@@ -96,8 +96,6 @@ std::string bounds_table(const ProgramMotion& motion) {
 
 std::string program_page(const Toolpath& programmed, const Machine& machine, const ProgramMotion& motion,
                          ViewFrom from) {
-  std::int64_t count = 0;
-  motion.samples([&](std::int64_t, const double*, const double*) { ++count; });
   std::vector<std::vector<std::string>> rows;
   for (const CornerLoss& loss : time_lost(programmed, motion)) {
     if (loss.count == 0) continue;
@@ -115,7 +113,7 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
       "<p id=\"legend\"></p>\n<h2>Time lost against the programmed feed</h2>\n";
   page += html_table({{"turn", "joints", "lost, s", "lost by each, ms"}, rows});
   page += bounds_table(motion);
-  page += "<script>\n" + arrays(programmed, machine, motion, count, from) + std::string(program_script) +
+  page += "<script>\n" + arrays(programmed, machine, motion, from) + std::string(program_script) +
           "</script>\n" + html_foot();
   return page;
 }

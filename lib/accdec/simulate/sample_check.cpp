@@ -77,7 +77,9 @@ double SampleChecker::value_of(const Worst& worst) const {
     case LimitKind::force: return std::abs(force()) - rounded();
     case LimitKind::power: return force() * v - rounded() * std::abs(v) - worst.dv * std::abs(force());
     case LimitKind::regeneration: return -force() * v - rounded() * std::abs(v) - worst.dv * std::abs(force());
+    case LimitKind::force_speed:  // programs refuse it
     case LimitKind::vibration:
+    case LimitKind::residual:
     case LimitKind::corner_error:
     case LimitKind::speed_min:
     case LimitKind::power_total:
@@ -129,6 +131,14 @@ void SampleChecker::look(const double* position, std::int64_t place_first, std::
   places_[2] = places_[1];
   places_[1] = places_[0];
   places_[0] = place_first;
+}
+
+void SampleChecker::pass(std::int64_t count, const double* position) {
+  if (count == 0) return;
+  sample_ += count;
+  before_ = now_;
+  std::copy_n(position, n_, now_.begin());
+  look_joints(places_[0], places_[0]);
 }
 
 /// Rests for as long as a difference of third order reaches back.

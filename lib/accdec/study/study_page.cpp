@@ -92,7 +92,10 @@ std::string limits_html(const Study& study, const Task& task) {
   }
   HtmlTable modes{{"vibration", "residual at most"}, {}};
   for (const Mode& mode : task.machine.modes)
-    modes.rows.push_back({range_of(mode), fmt::format("{:g}", mode.residual_max)});
+    modes.rows.push_back({range_of(mode), mode.of_axis()
+                                              ? fmt::format("{:g} µm of {}", 1e6 * mode.displacement_max,
+                                                            task.machine.axes[static_cast<std::size_t>(mode.axis)].name)
+                                              : fmt::format("{:g}", mode.residual_max)});
   return html_table(axes) + html_table(corners) + (modes.rows.empty() ? "" : html_table(modes));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -22,17 +23,28 @@ inline constexpr double formula_slack = 1.0 + 0.9 * verification_tolerance;
 bool holds_without_blends(const BlendLimits& limits, const Filter& filter, const Task& task,
                           const std::function<bool()>& stop);
 
+/// The delay from which on longer ones change nothing. The phase between the legs still changes what a mode of an axis
+/// is left with. There it is a period of the slowest mode more, and longer delays may hold what none up to it does.
+int last_delay(const Task& task, int motion_order);
+
 /// Checks one corner's blend for one delay after another.
 class BlendCheck {
  public:
   /// @param filter  of the motion: behind the machine's response  @param limits  of the designed filter
   BlendCheck(const Filter& filter, const TaskCorner& corner, const Task& task, const BlendLimits& limits)
-      : filter_(filter), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
+      : filter_(filter),
+        corner_(corner),
+        task_(task),
+        period_(task.sample_period),
+        limits_(limits),
+        command_(limits.command()),
+        legs_(corner.geometry()) {}
 
   bool holds(int delay) {
     // The error first: it takes a few samples, the limits all of them.
     return error_holds(delay) && contour_holds(delay) &&
-           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) && speed_holds(delay);
+           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) && speed_holds(delay) &&
+           residuals_hold(delay);
   }
 
  private:
@@ -45,6 +57,16 @@ class BlendCheck {
     if (!corner_.contour_max) return true;
     const double deviation = measure(Blend(filter_, corner_.geometry(), delay, period_)).contour_deviation;
     return judged_distance(deviation) <= *corner_.contour_max * formula_slack;
+  }
+  /// Modes of axes that both legs move; for others the blend is a start or a stop.
+  bool residuals_hold(int delay) const {
+    return std::all_of(task_.machine.modes.begin(), task_.machine.modes.end(), [&](const Mode& mode) {
+      if (!mode.of_axis()) return true;
+      const auto a = static_cast<std::size_t>(mode.axis);
+      if (legs_.in[a] == 0.0 || legs_.out[a] == 0.0) return true;
+      return residual_utilisation(command_, legs_.in[a], legs_.out[a], delay, period_, mode).utilisation <=
+             formula_slack;
+    });
   }
   bool speed_holds(int delay) const {
     if (!(corner_.speed_min > 0.0)) return true;
@@ -63,8 +85,10 @@ class BlendCheck {
 
   const Filter& filter_;
   const TaskCorner& corner_;
+  const Task& task_;
   double period_;
   const BlendLimits& limits_;
+  const Filter& command_;
   LegVelocities legs_;
   int hint_ = 0;
 };

@@ -25,6 +25,8 @@ class BlendLimits {
   BlendLimits(const Filter& filter, const Machine& machine, double sample_period);
 
   bool any() const { return !limited_.empty(); }
+  /// The designed filter behind the control's smoothing.
+  const Filter& command() const { return filter_; }
   struct Binding {
     LimitKind kind = LimitKind::velocity;
     std::size_t axis = 0;

@@ -117,6 +117,8 @@ double sampled(LimitKind kind, double velocity, double acceleration, double jerk
     case LimitKind::force: return std::abs(force);
     case LimitKind::power: return power;
     case LimitKind::regeneration: return -power;
+    case LimitKind::force_speed:  // left to the simulation
+    case LimitKind::residual:
     case LimitKind::vibration:
     case LimitKind::corner_error:
     case LimitKind::speed_min:

@@ -50,7 +50,11 @@ std::vector<Limit> limits_of(const Task& task, bool each_axis) {
   }
   for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
     const Mode& mode = task.machine.modes[i];
-    limits.push_back({"vibration " + range_of(mode), [i](Task& t) { t.machine.modes[i].residual_max = 1.0; }});
+    limits.push_back(
+        {mode.of_axis()
+             ? "residual " + task.machine.axes[static_cast<std::size_t>(mode.axis)].name + " " + range_of(mode)
+             : "vibration " + range_of(mode),
+         [i](Task& t) { t.machine.modes[i].residual_max = 1.0, t.machine.modes[i].displacement_max = unlimited; }});
   }
   if (task.design.symmetric) limits.push_back({"symmetry", [](Task& t) { t.design.symmetric = false; }});
   return limits;

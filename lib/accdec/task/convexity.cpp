@@ -10,7 +10,7 @@ bool friction_reverses(const Task& task) {
     for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
       const auto a = static_cast<Eigen::Index>(i);
       const Axis& axis = task.machine.axes[i];
-      if (axis.coulomb > 0.0 && axis.force_max < unlimited &&
+      if (axis.coulomb > 0.0 && std::min(axis.force_max, axis.force_speed_max) < unlimited &&
           corner.geometry().direction_in[a] * corner.geometry().direction_out[a] < 0.0)
         return true;
     }

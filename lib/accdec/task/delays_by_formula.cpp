@@ -23,6 +23,22 @@ bool ramps_hold(const BlendLimits& limits, const Task& task) {
   return true;
 }
 
+/// What starts and stops leave the modes of axes with: the faster leg counts.
+bool residuals_of_legs_hold(const Filter& command, const Task& task) {
+  for (const Mode& mode : task.machine.modes) {
+    if (!mode.of_axis()) continue;
+    double fastest = 0.0;
+    for (const TaskCorner& corner : task.corners) {
+      const LegVelocities legs(corner.geometry());
+      const auto a = static_cast<std::size_t>(mode.axis);
+      fastest = std::max({fastest, std::abs(legs.in[a]), std::abs(legs.out[a])});
+    }
+    if (residual_utilisation(command, 0.0, fastest, 0, task.sample_period, mode).utilisation > formula_slack)
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool holds_without_blends(const BlendLimits& limits, const Filter& filter, const Task& task,
@@ -41,7 +57,15 @@ bool holds_without_blends(const BlendLimits& limits, const Filter& filter, const
   for (const LimitUse& use : vibration_utilisation(command, task.sample_period, task.machine, stop)) {
     if (use.utilisation > formula_slack) return false;
   }
-  return true;
+  return residuals_of_legs_hold(command, task);
+}
+
+int last_delay(const Task& task, int motion_order) {
+  double more = 0.0;
+  for (const Mode& mode : task.machine.modes) {
+    if (mode.of_axis()) more = std::max(more, std::ceil(1.0 / (mode.frequency_low * task.sample_period)));
+  }
+  return motion_order + settling + static_cast<int>(std::min(more, 1e6));
 }
 
 std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Task& task, double samples,
@@ -65,7 +89,7 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
   for (std::size_t j = 0; j < delays.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     // From N + 1 on, the legs do not overlap, but the last step of one acceleration still meets the first of the other.
-    const int last = corner.delay.value_or(std::max(delays[j], behind.motion().order() + settling));
+    const int last = corner.delay.value_or(std::max(delays[j], last_delay(task, behind.motion().order())));
     BlendCheck check(behind.motion(), corner, task, limits);
     for (;;) {
       if (stop && stop()) return std::nullopt;

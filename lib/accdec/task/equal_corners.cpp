@@ -18,8 +18,15 @@ bool same(double a, double b) {
 bool same_limits(const Axis& a, const Axis& b) {
   return a.mass == b.mass && a.damping == b.damping && a.coulomb == b.coulomb && a.servo_gain == b.servo_gain &&
          a.velocity_feedforward == b.velocity_feedforward && a.response_taps == b.response_taps &&
+         a.force_speed == b.force_speed &&
          std::all_of(axis_limits.begin(), axis_limits.end(),
                      [&](const AxisLimit& limit) { return a.*limit.bound == b.*limit.bound; });
+}
+
+/// Whether a mode of this axis is bounded.
+bool vibrates(const Machine& machine, std::size_t axis) {
+  return std::any_of(machine.modes.begin(), machine.modes.end(),
+                     [&](const Mode& mode) { return mode.of_axis() && static_cast<std::size_t>(mode.axis) == axis; });
 }
 
 }  // namespace
@@ -34,7 +41,9 @@ bool ask_the_same(const Machine& machine, const TaskCorner& a, const TaskCorner&
   std::vector<char> taken(static_cast<std::size_t>(h.axes()), 0);
   const auto matches = [&](Eigen::Index x, Eigen::Index y) {
     const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
-    if (taken[j] != 0 || (i != j && !same_limits(machine.axes[i], machine.axes[j]))) return false;
+    if (taken[j] != 0) return false;
+    if (i != j && (vibrates(machine, i) || vibrates(machine, j) || !same_limits(machine.axes[i], machine.axes[j])))
+      return false;
     return (same(g.direction_in[x], h.direction_in[y]) && same(g.direction_out[x], h.direction_out[y])) ||
            (same(g.direction_in[x], -h.direction_in[y]) && same(g.direction_out[x], -h.direction_out[y]));
   };

@@ -25,11 +25,15 @@ Task granted_limits(Task task) {
   for (Axis& axis : task.machine.axes) {
     for (const AxisLimit& limit : axis_limits) axis.*limit.bound *= wider;
     // A sample that counts as standing has no dry friction against it, but little acceleration.
-    if (axis.coulomb > 0.0) axis.force_max += still_part * fastest * axis.mass / task.sample_period;
+    if (axis.coulomb == 0.0) continue;
+    const double standing = still_part * fastest * axis.mass / task.sample_period;
+    axis.force_max += standing, axis.force_speed_max += standing;
   }
   task.machine.power_total_max *= wider, task.machine.regeneration_total_max *= wider;
-  for (Mode& mode : task.machine.modes)
+  for (Mode& mode : task.machine.modes) {
     mode.residual_max = std::max(mode.residual_max * wider, residual_floor) + rounding_of_residual;
+    mode.displacement_max = mode.displacement_max * wider + rounding_of_distance;
+  }
   for (TaskCorner& corner : task.corners) {
     if (corner.error_max) corner.error_max = granted_error(*corner.error_max);
     if (corner.contour_max) corner.contour_max = granted_error(*corner.contour_max);

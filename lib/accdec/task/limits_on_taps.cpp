@@ -9,7 +9,7 @@ std::shared_ptr<const Task> limits_on_taps(const Task& whole) {
   const auto reduced = std::make_shared<Task>(whole);
   Task& task = *reduced;
   for (Axis& axis : task.machine.axes) {
-    axis.force_max = axis.power_max = axis.regeneration_max = unlimited;
+    axis.force_max = axis.power_max = axis.regeneration_max = axis.force_speed_max = unlimited;
     if (response.prefilter_order() > 0) axis.acceleration_max = axis.jerk_max = unlimited;
   }
   if (response.prefilter_order() > 0) task.machine.modes.clear();

@@ -41,6 +41,29 @@ double force_at(const SampledMotion& m, const Axis& axis, Eigen::Index a, int ro
   return moving > 0.0 ? std::max(0.0, moving - axis.coulomb) : std::min(0.0, moving + axis.coulomb);
 }
 
+double first_of_curve(const Axis& axis) {
+  return axis.force_speed.empty() ? 0.0 : axis.force_speed.front().force;
+}
+
+/// How far out a speed and a force are on their ray from the origin, as part of the way to the force-speed curve.
+double part_of_curve(const Axis& axis, double velocity, double force) {
+  const double v = std::abs(velocity), f = std::abs(force);
+  if (v == 0.0 && f == 0.0) return 0.0;
+  // Corners of what is allowed: from the force at standstill along the curve, and down to the last speed.
+  std::vector<SpeedForce> outline{{0.0, first_of_curve(axis)}};
+  outline.insert(outline.end(), axis.force_speed.begin(), axis.force_speed.end());
+  if (outline.back().speed > 0.0) outline.push_back({outline.back().speed, 0.0});
+  for (std::size_t i = 0; i + 1 < outline.size(); ++i) {
+    const SpeedForce &a = outline[i], &b = outline[i + 1];
+    // The ray is between the two: their cross products with it have different signs.
+    if (a.speed * f - a.force * v > 0.0 || b.speed * f - b.force * v < 0.0) continue;
+    const double across = (b.speed - a.speed) * f - (b.force - a.force) * v,
+                 twice_area = b.speed * a.force - a.speed * b.force;
+    if (twice_area > 0.0) return across / twice_area;
+  }
+  return unlimited;
+}
+
 /// Uses of the supply that the axes share.
 void supply_uses(const SampledResponse& m, const Machine& machine, const std::string& corner, double still,
                  std::vector<LimitUse>& out) {
@@ -92,12 +115,15 @@ double axis_quantity(LimitKind kind, const SampledResponse& r, const Axis& axis,
     case LimitKind::force: return std::abs(force);
     case LimitKind::power: return force * m.velocity(row, a);
     case LimitKind::regeneration: return -force * m.velocity(row, a);
+    case LimitKind::force_speed: return first_of_curve(axis) * part_of_curve(axis, m.velocity(row, a), force);
     case LimitKind::vibration:
     case LimitKind::corner_error:
     case LimitKind::speed_min:
     case LimitKind::power_total:
     case LimitKind::regeneration_total:
-    case LimitKind::contour: break;  // of no one axis; named so that the compiler reports a missing new one
+    case LimitKind::residual:
+    case LimitKind::contour:
+      break;  // of no one axis, or of no sample; named so that the compiler reports a missing new one
   }
   return 0.0;
 }

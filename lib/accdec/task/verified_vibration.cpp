@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <accdec/task/verified_vibration.hpp>
@@ -10,13 +11,15 @@ namespace {
 
 /// The worst place of a mode, by grids of frequencies and damping ratios. It does not use that the worst is on the
 /// edge.
+template <class Left>
 class Scan {
  public:
-  Scan(const Filter& filter, const Mode& mode, double period) : filter_(filter), mode_(mode), period_(period) {
-    use_.kind = LimitKind::vibration;
-    use_.bound = mode.residual_max;
+  /// @param left_at  what is left at a frequency and a damping ratio  @param hits  samples on which it depends
+  Scan(Left left_at, const Mode& mode, double period, std::size_t hits) : left_at_(std::move(left_at)), mode_(mode) {
+    use_.kind = mode.of_axis() ? LimitKind::residual : LimitKind::vibration;
+    use_.bound = mode.of_axis() ? mode.displacement_max : mode.residual_max;
     use_.frequency = mode.frequency_low, use_.damping = mode.damping_low;
-    const double taps = period * (filter.order() + 1.0);
+    const double taps = period * static_cast<double>(hits);
     // The response is band-limited to N T. Grid points are a sixteenth of its shortest ripple apart. So a parabola
     // through three of them locates a peak precisely enough that the amplitude does not change.
     const double band = mode.frequency_high - mode.frequency_low, ratios = mode.damping_high - mode.damping_low;
@@ -36,7 +39,7 @@ class Scan {
  private:
   /// Also beside the mode's ranges, where it does not count.
   double left(double frequency, double damping) {
-    const double r = amplitude_left(filter_, frequency, damping, period_);
+    const double r = left_at_(frequency, damping);
     const bool counts = frequency >= mode_.frequency_low && frequency <= mode_.frequency_high &&
                         damping >= mode_.damping_low && damping <= mode_.damping_high;
     if (counts && r > use_.value) use_.value = r, use_.frequency = frequency, use_.damping = damping;
@@ -67,22 +70,21 @@ class Scan {
     }
   }
 
-  const Filter& filter_;
+  Left left_at_;
   const Mode& mode_;
-  double period_;
   LimitUse use_{};
 };
 
 }  // namespace
 
-double amplitude_left(const Filter& filter, double frequency, double damping, double period) {
+double amplitude_left(std::span<const double> hits, double frequency, double damping, double period) {
   // x'' + 2 z w x' + w^2 x = 0 between taps, solved exactly; a tap changes x' at once. u is x' over the frequency of
   // the damped vibration.
   const double w = 2.0 * std::numbers::pi * frequency, damped = w * std::sqrt((1.0 - damping) * (1.0 + damping));
   const double k = damping * w / damped, fall = std::exp(-damping * w * period);
   const double c = fall * std::cos(damped * period), s = fall * std::sin(damped * period);
   double x = 0.0, u = 0.0;
-  for (const double b : filter.taps()) {
+  for (const double b : hits) {
     const double before = x;
     x = (c + k * s) * x + s * u;
     u = (c - k * s) * u - (1.0 + k * k) * s * before + b;
@@ -91,11 +93,47 @@ double amplitude_left(const Filter& filter, double frequency, double damping, do
 }
 
 LimitUse verified_vibration(const Filter& filter, const Mode& mode, double period) {
-  LimitUse use = Scan(filter, mode, period).use();
+  const auto left = [&](double f, double z) { return amplitude_left(filter.taps(), f, z, period); };
+  LimitUse use = Scan(left, mode, period, filter.taps().size()).use();
   use.utilisation = utilisation_of(use.kind, use.value, use.bound);
   // A residual bound of 0 holds if the residual is 0 up to rounding.
   if (use.bound == 0.0 && use.value < 1e-12) use.utilisation = 0.0;
   return use;
+}
+
+std::vector<double> velocity_changes(const SampledMotion& motion, Event event, std::size_t axis, int order, int delay,
+                                     const Corner& legs) {
+  const auto a = static_cast<Eigen::Index>(axis);
+  const bool later = event == Event::blend && legs.direction_out[a] != 0.0;
+  const int zero = event == Event::start ? motion.start : event == Event::blend ? motion.corner : motion.stop;
+  std::vector<double> changes;
+  for (int k = 1; k <= order + 1 + (later ? delay : 0); ++k)
+    changes.push_back(motion.velocity(zero + k, a) - motion.velocity(zero + k - 1, a));
+  return changes;
+}
+
+double displacement_left(std::span<const double> changes, double frequency, double damping, double period) {
+  const double damped = 2.0 * std::numbers::pi * frequency * std::sqrt((1.0 - damping) * (1.0 + damping));
+  return amplitude_left(changes, frequency, damping, period) / damped;
+}
+
+LimitUse verified_residual(const SampledMotion& command, const Mode& mode, const Machine& machine,
+                           const TaskCorner& corner, int order, int delay, double period) {
+  LimitUse worst;
+  for (const Event event : {Event::start, Event::blend, Event::stop}) {
+    const std::vector<double> changes =
+        velocity_changes(command, event, static_cast<std::size_t>(mode.axis), order, delay, corner.geometry());
+    const auto left = [&](double f, double z) { return displacement_left(changes, f, z, period); };
+    LimitUse use = Scan(left, mode, period, changes.size()).use();
+    use.event = event;
+    use.sample = static_cast<std::int64_t>(changes.size());
+    // Among events that differ only by rounding, readers expect the first.
+    if (event == Event::start || use.value > worst.value * (1.0 + 1e-12)) worst = use;
+  }
+  worst.axis = machine.axes[static_cast<std::size_t>(mode.axis)].name;
+  worst.corner = corner.name;
+  worst.utilisation = utilisation_of(worst.kind, worst.value, worst.bound);
+  return worst;
 }
 
 }  // namespace accdec

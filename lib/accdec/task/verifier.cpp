@@ -85,6 +85,11 @@ double settling_time(const SampledMotion& m, const TaskCorner& corner, int order
   return samples * period;
 }
 
+/// Order of the filter behind the control's smoothing.
+int command_order(const Filter& filter, const Machine& machine) {
+  return filter.order() + std::max(0, static_cast<int>(machine.prefilter_taps.size()) - 1);
+}
+
 struct Measures {
   std::vector<LimitUse> uses;
   std::vector<CornerResult> corners;
@@ -118,6 +123,11 @@ void measure_corner(const Task& task, const Filter& filter, const TaskCorner& co
   if (corner.contour_max) {
     out.uses.push_back(make_use(LimitKind::contour, "", corner.name,
                                 {measured.contour_deviation, Event::blend, worst.contour}, *corner.contour_max));
+  }
+  for (const Mode& mode : task.machine.modes) {
+    if (!mode.of_axis()) continue;
+    out.uses.push_back(verified_residual(sampled.command, mode, task.machine, corner,
+                                         command_order(filter, task.machine), delay, task.sample_period));
   }
 }
 
@@ -168,7 +178,9 @@ VerificationReport verify_by_simulation(const Task& task, const Filter& filter, 
   auto [uses, measured] = measure_corners(task, filter, delays, parts);
   if (!task.machine.modes.empty()) {
     const Filter command = smoothed_filter(filter, task.machine);
-    for (const Mode& mode : task.machine.modes) uses.push_back(verified_vibration(command, mode, task.sample_period));
+    for (const Mode& mode : task.machine.modes) {
+      if (!mode.of_axis()) uses.push_back(verified_vibration(command, mode, task.sample_period));
+    }
   }
 
   VerificationReport report;
@@ -193,7 +205,7 @@ Task corner_alone(const Task& task, const TaskCorner& corner) {
   Task alone;
   alone.sample_period = task.sample_period;
   alone.machine = task.machine;
-  alone.machine.modes.clear();
+  std::erase_if(alone.machine.modes, [](const Mode& mode) { return !mode.of_axis(); });
   alone.corners = {corner};
   return alone;
 }
@@ -201,7 +213,7 @@ Task corner_alone(const Task& task, const TaskCorner& corner) {
 double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use,
                    const std::vector<double>& parts) {
   if (use.kind == LimitKind::vibration)
-    return amplitude_left(smoothed_filter(filter, task.machine), use.frequency, use.damping, task.sample_period);
+    return amplitude_left(smoothed_filter(filter, task.machine).taps(), use.frequency, use.damping, task.sample_period);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].name != use.corner) continue;
     const SampledResponse sampled = simulate_response(filter, task.corners[j].geometry(), delays[j], task.sample_period,
@@ -217,6 +229,13 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
       for (int at = row; at <= std::min<int>(row + 1, static_cast<int>(m.position.rows()) - 1); ++at)
         contour.add(m.position.row(at).transpose(), at);
       return contour.deviation();
+    }
+    if (use.kind == LimitKind::residual) {
+      std::size_t a = 0;
+      while (a + 1 < task.machine.axes.size() && task.machine.axes[a].name != use.axis) ++a;
+      return displacement_left(velocity_changes(sampled.command, use.event, a, command_order(filter, task.machine),
+                                                delays[j], task.corners[j].geometry()),
+                               use.frequency, use.damping, task.sample_period);
     }
     const double still = still_speed(task.corners[j].geometry());
     if (use.kind == LimitKind::power_total) return total_power(m, task.machine, row, still);
@@ -277,7 +296,10 @@ std::string describe(const LimitUse& use) {
   text +=
       use.utilisation < unlimited ? fmt::format(": {:.1f} %", 100.0 * use.utilisation) : ": more than its bound of 0";
   if (use.kind == LimitKind::vibration) return text + " " + place_of_vibration(use, 4);
-  text += fmt::format(" at k = {} of the {}", use.sample, to_string(use.event));
+  if (use.kind == LimitKind::residual)
+    text += fmt::format(" {} behind the {}", place_of_vibration(use, 4), to_string(use.event));
+  else
+    text += fmt::format(" at k = {} of the {}", use.sample, to_string(use.event));
   if (!use.corner.empty()) text += ", corner " + use.corner;
   return text;
 }

@@ -29,16 +29,20 @@ struct TapDifference {
   LimitKind limit = LimitKind::jerk;
   bool operator==(const TapDifference&) const = default;
 };
-/// Force of one axis at the start along leg 1 or the stop along leg 2.
+/// Force of one axis at the start along leg 1 or the stop along leg 2: below `force_max`, or below one line of the
+/// force-speed curve.
 struct EventForce {
   bool stop = false;
   int axis = 0, sample = 0;
+  int line = -1;  ///< of the curve, from its first; -1: force_max
   bool operator==(const EventForce&) const = default;
 };
 /// A limit of one axis while the legs overlap: of the acceleration, of differences of it, or of the force.
 struct Blend {
   LimitKind limit = LimitKind::acceleration;
   int corner = 0, axis = 0, sample = 0, sign = 1;
+  int line = 0;       ///< of LimitKind::force_speed: as above
+  int direction = 1;  ///< of LimitKind::force_speed: sign of the speed that counts
   bool operator==(const Blend&) const = default;
 };
 /// The corner error seen in one direction.
@@ -72,12 +76,13 @@ struct Contour {
 struct Budget {
   bool operator==(const Budget&) const = default;
 };
-/// Residual vibration of a mode, seen at one phase.
+/// Residual vibration of a mode, seen at one phase. A mode of an axis is bounded at starts and stops, or at one blend.
 struct Vibration {
   int mode = 0;
   double frequency = 0.0;  ///< Hz
   double angle = 0.0;      ///< rad
   double damping = 0.0;    ///< damping ratio
+  int corner = -1;         ///< of a mode of an axis: whose blend; -1: the starts and stops
   bool operator==(const Vibration&) const = default;
 };
 /// Chord of the power of one axis at the start, or of its regeneration at the stop, over the speeds low .. high (m/s).

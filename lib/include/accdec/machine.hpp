@@ -17,6 +17,13 @@ namespace accdec {
 /// "No such limit."
 inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 
+/// A point of a force-speed curve.
+struct SpeedForce {
+  double speed = 0.0;  ///< m/s
+  double force = 0.0;  ///< N
+  bool operator==(const SpeedForce&) const = default;
+};
+
 /// One machine axis: plant and limits in SI. Limits are > 0 or `unlimited`; mass and damping are finite and >= 0.
 struct Axis {
   std::string name;
@@ -32,17 +39,31 @@ struct Axis {
   double velocity_feedforward = 0.0;    ///< 0 .. 1, of the same
   std::vector<double> response_taps{};  ///< of sum 1, measured, instead of a gain; empty: none
   double coulomb = 0.0;                 ///< N, dry friction against the motion: F = m a' + c V' + coulomb sign(V')
+  /// Force |F| that the drive has at a speed |V'|: straight from point to point, constant below the first, nothing
+  /// beyond the last. Speeds rise from >= 0, forces fall, and the curve is concave. Empty: no curve.
+  std::vector<SpeedForce> force_speed{};
+  /// N, on the force of a sample that is scaled to standstill (machine/force_speed.hpp): the curve's first force, or
+  /// `unlimited` without a curve.
+  double force_speed_max = unlimited;
 };
 
-/// Residual vibration bound: |sum_i b_i exp(-(z w + j w sqrt(1 - z^2)) (N - i) T)| <= residual_max, w = 2 pi f. For all
-/// undamped natural frequencies f and damping ratios z of the two ranges. The left side is the amplitude at the last
-/// tap, over that of an unfiltered step (Singer and Seering, J. Dyn. Syst. Meas. Control 112, 1990).
+/// Residual vibration bound of the filter: |sum_i b_i exp(-(z w + j w sqrt(1 - z^2)) (N - i) T)| <= residual_max, w = 2
+/// pi f. For all undamped natural frequencies f and damping ratios z of the two ranges. The left side is the amplitude
+/// at the last tap, over that of an unfiltered step (Singer and Seering, J. Dyn. Syst. Meas. Control 112, 1990).
+///
+/// With an axis the bound is on the amplitude in metres instead, of starts, blends and stops. Both legs of a blend
+/// count with their phase. Legs at v1 and v2 with a delay d leave |v2 - v1 exp(-(z w + j w_d) d T)| / w_d of the above.
+/// Here w_d = w sqrt(1 - z^2). A start or stop is a blend from or to rest.
 struct Mode {
   double frequency_low = 0.0;   ///< Hz, > 0
   double frequency_high = 0.0;  ///< Hz, >= frequency_low
   double residual_max = 0.0;    ///< 0 <= residual_max; 1 or more never binds
   double damping_low = 0.0;     ///< damping ratio, 0 <= damping_low <= damping_high < 1
   double damping_high = 0.0;
+  int axis = -1;                        ///< index of the axis that vibrates; -1: the bound is `residual_max`
+  double displacement_max = unlimited;  ///< m, with an axis, whose `residual_max` is 1
+  /// Whether the bound is in metres, of one axis.
+  bool of_axis() const { return axis >= 0; }
   /// Whether an undamped vibration is one of those bounded.
   bool undamped() const { return damping_low == 0.0; }
 };
@@ -68,7 +89,9 @@ enum class LimitKind {
   speed_min,
   power_total,
   regeneration_total,
-  contour
+  contour,
+  residual,
+  force_speed
 };
 
 /// Name and unit of every kind of limit. Tasks, results and tables all take them from here.
@@ -78,7 +101,7 @@ struct LimitName {
   std::string_view unit;  ///< for people
   double per_si;          ///< value in `unit` = per_si * value in SI
 };
-inline constexpr std::array<LimitName, 12> limit_names{{
+inline constexpr std::array<LimitName, 14> limit_names{{
     {LimitKind::velocity, "velocity", "mm/s", 1e3},
     {LimitKind::acceleration, "acceleration", "mm/s^2", 1e3},
     {LimitKind::jerk, "jerk", "mm/s^3", 1e3},
@@ -91,12 +114,18 @@ inline constexpr std::array<LimitName, 12> limit_names{{
     {LimitKind::power_total, "power_total", "W", 1.0},                ///< all axes together, motoring
     {LimitKind::regeneration_total, "regeneration_total", "W", 1.0},  ///< all axes together, braking
     {LimitKind::contour, "contour", "um", 1e6},                       ///< distance of the path from the programmed legs
+    {LimitKind::residual, "residual", "um", 1e6},       ///< amplitude that a mode of one axis is left with
+    {LimitKind::force_speed, "force_speed", "N", 1.0},  ///< a force at a speed, scaled to standstill
 }};
 constexpr const LimitName& limit_name(LimitKind kind) {
   return limit_names[static_cast<std::size_t>(kind)];
 }
 constexpr std::string_view to_string(LimitKind kind) {
   return limit_name(kind).name;
+}
+/// Whether a limit is on what a mode is left with, so that its use has a frequency and a damping ratio.
+constexpr bool of_mode(LimitKind kind) {
+  return kind == LimitKind::vibration || kind == LimitKind::residual;
 }
 
 /// The three events of every corner on which the axis limits hold; k counts from the last sample before each begins.
@@ -119,8 +148,8 @@ struct LimitUse {
   double bound = 0.0;  ///< SI
   double utilisation = 0.0;
   std::int64_t sample = 0;  ///< k of the worst sample within its event; of a program: counted from its start
-  double frequency = 0.0;   ///< Hz, the worst frequency; vibration only
-  double damping = 0.0;     ///< the worst damping ratio; vibration only
+  double frequency = 0.0;   ///< Hz, the worst frequency; of modes only
+  double damping = 0.0;     ///< the worst damping ratio; of modes only
   std::uint32_t line = 0;   ///< of a program: of the block where it occurred; 0 for vibration, and in tasks
 };
 
@@ -136,12 +165,21 @@ std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corne
 /// Residual vibration of a filter at frequency f in Hz and damping ratio z, see `Mode`: 0 .. 1.
 double residual_vibration(const Filter& filter, double frequency, double sample_period, double damping = 0.0);
 
-/// The worst frequency and damping of every mode. Without damping by branch and bound from a grid finer than the
-/// response's ripples, O((N + 1) * grid), grid = 8 (N + 1) T (high - low). With damping on the edges of the rectangle
-/// of frequencies and damping ratios, as the largest value of an analytic function is on the edge.
+/// The worst frequency and damping of every mode that is not of an axis. Without damping by branch and bound from a
+/// grid finer than the response's ripples, O((N + 1) * grid), grid = 8 (N + 1) T (high - low). With damping on the
+/// edges of the rectangle of frequencies and damping ratios, as the largest value of an analytic function is on the
+/// edge.
 /// @param stop  polled at every frequency; when it returns true, the result so far is used, which may be too small
 /// @throws std::invalid_argument on a band, a damping ratio or a sample period out of range.
 std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_period, const Machine& machine,
                                             const std::function<bool()>& stop = {});
+
+/// Amplitude, m, that a mode of an axis is left with behind a blend from v1 to v2 m/s, see `Mode`. @param delay  >= 0
+double residual_amplitude(const Filter& filter, double v1, double v2, int delay, double frequency, double sample_period,
+                          double damping = 0.0);
+
+/// The worst frequency and damping of one mode of an axis behind such a blend, on the edges as above.
+LimitUse residual_utilisation(const Filter& filter, double v1, double v2, int delay, double sample_period,
+                              const Mode& mode);
 
 }  // namespace accdec

@@ -55,14 +55,18 @@ std::vector<ExportedLimit> limits_of(const DesignResult& result) {
   // Vibrations have neither axis nor corner: a result lists them in the order of the task's modes.
   auto vibration = result.limits.begin();
   for (const Mode& mode : task.machine.modes) {
-    ExportedLimit limit = limit_of(uses, LimitKind::vibration, "", "", mode.residual_max);
+    ExportedLimit limit = mode.of_axis() ? limit_of(uses, LimitKind::residual,
+                                                    task.machine.axes[static_cast<std::size_t>(mode.axis)].name, "",
+                                                    mode.displacement_max)
+                                         : limit_of(uses, LimitKind::vibration, "", "", mode.residual_max);
     limit.frequency.push_back(mode.frequency_low);
     if (mode.frequency_high > mode.frequency_low) limit.frequency.push_back(mode.frequency_high);
     if (mode.damping_high > 0.0) limit.damping.push_back(mode.damping_low);
     if (mode.damping_high > mode.damping_low) limit.damping.push_back(mode.damping_high);
-    vibration = std::find_if(vibration, result.limits.end(),
-                             [](const LimitUse& use) { return use.kind == LimitKind::vibration; });
-    if (vibration != result.limits.end()) limit.used = (vibration++)->utilisation;
+    if (!mode.of_axis())
+      vibration = std::find_if(vibration, result.limits.end(),
+                               [](const LimitUse& use) { return use.kind == LimitKind::vibration; });
+    if (!mode.of_axis() && vibration != result.limits.end()) limit.used = (vibration++)->utilisation;
     limits.push_back(std::move(limit));
   }
   for (const TaskCorner& corner : task.corners) {

@@ -40,7 +40,17 @@ Repair::Repair(Toolpath& path, const Filter& filter, double sample_period, const
       errors_(errors),
       scratch_(path.blocks(), 0.0),
       apart_(filter.order() + 2),
-      settled_(behind_.motion().order() + 2) {}
+      settled_(behind_.motion().order() + 2) {
+  if (machine != nullptr) limits_.emplace(filter, *machine, sample_period);
+}
+
+double Repair::start_factor(std::size_t block) const {
+  const std::size_t n = path_.dimensions();
+  const double* p = path_.point(block);
+  std::vector<double> velocity(n);
+  for (std::size_t a = 0; a < n; ++a) velocity[a] = (p[n + a] - p[a]) / path_.duration[block];
+  return limits_->start_factor(velocity.data());
+}
 
 bool Repair::slow_around(std::size_t joint, double factor, RepairWork& work) const {
   const std::size_t before = work.slow.size();
@@ -90,7 +100,10 @@ void Repair::blame(std::uint32_t block, RepairWork& work) const {
   }
   if (on_curve) return;
   for (std::size_t slow = b; slow <= block; ++slow) {
-    if (path_.duration[slow] < apart_ * timing_.sample_period()) work.slow.push_back({slow, slower});
+    if (path_.duration[slow] < apart_ * timing_.sample_period())
+      work.slow.push_back({slow, slower});
+    else if (const double factor = start_factor(slow); factor < 1.0)
+      work.slow.push_back({slow, 1.0 / factor});
   }
 }
 

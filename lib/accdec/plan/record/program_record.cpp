@@ -91,9 +91,21 @@ class Reader {
     r.corners = json_["corners"]["count"].integer<std::size_t>();
     r.worst_error = json_["corners"]["worst_error_m"].number();
     for (const Value& limit : json_["limits"].elements()) r.check.limits.push_back(limit_use(limit));
-    if (!json_.has("servo")) return;
-    const Value servo = json_["servo"];
-    r.servo = {servo["settling_s"].number(), servo["within_m"].number(), servo["stop_error_m"].number()};
+    if (json_.has("servo")) {
+      const Value servo = json_["servo"];
+      r.servo = {servo["settling_s"].number(), servo["within_m"].number(), servo["stop_error_m"].number()};
+    }
+    if (!json_.has("estimates")) return;
+    for (const Value& estimate : json_["estimates"].elements()) read_estimate(estimate);
+  }
+
+  /// Only its settings: the rest follows.
+  void read_estimate(const Value& json) {
+    ControlEstimate& estimate = record_.result.estimates.emplace_back();
+    estimate.control = json["control"].text();
+    for (const Value& one : json["parameters"].elements())
+      estimate.parameters.push_back(
+          {one["name"].text(), one["unit"].text(), one["value"].number(), one["from"].text()});
   }
 
   void read_bounds() {

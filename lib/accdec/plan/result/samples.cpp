@@ -38,11 +38,11 @@ void SampleTable::flush() {
   text_.clear();
 }
 
-void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Rests rests, MotionOf of) {
+void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Steady steady, MotionOf of) {
   Motion motion(result.plan, result.sample_period, of == MotionOf::servo);
   for (Sample sample; motion.next(sample);) {
     visit(sample.number, sample.position.data(), sample.velocity.data());
-    if (rests == Rests::passed) motion.pass_rest();
+    if (steady == Steady::passed) motion.pass_steady();
   }
 }
 

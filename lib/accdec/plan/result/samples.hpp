@@ -43,12 +43,13 @@ class SampleTable {
 
 /// Takes sample k: positions in m, velocities in m/s, one per dimension of the path.
 using SampleVisitor = std::function<void(std::int64_t k, const double* position, const double* velocity)>;
-/// Which samples are visited: all, or of long rests only the beginning and the end.
-enum class Rests { whole, passed };
+/// Which samples are visited: all, or of long rests and of steady motion only the beginning and the end. There the
+/// numbers of the samples jump, and the motion goes straight on at one speed from one to the next.
+enum class Steady { whole, passed };
 /// The command, which controllers are sent, or what the servo of the axes makes of it.
 enum class MotionOf { command, servo };
 /// Every sample from the start, which is sample 0, to the first at rest.
-void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Rests rests = Rests::whole,
+void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Steady steady = Steady::whole,
                    MotionOf of = MotionOf::command);
 
 /// From the first sample to the first at rest of the command, with the motion behind a servo.

@@ -24,7 +24,7 @@ std::optional<ServoReport> servo_report(const ProgramResult& result) {
     for (std::size_t a = 0; a < path.dimensions(); ++a) square += (position[a] - end[a]) * (position[a] - end[a]);
     if (std::sqrt(square) > report.within) settled = k + 1;
   };
-  visit_samples(result, look, Rests::passed, MotionOf::servo);
+  visit_samples(result, look, Steady::passed, MotionOf::servo);
   report.settling =
       static_cast<double>(std::max<std::int64_t>(0, settled - result.check.samples)) * result.sample_period;
   return report;

@@ -326,7 +326,7 @@ SampleCheck look_at(const Plan& plan, double period, const Machine& machine, std
   SampleChecker checker(path, machine, period, errors, {});
   if (!trajectory.is_free()) {
     ProfileMotion motion(path, trajectory.chain, period, trajectory.last);
-    for (; motion.next(); checker.rest(motion.pass_rest()))
+    for (; motion.next(); checker.pass(motion.pass_steady(), motion.position()))
       checker.look(motion.position(), motion.place_first(), motion.place_last());
     return checker.finish();
   }

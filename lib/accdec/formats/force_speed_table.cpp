@@ -1,0 +1,57 @@
+#include <fmt/format.h>
+
+#include <accdec/formats/force_speed_table.hpp>
+#include <accdec/machine/limits.hpp>
+
+namespace accdec {
+namespace {
+
+using toml_input::Table;
+
+/// N s/m, how fast the curve falls behind a point.
+double fall(const std::vector<SpeedForce>& curve, std::size_t i) {
+  return (curve[i].force - curve[i + 1].force) / (curve[i + 1].speed - curve[i].speed);
+}
+
+/// Straight points given in decimals may be off by rounding.
+constexpr double rounding = 1.0 - 1e-9;
+
+}  // namespace
+
+Key force_speed_of_files() {
+  return {.name = std::string(force_speed_key),
+          .type = KeyType::numbers,
+          .meaning = "largest force by speed, [[mm/s, N], ..]: straight in between, nothing beyond the last",
+          .unit = "mm/s and N",
+          .range = {0.0, 1e8},
+          .least = 2,
+          .most = 100,
+          .fallback = "no limit",
+          .example = "[[0, 500], [200, 400], [400, 200]]",
+          .pairs = true};
+}
+
+void read_force_speed(const Table& table, Axis& axis) {
+  static const Key speed{.name = "speed", .unit = "mm/s"};
+  std::vector<SpeedForce>& curve = axis.force_speed;
+  for (const auto& [v, f] : table.pairs(force_speed_key)) curve.push_back({to_si(speed, v), f});
+  if (curve.empty()) return;
+  if (!(curve.front().force > 0.0)) table.fail_at(force_speed_key, 0, "`force_speed_N` begins without any force");
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    if (!(curve[i].speed > curve[i - 1].speed))
+      table.fail_at(force_speed_key, i, "`force_speed_N`: speeds must rise from point to point");
+    if (curve[i].force > curve[i - 1].force)
+      table.fail_at(force_speed_key, i, "`force_speed_N`: forces must not rise from point to point");
+  }
+  for (std::size_t i = 1; i + 1 < curve.size(); ++i) {
+    if (fall(curve, i) < rounding * fall(curve, i - 1))
+      table.fail_at(force_speed_key, i,
+                    fmt::format("`force_speed_N`: the curve falls less behind {:g} mm/s than before it; allowed is one "
+                                "that falls more and more. A branch of constant power is `power_max_W` beside "
+                                "`force_max_N`",
+                                1e3 * curve[i].speed));
+  }
+  axis.force_speed_max = curve.front().force;
+}
+
+}  // namespace accdec
