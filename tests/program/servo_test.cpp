@@ -1,4 +1,5 @@
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -95,7 +96,7 @@ double largest_force(const std::vector<std::vector<double>>& rows, std::size_t a
 
 TEST(ProgramServo, ErrorsAndLoadsAreThoseOfTheLoop) {
   const Filter filter = trapezoid(40, 10);
-  for (const auto& [gain, feedforward] : {std::pair{200.0, 0.0}, {100.0, 0.7}, {400.0, 0.0}}) {
+  for (const auto& [gain, feedforward] : std::map<double, double>{{200.0, 0.0}, {100.0, 0.7}, {400.0, 0.0}}) {
     for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
       const Task task = servo_task(gain, feedforward);
       const ProgramResult result =
@@ -192,7 +193,7 @@ TEST_F(ServoCommand, BoundsStopsWhereTheTaskDoes) {
   EXPECT_LE(number_of("bounded.json", "stop_error_m"), 5e-6 * (1 + 1e-9));
   EXPECT_GT(number_of("bounded.json", "cycle_time_s"), number_of("free.json", "cycle_time_s"));
   ASSERT_EQ(run("verify bounded.json").code, 0) << read("err") << read("out");
-  // What the stop waits for the servo is written as a dwell.
+  // The wait of the stop for the servo is written as a dwell.
   ASSERT_EQ(run("program e.ngc --task servo.toml --dwells-before-filter --json again.json").code, 0) << read("err");
   EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("bounded.json", "cycle_time_s"), 1.0001e-3);
   EXPECT_LE(number_of("again.json", "stop_error_m"), 5e-6 * (1 + 1e-9));

@@ -217,6 +217,19 @@ DirectMotion behind_servos(const DirectMotion& command, const Machine& machine, 
   return motion;
 }
 
+std::int64_t direct_settling(const DirectMotion& motion, const Toolpath& path, double within) {
+  const double* end = path.point(path.blocks());
+  const std::int64_t from = motion.kept(motion.samples), all = std::ssize(motion.position.front());
+  std::int64_t settled = from;
+  for (std::int64_t k = from; k < all; ++k) {
+    double square = 0.0;
+    for (std::size_t a = 0; a < path.dimensions(); ++a)
+      square += std::pow(motion.position[a][static_cast<std::size_t>(k)] - end[a], 2);
+    if (std::sqrt(square) > within) settled = k + 1;
+  }
+  return settled - from;
+}
+
 double direct_error(const DirectMotion& motion, const Toolpath& path, std::size_t b) {
   const double* joint = path.asked(b + 1);
   const std::size_t n = path.dimensions();

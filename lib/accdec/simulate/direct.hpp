@@ -57,6 +57,10 @@ DirectMotion direct_motion(const Toolpath& path, double sample_period, std::span
 /// @param command  its rests as long as the servos need, see BlockFilters::behind  @param machine  as many axes
 DirectMotion behind_servos(const DirectMotion& command, const Machine& machine, double sample_period);
 
+/// Samples from the end of the command, DirectMotion::samples, until the motion stays within a distance in m of the end
+/// of the path.
+std::int64_t direct_settling(const DirectMotion& motion, const Toolpath& path, double within);
+
 /// Least distance of the motion from the joint at the end of block b within its window, m. For corners and stops it is
 /// the distance of the samples, for the others that of the polyline through them.
 double direct_error(const DirectMotion& motion, const Toolpath& path, std::size_t b);

@@ -375,7 +375,6 @@ struct Sample {
 
 /// The motion of a plan, from rest at its start to the first sample at rest at its end: what controllers are sent, and
 /// what tables, figures and pages show.
-///
 /// It holds only one run of a command (see CommandTiming) and some thousand samples, or one leg of a trajectory.
 class Motion {
  public:
@@ -387,8 +386,7 @@ class Motion {
 
   /// The next sample, the start first; false after the last.
   bool next(Sample& sample);
-  /// After next(): where the motion rests or goes straight on at one speed, passes over those samples but for the last
-  /// ones. The number of the next sample tells how many.
+  /// After next(): passes over samples, but for the last ones, in which the motion rests or goes straight on evenly.
   void pass_steady();
 
  private:

@@ -293,7 +293,7 @@ class Emission {
     if (delay > 0) line("G4 P{}", plain_number(static_cast<double>(delay) * result_.sample_period, 9));
   }
 
-  /// What a stop waits for the servo, beyond the rest of the command.
+  /// The wait of a stop for the servo, beyond the rest of the command.
   void servo_rest(std::size_t b) {
     const int longer = result_.plan.delay(b) - (filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
     if (longer > 0) line("G4 P{}", plain_number(static_cast<double>(longer) * result_.sample_period, 9));

@@ -269,8 +269,7 @@ std::optional<double> time_of_free_taps(const std::string& name, const Toolpath&
                                         const ProgramFileOptions& options) {
   constexpr double longest = 10.0;  // s, for the filter, and as long for the plan
   Task any = task;
-  any.settings.reset();
-  any.filter.reset();
+  any.settings.reset(), any.filter.reset();
   ProgramFileOptions bounded = options;
   bounded.time_limit = std::min(2.0 * std::min(longest, filter_seconds(programmed, options)), options.deadline.left());
   bounded.deadline = options.deadline.within(*bounded.time_limit);

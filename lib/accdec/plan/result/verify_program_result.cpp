@@ -92,6 +92,12 @@ Filter smoothed(const Filter& set, const std::vector<double>& smoothing) {
   return Filter(std::move(taps));
 }
 
+/// The filters, and how long the servos of the axes behind them take.
+BlockFilters with_servo(BlockFilters filters, const Machine& machine, double period) {
+  filters.behind = Response(machine, period).servo_order();
+  return filters;
+}
+
 class CommandCheck {
  public:
   CommandCheck(const ProgramResult& result, const Task& task, const std::optional<BlockFilters>& filters)
@@ -102,7 +108,7 @@ class CommandCheck {
         per_leg_(filters.has_value()),
         filter_(smoothed(command_.set(), task.machine.prefilter_taps)),
         machine_(program_machine(task.machine, path_)),
-        filters_(with_servo(filters.value_or(BlockFilters{{filter_}, {}}))) {}
+        filters_(with_servo(filters.value_or(BlockFilters{{filter_}, {}}), machine_, result.sample_period)) {}
 
   ProgramResultCheck run() {
     const DirectMotion motion = direct_motion(path_, result_.sample_period, command_.delays, filters_);
@@ -114,7 +120,7 @@ class CommandCheck {
     check_delays(motion);
     check_joints(behind);
     check_limits(motion, behind);
-    check_settling(motion, behind);
+    check_settling(behind);
     check_vibration();
     describe(motion, time);
     report_.accepted = report_.reasons.empty();
@@ -128,28 +134,13 @@ class CommandCheck {
     if (report_.reasons.size() < 20) report_.reasons.push_back(std::move(reason));
   }
 
-  BlockFilters with_servo(BlockFilters filters) const {
-    filters.behind = Response(machine_, result_.sample_period).servo_order();
-    return filters;
-  }
-
-  /// The time from the end of the command until the motion stays within a distance of its end.
-  void check_settling(const DirectMotion& command, const DirectMotion& motion) {
+  void check_settling(const DirectMotion& motion) {
     if (!result_.servo) return;
-    const std::size_t end = static_cast<std::size_t>(command.kept(command.samples));
-    std::size_t settled = end;
-    const auto off = [&](std::size_t k) {
-      double square = 0.0;
-      for (std::size_t a = 0; a < path_.dimensions(); ++a)
-        square += std::pow(motion.position[a][k] - path_.point(path_.blocks())[a], 2);
-      return std::sqrt(square);
-    };
-    for (std::size_t k = end; k < motion.position.front().size(); ++k) {
-      if (off(k) > result_.servo->within * (1.0 + rounding)) settled = k + 1;
-    }
-    const double time = static_cast<double>(settled - end) * result_.sample_period;
-    if (std::abs(time - result_.servo->settling) > 1.5 * result_.sample_period)
-      wrong(fmt::format("servo.settling_s is recorded as {:.9g}, found {:.9g}", result_.servo->settling, time));
+    const double recorded = result_.servo->settling, period = result_.sample_period;
+    const double found =
+        period * static_cast<double>(direct_settling(motion, path_, result_.servo->within * (1.0 + rounding)));
+    if (std::abs(recorded - found) > 1.5 * period)
+      wrong(fmt::format("servo.settling_s is recorded as {:.9g}, found {:.9g}", recorded, found));
   }
 
   void check_filter() {
