@@ -145,7 +145,8 @@ void search_family(const Task& task, SettingFamily family, const std::function<b
   ChosenSettings chosen{.family = family, .filter = *found.best()};
   chosen.values = values_of(*task.settings, lengths, task.sample_period);
   if (multiple > 0) chosen.values.push_back(grid_setting(task, family, multiple));
-  if (shaper_of(chosen.filter) != nullptr) chosen.values.push_back(shaper_setting(*task.settings, chosen.filter, task.sample_period));
+  if (shaper_of(chosen.filter) != nullptr)
+    chosen.values.push_back(shaper_setting(*task.settings, chosen.filter, task.sample_period));
   chosen.delays = best.delays.kinds;
   chosen.width = best.delays.width;
   best.chosen = std::move(chosen);

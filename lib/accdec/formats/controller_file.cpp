@@ -223,9 +223,10 @@ Controller find_controller(const std::string& name_or_path) {
 ControllerSettings settings_of(const Controller& controller, double period) {
   const double step = controller.shaper_frequency_step, least = 0.5 / period / most_numbers;
   if (step > 0.0 && step < least)
-    throw std::invalid_argument(fmt::format("its step of {:.6g} Hz gives more than {:.0f} frequencies at a sample "
-                                            "period of {:.6g} ms; the least is {:.6g} Hz",
-                                            step, most_numbers, 1e3 * period, least));
+    throw std::invalid_argument(
+        fmt::format("its step of {:.6g} Hz gives more than {:.0f} frequencies at a sample "
+                    "period of {:.6g} ms; the least is {:.6g} Hz",
+                    step, most_numbers, 1e3 * period, least));
   ControllerSettings settings;
   settings.families = controller.families;
   settings.shaper = controller.shaper;

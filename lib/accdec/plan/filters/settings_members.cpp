@@ -257,7 +257,8 @@ ChosenSettings SettableMembers::chosen(const SettableMember& member) const {
   }
   if (member.family != SettingFamily::one_pole) std::replace(lengths.begin(), lengths.end(), 1, 0);
   chosen.values = values_of(*task_.settings, lengths, task_.sample_period);
-  if (shaper_of(member.spec) != nullptr) chosen.values.push_back(shaper_setting(*task_.settings, member.spec, task_.sample_period));
+  if (shaper_of(member.spec) != nullptr)
+    chosen.values.push_back(shaper_setting(*task_.settings, member.spec, task_.sample_period));
   return chosen;
 }
 
