@@ -31,6 +31,10 @@ using testing::HasSubstr;
 constexpr const char* corners =
     "G21 G90 G64 P0.05\nG1 X30 F3000\nY30\nX50 Y50\nX20\nX0 Y0\nX40 Y10\nX0 Y20\nX30 Y22\nM2\n";
 
+constexpr const char* machine_text =
+    "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n"
+    "jerk_max_mm_s3 = 500000\n[program]\nerror_max_um = 20\n";
+
 Task task_of(std::vector<DelayKind> delays) {
   Task task;
   task.sample_period = 1e-3;
@@ -63,6 +67,8 @@ TEST(ProgramSettings, NoMemberOfTheFamilyIsPlannedFaster) {
   const Toolpath path = test::path_of(corners, task.machine);
   const SettingsForProgram found = settings_for_program(path, task, true, {}, {});
   ASSERT_TRUE(found.best && found.best->complete);
+  // Guesses leave little to plan.
+  EXPECT_LT(found.best->tried, found.best->members / 4);
   double least = unlimited;
   for (int a = 1; a <= task.design.order_max + 1; ++a) {
     for (int b = 1; b <= a && a + b - 2 <= task.design.order_max; ++b)
@@ -104,6 +110,53 @@ TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
   }
 }
 
+/// A control that only lowers feeds: no joint is delayed, and the motion, made directly, holds every tolerance.
+TEST(ProgramSettings, CornerFeedsHoldTolerancesWithoutDelays) {
+  Task task = task_of({DelayKind::corner_feed});
+  task.settings->stages.resize(1);
+  const TemporaryFolder folder;
+  const std::string program = folder.write("part.ngc", corners);
+  ProgramFileOptions options;
+  ProgramFile file = read_program_file(program, task, options, {});
+  const ProgramResult result = run_program_file(program, file, task, options, {});
+  ASSERT_TRUE(result.verification.feasible) << result.message;
+  ASSERT_TRUE(result.settings);
+  const Toolpath& path = result.plan.path;
+  const FilteredCommand& command = *result.plan.command();
+  const DirectMotion motion = direct_motion(path, task.sample_period, command.delays, {{command.filter}, {}});
+  int slowed = 0, whole = 0;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] != Joint::corner) continue;
+    EXPECT_EQ(command.delays[b], 0) << "line " << path.line[b];
+    EXPECT_LE(direct_error(motion, path, b), 50e-6 * (1.0 + 1e-9)) << "line " << path.line[b];
+    const DelayKind kind = result.settings->chosen.delays[b];
+    slowed += kind == DelayKind::corner_feed ? 1 : 0, whole += kind == DelayKind::continuous ? 1 : 0;
+  }
+  EXPECT_GE(slowed, 4);
+  EXPECT_EQ(slowed + whole, 7);
+}
+
+TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
+  write("control.toml",
+        std::string(machine_text) + "[design]\nfamily = \"averages\"\n[controller]\ndelays = \"corner-feed\"\n");
+  write("part.ngc", corners);
+  ASSERT_EQ(run("program part.ngc --task control.toml --time-limit 4 --json r.json --emit e.ngc").code, 0)
+      << read("err");
+  EXPECT_THAT(read("out"), ::testing::ContainsRegex("Set these: .*; corner-feed at [0-9]+ joints"));
+  EXPECT_EQ(read("e.ngc").find("\nG4 "), std::string::npos) << "the control has no dwells";
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out");
+  nlohmann::json record = nlohmann::json::parse(read("r.json"));
+  // As many joints of each kind, but not these.
+  nlohmann::json& kinds = record["settings"]["delays"];
+  std::swap(*std::find(kinds.begin(), kinds.end(), "corner-feed"),
+            *std::find(kinds.begin(), kinds.end(), "continuous"));
+  write("forged.json", record.dump());
+  EXPECT_EQ(run("verify forged.json").code, 1);
+  const Output kept = run("program part.ngc --feeds keep --task control.toml --time-limit 4 --json k.json");
+  EXPECT_EQ(kept.code, 1);
+  EXPECT_THAT(kept.err, HasSubstr("which --feeds keep does not command: use --feeds choose"));
+}
+
 /// p(d) of two averages by its definition.
 TEST(ProgramSettings, TheShortestDelayOfAControlIsThatOfItsKinds) {
   const Filter filter = averages(std::vector<int>{18, 12});
@@ -124,10 +177,6 @@ TEST(ProgramSettings, TheShortestDelayOfAControlIsThatOfItsKinds) {
   EXPECT_EQ(control_delay({{DelayKind::continuous, DelayKind::dwell}, 0.0}, filter, 1e-4, 16), 16);
   EXPECT_EQ(control_delay({{DelayKind::continuous}, 0.0}, filter, 1e-4, 1), std::nullopt);
 }
-
-constexpr const char* machine_text =
-    "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n"
-    "jerk_max_mm_s3 = 500000\n[program]\nerror_max_um = 20\n";
 
 TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
   write("control.toml", std::string(machine_text) +
@@ -200,7 +249,8 @@ TEST_F(ProgramCommand, ResultsOfEveryFamilyAreVerified) {
         {"averages", "stages = 2\n", ""},
         {"one-pole", "", ""},
         {"shaper", "shaper = \"zv\"\nstages = 1\n", mode},
-        {"shaper", "shaper = \"ei\"\nstages = 1\n", mode}}) {
+        {"shaper", "shaper = \"ei\"\nstages = 1\n", mode},
+        {"shaper", "shaper = \"mzv\"\nstages = 1\nshaper_frequency_step_Hz = 1.7\n", mode}}) {
     write("control.toml",
           std::string(machine_text) + modes + "[design]\nfamily = \"" + family + "\"\norder_max = 60\n" + more);
     ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json").code, 0) << family << read("err");

@@ -48,6 +48,7 @@ class DelaySink {
  private:
   DelayKind kind(std::size_t b, int delay) {
     const ControlDelays& control = path_.control;
+    if (delay == 0 && control.names(DelayKind::corner_feed) && slowed(b)) return DelayKind::corner_feed;
     if (delay == 0 && control.names(DelayKind::continuous)) return DelayKind::continuous;
     const bool stops = delay >= apart_ && control.names(DelayKind::exact_stop);
     if (stops && delay <= apart_ + stop_slack) return DelayKind::exact_stop;
@@ -59,6 +60,20 @@ class DelaySink {
       found_.wrong = fmt::format("line {}: the control cannot delay by {} samples", path_.line[b], delay);
     }
     return DelayKind::in_position;
+  }
+
+  double feed(std::size_t b) const {
+    double length = 0.0;
+    for (std::size_t a = 0; a < path_.dimensions(); ++a)
+      length = std::hypot(length, path_.point(b + 1)[a] - path_.point(b)[a]);
+    return length / path_.duration[b];
+  }
+
+  /// Whether the feed steps down before the joint inside its block, or up behind it.
+  bool slowed(std::size_t b) const {
+    const auto step = [&](std::size_t joint) { return path_.line[joint] == path_.line[joint + 1]; };
+    return (b > 0 && step(b - 1) && feed(b - 1) > feed(b)) ||
+           (b + 2 < path_.blocks() && step(b + 1) && feed(b + 2) > feed(b + 1));
   }
 
   void in_position(std::size_t b) {

@@ -6,8 +6,13 @@ namespace accdec {
 
 ControlDelays control_of(const ControllerSettings& settings, double width) {
   ControlDelays control{settings.delays, width};
-  for (DelayKind& kind : control.kinds) kind = kind == DelayKind::corner_feed ? DelayKind::continuous : kind;
+  if (control.names(DelayKind::corner_feed) && !control.names(DelayKind::continuous))
+    control.kinds.push_back(DelayKind::continuous);
   return control;
+}
+
+bool runs_on(const ControlDelays& control) {
+  return !control.any() && !control.names(DelayKind::exact_stop) && !control.names(DelayKind::in_position);
 }
 
 std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least) {

@@ -9,8 +9,12 @@
 namespace accdec {
 
 /// The delays that a control has for a program. A corner feed is there a feed of the blocks beside a corner, which the
-/// planner chooses, and the control runs on: DelayKind::continuous.
+/// planner chooses (Feeds::choose) and --emit writes as F words. What such a control does at a lower feed, it does at
+/// the whole feed: DelayKind::continuous.
 ControlDelays control_of(const ControllerSettings& settings, double width);
+
+/// Whether the control runs on at every corner: only lower feeds hold a tolerance.
+bool runs_on(const ControlDelays& control);
 
 /// Samples beyond an exact stop that a limit may ask for.
 inline constexpr int stop_slack = 2;

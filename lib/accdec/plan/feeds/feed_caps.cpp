@@ -87,11 +87,13 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
   const int apart = std::max(rest, within(alone));
   CornerFeed best{alone, stops || path_.control.any() || apart <= rest + stop_slack ? apart : longest};
   double least = best.delay * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
+  const bool slow_only = !stops && runs_on(path_.control);
+  if (slow_only) best = {slowest * feed_max, 0}, least = unlimited;
   if (stops || !(tolerance > 0.0)) return best;
   const double no_delay = largest(b, feed_max, false, true), overlap = largest(b, feed_max, true, true);
   const auto offer = [&](double v) {
     const int delay = delay_at(v);
-    if (v > (delay > 0 ? overlap : no_delay) * (1.0 + 1e-9)) return;
+    if (v > (delay > 0 ? overlap : no_delay) * (1.0 + 1e-9) || (slow_only && delay > 0)) return;
     const double time = delay * period_ + ramp_time(b, v) + ramp_time(b + 1, v);
     if (time >= least) return;
     least = time;

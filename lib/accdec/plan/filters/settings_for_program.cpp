@@ -1,125 +1,24 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include <accdec/families/settable_search.hpp>
-#include <accdec/machine/response.hpp>
-#include <accdec/plan/command/choose_feeds.hpp>
-#include <accdec/plan/command/program_plan.hpp>
-#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
+#include <accdec/plan/filters/settings_trials.hpp>
 #include <accdec/task/settings_text.hpp>
-#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
-/// Programs of at most so many blocks are planned at the programmed feeds, too, and repaired to the end.
-constexpr std::size_t small_program = 2'000;
-
-/// A plan's time in samples, and its width.
-struct Timed {
-  double samples = unlimited;
-  double width = 0.0;
-};
-
-/// Plans a program with one filter after another.
-class Trials {
- public:
-  Trials(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline)
-      : path_(path), task_(task), machine_(program_machine(task.machine, path)), keep_(keep), deadline_(deadline) {
-    double time = 0.0;
-    for (std::size_t b = 0; b < path.blocks(); ++b) {
-      time += path.duration[b];
-      if (path.joint[b] == Joint::stop && b + 1 < path.blocks()) ++stops_;
-      if (b + 1 == path.blocks() || path.joint[b] != Joint::corner) continue;
-      double length = 0.0;
-      for (std::size_t a = 0; a < path.dimensions(); ++a)
-        length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
-      step_ = std::max(step_, length / path.duration[b] * task.sample_period);
-    }
-    constexpr double snapped = 1e-5;  // more than durations are lowered by
-    moving_ = std::floor(time * (1.0 - snapped) / task.sample_period);
-  }
-
-  /// Samples that no plan with a filter of this order undercuts: way over feed, and the filter once a run.
-  double least(int order) const { return moving_ + (stops_ + 1.0) * order + 1.0; }
-
-  /// With the width that suits it best. Delays of any number of samples are planned first: if the program takes `below`
-  /// samples even so, the delays of the control are not tried.
-  Timed with(const Filter& set, double below) const {
-    const Filter filter = Response(task_.machine, task_.sample_period).command(set);
-    for (const LimitUse& use : vibration_utilisation(filter, task_.sample_period, machine_)) {
-      if (use.utilisation > 1.0 + verification_tolerance) return {};
-    }
-    const ControlDelays control = control_of(*task_.settings, 0.0);
-    const double any = samples(filter, {});
-    if (control.any() || !(any < below)) return {any, 0.0};
-    Timed best{samples(filter, control), 0.0};
-    if (!control.names(DelayKind::in_position) || !(step_ > 0.0)) return best;
-    const auto offer = [&](int delay) {
-      if (delay < 0 || delay > filter.order() || deadline_.over()) return false;
-      // In the middle of the widths that give this delay at the fastest corner.
-      const double more = delay > 0 ? filter.remaining_moment(delay - 1) : filter.remaining_moment(0) + 1.0;
-      const double width = 0.5 * step_ * (filter.remaining_moment(delay) + more);
-      const double time = samples(filter, control_of(*task_.settings, width));
-      if (!(time < best.samples)) return false;
-      best = {time, width}, middle_ = delay;
-      return true;
-    };
-    middle_ = filter.order() / 2;
-    const int coarse = std::max(1, filter.order() / 8);
-    for (int delay = 0; delay <= filter.order(); delay += coarse) offer(delay);
-    for (int step = coarse / 2; step >= 1; step /= 2) {
-      const int around = middle_;
-      offer(around - step), offer(around + step);
-    }
-    return best;
-  }
-
- private:
-  double samples(const Filter& filter, const ControlDelays& control) const {
-    Toolpath path = path_;
-    path.control = control;
-    double best = unlimited;
-    const auto take = [&](const Toolpath& planned, ProgramPlan plan) {
-      settle_delays(planned, filter, task_.sample_period, machine_, plan);
-      if (all_holds(plan)) best = std::min(best, static_cast<double>(plan.simulation.samples));
-    };
-    const bool small = path.blocks() <= small_program;
-    if (!keep_) {
-      const ScheduledPlan chosen =
-          schedule_feeds(path, filter, task_.sample_period, machine_, small ? 40 : 3, deadline_);
-      take(chosen.path, chosen.plan);
-    }
-    if (keep_ || small) {
-      limit_rapids(path, filter, task_.sample_period, machine_);
-      snap_durations(path, filter, task_.sample_period, machine_);
-      ProgramPlan plan = plan_program(path, filter, task_.sample_period, machine_, false, deadline_);
-      take(path, std::move(plan));
-    }
-    return best;
-  }
-
-  const Toolpath& path_;
-  const Task& task_;
-  Machine machine_;
-  bool keep_;
-  const Deadline& deadline_;
-  double moving_ = 0.0, stops_ = 0.0;
-  double step_ = 0.0;  // m, of the fastest corner
-  mutable int middle_ = 0;
-};
-
 class MemberSearch {
  public:
-  MemberSearch(const Task& task, const Trials& trials, const Deadline& deadline,
+  MemberSearch(const Task& task, const SettingsTrials& trials, const Deadline& deadline,
                const std::function<void(const std::string&)>& tell)
       : task_(task), trials_(trials), deadline_(deadline), tell_(tell), members_(task) {}
 
@@ -128,7 +27,8 @@ class MemberSearch {
     if (today != nullptr) {
       for (const SettableMember& member : members_.like(*today)) offer(member);
     }
-    for (const SettableMember& member : members_.spread()) offer(member);
+    guess_all();
+    plan_guessed(first_planned);
     if (best_) {
       for (int step = members_.coarse_step(*best_); step >= 1; step /= 2) {
         for (bool better = true; better && !late();) {
@@ -137,31 +37,84 @@ class MemberSearch {
         }
       }
     }
+    plan_guessed(guesses_.size());
     const std::vector<SettableMember>& all = members_.all();
     bool passed = true;
-    for (const SettableMember& member : all) passed = (seen_.contains(member.key()) || look(member)) && passed;
+    for (const SettableMember& member : all) passed = (planned_.contains(member.key()) || look(member)) && passed;
     if (!best_) return std::nullopt;
     ProgramSettings result{.chosen = members_.chosen(*best_), .width = time_.width};
     result.members = static_cast<long>(all.size());
-    result.tried = static_cast<long>(seen_.size());
+    result.tried = static_cast<long>(planned_.size());
     result.complete = passed && members_.listed();
     return result;
   }
 
  private:
+  using Guess = SettingsTrials::Guess;
+  static constexpr std::size_t first_planned = 4, starts = 3;
+  static constexpr double part_for_guesses = 0.3;  ///< of the time
+
   bool late() const { return best_ && deadline_.over(); }
+
+  const Guess& guess(const SettableMember& member) {
+    const auto [at, fresh] = guesses_.try_emplace(member.key(), std::pair{member, Guess{}});
+    if (fresh) at->second.second = trials_.guess(make_filter(member.spec));
+    return at->second.second;
+  }
+
+  /// Members all over the families, then steps around the best guesses that are halved.
+  void guess_all() {
+    const Deadline until = deadline_.within(part_for_guesses * deadline_.left());
+    std::vector<std::pair<double, SettableMember>> best;
+    for (const SettableMember& member : members_.spread()) {
+      if (until.over() && !best.empty()) break;
+      best.emplace_back(guess(member).best.samples, member);
+    }
+    const auto shorter = [](const auto& a, const auto& b) { return a.first < b.first; };
+    std::stable_sort(best.begin(), best.end(), shorter);
+    best.resize(std::min(best.size(), starts));
+    for (auto& [samples, start] : best) {
+      for (int step = members_.coarse_step(start); step >= 1; step /= 2) {
+        for (bool better = true; better && !until.over();) {
+          better = false;
+          for (const SettableMember& near : members_.around(start, step)) {
+            if (until.over()) break;
+            const double time = guess(near).best.samples;
+            if (time < samples) samples = time, start = near, better = true;
+          }
+        }
+      }
+    }
+  }
+
+  /// So many of those guessed, the best guesses first.
+  void plan_guessed(std::size_t most) {
+    std::vector<std::pair<double, const SettableMember*>> order;
+    for (const auto& [key, guessed] : guesses_) {
+      if (!planned_.contains(key)) order.emplace_back(guessed.second.best.samples, &guessed.first);
+    }
+    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t i = 0; i < std::min(most, order.size()) && order[i].first < time_.samples; ++i)
+      offer(*order[i].second);
+  }
 
   /// Whether the member is known not to be better, or has been planned.
   bool look(const SettableMember& member) {
-    if (trials_.least(member.order()) >= time_.samples) return true;
+    if (hopeless(member)) return true;
     if (late()) return false;
     offer(member);
     return true;
   }
 
+  /// Whether it would not be better with any delays.
+  bool hopeless(const SettableMember& member) {
+    return trials_.least(member.order()) >= time_.samples || (!late() && guess(member).any >= time_.samples);
+  }
+
   bool offer(const SettableMember& member) {
-    if (late() || trials_.least(member.order()) >= time_.samples || !seen_.insert(member.key()).second) return false;
-    const Timed time = trials_.with(make_filter(member.spec), time_.samples);
+    if (late() || planned_.contains(member.key()) || hopeless(member)) return false;
+    planned_.insert(member.key());
+    const TimedSetting time = trials_.plan(make_filter(member.spec), guess(member), !best_);
     if (!(time.samples < time_.samples)) return false;
     time_ = time;
     best_ = member;
@@ -172,25 +125,29 @@ class MemberSearch {
   }
 
   const Task& task_;
-  const Trials& trials_;
+  const SettingsTrials& trials_;
   const Deadline& deadline_;
   const std::function<void(const std::string&)>& tell_;
   SettableMembers members_;
-  std::set<std::vector<int>> seen_;
+  std::map<std::vector<int>, std::pair<SettableMember, Guess>> guesses_;
+  std::set<std::vector<int>> planned_;
   std::optional<SettableMember> best_;
-  Timed time_;
+  TimedSetting time_;
 };
 
 }  // namespace
 
 SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
                                         const std::function<void(const std::string&)>& tell) {
-  const Trials trials(path, task, keep, deadline);
+  const SettingsTrials trials(path, task, keep, deadline);
   SettingsForProgram result;
   const std::optional<FilterSpec>& today = task.filter ? task.filter : task.baseline;
   result.best = MemberSearch(task, trials, deadline, tell).run(today ? &*today : nullptr);
   if (!today) return result;
-  const Timed time = Trials(path, task, keep, {}).with(make_filter(*today), unlimited);
+  const Filter filter = make_filter(*today);
+  const Deadline never;
+  const SettingsTrials unbounded(path, task, keep, never);
+  const TimedSetting time = unbounded.plan(filter, unbounded.guess(filter), true);
   if (!(time.samples < unlimited)) return result;
   ProgramSettings now{.chosen = {.filter = *today}, .width = time.width};
   result.today = std::move(now);

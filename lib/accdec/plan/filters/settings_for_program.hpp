@@ -18,11 +18,12 @@ struct SettingsForProgram {
   std::optional<ProgramSettings> today;  ///< today's filter with its best in-position width, if the task names one
 };
 
-/// Plans the program with members of the families that the task's settings name, each with the in-position widths of a
-/// coarse grid and steps around the best. First come members all over the families, then steps around the best member
-/// that are halved, then all the others. A member is passed over for one of two
-/// reasons. Way over feed, the filter's length and its stops alone take as long as the best plan. Or a plan with delays
-/// of any number of samples does. What time is left decides how many are planned.
+/// Guesses the time of the program with members of the families that the task's settings name, and plans the best
+/// guesses. A guess has every corner by itself, with the in-position width that suits them together. First come members
+/// all over the families and steps around the best of them that are halved. The best guesses are planned, then steps
+/// around the best plan, then all the others. A member is passed over for one of two reasons. Way over feed, the
+/// filter's length and its stops alone take as long as the best plan. Or its guess with delays of any number of samples
+/// does. What time is left decides how many are planned.
 /// @param task      with settings that name a family; its filter or baseline is today's
 /// @param keep      at the programmed feeds; else feeds are chosen
 /// @param deadline  ends the search

@@ -196,6 +196,10 @@ ProgramFilter choose_settings(const Toolpath& path, const Task& task, const Prog
   if (!found.best) {
     result.message = fmt::format("no setting of {} that was planned holds all limits of the program",
                                  families_in_words(*task.settings));
+    if (options.feeds == Feeds::keep && runs_on(control_of(*task.settings, 0.0)))
+      result.message +=
+          "; its `delays` hold tolerances by lower feeds alone, which --feeds keep does not command: use "
+          "--feeds choose, or name a kind that waits, such as \"exact-stop\"";
     return result;
   }
   result.settings = found.best;
@@ -264,9 +268,10 @@ void offer_kept(const std::string& name, ProgramFile& file, const Task& task, co
   result.solver.wall_time = wall_time;
 }
 
-/// The time of the program with a filter designed for it, of any taps, and delays of any number of samples.
+/// The time of the program with delays of any number of samples, and the better of two filters: one designed for it, or
+/// the control's own.
 std::optional<double> time_of_free_taps(const std::string& name, const Toolpath& programmed, const Task& task,
-                                        const ProgramFileOptions& options) {
+                                        const Filter& own, const ProgramFileOptions& options) {
   constexpr double longest = 10.0;  // s, for the filter, and as long for the plan
   Task any = task;
   any.settings.reset(), any.filter.reset();
@@ -274,10 +279,15 @@ std::optional<double> time_of_free_taps(const std::string& name, const Toolpath&
   bounded.time_limit = std::min(2.0 * std::min(longest, filter_seconds(programmed, options)), options.deadline.left());
   bounded.deadline = options.deadline.within(*bounded.time_limit);
   const ProgramFilter designed = filter_for_program(programmed, any, bounded, {});
-  if (!designed.filter || bounded.deadline.over()) return std::nullopt;
-  const ProgramResult plan =
-      run_program(name, programmed, *designed.filter, any, false, options.feeds, bounded.deadline);
-  return plan.verification.feasible ? std::optional<double>(plan.cycle_time) : std::nullopt;
+  std::optional<double> best;
+  const auto offer = [&](const std::optional<Filter>& filter) {
+    if (!filter || bounded.deadline.over()) return;
+    const ProgramResult plan = run_program(name, programmed, *filter, any, false, options.feeds, bounded.deadline);
+    if (plan.verification.feasible) best = std::min(best.value_or(unlimited), plan.cycle_time);
+  };
+  offer(designed.filter);
+  offer(own);
+  return best;
 }
 
 /// Adds the settings, with how the control gives the delays, and the times that today's setting and free taps take.
@@ -304,7 +314,11 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Tool
     if (today.verification.feasible) result.settings->today = today.cycle_time;
   }
   if (!options.deadline.over())
-    result.settings->free_taps = time_of_free_taps(result.program, programmed, task, options);
+    result.settings->free_taps =
+        time_of_free_taps(result.program, programmed, task, make_filter(result.settings->chosen.filter), options);
+  // The plan itself is one of free taps.
+  if (result.settings->free_taps && result.verification.feasible)
+    result.settings->free_taps = std::min(*result.settings->free_taps, result.cycle_time);
 }
 
 /// With arcs as they were read: widened where options.compensate_arcs says so.

@@ -166,6 +166,9 @@ class CommandCheck {
     bool in_position = false;
     for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
       const bool passed = !ends_leg(path_, b) && command_.delays[b] == 0;
+      if (passed && chosen.delays[b] != DelayKind::continuous)
+        wrong(fmt::format("line {}: settings.delays names {} where the control runs on", path_.line[b],
+                          to_string(chosen.delays[b])));
       if (passed || path_.joint[b] == Joint::stop) continue;
       check_kind(motion, b, chosen.delays[b]);
       in_position = in_position || chosen.delays[b] == DelayKind::in_position;
@@ -183,6 +186,8 @@ class CommandCheck {
     if ((kind == DelayKind::continuous && delay != 0) ||
         (kind == DelayKind::exact_stop && (delay < apart || delay > apart + 2)))
       wrong(fmt::format("line {}: a delay of {} samples is not {}", path_.line[b], delay, to_string(kind)));
+    if (kind == DelayKind::corner_feed && (delay != 0 || !lowered(b)))
+      wrong(fmt::format("line {}: no lower feed passes this corner without a delay", path_.line[b]));
     if (kind != DelayKind::in_position || !result_.settings->chosen.width) return;
     const WidthInterval& width = *result_.settings->chosen.width;
     double before = unlimited;
@@ -191,6 +196,23 @@ class CommandCheck {
         before < width.high * (1.0 - rounding) - position_rounding)
       wrong(fmt::format("line {}: in-position widths from {:.9g} to {:.9g} m do not give a delay of {} samples",
                         path_.line[b], width.low, width.high, delay));
+  }
+
+  /// Whether a part of the lines that meet at the end of block b is faster than it is there.
+  bool lowered(std::size_t b) const {
+    std::size_t first = b, last = b + 1;
+    while (first > 0 && path_.line[first - 1] == path_.line[b]) --first;
+    while (last + 1 < path_.blocks() && path_.line[last + 1] == path_.line[b + 1]) ++last;
+    for (std::size_t i = first; i <= last; ++i) {
+      if (feed_of(i) > feed_of(i <= b ? b : b + 1)) return true;
+    }
+    return false;
+  }
+  double feed_of(std::size_t b) const {
+    double square = 0.0;
+    for (std::size_t a = 0; a < path_.dimensions(); ++a)
+      square += std::pow((path_.point(b + 1)[a] - path_.point(b)[a]) / path_.duration[b], 2);
+    return std::sqrt(square);
   }
 
   /// m, of the motion from the end of block b, d samples after the command has reached it.

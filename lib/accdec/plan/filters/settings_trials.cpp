@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <accdec/machine/response.hpp>
+#include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/command/slow_blocks.hpp>
+#include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/filters/settings_trials.hpp>
+#include <accdec/simulate/command_stream.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+/// Programs of at most so many blocks are planned at the programmed feeds, too, and repaired to the end.
+constexpr std::size_t small_program = 2'000;
+
+double length_of(const Toolpath& path, std::size_t b) {
+  double length = 0.0;
+  for (std::size_t a = 0; a < path.dimensions(); ++a)
+    length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
+  return length;
+}
+
+/// A program at its feeds, every corner with the delay that it needs by itself.
+class PairwiseTimes {
+ public:
+  PairwiseTimes(Toolpath path, const Filter& filter, double period, const Machine& machine, const Deadline& deadline)
+      : filter_(filter) {
+    limit_rapids(path, filter, period, machine);
+    snap_durations(path, filter, period, machine);
+    PairwiseDelays delays = pairwise_delays(path, filter, period, machine);
+    if (!delays.limits_possible) limit_feeds(path, filter, period, machine, delays, true, deadline);
+    const CommandTiming timing(path, period, delays.delays);
+    any_ = static_cast<double>(timing.command_samples() + filter.order() + 1);
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      const bool passed = !ends_leg(path, b) && delays.delays[b] == 0;
+      if (passed || path.joint[b] == Joint::stop) continue;
+      joints_.push_back({length_of(path, b) / path.duration[b] * period, delays.delays[b]});
+    }
+  }
+
+  double any() const { return any_; }
+
+  double with(const ControlDelays& control) const {
+    double samples = any_;
+    for (const Held& joint : joints_) {
+      const auto delay = control_delay(control, filter_, joint.step, joint.delay);
+      if (!delay) return unlimited;
+      samples += *delay - joint.delay;
+    }
+    return samples;
+  }
+
+ private:
+  struct Held {
+    double step;  // m, of the leg that ends there
+    int delay;
+  };
+  const Filter& filter_;
+  double any_ = 0.0;
+  std::vector<Held> joints_;
+};
+
+}  // namespace
+
+SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline)
+    : path_(path), task_(task), machine_(program_machine(task.machine, path)), keep_(keep), deadline_(deadline) {
+  double time = 0.0;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    time += path.duration[b];
+    if (path.joint[b] == Joint::stop && b + 1 < path.blocks()) ++stops_;
+    if (b + 1 == path.blocks() || path.joint[b] != Joint::corner) continue;
+    step_ = std::max(step_, length_of(path, b) / path.duration[b] * task.sample_period);
+  }
+  constexpr double snapped = 1e-5;  // more than durations are lowered by
+  moving_ = std::floor(time * (1.0 - snapped) / task.sample_period);
+}
+
+bool SettingsTrials::rings(const Filter& filter) const {
+  const std::vector<LimitUse> uses = vibration_utilisation(filter, task_.sample_period, machine_);
+  return std::any_of(uses.begin(), uses.end(),
+                     [](const LimitUse& use) { return use.utilisation > 1.0 + verification_tolerance; });
+}
+
+double SettingsTrials::width_of(const Filter& filter, int delay) const {
+  const double more = delay > 0 ? filter.remaining_moment(delay - 1) : filter.remaining_moment(0) + 1.0;
+  return 0.5 * step_ * (filter.remaining_moment(delay) + more);
+}
+
+/// Steps around a delay of the fastest corner that are halved.
+template <class Time>
+void SettingsTrials::search_width(const Filter& filter, int from, int step, const Time& time, TimedSetting& best) const {
+  for (; step >= 1; step /= 2) {
+    for (const int delay : {from - step, from + step}) {
+      if (delay < 0 || delay > filter.order() || deadline_.over()) continue;
+      const double width = width_of(filter, delay), samples = time(control_of(*task_.settings, width));
+      if (samples < best.samples) best = {samples, width}, from = delay;
+    }
+  }
+}
+
+SettingsTrials::Guess SettingsTrials::guess(const Filter& set) const {
+  const Filter filter = Response(task_.machine, task_.sample_period).command(set);
+  Guess guess;
+  if (rings(filter)) return guess;
+  const PairwiseTimes pairwise(path_, filter, task_.sample_period, machine_, deadline_);
+  const bool kept = keep_ || path_.blocks() <= small_program;
+  const auto time = [&](const ControlDelays& control) {
+    const double chosen = keep_ ? unlimited : scheduled(filter, control);
+    return kept ? std::min(chosen, pairwise.with(control)) : chosen;
+  };
+  guess.any = time({});
+  const ControlDelays control = control_of(*task_.settings, 0.0);
+  if (control.any()) return guess.best.samples = guess.any, guess;
+  guess.best.samples = time(control);
+  if (!control.names(DelayKind::in_position) || !(step_ > 0.0)) return guess;
+  const int coarse = std::max(1, filter.order() / 8);
+  int middle = filter.order() / 2;
+  for (int delay = 0; delay <= filter.order() && !deadline_.over(); delay += coarse) {
+    const double width = width_of(filter, delay), samples = time(control_of(*task_.settings, width));
+    if (samples < guess.best.samples) guess.best = {samples, width}, middle = delay;
+  }
+  search_width(filter, middle, coarse / 2, time, guess.best);
+  return guess;
+}
+
+TimedSetting SettingsTrials::plan(const Filter& set, const Guess& guess, bool thorough) const {
+  const Filter filter = Response(task_.machine, task_.sample_period).command(set);
+  if (rings(filter)) return {};
+  const ControlDelays control = control_of(*task_.settings, guess.best.width);
+  TimedSetting best{planned(filter, control), guess.best.width};
+  if (control.any() || !control.names(DelayKind::in_position) || !(step_ > 0.0)) return best;
+  const auto time = [&](const ControlDelays& with) { return planned(filter, with); };
+  int nearest = filter.order();
+  while (nearest > 0 && width_of(filter, nearest) < guess.best.width * (1.0 - 1e-9)) --nearest;
+  const int coarse = std::max(1, filter.order() / 8);
+  for (int delay = 0; thorough && !(best.samples < unlimited) && delay <= filter.order(); delay += coarse) {
+    if (deadline_.over()) break;
+    const double width = width_of(filter, delay);
+    best = {time(control_of(*task_.settings, width)), width}, nearest = delay;
+  }
+  search_width(filter, nearest, std::max(1, coarse / 2), time, best);
+  return best;
+}
+
+double SettingsTrials::scheduled(const Filter& filter, const ControlDelays& control) const {
+  Toolpath path = path_;
+  path.control = control;
+  return static_cast<double>(
+      schedule_feeds(path, filter, task_.sample_period, machine_, 0, deadline_).plan.simulation.samples);
+}
+
+double SettingsTrials::planned(const Filter& filter, const ControlDelays& control) const {
+  Toolpath path = path_;
+  path.control = control;
+  double best = unlimited;
+  const auto take = [&](const Toolpath& planned, ProgramPlan plan) {
+    settle_delays(planned, filter, task_.sample_period, machine_, plan);
+    if (all_holds(plan)) best = std::min(best, static_cast<double>(plan.simulation.samples));
+  };
+  const bool small = path.blocks() <= small_program;
+  if (!keep_) {
+    const ScheduledPlan chosen =
+        schedule_feeds(path, filter, task_.sample_period, machine_, small ? 40 : 3, deadline_);
+    take(chosen.path, chosen.plan);
+  }
+  if (keep_ || small) {
+    limit_rapids(path, filter, task_.sample_period, machine_);
+    snap_durations(path, filter, task_.sample_period, machine_);
+    ProgramPlan plan = plan_program(path, filter, task_.sample_period, machine_, false, deadline_);
+    take(path, std::move(plan));
+  }
+  return best;
+}
+
+}  // namespace accdec
