@@ -98,12 +98,13 @@ void add_explore(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<ExploreArguments>();
   CLI::App* command = app.add_subcommand(
       "explore",
-      "Open a page of this computer with a slider for every number of a task: each design is verified and proved");
+      "Open a page in the browser with a slider for every number of a task; each design is verified and proved");
   command
       ->add_option("file", arguments->file,
                    "Task to begin with (default: one of those of init); with --task a program to look at")
       ->type_name("TASK.toml|PROGRAM.ngc");
-  command->add_option("--task", arguments->task, "Task of the program, as of accdec program: its plans are shown")
+  command
+      ->add_option("--task", arguments->task, "Task for the program, as for accdec program; the page shows its plans")
       ->type_name("TASK.toml");
   command
       ->add_option("--free", arguments->free_seconds,

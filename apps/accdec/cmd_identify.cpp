@@ -103,8 +103,8 @@ void add_identify(CLI::App& app, Context& context) {
       ->type_name("LOG.csv");
   command
       ->add_option("--task", options->task,
-                   "Task with the sample period. If it names families, only these are looked at. Its [controller] "
-                   "prefilter_taps stand behind the filter found")
+                   "Task with the sample period. If it names families, only these are tried. If it has [controller] "
+                   "prefilter_taps, the filter found is the one in front of them")
       ->required()
       ->type_name("TASK.toml");
   add_output_option(*command, "--out", options->out, "Write [filter] to FILE; - is standard output, the default");
@@ -116,8 +116,8 @@ void add_identify(CLI::App& app, Context& context) {
       ->type_name("UM");
   command->add_flag(
       "--prefilter", options->prefilter,
-      "Write [controller] prefilter_taps: smoothing of the control's own behind the filter designed. The task's "
-      "own do not count then");
+      "Write [controller] prefilter_taps, the control's own smoothing, instead of [filter]. Those of the task are "
+      "ignored then");
   command->callback([options, &context] { run(*options, context); });
 }
 

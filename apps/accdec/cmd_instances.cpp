@@ -7,6 +7,7 @@
 #include <accdec/files/shown_text.hpp>
 
 #include "command.hpp"
+#include "option_checks.hpp"
 #include "status_line.hpp"
 
 namespace accdec::cli {
@@ -46,7 +47,7 @@ void add_instances(CLI::App& app, Context& context) {
   command
       ->add_option("--format", options->write.format,
                    "nl (AMPL; every problem), mps (linear; cones by tangents), cbf (cones), dat-s (semidefinite)")
-      ->check(CLI::IsMember({"nl", "mps", "cbf", "dat-s"}))
+      ->check(one_of({"nl", "mps", "cbf", "dat-s"}))
       ->required();
   command->add_flag("--without-optima", options->without_optima,
                     "Leave out the proved optima, which take up to reference_time_limit_s for each problem");

@@ -131,7 +131,7 @@ void add_modes(CLI::App& app, Context& context) {
   command->add_option("--to-hz", arguments->frequency_max, "Highest frequency of a mode (default 200)")
       ->check(number_between(0.02, 1e6))
       ->type_name("HZ");
-  command->add_option("--most", arguments->most, "Modes of an axis at most (default 3)")
+  command->add_option("--most", arguments->most, "Largest number of modes for each axis (default 3)")
       ->check(CLI::Range(1, 10))
       ->type_name("N");
   command->add_option("--residual-max", arguments->residual, "residual_max of the tables (default 0.05)")

@@ -14,6 +14,7 @@
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/result/emit.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
@@ -40,6 +41,7 @@ constexpr const char* no_per_leg =
 struct ProgramArguments {
   std::string program, task, json, delays, samples, emit, dwell_axis, figure, stream;
   std::string plan = "fixed", feeds = "choose", view = "auto";
+  std::vector<std::string> controls, control_options;
   std::optional<double> arc_tolerance_um, tool_length_mm;
   ProgramFileOptions file;
   std::size_t worst = 5;
@@ -60,7 +62,22 @@ ProgramInputs inputs_of(const ProgramArguments& options, const ProgramFile& file
   return inputs;
 }
 
+/// How long other controls would take.
+std::vector<ControlEstimate> estimates_of(const ProgramArguments& options, const Toolpath& path, const Task& task) {
+  return estimate_times(path, task.machine, options.controls, named_numbers("--as-option", options.control_options));
+}
+
+/// As the answer's chords of arcs were read, so that whoever rechecks it finds the same.
+void add_estimates(const ProgramArguments& options, const ProgramFile& file, const Task& task, ProgramResult& result) {
+  if (options.controls.empty()) return;
+  ProgramFileOptions as_answered = options.file;
+  as_answered.arc_tolerance = file.reading.read.arc_tolerance;
+  result.estimates = estimates_of(options, read_program_file(options.program, task, as_answered, {}).path, task);
+}
+
 void check_options(const ProgramArguments& options) {
+  if (!options.controls.empty() && options.file.dwells_before_filter)
+    throw std::invalid_argument("--as excludes --dwells-before-filter: other controls stop for G4");
   if (options.per_leg) throw std::invalid_argument(no_per_leg);
   const bool positions = options.plan != "fixed";
   const auto refuse = [&](const std::string& value, bool belongs, const char* name, const char* which) {
@@ -127,7 +144,9 @@ std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context&
     const double chords = file.reading.read.arc_tolerance;
     // Before the plan, which may take all the time that is left.
     const Deadline most = options.file.deadline.within(0.5 * options.file.deadline.left());
-    if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task, most);
+    // The bounds are of motions, and the time behind a servo is that of the command.
+    if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path)))
+      bound = corner_bound_of(file.path, task, most);
     result = run_program_file(options.program, file, task, options.file,
                               [&](const std::string& line) { status.tell(line); });
     if (result->plan.empty()) {
@@ -178,9 +197,15 @@ void write_outputs(const ProgramArguments& options, const Context& context, cons
 }
 
 /// Says how much slower than its bound a plan is, if by much.
-void say_what_ended(const ProgramResult& result) {
+void say_what_ended(const ProgramResult& result, const ProgramFileOptions& options) {
   const double ratio = result.lower_bound > 0.0 ? result.cycle_time / result.lower_bound : 1.0;
   std::fputs("the time limit ended the search: a longer --time-limit may find a faster plan\n", stderr);
+  const double passed = -options.deadline.left(), limit = options.time_limit.value_or(0.0);
+  if (!options.deadline.asked_to_end() && passed > 0.1 + 0.1 * limit) {
+    fmt::print(stderr,
+               "it was passed by {:.1f} s: reading the program, one plan of it and its check are never cut short\n",
+               passed);
+  }
   if (ratio > 2.0) fmt::print(stderr, "this one takes {:.3g} times the way over the feed\n", ratio);
 }
 
@@ -189,7 +214,7 @@ void run(ProgramArguments& options, Context& context) {
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(
       options.task,
-      {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::smoothing});
+      {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::common});
   warn(task, options.task, context);
   require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},
                   {options.program, options.task, options.file.tools.table});
@@ -201,14 +226,19 @@ void run(ProgramArguments& options, Context& context) {
     if (!context.quiet) std::fprintf(stderr, "%s\n", line.c_str());
   });
   const Toolpath programmed = figure_type.empty() ? Toolpath{} : file.path;
-  const std::optional<ProgramResult> planned = plan_with(options, context, file, task);
-  if (!planned) return;
+  const std::vector<ControlEstimate> estimates = estimates_of(options, file.path, task);
+  std::optional<ProgramResult> planned = plan_with(options, context, file, task);
+  if (!planned) {
+    for (const ControlEstimate& estimate : estimates) std::fputs(estimate_text(estimate, 0.0).c_str(), stdout);
+    return;
+  }
+  add_estimates(options, file, task, *planned);
   const ProgramResult& result = *planned;
   write_outputs(options, context, result, options.json.empty() ? "" : program_to_json(result, inputs_of(options, file)),
                 figure_type.empty()
                     ? ""
                     : program_figure(result, programmed, task.machine, figure_type, view_from(options.view)));
-  if (result.verification.feasible && options.file.deadline.over()) say_what_ended(result);
+  if (result.verification.feasible && options.file.deadline.over()) say_what_ended(result, options.file);
   context.exit_code = result.verification.feasible ? exit_ok : exit_no_answer;
 }
 
@@ -264,6 +294,20 @@ void add_outputs(CLI::App& command, ProgramArguments& options) {
   add_view_option(command, options.view);
   add_output_option(command, "--stream", options.stream,
                     "With --plan profiles or free: write the positions, one line per cycle, - for standard output");
+  command
+      .add_option("--as", options.controls,
+                  "Also estimate how long another control needs, by the rules of its own planner: klipper, grbl or "
+                  "linuxcnc-2.9; may be repeated")
+      ->type_name("CONTROL")
+      ->allow_extra_args(false)
+      ->check(one_of(estimated_controls()));
+  command
+      .add_option("--as-option", options.control_options,
+                  "A parameter of that control under its own name and in its own unit, such as "
+                  "square_corner_velocity=8; the answer lists all with their values; may be repeated")
+      ->type_name("NAME=NUMBER")
+      ->allow_extra_args(false)
+      ->needs("--as");
   command.add_option("--worst", options.worst, "How many corners to list: those that use most of their tolerance")
       ->check(CLI::Range(0, 10000))
       ->type_name("N")
@@ -279,11 +323,11 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
       ->check(positive_number());
   command
       .add_option("--plan", options.plan,
-                  "fixed: one filter for the whole program; profiles: a filter and a speed for every corner, for "
+                  "fixed: one filter for the whole program. profiles: a filter and a speed for every corner, for "
                   "controllers that take a position every cycle (--samples, --stream). profiles also makes the plan "
-                  "fixed and returns the faster one, by name. free: profiles, shortened over windows of its samples as "
-                  "far as limits, feeds and tolerances allow any motion; until nothing is gained, --time-limit or "
-                  "Ctrl-C")
+                  "fixed and returns the faster one, by name. free: begins with profiles and shortens windows of its "
+                  "samples as far as limits, feeds and tolerances allow. It ends when nothing is gained, at "
+                  "--time-limit or at Ctrl-C")
       ->check([](const std::string& plan) { return std::string(plan == "per-leg" ? no_per_leg : ""); })
       ->check(one_of({"fixed", "profiles", "free"}))
       ->capture_default_str();
@@ -302,9 +346,9 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
   command.add_flag("--per-leg", options.per_leg)->group("");
   command.add_flag(
       "--filter-bound", options.file.filter_bound,
-      "Also print a lower bound on the time of any filters within the acceleration limits and no longer "
-      "than a block, with any delays, at the programmed feeds; there is none where a block is shorter than "
-      "every such filter");
+      "Also print a lower bound of the time at the programmed feeds. It holds for all filters that keep the "
+      "acceleration limits and are no longer than a block, with any delays. There is none if a block is shorter "
+      "than every such filter");
 }
 
 }  // namespace

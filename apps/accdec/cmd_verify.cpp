@@ -45,8 +45,8 @@ double reading_seconds(const std::string& path) {
 bool too_long(const std::string& path, std::string_view what, double seconds, double limit, Context& context) {
   if (seconds <= limit) return false;
   context.exit_code = exit_no_answer;
-  fmt::print(stderr, "{}: not checked: {} would take about {:.2g} s; --time-limit is {:g} s\n", printable(path), what,
-             seconds, limit);
+  fmt::print(stderr, "{}: not checked: {} would take about {} s; --time-limit is {:g} s\n", printable(path), what,
+             shown_above(seconds, limit), limit);
   return true;
 }
 
@@ -88,7 +88,7 @@ void add_verify(CLI::App& app, Context& context) {
                    check.verification.worst.empty() ? "none" : check.verification.worst);
       }
       if (!check.proof.empty()) fmt::print("proof accepted: {}\n", check.proof);
-      fmt::print("not checked, because no recheck can find it: message, stop, solver{}{}\n",
+      fmt::print("not checked, because it cannot be recomputed: message, stop, solver{}{}\n",
                  result.savings ? ", savings" : "",
                  result.free_taps ? ", free_taps_s between its bound and the time of the settings" : "");
       return;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -32,6 +33,17 @@ std::vector<std::string> option_names(const CLI::App& app) {
 }
 
 }  // namespace
+
+std::map<std::string, double> named_numbers(const std::string& option, const std::vector<std::string>& pairs) {
+  std::map<std::string, double> numbers;
+  for (const std::string& pair : pairs) {
+    const std::size_t equals = pair.find('=');
+    const auto value = equals == std::string::npos ? std::nullopt : finite(pair.substr(equals + 1));
+    if (!value) throw std::invalid_argument(fmt::format("{} takes NAME=NUMBER, got \"{}\"", option, pair));
+    numbers[pair.substr(0, equals)] = *value;
+  }
+  return numbers;
+}
 
 CLI::Validator number_between(double low, double high) {
   return CLI::Validator(

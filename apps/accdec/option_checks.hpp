@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@ CLI::Validator number_between(double low, double high);
 CLI::Validator positive_number();
 /// One of these words; others get a suggestion.
 CLI::Validator one_of(std::vector<std::string> words);
+
+/// NAME=NUMBER of every text; a name given twice has its last number. @throws std::invalid_argument naming the option
+std::map<std::string, double> named_numbers(const std::string& option, const std::vector<std::string>& pairs);
 
 /// The error in a command line, with a suggestion for an unknown option.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error);

@@ -128,7 +128,8 @@ void verify_program(const std::string& text, const std::string& path, double lim
   if (result.status != Status::feasible) return refuse("the result is failed: there is no plan to verify");
   if (const double seconds = plan_again ? 0.0 : motion_seconds(record); !(seconds <= limit))
     return pass(
-        fmt::format("simulating the plan again would take about {:.0f} s; --time-limit is {:g} s", seconds, limit));
+        fmt::format("simulating the plan again would take about {} s; --time-limit is {:g} s",
+                    shown_above(seconds, limit), limit));
   if (const std::string why = changed_inputs(record.inputs); !why.empty())
     return std::filesystem::is_regular_file(record.inputs.program) ? refuse(why) : pass(why);
   std::vector<std::string> reasons;
@@ -136,8 +137,8 @@ void verify_program(const std::string& text, const std::string& path, double lim
   const bool read = programmed.has_value();
   const double seconds = plan_again && read ? static_cast<double>(programmed->blocks()) / blocks_a_second : 0.0;
   if (seconds > limit)
-    return pass(fmt::format("planning {} moves again may take {:.0f} s; --time-limit is {:g} s", programmed->blocks(),
-                            seconds, limit));
+    return pass(fmt::format("planning {} moves again may take {} s; --time-limit is {:g} s", programmed->blocks(),
+                            shown_above(seconds, limit), limit));
   RecordCheck check = check_program_record(text, record, std::move(programmed));
   check.reasons.insert(check.reasons.begin(), reasons.begin(), reasons.end());
   if (!check.reasons.empty()) return refuse(fmt::format("{}", fmt::join(check.reasons, "\n  ")));

@@ -110,5 +110,5 @@ def corner_speed(problem):
         least = _Crossing(rows, corner).least_distance()
         across = square_root((UNIT + corner.cosine) / UNIT.times(2)) * exact(problem.period)
         if least is None or (across * Enclosure(least)).lo > exact(corner.error).hi:
-            return f"corner {corner.name}: no filter is as fast as its smallest speed within its error"
+            return f"corner {corner.name}: no filter keeps both its smallest speed and its tolerance"
     raise Refused("no smallest speed is surely too much within its corner's error")

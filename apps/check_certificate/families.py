@@ -1,8 +1,8 @@
 """Proofs about families of a controller's filters: every member that could be shorter breaks a limit or needs delays
 that cost too much."""
 from fractions import Fraction
-from itertools import product
-from math import ceil
+from itertools import count, product
+from math import ceil, floor
 
 from delays import breaks_a_limit, breaks_axis, too_far
 from enclosure import PI, UNIT, ZERO, cos_sin, exact, exponential, square_root
@@ -58,6 +58,14 @@ def _cascades(stages, taps, end, before=None):
         yield from _cascades(stages[1:], _averaged(taps, length), end, (stages[0], length))
 
 
+def _delays(task):
+    """Samples between impulses, rising: whole ones, or of all frequencies of a control that interpolates."""
+    if "shaper_frequency_step_Hz" not in task["design"]:
+        return count(1)
+    lowest = 500 / (number(task["design"]["shaper_frequency_step_Hz"]) * number(task["sample_period_ms"]))
+    return (lowest / m for m in range(floor(lowest + Fraction(1, 10**9)), 0, -1))
+
+
 def _members(family, task, end):
     impulses, shaper = [1], task["design"].get("shaper", "zv")
     if family == "shaper" and shaper in IMPULSES:
@@ -68,11 +76,16 @@ def _members(family, task, end):
     for taps in _cascades(_stages(task, end), [1], end):
         if not gaps:
             yield taps
-        for delay in range(1, (end - len(taps)) // gaps + 1 if gaps else 0):
-            sums = [0] * (len(taps) + gaps * delay)
-            for m, impulse in enumerate(impulses):
-                for i, b in enumerate(taps):
-                    sums[i + m * delay] += impulse * b
+        for delay in _delays(task) if gaps else ():
+            at = [m * delay for m in range(gaps + 1)]
+            at = [round(x) if abs(x - round(x)) < Fraction(1, 10**9) else x for x in at]
+            if len(taps) + ceil(at[-1]) > end:
+                break
+            sums = [0] * (len(taps) + ceil(at[-1]))
+            for x, impulse in zip(at, impulses):
+                for sample, part in ((floor(x), 1 - x % 1), (ceil(x), x % 1)):
+                    for i, b in enumerate(taps):
+                        sums[i + sample] += impulse * part * b
             yield sums
 
 

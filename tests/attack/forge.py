@@ -38,6 +38,7 @@ NODES = {
     "OrderSplit": _tag("N"),
     "ResponseSplit": _second("B"),
     "ByLemma": _tag("lemma"),
+    "ContourSplit": _second("c"),
 }
 ROWS = {
     "TapDifference": _tag("jerk"),
@@ -51,6 +52,7 @@ ROWS = {
     "BlendPower": _tag("blend power", "blend regeneration"),
     "Speed": _tag("speed"),
     "Response": _tag("response"),
+    "Contour": _tag("contour"),
 }
 
 
@@ -150,7 +152,8 @@ def _task(period, limits, corner, speed=None):
 SETTINGS = _task(1.0, {"acceleration_max_mm_s2": 6e3, "jerk_max_mm_s3": 500e3}, (95.0, 0.0, 6000.0, 50.0))
 SETTINGS["design"] = {"family": "averages", "stages": 2, "length_max_ms": 32}
 
-# Limits outside the convex class that are so tight that proofs need chords of the speed and splits of responses.
+# Limits outside the convex class, so tight that proofs need chords of the speed and splits of responses. They also need
+# splits of the time at which a path changes from one leg's strip to the other's.
 TIGHT = {
     "slow": _task(
         1.0, {"acceleration_max_mm_s2": 10e3, "jerk_max_mm_s3": 1500e3}, (90.0, 0.0, 6000.0, 60.0), speed=33.0
@@ -160,7 +163,9 @@ TIGHT = {
         {"mass_kg": 34.0, "damping_N_s_m": 50.0, "force_max_N": 465.0, "power_max_W": 110.0, "regeneration_max_W": 60.0},
         (100.0, 20.0, 24000.0, 200.0),
     ),
+    "contour": _task(1.0, {"acceleration_max_mm_s2": 6e3, "jerk_max_mm_s3": 500e3}, (70.0, 0.0, 6000.0, 120.0)),
 }
+TIGHT["contour"]["corner"][0] |= {"feed_out_mm_min": 4000.0, "contour_max_um": 60.0}
 
 
 def draw(rng, case):
@@ -170,6 +175,8 @@ def draw(rng, case):
     kind = kinds[case % 48 % len(kinds)]
     if case % 48 >= 45:
         return copy.deepcopy(SETTINGS)
+    if case % 48 == 44:
+        kind = "contour"
     if kind in TIGHT:
         return copy.deepcopy(TIGHT[kind])
     base, *more = kind.split()

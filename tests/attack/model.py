@@ -108,6 +108,8 @@ def worst_use(task, taps, delays):
         error = corner_error(motion, taps)
         if "error_max_um" in corner and error > 1e-12:
             offer(error / (corner["error_max_um"] * 1e-6) if corner["error_max_um"] > 0.0 else math.inf, "corner error")
+        if "contour_max_um" in corner:
+            offer(contour(corner, motion, taps) / (corner["contour_max_um"] * 1e-6), "contour")
         if corner.get("speed_min_mm_s", 0.0) > 0.0:
             speed = np.sqrt(sum((v[motion.blend] @ taps) ** 2 for v in motion.velocity)).min()
             offer(corner["speed_min_mm_s"] * 1e-3 / speed if speed > 0.0 else math.inf, "smallest speed")
@@ -144,6 +146,19 @@ def value_at(task, taps, delays, limit):
         "power": force * v,
         "regeneration": -force * v,
     }.get(limit["kind"])
+
+
+def contour(corner, motion, taps):
+    """Largest distance of the path from the two legs, m: at 33 points of every line between samples of the blend."""
+    position = np.stack([p @ taps for p in motion.position], axis=1)
+    shares = np.linspace(0.0, 1.0, 33)[:, None, None]
+    path = (position[:-1] + shares * (position[1:] - position[:-1])).reshape(-1, position.shape[1])
+    u1, u2 = directions(corner)
+    distances = []
+    for leg in (-u1, u2):
+        along = np.maximum(path @ leg, 0.0)
+        distances.append(np.linalg.norm(path - along[:, None] * leg, axis=1))
+    return float(np.minimum(*distances).max())
 
 
 def corner_error(motion, taps):

@@ -4,7 +4,7 @@
   many_corners_table.py FOLDER [--accdec build/release/apps/accdec] [--time-limit 60] [--threads 1] [--out results/exact]
 
 FOLDER holds the tasks. Writes many_corners.csv, one row a task, and many_corners.svg, processor time in user mode over
-the number of corners (gnuplot). Rows that the table has already are kept: remove those, or the file, that are to be run
+the number of corners. Rows that the table has already are kept: remove those, or the file, that are to be run
 again.
 """
 import argparse
@@ -17,8 +17,7 @@ import sys
 import time
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
-from colours import SERIES
+import figure
 
 COLUMNS = (
     "kind",
@@ -34,31 +33,9 @@ COLUMNS = (
     "check_s",
     "proof",
 )
-PLOT = """
-set terminal svg size 860,420 noenhanced font 'DejaVu Sans,12' background '#ffffff'
-set output '{out}/many_corners.svg'
-set datafile separator ','
-set logscale y
-set format y '%g'
-set xrange [1.5:12.5]
-set xtics (2, 3, 4, 6, 8, 12)
-set yrange [0.005:100]
-set xlabel 'corners that share the filter'
-set ylabel 'processor time in user mode / s'
-set key outside right top Left reverse samplen 1
-set grid lc rgb '#dddddd'
-f = '{out}/many_corners.csv'
-plot {curves}, NaN with points lc rgb '#808080' pt 6 title 'open: stopped without a whole proof'
-"""
 TITLE = "Proofs for several corners that share a filter: processor time"
-# Place beside the number of corners, and gnuplot's symbols with a proof and without one.
-MARKS = {
-    "jerk": (0, 7, 6),
-    "force": (0.12, 5, 4),
-    "vibration": (0.24, 9, 8),
-    "power": (-0.12, 11, 10),
-    "unequal": (-0.24, 13, 12),
-}
+# Place beside the number of corners.
+BESIDE = {"jerk": 0, "force": 0.12, "vibration": 0.24, "power": -0.12, "unequal": -0.24}
 
 
 def user_time():
@@ -97,14 +74,18 @@ def row_of(accdec, task, limit, threads):
 
 
 def draw(out):
-    curves = []
-    for colour, (kind, (beside, proved, stopped)) in zip(SERIES, MARKS.items()):
-        for status, mark, title in ((1, proved, f"title '{kind}'"), (0, stopped, "notitle")):
-            shown = f"(strcol(1) eq '{kind}' && (strcol(4) eq 'optimal') == {status} ? $8 : NaN)"
-            curves.append(f"f using ($2+{beside}):{shown} with points lc rgb '{colour}' pt {mark} {title}")
-    subprocess.run(["gnuplot"], input=PLOT.format(out=out, curves=", ".join(curves)), text=True, check=True)
-    figure = out / "many_corners.svg"
-    figure.write_text(figure.read_text().replace("<title>Gnuplot</title>", f"<title>{TITLE}</title>"))
+    rows = list(csv.DictReader((out / "many_corners.csv").open()))
+
+    def points(label, chosen, **style):
+        return {"label": label, "x": [int(r["corners"]) + BESIDE[r["kind"]] for r in chosen],
+                "y": [float(r["user_s"]) for r in chosen], **style}
+
+    proved = [r for r in rows if r["status"] == "optimal"]
+    # Every second symbol is filled.
+    series = [points(kind, [r for r in proved if r["kind"] == kind], style=2 * i) for i, kind in enumerate(BESIDE)]
+    series.append(points("open: stopped without a whole proof", [r for r in rows if r not in proved], style=1))
+    figure.draw(out / "many_corners.svg", TITLE, {"label": "corners that share the filter", "range": [1.5, 12.5]},
+                {"label": "processor time in user mode / s", "log": True, "range": [0.007, 60]}, series)
 
 
 def size_of(row):

@@ -354,7 +354,17 @@ class Families(unittest.TestCase):
             path = Path(folder) / "shaper.toml"
             path.write_text(text + '\n[design]\nfamily = "shaper"\nstages = 1\n', encoding="utf-8")
             accepted, words = verdict(design(path))
+            self.assertIs(accepted, True, words)
+            step = '\n[design]\nfamily = "shaper"\nstages = 1\nshaper_frequency_step_Hz = 3\n'
+            path.write_text(text + step, encoding="utf-8")
+            between = json.loads(design(path))
+        delay = 500 / between["settings"]["values"][-1]["value"] / between["task"]["sample_period_ms"]
+        self.assertGreater(abs(delay - round(delay)), 0.01)
+        accepted, words = verdict(between)
         self.assertIs(accepted, True, words)
+        between["task"]["design"]["shaper_frequency_step_Hz"] = 1
+        accepted, words = verdict(between)
+        self.assertIs(accepted, False)
 
     def test_widths_are_not_covered(self):
         accepted, words = verdict(design(ROOT / "problems/settings/in-position.toml"))

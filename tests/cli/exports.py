@@ -225,6 +225,13 @@ int main(void) {
         self.assertEqual((section["shaper_type_x"], section["damping_ratio_y"]), ("zv", "0"))
         self.assertAlmostEqual(0.5 / float(section["shaper_freq_y"]), 0.012, places=11)
         self.assertIn(self.commit, text)
+        # Klipper interpolates: the frequency need not make whole samples.
+        for name, delay, periods in [("zv", 12.25, 0.5), ("mzv", 9.3, 0.375), ("ei", 11.6, 0.5)]:
+            split = shaper.replace("1e7", "1e10").replace("'zv'", f"'{name}'").replace("= 12", f"= {delay}")
+            made(split, "split.toml", "split.json")
+            config.read_string(export("klipper", "split.json").decode("ascii"))
+            self.assertEqual(config["input_shaper"]["shaper_type_x"], name)
+            self.assertAlmostEqual(periods / float(config["input_shaper"]["shaper_freq_y"]), delay / 1e3, places=11)
         refused = run(accdec, "export", "result.json", "--format", "klipper", code=2)
         self.assertIn(b"no input shaper of Klipper", refused.stderr)
 

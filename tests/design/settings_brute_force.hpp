@@ -207,15 +207,19 @@ inline std::vector<double> average(int length) {
   return std::vector<double>(static_cast<std::size_t>(length), 1.0 / length);
 }
 
-/// Two or three impulses a delay apart.
-inline std::vector<double> impulses(const std::string& shaper, int delay) {
+/// Two or three impulses a delay apart. What falls between two samples is shared as a linear interpolation does it.
+inline std::vector<double> impulses(const std::string& shaper, double delay) {
   const double root = std::sqrt(2.0);
   std::vector<double> weights{0.5, 0.5};
   if (shaper == "zvd") weights = {0.25, 0.5, 0.25};
   if (shaper == "mzv") weights = {1.0 - 1.0 / root, root - 1.0, 1.0 - 1.0 / root};
   if (shaper == "ei") weights = {0.2625, 0.475, 0.2625};
-  std::vector<double> taps((weights.size() - 1) * static_cast<std::size_t>(delay) + 1, 0.0);
-  for (std::size_t i = 0; i < weights.size(); ++i) taps[i * static_cast<std::size_t>(delay)] = weights[i];
+  const double end = static_cast<double>(weights.size() - 1) * delay;
+  std::vector<double> taps(static_cast<std::size_t>(std::ceil(end - 1e-6)) + 1, 0.0);
+  for (std::size_t k = 0; k < taps.size(); ++k) {
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      taps[k] += weights[i] * std::max(0.0, 1.0 - std::abs(static_cast<double>(k) - static_cast<double>(i) * delay));
+  }
   return taps;
 }
 
@@ -292,6 +296,14 @@ inline double brute_force(const Task& task) {
     }
     return best;
   }
+  std::vector<double> delays;
+  for (int delay = 1; delay <= task.design.order_max; ++delay) delays.push_back(delay);
+  if (const double step = settings.shaper_frequency_step; step > 0.0) {
+    delays.clear();
+    const double periods = std::string(settings.shaper->name) == "mzv" ? 0.375 : 0.5;
+    for (int m = 1; periods / (m * step * task.sample_period) >= 1.0; ++m)
+      delays.push_back(periods / (m * step * task.sample_period));
+  }
   for (const int a : lengths) {
     for (const int b : lengths) {
       if (b > a) break;
@@ -299,9 +311,9 @@ inline double brute_force(const Task& task) {
         offer(convolve(average(a), average(b)));
         continue;
       }
-      for (int delay = 1; delay <= task.design.order_max; ++delay) {
+      for (const double delay : delays) {
         const std::vector<double> pair = impulses(std::string(settings.shaper->name), delay);
-        if (a + b + static_cast<int>(pair.size()) - 3 > task.design.order_max) break;
+        if (a + b + static_cast<int>(pair.size()) - 3 > task.design.order_max) continue;
         offer(convolve(convolve(average(a), average(b)), pair));
       }
     }

@@ -139,6 +139,32 @@ TEST(Settings, OfPolesAndShapersAreTheBestOfAllByBruteForce) {
   }
 }
 
+/// A control that interpolates has impulses between samples, a mode asks for them.
+TEST(Settings, OfShapersBetweenSamplesAreTheBestOfAllByBruteForce) {
+  std::mt19937 rng(30);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  int feasible = 0, between = 0;
+  for (int i = 0; i < 24; ++i) {
+    const std::vector<DelayKind> delays = i % 2 == 0 ? std::vector<DelayKind>{} : std::vector{DelayKind::in_position};
+    Task task = settable(rng, SettingFamily::shaper, delays, 1, 18);
+    task.settings->shaper = &shaper_list()[static_cast<std::size_t>(i) % 4];
+    task.settings->shaper_frequency_step = 2.0 + 20.0 * u(rng);
+    for (Axis& axis : task.machine.axes) axis = {.name = axis.name, .acceleration_max = 20.0 + 1000.0 * u(rng)};
+    task.corners.front().speed_min = 0.0;
+    const double f = (0.05 + 0.25 * u(rng)) / task.sample_period, z = i % 3 == 0 ? 0.05 : 0.0;
+    Mode mode;
+    mode.frequency_low = mode.frequency_high = f, mode.damping_low = mode.damping_high = z;
+    mode.residual_max = 0.02 + 0.2 * u(rng);
+    if (i % 4 != 1) task.machine.modes.push_back(mode);
+    expect_as_brute_force(task, "shaper between samples, task " + std::to_string(i));
+    if (!std::isfinite(brute_force(task))) continue;
+    ++feasible;
+    between += design_task(task).settings->filter.whole_pairs() ? 0 : 1;
+  }
+  EXPECT_GE(feasible, 12);
+  EXPECT_GE(between, 6);
+}
+
 TEST(Settings, OfLengthsAndNumbersAreTheBestOfAllByBruteForce) {
   std::mt19937 rng(28);
   int found = 0;

@@ -133,7 +133,11 @@ double brute_force(const Task& task, const Family& b, int order_max) {
   for (int order = 0; order <= order_max; ++order) {
     for (int delay = b.pairs > 0 ? 1 : 0; order + b.pairs * delay <= order_max && delay <= (b.pairs > 0 ? 99 : 0);
          ++delay) {
-      FilterSpec spec{.kind = b.shape, .order = order, .pairs = b.pairs, .pair_delay = delay, .outer = b.outer};
+      FilterSpec spec{.kind = b.shape,
+                      .order = order,
+                      .pairs = b.pairs,
+                      .pair_delay = static_cast<double>(delay),
+                      .outer = b.outer};
       for (int g = 1; g <= 40; ++g) {
         spec.alpha = 0.15 * g;
         spec.ratio = g <= 20 ? g / 20.0 : 20.0 / (41 - g);

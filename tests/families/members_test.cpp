@@ -53,7 +53,7 @@ TEST(Members, WithPairsHaveEveryDelayThatFits) {
   std::vector<int> delays;
   visit_members(family, 9, 1, [&](const FilterSpec& spec, std::span<const int>) {
     EXPECT_EQ(make_filter(spec).order(), 9);
-    delays.push_back(spec.pair_delay);
+    delays.push_back(static_cast<int>(spec.pair_delay));
     return true;
   });
   EXPECT_THAT(delays, ::testing::ElementsAre(1, 2, 3, 4));

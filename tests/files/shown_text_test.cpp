@@ -36,6 +36,15 @@ TEST(ShownText, AShellReadsQuotedArguments) {
   }
 }
 
+// What is above a limit does not look like the limit.
+TEST(ShownText, NumbersAboveALimitLookSo) {
+  EXPECT_EQ(shown_above(2.04, 2.0), "2.04");
+  EXPECT_EQ(shown_above(2.4, 2.0), "2.4");
+  EXPECT_EQ(shown_above(1234.0, 60.0), "1.2e+03");
+  EXPECT_EQ(shown_above(60.000001, 60.0), "60.000001");
+  EXPECT_EQ(shown_above(2.0 + 4e-16, 2.0), "2.0000000000000004");
+}
+
 // A spreadsheet takes a field that begins so for a formula.
 TEST(CsvField, NamesAreNoFormulas) {
   EXPECT_EQ(csv_field("=1+1"), "'=1+1");

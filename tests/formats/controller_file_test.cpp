@@ -141,6 +141,25 @@ TEST(Controllers, AFileOfOnesOwnLiesBesideTheTask) {
   EXPECT_THROW(read_task(missing), InputError);
 }
 
+TEST(Controllers, AFileSaysThatTheControlInterpolates) {
+  const TemporaryFolder folder;
+  std::string text = own;
+  text.replace(text.find("\"averages\""), 10, "\"shaper\"\nshaper = \"mzv\"\nshaper_frequency_step_Hz = 0.5");
+  folder.write("mine.toml", text);
+  const std::string path = folder.write("task.toml", task_text("file = \"mine.toml\""));
+  const Task task = read_task(path);
+  EXPECT_EQ(task.settings->shaper_frequency_step, 0.5);
+  EXPECT_EQ(parse_task(task_to_toml(task), "again.toml").settings->shaper_frequency_step, 0.5);
+  text.replace(text.find("= 0.5"), 5, "= 1e-9");
+  folder.write("mine.toml", text);
+  try {
+    read_task(path);
+    ADD_FAILURE() << "a billion frequencies";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("task.toml:5:8: its step of 1e-09 Hz gives more than 10000 frequencies"));
+  }
+}
+
 TEST(Controllers, WrittenTasksNeedNoFile) {
   const TemporaryFolder folder;
   folder.write("mine.toml", own);

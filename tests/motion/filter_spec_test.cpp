@@ -151,6 +151,32 @@ TEST(ShapeList, HoldsEveryShapeOnceAndMakesIt) {
   EXPECT_EQ(shape_from_string("sinc"), std::nullopt);
 }
 
+/// The motion between samples is linear: behind an impulse between two of them it is what lies between their echoes.
+TEST(Shapers, BetweenSamplesInterpolateTheMotion) {
+  const Filter before = averages(std::vector{5, 3});
+  for (const ShaperInfo& shaper : shaper_list()) {
+    for (const double delay : {1.0, 3.25, 7.5, 9.999, 12.0}) {
+      const Filter filter = with_pairs(before, shaper.pairs, delay, shaper.outer);
+      const double end = shaper.pairs == 1 ? 0.5 : shaper.outer;
+      EXPECT_EQ(filter.order(), 6 + static_cast<int>(std::ceil(shaper.pairs * delay)));
+      EXPECT_NEAR(filter.mean_delay(), 3.0 + 0.5 * shaper.pairs * delay, 1e-12);
+      const auto way = [&](double m) {
+        const int whole = static_cast<int>(std::floor(m));
+        return before.elapsed_moment(whole) +
+               (m - whole) * (before.elapsed_moment(whole + 1) - before.elapsed_moment(whole));
+      };
+      for (int m = 0; m <= filter.order() + 1; ++m) {
+        double sum = end * (way(m) + way(m - shaper.pairs * delay));
+        if (shaper.pairs == 2) sum += (1.0 - 2.0 * end) * way(m - delay);
+        EXPECT_NEAR(filter.elapsed_moment(m), sum, 1e-12) << shaper.name << " " << delay << " " << m;
+      }
+    }
+  }
+  EXPECT_EQ(with_pairs(before, 2, 4.0 + 1e-12).order(), with_pairs(before, 2, 4).order());
+  EXPECT_THROW(with_pairs(before, 1, 0.75), std::invalid_argument);
+  EXPECT_THROW(with_pairs(before, 3, 2.5), std::invalid_argument);
+}
+
 TEST(ShapeList, DescribesParameters) {
   FilterSpec spec;
   EXPECT_EQ(describe_parameters(spec), "");
@@ -159,6 +185,9 @@ TEST(ShapeList, DescribesParameters) {
   spec.pairs = 1;
   spec.pair_delay = 12;
   EXPECT_EQ(describe_parameters(spec), "lengths = [19, 3], ZV 12");
+  spec.pair_delay = 12.345678901234;
+  EXPECT_EQ(describe_parameters(spec), "lengths = [19, 3], ZV 12.3456789");
+  EXPECT_EQ(describe_parameters(spec, Digits::all), "lengths = [19, 3], ZV 12.345678901234");
   spec.pairs = 0;
   spec.kind = Shape::exponential;
   spec.ratio = 0.95;

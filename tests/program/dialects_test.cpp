@@ -44,7 +44,7 @@ TEST_F(ProgramCommand, WordsOfOtherControlsAreRefusedByTheirDialect) {
   refused("G31 Z-5", "part.ngc:3:1: ", "moves until a probe touches: such moves cannot be planned by time");
   refused("X9 M104", "part.ngc:3:4: ", "in the dialect of Marlin and Klipper");
   refused("$J=G91 X10", "part.ngc:3:1: '$' is no word", "in the dialect of GRBL");
-  refused("G05.1 Q1", "part.ngc:3:1: G5.1 needs both I and J", "FANUC G05.1 switches look-ahead");
+  refused("G05.1 Q1", "part.ngc:3:1: G5.1 needs both I and J", "FANUC G5.1 switches look-ahead");
   refused("G4 X1.5", "part.ngc:3:1: G4 needs its time in P, in seconds", "FANUC G4 dwells by X");
 }
 

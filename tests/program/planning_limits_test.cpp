@@ -66,13 +66,13 @@ TEST(PlanningLimits, ProgrammedFeedsHaveNoTimeWhereTheirPlanWasNotFinished) {
   const Toolpath path = test::path_of("G61 F12000\nG2 J36 P2\nM2\n", task.machine);
   const Deadline over(-1.0);
   const ProgramResult result = run_program("a", path, Filter({0.5, 0.5}), task, false, Feeds::choose, over);
-  EXPECT_FALSE(result.verification.feasible);
+  EXPECT_TRUE(result.verification.feasible) << "with stops";
   EXPECT_FALSE(result.cycle_time_kept.has_value());
 }
 
 // An arc of 316 chords under a filter of 51 taps, which steps of the feed between them do not suit: mending it takes
-// minutes.
-TEST_F(ProgramCommand, APlanThatTheTimeLimitEndsIsNoResult) {
+// minutes. What is left is a stop after every chord.
+TEST_F(ProgramCommand, APlanThatTheTimeLimitEndsStops) {
   write("long.toml",
         "sample_period_ms = 0.2\n[filter]\nkind = \"boxcar\"\norder = 50\n[[axis]]\nvelocity_max_mm_s = 500\n"
         "acceleration_max_mm_s2 = 200\njerk_max_mm_s3 = 4000\n");
@@ -80,9 +80,10 @@ TEST_F(ProgramCommand, APlanThatTheTimeLimitEndsIsNoResult) {
         "G21 G90 G17\nG64 P0.154\nF40000\nG0 X-15.859421 Y-0.290778 Z-17.534912\n"
         "G3 Z-16.960746 I0.348903 J1.969331\nG1 Z-25.387611\n");
   const auto done = run("program part.ngc --task long.toml --time-limit 0.05 --json r.json");
-  EXPECT_EQ(done.code, 1) << done.err;
-  EXPECT_THAT(done.out, HasSubstr("the time limit ended the planning before a plan held all limits"));
-  EXPECT_NE(read("r.json").find("\"status\": \"failed\""), std::string::npos);
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("317 at rest"));
+  EXPECT_THAT(done.err, HasSubstr("the time limit ended the search"));
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out");
 }
 
 // Checking samples may take longer than there is time. Then there is no plan, rather than one that nobody checked.
@@ -90,10 +91,11 @@ TEST(PlanningLimits, ADeadlineEndsTheCheckOfSamples) {
   Task task;
   task.sample_period = 1e-4;
   task.machine = slow_axis();
+  task.machine.axes[0].acceleration_max = 2e-5;  // 50 s of speeding up are not steady
   const Toolpath path = test::path_of("G64 P0.05 F60\nG1 X100\nM2\n", task.machine);
   const ProgramResult whole = run_profiles("a", path, task, {});
   EXPECT_TRUE(whole.verification.feasible);
-  EXPECT_NEAR(static_cast<double>(whole.check.samples), 100.0 / 1e-4, 1e4);
+  EXPECT_NEAR(static_cast<double>(whole.check.samples), 150.0 / 1e-4, 1e4);
   const std::atomic<bool> asked = true;
   Deadline ended;
   ended.end_when(asked);
@@ -108,8 +110,8 @@ TEST(PlanningLimits, ADeadlineEndsTheCheckOfSamples) {
 TEST_F(ProgramCommand, OneFilterIsPlannedWhereSamplesTakeTooLongToCheck) {
   write("long.toml",
         "sample_period_ms = 0.1\n[[axis]]\nvelocity_max_mm_s = 500\n"
-        "acceleration_max_mm_s2 = 1000\njerk_max_mm_s3 = 20000\n");
-  write("part.ngc", "G21 G90 G64 P0.05\nG1 X10000 F1\nM2\n");  // 6e9 samples
+        "acceleration_max_mm_s2 = 0.1\njerk_max_mm_s3 = 20000\n");
+  write("part.ngc", "G21 G90 G64 P0.05\nG1 X100000 F10000\nM2\n");  // 2e7 samples that are never steady
   for (const char* plan : {"profiles", "free"}) {
     const auto done =
         run(fmt::format("program part.ngc --task long.toml --time-limit 1 --json r.json --plan {}", plan));
@@ -123,8 +125,8 @@ TEST_F(ProgramCommand, OneFilterIsPlannedWhereSamplesTakeTooLongToCheck) {
 TEST_F(ProgramCommand, WithoutTimeForAnyPlanNothingIsWritten) {
   write("long.toml",
         "sample_period_ms = 0.1\n[[axis]]\nvelocity_max_mm_s = 500\n"
-        "acceleration_max_mm_s2 = 1000\njerk_max_mm_s3 = 20000\n");
-  write("part.ngc", "G21 G90 G64 P0.05\nG1 X10000 F1\nM2\n");  // 6e9 samples
+        "acceleration_max_mm_s2 = 0.1\njerk_max_mm_s3 = 20000\n");
+  write("part.ngc", "G21 G90 G64 P0.05\nG1 X100000 F10000\nM2\n");  // 2e7 samples that are never steady
   const auto none = run("program part.ngc --task long.toml --time-limit 0.001 --json none.json --plan profiles");
   EXPECT_EQ(none.code, 2);
   EXPECT_THAT(none.err, HasSubstr("the time limit ended plan profiles before all its samples were checked; give"));

@@ -41,6 +41,25 @@ TEST(Plan, EveryJointHoldsItsToleranceOnThePathByDefinition) {
   }
 }
 
+// The joint turns too little for a stop, so it may be passed at a feed that the filter cannot start. Its tolerance asks
+// for a delay, and then the filter must.
+TEST(Plan, LongBlocksBesideADelayAreSlowedToWhatTheFilterStarts) {
+  const Machine machine = test::machine_of(6.0, 500.0, 0.5);
+  for (const double turn : {4.0, 9.0, 15.0, 19.0}) {
+    for (const double tolerance : {0.002, 0.01}) {
+      const double angle = turn * std::numbers::pi / 180.0;
+      Toolpath path = path_of(fmt::format("G64 P{} F6000\nG1 X100\nG1 X{} Y{}\n", tolerance,
+                                          100.0 + 90.0 * std::cos(angle), 90.0 * std::sin(angle)),
+                              machine);
+      const Filter filter = trapezoid(23, 6);  // averages of 18 and 7 samples: 100 mm/s at once are 794 m/s^3
+      const ProgramPlan plan = plan_program(path, filter, period, machine);
+      EXPECT_TRUE(all_holds(plan)) << turn << " degrees, " << tolerance;
+      const Reference reference(path, filter, period, plan.delays);
+      EXPECT_LE(reference.error(path, filter.order(), 0), path.tolerance[0] * (1.0 + 1e-9) + 1e-12);
+    }
+  }
+}
+
 TEST(Plan, StretchesAreBlocksOfTheProgram) {
   std::string text = "G64 P0.05 F600\n";
   for (int i = 1; i <= 60; ++i) text += "G1 X" + std::to_string(i) + "\n";

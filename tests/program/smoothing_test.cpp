@@ -48,8 +48,7 @@ std::vector<double> through(const std::vector<double>& first, const std::vector<
 }
 
 /// A filter and a smoothing behind it are one filter: all limits and errors hold behind both.
-TEST(Smoothing, PlansAsOneFilterOfBoth) {
-  const Filter set = trapezoid(40, 10);
+void plan_as_one_filter(const Filter& set) {
   const std::vector<double> own(set.taps().begin(), set.taps().end());
   for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
     const Task with = task_with(spread), without = task_with({});
@@ -66,6 +65,12 @@ TEST(Smoothing, PlansAsOneFilterOfBoth) {
     EXPECT_EQ(smoothed.plan.set().order(), set.order());
     EXPECT_EQ(smoothed.plan.filter().order(), set.order() + 3);
   }
+}
+
+TEST(Smoothing, PlansAsOneFilterOfBoth) {
+  plan_as_one_filter(trapezoid(40, 10));
+  // Smoothing lowers the jerk of these again and again.
+  plan_as_one_filter(boxcar(40));
 }
 
 class SmoothingCommand : public ProgramCommand {

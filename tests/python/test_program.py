@@ -40,6 +40,21 @@ def test_bounds_stand_beside_their_classes_of_motions():
     assert "bound, any motion" in str(plan)
 
 
+def test_estimates_are_those_of_the_program(tmp_path):
+    plan = accdec.program(PROBLEMS / "star.ngc", MILL, estimate=["grbl", "klipper"],
+                          estimate_options={"square_corner_velocity": 8})
+    subprocess.run([os.environ["ACCDEC_BINARY"], "program", PROBLEMS / "star.ngc", "--task", MILL, "--as", "grbl", "--as",
+                    "klipper", "--as-option", "square_corner_velocity=8", "--json", tmp_path / "plan.json", "-q"],
+                   check=True)
+    theirs = json.loads((tmp_path / "plan.json").read_text())["estimates"]
+    assert [(ours["control"], ours["time"], ours["not_known"]) for ours in plan.estimates] == [
+        (other["control"], other["time_s"], other["not_known"]) for other in theirs]
+    assert plan.estimates[1]["parameters"]["square_corner_velocity"] == 8.0
+    assert "grbl would take" in str(plan)
+    with pytest.raises(ValueError, match="parameter of grbl"):
+        accdec.program(PROBLEMS / "star.ngc", MILL, estimate=["grbl"], estimate_options={"resolution": 1})
+
+
 def test_samples_are_a_filtered_motion():
     """They add up, hold the limits, and start as lfilter makes the programmed feed start."""
     plan = accdec.program(PROBLEMS / "star.ngc", MILL, feeds="keep")

@@ -205,6 +205,26 @@ def peers(page):
                       f"{motion_time(samples):.3f}")
 
 
+@check_of("program/estimates.md")
+def estimates(page):
+    """Estimates again; the times of the controls' own planners are in the table that estimates.py wrote."""
+    sys.path.insert(0, str(page.source / "tests/peers"))
+    import estimates as peers_estimates
+    import run as peers_run
+
+    written = [list(row.values()) for row in page.csv("estimates.csv")]
+    names = re.search(r"\(commit (\w+)\).*\(commit (\w+)\)", page.text, re.S).groups()
+    page.same("the page is that of estimates.csv", page.text, peers_estimates.page(written, *names))
+    program = peers_run.fair(page.source / "problems/program/star.ngc", page.folder)
+    task = peers_run.task_file(page.folder, 1000, None)
+    for settings in ({control: {} for control in peers_estimates.CONTROLS}, peers_estimates.OTHER):
+        found = peers_estimates.estimates(page.program, program, task, settings)
+        for control, own in settings.items():
+            words = ["star", "1000", control, " ".join("%s=%g" % item for item in own.items())]
+            (printed,) = [row[5] for row in written if row[:4] == words]
+            page.same(" ".join(words), printed, f"{found[control]:.4f}")
+
+
 @check_of("program/linuxcnc-loop.md")
 def linuxcnc_loop(page):
     """What is predicted; what LinuxCNC logged is in the tables that its scripts wrote."""
@@ -220,12 +240,14 @@ def linuxcnc_loop(page):
               [sorted(row.values()) for row in page.csv("linuxcnc-identify.csv")])
     (page.folder / "corner.ngc").write_text(loop.CORNER)
     samples = page.folder / "samples.csv"
-    page.run("program", page.folder / "corner.ngc", "--task", page.task(loop.CORNER_TASK), "--samples", samples, "--quiet")
-    # The smoothing of four taps moves three samples longer; the last change ends at rest.
-    page.same("corner", logged[0]["samples predicted"], str(round(1e3 * motion_time(samples)) + 3 - 1))
-    mill = re.sub(r"(?ms)^\[filter\].*?(?=^\[\[)", '[filter]\nkind = "averages"\nlengths = [18, 7]\n',
+    page.run("program", page.folder / "corner.ngc", "--task", page.task(loop.CORNER_TASK + loop.SMOOTHED), "--samples",
+             samples, "--quiet")
+    predicted = loop.columns(samples, ("x_mm", "y_mm", "z_mm"))
+    page.same("corner", logged[0]["samples predicted"],
+              str(len(predicted) - loop.last_motion(predicted) - loop.first_motion(predicted)))
+    mill = re.sub(r"(?ms)^\[filter\].*?(?=^\[\[)", '[filter]\nkind = "averages"\nlengths = [18, 7]\n' + loop.SMOOTHED,
                   (page.source / "problems/program/mill.toml").read_text())
-    for name in ("zigzag", "star"):
+    for name in ("legs", "zigzag"):
         plan = page.result("program", page.source / f"problems/program/{name}.ngc", "--feeds", "keep", "--task",
                            page.task(mill))
         page.same(name, page.row(times, "program", name)["predicted, ms"], f"{1e3 * plan['cycle_time_s']:.0f}")

@@ -69,9 +69,8 @@ Json bounds_json(const Machine& machine, double Axis::*bound) {
 /// Every n-th sample: times, places, speeds and velocities, and the limit that bound most since the one before.
 Json motion_json(const Toolpath& programmed, const Machine& machine, const ProgramResult& result) {
   const ProgramMotion motion = motion_of(result);
-  std::int64_t count = 0, seen = 0;
-  motion.samples([&](std::int64_t, const double*, const double*) { ++count; });
-  const std::int64_t every = std::max<std::int64_t>(1, (count + most_points - 1) / most_points);
+  const std::vector<std::int64_t> drawn = drawn_samples(motion, most_points);
+  auto next = drawn.begin();
   std::vector<double> time, speed;
   std::vector<int> bound;
   std::vector<std::vector<double>> places(programmed.dimensions()), velocities(programmed.dimensions());
@@ -83,7 +82,8 @@ Json motion_json(const Toolpath& programmed, const Machine& machine, const Progr
     binding = std::max(binding, binds);
     for (std::size_t a = 0; a < differences.size(); ++a) differences[a].add(v[a], k > before + 1);
     before = k;
-    if (seen++ % every != 0 && seen != count) return;
+    if (next == drawn.end() || k != *next) return;
+    ++next;
     time.push_back(static_cast<double>(k) * motion.sample_period);
     for (std::size_t a = 0; a < places.size(); ++a) {
       places[a].push_back(rounded(mm * at[a]));

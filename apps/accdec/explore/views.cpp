@@ -16,6 +16,16 @@ using Json = nlohmann::ordered_json;
 
 constexpr int longest_drawn = 20'000;  ///< taps
 
+/// To eight digits of the largest: enough for a picture, and less than half of the text.
+std::vector<double> drawn(std::vector<double> values) {
+  double peak = 0.0;
+  for (const double v : values) peak = std::max(peak, std::abs(v));
+  if (!(peak > 0.0) || !std::isfinite(peak)) return values;
+  const double scale = std::pow(10.0, std::clamp(7.0 - std::floor(std::log10(peak)), 0.0, 22.0));
+  for (double& v : values) v = std::round(v * scale) / scale;
+  return values;
+}
+
 Json bound_json(const Axis& axis, const AxisLimit& limit) {
   const double bound = axis.*limit.bound;
   return bound < unlimited ? Json(bound * limit_name(limit.kind).per_si) : Json(nullptr);
@@ -41,7 +51,7 @@ Json quantity_json(const AxisLimit& limit, const SampledResponse& sampled, const
     std::vector<double> values;
     for (const AxisState& state : axis_states(sampled, axis, a, task.sample_period, still))
       values.push_back(signed_value(state, limit.kind) * name.per_si);
-    axes.push_back({{"name", axis.name}, {"bound", bound_json(axis, limit)}, {"values", std::move(values)}});
+    axes.push_back({{"name", axis.name}, {"bound", bound_json(axis, limit)}, {"values", drawn(std::move(values))}});
   }
   return {{"kind", name.name}, {"unit", name.unit}, {"axes", std::move(axes)}};
 }
@@ -74,10 +84,13 @@ void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner,
     speed.push_back(motion.velocity.row(n).norm() * limit_name(LimitKind::velocity).per_si);
   }
   const auto flat = [&](const Eigen::VectorXd& u) { return Json{u.dot(across), u.dot(up)}; };
-  view["path"] = {
-      {"names", names},   {"x_um", x}, {"y_um", y}, {"in", flat(legs.direction_in)}, {"out", flat(legs.direction_out)},
-      {"off_um", contour}};
-  view["speed_mm_s"] = speed;
+  view["path"] = {{"names", names},
+                  {"x_um", drawn(std::move(x))},
+                  {"y_um", drawn(std::move(y))},
+                  {"in", flat(legs.direction_in)},
+                  {"out", flat(legs.direction_out)},
+                  {"off_um", drawn(std::move(contour))}};
+  view["speed_mm_s"] = drawn(std::move(speed));
 }
 
 Json view_json(const DesignResult& result, std::size_t index) {
@@ -90,7 +103,7 @@ Json view_json(const DesignResult& result, std::size_t index) {
   for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
     time.push_back(static_cast<double>(n - motion.corner) * task.sample_period * 1e3);
   Json view{{"name", corner.name},
-            {"time_ms", std::move(time)},
+            {"time_ms", drawn(std::move(time))},
             {"events", {{"start", motion.start}, {"blend", motion.corner}, {"stop", motion.stop}}}};
   add_path(view, motion, corner, task.machine);
   view["quantities"] = Json::array();

@@ -36,8 +36,8 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None) -> dict
     log : path or dict
         A table as `accdec identify` reads it, or the positions of every axis (m), one a sample period.
     task : Task, path or dict
-        With the sample period. If it names families, only these are looked at. Its prefilter_taps stand behind the
-        filter found.
+        With the sample period. If it names families, only these are tried. If it has prefilter_taps, the filter found
+        is the one in front of them.
     noise : float, optional
         m, standard deviation of the positions. Default: what the best fit leaves.
 

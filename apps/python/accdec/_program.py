@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Optional, Union
+from typing import Mapping, Optional, Sequence, Union
 
 from . import _arguments as arguments
 from . import _core
@@ -19,6 +19,7 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
             arc_tolerance: Optional[float] = None, time_limit: Optional[float] = None, rapid_stops: bool = False,
             dwells_before_filter: bool = False, filter_bound: bool = False, compensate_arcs: bool = False,
             tool_table: Union[str, "os.PathLike[str]"] = "", tool_length: Optional[float] = None,
+            estimate: Sequence[str] = (), estimate_options: Optional[Mapping[str, float]] = None,
             progress: Progress = None) -> Program:
     """Plan a whole program: choose filter, feeds and the delay of every corner, and verify every sample by simulation.
 
@@ -45,6 +46,10 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
         LinuxCNC's tool table, for programs that rs274 must run.
     tool_length : float, optional
         m, length of every tool for G43, in place of a table; 0 if the program's Z is always that of the tool's tip.
+    estimate : sequence of {"klipper", "grbl", "linuxcnc-2.9"}
+        Other controls whose time is estimated, by the rules of their planners; see `Program.estimates`.
+    estimate_options : dict, optional
+        Parameters of these controls by their own names, in their own units: ``{"square_corner_velocity": 8}``, mm/s.
     progress : bool or callable, optional
 
     Returns
@@ -60,10 +65,27 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
     >>> plan = accdec.program(square, {"sample_period": 1e-3, "axes": {"acceleration_max": 5.0}})
     >>> plan.success, len(plan.delays) >= 4, bool((plan.errors <= plan.tolerances * (1 + 1e-9)).all())
     (True, True, True)
+    >>> part = {"sample_period": 1e-3, "axes": {"velocity_max": 0.2, "acceleration_max": 1.0}}
+    >>> [grbl] = accdec.program(square, part, estimate=["grbl"], estimate_options={"junction_deviation": 0.02}).estimates
+    >>> grbl["control"], 1.6 < grbl["time"] < 2.0, grbl["parameters"]["junction_deviation"]
+    ('grbl', True, 0.02)
     >>> faster = accdec.program(square, {"sample_period": 1e-3, "axes": {"acceleration_max": 5.0}}, plan="profiles")
     >>> faster.plan, faster.cycle_time <= plan.cycle_time, [other["plan"] for other in faster.candidates]
     ('profiles', True, ['fixed'])
     """
+    controls = [estimate] if isinstance(estimate, str) else estimate
+    if not isinstance(controls, (list, tuple)):
+        raise arguments.wrong("estimate", "must be a list of controls", estimate, TypeError)
+    for control in controls:
+        arguments.one_of("estimate", control, ("klipper", "grbl", "linuxcnc-2.9"))
+    if not isinstance(estimate_options, (Mapping, type(None))):
+        raise arguments.wrong("estimate_options", "must be a dict of numbers", estimate_options, TypeError)
+    options = {str(name): arguments.real(f"estimate_options[{name!r}]", value)
+               for name, value in (estimate_options or {}).items()}
+    if options and not controls:
+        raise ValueError("estimate_options needs estimate")
+    if controls and dwells_before_filter:
+        raise ValueError("estimate excludes dwells_before_filter: other controls stop for G4")
     arguments.one_of("plan", plan, ("fixed", "profiles", "free"))
     keep = arguments.one_of("feeds", feeds, ("choose", "keep")) == "keep"
     given = locals()
@@ -81,4 +103,4 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
     return _core.program(arguments.path("file", file), as_task(task, program=True), plan=plan, keep_feeds=keep,
                          arc_tolerance=arc_tolerance, time_limit=time_limit, **flags,
                          tool_table=arguments.path("tool_table", tool_table), tool_length=tool_length,
-                         progress=arguments.listener(progress))
+                         estimate=list(controls), estimate_options=options, progress=arguments.listener(progress))

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -34,6 +35,12 @@ struct Program : ProgramResult {
 };
 using Pointer = std::shared_ptr<Program>;
 
+/// Other controls to estimate, and their parameters.
+struct Asked {
+  std::vector<std::string> controls;
+  std::map<std::string, double> given;
+};
+
 /// What planning says, now and then, ends it where no deadline does.
 std::function<void(const std::string&)> teller(const Work& work) {
   return [&work](const std::string& line) {
@@ -51,7 +58,7 @@ FreeOptions free_options(const Work& work) {
 
 /// @param how  "fixed"; "profiles": that or fixed, whichever is the faster; "free"
 Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const ProgramFileOptions& options,
-             const std::string& how, const py::object& progress) {
+             const std::string& how, const Asked& estimates, const py::object& progress) {
   const auto result = std::make_shared<Pointer>();
   run_interruptibly(
       [=](const Work& work) {
@@ -60,10 +67,14 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
         ProgramFile read = read_program_file(file, *task, asked, teller(work));
         Toolpath programmed = read.path;
         const double chords = read.reading.read.arc_tolerance;
+        std::vector<ControlEstimate> estimated =
+            estimate_times(programmed, task->machine, estimates.controls, estimates.given);
         ProgramResult found = how == "free" ? run_free_plan(file, read, *task, asked, free_options(work), teller(work))
                               : how == "profiles" ? run_fastest_plan(file, read, *task, asked, teller(work))
                                                   : run_program_file(file, read, *task, asked, teller(work));
-        if (!found.corner_bound && !found.plan.empty() && programmed.blocks() <= several_plans_max)
+        found.estimates = std::move(estimated);
+        // The bounds are of motions, and the time behind a servo is that of the command.
+        if (!found.servo && !found.corner_bound && !found.plan.empty() && programmed.blocks() <= several_plans_max)
           found.corner_bound = read.reading.read.arc_tolerance == chords
                                    ? corner_bound_of(programmed, *task, asked.deadline)
                                    : corner_bound_as_read({}, chords, file, read, *task, asked);
@@ -89,6 +100,17 @@ py::list candidates(const std::vector<PlanTime>& plans) {
   for (const PlanTime& p : plans) {
     if (p.time == 0.0) continue;  // not checked
     list.append(py::dict(py::arg("plan") = p.plan, py::arg("cycle_time") = p.time, py::arg("verified") = p.verified));
+  }
+  return list;
+}
+
+py::list estimate_list(const Program& r) {
+  py::list list;
+  for (const ControlEstimate& e : r.estimates) {
+    py::dict parameters;
+    for (const ControlParameter& p : e.parameters) parameters[py::str(p.name)] = p.value;
+    list.append(py::dict(py::arg("control") = e.control, py::arg("time") = e.time, py::arg("parameters") = parameters,
+                         py::arg("not_known") = e.unknown));
   }
   return list;
 }
@@ -128,12 +150,29 @@ py::object settings(const Program& r) {
   return settings_dict(r.settings->chosen, program_settings_answer(*r.settings, r.cycle_time, r.has_today));
 }
 
+/// None without a servo.
+py::object servo(const Program& r) {
+  if (!r.servo) return py::none();
+  return py::dict(py::arg("settling") = r.servo->settling, py::arg("within") = r.servo->within,
+                  py::arg("stop_error") = r.servo->stop_error);
+}
+
 constexpr const char* no_plan = "there is no plan: ";
 
 /// A trajectory that breaks a limit is not given to anyone.
 void require_motion(const Program& r) {
   if (r.plan.empty() || (r.plan.trajectory() != nullptr && !r.verification.feasible))
     throw std::runtime_error(no_plan + r.message);
+}
+
+/// Positions behind the servo at the samples of the command, m, samples by axes.
+py::array_t<double> motion_behind(const Program& r, py::ssize_t rows) {
+  const auto n = static_cast<std::ptrdiff_t>(r.plan.path.axes.size());
+  std::vector<double> position;
+  Motion motion(r.plan, r.sample_period, true);
+  for (Sample sample; motion.next(sample) && sample.number < rows;)
+    position.insert(position.end(), sample.position.begin(), sample.position.begin() + n);
+  return py::array_t<double>({rows, n}, position.data());
 }
 
 /// Every sample of the motion, samples by axes; the first is at rest where the program begins.
@@ -155,9 +194,11 @@ py::dict samples(const Program& r) {
   const auto rows = static_cast<py::ssize_t>(time.size());
   py::list axes;
   for (std::size_t a = 0; a < path.axes.size(); ++a) axes.append(path.axis_name(a));
-  return py::dict(py::arg("time") = py::array_t<double>(rows, time.data()),
-                  py::arg("position") = py::array_t<double>({rows, n}, position.data()),
-                  py::arg("velocity") = py::array_t<double>({rows, n}, velocity.data()), py::arg("axes") = axes);
+  py::dict all(py::arg("time") = py::array_t<double>(rows, time.data()),
+               py::arg("position") = py::array_t<double>({rows, n}, position.data()),
+               py::arg("velocity") = py::array_t<double>({rows, n}, velocity.data()), py::arg("axes") = axes);
+  if (r.servo) all["motion"] = motion_behind(r, rows);
+  return all;
 }
 
 std::string page_of(const Program& r) {
@@ -191,6 +232,9 @@ lower_bound : float
     s, way over feed; no motion that passes every corner within its tolerance is shorter, wherever it is between them.
 bounds : list of dict
     Times that no motion of a class undercuts, the widest class first: name, time (s), motions (the class in words).
+estimates : list of dict
+    Of the controls asked for: control, time (s), parameters (by their names, in the control's own units), not_known
+    (what the control does not know, in words).
 x, taps : ndarray or None
     The filter, b_0 .. b_N; of plan "profiles" the last, which all samples pass (a single tap: none).
 delays : ndarray of int or None
@@ -204,6 +248,9 @@ durations : ndarray
 settings : dict or None
     What to set in the task's controller, if the task names families: family, values, delays (the kind at the end of
     every commanded move), width, width_low, width_high (m, None if no corner is in-position), answer (in words).
+servo : dict or None
+    Of a task with a servo: settling (s, from the end of the command until the motion is within `within` of its end),
+    within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
 )";
 
 constexpr const char* json_doc = "to_json()\n\nThe text of a result file, as the command line's --json.";
@@ -212,7 +259,8 @@ constexpr const char* page_doc =
     "over time, "
     "and the time lost by classes of corners.";
 constexpr const char* samples_doc =
-    "samples()\n\nEvery sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes.";
+    "samples()\n\nEvery sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes. "
+    "Behind a servo that is the command, and motion (m) is what the axes do.";
 
 void bind_plan(py::module_& module) {
   py::class_<Program, std::shared_ptr<Program>>(module, "Program", program_doc)
@@ -224,6 +272,7 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("cycle_time", [](const Program& r) { return r.cycle_time; })
       .def_property_readonly("lower_bound", [](const Program& r) { return r.lower_bound; })
       .def_property_readonly("bounds", &bound_list)
+      .def_property_readonly("estimates", &estimate_list)
       .def_property_readonly("x", &taps)
       .def_property_readonly("taps", &taps)
       .def_property_readonly("delays", &delays)
@@ -233,6 +282,7 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("lines", view_of(&Toolpath::line))
       .def_property_readonly("durations", view_of(&Toolpath::duration))
       .def_property_readonly("settings", &settings)
+      .def_property_readonly("servo", &servo)
       .def(
           "to_json", [](const Program& r) { return program_to_json(r); }, json_doc)
       .def("page", &page_of, page_doc)
@@ -257,7 +307,8 @@ void bind_program(py::module_& module) {
       [](const std::string& file, const std::shared_ptr<Task>& task, const std::string& how, bool keep_feeds,
          std::optional<double> arc_tolerance, std::optional<double> time_limit, bool rapid_stops,
          bool dwells_before_filter, bool filter_bound, bool compensate_arcs, const std::string& tool_table,
-         std::optional<double> tool_length, const py::object& progress) {
+         std::optional<double> tool_length, const std::vector<std::string>& estimate,
+         const std::map<std::string, double>& estimate_options, const py::object& progress) {
         ProgramFileOptions options;
         if (arc_tolerance) options.arc_tolerance = *arc_tolerance;
         options.tools.table = tool_table;
@@ -269,11 +320,12 @@ void bind_program(py::module_& module) {
         options.compensate_arcs = compensate_arcs;
         options.time_limit = time_limit;
         if (time_limit) options.deadline = Deadline(*time_limit);
-        return plan(file, task, options, how, progress);
+        return plan(file, task, options, how, {estimate, estimate_options}, progress);
       },
       py::arg("file"), py::arg("task"), py::kw_only(), py::arg("plan"), py::arg("keep_feeds"), py::arg("arc_tolerance"),
       py::arg("time_limit"), py::arg("rapid_stops"), py::arg("dwells_before_filter"), py::arg("filter_bound"),
-      py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("tool_length"), py::arg("progress"));
+      py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("tool_length"), py::arg("estimate"),
+      py::arg("estimate_options"), py::arg("progress"));
   module.def(
       "program_figure",
       [](const Program& result) {

@@ -52,18 +52,8 @@ class AnyMotionBound {
         planes_(machine, path.dimensions(), [this] {
           return plane_programs_left_ > 0 && plane_programs_left_-- > 0 && seconds_since(start_) < time_limit_;
         }) {
-    double acceleration2 = 0.0;
-    bool jerk = false;
-    for (const Axis& axis : machine.axes) {
-      double most = acceleration_most(axis);
-      if (axis.jerk_max < unlimited) {
-        jerk = true;
-        if (axis.velocity_max < unlimited) most = std::min(most, 2.0 * std::sqrt(axis.velocity_max * axis.jerk_max));
-      }
-      acceleration2 += most * most;
-    }
-    wider_ = std::sqrt(acceleration2) * sample_period * sample_period / (jerk ? 6.0 : 8.0);
-    saved_ = (jerk ? 2.0 : 1.0) * sample_period;
+    const SplineSlack slack = spline_slack(machine, sample_period);
+    wider_ = slack.wider, saved_ = slack.saved;
     make_tube();
   }
 

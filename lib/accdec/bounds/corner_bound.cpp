@@ -110,6 +110,21 @@ double acceleration_most(const Axis& axis) {
   return most;
 }
 
+SplineSlack spline_slack(const Machine& machine, double sample_period) {
+  double acceleration2 = 0.0;
+  bool jerk = false;
+  for (const Axis& axis : machine.axes) {
+    double most = acceleration_most(axis);
+    if (axis.jerk_max < unlimited) {
+      jerk = true;
+      if (axis.velocity_max < unlimited) most = std::min(most, 2.0 * std::sqrt(axis.velocity_max * axis.jerk_max));
+    }
+    acceleration2 += most * most;
+  }
+  return {std::sqrt(acceleration2) * sample_period * sample_period / (jerk ? 6.0 : 8.0),
+          (jerk ? 2.0 : 1.0) * sample_period};
+}
+
 double CornerDual::at(double of_in, double of_out) const {
   // The columns x lie in [0, c] with costs -1/c, where c = of_in or of_out; the multipliers are s times the given ones.
   // Then sum (1 - x/c) is at least (number of columns) + s sides - sum of max(0, 1 + c s part). For speeds with a

@@ -71,4 +71,11 @@ CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, d
 /// The largest acceleration of an axis at any speed up to its limit: friction helps to brake. m/s^2
 double acceleration_most(const Axis& axis);
 
+/// How far the spline of a sampled motion, see program_corner_bound, is from its samples.
+struct SplineSlack {
+  double wider = 0.0;  ///< m, largest distance from the polyline of the samples
+  double saved = 0.0;  ///< s, by which it comes to rest later
+};
+SplineSlack spline_slack(const Machine& machine, double sample_period);
+
 }  // namespace accdec

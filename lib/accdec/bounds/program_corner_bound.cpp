@@ -28,18 +28,8 @@ class ProgramCornerBound {
  public:
   ProgramCornerBound(const Toolpath& path, const Machine& machine, double sample_period)
       : path_(path), machine_(machine), n_(path.dimensions()) {
-    // See the header: the distance by which splines of samples leave these.
-    double acceleration2 = 0.0;
-    for (const Axis& axis : machine.axes) {
-      double most = acceleration_most(axis);
-      if (axis.jerk_max < unlimited) {
-        jerk_ = true;
-        if (axis.velocity_max < unlimited) most = std::min(most, 2.0 * std::sqrt(axis.velocity_max * axis.jerk_max));
-      }
-      acceleration2 += most * most;
-    }
-    wider_ = std::sqrt(acceleration2) * sample_period * sample_period / (jerk_ ? 6.0 : 8.0);
-    saved_ = (jerk_ ? 2.0 : 1.0) * sample_period;
+    const SplineSlack slack = spline_slack(machine, sample_period);
+    wider_ = slack.wider, saved_ = slack.saved;
     make_legs();
     make_classes();
   }
@@ -253,7 +243,6 @@ class ProgramCornerBound {
   const Toolpath& path_;
   const Machine& machine_;
   const std::size_t n_;
-  bool jerk_ = false;
   double wider_ = 0.0, saved_ = 0.0;
   std::vector<BoundLeg> legs_;
   std::vector<CornerClass> classes_;

@@ -281,8 +281,8 @@ std::string check(const proof::BranchAndBound& proof, const Task& task, const De
   const Task merged = granted_limits(merged_corners(task, proof.corner_of));
   const std::size_t leaves = Checker(merged, proof, target, stop).run();
   if (std::isinf(target)) return fmt::format("{} parts refuted: nothing holds all limits", leaves);
-  return fmt::format("{} parts refuted: within what verification grants no {} time is shorter than {:.9g} s", leaves,
-                     to_string(task.design.objective), target * task.sample_period);
+  return fmt::format("{} parts refuted: no {} time is shorter than {:.9g} s, within the tolerance of the verification",
+                     leaves, to_string(task.design.objective), target * task.sample_period);
 }
 
 std::string check(const proof::FamilyEnumeration& proof, const Task& task, const DesignResult& result,

@@ -131,7 +131,7 @@ std::string too_fast_for_its_error(const Task& written) {
     const Interval across = square_root(Interval(0.5) * (Interval(1.0) + Interval(cosine)));
     const Interval least = Interval(Crossing(largest, corner.geometry(), corner.speed_min).least_distance());
     if ((Interval(task.sample_period) * across * least).lo > *corner.error_max)
-      return fmt::format("corner {}: no filter is as fast as its smallest speed within its error", corner.name);
+      return fmt::format("corner {}: no filter keeps both its smallest speed and its tolerance", corner.name);
   }
   return {};
 }

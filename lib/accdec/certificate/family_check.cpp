@@ -284,8 +284,9 @@ std::string check_families(const proof::FamilyEnumeration& proof, const Task& ta
   for (const proof::RefutedMembers& r : refuted) members += r.members;
   if (refuted != proof.refuted) throw Rejected("the certificate counts other refuted members");
   if (std::isinf(target)) return fmt::format("{} members refuted: none holds all limits", members);
-  return fmt::format("{} members refuted: within what verification grants none of the family is shorter than {:.9g} s",
-                     members, target * task.sample_period);
+  return fmt::format(
+      "{} members refuted: none of the family is shorter than {:.9g} s, within the tolerance of the verification",
+      members, target * task.sample_period);
 }
 
 }  // namespace accdec

@@ -43,26 +43,74 @@ std::vector<double> impulses_of(std::string_view shaper) {
   return {1.0, std::numbers::sqrt2, 1.0};         // mzv: 1 - 1/sqrt 2, sqrt 2 - 1
 }
 
-std::vector<double> echoed(const std::vector<double>& taps, const std::vector<double>& impulses, int delay) {
-  std::vector<double> sum(taps.size() + (impulses.size() - 1) * static_cast<std::size_t>(delay), 0.0);
-  for (std::size_t m = 0; m < impulses.size(); ++m) {
-    for (std::size_t i = 0; i < taps.size(); ++i) sum[i + m * static_cast<std::size_t>(delay)] += impulses[m] * taps[i];
+/// Impulses at samples.
+struct Echo {
+  std::vector<std::pair<std::size_t, double>> impulses;  ///< sample and weight, in the order of the samples
+  std::string words;
+
+  std::size_t order() const { return impulses.back().first; }
+
+  std::vector<double> behind(const std::vector<double>& taps) const {
+    std::vector<double> sum(taps.size() + order(), 0.0);
+    for (const auto& [at, weight] : impulses) {
+      for (std::size_t i = 0; i < taps.size(); ++i) sum[i + at] += weight * taps[i];
+    }
+    return sum;
   }
-  return sum;
+};
+
+/// Equally far apart, samples. Between two samples an impulse is on both, most on the nearer.
+Echo echo_of(const std::vector<double>& weights, double delay) {
+  Echo echo{.impulses = {}, .words = fmt::format(" with {} impulses {:.9g} samples apart", weights.size(), delay)};
+  for (std::size_t m = 0; m < weights.size(); ++m) {
+    const double at = static_cast<double>(m) * delay, nearest = std::round(at);
+    if (std::abs(at - nearest) < 1e-9) {
+      echo.impulses.emplace_back(static_cast<std::size_t>(nearest), weights[m]);
+      continue;
+    }
+    const double before = std::floor(at), behind = before + 1.0;
+    echo.impulses.emplace_back(static_cast<std::size_t>(before), weights[m] * (behind - at));
+    echo.impulses.emplace_back(static_cast<std::size_t>(behind), weights[m] * (at - before));
+  }
+  return echo;
+}
+
+/// All that a task's shaper can be set to, for filters of orders below `order_end`, the shortest first.
+std::vector<Echo> echoes_of(const Task& task, int order_end) {
+  const ShaperInfo& shaper = *task.settings->shaper;
+  const std::vector<double> weights = impulses_of(shaper.name);
+  const double apart = shaper.name == "mzv" ? 0.375 : 0.5;  // periods
+  std::vector<Echo> echoes;
+  const auto add = [&](double delay) {
+    Echo echo = echo_of(weights, delay);
+    const bool fits = static_cast<int>(echo.order()) < order_end;
+    if (fits) echoes.push_back(std::move(echo));
+    return fits;
+  };
+  const double step = task.settings->shaper_frequency_step;
+  if (step > 0.0) {
+    const double highest = apart / task.sample_period / step;
+    for (double m = std::floor(highest * (1.0 + 1e-12)); m >= 1.0; --m) {
+      if (!add(std::max(1.0, apart / (m * step * task.sample_period)))) break;
+    }
+    return echoes;
+  }
+  for (double delay = 1.0; add(delay);) ++delay;
+  return echoes;
 }
 
 class Cascades {
  public:
   using Visit = std::function<void(const FamilyMember&, const std::string&)>;
-  /// @param impulses  equally far apart behind the averages; empty: none
-  Cascades(const Task& task, std::vector<double> impulses, int order_end, const Visit& visit)
-      : task_(task), impulses_(std::move(impulses)), order_end_(order_end), visit_(visit) {}
+  /// @param echoes  what can be behind the averages, the shortest first
+  Cascades(const Task& task, std::vector<Echo> echoes, int order_end, const Visit& visit)
+      : task_(task), echoes_(std::move(echoes)), order_end_(order_end), visit_(visit) {}
 
   void run() { stage(0, {1.0}); }
 
  private:
   void stage(std::size_t s, const std::vector<double>& taps) {
-    if (s == task_.settings->stages.size()) return pair(taps);
+    if (s == task_.settings->stages.size()) return echo(taps);
     const int room = order_end_ - static_cast<int>(taps.size());
     for (int length = 1; length - 1 <= room; ++length) {
       // One sample is a stage that is off. Stages that are alike are in any order.
@@ -79,23 +127,21 @@ class Cascades {
     return a.length_step == b.length_step && a.length_max == b.length_max && a.length_set == b.length_set;
   }
 
-  void pair(const std::vector<double>& taps) {
-    if (impulses_.empty()) return offer(taps, 0);
-    const int gaps = static_cast<int>(impulses_.size()) - 1;
-    for (int delay = 1; static_cast<int>(taps.size()) - 1 + gaps * delay < order_end_; ++delay)
-      offer(echoed(taps, impulses_, delay), delay);
+  void echo(const std::vector<double>& taps) {
+    for (const Echo& echo : echoes_) {
+      if (static_cast<int>(taps.size() + echo.order()) > order_end_) return;
+      offer(echo.behind(taps), echo.words);
+    }
   }
 
-  void offer(const std::vector<double>& taps, int delay) {
+  void offer(const std::vector<double>& taps, const std::string& echo) {
     const int order = static_cast<int>(taps.size()) - 1;
     if (order < task_.design.order_min || order >= order_end_) return;
-    std::string words = fmt::format("averages of {} samples", fmt::join(lengths_, ", "));
-    if (delay > 0) words += fmt::format(" with {} impulses {} samples apart", impulses_.size(), delay);
-    visit_(member_of(taps), words);
+    visit_(member_of(taps), fmt::format("averages of {} samples{}", fmt::join(lengths_, ", "), echo));
   }
 
   const Task& task_;
-  std::vector<double> impulses_;
+  std::vector<Echo> echoes_;
   int order_end_;
   const Visit& visit_;
   std::vector<int> lengths_;
@@ -184,8 +230,8 @@ void visit_family(const Task& task, SettingFamily family, int order_end,
   order_end = std::min(order_end, task.design.order_max + 1);
   switch (family) {
     case SettingFamily::taps: return;
-    case SettingFamily::averages: return Cascades(task, {}, order_end, visit).run();
-    case SettingFamily::shaper: return Cascades(task, impulses_of(task.settings->shaper->name), order_end, visit).run();
+    case SettingFamily::averages: return Cascades(task, {Echo{{{0, 1.0}}, ""}}, order_end, visit).run();
+    case SettingFamily::shaper: return Cascades(task, echoes_of(task, order_end), order_end, visit).run();
     case SettingFamily::one_pole: return visit_poles(task, order_end, visit);
     case SettingFamily::exponential:
     case SettingFamily::gaussian:

@@ -194,7 +194,7 @@ std::vector<Key> external_keys() {
           "{suite} (its folder) are replaced",
           "", "\"couenne {nl} -AMPL\"")),
       word("reads",
-           "format of the problem, as of `accdec instances`; `mps` holds whole designs only, the others every problem "
+           "format of the problem, as in `accdec instances`; `mps` holds whole designs only, the others every problem "
            "that they can",
            {"nl", "mps", "cbf"}, "nl", "\"mps\""),
       word("answer",

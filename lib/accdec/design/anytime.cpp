@@ -166,9 +166,9 @@ class Anytime {
   void local(const std::string& solver, double share) {
     if (!Response(task_.machine, task_.sample_period).ideal()) return;  // nonlinear solvers do not know it
     if (over() || close_enough()) return;
-    // In less time local solvers find nothing where corners share a filter, and the exact method needs the time.
-    constexpr double least = 0.5;
-    if (task_.corners.size() > 1 && exact_->has_design() && share * options_.time_limit < least) return;
+    // In less time local solvers find nothing, least where corners share a filter, and the exact method needs the time.
+    const double least = task_.corners.size() > 1 ? 0.5 : 0.2;
+    if (exact_->has_design() && share * options_.time_limit < least) return;
     DesignOptions options = options_;
     options.method = Method::nlp;
     options.nlp.solver = solver;

@@ -43,25 +43,16 @@ Lever supply_lever(const SupplyLimit& limit, const Task& task) {
   return lever;
 }
 
-Lever error_lever(const TaskCorner& corner, std::size_t j) {
-  Lever lever = limit_lever(LimitKind::corner_error, *corner.error_max);
-  lever.name = "corner error " + corner.name;
-  lever.key = fmt::format("corner.{}.error_max_um", corner.name);
+/// One of the two tolerances of a corner.
+Lever tolerance_lever(const TaskCorner& corner, std::size_t j, LimitKind kind, std::string_view name,
+                      std::string_view key, std::optional<double> TaskCorner::*tolerance) {
+  Lever lever = limit_lever(kind, *(corner.*tolerance));
+  lever.name = fmt::format("{} {}", name, corner.name);
+  lever.key = fmt::format("corner.{}.{}", corner.name, key);
   lever.corner = corner.name;
   lever.end = 10.0;
   if (lever.value == 0.0) lever.scale = 1e-6;
-  lever.set = [j](Task& t, double v) { t.corners[j].error_max = v; };
-  return lever;
-}
-
-Lever contour_lever(const TaskCorner& corner, std::size_t j) {
-  Lever lever = limit_lever(LimitKind::contour, *corner.contour_max);
-  lever.name = "contour " + corner.name;
-  lever.key = fmt::format("corner.{}.contour_max_um", corner.name);
-  lever.corner = corner.name;
-  lever.end = 10.0;
-  if (lever.value == 0.0) lever.scale = 1e-6;
-  lever.set = [j](Task& t, double v) { t.corners[j].contour_max = v; };
+  lever.set = [j, tolerance](Task& t, double v) { t.corners[j].*tolerance = v; };
   return lever;
 }
 
@@ -171,8 +162,13 @@ std::vector<Lever> limit_levers(const Task& task) {
     if (task.machine.*limit.bound < unlimited) levers.push_back(supply_lever(limit, task));
   }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
-    if (task.corners[j].error_max) levers.push_back(error_lever(task.corners[j], j));
-    if (task.corners[j].contour_max) levers.push_back(contour_lever(task.corners[j], j));
+    const TaskCorner& corner = task.corners[j];
+    if (corner.error_max)
+      levers.push_back(
+          tolerance_lever(corner, j, LimitKind::corner_error, "corner error", "error_max_um", &TaskCorner::error_max));
+    if (corner.contour_max)
+      levers.push_back(
+          tolerance_lever(corner, j, LimitKind::contour, "contour", "contour_max_um", &TaskCorner::contour_max));
   }
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].speed_min > 0.0) levers.push_back(speed_lever(task.corners[j], j));

@@ -70,9 +70,10 @@ std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chose
       const ShaperInfo* shaper = task.settings->shaper;
       if (shaper == nullptr || setting.name != shaper->title) return {};
       const double delay = shaper->delay_periods / (setting.value * task.sample_period);
-      if (!(delay >= 1.0 - part && delay < 2e6 && std::abs(delay - std::round(delay)) <= part * delay)) return {};
+      const double step = task.settings->shaper_frequency_step, steps = step > 0.0 ? setting.value / step : delay;
+      if (!(delay >= 1.0 - part && delay < 2e6 && std::abs(steps - std::round(steps)) <= part * steps)) return {};
       spec.pairs = shaper->pairs, spec.outer = shaper->outer;
-      spec.pair_delay = static_cast<int>(std::lround(delay));
+      spec.pair_delay = std::max(1.0, step > 0.0 ? delay : std::round(delay));
       continue;
     }
     if (s >= stages.size()) return {};
@@ -85,7 +86,7 @@ std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chose
     if (length > 1) spec.lengths.push_back(static_cast<int>(length)), spec.order += spec.lengths.back() - 1;
   }
   if (spec.lengths.empty()) spec.lengths.push_back(1);
-  if (spec.pairs > 0 && spec.pair_delay < 1) return {};
+  if (spec.pairs > 0 && !(spec.pair_delay >= 1.0)) return {};
   const Filter filter = make_filter(spec);
   return {filter.taps().begin(), filter.taps().end()};
 }

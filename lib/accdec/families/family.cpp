@@ -131,7 +131,7 @@ bool visit_cascades(const Family& family, int order, int pair_delay, int every, 
 }  // namespace
 
 FilterSpec Family::member(std::span<const int> lengths, int pair_delay) const {
-  FilterSpec spec{.kind = shape, .pairs = pairs, .pair_delay = pair_delay, .outer = outer};
+  FilterSpec spec{.kind = shape, .pairs = pairs, .pair_delay = static_cast<double>(pair_delay), .outer = outer};
   for (const int length : lengths) spec.order += length - 1;
   if (shape == Shape::trapezoid) spec.ramp = lengths[1] - 1;
   if (shape == Shape::averages) spec.lengths.assign(lengths.begin(), lengths.end());

@@ -95,8 +95,12 @@ void FamilySearch::order(int n) {
 }
 
 void FamilySearch::offer_cascade(std::span<const int> lengths, const FilterSpec& spec) {
+  if (!spec.whole_pairs()) {
+    if (!refusals_.refuses(lengths, spec) && !late()) offer(spec);
+    return;
+  }
   if (cheap_refusal(lengths, spec) || late()) return;  // of a million taps one takes 10 ms
-  const std::vector<double> taps = cascade_taps(lengths, spec.pairs, spec.pair_delay, spec.outer);
+  const std::vector<double> taps = cascade_taps(lengths, spec.pairs, static_cast<int>(spec.pair_delay), spec.outer);
   double sum = static_cast<double>(1 << spec.pairs);
   for (const int length : lengths) sum *= length;
   if (refusals_.starts(taps, sum)) offer(spec);
@@ -105,8 +109,8 @@ void FamilySearch::offer_cascade(std::span<const int> lengths, const FilterSpec&
 /// What needs no taps: the lengths, a few samples, the errors.
 bool FamilySearch::cheap_refusal(std::span<const int> lengths, const FilterSpec& spec) {
   if (refusals_.refuses(lengths, spec)) return true;
-  if (spec.order + spec.pairs * spec.pair_delay > Cascade::order_max) return false;
-  const Cascade cascade(lengths, spec.pairs, spec.pair_delay, spec.outer);
+  if (spec.full_order() > Cascade::order_max) return false;
+  const Cascade cascade(lengths, spec.pairs, static_cast<int>(spec.pair_delay), spec.outer);
   return refusals_.fails_likewise(cascade) || too_slow(cascade);
 }
 
@@ -159,7 +163,8 @@ void FamilySearch::search_parameter(const FilterSpec& spec, const RealParameter&
     const Interval interval = std::move(open.back());
     open.pop_back();
     ++tried_;
-    const TapRange range = tap_range(interval.taps_from, interval.taps_to, spec.pairs, spec.pair_delay);
+    const TapRange range =
+        tap_range(interval.taps_from, interval.taps_to, spec.pairs, static_cast<int>(spec.pair_delay));
     if (!better(lower_cost(range, *on_taps_, cost_, refusals_.tones(), least_delays_, cheapest_))) continue;
     if (!ends_offered) offer_at(high), offer_at(low), ends_offered = true;
     if (interval.to - interval.from < finest * (high - low)) continue;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <utility>
 
@@ -14,6 +15,19 @@ namespace {
 using std::numbers::pi;
 
 constexpr double slack = 1.0 + granted_tolerance;
+
+/// |H| of the impulses of a filter at `phase` rad a sample.
+double impulse_response(double phase, const FilterSpec& spec) {
+  if (spec.whole_pairs()) return std::abs(1.0 - 2.0 * spec.outer * (1.0 - std::cos(phase * spec.pair_delay)));
+  const double end = spec.pairs == 1 ? 0.5 : spec.outer;
+  std::complex<double> sum = end;
+  for (int m = 1; m <= spec.pairs; ++m) {
+    const double at = m * spec.pair_delay, first = std::floor(at + shaper_snap), later = std::max(0.0, at - first);
+    const double weight = m == spec.pairs ? end : 1.0 - 2.0 * end;
+    sum += weight * ((1.0 - later) * std::polar(1.0, -phase * first) + later * std::polar(1.0, -phase * (first + 1.0)));
+  }
+  return std::abs(sum);
+}
 
 /// Tones kept, those that filters rang at first.
 constexpr std::size_t most_tones = 100;
@@ -43,6 +57,8 @@ bool QuickRefusals::refuses(std::span<const int> lengths, const FilterSpec& spec
   double first = spec.pairs == 2 ? spec.outer : 1.0 / copies, rest = 0.0;
   for (const int length : lengths) first /= length, rest += length - 1;
   rest -= lengths.front() - 1;
+  // An impulse between two samples is on both of them.
+  if (!spec.whole_pairs()) ++rest;
   if (first > bounds_.step) return true;
   // The longest average has a plateau if it is longer than the others together. With copies, no tap there is below its
   // share of the largest.
@@ -52,13 +68,13 @@ bool QuickRefusals::refuses(std::span<const int> lengths, const FilterSpec& spec
 }
 
 bool QuickRefusals::rings(std::span<const int> lengths, const FilterSpec& spec) {
-  const std::array<int, 2> delays{spec.pair_delay, spec.pair_delay};
+  const int delay = static_cast<int>(spec.pair_delay);
+  const std::array<int, 2> delays{delay, delay};
   const auto pairs = std::span(delays).first(static_cast<std::size_t>(spec.pairs));
-  const bool equal = spec.pairs < 2 || spec.outer == zvd_outer;
+  const bool equal = spec.whole_pairs() && (spec.pairs < 2 || spec.outer == zvd_outer);
   for (Tone& tone : tones_) {
     const double left = equal ? cascade_response(tone.phase, lengths, pairs)
-                              : cascade_response(tone.phase, lengths, {}) *
-                                    std::abs(1.0 - 2.0 * spec.outer * (1.0 - std::cos(tone.phase * spec.pair_delay)));
+                              : cascade_response(tone.phase, lengths, {}) * impulse_response(tone.phase, spec);
     if (left <= tone.residual_max * slack + 1e-12) continue;
     std::swap(tone, tones_.front());
     return true;

@@ -2,7 +2,10 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include <accdec/families/family_search.hpp>
 #include <accdec/families/grid_family.hpp>
@@ -20,7 +23,8 @@ class Members {
       : task_(task),
         family_(family),
         shaper_(family == SettingFamily::shaper ? task.settings->shaper : nullptr),
-        pairs_(shaper_ != nullptr ? shaper_->pairs : 0) {
+        pairs_(shaper_ != nullptr ? shaper_->pairs : 0),
+        delays_(shaper_ != nullptr ? shaper_delays(task, task.design.order_max) : std::vector{0.0}) {
     for (const SettableStage& stage : task.settings->stages) {
       lengths_.push_back(settable_lengths(stage, task.sample_period, task.design.order_max + 1));
       // An average of one sample changes nothing: the stage is off. A pole of one sample is none.
@@ -45,9 +49,10 @@ class Members {
       }
       return;
     }
-    for (int delay = pairs_ > 0 ? 1 : 0; pairs_ * delay <= order; ++delay) {
+    for (const double delay : delays_) {
       pair_delay_ = delay;
-      if (!stage(0, order - pairs_ * delay, visit) || pairs_ == 0) return;
+      const int left = order - FilterSpec{.pairs = pairs_, .pair_delay = delay}.full_order();
+      if (left < 0 || !stage(0, left, visit)) return;
     }
   }
 
@@ -105,7 +110,9 @@ class Members {
   const Task& task_;
   SettingFamily family_;
   const ShaperInfo* shaper_;
-  int pairs_, pair_delay_ = 0, multiple_ = 0;
+  int pairs_, multiple_ = 0;
+  std::vector<double> delays_;  ///< between impulses, samples; 0: there are none
+  double pair_delay_ = 0.0;
   std::vector<std::vector<int>> lengths_;  ///< of each stage, rising
   std::vector<std::vector<char>> allowed_;
   std::vector<int> current_;
@@ -138,7 +145,7 @@ void search_family(const Task& task, SettingFamily family, const std::function<b
   ChosenSettings chosen{.family = family, .filter = *found.best()};
   chosen.values = values_of(*task.settings, lengths, task.sample_period);
   if (multiple > 0) chosen.values.push_back(grid_setting(task, family, multiple));
-  if (shaper_of(chosen.filter) != nullptr) chosen.values.push_back(shaper_setting(chosen.filter, task.sample_period));
+  if (shaper_of(chosen.filter) != nullptr) chosen.values.push_back(shaper_setting(*task.settings, chosen.filter, task.sample_period));
   chosen.delays = best.delays.kinds;
   chosen.width = best.delays.width;
   best.chosen = std::move(chosen);
@@ -179,9 +186,27 @@ std::vector<Setting> values_of(const ControllerSettings& settings, const std::ve
   return values;
 }
 
-Setting shaper_setting(const FilterSpec& filter, double period) {
+std::vector<double> shaper_delays(const Task& task, int order_max) {
+  const ShaperInfo& shaper = *task.settings->shaper;
+  const double longest = static_cast<double>(order_max) / shaper.pairs, step = task.settings->shaper_frequency_step;
+  std::vector<double> delays;
+  if (step <= 0.0) {
+    for (int delay = 1; delay <= longest; ++delay) delays.push_back(delay);
+    return delays;
+  }
+  const double all = shaper.delay_periods / (step * task.sample_period);  // of the lowest frequency
+  for (auto m = static_cast<int>(all * (1.0 + 1e-12)); m >= 1 && all / m <= longest + shaper_snap; --m)
+    delays.push_back(std::max(1.0, all / m));
+  return delays;
+}
+
+Setting shaper_setting(const ControllerSettings& settings, const FilterSpec& filter, double period) {
   const ShaperInfo& shaper = *shaper_of(filter);
-  return {std::string(shaper.title), shaper.delay_periods / (filter.pair_delay * period), "Hz"};
+  double frequency = shaper.delay_periods / (filter.pair_delay * period);
+  // A multiple of the step, without digits that rounding made.
+  if (const double step = settings.shaper_frequency_step; step > 0.0)
+    frequency = std::stod(fmt::format("{:.15g}", std::round(frequency / step) * step));
+  return {std::string(shaper.title), frequency, "Hz"};
 }
 
 SettableDesign best_settings(const Task& task, double seconds, const std::atomic<bool>* cancel) {

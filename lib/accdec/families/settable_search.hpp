@@ -40,7 +40,12 @@ FilterSpec cut_pole(double time_constant);
 /// Settings of stages in a controller's words, off stages as 0. @param lengths  samples, one a stage; 0: off
 std::vector<Setting> values_of(const ControllerSettings& settings, const std::vector<int>& lengths, double period);
 
-/// The frequency to which a filter's shaper is set. @param filter  with a shaper
-Setting shaper_setting(const FilterSpec& filter, double period);
+/// The times between a shaper's impulses that can be set, samples, rising. They are whole samples, or those of all
+/// frequencies of the control's step.
+/// @param task  with a shaper  @param order_max  no filter is longer
+std::vector<double> shaper_delays(const Task& task, int order_max);
+
+/// The frequency to which a filter's shaper is set. @param filter  with a shaper that these settings allow
+Setting shaper_setting(const ControllerSettings& settings, const FilterSpec& filter, double period);
 
 }  // namespace accdec

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -80,9 +81,18 @@ class KeyCheck {
       faults_.add(node.fault(at, fmt::format("{}must be finite, got {}; {}", what, x, allowed(key))));
     } else if (!key.range.holds(x)) {
       faults_.add(node.fault(at, fmt::format("{}{} is out of range; {}", Node::equals(what), x, allowed(key))));
+    } else if (lost(key, x)) {
+      faults_.add(node.fault(at, fmt::format("{}{} is too small: in SI units it cannot be told from 0; {}",
+                                             Node::equals(what), x, allowed(key))));
     } else if (key.whole && x != std::floor(x)) {
       faults_.add(node.fault(at, fmt::format("{}{} must be a whole number", Node::equals(what), x)));
     }
+  }
+
+  /// Whether it is 0 in SI units, or so small that it has lost digits. Numbers without a unit stay what they are, and so
+  /// do those that a program wrote.
+  static bool lost(const Key& key, double x) {
+    return Node::is_toml && x != 0.0 && !key.unit.empty() && std::abs(to_si(key, x)) < std::numeric_limits<double>::min();
   }
 
   static std::string allowed(const Key& key) { return key.allowed.empty() ? key.range.text(key.name) : key.allowed; }
@@ -112,7 +122,8 @@ class KeyCheck {
         pair(one, element, Node::subject(key.name, i), fmt::format("{}/{}", at, i));
         continue;
       }
-      if (one.is_number() && std::isfinite(one.number()) && key.range.holds(one.number()) && !key.whole) continue;
+      const bool fits = one.is_number() && std::isfinite(one.number()) && key.range.holds(one.number());
+      if (fits && !key.whole && !lost(key, one.number())) continue;
       number(one, element, Node::subject(key.name, i), fmt::format("{}/{}", at, i));
     }
   }
@@ -130,6 +141,7 @@ class KeyCheck {
   static Key one_of(const Key& key) {
     Key element;
     element.name = key.name;
+    element.unit = key.unit;
     element.range = key.range;
     element.whole = key.whole;
     return element;

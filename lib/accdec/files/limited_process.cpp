@@ -20,6 +20,7 @@
 
 #include <accdec/files.hpp>
 #include <accdec/files/limited_process.hpp>
+#include <accdec/files/pipe.hpp>
 
 namespace accdec {
 namespace {
@@ -126,23 +127,6 @@ void watch(pid_t child, int output, const ProcessLimits& limits, Clock::time_poi
   }
 }
 
-struct Ends {
-  std::array<int, 2> ends{-1, -1};
-  Ends() {
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-      throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
-  }
-  ~Ends() {
-    for (const std::size_t end : {0u, 1u}) close(end);
-  }
-  Ends(const Ends&) = delete;
-  Ends& operator=(const Ends&) = delete;
-  void close(std::size_t end) {
-    if (ends[end] >= 0) ::close(ends[end]);
-    ends[end] = -1;
-  }
-};
-
 }  // namespace
 
 LimitedOutput run_limited(const std::vector<std::string>& arguments, const std::string& folder,
@@ -150,7 +134,7 @@ LimitedOutput run_limited(const std::vector<std::string>& arguments, const std::
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  Ends output, errors;
+  Pipe output, errors;
   OrphanCare care;
   const auto began = Clock::now();
   const pid_t child = ::fork();

@@ -12,31 +12,13 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/pipe.hpp>
 #include <accdec/files/process.hpp>
 
 extern char** environ;
 
 namespace accdec {
 namespace {
-
-/// A pipe whose ends close themselves and do not leak into other children.
-struct Pipe {
-  std::array<int, 2> ends{-1, -1};
-  Pipe() {
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-      throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
-  }
-  ~Pipe() {
-    close(0);
-    close(1);
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-  void close(std::size_t end) {
-    if (ends[end] >= 0) ::close(ends[end]);
-    ends[end] = -1;
-  }
-};
 
 /// Blocks SIGPIPE in this thread while it lives: a child that stops reading early must not end us.
 class PipeSignalBlock {

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cstdlib>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -62,6 +64,13 @@ std::string shell_quoted(std::string_view argument) {
       quoted += c;
   }
   return quoted + "'";
+}
+
+std::string shown_above(double value, double limit) {
+  for (int digits = 2;; ++digits) {
+    std::string text = fmt::format("{:.{}g}", value, digits);
+    if (digits == std::numeric_limits<double>::max_digits10 || std::strtod(text.c_str(), nullptr) > limit) return text;
+  }
 }
 
 }  // namespace accdec

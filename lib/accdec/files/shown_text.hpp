@@ -13,4 +13,7 @@ std::string printable(std::string_view text);
 /// characters as $'..'.
 std::string shell_quoted(std::string_view argument);
 
+/// A number above a limit with two digits, or with as many as show that it is above: "2.1", not "2", beside 2.
+std::string shown_above(double value, double limit);
+
 }  // namespace accdec

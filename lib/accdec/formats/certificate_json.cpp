@@ -1,4 +1,5 @@
 #include <iterator>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -87,10 +88,7 @@ class Writer {
   void put(const proof::Enumeration&) { text += R"({"kind":"enumeration"})"; }
   void put(const proof::BranchAndBound& proof) {
     text += '{';
-    if (proof.bound_samples)
-      member("bound_samples", *proof.bound_samples);
-    else
-      member("bound_samples", nullptr);
+    bound(proof.bound_samples);
     if (!proof.conflict.empty()) member("conflict", proof.conflict);
     member("kind", Name("branch and bound"));
     if (!proof.corner_of.empty()) member("corner_of", proof.corner_of);
@@ -105,10 +103,7 @@ class Writer {
   }
   void put(const proof::FamilyEnumeration& proof) {
     text += '{';
-    if (proof.bound_samples)
-      member("bound_samples", *proof.bound_samples);
-    else
-      member("bound_samples", nullptr);
+    bound(proof.bound_samples);
     member("kind", Name("families"));
     member("refuted", proof.refuted);
     member("schema", Name("accdec.certificate/1"));
@@ -123,6 +118,10 @@ class Writer {
     member("schema", Name("accdec.certificate/1"));
     member("kind", kind);
     text += '}';
+  }
+
+  void bound(const std::optional<double>& samples) {
+    samples ? member("bound_samples", *samples) : member("bound_samples", nullptr);
   }
 
   void put(std::nullptr_t) { text += "null"; }

@@ -73,10 +73,11 @@ FileKind make_controller_file() {
       text_of("title", "maker, control, kind of filter", "\"Siemens SINUMERIK 840D sl\"", true),
       text_of("note", "what else to set", "\"Set MD32402 = 4.\""),
       std::move(families),
-      as_in_tasks(setting_keys(), "shaper", "with family = \"shaper\": impulses at whole samples", "zv"),
+      as_in_tasks(setting_keys(), "shaper", "with family = \"shaper\": impulses behind the averages", "zv"),
       *find_key(setting_keys(), "time_constant_step_ms"),
       *find_key(setting_keys(), "alpha_step"),
       *find_key(setting_keys(), "cutoff_step_Hz"),
+      *find_key(setting_keys(), "shaper_frequency_step_Hz"),
       as_in_tasks(controller_keys(), "delays", "how it delays the second leg of a corner", "not known"),
       *find_key(controller_keys(), "in_position_of"),
       *find_key(controller_keys(), "in_position_latency_ms"),
@@ -133,6 +134,7 @@ Controller read_controller(const Table& top, std::string name) {
   controller.time_constant_step = top.number("time_constant_step_ms").value_or(0.0);
   controller.alpha_step = top.number("alpha_step").value_or(0.0);
   controller.cutoff_step = top.number("cutoff_step_Hz").value_or(0.0);
+  controller.shaper_frequency_step = top.number("shaper_frequency_step_Hz").value_or(0.0);
   for (const Table& stage : top.tables("stage")) controller.stages.push_back(read_stage(stage));
   for (const Table& source : top.tables("source"))
     controller.sources.push_back({*source.text("fact"), *source.text("where")});
@@ -219,12 +221,18 @@ Controller find_controller(const std::string& name_or_path) {
 }
 
 ControllerSettings settings_of(const Controller& controller, double period) {
+  const double step = controller.shaper_frequency_step, least = 0.5 / period / most_numbers;
+  if (step > 0.0 && step < least)
+    throw std::invalid_argument(fmt::format("its step of {:.6g} Hz gives more than {:.0f} frequencies at a sample "
+                                            "period of {:.6g} ms; the least is {:.6g} Hz",
+                                            step, most_numbers, 1e3 * period, least));
   ControllerSettings settings;
   settings.families = controller.families;
   settings.shaper = controller.shaper;
   if (controller.time_constant_step > 0.0) settings.time_constant_step = controller.time_constant_step;
   if (controller.alpha_step > 0.0) settings.alpha_step = controller.alpha_step;
   if (controller.cutoff_step > 0.0) settings.cutoff_step = controller.cutoff_step;
+  settings.shaper_frequency_step = controller.shaper_frequency_step;
   settings.delays = controller.delays;
   settings.corner_feed_step = controller.corner_feed_step;
   settings.in_position_actual = controller.in_position_actual;

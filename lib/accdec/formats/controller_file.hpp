@@ -32,6 +32,7 @@ struct Controller {
   std::vector<SettingFamily> families;
   const ShaperInfo* shaper = nullptr;
   double time_constant_step = 0.0, alpha_step = 0.0, cutoff_step = 0.0;  ///< of the families' numbers, SI; 0: not given
+  double shaper_frequency_step = 0.0;  ///< Hz, of a control that interpolates; 0: impulses at whole samples
   std::vector<ControllerStage> stages;
   std::vector<DelayKind> delays;     ///< empty: none is known
   bool in_position_actual = false;   ///< see ControllerSettings

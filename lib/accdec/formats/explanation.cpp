@@ -157,16 +157,15 @@ std::string remedy_text(const Explanation& e) {
   std::string text;
   if (least != nullptr) {
     text += fmt::format(
-        "\nSmallest change, each by itself, with which there is a design (verified by simulation; to "
-        "within {} of what is given and four digits):\n{}",
+        "\nSmallest change, tried one by one, that makes a design possible (verified by simulation; to "
+        "within {} of the given value, rounded to four digits):\n{}",
         percent(remedy_tolerance), table.str());
   }
-  if (!useless.empty()) text += fmt::format("\nNo change helps, by itself, of: {}.\n", fmt::join(useless, ", "));
+  if (!useless.empty()) text += fmt::format("\nNo change of these helps by itself: {}.\n", fmt::join(useless, ", "));
   if (!unknown.empty())
-    text += fmt::format(
-        "\nNot settled in the time given to each design, by itself: {}. With more (--design-time-limit) it "
-        "may be.\n",
-        fmt::join(unknown, ", "));
+    text +=
+        fmt::format("\nNot settled in the time of a single design: {}. A longer --design-time-limit may settle it.\n",
+                    fmt::join(unknown, ", "));
   return text;
 }
 
@@ -192,7 +191,7 @@ std::string explanation_text(const Explanation& e, bool samples) {
   if (e.base.task.corners.size() > corners_apart_max)
     text += fmt::format("\nEach of more than {} corners by itself was not asked about, only all together.\n",
                         corners_apart_max);
-  if (!e.complete) text += "\nStopped early: what is missing was not tried.\n";
+  if (!e.complete) text += "\nStopped early: changes that are not listed were not tried.\n";
   text += fmt::format("\nIgnored: {}.\n", not_considered_text(e.base.task.machine));
   return text;
 }

@@ -44,7 +44,7 @@ void read_shaper(const Table& table, FilterSpec& spec) {
     const ShaperInfo& shaper = *find_shaper(table.word("shaper"));
     spec.pairs = shaper.pairs;
     spec.outer = shaper.outer;
-    spec.pair_delay = table.required_integer("shaper_delay");
+    spec.pair_delay = table.required_number("shaper_delay");
   } else if (table.has("shaper_delay")) {
     table.fail_at("shaper_delay",
                   "`shaper_delay` needs `shaper`; allowed is shaper = \"zv\", \"zvd\", \"mzv\" or \"ei\"");
@@ -96,7 +96,10 @@ nlohmann::ordered_json filter_to_json(const FilterSpec& spec) {
   }
   if (const ShaperInfo* shaper = shaper_of(spec)) {
     filter["shaper"] = shaper->name;
-    filter["shaper_delay"] = spec.pair_delay;
+    if (spec.whole_pairs())
+      filter["shaper_delay"] = static_cast<int>(spec.pair_delay);
+    else
+      filter["shaper_delay"] = spec.pair_delay;
   }
   return filter;
 }

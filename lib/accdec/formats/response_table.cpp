@@ -33,17 +33,19 @@ void require_end(const Table& table, const Axis& axis, double period) {
 /// One response of all axes, without negative taps.
 void require_common(const Table& table, const Axis& axis, const Axis& first) {
   const auto refuse = [&](std::string_view key) {
-    table.fail_at(key, fmt::format("`{}` of axis {} is not that of axis {}; a design needs one response of all axes, "
-                                   "`accdec evaluate` judges a given filter with any",
-                                   key, axis.name, first.name));
+    table.fail_at(
+        key, fmt::format("`{}` of axis {} is not that of axis {}; designs and programs need one response of all axes, "
+                         "`accdec evaluate` judges a given filter with any",
+                         key, axis.name, first.name));
   };
   if (axis.servo_gain != first.servo_gain) refuse("servo_gain_1_s");
   if (axis.velocity_feedforward != first.velocity_feedforward) refuse("velocity_feedforward");
   if (axis.response_taps != first.response_taps) refuse("response_taps");
   if (std::any_of(axis.response_taps.begin(), axis.response_taps.end(), [](double tap) { return tap < 0.0; })) {
-    table.fail_at("response_taps",
-                  "`response_taps` has a negative tap; a design needs taps >= 0, `accdec evaluate` judges a given "
-                  "filter with any");
+    table.fail_at(
+        "response_taps",
+        "`response_taps` has a negative tap; designs and programs need taps >= 0, `accdec evaluate` judges a given "
+        "filter with any");
   }
 }
 
@@ -100,24 +102,25 @@ void read_servo(const Table& table, Axis& axis) {
     table.fail_at("velocity_feedforward", "`velocity_feedforward` goes with `servo_gain_1_s`; give the gain as well");
 }
 
-void check_response(const Table& top, const Task& task, Considered considered) {
+void check_response(const Table& top, const Task& task, Considered considered, bool program) {
+  const Considered beside = program ? std::min(considered, Considered::smoothing) : considered;
   if (const auto controller = top.table("controller")) {
     require_considered(*controller, "prefilter_taps", considered, Considered::smoothing);
-    require_considered(*controller, "in_position_latency_ms", considered);
-    if (considered < Considered::common && task.settings && task.settings->in_position_latency > 0.0)
+    require_considered(*controller, "in_position_latency_ms", beside);
+    if (beside < Considered::common && task.settings && task.settings->in_position_latency > 0.0)
       controller->fail_at(controller->has("name") ? "name" : "file",
                           "its `in_position_latency_ms` is not considered here; add `in_position_latency_ms = 0`");
   }
   if (const auto machine = top.table("machine")) {
-    for (const SupplyLimit& limit : supply_limits) require_considered(*machine, limit.key, considered);
+    for (const SupplyLimit& limit : supply_limits) require_considered(*machine, limit.key, beside);
   }
-  for (const Table& mode : top.tables("mode")) require_considered(mode, "residual_max_um", considered);
+  for (const Table& mode : top.tables("mode")) require_considered(mode, "residual_max_um", beside);
   const std::vector<Table> tables = top.tables("axis");
   for (std::size_t i = 0; i < tables.size() && i < task.machine.axes.size(); ++i) {
     const Axis& axis = task.machine.axes[i];
     if (axis.servo_gain < unlimited) require_end(tables[i], axis, task.sample_period);
-    require_considered(tables[i], "coulomb_N", considered);
-    require_considered(tables[i], force_speed_key, considered);
+    require_considered(tables[i], "coulomb_N", beside);
+    require_considered(tables[i], force_speed_key, beside);
     require_considered(tables[i], "servo_gain_1_s", considered);
     require_considered(tables[i], "response_taps", considered);
     if (considered == Considered::common) require_common(tables[i], axis, task.machine.axes.front());

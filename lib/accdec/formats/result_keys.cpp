@@ -81,7 +81,11 @@ Key corners() {
        number("polyline_error_m", "distance of the polyline through the samples from the corner point", "m"),
        number("contour_deviation_m", "largest distance of the path from the legs", "m"),
        number("speed_min_m_s", "smallest tangential speed", "m/s"),
-       number("corner_time_s", "(N + 1 + d) T, and what a corner feed loses", "s"),
+       number(
+           "corner_time_s",
+           "(N + 1 + d) T, from where the command leaves leg 1's feed to the motion at leg 2's, and what a corner feed "
+           "loses",
+           "s"),
        optional(number("settling_time_s",
                        "behind a servo: from the end of the command until the motion is within the tolerance of its "
                        "end; left out if 0",
@@ -163,8 +167,12 @@ FileKind make_result_file() {
       number("sample_period_s", "sample period of the task", "s"),
       filter(),
       corners(),
-      number("cycle_time_s", "sum of weight * d * T + runs (N + 1) T", "s"),
-      number("corner_time_s", "sum of weight * (N + 1 + d) T", "s"),
+      number("cycle_time_s", "sum of weight * d * T + runs (N + 1) T, and what corner feeds lose; 0 without a design",
+             "s"),
+      number("corner_time_s",
+             "sum of weight * `corner_time_s` of the corners, each by itself between two stops: what `objective = "
+             "\"corner\"` minimises; 0 without a design",
+             "s"),
       optional(nullable(number("lower_bound_s", "proved lower bound of the minimised time; null: none is known", "s"))),
       optional(nullable(number("gap", "(time - lower bound) / time; null: no bound"))),
       optional(table("settings", KeyType::table, "what to set, for a task that names families of a controller",

@@ -54,7 +54,7 @@ std::vector<Key> chosen_settings_keys() {
           delays,
           width("width_m", "in-position width to enter, for all corners that are in-position", false),
           width("width_low_m", "smallest width that gives the same delays", false),
-          width("width_high_m", "every width below it does; null: any larger one", true)};
+          width("width_high_m", "every width below it gives the same delays; null: there is no upper end", true)};
 }
 
 nlohmann::ordered_json settings_to_json(const ChosenSettings& settings) {

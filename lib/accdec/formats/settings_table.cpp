@@ -88,7 +88,8 @@ struct GridStep {
 constexpr GridStep grid_steps[] = {
     {SettingFamily::exponential, "time_constant_step_ms", &ControllerSettings::time_constant_step},
     {SettingFamily::gaussian, "alpha_step", &ControllerSettings::alpha_step},
-    {SettingFamily::windowed_sinc, "cutoff_step_Hz", &ControllerSettings::cutoff_step}};
+    {SettingFamily::windowed_sinc, "cutoff_step_Hz", &ControllerSettings::cutoff_step},
+    {SettingFamily::shaper, "shaper_frequency_step_Hz", &ControllerSettings::shaper_frequency_step}};
 
 void read_grid(const Table& table, double period, ControllerSettings& settings) {
   for (const GridStep& grid : grid_steps) {
@@ -104,10 +105,21 @@ void read_grid(const Table& table, double period, ControllerSettings& settings) 
                   fmt::format("`time_constant_step_ms` = {:.6g} is below a tenth of the sample period; the least is "
                               "{:.6g}",
                               1e3 * tau, 100.0 * period));
-  if (settings.cutoff_step < nyquist / most_numbers)
-    table.fail_at("cutoff_step_Hz", fmt::format("`cutoff_step_Hz` = {:.6g} gives more than {:.0f} frequencies up to "
-                                                "{:.6g} Hz; the least is {:.6g}",
-                                                settings.cutoff_step, most_numbers, nyquist, nyquist / most_numbers));
+  for (const char* key : {"cutoff_step_Hz", "shaper_frequency_step_Hz"}) {
+    if (const auto step = table.number(key); step && *step < nyquist / most_numbers)
+      table.fail_at(key, fmt::format("`{}` = {:.6g} gives more than {:.0f} frequencies up to {:.6g} Hz; the least is "
+                                     "{:.6g}",
+                                     key, *step, most_numbers, nyquist, nyquist / most_numbers));
+  }
+  // At the highest frequency the impulses are a sample apart.
+  if (settings.shaper == nullptr) return;
+  const double highest = settings.shaper->delay_periods / period;
+  if (settings.shaper_frequency_step > highest)
+    table.fail_at(
+        "shaper_frequency_step_Hz",
+        fmt::format("`shaper_frequency_step_Hz` = {:.6g} is above the highest frequency of {}, {:.6g} Hz, whose "
+                    "impulses are a sample apart",
+                    settings.shaper_frequency_step, settings.shaper->title, highest));
 }
 
 void read_families(const Table& table, double period, ControllerSettings& settings) {
@@ -131,6 +143,10 @@ void read_families(const Table& table, double period, ControllerSettings& settin
       table.fail_at("symmetric", fmt::format("`symmetric` = true leaves nothing of family = \"{}\", whose taps fall",
                                              to_string(falling)));
   }
+  if (table.has("shaper_frequency_step_Hz") && table.boolean("symmetric"))
+    table.fail_at("symmetric",
+                  "`symmetric` = true excludes impulses between samples; leave out either it or "
+                  "`shaper_frequency_step_Hz`");
   read_grid(table, period, settings);
   if (settings.names_family()) return read_stages(table, period, settings);
   for (const std::string_view key : {"stages", "length_step_ms", "length_max_ms", "length_set_ms"}) {

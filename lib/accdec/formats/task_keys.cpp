@@ -95,8 +95,9 @@ std::vector<Key> make_filter_keys() {
                   .fallback = "no shaper",
                   .example = "\"zv\""});
   keys.push_back({.name = "shaper_delay",
-                  .type = KeyType::integer,
-                  .meaning = "delay from each impulse to the next; needed with `shaper`",
+                  .meaning =
+                      "delay from each impulse to the next; needed with `shaper`; an impulse between two samples "
+                      "is split onto them",
                   .unit = "samples",
                   .range = {1, order_limit},
                   .example = "12"});
@@ -196,7 +197,7 @@ std::vector<Key> axis_keys() {
                   .fallback = "0",
                   .example = "800"});
   keys.push_back({.name = "coulomb_N",
-                  .meaning = "dry friction against the motion; an axis that stands has up to as much where it helps",
+                  .meaning = "dry friction against the motion; at rest up to as much, in the direction that helps",
                   .unit = "N",
                   .range = {0.0, 1e8},
                   .fallback = "0",

@@ -247,7 +247,7 @@ class TaskReader {
     find_axes_of_modes();
     faults_.raise();
     require_loads();
-    check_response(top_, task_, options_.response);
+    check_response(top_, task_, options_.response, !options_.require_corners && options_.response != Considered::any);
     if (options_.require_choices) require_choices(task_, top_, corners_);
     return std::move(task_);
   }

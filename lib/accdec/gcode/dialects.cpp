@@ -17,15 +17,10 @@ struct ForeignCode {
 constexpr std::string_view by_post_processor = "let the post-processor write moves without it";
 
 constexpr std::array codes{
-    ForeignCode{"G05.1", "Q", "FANUC", "switches look-ahead (AI contour control): leave it out"},
     ForeignCode{"G5.1", "Q", "FANUC", "switches look-ahead (AI contour control): leave it out"},
-    ForeignCode{"G05", "P10000", "FANUC", "switches high-speed machining: leave it out"},
     ForeignCode{"G5", "P10000", "FANUC", "switches high-speed machining: leave it out"},
-    ForeignCode{"G08", "P", "FANUC", "switches look-ahead: leave it out (LinuxCNC's G8 takes X as a radius)"},
     ForeignCode{"G8", "P", "FANUC", "switches look-ahead: leave it out (LinuxCNC's G8 takes X as a radius)"},
-    ForeignCode{"G04", "X", "FANUC", "dwells by X: write P, in seconds"},
     ForeignCode{"G4", "X", "FANUC", "dwells by X: write P, in seconds"},
-    ForeignCode{"G09", "", "FANUC", "stops exactly in one block: write G61.1 before it and G64 behind it"},
     ForeignCode{"G9", "", "FANUC", "stops exactly in one block: write G61.1 before it and G64 behind it"},
     ForeignCode{"G12", "", "Mach and Haas", "mills a circular pocket: write its arcs"},
     ForeignCode{"G13", "", "Mach and Haas", "mills a circular pocket: write its arcs"},
@@ -71,15 +66,18 @@ constexpr std::array statements{
     ForeignCode{"$", "", "GRBL", "sets or asks the control: leave the line out"},
 };
 
-/// In capitals, without blanks and comments.
+/// In capitals, without blanks, comments and leading zeros of codes: G05 is G5.
 std::string bare(std::string_view line) {
   std::string words;
   bool comment = false;
   for (const char c : line) {
     if (c == ';' && !comment) break;
     comment = comment || c == '(';
-    if (!comment && std::isspace(static_cast<unsigned char>(c)) == 0)
+    if (!comment && std::isspace(static_cast<unsigned char>(c)) == 0) {
+      const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+      if (digit && (words.ends_with("G0") || words.ends_with("M0"))) words.pop_back();
       words += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    }
     comment = comment && c != ')';
   }
   return words;

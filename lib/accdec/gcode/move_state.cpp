@@ -7,8 +7,7 @@
 namespace accdec {
 namespace {
 
-constexpr const char* no_feed =
-    "no feed: an F word must come before this move, and after a G94, which forgets the feed before it";
+constexpr const char* no_feed = "no feed: an F word must come before this move; G94 forgets the feed before it";
 
 /// m: how precisely an arc in an exact path mode is followed. With chords as fine as the sagitta between two samples of
 /// the arc's fastest motion, the arc is driven at nearly that speed. Chord, rounding of the chords' ends, and sagitta
@@ -23,6 +22,7 @@ void MoveState::send(const ProgramPoint& to, bool rapid, bool inside_arc, std::s
   Move move;
   move.to = to;
   move.tolerance = tolerance;
+  move.merge = merge;
   move.control = control;
   if (inside_arc && control != PathControl::blend) {
     // Chord ends are no corners of the program.

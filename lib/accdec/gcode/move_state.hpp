@@ -17,6 +17,7 @@ class MoveState {
   double unit = 1e-3;       ///< m per unit of length
   double feed = 0.0;        ///< units of length (or degrees) per minute; 0: none yet
   double tolerance = -1.0;  ///< m, see Move
+  double merge = -1.0;      ///< m, see Move
   PathControl control = PathControl::blend;
   Plane plane = Plane::xy;
 

@@ -230,12 +230,13 @@ void Interpreter::path_control(int tenths) {
                    : tenths == 610 ? PathControl::exact_path
                                    : PathControl::blend;
   if (tenths != 640) return;
-  state_.tolerance = -1.0;
+  state_.tolerance = state_.merge = -1.0;
   if (take('P')) {
     if (words_['P'] < 0.0) source_.fail(words_.column('P'), "the tolerance of G64 cannot be negative");
     if (words_['P'] > 0.0) state_.tolerance = words_['P'] * state_.unit;  // 0: none given, as in rs274
   }
-  take('Q');  // collinear moves need not be merged here
+  // Plans here merge no moves; estimates of LinuxCNC's time do.
+  if (take('Q')) state_.merge = words_['Q'] * state_.unit;
 }
 
 ProgramPoint Interpreter::target() const {

@@ -8,6 +8,7 @@
 #include <accdec/gcode/arc.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/gcode/read_error.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/verify.hpp>
 
@@ -70,6 +71,7 @@ class Builder : public MoveSink {
       : source_(source), options_(options) {
     for (std::size_t a = 0; a < program_axis_count; ++a) limits_[a] = find_axis(machine, a);
     limited_ = !machine.axes.empty();
+    servo_ = has_servo(machine);
   }
 
   void begin(const ProgramPoint& at) override { path_.begin = position_ = at; }
@@ -105,6 +107,13 @@ class Builder : public MoveSink {
   double limited_duration(const Move& move);
   void close_joint(const Move& next);
   double exact_tolerance(std::size_t b) const;
+  void keep_mode(const Move& move) {
+    if (!path_.modes.empty()) {
+      const Toolpath::Mode& last = path_.modes.back();
+      if (last.control == move.control && last.tolerance == move.tolerance && last.merge == move.merge) return;
+    }
+    path_.modes.push_back({static_cast<std::uint32_t>(path_.blocks()), move.control, move.tolerance, move.merge});
+  }
   void give_delay(std::size_t b);
   void keep_arc(std::size_t b);
   void keep_system() {
@@ -120,6 +129,7 @@ class Builder : public MoveSink {
   const ToolpathOptions& options_;
   std::array<const Axis*, program_axis_count> limits_{};
   bool limited_ = false;
+  bool servo_ = false;
   Toolpath path_;
   Toolpath::Selected system_{"G54"};  // as controls are when they are switched on
   ProgramPoint position_{};
@@ -239,11 +249,14 @@ void Builder::close_joint(const Move& next) {
     out[i] = p[2 * n + i] - p[n + i];
   }
   Joint joint = classify(in.data(), out.data());
-  const bool stop =
-      stopped_ || last_.control == PathControl::exact_stop || (options_.rapid_stops && last_.rapid != next.rapid);
+  // No motion behind a servo passes exactly through a corner: there the control waits for the command.
+  const bool waits = servo_ && last_.control == PathControl::exact_path && joint != Joint::straight && !arcs_.goes_on();
+  const bool stop = stopped_ || waits || last_.control == PathControl::exact_stop ||
+                    (options_.rapid_stops && last_.rapid != next.rapid);
   double tolerance = unlimited;
   if (stop) {
     joint = Joint::stop;
+    if (servo_ && options_.error_max) tolerance = *options_.error_max;
   } else {
     tolerance = last_.control == PathControl::exact_path ? exact_tolerance(b) : last_.tolerance;
     if (tolerance < 0.0 && options_.error_max) tolerance = *options_.error_max;
@@ -330,6 +343,7 @@ void Builder::move(const Move& move) {
   if (!(duration > 0.0 && duration < longest)) fail(move, "the move takes more than 1e9 s or no time at all");
   for (const std::size_t a : path_.axes) path_.points.push_back(move.to[a]);
   if (path_.blocks() > 0) close_joint(move);
+  keep_mode(move);
   path_.duration.push_back(duration);
   path_.tolerance.push_back(unlimited);
   path_.joint.push_back(Joint::stop);

@@ -65,7 +65,7 @@ double response_length(double gain, double feedforward, double period) {
 
 Response::Response(const Machine& machine, double period) {
   if (!machine.prefilter_taps.empty()) prefilter_ = scaled(machine.prefilter_taps);
-  if (std::none_of(machine.axes.begin(), machine.axes.end(), has_servo)) return;
+  if (!has_servo(machine)) return;
   for (const Axis& axis : machine.axes) {
     // Axes mostly have the same servo.
     const bool same = !servo_.empty() && axis.servo_gain == machine.axes.front().servo_gain &&
@@ -96,8 +96,26 @@ FilterBehind::FilterBehind(const Filter& designed, const Machine& machine, doubl
   motion_ = response.motion(designed);
 }
 
+int FilterBehind::felt_order() const {
+  int order = motion().order();
+  while (!ideal() && order > command().order() && motion().remaining(order) < 1e-4) --order;
+  return order;
+}
+
+bool has_servo(const Machine& machine) {
+  return std::any_of(machine.axes.begin(), machine.axes.end(), [](const Axis& axis) { return has_servo(axis); });
+}
+
+void require_common_servo(const Machine& machine, double period, const char* what) {
+  if (Response(machine, period).common()) return;
+  throw std::invalid_argument(fmt::format(
+      "{} considers one servo of all its axes, without negative taps (servo_gain_1_s, velocity_feedforward, "
+      "response_taps); give every axis the same, or leave them out",
+      what));
+}
+
 void require_no_servo(const Machine& machine, const char* what) {
-  if (std::none_of(machine.axes.begin(), machine.axes.end(), has_servo)) return;
+  if (!has_servo(machine)) return;
   throw std::invalid_argument(fmt::format(
       "{} does not consider the servo of an axis (servo_gain_1_s, response_taps); {}", what, considered_by));
 }

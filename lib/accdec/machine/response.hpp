@@ -70,16 +70,24 @@ class FilterBehind {
   FilterBehind& operator=(const FilterBehind&) = delete;
 
   bool ideal() const { return !motion_; }
+  /// The motion's filter where it is another; nullptr if ideal.
+  const Filter* servo() const { return motion_ ? &*motion_ : nullptr; }
   const Filter& command() const { return command_ ? *command_ : designed_; }
   const Filter& motion() const { return motion_ ? *motion_ : designed_; }
   /// By how many samples the motion is longer than the designed filter's.
   int longer() const { return motion().order() - designed_.order(); }
+  /// Order of the motion's filter as far as a planner has to see: without a servo's tail of less than 1e-4.
+  int felt_order() const;
 
  private:
   const Filter& designed_;
   std::optional<Filter> command_, motion_;
 };
 
+/// Whether some axis has a servo.
+bool has_servo(const Machine& machine);
+/// @throws std::invalid_argument unless all axes have the same servo without negative taps, or none
+void require_common_servo(const Machine& machine, double period, const char* what);
 /// @throws std::invalid_argument if an axis has a servo, which `what` does not consider
 void require_no_servo(const Machine& machine, const char* what);
 /// The same for the control's own smoothing, too.

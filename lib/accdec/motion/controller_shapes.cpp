@@ -10,12 +10,16 @@
 namespace accdec {
 namespace {
 
-/// Behind it the taps have 2^pairs times their sum.
-void add_pairs(std::vector<double>& taps, int pairs, int delay, double outer) {
+void check_pairs(int pairs, double outer) {
   if (pairs < 0 || pairs > 2)
     throw std::invalid_argument(fmt::format("a shaper has 0 to 2 pairs of impulses, got {}", pairs));
   if (!(outer > 0.0 && outer < 0.5))
     throw std::invalid_argument(fmt::format("the first of three impulses is above 0 and below 1/2, got {}", outer));
+}
+
+/// Behind it the taps have 2^pairs times their sum.
+void add_pairs(std::vector<double>& taps, int pairs, int delay, double outer) {
+  check_pairs(pairs, outer);
   const std::vector<double> single = pairs == 2 && outer != zvd_outer ? taps : std::vector<double>{};
   for (int p = 0; p < pairs; ++p) {
     if (delay < 1) throw std::invalid_argument(fmt::format("impulses need a delay >= 1 sample, got {}", delay));
@@ -32,6 +36,23 @@ void add_pairs(std::vector<double>& taps, int pairs, int delay, double outer) {
     taps[i + by] += (4.0 - 8.0 * outer) * single[i];
     taps[i + 2 * by] += 4.0 * outer * single[i];
   }
+}
+
+/// Taps behind impulses that need not be at whole samples.
+std::vector<double> with_split_pairs(const std::vector<double>& taps, int pairs, double delay, double outer) {
+  check_pairs(pairs, outer);
+  const double weights[2][3] = {{0.5, 0.5, 0.0}, {outer, 1.0 - 2.0 * outer, outer}};
+  std::vector<double> sum(taps.size() + static_cast<std::size_t>(std::ceil(pairs * delay - shaper_snap)), 0.0);
+  for (int m = 0; m <= pairs; ++m) {
+    const double at = m * delay, first = std::floor(at + shaper_snap);
+    const double later = at - first < shaper_snap ? 0.0 : at - first, weight = weights[pairs - 1][m];
+    const auto by = static_cast<std::size_t>(first);
+    for (std::size_t i = 0; i < taps.size(); ++i) {
+      sum[i + by] += weight * (1.0 - later) * taps[i];
+      if (later > 0.0) sum[i + by + 1] += weight * later * taps[i];
+    }
+  }
+  return sum;
 }
 
 /// The sums of up to `length` neighbours of symmetric taps. Only sums of numbers >= 0 from both ends of blocks, nothing
@@ -122,9 +143,13 @@ Filter averages(std::span<const int> lengths) {
   return Filter(cascade_taps(lengths, 0, 0));
 }
 
-Filter with_pairs(const Filter& filter, int pairs, int delay, double outer) {
+Filter with_pairs(const Filter& filter, int pairs, double delay, double outer) {
   std::vector<double> taps(filter.taps().begin(), filter.taps().end());
-  add_pairs(taps, pairs, delay, outer);
+  const double whole = std::floor(delay);
+  if (delay == whole || !(delay >= 1.0))
+    add_pairs(taps, pairs, static_cast<int>(std::clamp(whole, -1e9, 1e9)), outer);
+  else if (pairs != 0)
+    taps = with_split_pairs(taps, pairs, delay, outer);
   return Filter(std::move(taps));
 }
 

@@ -112,7 +112,9 @@ std::string describe_parameters(const FilterSpec& spec, Digits digits) {
     text = fmt::format("{} = {}", parameter->key, std::visit(value, parameter->member));
   }
   if (spec.pairs > 0)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", title_like(spec.pairs, spec.outer), spec.pair_delay);
+    text += fmt::format(
+        "{}{} {}", text.empty() ? "" : ", ", title_like(spec.pairs, spec.outer),
+        digits == Digits::four ? fmt::format("{:.9g}", spec.pair_delay) : fmt::format("{}", spec.pair_delay));
   return text;
 }
 

@@ -14,6 +14,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/result/other_rules.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/program.hpp>
@@ -36,7 +37,8 @@ class Planning {
   Planning(ProgramResult& result, const Filter& set, const Task& task, const Machine& machine, const Deadline& deadline)
       : result_(result),
         set_(set),
-        filter_(Response(machine, task.sample_period).command(set)),
+        filter_(Response(task.machine, task.sample_period).command(set)),
+        behind_(filter_, machine, task.sample_period),
         task_(task),
         machine_(machine),
         deadline_(deadline) {}
@@ -52,8 +54,8 @@ class Planning {
     ScheduledPlan kept{base_, std::move(plan)};
     snap(kept);
     base_.duration = kept.path.duration;
-    // A plan that was not finished takes less than its feeds allow.
-    if (all_holds(kept.plan) || !deadline_.over()) result_.cycle_time_kept = seconds(kept.plan);
+    kept_ = seconds(kept.plan);
+    if (all_holds(kept.plan)) result_.cycle_time_kept = kept_;
     offer(std::move(kept), false);
   }
   /// Whether a program that --emit wrote, which this is, holds as it is: then it is the plan.
@@ -67,15 +69,20 @@ class Planning {
     if (path.blocks() <= several_plans_max || !path.given.empty()) as_commanded(path, true);
     ScheduledPlan plan = schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_);
     snap(plan);
-    if (!result_.cycle_time_kept && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
+    if (!kept_ && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
     offer(std::move(plan), true);
   }
   /// Plans again as `--feeds keep` does, so that chosen feeds are not slower.
   void tune(const Toolpath& path, Feeds feeds) {
-    if (deadline_.over() || !result_.cycle_time_kept) return;
+    if (deadline_.over() || !kept_) return;
     const bool hopeless =
-        path.blocks() > tuned_max || *result_.cycle_time_kept > hopelessly_slower * seconds(best_.plan);
+        path.blocks() > tuned_max || *kept_ > hopelessly_slower * seconds(best_.plan);
     if (feeds != Feeds::choose_fitting || !hopeless) keep(path, true);
+  }
+  /// Where no plan holds: a slow one that stops at every joint.
+  void stop(const Toolpath& path, bool feeds_chosen) {
+    if (all_holds(best_.plan)) return;
+    offer(stop_everywhere(path, filter_, task_.sample_period, machine_), feeds_chosen);
   }
   /// The plan as the result's.
   void take() {
@@ -83,6 +90,7 @@ class Planning {
     // For the plan it was enough that each joint holds; what is reported is the least distance.
     SimulationOptions whole;
     whole.whole_windows = true;
+    whole.motion = behind_.servo();
     simulate_program(CommandTiming(best_.path, task_.sample_period, plan.delays), filter_, 0, best_.path.blocks() - 1,
                      plan.errors, whole);
     delays_had_ = plan.delays_had;
@@ -94,7 +102,8 @@ class Planning {
     result_.too_fast = std::move(plan.too_fast);
     result_.rounds = plan.rounds;
     FilteredCommand command{filter_, std::move(plan.delays)};
-    if (!machine_.prefilter_taps.empty()) command.own = set_;
+    if (!task_.machine.prefilter_taps.empty()) command.own = set_;
+    if (!behind_.ideal()) command.moved = behind_.motion();
     result_.plan = {std::move(best_.path), std::move(command)};
   }
 
@@ -178,11 +187,13 @@ class Planning {
   ProgramResult& result_;
   const Filter& set_;
   const Filter filter_;  // all that acts on the command
+  const FilterBehind behind_;
   const Task& task_;
   const Machine& machine_;
   const Deadline& deadline_;
   ScheduledPlan best_;
   Toolpath base_;  // planned at the programmed feeds
+  std::optional<double> kept_;  // s, of that plan, which need not hold
   bool delays_had_ = true;
 };
 
@@ -199,6 +210,17 @@ ProgramResult before_planning(const std::string& name, const Toolpath& path, con
   return result;
 }
 
+/// @throws std::invalid_argument for what a plan of one filter does not consider behind a servo
+void require_considered(const Task& task, const Machine& machine, bool filter_bound) {
+  require_common_servo(machine, task.sample_period, "a program");
+  if (!has_servo(machine)) return;
+  if (task.settings && task.settings->in_position_actual)
+    throw std::invalid_argument(
+        "a program does not consider [controller] in_position_of = \"actual\" behind a servo; write \"command\"");
+  if (filter_bound)
+    throw std::invalid_argument("--filter-bound is for motions without a servo (servo_gain_1_s, response_taps)");
+}
+
 const char* ended_by(const Deadline& deadline) {
   return deadline.asked_to_end() ? "Ctrl-C" : "the time limit";
 }
@@ -213,15 +235,15 @@ void say_what_ended(ProgramResult& result, const Deadline& deadline) {
 
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
                           bool filter_bound, Feeds feeds, const Deadline& deadline) {
-  require_no_servo(task.machine, "program");
   require_no_shared_loads(task.machine, "program");
   if (task.settings && task.settings->in_position_latency > 0.0)
     throw std::invalid_argument("a program does not consider [controller] in_position_latency_ms; leave it out");
   const auto start = std::chrono::steady_clock::now();
   ProgramResult result = before_planning(name, path, task);
   const Machine machine = program_machine(task.machine, path);
+  require_considered(task, machine, filter_bound);
   // Computed before any move is slowed for this filter, because the bounds hold for all filters.
-  snap_durations(path, Response(machine, task.sample_period).command(filter), task.sample_period, machine);
+  snap_durations(path, Response(task.machine, task.sample_period).command(filter), task.sample_period, machine);
   result.lower_bound = program_lower_bound(path, machine, task.sample_period);
   if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
   Planning planning(result, filter, task, machine, deadline);
@@ -230,6 +252,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   if (keep && !written) planning.keep(path, feeds == Feeds::keep);
   if (feeds != Feeds::keep && !written) planning.choose(path);
   if (feeds != Feeds::keep && keep && !written) planning.tune(path, feeds);
+  planning.stop(path, feeds != Feeds::keep);
   path = {};
   planning.take();
   result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;

@@ -30,13 +30,14 @@ double use_of(const Toolpath& path, std::size_t joint, double error) {
 /// The corners as a reader of the program counts them, and the worst of the joints inside arcs.
 struct DrawnCorners {
   std::vector<PlaceValue> places;
-  bool arcs = false;
+  bool arcs = false, servo = false;
   double worst_in_arc = 0.0;  ///< %
 };
 
 DrawnCorners corners_of(const ProgramResult& result, const ProgramView& view) {
   const Toolpath& path = result.plan.path;
   DrawnCorners corners;
+  corners.servo = result.plan.command() != nullptr && result.plan.command()->moved;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (path.inside_arc[b] != 0) {
       corners.arcs = true;
@@ -155,6 +156,7 @@ std::string bounds_in_title(const ProgramResult& result) {
 void add_corner_panels(Figure& figure, const Toolpath& path, const DrawnCorners& corners, const ProgramView& whole) {
   std::string title = corners.places.size() == 1 ? "1 corner by its error"
                                                  : fmt::format("{} corners by their errors", corners.places.size());
+  if (corners.servo) title += " behind the servo";
   if (corners.arcs) title += fmt::format("; inside arcs at most {:.3g} % of the tolerance", corners.worst_in_arc);
   figure.panels.push_back(corner_panel(path, corners, whole, title));
   if (corners.places.size() < many_corners) return;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_motion.hpp>
@@ -30,10 +31,11 @@ double turn_at(const Toolpath& path, std::size_t b) {
   return std::acos(std::clamp(dot / std::sqrt(in2 * out2), -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-/// The limits of one machine, and how much of each a sample uses.
+/// The limits of one machine, and how much of each a sample uses. Loads behind a servo are not those of the command,
+/// and are left out.
 class Uses {
  public:
-  Uses(const Machine& machine, double period) : period_(period) {
+  Uses(const Machine& machine, double period) : period_(period), loads_(!has_servo(machine)) {
     for (const Axis& axis : machine.axes) axes_.push_back({&axis, AxisSampler(axis, period)});
   }
   /// Index in `axis_limits` of the limit that the next sample uses most; -1 if none is used to 98 %.
@@ -43,6 +45,7 @@ class Uses {
     for (Followed& followed : axes_) {
       const AxisState state = followed.sampler.next(*v, (*v - followed.velocity) / period_);
       for (std::size_t i = 0; i < axis_limits.size(); ++i) {
+        if (axis_limits[i].load && !loads_) continue;
         const double use = axis_limits[i].value(state) / (followed.axis->*axis_limits[i].bound);
         if (use > most) most = use, binding = static_cast<int>(i);
       }
@@ -58,6 +61,7 @@ class Uses {
     double velocity = 0.0;  ///< m/s, of the last sample
   };
   double period_;
+  bool loads_;
   std::vector<Followed> axes_;
 };
 
@@ -82,6 +86,17 @@ class ProgrammedRests {
   std::map<std::ptrdiff_t, std::int64_t> left_;  // by joint; -1: before the first block
 };
 
+/// Goes on to sample x, which steady motion reached in `samples`. How many of these are nearer to the beginning of its
+/// block, if x is nearer to the end.
+std::int64_t nearer_begin(PathFollower& follower, const double* x, const double* v, std::int64_t samples) {
+  const std::size_t block = follower.block();
+  const double from = follower.part();
+  follower.follow(x, v);
+  const double to = follower.part();
+  if (samples == 1 || block != follower.block() || !(from < 0.5 && to >= 0.5)) return 0;
+  return static_cast<std::int64_t>(std::ceil((0.5 - from) / (to - from) * static_cast<double>(samples))) - 1;
+}
+
 }  // namespace
 
 double speed_of(const double* velocity, std::size_t axes) {
@@ -101,11 +116,26 @@ ProgramMotion motion_of(const ProgramResult& result) {
   return {fmt::format("{}: {:.6g} s, plan {}", result.program, result.cycle_time, result.plan.name()),
           result.sample_period,
           result.cycle_time,
-          [&result](const SampleVisitor& visit) { visit_samples(result, visit, Rests::passed); },
+          [&result](const SampleVisitor& visit) { visit_samples(result, visit, Steady::passed); },
           bounds_of(result),
           result.settings && result.verification.feasible
               ? program_settings_answer(*result.settings, result.cycle_time, result.has_today)
               : ""};
+}
+
+std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most) {
+  std::int64_t count = 0, seen = 0, before = -1;
+  motion.samples([&](std::int64_t, const double*, const double*) { ++count; });
+  const std::int64_t every = std::max<std::int64_t>(1, (count + most - 1) / most);
+  const double longest = std::max(1.0, motion.cycle_time / motion.sample_period / static_cast<double>(most));
+  std::vector<std::int64_t> drawn;
+  motion.samples([&](std::int64_t k, const double*, const double*) {
+    const bool far = static_cast<double>(k - before) > longest;
+    if (far && drawn.back() != before) drawn.push_back(before);
+    if (far || seen % every == 0 || seen + 1 == count) drawn.push_back(k);
+    ++seen, before = k;
+  });
+  return drawn;
 }
 
 void visit_velocities(const Machine& machine, const ProgramMotion& motion, const VelocityVisitor& visit) {
@@ -138,17 +168,22 @@ std::vector<CornerLoss> time_lost(const Toolpath& path, const ProgramMotion& mot
   PathFollower follower(path);
   ProgrammedRests rests(path, motion.sample_period);
   constexpr double at_rest = 1e-9;  // m/s
+  const auto lose = [&](std::ptrdiff_t joint, double slower, std::int64_t samples) {
+    const std::size_t i = joint < 0 ? classes.size() - 1 : of_joint[static_cast<std::size_t>(joint)];
+    classes[i].time += slower * static_cast<double>(samples) * motion.sample_period;
+  };
   std::int64_t before = 0;
   motion.samples([&](std::int64_t k, const double* x, const double* v) {
     std::int64_t passed = k - std::exchange(before, k);
     if (k == 0) return;
-    follower.follow(x, v);
+    const std::int64_t early = nearer_begin(follower, x, v, passed);
     const double speed = speed_of(v, path.dimensions());
     const double slower = 1.0 - speed / block_feed(path, follower.block());
     const std::ptrdiff_t joint = follower.joint();
+    lose(joint - 1, slower, early);
+    passed -= early;
     if (speed < at_rest) passed -= rests.take(joint, passed);
-    const std::size_t i = joint < 0 ? classes.size() - 1 : of_joint[static_cast<std::size_t>(joint)];
-    classes[i].time += slower * static_cast<double>(passed) * motion.sample_period;
+    lose(joint, slower, passed);
   });
   return classes;
 }

@@ -17,7 +17,7 @@ struct ProgramMotion {
   std::string title;                                  ///< program, time and plan
   double sample_period = 0.0, cycle_time = 0.0;       ///< s
   std::function<void(const SampleVisitor&)> samples;  ///< calls the visitor for every sample in order,
-                                                      ///< of long rests for the first and last ones only
+                                                      ///< of steady motion for the first and last ones only
   std::vector<NamedBound> bounds;                     ///< of its time; may be empty
   std::string answer{};                               ///< what to set in a control; may be empty
 };
@@ -33,6 +33,9 @@ using VelocityVisitor =
     std::function<void(std::int64_t k, const double* position, const double* velocity, int binding)>;
 /// Every sample of a motion. @param machine  as many axes as the path, or none
 void visit_velocities(const Machine& machine, const ProgramMotion& motion, const VelocityVisitor& visit);
+/// Numbers of the samples that a picture of about `most` points needs: every n-th, and the ends of long stretches that
+/// are not visited.
+std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most);
 /// The name of the binding limit, with an index as in `VelocityVisitor`. If it is no limit of an axis, the tolerance of
 /// a corner or the programmed feed limits the motion.
 std::string binding_name(int binding);

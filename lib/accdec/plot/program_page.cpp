@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/html.hpp>
 #include <accdec/plot/html_parts.hpp>
@@ -13,6 +14,8 @@
 namespace accdec {
 namespace {
 
+constexpr const char* behind_servo =
+    "<p>Path, speed and limits are those of the command. The axes follow behind it with their servo.</p>\n";
 constexpr std::int64_t page_points_max = 40'000;
 
 /// The path as the script draws it, across and upwards: coefficients of the path's columns.
@@ -42,17 +45,17 @@ double fastest_feed_move(const Toolpath& path, const ProgramMotion& motion) {
   return fastest;
 }
 
-std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMotion& motion, std::int64_t count,
-                   ViewFrom from) {
+std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMotion& motion, ViewFrom from) {
   const ProgramView view = whole_view(path, from);
-  const std::int64_t every = std::max<std::int64_t>(1, (count + page_points_max - 1) / page_points_max);
+  const std::vector<std::int64_t> drawn = drawn_samples(motion, page_points_max);
   std::string t, v, l;
   std::vector<std::string> places(path.dimensions());
   int binding = -1;
-  std::int64_t seen = 0;
+  auto next = drawn.begin();
   visit_velocities(machine, motion, [&](std::int64_t k, const double* at, const double* velocity, int binds) {
     binding = std::max(binding, binds);
-    if (seen++ % every != 0 && seen != count) return;
+    if (next == drawn.end() || k != *next) return;
+    ++next;
     t += fmt::format("{:.6g},", static_cast<double>(k) * motion.sample_period);
     for (std::size_t a = 0; a < places.size(); ++a) places[a] += fmt::format("{:.4f},", at[a] * 1e3);
     v += fmt::format("{:.5g},", speed_of(velocity, places.size()) * 1e3);
@@ -93,8 +96,6 @@ std::string bounds_table(const ProgramMotion& motion) {
 
 std::string program_page(const Toolpath& programmed, const Machine& machine, const ProgramMotion& motion,
                          ViewFrom from) {
-  std::int64_t count = 0;
-  motion.samples([&](std::int64_t, const double*, const double*) { ++count; });
   std::vector<std::vector<std::string>> rows;
   for (const CornerLoss& loss : time_lost(programmed, motion)) {
     if (loss.count == 0) continue;
@@ -106,12 +107,13 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
   page +=
       "<p>The path has the colour of its speed; the speed over time that of the limit that binds. Wheel or two "
       "fingers: "
-      "zoom. Drag: move. Double click: everything. The pointer tells time, place and speed.</p>\n"
+      "zoom. Drag: move. Double click: everything. The pointer tells time, place and speed.</p>\n" +
+      std::string(has_servo(machine) ? behind_servo : "") +
       "<canvas id=\"path\"></canvas>\n<p id=\"info\">&nbsp;</p>\n<canvas id=\"speed\"></canvas>\n"
       "<p id=\"legend\"></p>\n<h2>Time lost against the programmed feed</h2>\n";
   page += html_table({{"turn", "joints", "lost, s", "lost by each, ms"}, rows});
   page += bounds_table(motion);
-  page += "<script>\n" + arrays(programmed, machine, motion, count, from) + std::string(program_script) +
+  page += "<script>\n" + arrays(programmed, machine, motion, from) + std::string(program_script) +
           "</script>\n" + html_foot();
   return page;
 }

@@ -19,7 +19,7 @@ std::int64_t samples_of(double time, double period) {
 
 /// The longest rest that is written down: the motion has come to rest, and so have three differences of it.
 std::int64_t rest_max(const BlockFilters& legs) {
-  return legs.order_max() + 8;
+  return legs.order_max() + legs.behind + 8;
 }
 
 /// Position of the command at every sample, and the filter that its step to there passes.
@@ -158,7 +158,7 @@ DirectMotion direct_motion(const Toolpath& path, double sample_period, std::span
   motion.samples = command.end_of_motion + command.last_rest;
   for (const DirectMotion::Cut& cut : command.cuts) motion.samples += cut.count;
   motion.cuts = command.cuts;
-  const auto all = static_cast<std::size_t>(commanded + legs.order_max() + 4);
+  const auto all = static_cast<std::size_t>(commanded + legs.order_max() + legs.behind + 4);
   for (const std::vector<long double>& at : command.at) {
     std::vector<long double> moved(all, 0.0L);
     for (std::int64_t k = 1; k < commanded; ++k) {
@@ -178,11 +178,41 @@ DirectMotion direct_motion(const Toolpath& path, double sample_period, std::span
     }
   }
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-    const int order = std::max(legs.of(b).order(), legs.of(b + 1).order());
+    const int order = std::max(legs.of(b).order(), legs.of(b + 1).order()) + legs.behind;
     const auto last = static_cast<std::int64_t>(all) - 1;
     motion.windows.push_back({static_cast<std::int64_t>(std::floor(command.reached[b] + 1e-9)),
                               std::min(last, static_cast<std::int64_t>(std::ceil(command.reached[b] - 1e-9)) +
                                                  command.rest[b] + order + 1)});
+  }
+  return motion;
+}
+
+DirectMotion behind_servos(const DirectMotion& command, const Machine& machine, double sample_period) {
+  DirectMotion motion = command;
+  for (std::size_t a = 0; a < motion.position.size(); ++a) {
+    const Axis& axis = machine.axes[a];
+    const std::vector<double>& v = command.velocity[a];
+    std::vector<double>&moved = motion.velocity[a], &at = motion.position[a];
+    if (!axis.response_taps.empty()) {
+      long double sum = 0.0L, where = command.position[a].front();
+      for (const double tap : axis.response_taps) sum += tap;
+      for (std::size_t k = 0; k < v.size(); ++k) {
+        long double speed = 0.0L;
+        for (std::size_t j = 0; j < axis.response_taps.size() && j <= k; ++j) speed += axis.response_taps[j] * v[k - j];
+        moved[k] = static_cast<double>(speed / sum);
+        at[k] = static_cast<double>(where += speed / sum * sample_period);
+      }
+    } else if (axis.servo_gain < unlimited) {
+      const long double x = axis.servo_gain * static_cast<long double>(sample_period), left = std::expm1(-x);
+      const long double lag = (1.0L - axis.velocity_feedforward) * -left / axis.servo_gain;
+      long double error = 0.0L;
+      for (std::size_t k = 0; k < v.size(); ++k) {
+        const long double change = left * error + lag * v[k];
+        error += change;
+        moved[k] = static_cast<double>(v[k] - change / sample_period);
+        at[k] = static_cast<double>(command.position[a][k] - error);
+      }
+    }
   }
   return motion;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <accdec/filter.hpp>
+#include <accdec/machine.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {
@@ -14,6 +15,7 @@ namespace accdec {
 struct BlockFilters {
   std::vector<Filter> filters{Filter{{1.0}}};
   std::vector<std::uint16_t> of_block;  ///< index of the filter of every block; empty: the first for all
+  int behind = 0;                       ///< samples in which a servo behind the filters comes to rest
 
   std::size_t index(std::size_t block) const { return of_block.empty() ? 0 : of_block[block]; }
   const Filter& of(std::size_t block) const { return filters[index(block)]; }
@@ -47,6 +49,13 @@ double direct_motion_steps(const Toolpath& path, double sample_period, std::span
 
 DirectMotion direct_motion(const Toolpath& path, double sample_period, std::span<const int> delays,
                            const BlockFilters& filters);
+
+/// The motion that the servos of the axes make of a command, sample by sample. With a gain Kv and a feedforward g, the
+/// following error after a sample of constant velocity v is
+///   e[k] = a e[k-1] + (1 - g) (1 - a)/Kv v[k],  a = exp(-Kv T).
+/// It is the state of the loop and knows no taps. Measured taps are summed product by product. Axes may differ.
+/// @param command  its rests as long as the servos need, see BlockFilters::behind  @param machine  as many axes
+DirectMotion behind_servos(const DirectMotion& command, const Machine& machine, double sample_period);
 
 /// Least distance of the motion from the joint at the end of block b within its window, m. For corners and stops it is
 /// the distance of the samples, for the others that of the polyline through them.

@@ -31,6 +31,7 @@ double LimitWatch::value_at(const Worst& worst, double velocity, double accelera
 }
 
 void LimitWatch::look(const MotionBuffer& motion, std::size_t block) {
+  const std::size_t known = broken_.size();
   MotionExtremes extremes;
   std::size_t seen_axis = program_axis_count;
   for (Worst& worst : worst_) {
@@ -57,7 +58,10 @@ void LimitWatch::look(const MotionBuffer& motion, std::size_t block) {
     for (Eigen::Index i = 0; i < v.size(); ++i) {
       const double value = value_at(worst, v[i], a[i], a[i] - b[i]);
       const std::int64_t index = motion.seen_begin() + i;
-      if (blame && value > broken) broken_.push_back(static_cast<std::uint32_t>(block_at(index, block)));
+      if (blame && value > broken) {
+        const auto at = static_cast<std::uint32_t>(block_at(index, block));
+        if (broken_.size() == known || broken_.back() != at) broken_.push_back(at);
+      }
       if (!(value > worst.value)) continue;
       worst.value = value;
       worst.sample = motion.number(index);
@@ -65,10 +69,17 @@ void LimitWatch::look(const MotionBuffer& motion, std::size_t block) {
     }
   }
   marks_.clear();
-  if (broken_.size() > 1) {
-    std::sort(broken_.begin(), broken_.end());
-    broken_.erase(std::unique(broken_.begin(), broken_.end()), broken_.end());
-  }
+  order_broken(known);
+}
+
+/// The motion goes on: only the end of the list changes. Sorting all of it would take quadratic time.
+void LimitWatch::order_broken(std::size_t known) {
+  if (broken_.size() == known) return;
+  const auto added = broken_.begin() + static_cast<std::ptrdiff_t>(known);
+  std::sort(added, broken_.end());
+  const auto first = std::lower_bound(broken_.begin(), added, *added);
+  std::inplace_merge(first, added, broken_.end());
+  broken_.erase(std::unique(first, broken_.end()), broken_.end());
 }
 
 std::size_t LimitWatch::block_at(std::int64_t index, std::size_t current) const {

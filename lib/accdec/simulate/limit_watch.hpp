@@ -37,6 +37,7 @@ class LimitWatch {
     std::int64_t sample = 0;
     std::size_t block = 0;
   };
+  void order_broken(std::size_t known);
   double value_at(const Worst& worst, double velocity, double acceleration, double jerk) const;
 
   /// Block commanded at an index of the buffer.

@@ -16,7 +16,7 @@ class Motion::Source {
   Source(const Source&) = delete;
   Source& operator=(const Source&) = delete;
   virtual bool next(Sample& sample) = 0;
-  virtual void pass_rest() = 0;
+  virtual void pass_steady() = 0;
 };
 
 namespace {
@@ -40,13 +40,13 @@ struct Stretches {
 
 class Motion::FilteredSource : public Source {
  public:
-  FilteredSource(const Toolpath& path, const FilteredCommand& command, double period)
+  FilteredSource(const Toolpath& path, const FilteredCommand& command, const Filter& filter, double period)
       : path_(path),
         n_(path.dimensions()),
         period_(period),
         timing_(path, period, command.delays),
-        buffer_(command.filter, n_, path.point(0)),
-        last_(motion_samples(timing_, command.filter)) {
+        buffer_(filter, n_, path.point(0)),
+        last_(motion_samples(timing_, filter)) {
     std::copy_n(path.point(0), n_, at_.begin());
     rest(timing_.dwell_samples(path.dwell_first));
   }
@@ -69,14 +69,14 @@ class Motion::FilteredSource : public Source {
     return true;
   }
 
-  void pass_rest() override {
+  void pass_steady() override {
     if (number_ != buffer_.sample() + 1 || next_ >= stretches_.size() || buffer_.settled() > buffer_.sample()) return;
     Stretch& stretch = stretches_[next_];
-    const bool still = stretch.u0 == AxisRow<0>{} && stretch.u == AxisRow<0>{};
+    const bool steady = stretch.u0 == moving_ && stretch.u == moving_;
     const std::int64_t passed = std::min(stretch.count, last_ - number_) - 1;
-    if (!still || passed <= 0) return;
-    buffer_.pass_over(passed, stretch.u.data(), stretch.end.data(), 0);
+    if (!steady || passed <= 0) return;
     stretch.count -= passed;
+    buffer_.pass_over(passed, stretch.u.data(), stretch.end.data(), stretch.count);
     number_ += passed;
   }
 
@@ -91,7 +91,7 @@ class Motion::FilteredSource : public Source {
       const std::int64_t count = std::min(stretch.count, buffer_.room());
       buffer_.append<0>(stretch.u0, stretch.u, count);
       stretch.count -= count;
-      stretch.u0 = stretch.u;
+      stretch.u0 = moving_ = stretch.u;
       for (std::size_t a = 0; a < n_; ++a) at_[a] = stretch.end[a] - static_cast<double>(stretch.count) * stretch.u[a];
       if (stretch.count == 0) ++next_;
     }
@@ -128,6 +128,7 @@ class Motion::FilteredSource : public Source {
   const std::int64_t last_;
   std::int64_t number_ = 0;  // of the next sample
   AxisRow<0> at_{};          // where the command has come to
+  AxisRow<0> moving_{};      // by what the command moved last
   std::vector<Stretch> stretches_;
   std::size_t next_ = 0, run_ = 0, dwell_ = 0;
 };
@@ -153,7 +154,12 @@ class Motion::TrajectorySource : public Source {
     before_ = sample.position;
     return true;
   }
-  void pass_rest() override { number_ += motion_.pass_rest(); }
+  void pass_steady() override {
+    const std::int64_t passed = motion_.pass_steady();
+    if (passed == 0) return;
+    number_ += passed;
+    std::copy_n(motion_.position(), n_, before_.begin());
+  }
 
  private:
   const std::size_t n_;
@@ -185,7 +191,7 @@ class Motion::SampledSource : public Source {
     ++number_;
     return true;
   }
-  void pass_rest() override {}
+  void pass_steady() override {}
 
  private:
   const std::size_t n_;
@@ -195,9 +201,10 @@ class Motion::SampledSource : public Source {
   std::int64_t number_ = 0;
 };
 
-Motion::Motion(const Plan& plan, double sample_period) {
+Motion::Motion(const Plan& plan, double sample_period, bool servo) {
   if (const FilteredCommand* command = plan.command()) {
-    source_ = std::make_unique<FilteredSource>(plan.path, *command, sample_period);
+    source_ = std::make_unique<FilteredSource>(plan.path, *command, servo ? command->motion() : command->filter,
+                                               sample_period);
   } else if (plan.trajectory()->is_free()) {
     source_ = std::make_unique<SampledSource>(plan.path, plan.trajectory()->free, sample_period);
   } else {
@@ -210,8 +217,8 @@ Motion::~Motion() = default;
 bool Motion::next(Sample& sample) {
   return source_->next(sample);
 }
-void Motion::pass_rest() {
-  source_->pass_rest();
+void Motion::pass_steady() {
+  source_->pass_steady();
 }
 
 }  // namespace accdec

@@ -55,6 +55,7 @@ void ProfileMotion::arrive(std::size_t c) {
 
 void ProfileMotion::begin_leg(std::size_t b) {
   leg_ = b;
+  ran_ = 0;
   pieces_.begin_leg(b);
   place_ = 2 * static_cast<std::int64_t>(b);
   if (phases_) (*phases_)[b] = time_;
@@ -83,6 +84,7 @@ bool ProfileMotion::raw() {
     if (!pieces_.over()) {
       time_ -= pieces_.now().duration;
       pieces_.go_on();
+      ran_ = 0;
       continue;
     }
     if (in_corner_) {
@@ -94,6 +96,7 @@ bool ProfileMotion::raw() {
     ++place_;
     if (!chain_.stops(leg_ + 1)) {
       in_corner_ = true;
+      ran_ = 0;
       pieces_.begin_corner(leg_ + 1);
       continue;
     }
@@ -108,12 +111,20 @@ bool ProfileMotion::raw() {
   for (std::size_t a = 0, n = path_.dimensions(); a < n; ++a)
     raw_[a] = piece.x[a] + (piece.v[a] + 0.5 * piece.a[a] * time_) * time_;
   time_ += period_;
+  ran_ = piece.a == decltype(piece.a){} ? ran_ + 1 : 0;
   return true;
 }
 
-std::int64_t ProfileMotion::pass_rest() {
-  if (stood_ < smoother_.taps() + 4 || rest_ == 0) return 0;
-  return std::exchange(rest_, 1) - 1;
+std::int64_t ProfileMotion::pass_steady() {
+  const std::int64_t seen = smoother_.taps() + 4;
+  if (rest_ > 0) return stood_ < seen ? 0 : std::exchange(rest_, 1) - 1;
+  if (ran_ < seen || pieces_.over()) return 0;
+  // The last ones fill the filter again, so that what follows is made of the same samples.
+  const double left = std::floor((pieces_.now().duration - time_) / period_) - 2.0 - static_cast<double>(seen);
+  if (left < static_cast<double>(seen)) return 0;
+  time_ += left * period_;
+  for (std::int64_t k = 0; k < seen; ++k) next();
+  return static_cast<std::int64_t>(left) + seen;
 }
 
 bool ProfileMotion::next() {

@@ -31,9 +31,9 @@ class ProfileMotion {
   /// From now on records, for the present leg and every later one, the time from the beginning of the leg to its first
   /// sample. In s, one value per leg, kept by reference.
   void note_phases(std::vector<double>& phases);
-  /// After next(): passes over the samples that it still rests but for the last, and says how many. It must have stood
-  /// still for longer than its last filter and three differences see.
-  std::int64_t pass_rest();
+  /// After next(): passes over samples at rest, or of steady motion, but for the last ones, and says how many. It must
+  /// have rested or been steady for longer than its last filter and three differences see.
+  std::int64_t pass_steady();
   /// m, one value a dimension.
   const double* position() const { return out_.data(); }
   /// The place of the sample: 2 b for leg b, 2 b + 1 for the corner after it. For the samples inside the filter, the
@@ -61,6 +61,7 @@ class ProfileMotion {
   double time_ = 0.0;       // since the beginning of the piece, of the next sample
   std::int64_t rest_ = 0;   // samples still to rest
   std::int64_t stood_ = 0;  // samples at rest so far
+  std::int64_t ran_ = 0;    // samples of the piece so far, if it is steady
   std::int64_t place_ = 0;
   std::size_t dwell_ = 0;  // next entry of the path's dwells
   std::vector<double>* phases_ = nullptr;

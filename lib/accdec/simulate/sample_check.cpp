@@ -133,6 +133,14 @@ void SampleChecker::look(const double* position, std::int64_t place_first, std::
   places_[0] = place_first;
 }
 
+void SampleChecker::pass(std::int64_t count, const double* position) {
+  if (count == 0) return;
+  sample_ += count;
+  before_ = now_;
+  std::copy_n(position, n_, now_.begin());
+  look_joints(places_[0], places_[0]);
+}
+
 /// Rests for as long as a difference of third order reaches back.
 void SampleChecker::settle() {
   const std::vector<double> end = now_;

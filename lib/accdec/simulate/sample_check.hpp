@@ -34,8 +34,8 @@ class SampleChecker {
 
   /// The next sample after the start, m. The places say which joints it may be measured against.
   void look(const double* position, std::int64_t place_first, std::int64_t place_last);
-  /// So many more samples like the last ones, at which it stands still.
-  void rest(std::int64_t count) { sample_ += count; }
+  /// So many more samples, at which it rests or goes straight on as before. @param position  of the last of them, m
+  void pass(std::int64_t count, const double* position);
   SampleCheck finish();
   /// For a part: computes the errors of its joints. @param at_rest  it ends where the program does
   void finish_part(bool at_rest);

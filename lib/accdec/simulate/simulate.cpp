@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/simulate/joint_distance.hpp>
 #include <accdec/simulate/limit_watch.hpp>
 #include <accdec/simulate/motion_buffer.hpp>
@@ -242,15 +244,60 @@ Simulation simulate(const CommandTiming& timing, const Filter& filter, std::size
   return simulator.finish(timing.path().point(last + 1), last + 1 == timing.path().blocks() ? timing.dwell_last() : 0);
 }
 
-}  // namespace
-
-Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
-                            std::span<double> errors, const SimulationOptions& options) {
+Simulation simulate(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+                    std::span<double> errors, const SimulationOptions& options) {
   switch (timing.path().dimensions()) {
     case 2: return simulate<2>(timing, filter, first, last, errors, options);
     case 3: return simulate<3>(timing, filter, first, last, errors, options);
     default: return simulate<0>(timing, filter, first, last, errors, options);
   }
+}
+
+/// The machine with its limits of loads only, or with all others.
+Machine limited_by(Machine machine, bool loads) {
+  for (Axis& axis : machine.axes) {
+    for (const AxisLimit& limit : axis_limits) {
+      if (limit.load != loads) axis.*limit.bound = unlimited;
+    }
+  }
+  return machine;
+}
+
+Simulation simulate_servo(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+                          std::span<double> errors, SimulationOptions options) {
+  SimulationOptions commanded = options;
+  commanded.samples = {};
+  commanded.whole_windows = false;
+  Machine of_command, of_motion;
+  if (options.machine != nullptr) {
+    of_command = limited_by(*options.machine, false), of_motion = limited_by(*options.machine, true);
+    commanded.machine = &of_command, options.machine = &of_motion;
+  }
+  Simulation result = simulate(timing, filter, first, last, errors, commanded);
+  Simulation behind = simulate(timing, *options.motion, first, last, errors, options);
+  result.limits.insert(result.limits.end(), behind.limits.begin(), behind.limits.end());
+  const auto place = [&](const LimitUse& use) {
+    std::size_t row = 0;
+    while (axis_limits[row].kind != use.kind) ++row;
+    std::size_t axis = 0;
+    while (timing.path().axis_name(axis) != use.axis) ++axis;
+    return axis * axis_limits.size() + row;
+  };
+  std::sort(result.limits.begin(), result.limits.end(),
+            [&](const LimitUse& a, const LimitUse& b) { return place(a) < place(b); });
+  std::vector<std::uint32_t> broken;
+  std::set_union(result.broken.begin(), result.broken.end(), behind.broken.begin(), behind.broken.end(),
+                 std::back_inserter(broken));
+  result.broken = std::move(broken);
+  return result;
+}
+
+}  // namespace
+
+Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+                            std::span<double> errors, const SimulationOptions& options) {
+  return options.motion != nullptr ? simulate_servo(timing, filter, first, last, errors, options)
+                                   : simulate(timing, filter, first, last, errors, options);
 }
 
 std::int64_t motion_samples(const CommandTiming& timing, const Filter& filter) {

@@ -20,12 +20,12 @@ std::vector<std::string> contradictions(const Task& task) {
                                     std::abs(corner.geometry().feed_out * corner.geometry().direction_out[a]));
       const double still = 1.2 * still_part * std::max(corner.geometry().feed_in, corner.geometry().feed_out);
       const double friction = axis.damping * speed + (speed > still ? axis.coulomb : 0.0);
-      const auto tell = [&](const char* limit, const char* unit, double needed, double bound) {
+      const auto tell = [&](const char* limit, const char* unit, double needed, double bound, double per_si = 1.0) {
         if (needed <= bound * (1.0 + granted_tolerance)) return;
         found.push_back(fmt::format("{} {}: corner {} needs {:.10g} {} at constant feed, the limit is {:.10g} {}",
-                                    limit, axis.name, corner.name, needed, unit, bound, unit));
+                                    limit, axis.name, corner.name, per_si * needed, unit, per_si * bound, unit));
       };
-      tell("velocity", "m/s", speed, axis.velocity_max);
+      tell("velocity", "mm/s", speed, axis.velocity_max, 1e3);
       tell("force", "N", friction, axis.force_max);
       tell("power", "W", friction * speed, axis.power_max);
       tell("force-speed curve", "N at standstill", at_standstill(axis, speed, friction), axis.force_speed_max);
@@ -33,8 +33,8 @@ std::vector<std::string> contradictions(const Task& task) {
     const double feed = std::min(corner.geometry().feed_in, corner.geometry().feed_out);
     if (corner.speed_min > feed * (1.0 + granted_tolerance)) {
       found.push_back(
-          fmt::format("speed_min: corner {} asks for at least {:.10g} m/s, its slower leg runs at {:.10g} m/s",
-                      corner.name, corner.speed_min, feed));
+          fmt::format("speed_min: corner {} asks for at least {:.10g} mm/s, its slower leg runs at {:.10g} mm/s",
+                      corner.name, 1e3 * corner.speed_min, 1e3 * feed));
     }
   }
   const CornerSpeeds speeds(task);
@@ -42,9 +42,10 @@ std::vector<std::string> contradictions(const Task& task) {
     const TaskCorner& corner = task.corners[j];
     if (const double fastest = speeds.fastest(j); fastest < unlimited)
       found.push_back(
-          fmt::format("smallest speed {0} and corner error {0}: within {1:.10g} m every filter is slower "
-                      "than {2:.4g} m/s somewhere, by acceleration, force and jerk; asked for is {3:.10g} m/s",
-                      corner.name, *corner.error_max, fastest, corner.speed_min));
+          fmt::format("smallest speed {0} and corner error {0}: within {1:.10g} um of the corner, limits of "
+                      "acceleration, force and jerk make every filter slower than {2:.4g} mm/s at some sample; the "
+                      "task asks for {3:.10g} mm/s",
+                      corner.name, 1e6 * *corner.error_max, 1e3 * fastest, 1e3 * corner.speed_min));
   }
   for (const Mode& mode : task.machine.modes) {
     if (!mode.undamped()) continue;

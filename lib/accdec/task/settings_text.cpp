@@ -39,6 +39,12 @@ std::string family_words(const ControllerSettings& settings, SettingFamily famil
   return "";
 }
 
+/// All digits of a frequency that is entered with few; else it follows from whole samples, which are exact.
+std::string frequency_in_words(double frequency) {
+  const std::string entered = fmt::format("{:.9g}", frequency);
+  return std::stod(entered) == frequency ? entered : fmt::format("{:.4g}", frequency);
+}
+
 std::string_view family_member(SettingFamily family) {
   if (family == SettingFamily::exponential) return "an exponential";
   return family == SettingFamily::gaussian ? "a Gaussian" : "a windowed sinc";
@@ -167,8 +173,8 @@ std::string settings_in_words(const ChosenSettings& settings) {
     text = fmt::format("averages of {}", listed(plain));
   if (settings.filter.pairs > 0) {
     const Setting& shaper = settings.values.back();
-    text += fmt::format(", {} at {:.4g} Hz", shaper.name, shaper.value);
-    text += fmt::format(" (impulses {} samples apart)", settings.filter.pair_delay);
+    text += fmt::format(", {} at {} Hz", shaper.name, frequency_in_words(shaper.value));
+    text += fmt::format(" (impulses {:.6g} samples apart)", settings.filter.pair_delay);
   }
   return text;
 }

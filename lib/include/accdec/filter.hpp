@@ -1,6 +1,7 @@
 // Filters: taps b_i >= 0 of sum 1, the shapes they are made of, and filters as task files write them.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -118,11 +119,14 @@ inline constexpr double zvd_outer = 0.25;
 std::vector<double> cascade_taps(std::span<const int> lengths, int pairs, int delay, double outer = zvd_outer);
 
 /// A filter followed by impulses `delay` samples apart. Equal pairs cancel an undamped vibration of period 2 delay T.
+/// An impulse between two samples is split linearly onto them: a control that interpolates its command does the same.
+/// Impulses within shaper_snap of a sample are at it.
 /// @param pairs  how many pairs (1/2 now, 1/2 after the delay): 1 is the ZV shaper of two impulses, 2 the ZVD of three
 ///               (Singer and Seering, J. Dyn. Sys. Meas. Control 112, 1990), 0 leaves the filter as it is; 0 to 2
-/// @param delay  samples, >= 1; each pair increases the order by it
+/// @param delay  samples, >= 1, need not be whole; the order grows by `pairs` times it, rounded up
 /// @param outer  of three impulses, the first and the last: 0 < outer < 1/2
-Filter with_pairs(const Filter& filter, int pairs, int delay, double outer = zvd_outer);
+Filter with_pairs(const Filter& filter, int pairs, double delay, double outer = zvd_outer);
+inline constexpr double shaper_snap = 1e-9;  ///< samples
 
 /// An input shaper without damping: two or three impulses, equally far apart.
 struct ShaperInfo {
@@ -152,8 +156,12 @@ struct FilterSpec {
   double ratio = 0.0;          ///< exponential: ratio of each tap to the one before
   double alpha = 0.0;          ///< gaussian: half width over standard deviation
   int pairs = 0;             ///< any shape: number of pairs of impulses after it, see with_pairs: 0 none, 1 ZV, 2 three
-  int pair_delay = 0;        ///< samples between the impulses of a pair
+  double pair_delay = 0.0;   ///< samples between the impulses of a pair; need not be whole
   double outer = zvd_outer;  ///< of three impulses, the first and the last: ZVD, MZV or EI
+
+  bool whole_pairs() const { return pair_delay == static_cast<int>(pair_delay); }
+  /// N of the filter with its pairs.
+  int full_order() const { return order + static_cast<int>(std::ceil(pairs * pair_delay - shaper_snap)); }
 };
 /// The shaper behind a filter. Null: it has none.
 const ShaperInfo* shaper_of(const FilterSpec& spec);

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <accdec/files.hpp>
@@ -87,7 +89,22 @@ enum class Feeds {
                   ///< refined if it comes near
 };
 
-/// What `accdec program` answers, whatever the plan; `accdec.program/2` in JSON.
+/// A number that the planner of another control works with.
+struct ControlParameter {
+  std::string name;  ///< as its settings name it: "square_corner_velocity"
+  std::string unit;  ///< "mm/s"; may be empty
+  double value = 0.0;
+  std::string from;  ///< "task"; "default", of the control; "given", by the caller
+};
+
+/// The time that another control would need. An estimate: nothing in it is proved.
+struct ControlEstimate {
+  std::string control;  ///< one of estimated_controls()
+  double time = 0.0;    ///< s, from the first motion to the last rest, dwells included
+  std::vector<ControlParameter> parameters;
+  std::vector<std::string> unknown;  ///< what the task or the program asks for and this control does not know
+};
+
 /// The force of an axis over a whole program, dwells and rests included.
 struct AxisLoad {
   std::string axis;
@@ -95,6 +112,14 @@ struct AxisLoad {
   double rms = 0.0;   ///< N, root of the mean of F^2: what heats the drive
 };
 
+/// The motion behind the servo, where it is not the command.
+struct ServoReport {
+  double settling = 0.0;    ///< s, from the end of the command until the motion stays within `within` of its end
+  double within = 0.0;      ///< m, the least tolerance of a joint; 1 um without
+  double stop_error = 0.0;  ///< m, the largest error of a stop, where the control waits for the command
+};
+
+/// What `accdec program` answers, whatever the plan; `accdec.program/2` in JSON.
 struct ProgramResult {
   std::string program;  ///< the file
   Status status = Status::failed;
@@ -121,9 +146,10 @@ struct ProgramResult {
   double cycle_time = 0.0;                ///< s, samples of the motion times T
   double delay_total = 0.0;               ///< s, of all delays
   std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000
-                                          ///< blocks
+                                          ///< blocks, nor where no such plan holds
+  bool kept_same_filter = false;  ///< that plan has this one's filter, which was chosen for other feeds; else its own
   std::optional<double> cycle_time_exact_stop;  ///< s, of a command: with an exact stop after every block (the chords
-                                                ///< of an arc are one block)
+                                                ///< of an arc are one block), as the plan at the programmed feeds
   std::string exact_stop_breaks;                ///< the limit that this nevertheless breaks most; empty: it holds all
   std::optional<double> cycle_time_no_delay;    ///< s, of a command: no delay but where the program stops
   double lower_bound =
@@ -137,11 +163,41 @@ struct ProgramResult {
   std::string compensation;                 ///< why arcs that were to be widened are not; empty: nothing to say
   std::vector<AxisLoad> loads;              ///< of the axes that have a mass or damping; of programs of up to
                                             ///< `several_plans_max` blocks
+  std::optional<ServoReport> servo;         ///< behind a servo, of programs of up to `several_plans_max` blocks
   std::vector<FeedOverride> overrides;      ///< of programs of up to `several_plans_max` blocks
+  std::vector<ControlEstimate> estimates;   ///< of other controls' times, by whoever asks for them
   VerificationReport verification;
   SolverReport solver;
   std::string message;
 };
+
+/// "klipper", "grbl" and "linuxcnc-2.9".
+const std::vector<std::string>& estimated_controls();
+
+/// The names of the parameters of a control, in the order of ControlEstimate::parameters.
+/// @throws std::invalid_argument for another control
+std::vector<std::string> parameters_of_control(std::string_view control);
+
+/// Runs the rules of a control's planner on a program, with its look-ahead always full. Rules and sources are in
+/// lib/accdec/estimate.
+/// @param path     as it was read
+/// @param machine  the task's; axes are found by their names
+/// @param given    parameters by their names, in the units of ControlParameter
+/// @throws std::invalid_argument for an unknown control or parameter, a value out of its range, an axis other than X Y
+///         Z, and for a moving axis without acceleration limit
+ControlEstimate estimate_time(const Toolpath& path, const Machine& machine, std::string_view control,
+                              const std::map<std::string, double>& given = {});
+
+/// One estimate a control.
+/// @param given  each belongs to one of the controls at least
+/// @throws std::invalid_argument as estimate_time
+std::vector<ControlEstimate> estimate_times(const Toolpath& path, const Machine& machine,
+                                            const std::vector<std::string>& controls,
+                                            const std::map<std::string, double>& given = {});
+
+/// "klipper would take 12.34 s: an estimate with ..", and what the control does not know, in lines that end with a line
+/// feed. @param plan_time  s, of accdec's plan; 0: there is none
+std::string estimate_text(const ControlEstimate& estimate, double plan_time);
 
 /// Plans and verifies a program with a given filter. `feasible` only if every joint holds its tolerance and every axis
 /// limit and vibration bound is held over the whole program, else `failed` with the worst in the message.

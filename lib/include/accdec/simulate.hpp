@@ -116,6 +116,7 @@ struct Move {
   ProgramPoint to{};
   double duration = 0.0;    ///< s at the programmed feed; 0 for a rapid move, whose time the axis limits set
   double tolerance = -1.0;  ///< m, G64 P in force; negative: the program gives none
+  double merge = -1.0;      ///< m, G64 Q in force; negative: the program gives none
   PathControl control = PathControl::blend;
   Plane plane = Plane::xy;  ///< in force
   bool rapid = false;
@@ -201,15 +202,13 @@ struct Toolpath {
   std::vector<std::uint8_t> rapid;  ///< whether a block is a rapid move: its duration is what the velocity limits allow
   std::vector<std::uint8_t> inside_arc;  ///< whether the joint lies between two chords of one arc
   std::vector<PathArc> arcs;             ///< ascending
-  std::vector<double> programmed;  ///< rows as points: where the program has them, where compensate_arcs moved the
-                                   ///< points away; empty: nowhere
-  bool widen_arcs = false;         ///< the commanded radius of arcs may be widened, see compensate_arcs
-  ControlDelays control;           ///< the delays that its corners can be given
+  std::vector<double> programmed;        ///< rows as points, the program's; empty: compensate_arcs moved none
+  bool widen_arcs = false;               ///< the commanded radius of arcs may be widened, see compensate_arcs
+  ControlDelays control;                 ///< the delays that its corners can be given
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;                             ///< before the first block, s
   ProgramPoint begin{};                                 ///< where the program begins, m, axes that never move included
-  std::vector<std::pair<std::uint32_t, double>>
-      given;  ///< delays that the program brings along: at the end of which block, s; ascending
+  std::vector<std::pair<std::uint32_t, double>> given;  ///< its own delays: at the end of which block, s; ascending
   struct Passed {
     std::uint32_t block = 0;  ///< before which one
     std::string words;        ///< as to be written
@@ -230,6 +229,12 @@ struct Toolpath {
   std::vector<Selected> systems;          ///< G54 to G59.3 with moves in them, each once, by their first line
   std::optional<std::int64_t> length_at;  ///< line of the first G43 that takes a length, which counts as 0
   std::int64_t empty_moves = 0;           ///< moves of no length that were left out
+  struct Mode {
+    std::uint32_t block = 0;  ///< from which one on
+    PathControl control = PathControl::blend;
+    double tolerance = -1.0, merge = -1.0;  ///< m, see Move
+  };
+  std::vector<Mode> modes;  ///< path modes as the program gives them, for estimates of other controls; ascending
 
   std::size_t blocks() const { return duration.size(); }
   std::size_t dimensions() const { return axes.size(); }
@@ -249,19 +254,17 @@ inline bool ends_leg(const Toolpath& path, std::size_t b) {
 
 struct ToolpathOptions {
   ReadOptions read;
-  std::optional<double> error_max;  ///< m, tolerance where the program gives none
-  bool clamp_feeds = false;         ///< feeds above an axis' velocity limit are lowered to it, else they are an error
-  bool widen_arcs = false;          ///< see Toolpath
-  bool rapid_stops = false;         ///< stop wherever rapid and feed moves meet
-  bool dwells_before_filter =
-      false;  ///< G4 holds the command back and asks for no stop: a given delay, where the program does not stop anyway
+  std::optional<double> error_max;    ///< m, tolerance where the program gives none
+  bool clamp_feeds = false;           ///< feeds above an axis' velocity limit are lowered to it, else they are an error
+  bool widen_arcs = false;            ///< see Toolpath
+  bool rapid_stops = false;           ///< stop wherever rapid and feed moves meet
+  bool dwells_before_filter = false;  ///< G4 is a given delay, without a stop where the program does not stop anyway
 };
 
-/// The task's axis that moves a program axis: the axis with its name, in upper or lower case. A task with a single axis
-/// gives its limits to every linear axis; a rotary axis has its own limits, in degrees. A task without any axis limits
-/// nothing. nullptr if there is none of that name.
+/// The task's axis that moves a program axis, by its name in upper or lower case; nullptr if there is none of that
+/// name. A task with a single axis gives its limits to every linear axis; a rotary axis has its own limits, in degrees.
 const Axis* find_axis(const Machine& machine, std::size_t program_axis);
-/// The machine with one axis per column of the path.
+/// The machine with one axis per column of the path, without the control's own smoothing: filters of plans have it.
 Machine program_machine(const Machine& machine, const Toolpath& path);
 
 /// Reads a whole program.
@@ -281,8 +284,7 @@ struct ProgramTools {
 ///
 /// A corner is passed at one speed v, by a boxcar of `stretch * v` seconds. It takes `stretch v^2/2` of each leg, plus
 /// the length of a steady stretch of `coast` seconds on either side. A leg ramps between the speeds of its corners and
-/// up to its feed where there is room. The acceleration along a leg is constant within each of `levels` equal parts of
-/// its feed.
+/// up to its feed where there is room. Its acceleration is constant within each of `levels` equal parts of its feed.
 struct ProfileChain {
   int levels = 1;
   double peak_coast = 0.0;           ///< s at least between speeding up and braking
@@ -295,8 +297,7 @@ struct ProfileChain {
   std::vector<double> peak;          ///< result, of every leg, m/s
 
   std::size_t legs() const { return length.size(); }
-  /// Whether the motion stops at corner c, on a sample and until the last boxcar is empty. With a coast it only waits
-  /// there for twice the coast.
+  /// Whether the motion stops at corner c, on a sample, until the last boxcar is empty. With a coast it waits twice it.
   bool stops(std::size_t c) const { return !(speed_max[c] > 0.0) && !(coast[c] > 0.0); }
   /// Length that corner c takes of each of its legs at a speed, m.
   double taken(std::size_t c, double v) const { return (0.5 * stretch[c] * v + coast[c]) * v; }
@@ -324,9 +325,10 @@ void look_ahead(ProfileChain& chain);
 struct FilteredCommand {
   Filter filter{{1.0}};     ///< all that acts on the command: what is set, and behind it the control's own smoothing
   std::vector<int> delays;  ///< samples, one a block, of the joint at its end
-  std::optional<Filter> own{};  ///< what is set, where the machine has `prefilter_taps`; none: `filter` is set
-
+  std::optional<Filter> own{};    ///< what is set, where the machine has `prefilter_taps`; none: `filter` is set
+  std::optional<Filter> moved{};  ///< `filter` and the servo behind it, where the axes have one; none: `filter`
   const Filter& set() const { return own ? *own : filter; }
+  const Filter& motion() const { return moved ? *moved : filter; }
 };
 
 /// A motion given by its samples, from the first after the start to the last before it rests.
@@ -374,20 +376,20 @@ struct Sample {
 /// The motion of a plan, from rest at its start to the first sample at rest at its end: what controllers are sent, and
 /// what tables, figures and pages show.
 ///
-/// It holds only one run of a command (see CommandTiming) and some thousand samples, or one leg of a trajectory at a
-/// time.
+/// It holds only one run of a command (see CommandTiming) and some thousand samples, or one leg of a trajectory.
 class Motion {
  public:
-  /// References are kept. @param plan  not empty
-  Motion(const Plan& plan, double sample_period);
+  /// References are kept. @param plan  not empty  @param servo  what the servo makes of it, until that rests, too
+  Motion(const Plan& plan, double sample_period, bool servo = false);
   ~Motion();
   Motion(const Motion&) = delete;
   Motion& operator=(const Motion&) = delete;
 
   /// The next sample, the start first; false after the last.
   bool next(Sample& sample);
-  /// After next(): where the motion has stood still for thousands of samples, passes over those that it still rests.
-  void pass_rest();
+  /// After next(): where the motion rests or goes straight on at one speed, passes over those samples but for the last
+  /// ones. The number of the next sample tells how many.
+  void pass_steady();
 
  private:
   class Source;

@@ -80,9 +80,12 @@ struct ControllerSettings {
   std::vector<SettableStage> stages{};                       ///< 1 to 3 unless all that is designed are taps
   const ShaperInfo* shaper = nullptr;                        ///< SettingFamily::shaper: which of shaper_list()
   /// Steps of real numbers, whose members are multiples. The length of these families is the first stage's.
-  double time_constant_step = 0.0;   ///< SettingFamily::exponential, s; 0: the sample period
-  double alpha_step = 0.1;           ///< SettingFamily::gaussian; alpha is at most 6
-  double cutoff_step = 1.0;          ///< SettingFamily::windowed_sinc, Hz; at most 1 / (N T)
+  double time_constant_step = 0.0;  ///< SettingFamily::exponential, s; 0: the sample period
+  double alpha_step = 0.1;          ///< SettingFamily::gaussian; alpha is at most 6
+  double cutoff_step = 1.0;         ///< SettingFamily::windowed_sinc, Hz; at most 1 / (N T)
+  /// SettingFamily::shaper of a control that interpolates, Hz: its frequencies are multiples, its impulses at any time
+  /// from one sample on. 0: impulses at whole samples.
+  double shaper_frequency_step = 0.0;
   std::vector<DelayKind> delays{};   ///< empty: any number of samples
   bool in_position_actual = false;   ///< the remaining way is that of the motion behind the servo, not of the command
   double in_position_latency = 0.0;  ///< s, a multiple of the period: from within the width until the next block starts

@@ -5,7 +5,7 @@
 int main() {
   accdec::TaskOptions whole;
   whole.require_corners = false;
-  whole.axes = 9;  // that a task with one [[axis]] table has
+  whole.axes = 9;  // a single [[axis]] table stands for so many
   const accdec::Task task = accdec::read_task("problems/program/mill.toml", whole);
   const accdec::ProgramFileOptions options;
   const char* name = "problems/program/pocket.ngc";

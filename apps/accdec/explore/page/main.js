@@ -15,12 +15,14 @@ import { tools } from "./tools.js";
 const page = { design: null, families: null, today: null };
 const delays = (result) => result.corners.map((c) => c.delay_samples);
 const textOf = (task) => JSON.stringify(task);
+/** Whether the design shown is of this task. While it is not, curves wait for it: they are drawn once. */
+const settled = () => page.design?.of === textOf(state.task);
 const found = (answer) => (answer?.result.filter ? answer : null);
 
 const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
 const state = (shared.state = new State(start.task, changed, chosen));
-const beside = new Beside(draw);
+const beside = new Beside(() => draw(settled()));
 const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() => null);
 const controls = new Controls($("#controls"), start.keys, state, refusals);
 const motion = new Motion($("#motion"));
@@ -71,7 +73,7 @@ const today = new Latest(
   (task) => askJson("design", withFilter(task, filterOfToday(task)), { seconds: 2, slot: "today", format: "given" }),
   (answer, task) => {
     page.today = { ...answer, of: textOf(task) };
-    draw();
+    draw(settled());
   },
   () => {},
 );
@@ -89,12 +91,12 @@ function changed(structure) {
   const told = $("#limits .wide");
   told.classList.toggle("old", told.dataset.task !== document.body.dataset.task);
   performance.mark("changed");
+  // The program works while the browser draws the sliders.
+  ask();
   if (structure) controls.build();
   else controls.update();
   undoable();
   shared.named?.();
-  cancelAnimationFrame(changed.frame);
-  changed.frame = requestAnimationFrame(ask);
 }
 
 /** The same task is shown otherwise. */

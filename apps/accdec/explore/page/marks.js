@@ -2,7 +2,12 @@
 
 const binding = 0.999; // share of a limit from which it binds
 
-export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+const known = new Map();
+/** A colour of the palette. Each is read once: between two changes of the page, reading makes the browser work on both. */
+export function colour(name) {
+  if (!known.has(name)) known.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+  return known.get(name);
+}
 
 /** Words at the largest value of a curve, red bars where a limit binds, the zero line. */
 export function marks(specs, limits) {
@@ -21,6 +26,7 @@ export function marks(specs, limits) {
     }
     ctx.setLineDash([]);
     (ctx.strokeStyle = colour("binds")), (ctx.lineWidth = 4 * ratio);
+    ctx.beginPath();
     specs.forEach((spec, i) => {
       if (!spec.bound || spec.before) return;
       const binds = spec.least
@@ -30,9 +36,10 @@ export function marks(specs, limits) {
         if (v === null || n === 0 || !binds(v)) return;
         const y = plot.valToPos(Math.sign(v) * spec.bound, "y", true);
         const [a, b] = [n - 1, n].map((k) => plot.valToPos(plot.data[0][k], "x", true));
-        ctx.beginPath(), ctx.moveTo(a, y), ctx.lineTo(b, y), ctx.stroke();
+        ctx.moveTo(a, y), ctx.lineTo(b, y);
       });
     });
+    ctx.stroke();
     (ctx.font = `${12 * ratio}px system-ui, sans-serif`), (ctx.textAlign = "center");
     specs.forEach((spec, i) => {
       if (!spec.word || spec.before) return;

@@ -73,9 +73,15 @@ function axes(box, at, names, toUnit, unitName) {
 function curve(view, at, name, dots) {
   const { x_um: x, y_um: y } = view.path;
   const points = x.map((v, i) => at(v, y[i]));
+  // Points closer than a third of a pixel look like one.
+  let last = [NaN, NaN];
+  const apart = (p, i) => i === points.length - 1 || !(Math.hypot(p[0] - last[0], p[1] - last[1]) < 0.3);
   const line = make("polyline", {
     class: `line ${name}`,
-    points: points.map((p) => p.map((v) => v.toFixed(2)).join(",")).join(" "),
+    points: points
+      .filter((p, i) => apart(p, i) && (last = p))
+      .map((p) => p.map((v) => v.toFixed(2)).join(","))
+      .join(" "),
   });
   const inside = points.filter(([px, py]) => px > 0 && px < size.width && py > 0 && py < size.height);
   const shown = dots && inside.length < 150 ? inside : [];

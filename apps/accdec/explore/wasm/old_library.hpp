@@ -66,6 +66,10 @@ template <class Range, class Test>
 bool any_of(Range&& range, Test test) {
   return std::any_of(begin(range), end(range), [&](const auto& item) { return invoke(test, item); });
 }
+template <class Range, class Test>
+bool none_of(Range&& range, Test test) {
+  return !any_of(range, test);
+}
 template <class Range, class Test, class Value>
 void replace_if(Range&& range, Test test, const Value& value) {
   std::replace_if(

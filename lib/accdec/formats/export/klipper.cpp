@@ -9,32 +9,34 @@
 namespace accdec {
 namespace {
 
-/// Whether the filter is these impulses, after any leading zeros.
-bool is_shaper(const Filter& filter, const ShaperInfo& shaper) {
-  const int begin = filter.first_nonzero_tap(), length = filter.last_nonzero_tap() - begin;
-  if (length == 0 || length % shaper.pairs != 0) return false;
-  const double end = shaper.pairs == 1 ? 0.5 : shaper.outer;
-  for (int i = 0; i <= length; ++i) {
-    double tap = i == 0 || i == length ? end : 0.0;
-    if (shaper.pairs == 2 && 2 * i == length) tap = 1.0 - 2.0 * end;
-    if (!(std::abs(filter.tap(begin + i) - tap) < 1e-9)) return false;
+/// The time between the impulses, samples, if the filter is these after any leading zeros; else 0.
+double impulses_apart(const Filter& filter, const ShaperInfo& shaper) {
+  const int begin = filter.first_nonzero_tap(), order = filter.last_nonzero_tap() - begin;
+  // The impulses are symmetric, so that the mean delay is half of their length, also where they are split.
+  const double apart = 2.0 * (filter.mean_delay() - begin) / shaper.pairs, whole = std::round(apart);
+  if (!(apart >= 1.0 - 1e-9)) return 0.0;
+  const double delay = std::abs(apart - whole) < 1e-9 * apart ? whole : apart;
+  const Filter like = with_pairs(Filter({1.0}), shaper.pairs, delay, shaper.outer);
+  if (like.order() != order) return 0.0;
+  for (int i = 0; i <= order; ++i) {
+    if (!(std::abs(filter.tap(begin + i) - like.tap(i)) < 1e-9)) return 0.0;
   }
-  return true;
+  return delay;
 }
 
 }  // namespace
 
 std::string klipper_export(const ExportedDesign& design) {
   for (const ShaperInfo& shaper : shaper_list()) {
-    if (!is_shaper(design.filter, shaper)) continue;
+    const double apart = impulses_apart(design.filter, shaper);
+    if (apart == 0.0) continue;
     std::string text = "# Input shaper designed by accdec, for Klipper's and Kalico's printer.cfg\n";
     for (const std::string& fact : design.facts()) text += "# " + ascii_line(fact) + "\n";
     for (const CornerResult& corner : design.result.corners)
       text += ascii_line(fmt::format("# delay: {} samples at corner {}; the configuration has no key for it",
                                      corner.delay, corner.name)) +
               "\n";
-    const int samples = design.filter.last_nonzero_tap() - design.filter.first_nonzero_tap();
-    const std::string frequency = fmt::format("{}", shaper.pairs * shaper.delay_periods / (samples * design.period));
+    const std::string frequency = fmt::format("{:.12g}", shaper.delay_periods / (apart * design.period));
     text += "[input_shaper]\n";
     for (const char axis : {'x', 'y'})
       text += fmt::format("shaper_type_{0}: {1}\nshaper_freq_{0}: {2}\ndamping_ratio_{0}: 0\n", axis, shaper.name,

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/feeds/compensate_arcs.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
@@ -76,11 +77,12 @@ class Scheduler {
       : path_(path),
         deadline_(deadline),
         filter_(filter),
+        behind_(filter, machine, sample_period),
         period_(sample_period),
         machine_(machine),
         window_(filter, machine, sample_period, path.dimensions()),
         feeds_(feed_path(path)),
-        apart_(filter.order() + 2),
+        apart_(behind_.motion().order() + 2),
         joints_(path.blocks()),
         speed_(path.blocks(), unlimited),
         delay_(path.blocks(), 0) {
@@ -110,7 +112,7 @@ class Scheduler {
   };
 
   void choose_joints() {
-    const FeedCaps caps(path_, feeds_, filter_, window_, period_);
+    const FeedCaps caps(path_, feeds_, behind_, window_, period_);
     for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
       JointState& joint = joints_[b];
       if (!joint.choose) continue;
@@ -131,7 +133,7 @@ class Scheduler {
   }
 
   std::vector<FeedPiece> march() {
-    const FeedCaps caps(path_, feeds_, filter_, window_, period_);
+    const FeedCaps caps(path_, feeds_, behind_, window_, period_);
     std::vector<FeedPiece> pieces =
         march_feeds(feeds_, window_, caps.pieces(speed_, delay_), Walk::backward, deadline_);
     pieces = march_feeds(feeds_, window_, pieces, Walk::forward, deadline_);
@@ -149,11 +151,12 @@ class Scheduler {
       const std::uint32_t b = block_of_[i] = pieces[i].block;
       if (i + 1 < pieces.size() && pieces[i + 1].block != b) plan.delays[i] = delay_[b];
     }
-    if (path_.widen_arcs) compensate_arcs(result.path, filter_, plan.delays, period_);
+    if (path_.widen_arcs) compensate_arcs(result.path, behind_, plan.delays, period_);
     plan.errors.assign(pieces.size(), 0.0);
     SimulationOptions options;
     if (!machine_.axes.empty()) options.machine = &machine_;
     options.blame = true;
+    options.motion = behind_.servo();
     const CommandTiming timing(result.path, period_, plan.delays);
     plan.simulation = simulate_program(timing, filter_, 0, pieces.size() - 1, plan.errors, options);
     plan.errors_hold = true;
@@ -203,7 +206,8 @@ class Scheduler {
 
   const Toolpath& path_;
   const Deadline& deadline_;
-  const Filter& filter_;
+  const Filter& filter_;  // of the command
+  const FilterBehind behind_;
   double period_;
   const Machine& machine_;
   FeedWindow window_;

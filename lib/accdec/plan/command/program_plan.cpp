@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/command/repair.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
@@ -21,6 +22,8 @@ ProgramPlan simulate_plan(const Toolpath& path, const Filter& filter, double sam
   SimulationOptions options;
   if (!machine.axes.empty()) options.machine = &machine;
   options.blame = blame;
+  const FilterBehind behind(filter, machine, sample_period);
+  options.motion = behind.servo();
   plan.simulation = simulate_program(timing, filter, 0, path.blocks() - 1, plan.errors, options);
   plan.errors_hold = true;
   for (std::size_t b = 0; b + 1 < path.blocks() && plan.errors_hold; ++b) {
@@ -182,7 +185,9 @@ class CurveTrials {
         best_(std::move(plan)),
         best_duration_(path.duration) {
     path_.duration = programmed_;
-    feeds_ = curve_feeds(path_, filter_, period_, best_.delays, best_duration_, joints_max);
+    const FilterBehind behind(filter_, machine_, period_);
+    feeds_ =
+        curve_feeds(path_, behind.motion(), behind.felt_order(), period_, best_.delays, best_duration_, joints_max);
     for (const Curve& curve : feeds_.curves) {
       choices_.push_back({0.0, curve_time(curve, best_duration_, best_.delays, period_)});
     }

@@ -33,12 +33,24 @@ Repair::Repair(Toolpath& path, const Filter& filter, double sample_period, const
                std::vector<int>& delays, std::vector<double>& errors)
     : path_(path),
       filter_(filter),
+      behind_(filter, machine != nullptr ? *machine : Machine{}, sample_period),
       machine_(machine),
       timing_(path, sample_period, delays),
       delays_(delays),
       errors_(errors),
       scratch_(path.blocks(), 0.0),
-      apart_(filter.order() + 2) {}
+      apart_(filter.order() + 2),
+      settled_(behind_.motion().order() + 2) {
+  if (machine != nullptr) limits_.emplace(filter, *machine, sample_period);
+}
+
+double Repair::start_factor(std::size_t block) const {
+  const std::size_t n = path_.dimensions();
+  const double* p = path_.point(block);
+  std::vector<double> velocity(n);
+  for (std::size_t a = 0; a < n; ++a) velocity[a] = (p[n + a] - p[a]) / path_.duration[block];
+  return limits_->start_factor(velocity.data());
+}
 
 bool Repair::slow_around(std::size_t joint, double factor, RepairWork& work) const {
   const std::size_t before = work.slow.size();
@@ -88,7 +100,10 @@ void Repair::blame(std::uint32_t block, RepairWork& work) const {
   }
   if (on_curve) return;
   for (std::size_t slow = b; slow <= block; ++slow) {
-    if (path_.duration[slow] < apart_ * timing_.sample_period()) work.slow.push_back({slow, slower});
+    if (path_.duration[slow] < apart_ * timing_.sample_period())
+      work.slow.push_back({slow, slower});
+    else if (const double factor = start_factor(slow); factor < 1.0)
+      work.slow.push_back({slow, 1.0 / factor});
   }
 }
 
@@ -107,7 +122,7 @@ Repair::Range Repair::around(std::size_t joint) const {
   // these, a joint's window reaches from N samples before it to rest + N + 1 after it, rest <= N + 2; blocks take at
   // least their duration.
   if (path_.blocks() == 1) return {0, 0, 0, 0};
-  const double n = apart_, period = timing_.sample_period();
+  const double n = settled_, period = timing_.sample_period();
   Range range{timing_.run_begin(joint), timing_.run_end(joint + 1), 0, 0};
   range.eval_first = range.first;
   range.eval_last = std::min(range.last, path_.blocks() - 2);
@@ -133,6 +148,7 @@ void Repair::simulate(const Range& range) {
   SimulationOptions options;
   options.machine = machine_;
   options.blame = machine_ != nullptr;
+  options.motion = behind_.servo();
   broken_ = simulate_program(timing_, filter_, range.first, range.last, scratch_, options).broken;
 }
 
@@ -153,7 +169,7 @@ void Repair::accept(std::size_t first, std::size_t last) {
 }
 
 int Repair::raised(std::size_t joint, int step) const {
-  const int least = std::min(apart_, delays_[joint] + step);
+  const int least = std::min(settled_, delays_[joint] + step);
   if (path_.control.any()) return least;
   double length = 0.0;
   for (std::size_t a = 0; a < path_.dimensions(); ++a)

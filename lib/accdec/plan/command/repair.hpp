@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <accdec/filter.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/simulate/simulate.hpp>
+#include <accdec/task/blend_limits.hpp>
 
 namespace accdec {
 
@@ -34,7 +37,8 @@ class Repair {
   /// up the jerk limit. For every block blamed for a broken limit, the corner before it is raised. If its delay is
   /// already longer than the filter, the nearest earlier one that can still be raised is taken. Inside curves the feed
   /// is also lowered. If there is neither, a block shorter than the filter breaks the limit by itself, by its start and
-  /// its stop together. It is slowed. Joints not repaired after twenty rounds are raised, smooth ones too.
+  /// its stop together. It is slowed. So is a longer one that is faster than the filter can start or stop: inside a leg
+  /// that does not matter until a joint is delayed. Joints not repaired after twenty rounds are raised, smooth ones too.
   RepairWork failing(std::span<const std::uint32_t> broken) const;
   /// One round: makes changes, simulates around them again, and returns what fails there now. @param step  samples to
   /// raise by
@@ -52,6 +56,8 @@ class Repair {
   void judge(std::size_t first, std::size_t last, RepairWork& failing) const;
   void mend(std::size_t joint, double error, RepairWork& work) const;
   void blame(std::uint32_t block, RepairWork& work) const;
+  /// Largest factor <= 1 on its feed with which a block surely starts and stops within the limits.
+  double start_factor(std::size_t block) const;
   /// False if there was nothing to slow.
   bool slow_around(std::size_t joint, double factor, RepairWork& work) const;
   void accept(std::size_t first, std::size_t last);
@@ -59,15 +65,18 @@ class Repair {
   int raised(std::size_t joint, int step) const;
 
   Toolpath& path_;
-  const Filter& filter_;
+  const Filter& filter_;  // of the command
+  const FilterBehind behind_;
   const Machine* machine_;
+  std::optional<BlendLimits> limits_;  // of that machine
   CommandTiming timing_;
   std::vector<int>& delays_;
   std::vector<double>& errors_;
   std::vector<double> scratch_;
   std::vector<std::uint32_t> broken_;
   int rounds_ = 0;
-  int apart_;  // delay from which the legs of a joint do not overlap
+  int apart_;    // delay from which the commands of a joint's legs do not overlap
+  int settled_;  // and from which their motions do not
 };
 
 }  // namespace accdec

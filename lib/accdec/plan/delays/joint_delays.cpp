@@ -12,12 +12,14 @@ namespace accdec {
 JointDelays::JointDelays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine)
     : path_(path),
       filter_(filter),
+      behind_(filter, machine, sample_period),
       period_(sample_period),
       limits_(filter, machine, sample_period),
-      finder_(filter, filter) {
+      finder_(behind_.motion()) {
+  const Filter& motion = behind_.motion();
   // Half the mean absolute deviation of the taps: a smooth joint passed without delay errs by it times |v2 u2 - v1 u1|
   // T at most.
-  for (int i = 0; i <= filter.order(); ++i) spread_ += filter.tap(i) * std::max(0.0, i - filter.mean_delay());
+  for (int i = 0; i <= motion.order(); ++i) spread_ += motion.tap(i) * std::max(0.0, i - motion.mean_delay());
 }
 
 void JointDelays::load(std::size_t block, double factor, std::array<double, program_axis_count>& velocity,
@@ -60,7 +62,9 @@ int JointDelays::stop(std::size_t b) {
   load(b, 1.0, in_, speed_in_);
   load(b + 1, 1.0, out_, speed_out_);
   // A limit that spans several samples may ask for a longer rest between the legs. A dwell is part of this rest.
-  const std::int64_t rest = within_limits(exact_stop()) - dwell_samples(b);
+  const int least =
+      !behind_.ideal() && path_.tolerance[b] < unlimited ? std::max(exact_stop(), within_tolerance(b)) : exact_stop();
+  const std::int64_t rest = within_limits(least) - dwell_samples(b);
   return static_cast<int>(std::max<std::int64_t>(exact_stop(), rest));
 }
 
@@ -73,8 +77,11 @@ std::int64_t JointDelays::dwell_samples(std::size_t b) const {
 int JointDelays::corner(std::size_t b, double factor_in, double factor_out) {
   load(b, factor_in, in_, speed_in_);
   load(b + 1, factor_out, out_, speed_out_);
-  const int delay = finder_(cos_interior(), speed_in_ * period_, speed_out_ * period_, path_.tolerance[b]);
-  return of_control(delay);
+  return of_control(within_tolerance(b));
+}
+
+int JointDelays::within_tolerance(std::size_t b) const {
+  return finder_(cos_interior(), speed_in_ * period_, speed_out_ * period_, path_.tolerance[b]);
 }
 
 int JointDelays::smooth(std::size_t b) {
@@ -85,8 +92,8 @@ int JointDelays::smooth(std::size_t b) {
   const double bound = path_.tolerance[b], spread = spread_ * period_;
   int delay = 0;
   if (spread * spread * change2 > bound * bound) {
-    delay =
-        smallest_path_delay(filter_, cos_interior(), speed_in_ * period_, speed_out_ * period_, bound, exact_stop());
+    delay = smallest_path_delay(behind_.motion(), cos_interior(), speed_in_ * period_, speed_out_ * period_, bound,
+                                finder_.exact_stop_delay());
   }
   delay = within_limits(delay);
   return delay > 0 ? of_control(delay) : 0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <accdec/corner.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task/blend_limits.hpp>
 
@@ -34,12 +35,15 @@ class JointDelays {
   int within_limits(int delay);
   /// The shortest within the limits that the control has; if it has none, the shortest within the limits.
   int of_control(int delay);
+  /// At which the command rests; a servo may still follow.
   int exact_stop() const;
+  int within_tolerance(std::size_t b) const;
   /// How long the program dwells at the end of block b, samples.
   std::int64_t dwell_samples(std::size_t b) const;
 
   const Toolpath& path_;
-  const Filter& filter_;
+  const Filter& filter_;  // of the command
+  const FilterBehind behind_;
   double period_;
   BlendLimits limits_;
   DelayFinder finder_;

@@ -16,10 +16,10 @@ double squared(double x) {
 /// Arcs that follow each other smoothly in the same sense and plane.
 class ArcGroup {
  public:
-  ArcGroup(Toolpath& path, std::span<const PathArc> arcs, const Filter& filter, std::span<const int> delays,
+  ArcGroup(Toolpath& path, std::span<const PathArc> arcs, const FilterBehind& behind, std::span<const int> delays,
            double period)
-      : path_(path), first_(arcs.front().first), last_(arcs.back().last), span_((filter.order() + 1) * period) {
-    const double variance = tap_variance(filter) * squared(period);
+      : path_(path), first_(arcs.front().first), last_(arcs.back().last), span_((behind.felt_order() + 1) * period) {
+    const double variance = tap_variance(behind.motion()) * squared(period);
     const std::size_t n = path.dimensions();
     time_.push_back(0.0);
     sum_.push_back(0.0);
@@ -81,7 +81,7 @@ class ArcGroup {
 
 }  // namespace
 
-void compensate_arcs(Toolpath& path, const Filter& filter, std::span<const int> delays, double sample_period) {
+void compensate_arcs(Toolpath& path, const FilterBehind& behind, std::span<const int> delays, double sample_period) {
   if (path.arcs.empty()) return;
   path.programmed = path.points;
   const auto goes_on = [&](const PathArc& a, const PathArc& b) {
@@ -90,7 +90,7 @@ void compensate_arcs(Toolpath& path, const Filter& filter, std::span<const int> 
   };
   for (std::size_t first = 0, end = 1; first < path.arcs.size(); first = end++) {
     while (end < path.arcs.size() && goes_on(path.arcs[end - 1], path.arcs[end])) ++end;
-    ArcGroup(path, std::span(path.arcs).subspan(first, end - first), filter, delays, sample_period).widen();
+    ArcGroup(path, std::span(path.arcs).subspan(first, end - first), behind, delays, sample_period).widen();
   }
 }
 

@@ -115,10 +115,10 @@ void add_slowed(const Toolpath& path, const Curve& leg, double reach, CurveFeeds
 
 }  // namespace
 
-CurveFeeds curve_feeds(const Toolpath& path, const Filter& filter, double sample_period, std::span<const int> delays,
-                       std::span<const double> planned, std::size_t joints_max) {
+CurveFeeds curve_feeds(const Toolpath& path, const Filter& filter, int order, double sample_period,
+                       std::span<const int> delays, std::span<const double> planned, std::size_t joints_max) {
   const std::size_t blocks = path.blocks(), n = path.dimensions();
-  const double reach = (filter.order() + 2) * sample_period;
+  const double reach = (order + 2) * sample_period;
   const auto chosen =
       [&](std::size_t b) {  // whether the plan had to do something about the block or the joint at its end
         return planned[b] > path.duration[b] * (1.0 + 1e-9) || (!ends_leg(path, b) && delays[b] > 0);

@@ -25,11 +25,12 @@ struct CurveFeeds {
 /// block is the largest, up to the programmed one, that keeps the tolerance at both its joints, found by bisection.
 /// Where nothing is tolerated (G61) the sagitta stands for the tolerance. Blocks longer than the filter keep their
 /// feeds: their joints are alone, and a delay there costs less.
+/// @param filter  of the motion  @param order  of it, as far as it has to be seen
 /// @param delays, planned  of a plan at the programmed feeds, whose durations s the path holds: what is delayed or was
 /// slowed there belongs to curves
 /// @param joints_max       with more joints to look at nothing is returned
-CurveFeeds curve_feeds(const Toolpath& path, const Filter& filter, double sample_period, std::span<const int> delays,
-                       std::span<const double> planned, std::size_t joints_max);
+CurveFeeds curve_feeds(const Toolpath& path, const Filter& filter, int order, double sample_period,
+                       std::span<const int> delays, std::span<const double> planned, std::size_t joints_max);
 
 /// Time in s that a plan spends on a curve: on its blocks and their neighbours, and at rest in their joints.
 double curve_time(const Curve& curve, std::span<const double> duration, std::span<const int> delays,

@@ -21,15 +21,16 @@ double norm2(const double* v, std::size_t n) {
 
 }  // namespace
 
-FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window,
+FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehind& behind, const FeedWindow& window,
                    double sample_period)
     : path_(path),
       feeds_(feeds),
-      filter_(filter),
+      filter_(behind.command()),
+      motion_(behind.motion()),
       window_(window),
       period_(sample_period),
-      finder_(filter),
-      arcs_(path, feeds, filter, window, sample_period),
+      finder_(motion_),
+      arcs_(path, feeds, motion_, window, sample_period),
       acceleration_(path.blocks(), unlimited) {
   const std::size_t n = feeds.dimensions;
   for (std::size_t b = 0; b < path.blocks(); ++b) {
@@ -74,15 +75,19 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
   for (std::size_t a = 0; a < n; ++a) dot += u[a] * w[a];
   const double cosine = std::clamp(-dot, -1.0, 1.0);
   const double feed_max = std::min(feed(b), feed(b + 1));
-  const int stop = finder_.exact_stop_delay();
+  const bool stops = path_.joint[b] == Joint::stop;
+  // Behind a servo the motion goes on while the command rests: it may need longer than that to stay within a tolerance.
+  const int rest = exact_stop_of(filter_), longest = finder_.exact_stop_delay();
+  const auto within = [&](double v) { return finder_(cosine, v * period_, v * period_, tolerance); };
   const auto delay_at = [&](double v) {
-    if (path_.joint[b] == Joint::stop) return stop;
-    const int least = finder_(cosine, v * period_, v * period_, tolerance);
-    return control_delay(path_.control, filter_, v * period_, least).value_or(stop);
+    if (stops) return std::max(rest, within(v));
+    return control_delay(path_.control, filter_, v * period_, within(v)).value_or(longest);
   };
-  CornerFeed best{std::max(slowest * feed_max, largest(b, feed_max, true, false)), stop};
-  double least = stop * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
-  if (path_.joint[b] == Joint::stop || !(tolerance > 0.0)) return best;
+  const double alone = std::max(slowest * feed_max, largest(b, feed_max, true, false));
+  const int apart = std::max(rest, within(alone));
+  CornerFeed best{alone, stops || path_.control.any() || apart <= rest + stop_slack ? apart : longest};
+  double least = best.delay * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
+  if (stops || !(tolerance > 0.0)) return best;
   const double no_delay = largest(b, feed_max, false, true), overlap = largest(b, feed_max, true, true);
   const auto offer = [&](double v) {
     const int delay = delay_at(v);
@@ -138,25 +143,25 @@ double FeedCaps::steady_change(std::size_t b, double v) const {
 double FeedCaps::steady_error(std::size_t b, double v) const {
   const std::size_t n = feeds_.dimensions;
   const double* joint = path_.asked(b + 1);
-  const double mean = filter_.mean_delay(), step = v * period_;
+  const double mean = motion_.mean_delay(), step = v * period_;
   std::array<double, program_axis_count> sum{};
   // Taps before the mean see the path beyond the joint, those after it the path before.
   std::size_t block = b + 1;
   double from = 0.0;
-  for (int i = static_cast<int>(std::floor(mean)); i >= filter_.first_nonzero_tap(); --i) {
+  for (int i = static_cast<int>(std::floor(mean)); i >= motion_.first_nonzero_tap(); --i) {
     const double s = (mean - i) * step;
     while (block + 1 < feeds_.blocks() && from + feeds_.length[block] < s && !ends_leg(path_, block))
       from += feeds_.length[block++];
-    const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
+    const double x = std::min(s - from, feeds_.length[block]), tap = motion_.tap(i);
     const double *p = path_.point(block), *u = feeds_.direction.data() + block * n;
     for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] + x * u[a] - joint[a]);
   }
   block = b;
   from = 0.0;
-  for (int i = static_cast<int>(std::floor(mean)) + 1; i <= filter_.last_nonzero_tap(); ++i) {
+  for (int i = static_cast<int>(std::floor(mean)) + 1; i <= motion_.last_nonzero_tap(); ++i) {
     const double s = (i - mean) * step;
     while (block > 0 && from + feeds_.length[block] < s && !ends_leg(path_, block - 1)) from += feeds_.length[block--];
-    const double x = std::min(s - from, feeds_.length[block]), tap = filter_.tap(i);
+    const double x = std::min(s - from, feeds_.length[block]), tap = motion_.tap(i);
     const double *p = path_.point(block + 1), *u = feeds_.direction.data() + block * n;
     for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] - x * u[a] - joint[a]);
   }

@@ -4,6 +4,7 @@
 
 #include <accdec/corner.hpp>
 #include <accdec/filter.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/arc_caps.hpp>
 #include <accdec/plan/feeds/feed_march.hpp>
 #include <accdec/plan/feeds/feed_window.hpp>
@@ -21,7 +22,7 @@ struct CornerFeed {
 class FeedCaps {
  public:
   /// References are kept.
-  FeedCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window,
+  FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehind& behind, const FeedWindow& window,
            double sample_period);
 
   /// Speed and delay of the corner or stop at the end of block b. Among a grid of speeds it is the one that costs the
@@ -49,7 +50,8 @@ class FeedCaps {
 
   const Toolpath& path_;
   const FeedPath& feeds_;
-  const Filter& filter_;
+  const Filter& filter_;  // of the command
+  const Filter& motion_;
   const FeedWindow& window_;
   double period_;
   DelayFinder finder_;

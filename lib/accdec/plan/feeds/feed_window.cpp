@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/feed_window.hpp>
 
 namespace accdec {
@@ -36,7 +37,8 @@ FeedWindow::FeedWindow(const Filter& filter, const Machine& machine, double samp
   }
   const int count = filter.last_nonzero_tap() - filter.first_nonzero_tap() + 1;
   tau1_ = longer > 0 ? longer * period : period / largest;
-  half_ = 0.5 * count * period;
+  const FilterBehind behind(filter, machine, period);
+  half_ = 0.5 * (behind.ideal() ? count : behind.felt_order() - filter.first_nonzero_tap() + 1) * period;
   const double ramp = longer > 0 ? shorter * period : std::max(period, (count + 1) * period - tau1_);
   for (std::size_t a = 0; a < machine_.size(); ++a) {
     const Axis& axis = machine_[a];

@@ -30,7 +30,7 @@ class FeedWindow {
   double tau1() const { return tau1_; }  ///< s
   double tau2() const { return tau2_; }  ///< s; 0 if no axis has a jerk limit
   double reach() const { return tau1_ + tau2_; }
-  /// s from the middle of the filter to its end: a joint passed within this time of its own acts on its error
+  /// s from the middle of the motion's filter to its end: a joint passed within this time of its own acts on its error
   double half() const { return half_; }
   bool limited() const { return limited_; }
   bool loads() const { return loads_; }

@@ -26,7 +26,7 @@ constexpr std::size_t short_program = 2'000;
 /// Unlimited when the filter cannot hold the limits.
 /// @param set  without the control's own smoothing
 double program_time(const Toolpath& path, const Filter& set, const Task& task, const Machine& machine) {
-  const Filter filter = Response(machine, task.sample_period).command(set);
+  const Filter filter = Response(task.machine, task.sample_period).command(set);
   for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, machine)) {
     if (use.utilisation > 1.0) return unlimited;
   }
@@ -42,7 +42,7 @@ double program_time(const Toolpath& path, const Filter& set, const Task& task, c
 /// The time of the simulated plan, with all overlaps. Unlimited if the plan does not hold.
 double planned_time(const Toolpath& path, const Filter& set, const Task& task, const Machine& machine,
                     const Deadline& deadline) {
-  const Filter filter = Response(machine, task.sample_period).command(set);
+  const Filter filter = Response(task.machine, task.sample_period).command(set);
   Toolpath copy = path;
   limit_rapids(copy, filter, task.sample_period, machine);
   snap_durations(copy, filter, task.sample_period, machine);
@@ -254,6 +254,7 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
   options.order_max = task.design.order_max;
   options.time_limit = time_limit;
   options.progress = progress;
+  options.smoothing = task.machine.prefilter_taps;
   const FilterSearch search = search_filter(path, task.sample_period, machine, options);
   // Without a limit on the acceleration, the programmed feed may be reached at once by a filter that suits it.
   const bool others = std::any_of(machine.axes.begin(), machine.axes.end(), [](const Axis& axis) {
@@ -271,7 +272,7 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
   // As in the planner: with chosen feeds or, for programs that are short enough for both plans, with programmed feeds.
   const auto time = [&](const Filter& filter) {
     if (deadline.over()) return program_time(path, filter, task, machine);
-    const ScheduledPlan plan = schedule_feeds(path, Response(machine, task.sample_period).command(filter),
+    const ScheduledPlan plan = schedule_feeds(path, Response(task.machine, task.sample_period).command(filter),
                                               task.sample_period, machine, rounds, deadline);
     const double chosen =
         all_holds(plan.plan) ? static_cast<double>(plan.plan.simulation.samples) * task.sample_period : unlimited;

@@ -114,7 +114,9 @@ class Search {
   bool late() const { return seconds_since(start_) > options_.time_limit; }
 
   double time_of(const Filter& set) const {
-    const Filter filter = Response(machine_, period_).command(set);
+    Machine control;
+    control.prefilter_taps = options_.smoothing;
+    const Filter filter = Response(control, period_).command(set);
     for (const LimitUse& use : vibration_utilisation(filter, period_, machine_)) {
       if (use.utilisation > 1.0) return unlimited;
     }

@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <accdec/plan/command/choose_feeds.hpp>
 
@@ -13,6 +14,7 @@ struct FilterSearchOptions {
   int order_min = 1, order_max = 400;
   double time_limit = 60.0;                          ///< s
   std::function<void(const std::string&)> progress;  ///< one line per step, may be empty
+  std::vector<double> smoothing{};                   ///< taps of the control's own behind every filter; empty: none
 };
 
 /// The filter found, and the number of filters scheduled for it.

@@ -163,6 +163,7 @@ Task representative_task(const Toolpath& path, const Task& task, std::size_t cor
   result.filter.reset();
   result.corners.clear();
   result.machine = program_machine(task.machine, path);
+  result.machine.prefilter_taps = task.machine.prefilter_taps;
   const Survey found = survey(path);
   result.design.objective = Objective::cycle;
   result.design.runs = found.runs;

@@ -54,7 +54,7 @@ class Trials {
   /// With the width that suits it best. Delays of any number of samples are planned first: if the program takes `below`
   /// samples even so, the delays of the control are not tried.
   Timed with(const Filter& set, double below) const {
-    const Filter filter = Response(machine_, task_.sample_period).command(set);
+    const Filter filter = Response(task_.machine, task_.sample_period).command(set);
     for (const LimitUse& use : vibration_utilisation(filter, task_.sample_period, machine_)) {
       if (use.utilisation > 1.0 + verification_tolerance) return {};
     }

@@ -11,14 +11,15 @@
 namespace accdec {
 namespace {
 
-int nearest(const std::vector<int>& options, double length) {
+template <class Number>
+Number nearest(const std::vector<Number>& options, double length) {
   const auto above = std::lower_bound(options.begin(), options.end(), length);
   if (above == options.begin()) return options.front();
   if (above == options.end()) return options.back();
   return *above - length < length - *(above - 1) ? *above : *(above - 1);
 }
 
-FilterSpec spec_of(SettingFamily family, const std::vector<int>& lengths, const ShaperInfo* shaper, int pair_delay) {
+FilterSpec spec_of(SettingFamily family, const std::vector<int>& lengths, const ShaperInfo* shaper, double pair_delay) {
   if (family == SettingFamily::one_pole)
     return lengths.front() > 0 ? cut_pole(lengths.front()) : FilterSpec{.kind = Shape::exponential, .ratio = 1.0};
   FilterSpec spec{.kind = Shape::averages};
@@ -35,7 +36,9 @@ FilterSpec spec_of(SettingFamily family, const std::vector<int>& lengths, const 
 
 std::vector<int> SettableMember::key() const {
   std::vector<int> key = lengths;
-  key.push_back(spec.pair_delay);
+  const double whole = std::floor(spec.pair_delay);
+  key.push_back(static_cast<int>(whole));
+  key.push_back(static_cast<int>(1e9 * (spec.pair_delay - whole)));
   key.push_back(static_cast<int>(family));
   return key;
 }
@@ -51,6 +54,7 @@ SettableMembers::SettableMembers(const Task& task) : task_(task) {
     lengths.insert(lengths.begin(), 1);
     averages_.push_back(std::move(lengths));
   }
+  if (task.settings->shaper != nullptr) delays_ = shaper_delays(task, task.design.order_max);
   for (const SettingFamily family : families()) list(family);
   std::stable_sort(all_.begin(), all_.end(),
                    [](const SettableMember& a, const SettableMember& b) { return a.order() < b.order(); });
@@ -91,7 +95,7 @@ void SettableMembers::add_grid(SettingFamily family, int length, double multiple
   members.push_back(std::move(member));
 }
 
-void SettableMembers::add(SettingFamily family, const std::vector<double>& lengths, int pair_delay,
+void SettableMembers::add(SettingFamily family, const std::vector<double>& lengths, double pair_delay,
                           std::vector<SettableMember>& members) const {
   if (find_grid_family(family) != nullptr)
     return add_grid(family, nearest(averages_.front(), lengths[0]), lengths[1], members);
@@ -104,8 +108,8 @@ void SettableMembers::add(SettingFamily family, const std::vector<double>& lengt
       std::swap(member.lengths[s], member.lengths[s - 1]), s = 0;
   }
   const ShaperInfo* shaper = shaper_behind(family);
-  if (shaper != nullptr && pair_delay < 1) return;
-  member.spec = spec_of(family, member.lengths, shaper, pair_delay);
+  if (shaper != nullptr && (!(pair_delay > 0.0) || delays_.empty())) return;
+  member.spec = spec_of(family, member.lengths, shaper, shaper != nullptr ? nearest(delays_, pair_delay) : 0.0);
   if (member.order() < task_.design.order_min || member.order() > task_.design.order_max) return;
   members.push_back(std::move(member));
 }
@@ -113,17 +117,17 @@ void SettableMembers::add(SettingFamily family, const std::vector<double>& lengt
 std::vector<SettableMember> SettableMembers::spread() const {
   std::vector<SettableMember> members;
   for (const SettingFamily family : families()) {
-    std::vector<int> pair_delays{0};
+    std::vector<double> pair_delays{0.0};
     if (const ShaperInfo* shaper = shaper_behind(family)) {
       pair_delays.clear();
       const int longest = task_.design.order_max / shaper->pairs;
       for (int d = 1; d <= longest; d = std::max(d + 1, d * 4 / 3)) pair_delays.push_back(d);
       for (const Mode& mode : task_.machine.modes) {
         const double middle = 0.5 * (mode.frequency_low + mode.frequency_high);
-        pair_delays.push_back(static_cast<int>(std::lround(shaper->delay_periods / middle / task_.sample_period)));
+        pair_delays.push_back(shaper->delay_periods / middle / task_.sample_period);
       }
     }
-    for (const int delay : pair_delays) {
+    for (const double delay : pair_delays) {
       for (double order = 1.0; order <= task_.design.order_max; order = std::max(order + 1.0, order * 4.0 / 3.0)) {
         if (const GridFamily* grid = find_grid_family(family)) {
           const int length = static_cast<int>(order) + 1;
@@ -187,7 +191,7 @@ std::vector<SettableMember> SettableMembers::around(const SettableMember& member
         two[other] = moved(other, -by);
         add(member.family, two, member.spec.pair_delay, members);
       }
-      if (member.spec.pairs > 0) add(member.family, lengths, member.spec.pair_delay + by, members);
+      if (member.spec.pairs > 0) add(member.family, lengths, moved_delay(member.spec.pair_delay, by), members);
     }
   }
   return members;
@@ -195,6 +199,14 @@ std::vector<SettableMember> SettableMembers::around(const SettableMember& member
 
 const ShaperInfo* SettableMembers::shaper_behind(SettingFamily family) const {
   return family == SettingFamily::shaper ? task_.settings->shaper : nullptr;
+}
+
+double SettableMembers::moved_delay(double delay, int by) const {
+  const double to = nearest(delays_, delay + by);
+  if (to != delay) return to;
+  const auto at = std::find(delays_.begin(), delays_.end(), delay);
+  if (by > 0) return at + 1 < delays_.end() ? *(at + 1) : delay;
+  return at == delays_.begin() ? delay : *(at - 1);
 }
 
 void SettableMembers::list_grid(SettingFamily family) {
@@ -210,9 +222,8 @@ void SettableMembers::list_grid(SettingFamily family) {
 void SettableMembers::list(SettingFamily family) {
   if (find_grid_family(family) != nullptr) return list_grid(family);
   const ShaperInfo* shaper = shaper_behind(family);
-  const int pairs = shaper != nullptr ? shaper->pairs : 0;
   std::vector<int> lengths;
-  const std::function<void(int, int)> stage = [&](int left, int delay) {
+  const std::function<void(int, double)> stage = [&](int left, double delay) {
     const std::size_t s = lengths.size();
     if (!listed_) return;
     if (s == stages(family)) {
@@ -229,10 +240,9 @@ void SettableMembers::list(SettingFamily family) {
       lengths.pop_back();
     }
   };
-  for (int delay = pairs > 0 ? 1 : 0; pairs * delay <= task_.design.order_max; ++delay) {
-    stage(task_.design.order_max - pairs * delay, delay);
-    if (pairs == 0) return;
-  }
+  if (shaper == nullptr) return stage(task_.design.order_max, 0.0);
+  for (const double delay : delays_)
+    stage(task_.design.order_max - FilterSpec{.pairs = shaper->pairs, .pair_delay = delay}.full_order(), delay);
 }
 
 ChosenSettings SettableMembers::chosen(const SettableMember& member) const {
@@ -247,7 +257,7 @@ ChosenSettings SettableMembers::chosen(const SettableMember& member) const {
   }
   if (member.family != SettingFamily::one_pole) std::replace(lengths.begin(), lengths.end(), 1, 0);
   chosen.values = values_of(*task_.settings, lengths, task_.sample_period);
-  if (shaper_of(member.spec) != nullptr) chosen.values.push_back(shaper_setting(member.spec, task_.sample_period));
+  if (shaper_of(member.spec) != nullptr) chosen.values.push_back(shaper_setting(*task_.settings, member.spec, task_.sample_period));
   return chosen;
 }
 

@@ -13,7 +13,7 @@ struct SettableMember {
   std::vector<int> lengths{};
   FilterSpec spec{};
 
-  int order() const { return spec.order + spec.pairs * spec.pair_delay; }
+  int order() const { return spec.full_order(); }
   /// Different for different members.
   std::vector<int> key() const;
 };
@@ -43,17 +43,20 @@ class SettableMembers {
  private:
   std::vector<int> options(SettingFamily family, std::size_t stage) const;
   /// With every time the nearest that can be set; empty where its order is out of bounds.
-  void add(SettingFamily family, const std::vector<double>& lengths, int pair_delay,
+  void add(SettingFamily family, const std::vector<double>& lengths, double pair_delay,
            std::vector<SettableMember>& members) const;
   void add_grid(SettingFamily family, int length, double multiple, std::vector<SettableMember>& members) const;
   void list(SettingFamily family);
   void list_grid(SettingFamily family);
   const ShaperInfo* shaper_behind(SettingFamily family) const;  ///< null: none
+  /// The delay between impulses that is next to this one, longer or shorter.
+  double moved_delay(double delay, int by) const;
   std::vector<SettingFamily> families() const;
   std::size_t stages(SettingFamily family) const;
 
   const Task& task_;
   std::vector<std::vector<int>> averages_, poles_;  // of each stage, rising, off first
+  std::vector<double> delays_;                      // between a shaper's impulses, rising; empty: no shaper
   std::vector<SettableMember> all_;
   bool listed_ = true;
 };

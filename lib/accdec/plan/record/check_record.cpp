@@ -1,3 +1,6 @@
+#include <map>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -42,6 +45,21 @@ double slowest_at_kept_feeds(const Toolpath& programmed, const Filter& filter, d
   return 10.0 * (time + stop * static_cast<double>(programmed.blocks() + 1));
 }
 
+/// Estimates of other controls' times follow from the program and what they were asked with.
+void estimate_again(const ProgramRecord& record, const Toolpath& programmed, ProgramResultCheck& check) {
+  for (const ControlEstimate& asked : record.result.estimates) {
+    std::map<std::string, double> given;
+    for (const ControlParameter& one : asked.parameters) {
+      if (one.from == "given") given[one.name] = one.value;
+    }
+    try {
+      check.found.estimates.push_back(estimate_time(programmed, record.task.machine, asked.control, given));
+    } catch (const std::invalid_argument& error) {
+      check.reasons.push_back(fmt::format("estimates: {}", error.what()));
+    }
+  }
+}
+
 /// Holds the commands against the program, and makes what is recorded of it again.
 void compare_with_program(const ProgramRecord& record, Toolpath programmed, ProgramResultCheck& check) {
   const ProgramInputs& in = record.inputs;
@@ -49,6 +67,7 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
   if (record.result.plan.trajectory() != nullptr) leave_room_for_arcs(asked, in.reading.read.arc_tolerance);
   if (const std::string wrong = departs_from(record.result.plan.path, asked); !wrong.empty())
     check.reasons.push_back(fmt::format("the commands are not those of {}: {}", in.program, wrong));
+  estimate_again(record, programmed, check);
   ProgramResult& found = check.found;
   found.programmed_blocks = blocks_of(programmed);
   found.programmed_moves = programmed.blocks();
@@ -83,8 +102,8 @@ void find_other_rules(const ProgramRecord& record, ProgramResult& found) {
 }
 
 /// Members that cannot be checked without the output of rs274, which is not kept.
-const std::vector<std::string> of_the_program{"blocks",        "straight_moves", "feeds",
-                                              "feeds_clamped", "lower_bound_s",  "filter_bound_s"};
+const std::vector<std::string> of_the_program{"blocks",        "straight_moves", "feeds",    "feeds_clamped",
+                                              "lower_bound_s", "filter_bound_s", "estimates"};
 
 RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, std::string shown) {
   reasons.insert(reasons.end(), compared.reasons.begin(), compared.reasons.end());

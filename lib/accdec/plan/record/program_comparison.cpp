@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/bounds/corner_bound.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/record/program_comparison.hpp>
 #include <accdec/plan/record/program_versions.hpp>
 #include <accdec/plan/result/samples.hpp>
@@ -174,11 +175,12 @@ class Comparison {
 
   /// Times of other rules for delays, at feeds that are not recorded: none is below that without delays, nor above the
   /// exact stops of all moves, and delays only add.
-  void check_other_rules(const Json& recorded, const Json& found, const ProgramResult& plan) {
+  /// @param order_max  of the filter of a plan at the programmed feeds, which may have its own
+  void check_other_rules(const Json& recorded, const Json& found, const ProgramResult& plan, int order_max) {
     if (plan.cycle_time_no_delay || plan.plan.command() == nullptr) return;
     const double kept = number_in(recorded, "cycle_time_kept_feeds_s"), cycle = number_in(found, "cycle_time_s"),
                  none = number_in(recorded, "cycle_time_no_delay_s");
-    const double stop = (plan.plan.filter().order() + 2.0) * plan.sample_period;
+    const double stop = (std::max(plan.plan.filter().order(), order_max) + 2.0) * plan.sample_period;
     at_most(recorded, "cycle_time_no_delay_s", std::max(cycle, kept), "a plan with delays takes {} s");
     at_most(recorded, "cycle_time_exact_stop_s", none + stop * static_cast<double>(plan.plan.path.blocks() + 1),
             "stops after all moves take at most {} s");
@@ -296,7 +298,8 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   if (whole) comparison.check_motions(recorded, record.result);
   comparison.check_candidates(recorded, again);
   comparison.check_kept(recorded, again, !whole || record.result.feeds_chosen);
-  if (whole) comparison.check_other_rules(recorded, again, found);
+  const int order_max = record.task.design.order_max + Response(record.task.machine, found.sample_period).order();
+  if (whole) comparison.check_other_rules(recorded, again, found, order_max);
   ProgramDifferences differences = comparison.take();
   // The motion has no use for them: steady ramps need no feed, and at rest no corner is stretched.
   const Trajectory* trajectory = record.result.plan.trajectory();

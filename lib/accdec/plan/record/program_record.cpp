@@ -50,7 +50,7 @@ class Reader {
       const auto& width = r.settings->chosen.width;
       r.plan.path.control = control_of(*record_.task.settings, width ? width->middle() : 0.0);
     }
-    set_behind_smoothing();
+    set_behind_response();
     if (record_.commands && r.sample_period != record_.task.sample_period)
       json_["sample_period_s"].fail("is not that of the task in it");
     return std::move(record_);
@@ -58,11 +58,18 @@ class Reader {
 
  private:
   /// The record has the taps that are set.
-  void set_behind_smoothing() {
+  void set_behind_response() {
+    const ProgramResult& r = record_.result;
     auto* command = std::get_if<FilteredCommand>(&record_.result.plan.motion);
-    if (command == nullptr || record_.task.machine.prefilter_taps.empty()) return;
-    command->own = command->filter;
-    command->filter = Response(record_.task.machine, record_.result.sample_period).command(*command->own);
+    if (command == nullptr) return;
+    if (!record_.task.machine.prefilter_taps.empty()) {
+      command->own = command->filter;
+      command->filter = Response(record_.task.machine, r.sample_period).command(*command->own);
+    }
+    const Machine machine = program_machine(record_.task.machine, r.plan.path);
+    if (!has_servo(machine)) return;
+    require_common_servo(machine, r.sample_period, "a program");
+    command->moved = Response(machine, r.sample_period).motion(command->filter);
   }
 
   void read_summary() {
@@ -84,6 +91,21 @@ class Reader {
     r.corners = json_["corners"]["count"].integer<std::size_t>();
     r.worst_error = json_["corners"]["worst_error_m"].number();
     for (const Value& limit : json_["limits"].elements()) r.check.limits.push_back(limit_use(limit));
+    if (json_.has("servo")) {
+      const Value servo = json_["servo"];
+      r.servo = {servo["settling_s"].number(), servo["within_m"].number(), servo["stop_error_m"].number()};
+    }
+    if (!json_.has("estimates")) return;
+    for (const Value& estimate : json_["estimates"].elements()) read_estimate(estimate);
+  }
+
+  /// Only its settings: the rest follows.
+  void read_estimate(const Value& json) {
+    ControlEstimate& estimate = record_.result.estimates.emplace_back();
+    estimate.control = json["control"].text();
+    for (const Value& one : json["parameters"].elements())
+      estimate.parameters.push_back(
+          {one["name"].text(), one["unit"].text(), one["value"].number(), one["from"].text()});
   }
 
   void read_bounds() {
@@ -155,7 +177,7 @@ class Reader {
     if (json.has("tool_length_m")) in.tools.length = json["tool_length_m"].number();
     record_.task = parse_task(
         in.task_text, in.task_path + " (in " + name_ + ")",
-        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::smoothing});
+        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::common});
     in.reading.error_max = record_.task.program_error_max;
   }
 

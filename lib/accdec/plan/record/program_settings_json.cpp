@@ -31,7 +31,8 @@ void read_impulses(double sample_period, ChosenSettings& chosen) {
     if (last.name != shaper.title || !(delay < 2e6)) continue;
     chosen.filter.pairs = shaper.pairs;
     chosen.filter.outer = shaper.outer;
-    chosen.filter.pair_delay = static_cast<int>(std::lround(delay));
+    const double whole = std::round(delay);
+    chosen.filter.pair_delay = std::abs(delay - whole) <= 1e-9 * delay ? whole : delay;
   }
 }
 

@@ -14,15 +14,16 @@ class Loaded {
       : axis_(&axis), dimension_(dimension), period_(period) {}
 
   std::size_t dimension() const { return dimension_; }
-  void look(double velocity) {
+  /// @param count  samples with this velocity; with more than one, the one before had it, too
+  void look(double velocity, std::int64_t count) {
     const double force = axis_->mass * (velocity - before_) / period_ + axis_->damping * velocity;
     before_ = velocity;
     peak_ = std::max(peak_, std::abs(force));
-    squares_ += force * force;
+    squares_ += static_cast<long double>(count) * force * force;
   }
-  /// @param samples  of the whole program; those that were not looked at stand still
+  /// @param samples  of the whole program
   AxisLoad finish(const Toolpath& path, std::int64_t samples) {
-    look(0.0);
+    look(0.0, 1);
     const double mean = static_cast<double>(squares_ / static_cast<long double>(std::max<std::int64_t>(samples, 1)));
     return {path.axis_name(dimension_), peak_, std::sqrt(mean)};
   }
@@ -43,10 +44,12 @@ std::vector<AxisLoad> axis_loads(const ProgramResult& result, const Machine& mac
       loaded.emplace_back(machine.axes[a], a, result.sample_period);
   }
   if (loaded.empty() || result.plan.empty()) return {};
-  const auto look = [&](std::int64_t, const double*, const double* velocity) {
-    for (Loaded& axis : loaded) axis.look(velocity[axis.dimension()]);
+  std::int64_t before = -1;
+  const auto look = [&](std::int64_t k, const double*, const double* velocity) {
+    for (Loaded& axis : loaded) axis.look(velocity[axis.dimension()], k - before);
+    before = k;
   };
-  visit_samples(result, look, Rests::passed);
+  visit_samples(result, look, Steady::passed, MotionOf::servo);
   std::vector<AxisLoad> loads;
   for (Loaded& axis : loaded) loads.push_back(axis.finish(result.plan.path, result.check.samples));
   return loads;

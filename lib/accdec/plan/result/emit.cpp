@@ -286,10 +286,17 @@ class Emission {
       if (!move.empty()) feed_.clear();
       return;
     }
+    if (!last && path_.joint[b] == Joint::stop && result_.plan.command()->moved) return servo_rest(b);
     if (last || path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::in_position) return;
     int delay = result_.plan.delay(b);
     if (kind_of(result_, b) == DelayKind::exact_stop) delay -= filter_.last_nonzero_tap() - filter_.first_nonzero_tap();
     if (delay > 0) line("G4 P{}", plain_number(static_cast<double>(delay) * result_.sample_period, 9));
+  }
+
+  /// What a stop waits for the servo, beyond the rest of the command.
+  void servo_rest(std::size_t b) {
+    const int longer = result_.plan.delay(b) - (filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+    if (longer > 0) line("G4 P{}", plain_number(static_cast<double>(longer) * result_.sample_period, 9));
   }
 
   const ProgramResult& result_;

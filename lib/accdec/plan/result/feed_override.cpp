@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/result/feed_override.hpp>
 #include <accdec/simulate/simulate.hpp>
 #include <accdec/verify.hpp>
@@ -16,6 +17,8 @@ FeedOverride overridden(Toolpath path, double factor, const Filter& filter, doub
   SimulationOptions options;
   if (!machine.axes.empty()) options.machine = &machine;
   options.whole_windows = true;
+  const FilterBehind behind(filter, machine, sample_period);
+  options.motion = behind.servo();
   const Simulation simulation =
       simulate_program(CommandTiming(path, sample_period, delays), filter, 0, path.blocks() - 1, errors, options);
   FeedOverride result;

@@ -9,6 +9,7 @@
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/result/axis_loads.hpp>
 #include <accdec/plan/result/feed_override.hpp>
+#include <accdec/plan/result/servo_report.hpp>
 #include <accdec/program.hpp>
 #include <accdec/verify.hpp>
 
@@ -85,7 +86,10 @@ void judge_program(ProgramResult& result, const Machine& machine) {
     result.raised = raised_delays(result.plan.path, command->filter, result.sample_period, machine, command->delays);
   add_vibration(result, machine);
   judge_limits(result);
-  if (result.plan.path.blocks() <= several_plans_max) result.loads = axis_loads(result, machine);
+  if (result.plan.path.blocks() <= several_plans_max) {
+    result.loads = axis_loads(result, machine);
+    result.servo = servo_report(result);
+  }
   const FilteredCommand* command = result.plan.command();
   if (command != nullptr && result.plan.path.blocks() <= several_plans_max)
     result.overrides =

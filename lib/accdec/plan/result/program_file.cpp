@@ -249,11 +249,18 @@ void offer_kept(const std::string& name, ProgramFile& file, const Task& task, co
   ProgramResult kept = run_program(name, std::move(again.path), *filter.filter, task, options.filter_bound,
                                    coarse.feeds, options.deadline);
   const double wall_time = result.solver.wall_time + filter.solver.wall_time + kept.solver.wall_time;
+  if (kept.verification.feasible && (!result.cycle_time_kept || kept.cycle_time <= *result.cycle_time_kept)) {
+    result.cycle_time_kept = kept.cycle_time;
+    result.cycle_time_exact_stop = kept.cycle_time_exact_stop;
+    result.exact_stop_breaks = kept.exact_stop_breaks;
+    result.cycle_time_no_delay = kept.cycle_time_no_delay;
+  }
   if (kept.verification.feasible && (!result.verification.feasible || kept.cycle_time < result.cycle_time)) {
     result = std::move(kept);
     result.solver = filter.solver;
     file.reading = again.reading;
   }
+  result.kept_same_filter = false;
   result.solver.wall_time = wall_time;
 }
 
@@ -337,6 +344,7 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
   if (choice.settings) say_settings(result, choice, programmed, task, options);
   result.solver = choice.solver;
   result.solver.wall_time += planning;
+  result.kept_same_filter = choice.designed || choice.settings;
   if (kept && !options.deadline.over()) offer_kept(name, file, task, options, result);
   return result;
 }

@@ -36,6 +36,20 @@ Json loads_json(const ProgramResult& result) {
   return list;
 }
 
+Json estimates_json(const ProgramResult& result) {
+  Json list = Json::array();
+  for (const ControlEstimate& estimate : result.estimates) {
+    Json parameters = Json::array();
+    for (const ControlParameter& one : estimate.parameters)
+      parameters.push_back({{"name", one.name}, {"unit", one.unit}, {"value", one.value}, {"from", one.from}});
+    list.push_back({{"control", estimate.control},
+                    {"time_s", number(estimate.time)},
+                    {"parameters", std::move(parameters)},
+                    {"not_known", estimate.unknown}});
+  }
+  return list;
+}
+
 Json worst_corners_json(const ProgramResult& result) {
   Json list = Json::array();
   for (const CornerUse& corner : worst_corners(result, result.worst_shown)) {
@@ -83,6 +97,10 @@ void add_times(Json& json, const ProgramResult& result) {
   json["not_considered"] = Json::array();
   for (const NotConsidered what : not_considered(result.task_machine))
     json["not_considered"].push_back(to_string(what));
+  if (result.servo)
+    json["servo"] = {{"settling_s", result.servo->settling},
+                     {"within_m", result.servo->within},
+                     {"stop_error_m", number(result.servo->stop_error)}};
   if (!result.overrides.empty()) json["feed_overrides"] = overrides_json(result);
   json["delay_total_s"] = result.delay_total;
 }
@@ -124,6 +142,7 @@ std::string program_to_json(const ProgramResult& result) {
   json["repair_rounds"] = result.rounds;
   json["samples"] = result.check.samples;
   add_times(json, result);
+  if (!result.estimates.empty()) json["estimates"] = estimates_json(result);
   json["limits"] = limits_json(result);
   if (!result.loads.empty()) json["axis_loads"] = loads_json(result);
   json["verification"] = {{"performed", result.verification.performed},

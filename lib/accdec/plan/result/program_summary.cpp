@@ -24,6 +24,12 @@ std::string unit_of(const LimitUse& use) {
   return unit;
 }
 
+/// Two blanks before every line but the first.
+std::string indented(std::string text) {
+  for (std::size_t at = text.find('\n'); at + 1 < text.size(); at = text.find('\n', at + 1)) text.insert(at + 1, "  ");
+  return text;
+}
+
 class SummaryText {
  public:
   explicit SummaryText(const ProgramResult& result) : result_(result) {}
@@ -33,6 +39,7 @@ class SummaryText {
       put("{}\n", program_settings_answer(*result_.settings, result_.cycle_time, result_.has_today));
     head();
     times();
+    estimates();
     corners();
     feeds();
     limits();
@@ -76,23 +83,38 @@ class SummaryText {
         put("  {}\n", describe(other));
     }
     if (result_.plan.command() != nullptr) row("  of it delays", result_.delay_total);
-    if (result_.feeds_chosen && result_.cycle_time_kept) row("feeds as programmed", *result_.cycle_time_kept);
+    if (result_.feeds_chosen && result_.cycle_time_kept) 
+      row(result_.kept_same_filter ? "same filter, programmed feeds" : "feeds as programmed", *result_.cycle_time_kept);
     if (result_.cycle_time_exact_stop) row("exact stop at every corner", *result_.cycle_time_exact_stop);
     if (!result_.exact_stop_breaks.empty()) put("    but breaks {}\n", result_.exact_stop_breaks);
     if (result_.cycle_time_no_delay) row("no delay at any corner", *result_.cycle_time_no_delay);
     for (const NamedBound& bound : named_bounds(result_.lower_bound, result_.corner_bound)) {
       row("bound, " + bound.name, bound.time);
-      put("    of {}\n", bound.motions);
+      put("    for {}\n", bound.motions);
     }
     if (!result_.filter_bound) return;
     row("bound, filters and delays", *result_.filter_bound);
-    put("    of plans that keep the programmed feeds, with filters no longer than a block; others may be faster\n");
+    put("    for plans that keep the programmed feeds, with filters no longer than a block; others may be faster\n");
+  }
+
+  void estimates() {
+    if (!result_.estimates.empty()) put("\n");
+    for (const ControlEstimate& estimate : result_.estimates)
+      put("  {}", indented(estimate_text(estimate, result_.cycle_time)));
   }
 
   void corners() {
     put("\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n",
         result_.worst_error * 1e6, 100.0 * result_.worst_utilisation, result_.worst_line);
     const std::vector<CornerUse> worst = worst_corners(result_, result_.worst_shown);
+    if (const auto& servo = result_.servo) {
+      put("  errors are those behind the servo; {:.4g} s after the command, the motion is within {:.4g} um of its "
+          "end\n",
+          servo->settling, servo->within * 1e6);
+      if (servo->stop_error > 0.0)
+        put("  at stops the control waits for the command: the motion leaves out up to {:.3f} um\n",
+            servo->stop_error * 1e6);
+    }
     if (worst.empty()) return;
     put("\n  {:<14}{:>12}{:>14}{:>10}{:>9}\n", "worst corners", "error", "tolerance", "use", "delay");
     for (const CornerUse& corner : worst) {
@@ -105,18 +127,18 @@ class SummaryText {
   void feeds() {
     const Toolpath& path = result_.plan.path;
     if (result_.plan.trajectory() != nullptr) {
-      put("  the speed of every sample chosen{}\n",
+      put("  every sample has a speed of its own{}\n",
           result_.rounds > 0
-              ? fmt::format(", in {} rounds lower where a limit or a tolerance was broken", result_.rounds)
+              ? fmt::format("; {} rounds lowered it where a limit or a tolerance was broken", result_.rounds)
               : "");
     } else if (result_.feeds_chosen) {
-      put("  feeds chosen, in {} steps inside {} straight moves\n", path.blocks() - result_.programmed_moves,
+      put("  feeds chosen: {} steps of the feed inside {} straight moves\n", path.blocks() - result_.programmed_moves,
           result_.programmed_moves);
     }
     if (!path.programmed.empty()) put("  arcs commanded on radii larger by up to {:.3f} um\n", widest(path) * 1e6);
     if (!result_.compensation.empty()) put("  {}\n", result_.compensation);
     if (!path.clamped.empty()) {
-      put("  feeds above an axis' velocity limit lowered to it in {} lines, the first {}\n", path.clamped.size(),
+      put("  feeds above an axis' velocity limit are lowered to it in {} lines, the first {}\n", path.clamped.size(),
           path.clamped.front());
     }
     if (result_.raised > 0)

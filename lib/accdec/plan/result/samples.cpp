@@ -8,22 +8,27 @@
 
 namespace accdec {
 
-SampleTable::SampleTable(const Toolpath& path, double sample_period, std::ostream& out)
+SampleTable::SampleTable(const Toolpath& path, double sample_period, std::ostream& out, bool servo)
     : path_(path), period_(sample_period), out_(out) {
   fmt::format_to(std::back_inserter(text_), "time_s");
-  for (std::size_t a = 0; a < path.dimensions(); ++a) {
-    const std::string unit = path.axes[a] >= 3 && path.axes[a] < 6 ? "deg" : "mm";
-    fmt::format_to(std::back_inserter(text_), ",{0}_{1},{0}_{1}_s", path.axis_name(a), unit);
+  for (const char* of : {"", "_motion"}) {
+    for (std::size_t a = 0; a < path.dimensions() && (*of == '\0' || servo); ++a) {
+      const std::string unit = path.axes[a] >= 3 && path.axes[a] < 6 ? "deg" : "mm";
+      fmt::format_to(std::back_inserter(text_), ",{0}{1}_{2},{0}{1}_{2}_s", path.axis_name(a), of, unit);
+    }
   }
   text_.push_back('\n');
 }
 
-void SampleTable::row(std::int64_t k, const double* position, const double* velocity) {
-  const auto put = std::back_inserter(text_);
-  fmt::format_to(put, "{:.9g}", static_cast<double>(k) * period_);
-  for (std::size_t a = 0; a < path_.dimensions(); ++a) {
-    fmt::format_to(put, ",{:.9f},{:.6f}", position[a] * 1e3, velocity[a] * 1e3);
-  }
+void SampleTable::put(const double* position, const double* velocity) {
+  for (std::size_t a = 0; a < path_.dimensions(); ++a)
+    fmt::format_to(std::back_inserter(text_), ",{:.9f},{:.6f}", position[a] * 1e3, velocity[a] * 1e3);
+}
+
+void SampleTable::row(std::int64_t k, const double* position, const double* velocity, const Sample* motion) {
+  fmt::format_to(std::back_inserter(text_), "{:.9g}", static_cast<double>(k) * period_);
+  put(position, velocity);
+  if (motion != nullptr) put(motion->position.data(), motion->velocity.data());
   text_.push_back('\n');
   if (text_.size() > 60000) flush();
 }
@@ -33,17 +38,24 @@ void SampleTable::flush() {
   text_.clear();
 }
 
-void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Rests rests) {
-  Motion motion(result.plan, result.sample_period);
+void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Steady steady, MotionOf of) {
+  Motion motion(result.plan, result.sample_period, of == MotionOf::servo);
   for (Sample sample; motion.next(sample);) {
     visit(sample.number, sample.position.data(), sample.velocity.data());
-    if (rests == Rests::passed) motion.pass_rest();
+    if (steady == Steady::passed) motion.pass_steady();
   }
 }
 
 void write_samples(const ProgramResult& result, std::ostream& out) {
-  SampleTable table(result.plan.path, result.sample_period, out);
-  visit_samples(result, [&](std::int64_t k, const double* x, const double* v) { table.row(k, x, v); });
+  const FilteredCommand* command = result.plan.command();
+  const bool servo = command != nullptr && command->moved;
+  SampleTable table(result.plan.path, result.sample_period, out, servo);
+  Motion behind(result.plan, result.sample_period, true);
+  Sample motion;
+  visit_samples(result, [&](std::int64_t k, const double* x, const double* v) {
+    if (servo) behind.next(motion);
+    table.row(k, x, v, servo ? &motion : nullptr);
+  });
 }
 
 void stream_row(const Toolpath& path, const double* position, std::ostream& out) {

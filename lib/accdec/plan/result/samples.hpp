@@ -23,15 +23,18 @@ struct ProgramResult;
 class SampleTable {
  public:
   /// References are kept. Writes the header.
-  SampleTable(const Toolpath& path, double sample_period, std::ostream& out);
+  /// @param servo  whether there is a motion behind the command: x_motion_mm, x_motion_mm_s, ..
+  SampleTable(const Toolpath& path, double sample_period, std::ostream& out, bool servo = false);
   ~SampleTable() { flush(); }
   SampleTable(const SampleTable&) = delete;
   SampleTable& operator=(const SampleTable&) = delete;
   /// Sample k: positions in m, velocities in m/s, one per dimension of the path.
-  void row(std::int64_t k, const double* position, const double* velocity);
+  /// @param motion  behind the servo; nullptr: none
+  void row(std::int64_t k, const double* position, const double* velocity, const Sample* motion = nullptr);
 
  private:
   void flush();
+  void put(const double* position, const double* velocity);
   const Toolpath& path_;
   double period_;
   std::ostream& out_;
@@ -40,12 +43,16 @@ class SampleTable {
 
 /// Takes sample k: positions in m, velocities in m/s, one per dimension of the path.
 using SampleVisitor = std::function<void(std::int64_t k, const double* position, const double* velocity)>;
-/// Which samples are visited: all, or of long rests only the beginning and the end.
-enum class Rests { whole, passed };
+/// Which samples are visited: all, or of long rests and of steady motion only the beginning and the end. There the
+/// numbers of the samples jump, and the motion goes straight on at one speed from one to the next.
+enum class Steady { whole, passed };
+/// The command, which controllers are sent, or what the servo of the axes makes of it.
+enum class MotionOf { command, servo };
 /// Every sample from the start, which is sample 0, to the first at rest.
-void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Rests rests = Rests::whole);
+void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Steady steady = Steady::whole,
+                   MotionOf of = MotionOf::command);
 
-/// From the first sample to the first at rest.
+/// From the first sample to the first at rest of the command, with the motion behind a servo.
 void write_samples(const ProgramResult& result, std::ostream& out);
 
 /// For a controller that takes positions: one line per cycle, the position of every axis in its own unit with nine

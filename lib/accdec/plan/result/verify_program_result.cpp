@@ -7,6 +7,7 @@
 #include <accdec/design/verify_settings.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 #include <accdec/simulate/direct.hpp>
@@ -100,15 +101,20 @@ class CommandCheck {
         task_(task),
         per_leg_(filters.has_value()),
         filter_(smoothed(command_.set(), task.machine.prefilter_taps)),
-        filters_(filters.value_or(BlockFilters{{filter_}, {}})) {}
+        machine_(program_machine(task.machine, path_)),
+        filters_(with_servo(filters.value_or(BlockFilters{{filter_}, {}}))) {}
 
   ProgramResultCheck run() {
     const DirectMotion motion = direct_motion(path_, result_.sample_period, command_.delays, filters_);
+    std::optional<DirectMotion> servo;
+    if (has_servo(machine_)) servo = behind_servos(motion, machine_, result_.sample_period);
+    const DirectMotion& behind = servo ? *servo : motion;
     const double time = static_cast<double>(motion.samples) * result_.sample_period;
     check_filter();
     check_delays(motion);
-    check_joints(motion);
-    check_limits(motion);
+    check_joints(behind);
+    check_limits(motion, behind);
+    check_settling(motion, behind);
     check_vibration();
     describe(motion, time);
     report_.accepted = report_.reasons.empty();
@@ -120,6 +126,30 @@ class CommandCheck {
  private:
   void wrong(std::string reason) {
     if (report_.reasons.size() < 20) report_.reasons.push_back(std::move(reason));
+  }
+
+  BlockFilters with_servo(BlockFilters filters) const {
+    filters.behind = Response(machine_, result_.sample_period).servo_order();
+    return filters;
+  }
+
+  /// The time from the end of the command until the motion stays within a distance of its end.
+  void check_settling(const DirectMotion& command, const DirectMotion& motion) {
+    if (!result_.servo) return;
+    const std::size_t end = static_cast<std::size_t>(command.kept(command.samples));
+    std::size_t settled = end;
+    const auto off = [&](std::size_t k) {
+      double square = 0.0;
+      for (std::size_t a = 0; a < path_.dimensions(); ++a)
+        square += std::pow(motion.position[a][k] - path_.point(path_.blocks())[a], 2);
+      return std::sqrt(square);
+    };
+    for (std::size_t k = end; k < motion.position.front().size(); ++k) {
+      if (off(k) > result_.servo->within * (1.0 + rounding)) settled = k + 1;
+    }
+    const double time = static_cast<double>(settled - end) * result_.sample_period;
+    if (std::abs(time - result_.servo->settling) > 1.5 * result_.sample_period)
+      wrong(fmt::format("servo.settling_s is recorded as {:.9g}, found {:.9g}", result_.servo->settling, time));
   }
 
   void check_filter() {
@@ -196,13 +226,12 @@ class CommandCheck {
   }
 
   /// The limits of axes stand first, in the order of the axes and of the table of limits.
-  void check_limits(const DirectMotion& motion) {
-    const Machine machine = program_machine(task_.machine, path_);
+  void check_limits(const DirectMotion& command, const DirectMotion& motion) {
     std::size_t i = 0;
-    for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+    for (std::size_t a = 0; a < machine_.axes.size(); ++a) {
       for (const AxisLimit& limit : axis_limits) {
-        const UseOfLimit use(motion, machine.axes[a], a, limit, result_.sample_period);
-        if (use.bound() < unlimited) check_limit(i++, use, limit.kind, machine.axes[a].name);
+        const UseOfLimit use(limit.load ? motion : command, machine_.axes[a], a, limit, result_.sample_period);
+        if (use.bound() < unlimited) check_limit(i++, use, limit.kind, machine_.axes[a].name);
       }
     }
     limits_ = i;
@@ -241,10 +270,11 @@ class CommandCheck {
   }
 
   Simulation simulated() const {
-    const Machine machine = program_machine(task_.machine, path_);
     std::vector<double> errors(path_.blocks());
     SimulationOptions options;
-    options.machine = &machine;
+    options.machine = &machine_;
+    const FilterBehind behind(filter_, machine_, result_.sample_period);
+    options.motion = behind.servo();
     return simulate_program(CommandTiming(path_, result_.sample_period, command_.delays), filter_, 0,
                             path_.blocks() - 1, errors, options);
   }
@@ -268,7 +298,7 @@ class CommandCheck {
     found.check.limits = result_.check.limits;
     found.check.limits.resize(std::min(limits_, found.check.limits.size()));
     found.cycle_time = time;
-    judge_program(found, program_machine(task_.machine, path_));
+    judge_program(found, machine_);
     if (per_leg_) take_worst_vibration(found);
   }
 
@@ -289,6 +319,7 @@ class CommandCheck {
   const Task& task_;
   const bool per_leg_;
   const Filter filter_;  // that is set, and the control's own smoothing behind it
+  const Machine machine_;
   const BlockFilters filters_;
   ProgramResultCheck report_;
   std::size_t limits_ = 0;  // of axes
@@ -304,7 +335,7 @@ SampleCheck look_at(const Plan& plan, double period, const Machine& machine, std
   SampleChecker checker(path, machine, period, errors, {});
   if (!trajectory.is_free()) {
     ProfileMotion motion(path, trajectory.chain, period, trajectory.last);
-    for (; motion.next(); checker.rest(motion.pass_rest()))
+    for (; motion.next(); checker.pass(motion.pass_steady(), motion.position()))
       checker.look(motion.position(), motion.place_first(), motion.place_last());
     return checker.finish();
   }

@@ -22,7 +22,8 @@ struct ProgramResultCheck {
 ///
 /// A command (its path, feeds, delays and filter) is simulated by direct_motion. Errors of joints are compared with
 /// their tolerances and records. So are bound, value, use and place of every axis limit over all samples, vibration
-/// bounds, and the filter with the task's. The tolerance is relative 1e-7, or 1e-9 m: two summations round differently.
+/// bounds, and the filter with the task's. Behind a servo, errors and loads are those of its own loop (behind_servos).
+/// The tolerance is relative 1e-7, or 1e-9 m: two summations round differently.
 /// The samples of a trajectory are checked by SampleChecker, from their positions alone.
 /// @param task     the result's own
 /// @param filters  of the command's blocks, in results of earlier versions; else none

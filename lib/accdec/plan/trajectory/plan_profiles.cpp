@@ -33,7 +33,7 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
                           });
     ProfileMotion motion(path, maker.chain(), sample_period, last);
     motion.note_phases(phases);
-    for (std::int64_t k = 1; motion.next(); checker.rest(motion.pass_rest()), ++k) {
+    for (std::int64_t k = 1; motion.next(); checker.pass(motion.pass_steady(), motion.position()), ++k) {
       checker.look(motion.position(), motion.place_first(), motion.place_last());
       if (k % samples_between_looks == 0 && deadline.over()) return {};
     }

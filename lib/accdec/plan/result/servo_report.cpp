@@ -1,0 +1,33 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/result/servo_report.hpp>
+
+namespace accdec {
+
+std::optional<ServoReport> servo_report(const ProgramResult& result) {
+  const FilteredCommand* command = result.plan.command();
+  if (command == nullptr || !command->moved) return std::nullopt;
+  const Toolpath& path = result.plan.path;
+  constexpr double usual = 1e-6;  // m
+  double least = unlimited, stops = 0.0;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.tolerance[b] > 0.0) least = std::min(least, path.tolerance[b]);
+    if (path.joint[b] == Joint::stop) stops = std::max(stops, result.errors[b]);
+  }
+  ServoReport report{.settling = 0.0, .within = least < unlimited ? least : usual, .stop_error = stops};
+  const double* end = path.point(path.blocks());
+  std::int64_t settled = 0;
+  const auto look = [&](std::int64_t k, const double* position, const double*) {
+    double square = 0.0;
+    for (std::size_t a = 0; a < path.dimensions(); ++a) square += (position[a] - end[a]) * (position[a] - end[a]);
+    if (std::sqrt(square) > report.within) settled = k + 1;
+  };
+  visit_samples(result, look, Steady::passed, MotionOf::servo);
+  report.settling =
+      static_cast<double>(std::max<std::int64_t>(0, settled - result.check.samples)) * result.sample_period;
+  return report;
+}
+
+}  // namespace accdec

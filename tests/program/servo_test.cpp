@@ -1,0 +1,222 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/filter.hpp>
+#include <accdec/program.hpp>
+
+#include "program_command.hpp"
+#include "reference.hpp"
+
+// A servo behind the filter of a program: errors and loads are those of its motion, all else is the command's.
+
+namespace accdec {
+namespace {
+
+using test::ProgramCommand;
+using testing::HasSubstr;
+
+constexpr const char* servo_part =
+    "G21 G90 G64 P0.05 F3000\nG0 X5 Y5\nG1 X30\nY30\nG3 X20 Y40 I-10\nG1 X0 Y10\nX-0.4\nY9.6\nG61.1\nG1 X3 Y3\n"
+    "G64 P0.02\nX20\nM2\n";
+
+Task servo_task(double gain, double feedforward) {
+  Task task;
+  task.sample_period = 1e-3;
+  for (const char* name : {"x", "y"}) {
+    Axis axis;
+    axis.name = name;
+    axis.velocity_max = 0.2;
+    axis.acceleration_max = 2.0;
+    axis.jerk_max = 200.0;
+    axis.mass = 20.0;
+    axis.damping = 60.0;
+    axis.force_max = 38.0;
+    axis.servo_gain = gain;
+    axis.velocity_feedforward = feedforward;
+    task.machine.axes.push_back(axis);
+  }
+  return task;
+}
+
+/// The loop as it is, x' = Kv (s - x) + g s', in steps of T/100 by the midpoint rule; s moves evenly within a sample.
+std::vector<std::vector<double>> looped(const std::vector<std::vector<double>>& command, const Task& task) {
+  constexpr int steps = 100;
+  const double h = task.sample_period / steps;
+  std::vector<std::vector<double>> motion = command;
+  for (std::size_t a = 0; a < command.front().size(); ++a) {
+    const Axis& axis = task.machine.axes[a];
+    double x = command.front()[a];
+    for (std::size_t k = 1; k < command.size(); ++k) {
+      const double from = command[k - 1][a], v = (command[k][a] - from) / task.sample_period;
+      for (int i = 0; i < steps; ++i) {
+        const double s = from + i * h * v;
+        const auto speed = [&](double at, double after) {
+          return axis.servo_gain * (s + after * v - at) + axis.velocity_feedforward * v;
+        };
+        x += h * speed(x + 0.5 * h * speed(x, 0.0), 0.5 * h);
+      }
+      motion[k][a] = x;
+    }
+  }
+  return motion;
+}
+
+std::vector<std::vector<double>> samples_of(const Plan& plan, double period, bool servo) {
+  std::vector<std::vector<double>> rows;
+  Motion motion(plan, period, servo);
+  for (Sample sample; motion.next(sample);)
+    rows.push_back({sample.position.begin(), sample.position.begin() + static_cast<long>(plan.path.dimensions())});
+  return rows;
+}
+
+/// Least distance of any sample from the end of block b; joints are far enough apart for that.
+double nearest(const std::vector<std::vector<double>>& rows, const double* point) {
+  double least = unlimited;
+  for (const auto& row : rows) least = std::min(least, std::hypot(row[0] - point[0], row[1] - point[1]));
+  return least;
+}
+
+double largest_force(const std::vector<std::vector<double>>& rows, std::size_t a, const Task& task) {
+  double most = 0.0, before = 0.0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const double v = (rows[k][a] - rows[k - 1][a]) / task.sample_period;
+    const Axis& axis = task.machine.axes[a];
+    most = std::max(most, std::abs(axis.mass * (v - before) / task.sample_period + axis.damping * v));
+    before = v;
+  }
+  return most;
+}
+
+TEST(ProgramServo, ErrorsAndLoadsAreThoseOfTheLoop) {
+  const Filter filter = trapezoid(40, 10);
+  for (const auto& [gain, feedforward] : {std::pair{200.0, 0.0}, {100.0, 0.7}, {400.0, 0.0}}) {
+    for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
+      const Task task = servo_task(gain, feedforward);
+      const ProgramResult result =
+          run_program("part", test::path_of(servo_part, task.machine), filter, task, false, feeds);
+      ASSERT_TRUE(result.verification.feasible) << result.message;
+      ASSERT_TRUE(result.servo);
+      const auto command = samples_of(result.plan, task.sample_period, false);
+      ASSERT_EQ(command.size(), static_cast<std::size_t>(result.check.samples) + 1);
+      // The command rests at its end while the loop follows.
+      auto longer = command;
+      longer.insert(longer.end(), 3000, command.back());
+      const auto motion = looped(longer, task);
+      const Toolpath& path = result.plan.path;
+      for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+        if (path.joint[b] != Joint::corner && path.joint[b] != Joint::stop) continue;
+        EXPECT_NEAR(result.errors[b], nearest(motion, path.point(b + 1)), 1e-8) << gain << " block " << b;
+      }
+      for (std::size_t a = 0; a < 2; ++a)
+        EXPECT_NEAR(result.loads[a].peak, largest_force(motion, a, task), 2e-3 * result.loads[a].peak) << gain;
+      std::size_t settled = command.size() - 1;
+      const double* end = path.point(path.blocks());
+      for (std::size_t k = settled; k < motion.size(); ++k) {
+        if (std::hypot(motion[k][0] - end[0], motion[k][1] - end[1]) > 50e-6) settled = k + 1;
+      }
+      EXPECT_EQ(result.servo->within, 50e-6);
+      EXPECT_NEAR(result.servo->settling, static_cast<double>(settled + 1 - command.size()) * 1e-3, 1.001e-3);
+    }
+  }
+}
+
+/// A slower loop needs longer delays or lower feeds; a fast one nearly none.
+TEST(ProgramServo, CostsTime) {
+  const Filter filter = trapezoid(40, 10);
+  const auto time = [&](double gain) {
+    const Task task = servo_task(gain, 0.0);
+    const ProgramResult result =
+        run_program("part", test::path_of(servo_part, task.machine), filter, task, false, Feeds::choose);
+    EXPECT_TRUE(result.verification.feasible) << gain << result.message;
+    return result.cycle_time;
+  };
+  const double ideal = time(unlimited);
+  EXPECT_GT(time(100.0), time(300.0));
+  EXPECT_GE(time(300.0), ideal);
+  EXPECT_NEAR(time(9000.0), ideal, 0.01 * ideal);
+}
+
+class ServoCommand : public ProgramCommand {
+ protected:
+  /// @param more  keys of the only axis
+  void task(const std::string& more, const std::string& end = "") {
+    write("servo.toml",
+          "sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 2000\n"
+          "jerk_max_mm_s3 = 200000\nmass_kg = 20\nforce_max_N = 100\n" +
+              more + end);
+    write("part.ngc", servo_part);
+  }
+};
+
+TEST_F(ServoCommand, IsInEveryOutput) {
+  task("servo_gain_1_s = 90\nvelocity_feedforward = 0.1\n", "[controller]\nprefilter_taps = [0.5, 0.5]\n");
+  ASSERT_EQ(run("program part.ngc --task servo.toml --json r.json --emit e.ngc --samples s.csv --time-limit 10").code,
+            0)
+      << read("err");
+  EXPECT_THAT(read("out"), HasSubstr("the motion is within 50 um of its end"));
+  const auto result = nlohmann::ordered_json::parse(read("r.json"));
+  EXPECT_GT(result["servo"]["settling_s"], 0.0);
+  EXPECT_GT(result["servo"]["stop_error_m"], 0.0);
+  EXPECT_THAT(read("s.csv"),
+              HasSubstr("x_mm,x_mm_s,y_mm,y_mm_s,x_motion_mm,x_motion_mm_s,y_motion_mm,y_motion_mm_s\n"));
+  ASSERT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
+  ASSERT_EQ(run("program e.ngc --task servo.toml --dwells-before-filter --json again.json").code, 0) << read("err");
+  EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"), 1.0001e-3);
+  const auto refused = [&](const char* what, const auto& forge) {
+    auto forged = result;
+    forge(forged);
+    write("forged.json", forged.dump());
+    EXPECT_EQ(run("verify forged.json").code, 1) << what << read("out") << read("err");
+  };
+  refused("settling",
+          [](auto& json) { json["servo"]["settling_s"] = 0.5 * json["servo"]["settling_s"].template get<double>(); });
+  refused("stops", [](auto& json) { json["servo"]["stop_error_m"] = 0.0; });
+  refused("errors", [](auto& json) {
+    json["commands"]["error_m"][2] = 0.5 * json["commands"]["error_m"][2].template get<double>();
+  });
+}
+
+TEST_F(ServoCommand, BoundsStopsWhereTheTaskDoes) {
+  task("servo_gain_1_s = 150\n");
+  ASSERT_EQ(run("program part.ngc --task servo.toml --json free.json --time-limit 10").code, 0) << read("err");
+  EXPECT_GT(number_of("free.json", "stop_error_m"), 5e-6);
+  task("servo_gain_1_s = 150\n", "[program]\nerror_max_um = 5\n");
+  ASSERT_EQ(run("program part.ngc --task servo.toml --json bounded.json --emit e.ngc --time-limit 10").code, 0)
+      << read("err");
+  EXPECT_LE(number_of("bounded.json", "stop_error_m"), 5e-6 * (1 + 1e-9));
+  EXPECT_GT(number_of("bounded.json", "cycle_time_s"), number_of("free.json", "cycle_time_s"));
+  ASSERT_EQ(run("verify bounded.json").code, 0) << read("err") << read("out");
+  // What the stop waits for the servo is written as a dwell.
+  ASSERT_EQ(run("program e.ngc --task servo.toml --dwells-before-filter --json again.json").code, 0) << read("err");
+  EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("bounded.json", "cycle_time_s"), 1.0001e-3);
+  EXPECT_LE(number_of("again.json", "stop_error_m"), 5e-6 * (1 + 1e-9));
+}
+
+TEST_F(ServoCommand, OtherPlansAndOtherServosAreRefused) {
+  task("servo_gain_1_s = 150\n");
+  for (const char* plan : {"profiles", "free"}) {
+    EXPECT_EQ(run(fmt::format("program part.ngc --task servo.toml --plan {} --samples s.csv", plan)).code, 2);
+    EXPECT_THAT(read("err"), HasSubstr("does not consider the servo of an axis"));
+  }
+  EXPECT_EQ(run("program part.ngc --task servo.toml --filter-bound").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("--filter-bound is for motions without a servo"));
+  task("response_taps = [1.2, -0.2]\n");
+  EXPECT_EQ(run("program part.ngc --task servo.toml").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("servo.toml:8:"));
+  EXPECT_THAT(read("err"), HasSubstr("`response_taps` has a negative tap"));
+  task("name = \"x\"\nservo_gain_1_s = 150\n[[axis]]\nname = \"y\"\nservo_gain_1_s = 160\n");
+  EXPECT_EQ(run("program part.ngc --task servo.toml").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("`servo_gain_1_s` of axis y is not that of axis x"));
+  task("servo_gain_1_s = 150\ncoulomb_N = 3\n");
+  EXPECT_EQ(run("program part.ngc --task servo.toml").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("servo.toml:9:13: `coulomb_N` is not considered here"));
+}
+
+}  // namespace
+}  // namespace accdec

@@ -1,0 +1,150 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <accdec/filter.hpp>
+#include <accdec/plan/result/samples.hpp>
+#include <accdec/plot/program_motion.hpp>
+#include <accdec/program.hpp>
+#include <accdec/simulate.hpp>
+#include <accdec/simulate/profile_motion.hpp>
+#include <accdec/simulate/sample_check.hpp>
+
+#include "program_command.hpp"
+#include "reference.hpp"
+
+// Steady motion is passed over: what is seen of it is what its samples, made one by one, would show.
+
+namespace accdec {
+namespace {
+
+using test::ProgramCommand;
+
+/// Slow and fast moves, corners, a curve, a rapid move that turns back, dwells. At F6 a move takes 100 s.
+constexpr const char* moves =
+    "G4 P9\nG64 P0.05 F6\nG1 X10\nG1 Y7 F3000\nG1 X0 Y9 F12\nG1 X-0.5 Y9.1\nG1 X-1 Y9.3\nG0 Z5\nG0 Z0\nG4 P20\n"
+    "G1 X30 F600\nG1 X-20 F400\nM2\n";
+
+Task task_of(double acceleration, double jerk) {
+  Task task;
+  task.sample_period = 1e-3;
+  task.machine = test::machine_of(acceleration, jerk, 0.2, 3);
+  return task;
+}
+
+std::vector<ProgramResult> plans_of(const std::string& text) {
+  std::vector<ProgramResult> plans;
+  for (const double jerk : {unlimited, 50.0}) {
+    const Task task = task_of(1.0, jerk);
+    const Toolpath path = test::path_of(text, task.machine);
+    plans.push_back(run_program("a", path, trapezoid(110, 40), task));
+    plans.push_back(run_program("a", path, trapezoid(110, 40), task, false, Feeds::choose));
+    plans.push_back(run_profiles("a", path, task));
+  }
+  return plans;
+}
+
+struct Seen {
+  std::int64_t number;
+  std::vector<double> x, v;
+};
+
+std::vector<Seen> samples_of(const ProgramResult& result, Steady steady) {
+  const std::size_t n = result.plan.path.dimensions();
+  std::vector<Seen> seen;
+  const auto see = [&](std::int64_t k, const double* x, const double* v) {
+    seen.push_back({k, {x, x + n}, {v, v + n}});
+  };
+  visit_samples(result, see, steady);
+  return seen;
+}
+
+TEST(SteadyMotion, PassedOverIsWhatItsSamplesAre) {
+  for (const ProgramResult& result : plans_of(moves)) {
+    ASSERT_TRUE(result.verification.feasible) << result.message;
+    const std::vector<Seen> all = samples_of(result, Steady::whole), some = samples_of(result, Steady::passed);
+    ASSERT_EQ(static_cast<std::int64_t>(all.size()), result.check.samples + 1);
+    EXPECT_LT(some.size(), all.size() / 5);
+    EXPECT_EQ(some.back().number, all.back().number);
+    std::size_t k = 0;
+    double place = 0.0, speed = 0.0;
+    for (const Seen& seen : some) {
+      // Up to the next sample that is seen, the velocity is that of this next one.
+      for (; k <= static_cast<std::size_t>(seen.number); ++k) {
+        for (std::size_t a = 0; a < seen.x.size(); ++a) speed = std::max(speed, std::abs(all[k].v[a] - seen.v[a]));
+      }
+      for (std::size_t a = 0; a < seen.x.size(); ++a)
+        place = std::max(place, std::abs(all[k - 1].x[a] - seen.x[a]));
+    }
+    EXPECT_LT(place, 1e-12);
+    EXPECT_LT(speed, 2e-9);
+  }
+}
+
+TEST(SteadyMotion, LosesTheSameTimeAtEachJoint) {
+  for (const ProgramResult& result : plans_of(moves)) {
+    ASSERT_TRUE(result.verification.feasible) << result.message;
+    // Twice the feeds, so that every sample of steady motion loses time.
+    Toolpath programmed = test::path_of(moves, result.task_machine);
+    for (double& duration : programmed.duration) duration *= 0.5;
+    ProgramMotion motion = motion_of(result);
+    const std::vector<CornerLoss> passed = time_lost(programmed, motion);
+    motion.samples = [&](const SampleVisitor& visit) { visit_samples(result, visit); };
+    const std::vector<CornerLoss> all = time_lost(programmed, motion);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      EXPECT_NEAR(passed[i].time, all[i].time, 1e-3 * static_cast<double>(all[i].count) + 1e-9) << class_name(all[i]);
+  }
+}
+
+TEST(SteadyMotion, IsCheckedAsItsSamplesAre) {
+  for (const double jerk : {unlimited, 50.0}) {
+    const Task task = task_of(1.0, jerk);
+    const ProgramResult result = run_profiles("a", test::path_of(moves, task.machine), task);
+    const Toolpath& path = result.plan.path;
+    const Trajectory& trajectory = *result.plan.trajectory();
+    const Machine machine = program_machine(task.machine, path);
+    std::vector<double> errors(path.blocks());
+    SampleChecker checker(path, machine, task.sample_period, errors, {});
+    ProfileMotion motion(path, trajectory.chain, task.sample_period, trajectory.last);
+    while (motion.next()) checker.look(motion.position(), motion.place_first(), motion.place_last());
+    const SampleCheck check = checker.finish();
+    EXPECT_EQ(check.samples, result.check.samples);
+    for (std::size_t b = 0; b < path.blocks(); ++b) EXPECT_NEAR(errors[b], result.errors[b], 1e-12) << b;
+    for (std::size_t i = 0; i < check.limits.size(); ++i)
+      EXPECT_NEAR(check.limits[i].utilisation, result.check.limits[i].utilisation, 1e-9) << i;
+  }
+}
+
+TEST(SteadyMotion, PicturesKeepTheEndsOfWhatIsPassedOver) {
+  const Task task = task_of(1.0, unlimited);
+  const ProgramResult result = run_profiles("a", test::path_of(moves, task.machine), task);
+  const std::vector<Seen> some = samples_of(result, Steady::passed);
+  const std::vector<std::int64_t> drawn = drawn_samples(motion_of(result), 200);
+  EXPECT_LE(drawn.size(), 600U);
+  EXPECT_EQ(drawn.front(), 0);
+  EXPECT_EQ(drawn.back(), some.back().number);
+  for (std::size_t i = 1; i < some.size(); ++i) {
+    if (static_cast<double>(some[i].number - some[i - 1].number) < result.cycle_time / 1e-3 / 199.0) continue;
+    EXPECT_TRUE(std::binary_search(drawn.begin(), drawn.end(), some[i - 1].number));
+    EXPECT_TRUE(std::binary_search(drawn.begin(), drawn.end(), some[i].number));
+  }
+}
+
+// 6.6 10^8 samples: made one by one, each picture took a minute.
+TEST_F(ProgramCommand, SlowMovesOfAWeekAreDrawn) {
+  write("part.ngc", "G21 G90 F0.00175\nG1 X10\nG1 X10 Y9\nM2\n");
+  for (const char* plan : {"fixed", "profiles", "free"}) {
+    for (const char* figure : {"f.svg", "f.html"}) {
+      const auto drawn = run(fmt::format(
+          "program part.ngc --task task.toml --time-limit 20 --figure {} --json r.json --plan {}", figure, plan));
+      EXPECT_EQ(drawn.code, 0) << drawn.err;
+      EXPECT_GT(number_of("r.json", "cycle_time_s"), 6e5);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace accdec

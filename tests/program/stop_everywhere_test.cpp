@@ -1,0 +1,56 @@
+#include <random>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <accdec/filter.hpp>
+#include <accdec/plan/command/stop_everywhere.hpp>
+
+#include "program_command.hpp"
+#include "reference.hpp"
+
+// The plan for want of another, and the programs that need it.
+
+namespace accdec {
+namespace {
+
+using test::ProgramCommand;
+
+TEST(StopEverywhere, HoldsWhateverTheProgram) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    Machine machine = test::machine_of(0.5 + 0.3 * seed, unlimited, 1.0, 3);
+    for (Axis& axis : machine.axes) {
+      if (seed % 2 == 0) axis.jerk_max = 20.0 * seed;
+      if (seed % 3 == 0) axis.mass = 30.0, axis.damping = 100.0, axis.force_max = 40.0, axis.power_max = 5.0;
+    }
+    const Toolpath path = test::path_of(test::random_program(seed, 200), machine);
+    for (const Filter& filter : {boxcar(7), trapezoid(60, 20), Filter({0.5, 0.5}), blackman_sinc(40, 0.049)}) {
+      const ScheduledPlan plan = stop_everywhere(path, filter, test::period, machine);
+      EXPECT_TRUE(all_holds(plan.plan)) << seed << ", " << filter.order();
+      for (std::size_t b = 0; b < path.blocks(); ++b) EXPECT_GE(plan.path.duration[b], path.duration[b]);
+    }
+  }
+}
+
+// 3000 moves within a moment: a slow plan that holds, not one that breaks a limit.
+TEST_F(ProgramCommand, AShortTimeLimitGivesASlowPlan) {
+  write("jerk.toml",
+        "sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n"
+        "jerk_max_mm_s3 = 50000\n[program]\nerror_max_um = 20\n");
+  std::mt19937 random(24);
+  std::uniform_real_distribution<double> place(0.0, 50.0);
+  std::string text = "G21 G90 F6000 G64 P0.01\n";
+  for (int i = 0; i < 3000; ++i) text += fmt::format("G1 X{:.3f} Y{:.3f}\n", place(random), place(random));
+  write("part.ngc", text + "M2\n");
+  for (const char* feeds : {"choose", "keep"}) {
+    const auto done =
+        run(fmt::format("program part.ngc --task jerk.toml --time-limit 0.02 --json r.json --feeds {}", feeds));
+    EXPECT_EQ(done.code, 0) << done.out << done.err;
+    EXPECT_THAT(done.err, testing::HasSubstr("the time limit ended the search"));
+    const auto verified = run("verify r.json");
+    EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
+  }
+}
+
+}  // namespace
+}  // namespace accdec
