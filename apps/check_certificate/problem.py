@@ -5,8 +5,8 @@ from copy import copy
 from fractions import Fraction
 from types import SimpleNamespace
 
-from axes import curve, modes
-from enclosure import ONE, UNIT, ZERO, cos_sin_degrees, exact, exponential, square_root
+from axes import curve, modes, servo
+from enclosure import ONE, UNIT, ZERO, cos_sin_degrees, exact, square_root
 from refusals import NotCovered, Refused, number, refuse_if, whole
 
 GRANTED = Fraction(2, 10**9)  # relative part by which limits are wider than written
@@ -18,11 +18,8 @@ LIMITS = {
     "jerk": ("jerk_max_mm_s3", 1000), "force": ("force_max_N", 1),
     "power": ("power_max_W", 1), "regeneration": ("regeneration_max_W", 1),
 }
-SERVO_KEYS = ("servo_gain_1_s", "velocity_feedforward", "response_taps")
-AXIS_KEYS = {key for key, _ in LIMITS.values()} | {"name", "mass_kg", "damping_N_s_m", "coulomb_N", "force_speed_N"} | set(SERVO_KEYS)
+AXIS_KEYS = {key for key, _ in LIMITS.values()} | {"name", "mass_kg", "damping_N_s_m", "coulomb_N", "force_speed_N"} | set(servo.KEYS)
 STILL = Fraction(1, 10**9)  # part of the feed below which an axis stands: no dry friction is against it
-REST = Fraction(1, 10**12)  # a servo's response ends where less is left, which its last tap takes
-LONGEST = 50000  # taps of a response
 
 # limits: those given, by kind; own: its number if it has modes of its own, as then no other axis stands for it
 Axis = namedtuple("Axis", "mass damping coulomb limits lines last_speed own", defaults=((), None, None))
@@ -40,33 +37,6 @@ def _axis(table, period, fastest):
         limits["force"] += STILL * fastest * mass / period
     standing = STILL * fastest * mass / period if coulomb > 0 else 0
     return Axis(mass, damping, coulomb, limits, *curve.lines(table.get("force_speed_N"), WIDER, standing), None)
-
-
-def _response(tables, period):
-    """Taps of the servo that all axes have; [1] without one. A position control of gain Kv leaves c a^k of a step after
-    k samples, c = (1 - g)(1 - a)/(Kv T), a = exp(-Kv T)."""
-    servos = [[table.get(key) for key in SERVO_KEYS] for table in tables]
-    if any(servo != servos[0] for servo in servos):
-        raise NotCovered("axes that respond differently")
-    gain, feedforward, taps = servos[0] if servos else (None, None, None)
-    if taps is not None:
-        taps = [number(tap) for tap in taps]
-        refuse_if(not taps or min(taps) < 0 or abs(sum(taps) - 1) > Fraction(1, 10**6), "a response has a wrong tap")
-        return [exact(tap / sum(taps)) for tap in taps]
-    if gain is None:
-        return [UNIT]
-    fed = number(feedforward or 0)
-    refuse_if(number(gain) <= 0 or not 0 <= fed <= 1, "a servo's gain or feedforward is out of range")
-    x = exact(number(gain) * period)
-    left_by_each = exponential(-x)
-    missing = exact(1 - fed) * (UNIT - left_by_each) / x
-    taps = [UNIT - missing]
-    while missing.hi >= exact(REST).lo:
-        refuse_if(len(taps) > LONGEST, "a servo's response does not end")
-        after = missing * left_by_each
-        taps.append(missing - after)
-        missing = after
-    return taps[:-1] + [taps[-1] + missing]
 
 
 def _unit(vector):
@@ -134,7 +104,7 @@ def read(task):
         raise NotCovered("a control's own smoothing")
     problem = SimpleNamespace(
         period=period,
-        response=_response(task["axis"], period),
+        response=servo.response(task["axis"], period),
         order_min=max(whole(design.get("order_min", 1)), 0),
         order_max=whole(design.get("order_max", 400)),
         symmetric=design.get("symmetric", False) is True,

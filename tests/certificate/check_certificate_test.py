@@ -20,6 +20,7 @@ sys.path[:0] = [str(CHECKER), str(ROOT / "tests/attack")]
 
 import claim  # noqa: E402
 import problem  # noqa: E402
+from axes import servo  # noqa: E402
 from enclosure import ONE, PI, cos_sin, cos_sin_degrees, exact, exponential, square_root  # noqa: E402
 from rows import DELAYS, FALLS, RESPONSES, RISES, SAMPLES, TAPS, Rows  # noqa: E402
 from tree import Box  # noqa: E402
@@ -65,7 +66,7 @@ class BehindAServo(unittest.TestCase):
     def test_response_is_that_of_the_loop(self):
         """Following error v (1 - g)/Kv: the mean delay of the taps."""
         table = {"servo_gain_1_s": 150, "velocity_feedforward": Fraction(1, 4)}
-        taps = [tap.lo / ONE for tap in problem._response([table, dict(table)], Fraction(1, 1000))]
+        taps = [tap.lo / ONE for tap in servo.response([table, dict(table)], Fraction(1, 1000))]
         self.assertAlmostEqual(sum(taps), 1, delta=1e-14)
         self.assertAlmostEqual(sum(k * tap for k, tap in enumerate(taps)), 1000 * 0.75 / 150, delta=1e-9)
 

@@ -61,5 +61,69 @@ class DampedModes(unittest.TestCase):
                 self.assertAlmostEqual(c / ONE, known, delta=1e-14)
 
 
+HEAD = """sample_period_ms = 1
+[[axis]]
+acceleration_max_mm_s2 = 8000
+jerk_max_mm_s3 = 1000000
+mass_kg = 50
+{axis}
+[[corner]]
+angle_deg = 120
+heading_deg = 10
+feed_in_mm_min = 6000
+{corner}
+"""
+
+
+def designed(axis="", corner="error_max_um = 100", end=""):
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "task.toml")
+        Path(path).write_text(HEAD.format(axis=axis, corner=corner) + end, encoding="utf-8")
+        return json.loads(design(path))
+
+
+class LimitsOfAxes(unittest.TestCase):
+    def expect_proved_but_not(self, result, forgeries):
+        self.assertEqual(verdict(result)[0], True, verdict(result)[1])
+        for forge in forgeries:
+            forged = copy.deepcopy(result)
+            forge(forged["task"])
+            self.assertEqual(verdict(forged)[0], False)
+
+    def test_modes_of_axes(self):
+        result = designed(end='[[mode]]\nfrequency_Hz = 40\ndamping_ratio = 0.05\naxis = "x"\nresidual_max_um = 5\n')
+        mode = {"residual_max_um": 50, "frequency_Hz": 60, "damping_ratio": 0.2, "axis": "q"}
+
+        def forgery(key, other):
+            return lambda task: task["mode"][0].update({key: other})
+
+        self.expect_proved_but_not(result, [forgery(*change) for change in mode.items()])
+        rows = [row[0] for rows in result["certificate"]["multipliers"] for row in rows]
+        self.assertIn("blend vibration", rows)
+
+    def test_force_speed_curves(self):
+        result = designed(axis="force_speed_N = [[0, 350], [50, 320], [150, 150]]")
+        rows = {row[0] for rows in result["certificate"]["multipliers"] for row in rows}
+        self.assertTrue(rows & {"force_speed start", "force_speed stop", "blend force_speed"}, rows)
+
+        def stronger(task):
+            for axis in task["axis"]:
+                axis["force_speed_N"] = [[0, 380], [50, 370], [150, 250]]
+
+        self.expect_proved_but_not(result, [stronger])
+
+    def test_contours(self):
+        result = designed(corner="contour_max_um = 20")
+        self.assertIn("contour", [row[0] for rows in result["certificate"]["multipliers"] for row in rows])
+        self.expect_proved_but_not(
+            result,
+            [
+                lambda task: task["corner"][0].update(contour_max_um=40),
+                lambda task: task["corner"][0].update(angle_deg=150),
+                lambda task: task["corner"][0].pop("contour_max_um"),
+            ],
+        )
+
+
 if __name__ == "__main__":
     unittest.main()

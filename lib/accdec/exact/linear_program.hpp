@@ -67,8 +67,6 @@ class LinearProgram {
   bool carry_over(int row, const Box& box, bool symmetric);
   bool cut_cones(const Filter& filter, const Box& box, double allowed);
   bool cut_vibration(const Filter& filter, const Box& box);
-  bool cut_residual(std::size_t mode, const Filter& filter, const Box& box);
-  bool cut_mode(proof::Vibration id, const Filter& filter, const Box& box);
 
   const LimitModel& model_;
   int largest_, tube_rows_ = 0;

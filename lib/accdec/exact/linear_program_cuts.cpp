@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <accdec/exact/linear_program.hpp>
 #include <accdec/exact/window.hpp>
@@ -13,6 +14,59 @@ namespace {
 
 /// rad inside of which cuts grow with both distances in spite of rounding
 constexpr double inside = 1e-12;
+
+/// A row of a mode that a filter breaks, seen at the phase at which it is left with most.
+proof::Vibration at_worst_phase(proof::Vibration id, const LimitModel& model, const Filter& filter, const Box& box) {
+  const double natural = 2.0 * std::numbers::pi * id.frequency * model.task().sample_period;
+  const double turn = natural * std::sqrt((1.0 - id.damping) * (1.0 + id.damping));
+  double c = 0.0, s = 0.0;
+  for (int i = 0; i <= box.order; ++i) {
+    const double left = filter.tap(i) * std::exp(-id.damping * natural * (box.order - i));
+    c += left * std::cos(turn * i);
+    s += left * std::sin(turn * i);
+  }
+  id.angle = std::atan2(s, c);
+  return id;
+}
+
+/// What starts and stops, and blends of single delays, leave a mode of an axis with, where that is too much.
+void add_residuals(const LimitModel& model, std::size_t m, const Filter& filter, const Box& box, double slack,
+                   std::vector<proof::Vibration>& broken) {
+  const Mode& mode = model.task().machine.modes[m];
+  double fastest = 0.0;
+  const auto look = [&](int corner, double v1, double v2, int delay) {
+    const LimitUse use = residual_utilisation(filter, v1, v2, delay, model.task().sample_period, mode);
+    if (use.utilisation > 1.0 + slack) broken.push_back({static_cast<int>(m), use.frequency, 0.0, use.damping, corner});
+  };
+  for (std::size_t j = 0; j < box.corners.size(); ++j) {
+    const Legs v = legs(model.task().corners[j], static_cast<std::size_t>(mode.axis));
+    fastest = std::max({fastest, std::abs(v.in), std::abs(v.out)});
+    const bool counts = v.in != 0.0 && v.out != 0.0 && box.corners[j].d1 == box.corners[j].d2 && !box.window;
+    if (counts) look(static_cast<int>(j), v.in, v.out, box.corners[j].d1);
+  }
+  look(-1, 0.0, fastest, 0);
+}
+
+/// Rows of modes that a filter breaks.
+std::vector<proof::Vibration> broken_modes(const LimitModel& model, const Filter& filter, const Box& box,
+                                           double slack) {
+  const Machine& machine = model.task().machine;
+  const auto uses = vibration_utilisation(filter, model.task().sample_period, machine);
+  std::vector<proof::Vibration> broken;
+  std::size_t of_filter = 0;
+  for (std::size_t m = 0; m < machine.modes.size(); ++m) {
+    if (machine.modes[m].of_axis()) {
+      add_residuals(model, m, filter, box, slack, broken);
+      continue;
+    }
+    const LimitUse& use = uses[of_filter++];
+    if (use.value > use.bound * (1.0 + slack) + 1e-13)
+      broken.push_back({static_cast<int>(m), use.frequency, 0.0, use.damping});
+  }
+  for (proof::Vibration& id : broken) id = at_worst_phase(id, model, filter, box);
+  return broken;
+}
+
 }  // namespace
 
 bool LinearProgram::cut(const Filter& filter, const Box& box, double allowed) {
@@ -74,62 +128,16 @@ bool LinearProgram::add_vibration(const proof::Vibration& id, const Box& box) {
 
 bool LinearProgram::cut_vibration(const Filter& filter, const Box& box) {
   bool added = false;
-  const double t = model_.task().sample_period;
-  const auto uses = vibration_utilisation(filter, t, model_.task().machine);
-  const std::vector<Mode>& modes = model_.task().machine.modes;
-  std::size_t of_filter = 0;
-  for (std::size_t m = 0; m < modes.size(); ++m) {
-    if (modes[m].of_axis()) {
-      added |= cut_residual(m, filter, box);
-      continue;
-    }
-    const LimitUse& use = uses[of_filter++];
-    if (use.value <= use.bound * (1.0 + broken()) + 1e-13) continue;
-    added |= cut_mode({static_cast<int>(m), use.frequency, 0.0, use.damping}, filter, box);
+  for (proof::Vibration id : broken_modes(model_, filter, box, broken())) {
+    const double bound = model_.rows.vibration_bound(id, box);
+    if (bound == infinity || (window_ && !inside_window(id, box)) || !add_vibration(id, box)) continue;
+    added = true;
+    // A zero response needs both components held.
+    if (bound >= 1e-6) continue;
+    id.angle += 0.5 * std::numbers::pi;
+    add_vibration(id, box);
   }
   return added;
-}
-
-/// What starts and stops, and blends of single delays, leave a mode of an axis with.
-bool LinearProgram::cut_residual(std::size_t m, const Filter& filter, const Box& box) {
-  const Mode& mode = model_.task().machine.modes[m];
-  const auto axis = static_cast<std::size_t>(mode.axis);
-  bool added = false;
-  double fastest = 0.0;
-  const auto cut = [&](int corner, double v1, double v2, int delay) {
-    const LimitUse use = residual_utilisation(filter, v1, v2, delay, model_.task().sample_period, mode);
-    if (use.utilisation > 1.0 + broken())
-      added |= cut_mode({static_cast<int>(m), use.frequency, 0.0, use.damping, corner}, filter, box);
-  };
-  for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    const Legs v = legs(model_.task().corners[j], axis);
-    fastest = std::max({fastest, std::abs(v.in), std::abs(v.out)});
-    const bool counts = v.in != 0.0 && v.out != 0.0 && box.corners[j].d1 == box.corners[j].d2 && !window_;
-    if (counts) cut(static_cast<int>(j), v.in, v.out, box.corners[j].d1);
-  }
-  cut(-1, 0.0, fastest, 0);
-  return added;
-}
-
-/// @param id  without its angle
-bool LinearProgram::cut_mode(proof::Vibration id, const Filter& filter, const Box& box) {
-  const double bound = model_.rows.vibration_bound(id, box);
-  if (bound == infinity || (window_ && !inside_window(id, box))) return false;
-  const double natural = 2.0 * std::numbers::pi * id.frequency * model_.task().sample_period;
-  const double turn = natural * std::sqrt((1.0 - id.damping) * (1.0 + id.damping));
-  double c = 0.0, s = 0.0;
-  for (int i = 0; i <= box.order; ++i) {
-    const double left = filter.tap(i) * std::exp(-id.damping * natural * (box.order - i));
-    c += left * std::cos(turn * i);
-    s += left * std::sin(turn * i);
-  }
-  id.angle = std::atan2(s, c);
-  if (!add_vibration(id, box)) return false;
-  // A zero response needs both components held.
-  if (bound >= 1e-6) return true;
-  id.angle += 0.5 * std::numbers::pi;
-  add_vibration(id, box);
-  return true;
 }
 
 }  // namespace accdec::exact
