@@ -20,6 +20,7 @@
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
+#include <accdec/plan/record/recorded_estimates.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
 #include <accdec/task.hpp>
 
@@ -95,17 +96,7 @@ class Reader {
       const Value servo = json_["servo"];
       r.servo = {servo["settling_s"].number(), servo["within_m"].number(), servo["stop_error_m"].number()};
     }
-    if (!json_.has("estimates")) return;
-    for (const Value& estimate : json_["estimates"].elements()) read_estimate(estimate);
-  }
-
-  /// Only its settings: the rest follows.
-  void read_estimate(const Value& json) {
-    ControlEstimate& estimate = record_.result.estimates.emplace_back();
-    estimate.control = json["control"].text();
-    for (const Value& one : json["parameters"].elements())
-      estimate.parameters.push_back(
-          {one["name"].text(), one["unit"].text(), one["value"].number(), one["from"].text()});
+    if (json_.has("estimates")) r.estimates = recorded_estimates(json_["estimates"]);
   }
 
   void read_bounds() {
