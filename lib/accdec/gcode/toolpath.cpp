@@ -37,6 +37,15 @@ bool same_circle(const Arc& a, const Arc& b) {
   return same;
 }
 
+/// Notes the path mode of the next block where it changes.
+void keep_mode(Toolpath& path, const Move& move) {
+  if (!path.modes.empty()) {
+    const Toolpath::Mode& last = path.modes.back();
+    if (last.control == move.control && last.tolerance == move.tolerance && last.merge == move.merge) return;
+  }
+  path.modes.push_back({static_cast<std::uint32_t>(path.blocks()), move.control, move.tolerance, move.merge});
+}
+
 /// The arc under way and the one before it.
 class ArcSequence {
  public:
@@ -107,13 +116,6 @@ class Builder : public MoveSink {
   double limited_duration(const Move& move);
   void close_joint(const Move& next);
   double exact_tolerance(std::size_t b) const;
-  void keep_mode(const Move& move) {
-    if (!path_.modes.empty()) {
-      const Toolpath::Mode& last = path_.modes.back();
-      if (last.control == move.control && last.tolerance == move.tolerance && last.merge == move.merge) return;
-    }
-    path_.modes.push_back({static_cast<std::uint32_t>(path_.blocks()), move.control, move.tolerance, move.merge});
-  }
   void give_delay(std::size_t b);
   void keep_arc(std::size_t b);
   void keep_system() {
@@ -343,7 +345,7 @@ void Builder::move(const Move& move) {
   if (!(duration > 0.0 && duration < longest)) fail(move, "the move takes more than 1e9 s or no time at all");
   for (const std::size_t a : path_.axes) path_.points.push_back(move.to[a]);
   if (path_.blocks() > 0) close_joint(move);
-  keep_mode(move);
+  keep_mode(path_, move);
   path_.duration.push_back(duration);
   path_.tolerance.push_back(unlimited);
   path_.joint.push_back(Joint::stop);

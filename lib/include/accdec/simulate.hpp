@@ -281,7 +281,6 @@ struct ProgramTools {
 };
 
 /// A program as the look-ahead sees it: legs (one per block) between corners (one per point, including the ends).
-///
 /// A corner is passed at one speed v, by a boxcar of `stretch * v` seconds. It takes `stretch v^2/2` of each leg, plus
 /// the length of a steady stretch of `coast` seconds on either side. A leg ramps between the speeds of its corners and
 /// up to its feed where there is room. Its acceleration is constant within each of `levels` equal parts of its feed.

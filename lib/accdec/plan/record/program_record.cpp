@@ -20,7 +20,7 @@
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
-#include <accdec/plan/record/recorded_estimate.hpp>
+#include <accdec/plan/record/recorded_estimates.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
 #include <accdec/task.hpp>
 
@@ -96,8 +96,7 @@ class Reader {
       const Value servo = json_["servo"];
       r.servo = {servo["settling_s"].number(), servo["within_m"].number(), servo["stop_error_m"].number()};
     }
-    if (!json_.has("estimates")) return;
-    for (const Value& estimate : json_["estimates"].elements()) r.estimates.push_back(recorded_estimate(estimate));
+    if (json_.has("estimates")) r.estimates = recorded_estimates(json_["estimates"]);
   }
 
   void read_bounds() {
