@@ -89,10 +89,11 @@ class KeyCheck {
     }
   }
 
-  /// Whether it is 0 in SI units, or so small that it has lost digits. Numbers without a unit stay what they are, and so
-  /// do those that a program wrote.
+  /// Whether it is 0 in SI units, or so small that it has lost digits. Numbers without a unit stay what they are, and
+  /// so do those that a program wrote.
   static bool lost(const Key& key, double x) {
-    return Node::is_toml && x != 0.0 && !key.unit.empty() && std::abs(to_si(key, x)) < std::numeric_limits<double>::min();
+    return Node::is_toml && x != 0.0 && !key.unit.empty() &&
+           std::abs(to_si(key, x)) < std::numeric_limits<double>::min();
   }
 
   static std::string allowed(const Key& key) { return key.allowed.empty() ? key.range.text(key.name) : key.allowed; }

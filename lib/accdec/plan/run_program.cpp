@@ -74,8 +74,7 @@ class Planning {
   /// Plans again as `--feeds keep` does, so that chosen feeds are not slower.
   void tune(const Toolpath& path, Feeds feeds) {
     if (deadline_.over() || !kept_) return;
-    const bool hopeless =
-        path.blocks() > tuned_max || *kept_ > hopelessly_slower * seconds(best_.plan);
+    const bool hopeless = path.blocks() > tuned_max || *kept_ > hopelessly_slower * seconds(best_.plan);
     if (feeds != Feeds::choose_fitting || !hopeless) keep(path, true);
   }
   /// Where no plan holds: a slow one that stops at every joint.
@@ -188,7 +187,7 @@ class Planning {
   const Machine& machine_;
   const Deadline& deadline_;
   ScheduledPlan best_;
-  Toolpath base_;  // planned at the programmed feeds
+  Toolpath base_;               // planned at the programmed feeds
   std::optional<double> kept_;  // s, of that plan, which need not hold
   bool delays_had_ = true;
 };

@@ -109,8 +109,8 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
       "<p id=\"legend\"></p>\n<h2>Time lost against the programmed feed</h2>\n";
   page += html_table({{"turn", "joints", "lost, s", "lost by each, ms"}, rows});
   page += bounds_table(motion);
-  page += "<script>\n" + arrays(programmed, machine, motion, from) + std::string(program_script) +
-          "</script>\n" + html_foot();
+  page += "<script>\n" + arrays(programmed, machine, motion, from) + std::string(program_script) + "</script>\n" +
+          html_foot();
   return page;
 }
 

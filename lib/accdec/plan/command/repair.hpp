@@ -37,7 +37,8 @@ class Repair {
   /// already longer than the filter, the nearest earlier one that can still be raised is taken. Inside curves the feed
   /// is also lowered. If there is neither, a block shorter than the filter breaks the limit by itself, by its start and
   /// its stop together. It is slowed. So is a longer one that is faster than the filter can start or stop: inside a leg
-  /// that does not matter until a joint is delayed. Joints not repaired after twenty rounds are raised, smooth ones too.
+  /// that does not matter until a joint is delayed. Joints not repaired after twenty rounds are raised, smooth ones
+  /// too.
   RepairWork failing(std::span<const std::uint32_t> broken) const;
   /// One round: makes changes, simulates around them again, and returns what fails there now. @param step  samples to
   /// raise by

@@ -76,7 +76,7 @@ class SummaryText {
         put("  {}\n", describe(other));
     }
     if (result_.plan.command() != nullptr) row("  of it delays", result_.delay_total);
-    if (result_.feeds_chosen && result_.cycle_time_kept) 
+    if (result_.feeds_chosen && result_.cycle_time_kept)
       row(result_.kept_same_filter ? "same filter, programmed feeds" : "feeds as programmed", *result_.cycle_time_kept);
     if (result_.cycle_time_exact_stop) row("exact stop at every corner", *result_.cycle_time_exact_stop);
     if (!result_.exact_stop_breaks.empty()) put("    but breaks {}\n", result_.exact_stop_breaks);
