@@ -48,5 +48,12 @@ TEST(ParseToml, CountsNothingInStringsAndComments) {
   EXPECT_EQ(refused("a = " + times(64, "[") + times(64, "]") + "\n"), "");
 }
 
+// Such a number would be read as 0, which often means something else.
+TEST(ParseToml, RefusesNumbersThatReadAsZero) {
+  EXPECT_THAT(refused("a = 1\nb = 1e-400\n"), ::testing::StartsWith("2:5: the number is too small"));
+  EXPECT_THAT(refused("[t]\nb = [0.0, 0e-400, +0.003E-999]\n"), ::testing::StartsWith("2:19: "));
+  EXPECT_EQ(refused("a = 0.0\nb = [0e0, -0.0, 0e5, 1e-300]\nc = {d = 0.0_0e9}\n"), "");
+}
+
 }  // namespace
 }  // namespace accdec

@@ -36,7 +36,7 @@ TEST(ShownText, AShellReadsQuotedArguments) {
   }
 }
 
-// What is above a limit does not look like the limit.
+// A number above a limit does not look like the limit.
 TEST(ShownText, NumbersAboveALimitLookSo) {
   EXPECT_EQ(shown_above(2.04, 2.0), "2.04");
   EXPECT_EQ(shown_above(2.4, 2.0), "2.4");

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -76,10 +77,12 @@ TEST(SteadyMotion, PassedOverIsWhatItsSamplesAre) {
       for (; k <= static_cast<std::size_t>(seen.number); ++k) {
         for (std::size_t a = 0; a < seen.x.size(); ++a) speed = std::max(speed, std::abs(all[k].v[a] - seen.v[a]));
       }
-      for (std::size_t a = 0; a < seen.x.size(); ++a)
-        place = std::max(place, std::abs(all[k - 1].x[a] - seen.x[a]));
+      for (std::size_t a = 0; a < seen.x.size(); ++a) place = std::max(place, std::abs(all[k - 1].x[a] - seen.x[a]));
     }
-    EXPECT_LT(place, 1e-12);
+    // Profiles add a period to the time in the piece for every sample: 10^5 roundings of up to 100 s, at 50 mm/s.
+    const double rounded =
+        result.plan.trajectory() ? 1e5 * 0.5 * std::numeric_limits<double>::epsilon() * 100.0 * 0.05 : 0.0;
+    EXPECT_LT(place, 1e-12 + rounded);
     EXPECT_LT(speed, 2e-9);
   }
 }

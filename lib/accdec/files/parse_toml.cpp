@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -53,6 +54,37 @@ std::optional<std::size_t> too_deep(std::string_view text) {
   return std::nullopt;
 }
 
+/// Refuses numbers that are written with digits but read as 0, such as 1e-400.
+class LostNumbers {
+ public:
+  LostNumbers(std::string_view text, const std::string& name) : text_(text), name_(name) {
+    for (std::size_t at = text.find('\n'); at != std::string_view::npos; at = text.find('\n', at + 1))
+      lines_.push_back(at + 1);
+  }
+  void refuse(const toml::node& node) const {
+    if (const toml::table* table = node.as_table()) {
+      for (const auto& [key, value] : *table) refuse(value);
+    } else if (const toml::array* list = node.as_array()) {
+      for (const toml::node& element : *list) refuse(element);
+    } else if (node.is_floating_point() && node.as_floating_point()->get() == 0.0) {
+      look(node.source().begin);
+    }
+  }
+
+ private:
+  void look(const toml::source_position& at) const {
+    if (at.line < 1 || at.line > lines_.size()) return;
+    const std::string_view behind = text_.substr(std::min(text_.size(), lines_[at.line - 1] + at.column - 1));
+    const std::string_view digits = behind.substr(0, behind.find_first_not_of("+-0123456789._"));
+    if (digits.find_first_of("123456789") != std::string_view::npos)
+      throw InputError(name_, at.line, at.column, "the number is too small: it cannot be told from 0; write 0");
+  }
+
+  std::string_view text_;
+  const std::string& name_;
+  std::vector<std::size_t> lines_{0};  // where they begin
+};
+
 }  // namespace
 
 toml::table parse_toml(std::string_view text, const std::string& name) {
@@ -62,7 +94,9 @@ toml::table parse_toml(std::string_view text, const std::string& name) {
                      fmt::format("tables or lists nest more than {} deep; no key of accdec does", deepest));
   }
   try {
-    return toml::parse(text, name);
+    toml::table table = toml::parse(text, name);
+    LostNumbers(text, name).refuse(table);
+    return table;
   } catch (const toml::parse_error& error) {
     throw InputError(name, error.source().begin.line, error.source().begin.column,
                      fmt::format("not valid TOML: {}", error.description()));
