@@ -127,9 +127,8 @@ void verify_program(const std::string& text, const std::string& path, double lim
   const ProgramResult& result = record.result;
   if (result.status != Status::feasible) return refuse("the result is failed: there is no plan to verify");
   if (const double seconds = plan_again ? 0.0 : motion_seconds(record); !(seconds <= limit))
-    return pass(
-        fmt::format("simulating the plan again would take about {} s; --time-limit is {:g} s",
-                    shown_above(seconds, limit), limit));
+    return pass(fmt::format("simulating the plan again would take about {} s; --time-limit is {:g} s",
+                            shown_above(seconds, limit), limit));
   if (const std::string why = changed_inputs(record.inputs); !why.empty())
     return std::filesystem::is_regular_file(record.inputs.program) ? refuse(why) : pass(why);
   std::vector<std::string> reasons;

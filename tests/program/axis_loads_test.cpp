@@ -58,7 +58,8 @@ void expect_loads(const ProgramResult& result, const Task& task) {
   }
 }
 
-constexpr const char* legs = "G64 P0.02 F12000\nG1 X30\nG1 Y60\nG4 P0.3\nG1 X0\nG1 Y20 X-10\nG1 X40 F3000\nG1 X39 Y22 F3\nM2\n";
+constexpr const char* legs =
+    "G64 P0.02 F12000\nG1 X30\nG1 Y60\nG4 P0.3\nG1 X0\nG1 Y20 X-10\nG1 X40 F3000\nG1 X39 Y22 F3\nM2\n";
 
 TEST(AxisLoads, OfAFilteredProgramAreThoseOfItsSamples) {
   const Task task = mill();

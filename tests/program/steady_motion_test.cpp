@@ -76,8 +76,7 @@ TEST(SteadyMotion, PassedOverIsWhatItsSamplesAre) {
       for (; k <= static_cast<std::size_t>(seen.number); ++k) {
         for (std::size_t a = 0; a < seen.x.size(); ++a) speed = std::max(speed, std::abs(all[k].v[a] - seen.v[a]));
       }
-      for (std::size_t a = 0; a < seen.x.size(); ++a)
-        place = std::max(place, std::abs(all[k - 1].x[a] - seen.x[a]));
+      for (std::size_t a = 0; a < seen.x.size(); ++a) place = std::max(place, std::abs(all[k - 1].x[a] - seen.x[a]));
     }
     EXPECT_LT(place, 1e-12);
     EXPECT_LT(speed, 2e-9);
