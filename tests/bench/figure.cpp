@@ -15,7 +15,8 @@ using Json = nlohmann::json;
 accdec::Scale scale(const Json& json) {
   accdec::Scale scale;
   json.at("label").get_to(scale.label), scale.log = json.value("log", false);
-  if (json.contains("range")) scale.min = json["range"].at(0).get<double>(), scale.max = json["range"].at(1).get<double>();
+  if (json.contains("range"))
+    scale.min = json["range"].at(0).get<double>(), scale.max = json["range"].at(1).get<double>();
   if (json.contains("names")) json["names"].get_to(scale.names);
   return scale;
 }
