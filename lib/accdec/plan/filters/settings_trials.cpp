@@ -92,7 +92,8 @@ double SettingsTrials::width_of(const Filter& filter, int delay) const {
 
 /// Steps around a delay of the fastest corner that are halved.
 template <class Time>
-void SettingsTrials::search_width(const Filter& filter, int from, int step, const Time& time, TimedSetting& best) const {
+void SettingsTrials::search_width(const Filter& filter, int from, int step, const Time& time,
+                                  TimedSetting& best) const {
   for (; step >= 1; step /= 2) {
     for (const int delay : {from - step, from + step}) {
       if (delay < 0 || delay > filter.order() || deadline_.over()) continue;
@@ -163,8 +164,7 @@ double SettingsTrials::planned(const Filter& filter, const ControlDelays& contro
   };
   const bool small = path.blocks() <= small_program;
   if (!keep_) {
-    const ScheduledPlan chosen =
-        schedule_feeds(path, filter, task_.sample_period, machine_, small ? 40 : 3, deadline_);
+    const ScheduledPlan chosen = schedule_feeds(path, filter, task_.sample_period, machine_, small ? 40 : 3, deadline_);
     take(chosen.path, chosen.plan);
   }
   if (keep_ || small) {
