@@ -60,10 +60,9 @@ def _cascades(stages, taps, end, before=None):
 
 def _delays(task):
     """Samples between impulses, rising: whole ones, or of all frequencies of a control that interpolates."""
-    if "shaper_frequency_step_Hz" not in task["design"]:
-        return count(1)
-    lowest = 500 / (number(task["design"]["shaper_frequency_step_Hz"]) * number(task["sample_period_ms"]))
-    return (lowest / m for m in range(floor(lowest + Fraction(1, 10**9)), 0, -1))
+    step = task["design"].get("shaper_frequency_step_Hz")
+    lowest = 500 / (number(step) * number(task["sample_period_ms"])) if step else 0
+    return (lowest / m for m in range(floor(lowest), 0, -1)) if step else count(1)
 
 
 def _members(family, task, end):
@@ -74,16 +73,14 @@ def _members(family, task, end):
         raise NotCovered(f"the family {family!r}" + (f", {shaper}" if family == "shaper" else ""))
     gaps = len(impulses) - 1
     for taps in _cascades(_stages(task, end), [1], end):
-        if not gaps:
-            yield taps
-        for delay in _delays(task) if gaps else ():
-            at = [m * delay for m in range(gaps + 1)]
-            at = [round(x) if abs(x - round(x)) < Fraction(1, 10**9) else x for x in at]
-            if len(taps) + ceil(at[-1]) > end:
+        for delay in _delays(task) if gaps else [0]:
+            sums = [0] * (len(taps) + ceil(gaps * delay))
+            if len(sums) > end:
                 break
-            sums = [0] * (len(taps) + ceil(at[-1]))
-            for x, impulse in zip(at, impulses):
-                for sample, part in ((floor(x), 1 - x % 1), (ceil(x), x % 1)):
+            for m, impulse in enumerate(impulses):
+                # An impulse between two samples is on both, in whole numbers.
+                x, scale = m * delay, Fraction(delay).denominator
+                for sample, part in ((floor(x), int(scale - x % 1 * scale)), (ceil(x), int(x % 1 * scale))):
                     for i, b in enumerate(taps):
                         sums[i + sample] += impulse * part * b
             yield sums

@@ -356,7 +356,7 @@ class Families(unittest.TestCase):
             path.write_text(text + '\n[design]\nfamily = "shaper"\nstages = 1\n', encoding="utf-8")
             accepted, words = verdict(design(path))
             self.assertIs(accepted, True, words)
-            step = '\n[design]\nfamily = "shaper"\nstages = 1\nshaper_frequency_step_Hz = 3\n'
+            step = '\n[design]\nfamily = "shaper"\nstages = 1\nshaper_frequency_step_Hz = 15\n'
             path.write_text(text + step, encoding="utf-8")
             between = json.loads(design(path))
         delay = 500 / between["settings"]["values"][-1]["value"] / between["task"]["sample_period_ms"]
