@@ -301,6 +301,8 @@ struct ProgramFile {
   bool interpreted = false;  ///< by rs274
 };
 
+inline constexpr double longest_chords = 2e-6;  ///< m, from their arcs at most
+
 /// Largest distance in m of chords from their arcs so that planning them is like planning the arc. It is the sagitta a
 /// T^2/8 that the arc's fastest motion, v = sqrt(a R), passes in a sample, for any radius. Here a is the smallest
 /// acceleration limit of an axis. Longer chords turn the velocity in larger steps than the arc does from sample to
