@@ -199,6 +199,14 @@ TEST(PlotProgram, MotionPanelsShowWhatStandsInTheSamples) {
       if (std::isnan(s.x[i])) continue;
       const auto at = std::lround(s.x[i] / result.sample_period), end = std::ssize(speeds);
       EXPECT_NEAR(s.y[i], speeds.at(static_cast<std::size_t>(at)), 1e-9);
+      // Between two points the line is drawn, along which steady motion needs no others.
+      const bool goes_on = i > 0 && !std::isnan(s.x[i - 1]);
+      for (auto k = goes_on ? std::lround(s.x[i - 1] / result.sample_period) : at; k < at; ++k) {
+        const double part = 1.0 - (s.x[i] - static_cast<double>(k) * result.sample_period) / (s.x[i] - s.x[i - 1]);
+        const double drawn = s.y[i - 1] + part * (s.y[i] - s.y[i - 1]);
+        low[static_cast<std::size_t>(k)] = std::min(low[static_cast<std::size_t>(k)], drawn);
+        high[static_cast<std::size_t>(k)] = std::max(high[static_cast<std::size_t>(k)], drawn);
+      }
       for (auto k = std::max(0L, at - reach); k < std::min(end, at + reach); ++k) {
         low[static_cast<std::size_t>(k)] = std::min(low[static_cast<std::size_t>(k)], s.y[i]);
         high[static_cast<std::size_t>(k)] = std::max(high[static_cast<std::size_t>(k)], s.y[i]);

@@ -117,7 +117,7 @@ inline std::vector<Case> cases() {
       {"error_without_digits",
        with_corner(corner_head + "error_max_um = 1e-320\n"),
        "17:16",
-       {"is too small: in SI units it cannot be told from 0", "allowed is error_max_um >= 0"}},
+       {"is too small: in SI units it cannot be told from 0", "allowed is 0 <= error_max_um <= "}},
       {"limit_without_digits",
        with_axis("[[axis]]\nacceleration_max_mm_s2 = 1e-320\n"),
        "7:26",

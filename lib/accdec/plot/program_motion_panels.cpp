@@ -34,8 +34,10 @@ class TimeTrace {
     if (points_.empty() || column != at_) {
       end_column();
       if (!x.empty() && from.t > x.back()) put({NAN, NAN});
+      // `from` may lie many columns before: a steady motion is two points, whatever follows in this column.
+      if (x.empty() || !(from.t <= x.back())) put(from);
       at_ = column;
-      points_ = {from, from, from, from};
+      points_ = {to, to, to, to};
     }
     if (to.v < points_[1].v) points_[1] = to;
     if (to.v > points_[2].v) points_[2] = to;
