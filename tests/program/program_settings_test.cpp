@@ -151,7 +151,9 @@ TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
   std::swap(*std::find(kinds.begin(), kinds.end(), "corner-feed"),
             *std::find(kinds.begin(), kinds.end(), "continuous"));
   write("forged.json", record.dump());
-  EXPECT_EQ(run("verify forged.json").code, 1);
+  const Output forged = run("verify forged.json");
+  EXPECT_EQ(forged.code, 1) << forged.err;
+  EXPECT_THAT(forged.out, HasSubstr("names corner-feed where the control runs on"));
   const Output kept = run("program part.ngc --feeds keep --task control.toml --time-limit 4 --json k.json");
   EXPECT_EQ(kept.code, 1);
   EXPECT_THAT(kept.err, HasSubstr("which --feeds keep does not command: use --feeds choose"));

@@ -32,8 +32,8 @@ class SettingsTrials {
     double any = unlimited;  ///< samples, with delays of any number of samples
     TimedSetting best{};     ///< with the delays of the control, at the width that suits it best
   };
-  /// Every corner by itself at the programmed feeds, or the first schedule of chosen feeds: a plan mends what is broken
-  /// where moves overlap, which takes a hundred times as long and makes the program slower.
+  /// Every corner by itself at the programmed feeds, or the first schedule of chosen feeds. A plan mends what is broken
+  /// where moves overlap. That takes a hundred times as long, and makes the program slower.
   Guess guess(const Filter& set) const;
 
   /// Planned with the guess's width and those around it.
