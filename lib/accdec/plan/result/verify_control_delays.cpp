@@ -33,7 +33,7 @@ class ControlDelayCheck {
       const bool passed = !ends_leg(path_, b) && command_.delays[b] == 0;
       if (passed && chosen.delays[b] != DelayKind::continuous)
         wrong_(fmt::format("line {}: settings.delays names {} where the control runs on", path_.line[b],
-                          to_string(chosen.delays[b])));
+                           to_string(chosen.delays[b])));
       if (passed || path_.joint[b] == Joint::stop) continue;
       check_kind(b, chosen.delays[b]);
       in_position = in_position || chosen.delays[b] == DelayKind::in_position;
@@ -61,7 +61,7 @@ class ControlDelayCheck {
     if (distance(b, delay) > width.low * (1.0 + width_rounding) + way_rounding ||
         before < width.high * (1.0 - width_rounding) - way_rounding)
       wrong_(fmt::format("line {}: in-position widths from {:.9g} to {:.9g} m do not give a delay of {} samples",
-                        path_.line[b], width.low, width.high, delay));
+                         path_.line[b], width.low, width.high, delay));
   }
 
   /// Whether a part of the lines that meet at the end of block b is faster than it is there.
