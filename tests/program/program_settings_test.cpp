@@ -145,9 +145,9 @@ TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
   EXPECT_THAT(read("out"), ::testing::ContainsRegex("Set these: .*; corner-feed at [0-9]+ joints"));
   EXPECT_EQ(read("e.ngc").find("\nG4 "), std::string::npos) << "the control has no dwells";
   EXPECT_EQ(run("verify r.json").code, 0) << read("out");
-  nlohmann::json record = nlohmann::json::parse(read("r.json"));
+  nlohmann::ordered_json record = nlohmann::ordered_json::parse(read("r.json"));
   // As many joints of each kind, but not these.
-  nlohmann::json& kinds = record["settings"]["delays"];
+  nlohmann::ordered_json& kinds = record["settings"]["delays"];
   std::swap(*std::find(kinds.begin(), kinds.end(), "corner-feed"),
             *std::find(kinds.begin(), kinds.end(), "continuous"));
   write("forged.json", record.dump());

@@ -95,9 +95,7 @@ std::vector<Key> make_filter_keys() {
                   .fallback = "no shaper",
                   .example = "\"zv\""});
   keys.push_back({.name = "shaper_delay",
-                  .meaning =
-                      "delay from each impulse to the next; needed with `shaper`; an impulse between two samples "
-                      "is split onto them",
+                  .meaning = "delay from each impulse to the next, whole or not; needed with `shaper`",
                   .unit = "samples",
                   .range = {1, order_limit},
                   .example = "12"});

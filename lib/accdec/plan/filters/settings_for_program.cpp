@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <set>
@@ -7,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
@@ -151,6 +153,30 @@ SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, 
   if (!(time.samples < unlimited)) return result;
   ProgramSettings now{.chosen = {.filter = *today}, .width = time.width};
   result.today = std::move(now);
+  return result;
+}
+
+ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
+                              const std::function<void(const std::string&)>& tell) {
+  const auto start = std::chrono::steady_clock::now();
+  const SettingsForProgram found = settings_for_program(path, task, keep, deadline, tell);
+  ProgramFilter result;
+  result.solver.method = "settings planned one by one";
+  result.solver.name = "families";
+  result.solver.wall_time = seconds_since(start);
+  result.today = found.today;
+  if (!found.best) {
+    result.message = fmt::format("no setting of {} that was planned holds all limits of the program",
+                                 families_in_words(*task.settings));
+    if (keep && runs_on(control_of(*task.settings, 0.0)))
+      result.message +=
+          "; its `delays` hold tolerances by lower feeds alone, which --feeds keep does not command: use --feeds "
+          "choose, or name a kind that waits, such as \"exact-stop\"";
+    return result;
+  }
+  result.settings = found.best;
+  result.solver.evaluations = found.best->tried;
+  result.filter = make_filter(found.best->chosen.filter);
   return result;
 }
 

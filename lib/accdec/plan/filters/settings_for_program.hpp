@@ -31,4 +31,8 @@ struct SettingsForProgram {
 SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
                                         const std::function<void(const std::string&)>& tell);
 
+/// The same as a filter for the program; without settings, the message says so.
+ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
+                              const std::function<void(const std::string&)>& tell);
+
 }  // namespace accdec

@@ -27,37 +27,15 @@ double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
   return options.time_limit ? std::max(0.05, 0.5 * std::min(*options.time_limit, options.deadline.left())) : usual;
 }
 
-ProgramFilter choose_settings(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
-                              const std::function<void(const std::string&)>& tell) {
-  const auto start = std::chrono::steady_clock::now();
-  const SettingsForProgram found = settings_for_program(path, task, options.feeds == Feeds::keep,
-                                                        options.deadline.within(filter_seconds(path, options)), tell);
-  ProgramFilter result;
-  result.solver.method = "settings planned one by one";
-  result.solver.name = "families";
-  result.solver.wall_time = seconds_since(start);
-  result.today = found.today;
-  if (!found.best) {
-    result.message = fmt::format("no setting of {} that was planned holds all limits of the program",
-                                 families_in_words(*task.settings));
-    if (options.feeds == Feeds::keep && runs_on(control_of(*task.settings, 0.0)))
-      result.message +=
-          "; its `delays` hold tolerances by lower feeds alone, which --feeds keep does not command: use "
-          "--feeds choose, or name a kind that waits, such as \"exact-stop\"";
-    return result;
-  }
-  result.settings = found.best;
-  result.solver.evaluations = found.best->tried;
-  result.filter = make_filter(found.best->chosen.filter);
-  return result;
-}
-
 /// The task's filter, the filter in a program that --emit wrote, or one designed for the program. None if none holds;
 /// the message gives the reason.
 ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
                                  const std::function<void(const std::string&)>& tell) {
   const bool emitted_one = options.dwells_before_filter && emitted_filter(path);
-  if (task.settings && task.settings->names_family() && !emitted_one) return choose_settings(path, task, options, tell);
+  if (task.settings && task.settings->names_family() && !emitted_one) {
+    const Deadline until = options.deadline.within(filter_seconds(path, options));
+    return settings_filter(path, task, options.feeds == Feeds::keep, until, tell);
+  }
   if (task.filter) {
     ProgramFilter given;
     given.filter = make_filter(*task.filter);
@@ -114,8 +92,8 @@ void offer_kept(const std::string& name, ProgramFile& file, const Task& task, co
 
 /// The time of the program with delays of any number of samples, and the better of two filters: one designed for it, or
 /// the control's own.
-std::optional<double> time_of_free_taps(const std::string& name, const Toolpath& programmed, const Task& task,
-                                        const Filter& own, const ProgramFileOptions& options) {
+std::optional<double> time_of_free_taps(const ProgramResult& result, const Toolpath& programmed, const Task& task,
+                                        const ProgramFileOptions& options) {
   constexpr double longest = 10.0;  // s, for the filter, and as long for the plan
   Task any = task;
   any.settings.reset(), any.filter.reset();
@@ -126,11 +104,14 @@ std::optional<double> time_of_free_taps(const std::string& name, const Toolpath&
   std::optional<double> best;
   const auto offer = [&](const std::optional<Filter>& filter) {
     if (!filter || bounded.deadline.over()) return;
-    const ProgramResult plan = run_program(name, programmed, *filter, any, false, options.feeds, bounded.deadline);
+    const ProgramResult plan =
+        run_program(result.program, programmed, *filter, any, false, options.feeds, bounded.deadline);
     if (plan.verification.feasible) best = std::min(best.value_or(unlimited), plan.cycle_time);
   };
   offer(designed.filter);
-  offer(own);
+  offer(make_filter(result.settings->chosen.filter));
+  // The plan with the settings is one of free taps.
+  if (best && result.verification.feasible) best = std::min(*best, result.cycle_time);
   return best;
 }
 
@@ -157,12 +138,7 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Tool
     result.has_today = true;
     if (today.verification.feasible) result.settings->today = today.cycle_time;
   }
-  if (!options.deadline.over())
-    result.settings->free_taps =
-        time_of_free_taps(result.program, programmed, task, make_filter(result.settings->chosen.filter), options);
-  // The plan itself is one of free taps.
-  if (result.settings->free_taps && result.verification.feasible)
-    result.settings->free_taps = std::min(*result.settings->free_taps, result.cycle_time);
+  if (!options.deadline.over()) result.settings->free_taps = time_of_free_taps(result, programmed, task, options);
 }
 
 /// With arcs as they were read: widened where options.compensate_arcs says so.
