@@ -19,7 +19,6 @@
 namespace accdec {
 namespace {
 
-
 /// Reports the kind of a file that is not a program; does nothing if it may be one.
 void refuse_other_kinds(const std::string& file) {
   if (!std::filesystem::is_regular_file(file)) return;
