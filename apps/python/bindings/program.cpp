@@ -233,8 +233,8 @@ lower_bound : float
 bounds : list of dict
     Times that no motion of a class undercuts, the widest class first: name, time (s), motions (the class in words).
 estimates : list of dict
-    Of the controls asked for: control, time (s), parameters (by their names, in the control's own units), not_known
-    (what the control does not know, in words).
+    One for each control asked for: control, time (s), parameters (by their names, in the control's own units),
+    not_known (what the control does not know, in words).
 x, taps : ndarray or None
     The filter, b_0 .. b_N; of plan "profiles" the last, which all samples pass (a single tap: none).
 delays : ndarray of int or None
@@ -249,7 +249,7 @@ settings : dict or None
     What to set in the task's controller, if the task names families: family, values, delays (the kind at the end of
     every commanded move), width, width_low, width_high (m, None if no corner is in-position), answer (in words).
 servo : dict or None
-    Of a task with a servo: settling (s, from the end of the command until the motion is within `within` of its end),
+    None without a servo. settling (s, from the end of the command until the motion is within `within` of its end),
     within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
 )";
 

@@ -113,8 +113,8 @@ sample_period : float
     s.
 axes : dict or list of dict, optional
     velocity_max, acceleration_max, jerk_max, mass, damping, coulomb (N, dry friction), force_max, power_max,
-    regeneration_max, force_speed_N ([[mm/s, N], ..]), name, servo_gain (1/s) with velocity_feedforward, or response_taps. One dict stands for every
-    axis.
+    regeneration_max, force_speed_N ([[mm/s, N], ..]), name, servo_gain (1/s) with velocity_feedforward, or
+    response_taps. One dict stands for every axis.
 machine : dict, optional
     power_total_max, regeneration_total_max (W): limits of the supply that all axes share.
 corners : dict or list of dict

@@ -3,9 +3,10 @@
 const binding = 0.999; // share of a limit from which it binds
 
 const known = new Map();
-/** A colour of the palette. Each is read once: between two changes of the page, reading makes the browser work on both. */
+/** A colour of the palette, read once: between two changes of the page, reading makes the browser work on both. */
 export function colour(name) {
-  if (!known.has(name)) known.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+  if (!known.has(name))
+    known.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
   return known.get(name);
 }
 
