@@ -10,7 +10,6 @@
 
 #include "expect_proved.hpp"
 #include "support/tasks.hpp"
-#include "support/tries.hpp"
 
 // Contour tolerances in the exact method.
 
@@ -48,7 +47,7 @@ TEST(ExactContour, NothingOnAGridIsShorter) {
   std::mt19937 rng(3);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   int bound = 0, both = 0;
-  for (int i = 0; i < test_support::tries(40); ++i) {
+  for (int i = 0; i < 40; ++i) {
     SCOPED_TRACE(i);
     const bool with_error = i % 4 == 0;
     Axis axis;
