@@ -3,25 +3,24 @@
 
 Programs are read by LinuxCNC's interpreter, so accdec's reader is not part of the reference. Klipper's look-ahead and its
 arcs run in this process, GRBL's planner is compiled with a driver; both come from folders with their sources. LinuxCNC's
-times are those that run.py measured.
+times are those that league.py measured.
 """
 import argparse
 import contextlib
 import csv
-import importlib.util
 import io
 import json
-import os
 import pathlib
 import statistics
 import subprocess
 import sys
 import tempfile
-import types
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
-import run as peers
+import klipper
+import league_rows
+import programs as peers
 
 CONTROLS = ["klipper", "grbl", "linuxcnc-2.9"]
 # Settings beside the defaults, to try the rules; LinuxCNC was measured with its defaults only.
@@ -41,120 +40,6 @@ def arguments():
     parser.add_argument("--grbl", required=True, help="folder of GRBL's sources, as git clones them")
     parser.add_argument("--out", default=str(peers.ROOT / "results/program"), help="folder for estimates.csv and .md")
     return parser.parse_args()
-
-
-def moves_of(program):
-    """The program by LinuxCNC's interpreter, mm and mm/s: ("line", end, feed or None), ("arc", end, center, turns, plane,
-    feed), ("dwell", seconds), ("rest",)."""
-    import gcode
-    import moves
-
-    class Canon(moves.Canon):
-        def __init__(self, parameters):
-            super().__init__([0.0], parameters)
-            self.feed, self.list = 0.0, []
-
-        def set_feed_rate(self, feed):
-            self.feed = moves.INCH * feed / 60.0
-
-        def go(self, p, feed):
-            to = [moves.INCH * v for v in p[:3]]
-            if max(abs(a - b) for a, b in zip(to, self.at)) > 1e-9:
-                self.list.append(("line", to, feed))
-            self.at = to
-
-        def straight_traverse(self, *p):
-            self.go(p, None)
-
-        def straight_feed(self, *p):
-            self.go(p, self.feed)
-
-        def arc_feed(self, x1, y1, cx, cy, rotation, z1, *rest):
-            axes = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}[self.plane]
-            to, center = [0.0] * 3, list(self.at)
-            for axis, value in zip(axes, (x1, y1, z1)):
-                to[axis] = moves.INCH * value
-            for axis, value in zip(axes, (cx, cy)):
-                center[axis] = moves.INCH * value
-            self.list.append(("arc", to, center, rotation, axes, self.feed))
-            self.at = to
-
-        def dwell(self, seconds):
-            self.list.append(("dwell", seconds))
-
-    with tempfile.TemporaryDirectory() as folder:
-        parameters = os.path.join(folder, "parameters.var")
-        open(parameters, "w").close()
-        canon = Canon(parameters)
-        result, line = gcode.parse(str(program), canon, "G21 G17 G90 G94", "")
-    if result > gcode.MIN_ERROR:
-        sys.exit("%s:%d: %s" % (program, line, gcode.strerror(result)))
-    return canon.list
-
-
-class Klipper:
-    """klippy/toolhead.py, klippy/kinematics/cartesian.py and klippy/extras/gcode_arcs.py without a printer."""
-
-    def __init__(self, folder):
-        klippy = pathlib.Path(folder) / "klippy"
-        for name in ("mcu", "chelper", "stepper", "kinematics", "kinematics.extruder", "kinematics.idex_modes"):
-            sys.modules.setdefault(name, types.ModuleType(name))
-        sys.modules["kinematics"].__path__ = []
-        sys.modules["kinematics"].extruder = sys.modules["kinematics.extruder"]
-        sys.modules["kinematics"].idex_modes = sys.modules["kinematics.idex_modes"]
-        self.toolhead = self.load("klipper_toolhead", klippy / "toolhead.py")
-        self.cartesian = self.load("kinematics.cartesian", klippy / "kinematics/cartesian.py")
-        self.arcs = self.load("klipper_arcs", klippy / "extras/gcode_arcs.py")
-
-    @staticmethod
-    def load(name, path):
-        spec = importlib.util.spec_from_file_location(name, path)
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-        return module
-
-    def time(self, moves, acceleration, options):
-        head = types.SimpleNamespace(
-            max_velocity=peers.VELOCITY, max_accel=acceleration, extra_axes=[],
-            square_corner_velocity=options.get("square_corner_velocity", 5.0),
-            min_cruise_ratio=options.get("minimum_cruise_ratio", 0.5))
-        self.toolhead.ToolHead._calc_junction_deviation(head)
-        limits = types.SimpleNamespace(limits=[(-1e9, 1e9)] * 3, max_z_velocity=peers.VELOCITY, max_z_accel=acceleration,
-                                       _check_endstops=lambda move: None)
-        queue = self.toolhead.LookAheadQueue()
-        total, at = 0.0, [0.0, 0.0, 0.0, 0.0]
-
-        def flush(lazy):
-            nonlocal total
-            for move in queue.flush(lazy=lazy):
-                total += move.accel_t + move.cruise_t + move.decel_t
-
-        def go(to, speed):
-            nonlocal at
-            move = self.toolhead.Move(head, at, list(to) + [0.0], speed)
-            if not move.move_d:
-                return
-            self.cartesian.CartKinematics.check_move(limits, move)
-            at = list(move.end_pos)
-            if queue.add_move(move):
-                flush(True)
-
-        for move in moves:
-            if move[0] == "dwell":
-                flush(False)
-                total += move[1]
-            elif move[0] == "line":
-                go(move[1], head.max_velocity if move[2] is None else move[2])
-            else:
-                _, to, center, rotation, (first, second, third), feed = move
-                arc = types.SimpleNamespace(mm_per_arc_segment=options.get("resolution", 1.0), gcode=types.SimpleNamespace(
-                    create_gcode_command=lambda name, line, words: words))
-                arc.gcode_move = types.SimpleNamespace(cmd_G1=lambda words: go([words[a] for a in "XYZ"], feed))
-                command = types.SimpleNamespace(get_float=lambda name, default: default)
-                self.arcs.ArcSupport.planArc(arc, list(at), list(to), (center[first] - at[first], center[second] - at[second]),
-                                             rotation < 0, command, True, first, second, third)
-        flush(False)
-        return total
 
 
 GRBL_DRIVER = r"""
@@ -267,9 +152,9 @@ def estimates(accdec, program, task, settings):
 
 
 def measured(out):
-    with open(out / "peers.csv", newline="") as file:
-        return {(row["program"], int(row["acceleration_max"])): float(row["time_s"]) for row in csv.DictReader(file)
-                if row["planner"] == "LinuxCNC" and not row["jerk_max"]}
+    rows = league_rows.read(out / "league.csv")
+    return {(row["program"], row["acceleration"]): row["time_s"] for row in rows
+            if row["planner"] == "LinuxCNC 2.9" and not row["jerk"] and row["time_s"]}
 
 
 def error(row):
@@ -290,11 +175,11 @@ are its estimates beside what the controls' own planners say, at %d mm/s per axi
   gcode_arcs.py (commit %s) ran in Python, without a printer.
 * GRBL: planner.c, motion_control.c and nuts_bolts.c of 1.1h (commit %s) were compiled for a PC. A driver keeps
   their buffer full and times the planned trapezoids. The stepper's interrupts were not run.
-* LinuxCNC: the times of 2.9 (Debian) in simulation, measured by `run.py` as [peers.md](peers.md) says.
+* LinuxCNC: the times of 2.9 (Debian) in simulation, measured by `league.py` as [league.md](league.md) says.
 
 All programs were read by LinuxCNC's interpreter for these times, and by accdec's reader for the estimates.
 
-The programs are those of [peers.md](peers.md), and `tests/peers/arc-corners.ngc` with corners between lines and arcs.
+The programs are of [league.md](league.md), and `tests/peers/arc-corners.ngc` with corners between lines and arcs.
 LinuxCNC's times of the latter vary by a few ms from run to run. On a busy computer it once read the program too late to
 look ahead at its start: 5.722 s instead of 5.464 s.
 
@@ -334,7 +219,7 @@ def main():
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        planners = {"klipper": Klipper(options.klipper), "grbl": Grbl(options.grbl, folder)}
+        planners = {"klipper": klipper.Klipper(options.klipper), "grbl": Grbl(options.grbl, folder)}
         cases = [case[:3] for case in peers.cases(options.accdec, folder)]
         for tolerance, seconds in ARC_CORNERS.items():
             program = folder / ("arc-corners-p%s.ngc" % tolerance)
@@ -344,7 +229,7 @@ def main():
         for name, program, acceleration in cases:
             program = peers.fair(program, folder)
             with contextlib.redirect_stdout(io.StringIO()):
-                moves = moves_of(program)
+                moves = klipper.moves_of(program)
             task = peers.task_file(folder, acceleration, None)
             for settings in ({control: {} for control in CONTROLS}, OTHER):
                 found = estimates(options.accdec, program, task, settings)
@@ -352,7 +237,7 @@ def main():
                     if control == "linuxcnc-2.9":
                         reference = linuxcnc[name, acceleration]
                     else:
-                        reference = planners[control].time(moves, acceleration, own)
+                        reference = planners[control].time(moves, acceleration, own, peers.VELOCITY)
                     rows.append([name, acceleration, control, " ".join("%s=%g" % item for item in own.items()),
                                  "%.4f" % reference, "%.4f" % found[control]])
                     print(*rows[-1], "%+.3f %%" % error(rows[-1]), flush=True)

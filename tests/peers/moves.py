@@ -16,6 +16,7 @@ from rs274 import interpret
 
 INCH = 25.4
 ARC_STEP = 0.25  # mm, largest distance of the points written of an arc
+ARC_CHORD = 2e-4  # mm, largest distance of their chords from it
 
 
 class Canon(interpret.Translated):
@@ -57,7 +58,8 @@ class Canon(interpret.Translated):
         if turn < 1e-6:
             turn += 2 * math.pi
         turn = (turn + 2 * math.pi * (abs(rotation) - 1)) * (1 if rotation > 0 else -1)
-        count = max(2, math.ceil(abs(turn) * max(r0, r1) / ARC_STEP))
+        radius = max(r0, r1)
+        count = max(2, math.ceil(abs(turn) * radius / min(ARC_STEP, math.sqrt(8 * radius * ARC_CHORD))))
         for i in range(1, count + 1):
             t = i / count
             to = [0.0, 0.0, 0.0]
@@ -100,16 +102,19 @@ class Canon(interpret.Translated):
 
 
 def tolerances_of(program):
-    """G64 P in force on every line; the interpreter keeps path modes to itself."""
-    tolerances, now = [], 0.0
+    """G64 P in force on every line, mm; the interpreter keeps path modes to itself."""
+    tolerances, now, unit = [], 0.0, 1.0
     for line in open(program):
         line = re.sub(r"\(.*?\)|;.*", "", line).upper()
         if re.search(r"G0*61(\.1)?(?![\d.])", line):
             now = 0.0
+        units = re.findall(r"G0*2([01])(?![\d.])", line)
+        if units:
+            unit = INCH if units[-1] == "0" else 1.0
         blend = re.search(r"G0*64(?![\d.])", line)
         if blend:
             p = re.search(r"P\s*([\d.]+)", line)
-            now = float(p.group(1)) if p else 0.0
+            now = unit * float(p.group(1)) if p else 0.0
         tolerances.append(now)
     return tolerances
 

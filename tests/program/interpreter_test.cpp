@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include <accdec/gcode/run_rs274.hpp>
 #include <accdec/simulate.hpp>
@@ -27,6 +28,14 @@ class Interpreter : public ProgramCommand {
     EXPECT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
     return number_of("r.json", "cycle_time_s");
   }
+  /// The largest tolerance of a result's corners, m.
+  double tolerance_of(const std::string& name) {
+    const nlohmann::json result = nlohmann::json::parse(read(name));
+    double largest = 0.0;
+    for (const auto& corner : result.at("worst_corners"))
+      largest = std::max(largest, corner.at("error_max_m").get<double>());
+    return largest;
+  }
 };
 
 TEST(NumberedLines, HaveTheirNumberAsTheirNWord) {
@@ -48,6 +57,18 @@ TEST_F(Interpreter, CyclesOffsetsAndHomesAreThoseWrittenOut) {
                            "G0 X10\nG53 G1 X20 Y5\nY20\n", "G0 X10\nM70\nG1 X20 Y5\nM72\nY20\n"}) {
     EXPECT_NEAR(seconds_of("same.ngc", start + same + "M2\n"), time, 2e-3) << same;
   }
+}
+
+// rs274 prints the number of G64 P again behind a cycle, whatever unit is in force then.
+TEST_F(Interpreter, TheToleranceBehindACycleHasTheUnitOfItsG64) {
+  const std::string moves = "F1000\nG1 X1\nY1\nX2\nM2\n";
+  const std::string cycle = "G81 X0 Y0 Z-.1 R0 F60\nG80\n";
+  seconds_of("by-mm.ngc", "G21 G64 P0.05\nG20 G90\n" + cycle + moves);
+  EXPECT_NEAR(tolerance_of("r.json"), 50e-6, 1e-12);
+  seconds_of("by-inch.ngc", "G20 G64 P0.002\nG21 G90\n" + cycle + moves);
+  EXPECT_NEAR(tolerance_of("r.json"), 50.8e-6, 1e-12);
+  seconds_of("again.ngc", "G21 G64 P0.05\nG20 G90 G61\n" + cycle + "G64 P0.05\n" + moves);
+  EXPECT_NEAR(tolerance_of("r.json"), 1.27e-3, 1e-12);
 }
 
 TEST_F(Interpreter, LinesAreThoseOfTheProgram) {

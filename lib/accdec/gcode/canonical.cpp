@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -73,6 +74,8 @@ class CanonicalReader {
   CanonicalCall call_;
   bool numbered_, started_ = false;  // started: a line of the program has been seen
   CanonicalPosition position_;
+  double printed_tolerance_ = 0.0;  // of the last G64, as printed, in the unit that was in force then
+  decltype(CanonicalCall::program_line) exact_line_ = 0;  // of the last exact mode
   std::array<double, 10> value_{};
   std::size_t count_ = 0;
 };
@@ -307,12 +310,23 @@ void CanonicalReader::control() {
     state_.control = PathControl::blend;
   else
     bad_word("CANON_EXACT_STOP, CANON_EXACT_PATH, CANON_CONTINUOUS");
-  if (state_.control != PathControl::blend) return;
-  state_.tolerance = -1.0;
+  if (state_.control != PathControl::blend) {
+    exact_line_ = call_.program_line;
+    return;
+  }
+  const double before = std::exchange(state_.tolerance, -1.0);
+  const double printed = std::exchange(printed_tolerance_, 0.0);
   if (comma == std::string_view::npos) return;
   call_.arguments += comma + 1;
   numbers(1, 1);
-  if (value_[0] > 0.0) state_.tolerance = value_[0] * state_.unit;  // 0 stands for G64 without P
+  printed_tolerance_ = value_[0];
+  if (value_[0] <= 0.0) return;  // 0 stands for G64 without P
+  state_.tolerance = value_[0] * state_.unit;
+  // A cycle makes the path exact in its own line. At its end rs274 prints the number of G64 P once more, in the unit
+  // that was in force then. Calls without line numbers may come from another G64 P with that number: the smaller holds.
+  if (value_[0] != printed || before <= 0.0) return;
+  if (call_.program_line > 0 && call_.program_line == exact_line_) state_.tolerance = before;
+  if (call_.program_line == 0) state_.tolerance = std::min(before, state_.tolerance);
 }
 
 }  // namespace

@@ -1,0 +1,129 @@
+"""The page of the league, from its rows."""
+import statistics
+
+import check
+import programs
+
+HEAD = """# A league of planners
+
+%s
+Written by `tests/peers/league.py`, which runs all planners on the same programs at the same limits: %d mm/s per axis,
+accelerations and jerks as in the tables, one position a millisecond. `tests/peers/check.py` judges every motion from
+its positions only. It knows nothing of who planned it.
+
+* *holds* counts motions that keep velocity, acceleration and jerk of every axis within 0.1 %%, pass every programmed
+  point within its tolerance, and stay within the tolerance of the legs that they run along.
+* *fastest* counts programs on which no planner that holds is faster by more than 0.1 %%.
+* *behind* is the median over its motions that hold of their time over that of the fastest planner that holds.
+* *breaks* says what its other motions break, how many of them, and by how much at most.
+
+LinuxCNC 2.9 (Debian's package) and Klipper have no jerk limit, so their motions are judged under limits that they were
+never told. Klipper has no tolerance either: it passes corners exactly, at a speed that steps the velocity of the axes
+(square_corner_velocity = 5 mm/s), and draws arcs as chords of 1 mm. Klipper's planner ran as Python code without a
+printer. LinuxCNC 2.10 is its source of August 2026 with its jerk-limited planner, which is the trapezoidal one where
+there is no jerk limit. `accdec free` had %d s a program, the other plans %d s. The computer had other work during the
+run, which makes `free` a little slower than it could be and leaves the others as they are.
+
+Programs: those shipped (`problems/program`), generated ones (`accdec generate`, F6000, P0.05), two turns of R10 on the
+exact path, corners between lines and arcs, and *package*: programs of LinuxCNC's package, which nobody here wrote, read
+whole, at P0.05. Their tool changes are left out.
+"""
+
+
+def name_of(jerk):
+    return "no jerk limit" if not jerk else "jerk %d mm/s^3" % jerk
+
+
+def names(rows, word):
+    return list(dict.fromkeys(row[word] for row in rows))
+
+
+def holding(rows):
+    return [row for row in rows if not row["failed"] and not check.breaks(row)]
+
+
+def broken(rows):
+    """What motions break: kind, how many, and the most."""
+    kinds = {"tolerance": ("um", lambda r: max(r["point_um"], r["path_um"])), "velocity": ("%", lambda r: r["velocity_pct"]),
+             "acceleration": ("%", lambda r: r["acceleration_pct"]), "jerk": ("%", lambda r: r["jerk_pct"])}
+    found = []
+    for kind, (unit, much) in kinds.items():
+        those = [much(row) for row in rows if not row["failed"] and kind + " " in check.breaks(row) + " "]
+        if those:
+            found.append("%s %d (%.3g %s)" % (kind, len(those), max(those), unit))
+    failed = sum(1 for row in rows if row["failed"])
+    return ", ".join(found + (["no motion %d" % failed] if failed else [])) or "nothing"
+
+
+def standing(rows, jerk):
+    """A planner's row of the first table, under one jerk limit."""
+    rows = [row for row in rows if row["jerk"] == jerk]
+    best = {}
+    for row in holding(rows):
+        case = row["program"], row["acceleration"]
+        best[case] = min(best.get(case, row["time_s"]), row["time_s"])
+    table = []
+    for planner in names(rows, "planner"):
+        mine = [row for row in rows if row["planner"] == planner]
+        ratios = [row["time_s"] / best[row["program"], row["acceleration"]] for row in holding(mine)]
+        table.append({"planner": planner, "motions": len(mine), "holds": len(ratios),
+                      "fastest": sum(1 for ratio in ratios if ratio <= 1.001),
+                      "behind": "%.1f %%" % (100 * (statistics.median(ratios) - 1)) if ratios else "-",
+                      "breaks": broken(mine)})
+    return table, len(best)
+
+
+def markdown(head, lines):
+    rule = ["---" if word in ("program", "planner", "breaks") else "--:" for word in head]
+    return "\n".join("| " + " | ".join(line) + " |" for line in [head, rule] + lines) + "\n"
+
+
+def cell(row):
+    if row is None:
+        return ""
+    if row["failed"]:
+        return "no motion"
+    return "%.3f%s" % (row["time_s"], "*" if check.breaks(row) else "")
+
+
+def summary(rows, jerks):
+    said = []
+    for jerk in jerks:
+        table, cases = standing(rows, jerk)
+        table.sort(key=lambda line: -line["fastest"])
+        first = table[0]
+        said.append("With %s, `%s` is the fastest that holds on %d of %d programs and limits." % (
+            name_of(jerk), first["planner"], first["fastest"], cases))
+        others = [line for line in table if not line["planner"].startswith("accdec") and line["fastest"]]
+        said += ["%s is on %d." % (line["planner"], line["fastest"]) for line in others]
+    return " ".join(said)
+
+
+def page(rows):
+    jerks = sorted(names(rows, "jerk"))
+    seconds = {entry["name"]: entry.get("seconds", 30) for entry in programs.LEAGUE["planner"]}
+    text = HEAD % (summary(rows, jerks) + "\n", programs.VELOCITY, seconds["accdec free"], seconds["accdec fixed"])
+    text += "\n## Who is fastest, who breaks what\n"
+    for jerk in jerks:
+        table, cases = standing(rows, jerk)
+        head = ["planner", "motions", "holds", "fastest", "behind", "breaks"]
+        text += "\n%s, %d programs and limits:\n\n" % (name_of(jerk).capitalize(), cases)
+        text += markdown(head, [[str(line[word]) for word in head] for line in table])
+    planners = names(rows, "planner")
+    text += ("\nThe tables below have times in s from the first to the last change of position. An asterisk marks a motion"
+             " that\nbreaks something; league.csv says what, and by how much. The bound holds for any motion within the"
+             " tolerance\n(`accdec program` computes it; its planes across legs, of `--plan free`, included). The last"
+             " column is the bound over the\nfastest time that holds, in %.\n")
+    for jerk in jerks:
+        text += "\n## %s\n\n" % name_of(jerk).capitalize()
+        lines = []
+        mine = [row for row in rows if row["jerk"] == jerk]
+        for case in dict.fromkeys((row["program"], row["acceleration"]) for row in mine):
+            here = {row["planner"]: row for row in mine if (row["program"], row["acceleration"]) == case}
+            bounds = [row["any_bound_s"] for row in here.values() if row["any_bound_s"]]
+            best = min((row["time_s"] for row in holding(here.values())), default=None)
+            lines.append([case[0], str(case[1])] + [cell(here.get(planner)) for planner in planners] + [
+                "%.3f" % max(bounds) if bounds else "",
+                "%.1f" % (100 * max(bounds) / best) if bounds and best else ""])
+        text += markdown(["program", "mm/s^2"] + planners + ["bound", "bound, %"], lines)
+    return text
