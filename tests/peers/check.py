@@ -103,11 +103,11 @@ def check(motion, points, tolerances, acceleration, velocity, jerk):
 def breaks(row):
     """What a judged motion breaks, in words; empty if nothing.
 
-    A polyline through samples cuts a curve by up to |A| T^2/8, |A| at most sqrt(2) of one axis' for two of them. Logged
+    A polyline through samples cuts a curve by up to |A| T^2/8, |A| at most sqrt(3) of one axis' for three of them. Logged
     positions have nine decimals, and an exact stop may fall between two samples: 0.3 um. Arcs are chords of at most
     0.2 um.
     """
-    slack = 0.3 + 1e3 * 1.5 * row["acceleration"] * T * T / 8
+    slack = 0.3 + 1e3 * 1.75 * row["acceleration"] * T * T / 8
     found = []
     if row["point_um"] > slack:
         found.append("tolerance at a point by %.1f um" % row["point_um"])

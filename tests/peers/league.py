@@ -78,17 +78,17 @@ def motion_of(planner, program, acceleration, jerk, options, folder):
              "task": programs.task_file(folder, acceleration, jerk), "acceleration": acceleration, "jerk": jerk,
              "velocity": programs.VELOCITY, "seconds": planner.get("seconds", 30)}
     command = planner["command"].format(**{k: shlex.quote(str(v)) for k, v in words.items()})
-    process = subprocess.Popen(["bash", "-c", command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                               stderr=subprocess.PIPE, start_new_session=True, preexec_fn=limits_of_a_process)
-    try:
-        said = process.communicate(timeout=LIMIT)[1].decode(errors="replace").strip().splitlines()
-    except subprocess.TimeoutExpired:
-        raise ValueError("did not end within %d s" % LIMIT)
-    finally:
+    with subprocess.Popen(["bash", "-c", command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE, start_new_session=True, preexec_fn=limits_of_a_process) as process:
         try:
-            os.killpg(process.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
+            said = process.communicate(timeout=LIMIT)[1].decode(errors="replace").strip().splitlines()
+        except subprocess.TimeoutExpired:
+            raise ValueError("did not end within %d s" % LIMIT)
+        finally:
+            try:
+                os.killpg(process.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
     if process.returncode != 0 or not samples.exists():
         raise ValueError("%s (exit code %d)" % (said[0][:200] if said else "no samples", process.returncode))
     return programs.samples_of(samples), json.loads(report.read_text()) if report.exists() else {}

@@ -75,12 +75,15 @@ def samples_of(path):
 
     with open(path) as file:
         names = file.readline().strip().split(",")
-    axes = [a for a in ("x_mm", "y_mm", "z_mm") if a in names]
-    if not axes:
-        raise ValueError("%s: the first line names none of x_mm, y_mm, z_mm" % path)
-    table = np.loadtxt(path, delimiter=",", skiprows=1, usecols=[names.index(a) for a in axes], ndmin=2)
-    if not len(table) or not np.isfinite(table).all():
-        raise ValueError("%s: %s" % (path, "a position is no number" if len(table) else "no samples"))
+        axes = [a for a in ("x_mm", "y_mm", "z_mm") if a in names]
+        if not axes:
+            raise ValueError("%s: the first line names none of x_mm, y_mm, z_mm" % path)
+        lines = [line for line in file if line.strip()]
+    if not lines:
+        raise ValueError("%s: no samples" % path)
+    table = np.loadtxt(lines, delimiter=",", usecols=[names.index(a) for a in axes], ndmin=2)
+    if not np.isfinite(table).all():
+        raise ValueError("%s: a position is no number" % path)
     motion = np.zeros((len(table), 3))
     for column, axis in enumerate(axes):
         motion[:, "xyz".index(axis[0])] = table[:, column]

@@ -181,28 +181,27 @@ def motion_time(path):
     return 1e-3 * (changes[-1] - changes[0] + 1)
 
 
-@check_of("program/peers.md")
-def peers(page):
+@check_of("program/league.md")
+def league(page):
+    """The page is that of league.csv; accdec's motions again for some programs and limits."""
     sys.path.insert(0, str(page.source / "tests/peers"))
-    import run as peers_run
+    import league_page
+    import league_rows
+    import programs
 
-    for heading, jerk, name, limit in (
-        ("## No jerk limit", None, "linuxcnc/corner-p0.05", 1000),
-        ("## No jerk limit", None, "linuxcnc/zigzag-g61.1", 1000),
-        ("## Jerk at most", peers_run.JERK, "linuxcnc/corner-p0.5", 1000),
-    ):
-        whole = page.text
-        page.text = whole[whole.index(heading):]
-        row = next(r for r in page.rows("program", "mm/s^2") if (r["program"], r["mm/s^2"]) == (name, str(limit)))
-        page.text = whole
-        program = peers_run.fair(page.source / f"problems/program/{name}.ngc", page.folder)
-        task = peers_run.task_file(page.folder, limit, jerk)
+    written = league_rows.read(page.path.with_suffix(".csv"))
+    page.same("the page is that of league.csv", page.text, league_page.page(written))
+    times = {league_rows.key(row): row["time_s"] for row in written}
+    for name, acceleration, jerk in (("linuxcnc/corner-p0.05", 1000, 0), ("linuxcnc/zigzag-g61.1", 1000, 0),
+                                     ("linuxcnc/corner-p0.5", 1000, 50000)):
+        program = programs.fair(page.source / f"problems/program/{name}.ngc", page.folder)
+        task = programs.task_file(page.folder, acceleration, jerk)
         for plan in ("fixed", "profiles"):
             samples = page.folder / "samples.csv"
             page.run("program", program, "--task", task, "--plan", plan, "--time-limit", 60, "--samples", samples,
                      "--quiet")
-            page.same(f"{name}, {limit} mm/s^2, jerk {jerk}, {plan}", row[f"accdec {plan}"].split()[0],
-                      f"{motion_time(samples):.3f}")
+            page.same(f"{name}, {acceleration} mm/s^2, jerk {jerk}, {plan}",
+                      f"{times[name, acceleration, jerk, f'accdec {plan}']:.3f}", f"{motion_time(samples):.3f}")
 
 
 @check_of("program/estimates.md")
@@ -210,13 +209,13 @@ def estimates(page):
     """Estimates again; the times of the controls' own planners are in the table that estimates.py wrote."""
     sys.path.insert(0, str(page.source / "tests/peers"))
     import estimates as peers_estimates
-    import run as peers_run
+    import programs
 
     written = [list(row.values()) for row in page.csv("estimates.csv")]
     names = re.search(r"\(commit (\w+)\).*\(commit (\w+)\)", page.text, re.S).groups()
     page.same("the page is that of estimates.csv", page.text, peers_estimates.page(written, *names))
-    program = peers_run.fair(page.source / "problems/program/star.ngc", page.folder)
-    task = peers_run.task_file(page.folder, 1000, None)
+    program = programs.fair(page.source / "problems/program/star.ngc", page.folder)
+    task = programs.task_file(page.folder, 1000, None)
     for settings in ({control: {} for control in peers_estimates.CONTROLS}, peers_estimates.OTHER):
         found = peers_estimates.estimates(page.program, program, task, settings)
         for control, own in settings.items():

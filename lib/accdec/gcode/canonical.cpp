@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -75,7 +76,8 @@ class CanonicalReader {
   bool numbered_, started_ = false;  // started: a line of the program has been seen
   CanonicalPosition position_;
   double printed_tolerance_ = 0.0;  // of the last G64, as printed, in the unit that was in force then
-  decltype(CanonicalCall::program_line) exact_line_ = 0;  // of the last exact mode
+  std::int64_t exact_line_ = 0;     // of the last exact mode
+  bool restored_ = false;           // the last G64 is a cycle's, which restores that before it
   std::array<double, 10> value_{};
   std::size_t count_ = 0;
 };
@@ -136,6 +138,10 @@ bool CanonicalReader::execute() {
       bad_word("CANON_PLANE_XY, CANON_PLANE_XZ, CANON_PLANE_YZ");
   } else if (name == "SET_MOTION_CONTROL_MODE") {
     control();
+  } else if (name == "SET_NAIVECAM_TOLERANCE") {
+    numbers(1, 1);
+    // Q of the G64 before it, or its P, with four decimals. Behind a cycle the Q in force stays, as P does.
+    if (!restored_) state_.merge = std::abs(value_[0] - printed_tolerance_) < 6e-5 ? -1.0 : value_[0] * state_.unit;
   } else if (name == "DWELL") {
     numbers(1, 1);
     if (value_[0] < 0.0) source_.fail(call_.arguments + 1, "a dwell cannot be negative");
@@ -314,6 +320,7 @@ void CanonicalReader::control() {
     exact_line_ = call_.program_line;
     return;
   }
+  restored_ = false;
   const double before = std::exchange(state_.tolerance, -1.0);
   const double printed = std::exchange(printed_tolerance_, 0.0);
   if (comma == std::string_view::npos) return;
@@ -325,8 +332,8 @@ void CanonicalReader::control() {
   // A cycle makes the path exact in its own line. At its end rs274 prints the number of G64 P once more, in the unit
   // that was in force then. Calls without line numbers may come from another G64 P with that number: the smaller holds.
   if (value_[0] != printed || before <= 0.0) return;
-  if (call_.program_line > 0 && call_.program_line == exact_line_) state_.tolerance = before;
-  if (call_.program_line == 0) state_.tolerance = std::min(before, state_.tolerance);
+  restored_ = call_.program_line > 0 ? call_.program_line == exact_line_ : before < state_.tolerance;
+  if (restored_) state_.tolerance = before;
 }
 
 }  // namespace

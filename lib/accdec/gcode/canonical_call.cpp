@@ -7,15 +7,15 @@
 namespace accdec {
 namespace {
 
-constexpr std::array<std::string_view, 16> followed{
+constexpr std::array<std::string_view, 17> followed{
     "STRAIGHT_TRAVERSE",     "STRAIGHT_FEED",           "ARC_FEED",      "SET_FEED_RATE",   "USE_LENGTH_UNITS",
     "SELECT_PLANE",          "SET_MOTION_CONTROL_MODE", "DWELL",         "PROGRAM_STOP",    "OPTIONAL_PROGRAM_STOP",
     "PROGRAM_END",           "SET_G5X_OFFSET",          "SET_FEED_MODE", "SET_XY_ROTATION", "SET_G92_OFFSET",
-    "USE_TOOL_LENGTH_OFFSET"};
+    "USE_TOOL_LENGTH_OFFSET",  "SET_NAIVECAM_TOLERANCE"};
 
 constexpr std::array<std::string_view, 5> text{"COMMENT", "MESSAGE", "LOG", "LOGOPEN", "LOGAPPEND"};
 
-constexpr std::array<std::string_view, 49> passed_over{"CHANGE_TOOL",
+constexpr std::array<std::string_view, 48> passed_over{"CHANGE_TOOL",
                                                        "CHANGE_TOOL_NUMBER",
                                                        "CLAMP_AXIS",
                                                        "CLEAR_AUX_OUTPUT_BIT",
@@ -47,7 +47,6 @@ constexpr std::array<std::string_view, 49> passed_over{"CHANGE_TOOL",
                                                        "SET_FEED_REFERENCE",
                                                        "SET_MOTION_OUTPUT_BIT",
                                                        "SET_MOTION_OUTPUT_VALUE",
-                                                       "SET_NAIVECAM_TOLERANCE",
                                                        "SET_SPINDLE_MODE",
                                                        "SET_SPINDLE_SPEED",
                                                        "SET_TOOL_TABLE_ENTRY",
