@@ -122,11 +122,11 @@ TEST(LinuxCncEstimate, TheReaderKeepsPathModes) {
 // As rs274 prints them: P once more as Q where no Q is given, and both numbers again behind a cycle, here in inches.
 TEST(LinuxCncEstimate, TheReaderKeepsPathModesOfCanonicalCalls) {
   const std::string feed = "N0000000003 STRAIGHT_FEED(", rest = ", 0, 0, 0, 0, 0)\n";
-  const std::string both =
-      "SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.1)\nN0000000003 SET_NAIVECAM_TOLERANCE(0.02)\n";
+  const std::string both = "SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.1)\nN0000000003 SET_NAIVECAM_TOLERANCE(0.02)\n";
   const Toolpath path = test::estimated_path(
       "N0000000001 USE_LENGTH_UNITS(CANON_UNITS_MM)\nN0000000001 SET_FEED_RATE(600)\nN0000000001 " + both + feed + "1" +
-      rest + "N0000000002 USE_LENGTH_UNITS(CANON_UNITS_INCHES)\nN0000000003 SET_MOTION_CONTROL_MODE(CANON_EXACT_PATH)\n" +
+      rest +
+      "N0000000002 USE_LENGTH_UNITS(CANON_UNITS_INCHES)\nN0000000003 SET_MOTION_CONTROL_MODE(CANON_EXACT_PATH)\n" +
       feed + "2" + rest + "N0000000003 " + both + feed + "3" + rest +
       "N0000000004 SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, 0.1)\nN0000000004 SET_NAIVECAM_TOLERANCE(0.1000)\n" +
       "N0000000004 STRAIGHT_FEED(4" + rest + "N0000000005 PROGRAM_END()\n");

@@ -7,11 +7,23 @@
 namespace accdec {
 namespace {
 
-constexpr std::array<std::string_view, 17> followed{
-    "STRAIGHT_TRAVERSE",     "STRAIGHT_FEED",           "ARC_FEED",      "SET_FEED_RATE",   "USE_LENGTH_UNITS",
-    "SELECT_PLANE",          "SET_MOTION_CONTROL_MODE", "DWELL",         "PROGRAM_STOP",    "OPTIONAL_PROGRAM_STOP",
-    "PROGRAM_END",           "SET_G5X_OFFSET",          "SET_FEED_MODE", "SET_XY_ROTATION", "SET_G92_OFFSET",
-    "USE_TOOL_LENGTH_OFFSET",  "SET_NAIVECAM_TOLERANCE"};
+constexpr std::array<std::string_view, 17> followed{"STRAIGHT_TRAVERSE",
+                                                    "STRAIGHT_FEED",
+                                                    "ARC_FEED",
+                                                    "SET_FEED_RATE",
+                                                    "USE_LENGTH_UNITS",
+                                                    "SELECT_PLANE",
+                                                    "SET_MOTION_CONTROL_MODE",
+                                                    "DWELL",
+                                                    "PROGRAM_STOP",
+                                                    "OPTIONAL_PROGRAM_STOP",
+                                                    "PROGRAM_END",
+                                                    "SET_G5X_OFFSET",
+                                                    "SET_FEED_MODE",
+                                                    "SET_XY_ROTATION",
+                                                    "SET_G92_OFFSET",
+                                                    "USE_TOOL_LENGTH_OFFSET",
+                                                    "SET_NAIVECAM_TOLERANCE"};
 
 constexpr std::array<std::string_view, 5> text{"COMMENT", "MESSAGE", "LOG", "LOGOPEN", "LOGAPPEND"};
 
