@@ -67,7 +67,7 @@ void add_verify(CLI::App& app, Context& context) {
     require_outputs({}, {*path});
     if (too_long(*path, "reading it", reading_seconds(*path), *limit, context)) return;
     const std::string text = read_text_file(*path, result_file_limit);
-    if (schema_of_program(text)) return verify_program(text, *path, *limit, context);
+    if (schema_of_program(text)) return verify_program(text, *path, *limit, seconds_since(began), context);
     const DesignResult result = parse_result(text, *path);
     const double reading = seconds_since(began);
     if (too_long(*path, reading > 0.5 ? "reading it and simulating the design" : "simulating the design",

@@ -1,6 +1,7 @@
 #include "verify_program.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files.hpp>
 #include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/gcode/read_error.hpp>
@@ -17,6 +19,8 @@
 #include <accdec/simulate.hpp>
 #include <accdec/simulate/direct.hpp>
 #include <accdec/simulate/profile_motion.hpp>
+
+#include "time_limit.hpp"
 
 namespace accdec::cli {
 namespace {
@@ -113,7 +117,8 @@ void print_accepted(const ProgramRecord& record, const std::string& shown, bool 
 
 }  // namespace
 
-void verify_program(const std::string& text, const std::string& path, double limit, Context& context) {
+void verify_program(const std::string& text, const std::string& path, double limit, double spent, Context& context) {
+  const auto began = std::chrono::steady_clock::now();
   const ProgramRecord record = parse_program_record(text, path);
   const auto refuse = [&](const std::string& reason) { rejected(reason, context); };
   const bool plan_again = record.schema == ProgramSchema::profiles_1;
@@ -129,6 +134,11 @@ void verify_program(const std::string& text, const std::string& path, double lim
   if (const double seconds = plan_again ? 0.0 : motion_seconds(record); !(seconds <= limit))
     return pass(fmt::format("simulating the plan again would take about {} s; --time-limit is {:g} s",
                             shown_above(seconds, limit), limit));
+  // How long the rest takes is only estimated.
+  const TimeLimit ends(
+      limit - spent - seconds_since(began),
+      fmt::format("{}: not checked: checking the plan takes longer than --time-limit {:g} s", printable(path), limit),
+      exit_no_answer);
   if (const std::string why = changed_inputs(record.inputs); !why.empty())
     return std::filesystem::is_regular_file(record.inputs.program) ? refuse(why) : pass(why);
   std::vector<std::string> reasons;

@@ -12,8 +12,9 @@ namespace accdec::cli {
 
 /// `accdec verify` of a result of `accdec program`: the motion of its plan made again, and the plan held against the
 /// program's file where that is still there as it was.
-/// @param limit  s; what is estimated to take longer is not begun
-void verify_program(const std::string& text, const std::string& path, double limit, Context& context);
+/// @param limit  s; what is estimated to take longer is not begun, and what does take longer is not checked
+/// @param spent  s of it, for reading the text
+void verify_program(const std::string& text, const std::string& path, double limit, double spent, Context& context);
 
 /// Why the files that a result was made from do not tell whether it is right; empty if they do.
 std::string changed_inputs(const ProgramInputs& in);

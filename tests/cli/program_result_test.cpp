@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -292,6 +293,22 @@ TEST_F(ProgramResult, CostsAreEstimatedFirst) {
   const Outcome outcome = changed(absurd);
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("would take about"));
+}
+
+// The estimate is of simulating alone, a few samples a move. Reading 20 000 moves takes longer than it.
+TEST_F(ProgramResult, TheTimeLimitEndsAnyCheck) {
+  folder_.write("mill.toml",
+                "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 1\n[[axis]]\n"
+                "velocity_max_mm_s = 500\n");
+  std::string text = "G21 G90 G64 P1 F6000\n";
+  for (int i = 1; i <= 20'000; ++i) text += fmt::format("G1 X{:.1f} Y{}\n", 0.1 * i, i % 2);
+  folder_.write("part.ngc", text + "M2\n");
+  ASSERT_EQ(plan({"--feeds", "keep"}).code, 0);
+  const Outcome outcome = run({"verify", result_, "--time-limit", "0.02"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("not checked: checking the plan takes longer than --time-limit 0.02 s"));
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(verify().code, 0);
 }
 
 TEST_F(ProgramResult, IsPlottedAndExported) {

@@ -52,7 +52,15 @@ TEST_F(ProgramResult, TrueResultsAreAccepted) {
       {"a long circle",
        "G64 P0.005 F600\nG3 I200\n",
        "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 9\n[[axis]]\nacceleration_max_mm_s2 = 1000\n",
-       {}}};
+       {}},
+      // The time without delays was that of stops two samples longer than the plan's.
+      {"stops of legs shorter than the filter",
+       "G17\nG61.1\nF2679\nG1 X7.0746 Y0 Z0\nG2 I3.9194 J4.7341\nG1 X14.2213 Y13.2835 Z0\nG1 X7.0382 Y1.4841 Z0\n",
+       "sample_period_ms = 4\n[filter]\nkind = \"trapezoid\"\norder = 5\nramp = 1\n[[axis]]\nname = \"x\"\n"
+       "acceleration_max_mm_s2 = 829.3\njerk_max_mm_s3 = 92683.0\n[[axis]]\nname = \"y\"\n"
+       "acceleration_max_mm_s2 = 679.2\njerk_max_mm_s3 = 34370.0\n[[axis]]\nname = \"z\"\n"
+       "acceleration_max_mm_s2 = 440.2\njerk_max_mm_s3 = 28785.0\n",
+       {"--compensate-arcs"}}};
   for (const TrueResult& one : all) {
     SCOPED_TRACE(one.name);
     folder_.write("part.ngc", one.program);

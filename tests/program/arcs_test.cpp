@@ -1,6 +1,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -254,6 +255,31 @@ TEST(CompensateArcs, WhatIsEmittedPlansToTheSameTime) {
   const ProgramResult second = run_program("emitted.ngc", std::move(again), filter, task, false, Feeds::choose);
   ASSERT_TRUE(second.verification.feasible);
   EXPECT_NEAR(static_cast<double>(second.check.samples), static_cast<double>(result.check.samples), 1.0);
+}
+
+// Between the ends of chords nothing holds a motion against the tolerance, so that chords must not be far from the arc.
+TEST(Arcs, ChordsAreNoFartherFromTheArcThanHalfItsTolerance) {
+  const Machine machine = machine_of(0.2, unlimited, 1.0, 2);
+  const auto farthest = [&](const std::string& words, std::optional<double> error_max) {
+    const std::string text = words + "G1 F2000 X1\nG2 X1 Y0 I10\nM2\n";
+    LineSource source("test.ngc", text);
+    ToolpathOptions options;
+    options.read.arc_tolerance = 2e-6;
+    options.error_max = error_max;
+    const Toolpath path = read_toolpath(source, machine, options);
+    double far = 0.0;
+    for (std::size_t b = 1; b < path.blocks(); ++b) {
+      const double *p = path.point(b), *q = path.point(b + 1);
+      const double x = 0.5 * (p[0] + q[0]) - 11e-3, y = 0.5 * (p[1] + q[1]);
+      far = std::max(far, 10e-3 - std::hypot(x, y));
+    }
+    return far;
+  };
+  EXPECT_LE(farthest("G64 P0.001\n", {}), 0.5e-6 + 1e-15);
+  EXPECT_GE(farthest("G64 P0.001\n", {}), 0.45e-6);
+  EXPECT_LE(farthest("", 1e-6), 0.5e-6 + 1e-15);
+  EXPECT_LE(farthest("G64 P0.05\n", {}), 2e-6 + 1e-15);
+  EXPECT_GE(farthest("G64 P0.05\n", {}), 1.8e-6);
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 #include <cmath>
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <accdec/filter.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/filters/filter_search.hpp>
 
 #include "reference.hpp"
@@ -169,6 +171,50 @@ TEST(FeedSchedule, TheSearchFindsNothingSlowerThanAnyLengthOfTheGrid) {
   };
   const auto found = samples(*search.filter);
   for (const int order : {7, 14, 21, 35, 50, 80}) EXPECT_LE(found, samples(boxcar(order)) * 102 / 100) << order;
+}
+
+// Without time no plan holds. Then the program stops at every joint, which a short filter makes very slow: it steps to
+// no more than a slow feed.
+TEST(FeedSchedule, WithoutTimeTheSearchFindsTheFilterThatStopsFastest) {
+  Machine machine = machine_within(0.2, 1.0, 50.0);
+  machine.axes.pop_back();  // the program has no Z
+  std::mt19937 random(24);
+  std::uniform_real_distribution<double> place(0.0, 50.0);
+  std::string text = "G21 G90 F6000 G64 P0.01\n";
+  for (int i = 0; i < 300; ++i) text += fmt::format("G1 X{:.3f} Y{:.3f}\n", place(random), place(random));
+  const Toolpath path = path_of(text + "M2\n", machine);
+  FilterSearchOptions options;
+  options.time_limit = 1e-9;
+  const FilterSearch search = search_filter(path, period, machine, options);
+  ASSERT_TRUE(search.filter);
+  const auto samples = [&](const Filter& filter) {
+    const ScheduledPlan plan = stop_everywhere(path, filter, period, machine);
+    return all_holds(plan.plan) ? plan.plan.simulation.samples : INT64_MAX;
+  };
+  const auto found = samples(*search.filter);
+  for (const int order : {40, 50, 60, 80, 100, 120, 150, 200})
+    EXPECT_LE(found, samples(trapezoid(order, 20)) * 102 / 100) << order;
+}
+
+// Moves shorter than the filter: most plans hold after more rounds than judge most filters, and many never do.
+TEST(FeedSchedule, TheSearchPrefersPlansThatHold) {
+  Machine machine = machine_within(0.2, 1.0, 50.0);
+  machine.axes.pop_back();  // the program has no Z
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> step(-0.5, 0.5);
+  std::string text = "G21 G91 F6000 G64 P0.01\n";
+  for (int i = 0; i < 60; ++i) text += fmt::format("G1 X{:.3f} Y{:.3f}\n", 0.5 + step(random), step(random));
+  const Toolpath path = path_of(text + "M2\n", machine);
+  const FilterSearch search = search_filter(path, period, machine, {});
+  ASSERT_TRUE(search.filter);
+  const auto plan = [&](const Filter& filter) { return schedule_feeds(path, filter, period, machine).plan; };
+  const ProgramPlan found = plan(*search.filter);
+  EXPECT_TRUE(all_holds(found));
+  for (const int order : {20, 24, 28, 33, 40, 50}) {
+    const ProgramPlan other = plan(trapezoid(order, 20 * order / 50));
+    if (!all_holds(other)) continue;
+    EXPECT_LE(found.simulation.samples, other.simulation.samples * 102 / 100) << order;
+  }
 }
 
 TEST(FeedWindow, FindsTheTwoAveragesOfATrapezoid) {

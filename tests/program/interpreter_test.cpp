@@ -125,6 +125,23 @@ TEST_F(Interpreter, LengthsAndDiametersComeFromATableThatIsGiven) {
   EXPECT_EQ(by_table, seconds_of("word.ngc", "G21 G90 G61.1 F300\nG41.1 D6\n" + around));
 }
 
+// rs274 reads such a subroutine by itself: its lines have no numbers of the program.
+TEST_F(Interpreter, SubroutinesInFilesOfTheirOwnTakeNoToolThatNobodyGave) {
+  const std::string start = "G21 G90 G61.1 F300\n", call = start + "o<pick> call\nG1 Z-5\nM2\n";
+  const double tip = seconds_of("tip.ngc", start + "G1 Z-5\nM2\n");
+  write("pick.ngc", "o<pick> sub\nG43 H1\no<pick> endsub\nM2\n");
+  write("part.ngc", call);
+  EXPECT_EQ(run("program part.ngc --task task.toml --json none.json").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("part.ngc: a subroutine in a file of its own: G43 takes the length of a tool"));
+  EXPECT_THAT(read("err"), HasSubstr("--tool-table FILE; or --tool-length 0"));
+  EXPECT_EQ(read("none.json"), "");
+  EXPECT_NEAR(seconds_of("part.ngc", call, "--tool-length 0"), tip, 2e-3);
+  write("pick.ngc", "o<pick> sub\nG41 D1\no<pick> endsub\nM2\n");
+  write("part.ngc", start + "o<pick> call\nG1 X20 Y20\nX40\nY60\nG40\nG1 X60\nM2\n");
+  EXPECT_EQ(run("program part.ngc --task task.toml").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("a subroutine in a file of its own: G41 and G42 take the diameter of a tool"));
+}
+
 // Offsets are in the coordinates and their words are gone: whoever runs the program must not let them act again.
 TEST_F(Interpreter, AnEmittedProgramSaysWhichOffsetsAreInItsCoordinates) {
   write("tools.tbl", "T1 P1 Z30\n");

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <accdec/filter.hpp>
+#include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
 
 #include "program_command.hpp"
@@ -30,6 +31,25 @@ TEST(StopEverywhere, HoldsWhateverTheProgram) {
       for (std::size_t b = 0; b < path.blocks(); ++b) EXPECT_GE(plan.path.duration[b], path.duration[b]);
     }
   }
+}
+
+// From rest to rest along L, steps of a tau every tau through an average of tau take L/v + v/a: 0.3 s for 20 mm at
+// 100 mm/s and 1 m/s^2. In one step it is 20 mm/s at most, which takes 1 s.
+TEST(StopEverywhere, StepsOfTheFeedInsideBlocksSaveMostOfTheTime) {
+  const Machine machine = test::machine_of(1.0, unlimited, 0.5, 2);
+  std::string text = "G64 P0.001 F6000\n";
+  constexpr int moves = 40;
+  for (int i = 1; i <= moves; ++i) text += fmt::format("G1 {}{}\n", i % 2 == 0 ? 'Y' : 'X', (i + 1) / 2 * 20);
+  const Toolpath path = test::path_of(text + "M2\n", machine);
+  const Filter filter = boxcar(19);
+  const auto steps = schedule_stops(path, filter, test::period, machine, Deadline{});
+  ASSERT_TRUE(steps);
+  EXPECT_TRUE(all_holds(steps->plan));
+  const auto seconds = [](const ScheduledPlan& plan) { return plan.plan.simulation.samples * test::period; };
+  EXPECT_GE(seconds(*steps), moves * 0.3 - 1e-9);
+  EXPECT_LE(seconds(*steps), moves * 0.3 * 1.02);
+  EXPECT_GE(seconds(stop_everywhere(path, filter, test::period, machine)), moves * 1.0);
+  EXPECT_FALSE(schedule_stops(path, filter, test::period, machine, Deadline(-1.0)));
 }
 
 // 3000 moves within a moment: a slow plan that holds, not one that breaks a limit.

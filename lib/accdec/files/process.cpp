@@ -1,4 +1,5 @@
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -19,6 +20,8 @@ extern char** environ;
 
 namespace accdec {
 namespace {
+
+std::atomic<pid_t> running{0};  // the last child of run_process; 0: none
 
 /// Blocks SIGPIPE in this thread while it lives: a child that stops reading early must not end us.
 class PipeSignalBlock {
@@ -82,6 +85,10 @@ void converse(Pipe& in, Pipe& out, Pipe& err, std::string_view input, ProcessOut
 
 }  // namespace
 
+void kill_running_process() {
+  if (const pid_t child = running.exchange(0); child > 0) ::kill(child, SIGKILL);
+}
+
 ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input,
                           const std::string& package) {
   Pipe in, out, err;
@@ -106,11 +113,13 @@ ProcessOutput run_process(const std::vector<std::string>& arguments, std::string
     throw MissingProgram(fmt::format("{} is not installed (Debian package {})", arguments[0], package));
   }
   if (error != 0) throw std::runtime_error(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(error)));
+  running.store(child);
   in.close(0);
   out.close(1);
   err.close(1);
   ProcessOutput result;
   converse(in, out, err, input, result);
+  running.store(0);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }

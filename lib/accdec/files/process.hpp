@@ -27,4 +27,7 @@ struct ProcessOutput {
 ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input,
                           const std::string& package);
 
+/// Kills the program that run_process waits for, if there is one. This process must end then.
+void kill_running_process();
+
 }  // namespace accdec

@@ -56,9 +56,7 @@ extern "C" void remove_and_end(int signal) {
   // Only functions allowed in a handler: getpid, write, unlink, signal, raise.
   if (const char* const words = last_words.load(); words != nullptr && ::getpid() == speaker.load())
     (void)!::write(STDERR_FILENO, words, std::strlen(words));
-  for (auto& slot : noted) {
-    if (const char* const name = slot.exchange(nullptr)) ::unlink(name);
-  }
+  accdec::remove_temporaries();
   std::signal(signal, SIG_DFL);
   ::raise(signal);
 }
@@ -146,6 +144,13 @@ bool rename_temporary(const std::string& name, const std::string& target) {
   if (std::rename(name.c_str(), target.c_str()) != 0) return false;
   forget(name);
   return true;
+}
+
+// Allowed in a signal handler.
+void remove_temporaries() {
+  for (auto& slot : noted) {
+    if (const char* const name = slot.exchange(nullptr)) ::unlink(name);
+  }
 }
 
 void say_on_signals(const std::string& words) {

@@ -15,6 +15,9 @@ int open_temporary(const std::string& target, std::string& name);
 /// Removes a temporary; does nothing if it is gone.
 void remove_temporary(const std::string& name);
 
+/// Removes all temporaries of this process that are there, before it ends.
+void remove_temporaries();
+
 /// Renames a temporary to its target. @return whether that worked; otherwise errno says why and the temporary is still
 /// there
 bool rename_temporary(const std::string& name, const std::string& target);

@@ -18,6 +18,12 @@ double exact_arc_tolerance(double arc_tolerance) {
 
 }  // namespace
 
+double MoveState::chord_distance() const {
+  constexpr double least = 1e-9;  // m
+  const bool within = control == PathControl::blend && tolerance > 0.0;
+  return within ? std::min(arc_tolerance_, std::max(least, 0.5 * tolerance)) : arc_tolerance_;
+}
+
 void MoveState::send(const ProgramPoint& to, bool rapid, bool inside_arc, std::size_t column) {
   Move move;
   move.to = to;
@@ -70,7 +76,7 @@ void MoveState::arc(Arc arc, bool clockwise, int turns, const double* radius, st
     case ArcProblem::same_end:
       source_.fail(column, "impossible arc: a full circle needs its centre (I J K), not a radius");
   }
-  const int chords = chord_count(arc, arc_tolerance_);
+  const int chords = chord_count(arc, chord_distance());
   if (chords == 0) source_.fail(column, "arc of more than 10 million chords: the arc tolerance is too small for it");
   sink_.arc(arc, chords);
   for (int i = 1; i <= chords; ++i) send(chord_end(arc, i, chords), false, i < chords, column);
@@ -78,7 +84,7 @@ void MoveState::arc(Arc arc, bool clockwise, int turns, const double* radius, st
 
 void MoveState::spline(const std::vector<ControlPoint>& control, int order, std::size_t column) {
   if (feed <= 0.0) source_.fail(column, no_feed);
-  const auto points = flatten_spline(control, order, arc_tolerance_);
+  const auto points = flatten_spline(control, order, chord_distance());
   if (points.empty())
     source_.fail(column, "spline of more than 10 million chords: the arc tolerance is too small for it");
   ProgramPoint to = position;

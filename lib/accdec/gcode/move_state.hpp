@@ -37,6 +37,9 @@ class MoveState {
 
  private:
   void send(const ProgramPoint& to, bool rapid, bool inside_arc, std::size_t column);
+  /// m, of chords from their arc: at most half the tolerance in force. Only joints are held against the tolerance, and
+  /// between them the motion may be off by this more.
+  double chord_distance() const;
 
   LineSource& source_;
   MoveSink& sink_;

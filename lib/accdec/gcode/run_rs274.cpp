@@ -155,6 +155,12 @@ std::string refusal(const std::string& program, std::string_view text, const std
   return fmt::format("{}: refused by rs274: {}", program, errors);
 }
 
+/// With `line` 0 a line that has no number here.
+std::string place_of_line(const std::string& program, std::int64_t line) {
+  if (line > 0) return fmt::format("{}:{}:1", program, line);
+  return program + ": a subroutine in a file of its own";
+}
+
 constexpr std::string_view of_a_tool = "of a tool, which LinuxCNC has in its tool table:";
 
 /// rs274 has tools of its own where it is given none: lengths and diameters that nobody meant.
@@ -167,15 +173,17 @@ void refuse_own_tools(const std::string& program, std::string_view text, std::st
     const bool length = call.name == "USE_TOOL_LENGTH_OFFSET" && !tools.length &&
                         line.find_first_of("123456789", call.arguments) != std::string_view::npos;
     const bool radius = call.name == "COMMENT" && line.find("cutter radius compensation on") != std::string_view::npos;
-    const auto number = static_cast<std::size_t>(std::max<std::int64_t>(0, call.program_line));
-    if ((!length && !radius) || number == 0 || number > lines.size()) continue;
-    const std::string words = words_of(lines[number - 1]);
+    if (!length && !radius) continue;
+    // Lines of other files, for example of subroutines, have no number.
+    const bool here = call.program_line > 0 && call.program_line <= std::ssize(lines);
+    const std::int64_t number = here ? call.program_line : 0;
+    const std::string words = here ? words_of(lines[static_cast<std::size_t>(number - 1)]) : "";
     // With the length or diameter as words of the line itself.
     if (words.find(length ? "G43.1" : "G41.1") != std::string::npos || words.find("G42.1") != std::string::npos)
       continue;
-    if (length) throw std::invalid_argument(no_tool_length(program, static_cast<std::int64_t>(number)));
-    throw std::invalid_argument(
-        fmt::format("{}:{}:1: G41 and G42 take the diameter {} --tool-table FILE", program, number, of_a_tool));
+    if (length) throw std::invalid_argument(no_tool_length(program, number));
+    throw std::invalid_argument(fmt::format("{}: G41 and G42 take the diameter {} --tool-table FILE",
+                                            place_of_line(program, number), of_a_tool));
   }
 }
 
@@ -197,9 +205,9 @@ void refuse_set_tools(const std::string& program, std::string_view calls, const 
 
 std::string no_tool_length(const std::string& program, std::int64_t line) {
   return fmt::format(
-      "{}:{}:1: G43 takes the length {} --tool-table FILE; or --tool-length 0, where the program's Z is that of the "
+      "{}: G43 takes the length {} --tool-table FILE; or --tool-length 0, where the program's Z is that of the "
       "tool's tip all the time",
-      program, line, of_a_tool);
+      place_of_line(program, line), of_a_tool);
 }
 
 std::string numbered_lines(std::string_view text) {

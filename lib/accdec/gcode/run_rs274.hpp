@@ -19,6 +19,7 @@ Toolpath read_interpreted(const std::filesystem::path& program, const ProgramToo
                           const ToolpathOptions& options);
 
 /// The message for a program whose G43 on a line takes a tool length that nobody gave; it names the options that do.
+/// @param line  0 in a subroutine that has a file of its own, whose lines rs274 does not number
 std::string no_tool_length(const std::string& program, std::int64_t line);
 
 /// The program with the number of every line as its N word, of `line_number_digits` digits. Lines that do nothing,

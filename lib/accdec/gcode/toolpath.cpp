@@ -373,7 +373,11 @@ Toolpath Builder::finish() {
 
 Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options) {
   Builder builder(source, machine, options);
-  read_program(source, options.read, builder);
+  auto reading = options.read;
+  // As under G64 P, see MoveState.
+  if (options.error_max && *options.error_max > 0.0)
+    reading.arc_tolerance = std::min(reading.arc_tolerance, std::max(1e-9, 0.5 * *options.error_max));
+  read_program(source, reading, builder);
   return builder.finish();
 }
 

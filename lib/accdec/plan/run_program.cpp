@@ -28,7 +28,8 @@ namespace {
 /// slower.
 constexpr std::size_t tuned_max = 2'000;
 constexpr double hopelessly_slower = 1.25;
-constexpr int feed_rounds_max = 40;  // of mending feeds
+constexpr int feed_rounds_max = 40;    // of mending feeds
+constexpr double stepping_time = 0.5;  // s, beyond the time limit, for the plan for want of another
 
 /// Makes the plan of the result: the fastest requested plan that holds.
 class Planning {
@@ -78,10 +79,15 @@ class Planning {
     const bool hopeless = path.blocks() > tuned_max || *kept_ > hopelessly_slower * seconds(best_.plan);
     if (feeds != Feeds::choose_fitting || !hopeless) keep(path, true);
   }
-  /// Where no plan holds: a slow one that stops at every joint.
+  /// Where no plan holds, or the time did not suffice for a good one: a slow one that stops at every joint.
   void stop(const Toolpath& path, bool feeds_chosen) {
-    if (all_holds(best_.plan)) return;
-    offer(stop_everywhere(path, filter_, task_.sample_period, machine_), feeds_chosen);
+    const bool ended = deadline_.over() && path.blocks() <= several_plans_max;
+    // Steps of the feed inside the blocks save most of the time, if they are found quickly.
+    if (feeds_chosen && (ended || !all_holds(best_.plan))) {
+      auto steps = schedule_stops(path, filter_, task_.sample_period, machine_, Deadline(stepping_time));
+      if (steps) offer(std::move(*steps), feeds_chosen);
+    }
+    if (!all_holds(best_.plan)) offer(stop_everywhere(path, filter_, task_.sample_period, machine_), feeds_chosen);
   }
   /// The plan as the result's.
   void take() {

@@ -102,6 +102,18 @@ class Scheduler {
     }
   }
 
+  std::optional<ScheduledPlan> run_with_stops() {
+    for (JointState& joint : joints_) joint.extra = apart_;
+    for (;;) {
+      choose_joints();
+      const std::vector<FeedPiece> pieces = march();
+      if (deadline_.over()) return std::nullopt;
+      ScheduledPlan plan = simulate(pieces);
+      if (all_hold(plan)) return plan;
+      mend(plan);
+    }
+  }
+
  private:
   struct JointState {
     double tolerance = 0.0;               ///< tolerance to plan for, m
@@ -224,6 +236,11 @@ class Scheduler {
 ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                              int rounds_max, const Deadline& deadline) {
   return Scheduler(path, filter, sample_period, machine, deadline).run(rounds_max);
+}
+
+std::optional<ScheduledPlan> schedule_stops(const Toolpath& path, const Filter& filter, double sample_period,
+                                            const Machine& machine, const Deadline& deadline) {
+  return Scheduler(path, filter, sample_period, machine, deadline).run_with_stops();
 }
 
 }  // namespace accdec

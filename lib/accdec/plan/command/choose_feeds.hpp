@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <accdec/files.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/feeds/feed_caps.hpp>
@@ -18,5 +20,10 @@ struct ScheduledPlan {
 /// @param deadline  ends the rounds: what is returned then may not hold
 ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                              int rounds_max = 40, const Deadline& deadline = {});
+
+/// The same with a stop at the end of every block. No joint breaks its tolerance, and no two blocks act on each other,
+/// so that one round is often enough. None if that takes longer than the deadline.
+std::optional<ScheduledPlan> schedule_stops(const Toolpath& path, const Filter& filter, double sample_period,
+                                            const Machine& machine, const Deadline& deadline);
 
 }  // namespace accdec

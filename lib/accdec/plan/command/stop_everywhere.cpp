@@ -3,12 +3,14 @@
 
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/simulate/command_stream.hpp>
 #include <accdec/task/blend_limits.hpp>
 
 namespace accdec {
+namespace {
 
-ScheduledPlan stop_everywhere(const Toolpath& path, const Filter& filter, double sample_period,
-                              const Machine& machine) {
+/// The plan's feeds and delays, not simulated.
+ScheduledPlan with_stops(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
   ScheduledPlan result{path, {}};
   const BlendLimits limits(filter, machine, sample_period);
   const std::size_t n = path.dimensions();
@@ -32,9 +34,27 @@ ScheduledPlan stop_everywhere(const Toolpath& path, const Filter& filter, double
   }
   for (const auto& [block, delay] : path.given)
     delays[block] = std::max(delays[block], static_cast<int>(std::lround(std::min(delay / sample_period, 1e9))));
-  result.plan = check_program(result.path, filter, sample_period, machine, std::move(delays));
+  result.plan.delays = std::move(delays);
   result.plan.slowed = slowed;
   return result;
+}
+
+}  // namespace
+
+ScheduledPlan stop_everywhere(const Toolpath& path, const Filter& filter, double sample_period,
+                              const Machine& machine) {
+  ScheduledPlan result = with_stops(path, filter, sample_period, machine);
+  const std::size_t slowed = result.plan.slowed;
+  result.plan = check_program(result.path, filter, sample_period, machine, std::move(result.plan.delays));
+  result.plan.slowed = slowed;
+  return result;
+}
+
+double stop_everywhere_samples(const Toolpath& path, const Filter& filter, double sample_period,
+                               const Machine& machine) {
+  const ScheduledPlan plan = with_stops(path, filter, sample_period, machine);
+  const CommandTiming timing(plan.path, sample_period, plan.plan.delays);
+  return static_cast<double>(motion_samples(timing, filter));
 }
 
 }  // namespace accdec

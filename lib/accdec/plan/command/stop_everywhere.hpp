@@ -10,4 +10,8 @@ namespace accdec {
 /// @param machine  as many axes as the path, or without axes
 ScheduledPlan stop_everywhere(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 
+/// Samples that this plan takes, without simulating it.
+double stop_everywhere_samples(const Toolpath& path, const Filter& filter, double sample_period,
+                               const Machine& machine);
+
 }  // namespace accdec

@@ -11,6 +11,7 @@
 #include <accdec/files.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/feeds/stretched.hpp>
 #include <accdec/plan/filters/filter_search.hpp>
 #include <accdec/plan/filters/representative_task.hpp>
@@ -51,6 +52,13 @@ double planned_time(const Toolpath& path, const Filter& set, const Task& task, c
     if (use.utilisation > 1.0 + verification_tolerance) return unlimited;
   }
   return plan.errors_hold ? static_cast<double>(plan.simulation.samples) * task.sample_period : unlimited;
+}
+
+/// The time of the plan for want of another, s.
+/// @param set  without the control's own smoothing
+double stopping_time(const Toolpath& path, const Filter& set, const Task& task, const Machine& machine) {
+  const Filter filter = Response(task.machine, task.sample_period).command(set);
+  return stop_everywhere_samples(path, filter, task.sample_period, machine) * task.sample_period;
 }
 
 /// Two averages judged by the whole program, which knows what a few corners do not: rapid moves, for instance, go
@@ -138,8 +146,11 @@ class Candidates {
     if (all_.empty()) {
       best.message = "no filter within the task's bounds holds the limits: " + reason_;
     } else {
-      // No plan holds: planning the best prediction then tells which limit it breaks.
-      take(*all_.front().design.filter, all_.front(), best);
+      // No plan holds: planning the best prediction then tells which limit it breaks. If only the time did not suffice,
+      // a plan with stops is made, and the filter is the one that suits it.
+      const auto stops = [&](const Candidate& c) { return stopping_time(path_, *c.design.filter, task_, machine_); };
+      const auto& c = !deadline_.over() ? all_.front() : *std::ranges::min_element(all_, {}, stops);
+      take(*c.design.filter, c, best);
     }
     return best;
   }
@@ -271,7 +282,7 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
   const int rounds = path.blocks() <= short_program ? 40 : 3;
   // As in the planner: with chosen feeds or, for programs that are short enough for both plans, with programmed feeds.
   const auto time = [&](const Filter& filter) {
-    if (deadline.over()) return program_time(path, filter, task, machine);
+    if (deadline.over()) return stopping_time(path, filter, task, machine);
     const ScheduledPlan plan = schedule_feeds(path, Response(task.machine, task.sample_period).command(filter),
                                               task.sample_period, machine, rounds, deadline);
     const double chosen =

@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include <accdec/families/trial_search.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
 #include <accdec/plan/filters/filter_search.hpp>
 #include <accdec/verify.hpp>
@@ -16,6 +18,9 @@ namespace {
 
 constexpr std::size_t whole_max = 20'000;  // blocks up to which a program is judged as a whole
 constexpr int rounds_to_judge = 3;
+constexpr int rounds_max = 40;  // of mending a plan that may be the best
+/// Added to the time of filters whose plan does not hold, s, so that they come after all others.
+constexpr double behind_all = 1e12;
 
 class Search {
  public:
@@ -50,8 +55,8 @@ class Search {
     // Outwards from a guess, until longer or shorter ones only lose.
     for (const double factor : {1.25, 0.8}) {
       int losses = 0;
-      for (double n = std::min<double>(guess(), longest_); n >= 1.5 && n <= longest_ && losses < 3 && !late();
-           n *= factor) {
+      for (double n = std::min<double>(guess(), longest_);
+           n >= 1.5 && n <= longest_ && losses < 3 && !(search_.found() && late()); n *= factor) {
         bool better = false;
         for (const int shorter : ramps(static_cast<int>(n))) better |= search_.offer({static_cast<int>(n), shorter});
         losses = better ? 0 : losses + (search_.found() ? 1 : 0);
@@ -59,7 +64,7 @@ class Search {
     }
     search_.refine(6);
     FilterSearch result;
-    if (search_.found()) result.filter = search_.filter();
+    if (search_.found()) result.filter = search_.cost() < behind_all ? search_.filter() : best_with_stops();
     result.evaluations = search_.tried();
     return result;
   }
@@ -113,24 +118,62 @@ class Search {
 
   bool late() const { return seconds_since(start_) > options_.time_limit; }
 
-  double time_of(const Filter& set) const {
+  /// What acts on the command; none if it breaks a vibration bound.
+  std::optional<Filter> command_of(const Filter& set) const {
     Machine control;
     control.prefilter_taps = options_.smoothing;
-    const Filter filter = Response(control, period_).command(set);
+    Filter filter = Response(control, period_).command(set);
     for (const LimitUse& use : vibration_utilisation(filter, period_, machine_)) {
-      if (use.utilisation > 1.0) return unlimited;
+      if (use.utilisation > 1.0) return std::nullopt;
     }
-    double time = 0.0;
-    for (const Toolpath& part : parts_) {
-      const ScheduledPlan plan = schedule_feeds(part, filter, period_, machine_, rounds_to_judge, end_);
-      // A plan that does not hold yet needs slightly more time.
-      time += static_cast<double>(plan.plan.simulation.samples) * period_ * (all_holds(plan.plan) ? 1.0 : 1.01);
-    }
+    return filter;
+  }
+
+  double time_of(const Filter& set) const {
+    const std::optional<Filter> filter = command_of(set);
+    if (!filter) return unlimited;
+    double time = planned(*filter, rounds_to_judge);
+    // Few plans need more rounds to hold, and each costs as much as the first.
+    if (time > behind_all && time - behind_all < search_.cost() && !late()) time = planned(*filter, rounds_max);
+    if (time > behind_all) time = behind_all + stopping(*filter);
     // A plan that was not finished is judged only where there is no other.
     if (late() && search_.cost() < unlimited) return unlimited;
-    if (options_.progress && time < search_.cost())
+    if (options_.progress && time < search_.cost() && time < behind_all)
       options_.progress(fmt::format("{} taps: {:.4f} s", set.order() + 1, time));
     return time;
+  }
+
+  /// The time of the plan, s, and `behind_all` if it does not hold.
+  double planned(const Filter& filter, int rounds) const {
+    double time = 0.0;
+    bool held = true;
+    for (const Toolpath& part : parts_) {
+      const ScheduledPlan plan = schedule_feeds(part, filter, period_, machine_, rounds, end_);
+      time += static_cast<double>(plan.plan.simulation.samples) * period_;
+      held = held && all_holds(plan.plan);
+    }
+    return held ? time : behind_all + time;
+  }
+
+  /// The time of the plan for want of another, s.
+  double stopping(const Filter& filter) const {
+    double samples = 0.0;
+    for (const Toolpath& part : parts_) samples += stop_everywhere_samples(part, filter, period_, machine_);
+    return samples * period_;
+  }
+
+  /// For a search that ended before a plan held: most likely the program will be planned with stops.
+  Filter best_with_stops() const {
+    TrialSearch stops(*find_family("trapezoid"), {options_.order_min, options_.order_max}, [this](const Filter& set) {
+      const std::optional<Filter> filter = command_of(set);
+      return filter ? stopping(*filter) : unlimited;
+    });
+    stops.offer(search_.best());
+    for (double n = 2.0; n <= options_.order_max + 1.0; n = std::max(n + 1.0, 1.25 * n)) {
+      for (const int shorter : ramps(static_cast<int>(n))) stops.offer({static_cast<int>(n), shorter});
+    }
+    stops.refine(6);
+    return stops.filter();
   }
 
   const std::vector<Toolpath> parts_;

@@ -25,7 +25,8 @@ struct FilterSearch {
 
 /// The trapezoid (boxcar if no axis limits jerk) with which a program with chosen feeds takes the least time. It is
 /// found by a coarse grid of both lengths, then by steps around the best that are halved. Each is judged by a simulated
-/// schedule; long programs by four of their stretches. Every filter must hold the vibration bounds.
+/// schedule; long programs by four of their stretches. Every filter must hold the vibration bounds. If no plan holds
+/// within the time, the filter is the one with which a plan that stops at every joint takes the least.
 FilterSearch search_filter(const Toolpath& path, double sample_period, const Machine& machine,
                            const FilterSearchOptions& options);
 
