@@ -101,7 +101,8 @@ def _branch_and_bound(result, problem, certificate):
 
 
 def _families(result, problem, certificate):
-    refuse_if("family" not in result["task"].get("design", {}), "the certificate is about families, the task names none")
+    named = "family" in result["task"].get("design", {})
+    refuse_if(not named, "the certificate is about families, the task names none")
     target, words = None, "no member keeps all limits"
     if result["status"] == "infeasible":
         refuse_if(certificate["bound_samples"] is not None, "the certificate proves a bound, not that nothing exists")
@@ -109,7 +110,8 @@ def _families(result, problem, certificate):
         target, (_, _, cost) = number(result["family_bound_s"]) / problem.period, _design(result, problem)
         refuse_if(target > cost * (1 + ROUNDING), "the family's bound is above the time of the result's design")
         if result["status"] == "optimal":
-            refuse_if(target < cost * (1 - ROUNDING), "the status is optimal, but the family's bound is below that time")
+            below = target < cost * (1 - ROUNDING)
+            refuse_if(below, "the status is optimal, but the family's bound is below that time")
             target = cost
         less = number(certificate["bound_samples"]) < target * (1 - ROUNDING)
         refuse_if(less, "the certificate proves less than the result claims")

@@ -48,7 +48,8 @@ def with_friction(axis, force, v, still):
         return force + dry
     if v.hi < -still:
         return force - dry
-    return Enclosure(min(force.lo + dry.hi, max(force.lo - dry.hi, 0)), max(force.hi - dry.hi, min(force.hi + dry.hi, 0)))
+    low, high = max(force.lo - dry.hi, 0), min(force.hi + dry.hi, 0)
+    return Enclosure(min(force.lo + dry.hi, low), max(force.hi - dry.hi, high))
 
 
 def breaks_axis(period, axis, speeds, still=0):

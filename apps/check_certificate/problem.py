@@ -18,7 +18,8 @@ LIMITS = {
     "jerk": ("jerk_max_mm_s3", 1000), "force": ("force_max_N", 1),
     "power": ("power_max_W", 1), "regeneration": ("regeneration_max_W", 1),
 }
-AXIS_KEYS = {key for key, _ in LIMITS.values()} | {"name", "mass_kg", "damping_N_s_m", "coulomb_N", "force_speed_N"} | set(servo.KEYS)
+AXIS_KEYS = {key for key, _ in LIMITS.values()} | set(servo.KEYS) | {
+    "name", "mass_kg", "damping_N_s_m", "coulomb_N", "force_speed_N"}
 STILL = Fraction(1, 10**9)  # part of the feed below which an axis stands: no dry friction is against it
 
 # limits: those given, by kind; own: its number if it has modes of its own, as then no other axis stands for it

@@ -38,8 +38,8 @@ class Row:
             self.term(RESPONSES, k, c)
 
     def to_go(self, k, c):
-        """c p_k, behind the servo's taps r_j: c sum_j r_j p_{k-j}. The first tap of a window stands for those before it,
-        too, and has no part in it."""
+        """c p_k, behind the servo's taps r_j: c sum_j r_j p_{k-j}. The first tap of a window stands for those before
+        it, too, and has no part in it."""
         if self.window and len(self.response_taps) > 1:
             for i in range(1, self.order + 1):
                 late = enumerate(self.response_taps[max(0, k - i + 1):], max(0, k - i + 1))

@@ -12,16 +12,43 @@ import accdec
 
 PROBLEMS = pathlib.Path(__file__).parents[2] / "problems" / "program"
 MILL = PROBLEMS / "mill.toml"
+STAR = PROBLEMS / "star.ngc"
 
 
-@pytest.mark.parametrize("name, plan, feeds", [("star", "fixed", "choose"), ("zigzag", "fixed", "keep"),
-                                               ("trochoid", "fixed", "choose")])
-def test_the_plan_is_that_of_the_program(tmp_path, name, plan, feeds):
+def planned(folder, plan, *more):
+    """The star's plan of the module, and the folder of the files that the command writes of the same."""
+    subprocess.run([os.environ["ACCDEC_BINARY"], "program", str(STAR), "--task", MILL, "--plan", plan, "--json",
+                    folder / "plan.json", "--samples", folder / "star.csv", "--figure", folder / "star.html", *more,
+                    "-q"], check=True)
+    return accdec.program(str(STAR), MILL, plan=plan), folder
+
+
+@pytest.fixture(scope="module")
+def fixed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fixed")
+    return planned(folder, "fixed", "--emit", folder / "star.ngc")
+
+
+@pytest.fixture(scope="module")
+def profiles(tmp_path_factory):
+    return planned(tmp_path_factory.mktemp("profiles"), "profiles")
+
+
+def test_the_plan_is_that_of_the_program(fixed):
+    ours, folder = fixed
+    assert_same_plan(ours, folder)
+
+
+@pytest.mark.parametrize("name, feeds", [("zigzag", "keep"), ("trochoid", "choose")])
+def test_other_plans_are_those_of_the_program(tmp_path, name, feeds):
     file = PROBLEMS / f"{name}.ngc"
-    ours = accdec.program(file, MILL, plan=plan, feeds=feeds)
-    subprocess.run([os.environ["ACCDEC_BINARY"], "program", file, "--task", MILL, "--plan", plan, "--feeds", feeds,
-                    "--json", tmp_path / "plan.json", "-q"], check=True)
-    theirs = json.loads((tmp_path / "plan.json").read_text())
+    subprocess.run([os.environ["ACCDEC_BINARY"], "program", file, "--task", MILL, "--feeds", feeds, "--json",
+                    tmp_path / "plan.json", "-q"], check=True)
+    assert_same_plan(accdec.program(file, MILL, plan="fixed", feeds=feeds), tmp_path)
+
+
+def assert_same_plan(ours, folder):
+    theirs = json.loads((folder / "plan.json").read_text())
     assert ours.success and ours.cycle_time == theirs["cycle_time_s"]
     assert ours.lower_bound == theirs["lower_bound_s"] <= ours.cycle_time
     assert len(ours.delays) == len(ours.errors) == len(ours.lines) == theirs["commanded_blocks"]
@@ -30,8 +57,8 @@ def test_the_plan_is_that_of_the_program(tmp_path, name, plan, feeds):
     assert np.all(ours.errors[bounded] <= ours.tolerances[bounded] * (1 + 1e-9))
 
 
-def test_bounds_stand_beside_their_classes_of_motions():
-    plan = accdec.program(PROBLEMS / "star.ngc", MILL)
+def test_bounds_stand_beside_their_classes_of_motions(fixed):
+    plan, _ = fixed
     assert [bound["name"] for bound in plan.bounds] == ["way over feed", "any motion", "monotone legs"]
     assert plan.bounds[0]["time"] == plan.lower_bound
     for bound in plan.bounds:
@@ -41,9 +68,9 @@ def test_bounds_stand_beside_their_classes_of_motions():
 
 
 def test_estimates_are_those_of_the_program(tmp_path):
-    plan = accdec.program(PROBLEMS / "star.ngc", MILL, estimate=["grbl", "klipper"],
+    plan = accdec.program(STAR, MILL, estimate=["grbl", "klipper"],
                           estimate_options={"square_corner_velocity": 8})
-    subprocess.run([os.environ["ACCDEC_BINARY"], "program", PROBLEMS / "star.ngc", "--task", MILL, "--as", "grbl", "--as",
+    subprocess.run([os.environ["ACCDEC_BINARY"], "program", STAR, "--task", MILL, "--as", "grbl", "--as",
                     "klipper", "--as-option", "square_corner_velocity=8", "--json", tmp_path / "plan.json", "-q"],
                    check=True)
     theirs = json.loads((tmp_path / "plan.json").read_text())["estimates"]
@@ -52,12 +79,12 @@ def test_estimates_are_those_of_the_program(tmp_path):
     assert plan.estimates[1]["parameters"]["square_corner_velocity"] == 8.0
     assert "grbl would take" in str(plan)
     with pytest.raises(ValueError, match="parameter of grbl"):
-        accdec.program(PROBLEMS / "star.ngc", MILL, estimate=["grbl"], estimate_options={"resolution": 1})
+        accdec.program(STAR, MILL, estimate=["grbl"], estimate_options={"resolution": 1})
 
 
 def test_samples_are_a_filtered_motion():
     """They add up, hold the limits, and start as lfilter makes the programmed feed start."""
-    plan = accdec.program(PROBLEMS / "star.ngc", MILL, feeds="keep")
+    plan = accdec.program(STAR, MILL, feeds="keep")
     motion = plan.samples()
     period = motion["time"][1]
     assert motion["time"][-1] == pytest.approx(plan.cycle_time, rel=1e-12)
@@ -74,15 +101,13 @@ def test_samples_are_a_filtered_motion():
     assert speed[1:len(smooth) + 1] == pytest.approx(smooth, rel=2e-7)  # the start from rest
 
 
-def test_profiles_are_the_fastest_plan(tmp_path):
-    ours = accdec.program(PROBLEMS / "star.ngc", MILL, plan="profiles")
-    subprocess.run([os.environ["ACCDEC_BINARY"], "program", PROBLEMS / "star.ngc", "--task", MILL, "--plan", "profiles",
-                    "--samples", tmp_path / "star.csv", "--json", tmp_path / "plan.json", "-q"], check=True)
-    theirs = json.loads((tmp_path / "plan.json").read_text())
+def test_profiles_are_the_fastest_plan(tmp_path, profiles):
+    ours, folder = profiles
+    theirs = json.loads((folder / "plan.json").read_text())
     assert ours.success and ours.plan == theirs["plan"] == "profiles" and ours.cycle_time == theirs["cycle_time_s"]
     assert all(ours.cycle_time <= other["cycle_time"] for other in ours.candidates if other["verified"])
     assert ours.candidates and not ours.errors.flags.writeable
-    motion, table = ours.samples(), np.genfromtxt(tmp_path / "star.csv", delimiter=",", names=True)
+    motion, table = ours.samples(), np.genfromtxt(folder / "star.csv", delimiter=",", names=True)
     period = motion["time"][1]
     assert np.allclose(motion["time"], table["time_s"], rtol=1e-12)
     for column, name in enumerate(motion["axes"]):
@@ -126,21 +151,16 @@ def test_free_motions_are_faster_than_profiles():
         accdec.program(folder / "corner-p0.5.ngc", folder / "limits.toml", plan="free", feeds="keep")
 
 
-def test_emits_and_draws(tmp_path):
-    plan = accdec.program(PROBLEMS / "star.ngc", MILL)
-    subprocess.run([os.environ["ACCDEC_BINARY"], "program", PROBLEMS / "star.ngc", "--task", MILL,
-                    "--emit", tmp_path / "star.ngc", "-q"], check=True)
-    assert plan.emit() == (tmp_path / "star.ngc").read_text()
+def test_emits_and_draws(fixed):
+    plan, folder = fixed
+    assert plan.emit() == (folder / "star.ngc").read_text()
     assert len(accdec.plot(plan).axes) >= 2
     assert "cycle time" in str(plan)
 
 
-@pytest.mark.parametrize("plan", ["fixed", "profiles"])
-def test_the_page_is_that_of_the_program(tmp_path, plan):
-    file, page = str(PROBLEMS / "star.ngc"), tmp_path / "star.html"
-    subprocess.run([os.environ["ACCDEC_BINARY"], "program", file, "--task", MILL, "--plan", plan, "--figure", page,
-                    "-q"], check=True)
-    assert accdec.program(file, MILL, plan=plan).page() == page.read_text()
+def test_the_page_is_that_of_the_program(fixed, profiles):
+    for plan, folder in (fixed, profiles):
+        assert plan.page() == (folder / "star.html").read_text()
 
 
 def test_arcs_are_widened(tmp_path):

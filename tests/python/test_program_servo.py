@@ -19,19 +19,24 @@ def task(gain, feedforward, **axis):
 
 def loop(command, gain, feedforward, steps=50):
     """Positions at the samples of x' = Kv (s - x) + g s' for the command s, which moves evenly within a sample."""
-    h, x, motion = T / steps, command[0].copy(), [command[0].copy()]
-    for before, after in zip(command, command[1:]):
-        v = (after - before) / T
-        ahead = feedforward * v
+    h = T / steps
+
+    def sample(x, s, v):
         for i in range(steps):
-            now = before + i * h * v
+            now = s + i * h * v
             half, end = now + h / 2 * v, now + h * v
-            k1 = gain * (now - x) + ahead
-            k2 = gain * (half - x - h / 2 * k1) + ahead
-            k3 = gain * (half - x - h / 2 * k2) + ahead
-            k4 = gain * (end - x - h * k3) + ahead
+            k1 = gain * (now - x) + feedforward * v
+            k2 = gain * (half - x - h / 2 * k1) + feedforward * v
+            k3 = gain * (half - x - h / 2 * k2) + feedforward * v
+            k4 = gain * (end - x - h * k3) + feedforward * v
             x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-        motion.append(x.copy())
+        return x
+
+    # The end of a sample is linear in its begin, the command and the speed there.
+    of_x, of_s, of_v = sample(1.0, 0.0, 0.0), sample(0.0, 1.0, 0.0), sample(0.0, 0.0, 1.0)
+    motion = [command[0]]
+    for before, after in zip(command, command[1:]):
+        motion.append(of_x * motion[-1] + of_s * before + of_v * (after - before) / T)
     return np.array(motion)
 
 

@@ -1,5 +1,6 @@
-"""Rows of modes. What a mode of an axis is left with in metres is a bound on the residual of the filter. Both legs of a blend excite the mode through the same filter, the first one d samples earlier. So the amplitude is the
-filter's residual times |v2 - v1 exp(-(z w + j wd) d T)|/wd, wd = w sqrt(1 - z^2). A start or stop has one leg."""
+"""Rows of modes. What a mode of an axis is left with in metres is a bound on the residual of the filter. Both legs of a
+blend excite the mode through the same filter, the first one d samples earlier. So the amplitude is the filter's residual
+times |v2 - v1 exp(-(z w + j wd) d T)|/wd, wd = w sqrt(1 - z^2). A start or stop has one leg."""
 from enclosure import BITS, ONE, PI, UNIT, Enclosure, cos_sin, exact, exponential, square_root
 from refusals import number, refuse_if
 

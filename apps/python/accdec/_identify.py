@@ -67,4 +67,5 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None) -> dict
         axes, positions = [arguments.text("log", axis) for axis in log], _positions(log)
     else:
         file = arguments.path("log", log)
-    return _core.identify(as_task(task, program=True), file=file, axes=axes, positions=positions, noise=noise, progress=None)
+    return _core.identify(as_task(task, program=True), file=file, axes=axes, positions=positions, noise=noise,
+                          progress=None)

@@ -232,8 +232,8 @@ def export(result: Result, format: str, path: Optional[Union[str, "os.PathLike[s
     ----------
     result : Result
     format : {"csv", "c", "json", "npy", "cascade", "m", "st", "linuxcnc-comp", "klipper", "q15", "q31"}
-        "cascade": lengths of moving averages; "m": MATLAB and Octave; "st": Structured Text. `numpy.load` of a path reads
-        the taps of "npy"; of an open file, three times: taps, delays, and a JSON text with all else.
+        "cascade": lengths of moving averages; "m": MATLAB and Octave; "st": Structured Text. `numpy.load` of a path
+        reads the taps of "npy"; of an open file, three times: taps, delays, and a JSON text with all else.
     path : path, optional
         File to write it to.
 

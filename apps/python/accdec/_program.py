@@ -66,7 +66,8 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
     >>> plan.success, len(plan.delays) >= 4, bool((plan.errors <= plan.tolerances * (1 + 1e-9)).all())
     (True, True, True)
     >>> part = {"sample_period": 1e-3, "axes": {"velocity_max": 0.2, "acceleration_max": 1.0}}
-    >>> [grbl] = accdec.program(square, part, estimate=["grbl"], estimate_options={"junction_deviation": 0.02}).estimates
+    >>> options = {"junction_deviation": 0.02}
+    >>> [grbl] = accdec.program(square, part, estimate=["grbl"], estimate_options=options).estimates
     >>> grbl["control"], 1.6 < grbl["time"] < 2.0, grbl["parameters"]["junction_deviation"]
     ('grbl', True, 0.02)
     >>> faster = accdec.program(square, {"sample_period": 1e-3, "axes": {"acceleration_max": 5.0}}, plan="profiles")
