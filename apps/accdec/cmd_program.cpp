@@ -14,7 +14,9 @@
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
+#include <accdec/formats/controller_file.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/result/emit.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
@@ -91,6 +93,20 @@ void check_options(const ProgramArguments& options) {
   }
 }
 
+/// Whether kept feeds leave the task's control nothing that holds a tolerance.
+bool only_runs_on(const ProgramArguments& options, const Task& task) {
+  return options.feeds == "keep" && task.settings && runs_on(control_of(*task.settings, 0.0));
+}
+
+/// @throws InputError for a control whose delays --feeds keep does not give
+void require_delays(const ProgramArguments& options, const Task& task) {
+  if (options.plan != "fixed" || !only_runs_on(options, task) || task.settings->names(DelayKind::continuous)) return;
+  throw error_at_delays(options.task,
+                        "`delays` = \"corner-feed\" lowers the feed at corners, and --feeds keep commands the "
+                        "programmed feeds; allowed are --feeds choose, or another kind beside it: continuous, "
+                        "exact-stop, in-position, dwell, timed-axis");
+}
+
 /// Says so where --samples writes more than a gigabyte: about 23 bytes an axis and 12 for the time, every sample.
 void warn_of_size(const std::string& file, double samples, std::size_t axes) {
   const double bytes = samples * (12.0 + 23.0 * static_cast<double>(axes));
@@ -150,7 +166,9 @@ std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context&
     result = run_program_file(options.program, file, task, options.file,
                               [&](const std::string& line) { status.tell(line); });
     if (result->plan.empty()) {
-      std::fprintf(stderr, "%s\n", result->message.c_str());
+      const bool delays = only_runs_on(options, task);
+      const std::string why = delays ? error_at_delays(options.task, result->message).what() : result->message;
+      std::fprintf(stderr, "%s\n", why.c_str());
       context.exit_code = exit_no_answer;
       return {};
     }
@@ -216,6 +234,7 @@ void run(ProgramArguments& options, Context& context) {
       options.task,
       {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::common});
   warn(task, options.task, context);
+  require_delays(options, task);
   require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},
                   {options.program, options.task, options.file.tools.table});
   options.file.feeds = options.feeds == "keep" ? Feeds::keep : Feeds::choose;

@@ -20,6 +20,10 @@ def _per_stage(design, key, stages):
     return [None if x is None else number(x) for x in given]
 
 
+def _whole_lengths(times, most):
+    return sorted({1} | {round(t) for t in times if abs(t - round(t)) <= Fraction(1, 10**6) and t <= most})
+
+
 def _stages(task, most):
     """The lengths of each stage in samples, 1 for one that is off."""
     design, period = task["design"], number(task["sample_period_ms"])
@@ -27,9 +31,8 @@ def _stages(task, most):
     refuse_if(not 1 <= stages <= 3, "the task has not one to three stages")
     steps, caps = _per_stage(design, "length_step_ms", stages), _per_stage(design, "length_max_ms", stages)
     if "length_set_ms" in design:
-        times = {number(t) / period for t in design["length_set_ms"]}
-        lengths = {round(t) for t in times if abs(t - round(t)) <= Fraction(1, 10**6) and t <= most}
-        return [sorted(lengths | {1})] * stages
+        sets = [design.get(f"length_set_{i + 1}_ms", design["length_set_ms"]) for i in range(stages)]
+        return [_whole_lengths({number(t) / period for t in times}, most) for times in sets]
     all_lengths = []
     for step, cap in zip(steps, caps):
         samples = max(1, round((step or period) / period))

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <filesystem>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -33,6 +35,51 @@ TEST(CliControllers, AFileOfOnesOwnIsShown) {
   const Outcome own = run({"controllers", folder_of_controllers + "omron-g5.toml"});
   EXPECT_EQ(own.code, 0);
   EXPECT_EQ(own.out, run({"controllers", "omron-g5"}).out);
+}
+
+/// Times of two stages that differ in kind: a set, or no step, beside a step with a cap. The result has them all, and
+/// is verified.
+TEST(CliControllers, StagesOfDifferentKindsSurviveAResult) {
+  const TemporaryFolder folder;
+  const std::string task = folder.write(
+      "task.toml",
+      "sample_period_ms = 1.0\n[controller]\nfile = \"own.toml\"\n[[axis]]\nacceleration_max_mm_s2 = 6000\n"
+      "jerk_max_mm_s3 = 500000\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  const std::string result = folder.path("result.json");
+  for (const char* first :
+       {"", "length_set_ms = [1, 2, 4, 8, 16, 32]\n", "length_max_ms = 16\n", "length_step_ms = 2\n"}) {
+    folder.write("own.toml", std::string("title = \"own\"\nfamily = \"averages\"\ndelays = [\"continuous\", "
+                                         "\"exact-stop\"]\n[[stage]]\nparameter = \"P1\"\n") +
+                                 first +
+                                 "[[stage]]\nparameter = \"P2\"\nlength_step_ms = 3\nlength_max_ms = 30\n[[source]]\n"
+                                 "fact = \"none\"\nwhere = \"nowhere\"\n");
+    EXPECT_EQ(run({"design", task, "--json", result, "--no-baselines"}).code, 0) << first;
+    const Outcome verified = run({"verify", result});
+    EXPECT_EQ(verified.code, 0) << first << verified.out << verified.err;
+  }
+}
+
+/// Every pair of times by hand: the longer average holds the acceleration, the product of both the jerk.
+TEST(CliControllers, SetsOfATaskMayDifferByStage) {
+  const TemporaryFolder folder;
+  const std::string task = folder.write(
+      "task.toml",
+      "sample_period_ms = 1.0\n[design]\nfamily = \"averages\"\nlength_set_ms = [1, 2, 4, 8, 16, 32]\n"
+      "length_set_2_ms = [3, 6, 9, 12, 15, 18, 21, 24]\n[controller]\ndelays = \"exact-stop\"\n[[axis]]\n"
+      "acceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\n"
+      "error_max_um = 50\n");
+  const std::string result = folder.path("result.json");
+  int least = 1000;
+  for (const int a : {1, 2, 4, 8, 16, 32}) {
+    for (const int b : {1, 3, 6, 9, 12, 15, 18, 21, 24}) {
+      if (0.1 / (std::max(a, b) * 1e-3) <= 6.0 && 0.1 / (a * b * 1e-6) <= 500.0) least = std::min(least, a + b - 1);
+    }
+  }
+  const Outcome designed = run({"design", task, "--json", result, "--no-baselines"});
+  EXPECT_EQ(designed.code, 0) << designed.err;
+  // An exact stop is N samples later.
+  EXPECT_THAT(designed.out, HasSubstr(std::to_string(2 * least - 1) + " ms a corner, proved best"));
+  EXPECT_EQ(run({"verify", result}).code, 0);
 }
 
 TEST(CliControllers, UnknownOnesAndBrokenFilesAreRefused) {

@@ -242,4 +242,15 @@ ControllerSettings settings_of(const Controller& controller, double period) {
   return settings;
 }
 
+InputError error_at_delays(const std::string& task, const std::string& message) {
+  const toml::table tree = toml_input::parse_toml(read_text_file(task), task);
+  for (const char* key : {"delays", "name", "file"}) {
+    const auto found = tree["controller"][key];
+    if (found.node() == nullptr) continue;
+    const toml::source_position at = found.node()->source().begin;
+    return {task, static_cast<long>(at.line), static_cast<long>(at.column), message};
+  }
+  return {task, 0, 0, message};
+}
+
 }  // namespace accdec

@@ -63,4 +63,7 @@ Controller find_controller(const std::string& name_or_path);
 /// @throws std::invalid_argument if no time is a multiple of the period
 ControllerSettings settings_of(const Controller& controller, double period);
 
+/// The message at the place of a task file that names its delays: [controller] delays, else its name or file.
+InputError error_at_delays(const std::string& task, const std::string& message);
+
 }  // namespace accdec

@@ -1,5 +1,7 @@
 #include <string>
 
+#include <fmt/format.h>
+
 #include <accdec/formats/settings_table.hpp>
 #include <accdec/machine/response.hpp>
 
@@ -109,6 +111,16 @@ std::vector<Key> about_parameters() {
 }  // namespace
 
 std::vector<Key> setting_keys() {
+  const auto set_of_stage = [](int stage) {
+    return Key{.name = fmt::format("length_set_{}_ms", stage),
+               .type = KeyType::numbers,
+               .meaning = fmt::format("with `length_set_ms`: the times of stage {}, where they differ", stage),
+               .unit = "ms",
+               .range = {0.0, longest_ms, true},
+               .most = longest_set,
+               .example = "[1, 2, 3]",
+               .of_period = true};
+  };
   return {
       {.name = "family",
        .type = KeyType::words,
@@ -141,6 +153,8 @@ std::vector<Key> setting_keys() {
        .most = longest_set,
        .example = "[0.5, 1, 2, 4, 8]",
        .of_period = true},
+      set_of_stage(2),
+      set_of_stage(3),
       {.name = "time_constant_step_ms",
        .meaning = "with family = \"exponential\": its time constants are multiples, up to the longest filter",
        .unit = "ms",

@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <accdec/formats/controller_file.hpp>
 #include <accdec/formats/settings_table.hpp>
@@ -12,7 +11,6 @@
 namespace accdec {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using toml_input::Table;
 
 /// Times as multiples of the sample period, s. @throws InputError at the first that is none
@@ -38,6 +36,33 @@ void spread(const Table& table, std::string_view key, std::vector<double> times,
     table.fail_at(key, fmt::format("`{}` has {} numbers for {} stage{}; allowed is one number, or one a stage", key,
                                    times.size(), stages.size(), stages.size() == 1 ? "" : "s"));
   for (std::size_t i = 0; i < stages.size(); ++i) stages[i].*member = times[times.size() == 1 ? 0 : i];
+}
+
+/// Sets of times in place of steps and caps: of all stages, and of those that differ.
+void read_sets(const Table& table, double period, std::vector<SettableStage>& stages) {
+  const auto key_of = [](std::size_t stage) { return fmt::format("length_set_{}_ms", stage + 1); };
+  for (const std::size_t stage : {1, 2}) {
+    const std::string key = key_of(stage);
+    if (!table.has(key)) continue;
+    if (!table.has("length_set_ms")) table.fail_at(key, fmt::format("`{}` goes with `length_set_ms`", key));
+    if (stage >= stages.size())
+      table.fail_at(key, fmt::format("`{}` is of stage {}; there {} {}", key, stage + 1,
+                                     stages.size() == 1 ? "is" : "are", stages.size()));
+  }
+  if (!table.has("length_set_ms")) return;
+  for (const std::string_view key : {"length_step_ms", "length_max_ms"}) {
+    if (table.has(key))
+      table.fail_at(key, fmt::format("`{}` and `length_set_ms` are both given; allowed is either the set of all "
+                                     "lengths, or a step and a cap",
+                                     key));
+  }
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const bool own = i > 0 && table.has(key_of(i));
+    std::vector<double> set = whole_samples(table, own ? key_of(i) : "length_set_ms", period);
+    std::sort(set.begin(), set.end());
+    set.erase(std::unique(set.begin(), set.end()), set.end());
+    stages[i].length_set = std::move(set), stages[i].length_step = stages[i].length_max = 0.0;
+  }
 }
 
 void read_stages(const Table& table, double period, ControllerSettings& settings) {
@@ -66,30 +91,8 @@ void read_stages(const Table& table, double period, ControllerSettings& settings
                     fmt::format("`length_max_ms` = {:.6g} leaves stage {} no length; the shortest is {:.6g} ms",
                                 1e3 * stage.length_max, i + 1, 1e3 * least));
   }
-  if (!table.has("length_set_ms")) return;
-  for (const std::string_view key : {"length_step_ms", "length_max_ms"}) {
-    if (table.has(key))
-      table.fail_at(key, fmt::format("`{}` and `length_set_ms` are both given; allowed is either the set of all "
-                                     "lengths, or a step and a cap",
-                                     key));
-  }
-  std::vector<double> set = whole_samples(table, "length_set_ms", period);
-  std::sort(set.begin(), set.end());
-  set.erase(std::unique(set.begin(), set.end()), set.end());
-  for (SettableStage& stage : settings.stages) stage.length_set = set, stage.length_step = stage.length_max = 0.0;
+  read_sets(table, period, settings.stages);
 }
-
-/// The step of a family's real numbers.
-struct GridStep {
-  SettingFamily family;
-  const char* key;
-  double ControllerSettings::*step;
-};
-constexpr GridStep grid_steps[] = {
-    {SettingFamily::exponential, "time_constant_step_ms", &ControllerSettings::time_constant_step},
-    {SettingFamily::gaussian, "alpha_step", &ControllerSettings::alpha_step},
-    {SettingFamily::windowed_sinc, "cutoff_step_Hz", &ControllerSettings::cutoff_step},
-    {SettingFamily::shaper, "shaper_frequency_step_Hz", &ControllerSettings::shaper_frequency_step}};
 
 void read_grid(const Table& table, double period, ControllerSettings& settings) {
   for (const GridStep& grid : grid_steps) {
@@ -149,7 +152,8 @@ void read_families(const Table& table, double period, ControllerSettings& settin
                   "`shaper_frequency_step_Hz`");
   read_grid(table, period, settings);
   if (settings.names_family()) return read_stages(table, period, settings);
-  for (const std::string_view key : {"stages", "length_step_ms", "length_max_ms", "length_set_ms"}) {
+  for (const std::string_view key :
+       {"stages", "length_step_ms", "length_max_ms", "length_set_ms", "length_set_2_ms", "length_set_3_ms"}) {
     if (table.has(key))
       table.fail_at(key, fmt::format("`{}` is of no use with free taps; it goes with family = \"averages\"", key));
   }
@@ -228,26 +232,6 @@ void read_parameters(const Table& table, ControllerSettings& settings) {
   }
 }
 
-void write_parameters(const ControllerSettings& settings, Json& controller) {
-  if (!settings.controller.empty()) controller["title"] = settings.controller;
-  const bool named = std::any_of(settings.stages.begin(), settings.stages.end(),
-                                 [](const SettableStage& stage) { return !stage.name.empty(); });
-  for (const SettableStage& stage : settings.stages) {
-    if (!named) return;
-    controller["parameters"].push_back(stage.name);
-    controller["parameter_units"].push_back(stage.unit);
-    controller["parameter_unit_ms"].push_back(1e3 * stage.unit_seconds);
-  }
-}
-
-Json in_ms(const std::vector<SettableStage>& stages, double SettableStage::*member) {
-  Json list = Json::array();
-  for (const SettableStage& stage : stages) {
-    if (stage.*member > 0.0) list.push_back(from_si({.unit = "ms"}, stage.*member));
-  }
-  return list;
-}
-
 }  // namespace
 
 bool any_delay(const std::vector<DelayKind>& kinds) {
@@ -285,32 +269,6 @@ std::optional<ControllerSettings> read_settings(const std::optional<Table>& desi
                         "`delays` without a family: free taps are designed with delays of any number of samples, "
                         "\"dwell\" or \"timed-axis\"; give [design] family = \"averages\"");
   return settings;
-}
-
-void write_settings(const ControllerSettings& settings, Json& design, Json& controller) {
-  if (settings.names_family()) {
-    for (const SettingFamily family : settings.families) design["family"].push_back(to_string(family));
-    design["stages"] = settings.stages.size();
-    if (settings.shaper != nullptr) design["shaper"] = settings.shaper->name;
-    const Json steps = in_ms(settings.stages, &SettableStage::length_step),
-               caps = in_ms(settings.stages, &SettableStage::length_max);
-    if (!steps.empty()) design["length_step_ms"] = steps;
-    if (!caps.empty()) design["length_max_ms"] = caps;
-    for (const double length : settings.stages.front().length_set)
-      design["length_set_ms"].push_back(from_si({.unit = "ms"}, length));
-    for (const GridStep& grid : grid_steps) {
-      const bool has =
-          std::find(settings.families.begin(), settings.families.end(), grid.family) != settings.families.end();
-      const Key key = *find_key(setting_keys(), grid.key);
-      if (has && settings.*grid.step > 0.0) design[grid.key] = from_si(key, settings.*grid.step);
-    }
-  }
-  for (const DelayKind kind : settings.delays) controller["delays"].push_back(to_string(kind));
-  if (settings.in_position_actual) controller["in_position_of"] = "actual";
-  if (settings.in_position_latency > 0.0)
-    controller["in_position_latency_ms"] = from_si({.unit = "ms"}, settings.in_position_latency);
-  if (settings.names(DelayKind::corner_feed)) controller["corner_feed_step"] = settings.corner_feed_step;
-  write_parameters(settings, controller);
 }
 
 }  // namespace accdec

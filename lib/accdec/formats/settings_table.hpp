@@ -19,6 +19,18 @@ bool any_delay(const std::vector<DelayKind>& kinds);
 /// Numbers on a grid: more would only take time.
 inline constexpr double most_numbers = 1e4;
 
+/// The step of a family's real numbers.
+struct GridStep {
+  SettingFamily family;
+  const char* key;
+  double ControllerSettings::*step;
+};
+inline constexpr GridStep grid_steps[] = {
+    {SettingFamily::exponential, "time_constant_step_ms", &ControllerSettings::time_constant_step},
+    {SettingFamily::gaussian, "alpha_step", &ControllerSettings::alpha_step},
+    {SettingFamily::windowed_sinc, "cutoff_step_Hz", &ControllerSettings::cutoff_step},
+    {SettingFamily::shaper, "shaper_frequency_step_Hz", &ControllerSettings::shaper_frequency_step}};
+
 /// Those of [design].
 std::vector<Key> setting_keys();
 /// Those of [controller].
@@ -30,9 +42,9 @@ std::vector<Key> controller_keys();
 std::optional<ControllerSettings> read_settings(const std::optional<toml_input::Table>& design,
                                                 const std::optional<toml_input::Table>& controller, double period);
 
-/// Adds the keys of [design] to its JSON, in the order of the keys, and makes the JSON of [controller], empty without
-/// any.
-void write_settings(const ControllerSettings& settings, nlohmann::ordered_json& design,
-                    nlohmann::ordered_json& controller);
+/// Adds the keys of a task's [design] to its JSON, in the order of the keys, and makes the JSON of [controller], empty
+/// without any.
+/// @param task  with settings
+void write_settings(const Task& task, nlohmann::ordered_json& design, nlohmann::ordered_json& controller);
 
 }  // namespace accdec

@@ -156,7 +156,7 @@ nlohmann::ordered_json task_to_json(const Task& task) {
   if (task.filter) top.value("filter", filter_to_json(*task.filter));
   if (task.baseline) top.value("baseline", filter_to_json(*task.baseline));
   Json design = design_json(task.design), controller;
-  if (task.settings) write_settings(*task.settings, design, controller);
+  if (task.settings) write_settings(task, design, controller);
   if (!task.machine.prefilter_taps.empty()) controller["prefilter_taps"] = task.machine.prefilter_taps;
   top.value("design", std::move(design));
   if (!controller.is_null()) top.value("controller", std::move(controller));

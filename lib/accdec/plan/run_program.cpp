@@ -15,6 +15,8 @@
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
+#include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/result/other_rules.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/program.hpp>
@@ -34,9 +36,13 @@ constexpr double stepping_time = 0.5;  // s, beyond the time limit, for the plan
 /// Makes the plan of the result: the fastest requested plan that holds.
 class Planning {
  public:
+  /// @param programmed  until all plans are made
   /// @param set  without the control's own smoothing
-  Planning(ProgramResult& result, const Filter& set, const Task& task, const Machine& machine, const Deadline& deadline)
+  Planning(ProgramResult& result, const Toolpath& programmed, const Filter& set, const Task& task,
+           const Machine& machine, const Deadline& deadline)
       : result_(result),
+        programmed_(programmed),
+        feed_step_(corner_feed_step_of(task.settings)),
         set_(set),
         filter_(Response(task.machine, task.sample_period).command(set)),
         behind_(filter_, machine, task.sample_period),
@@ -68,7 +74,8 @@ class Planning {
   }
   void choose(const Toolpath& path) {
     if (path.blocks() <= several_plans_max || !path.given.empty()) as_commanded(path, true);
-    ScheduledPlan plan = schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_);
+    ScheduledPlan plan =
+        schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_, feed_step_);
     snap(plan);
     if (!kept_ && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
     offer(std::move(plan), true);
@@ -179,6 +186,7 @@ class Planning {
   void offer(ScheduledPlan plan, bool feeds_chosen) {
     relax_stops(plan);
     settle_delays(plan.path, filter_, task_.sample_period, machine_, plan.plan);
+    if (!corner_feeds_had(plan.path, programmed_, plan.plan.delays, feed_step_)) plan.plan.delays_had = false;
     const bool first = best_.plan.delays.empty();
     // Where arcs were to be widened, a plan that does is better than a faster one that does not.
     const bool widened = !plan.path.programmed.empty(), had_widened = !best_.path.programmed.empty();
@@ -190,6 +198,8 @@ class Planning {
   }
 
   ProgramResult& result_;
+  const Toolpath& programmed_;
+  double feed_step_;  // see corner_feed_step_of
   const Filter& set_;
   const Filter filter_;  // all that acts on the command
   const FilterBehind behind_;
@@ -251,7 +261,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   snap_durations(path, Response(task.machine, task.sample_period).command(filter), task.sample_period, machine);
   result.lower_bound = program_lower_bound(path, machine, task.sample_period);
   if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
-  Planning planning(result, filter, task, machine, deadline);
+  Planning planning(result, path, filter, task, machine, deadline);
   const bool written = planning.as_written(path, feeds);
   const bool keep = feeds == Feeds::keep || (feeds != Feeds::choose_only && path.blocks() <= several_plans_max);
   if (keep && !written) planning.keep(path, feeds == Feeds::keep);

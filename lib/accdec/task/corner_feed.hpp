@@ -31,4 +31,9 @@ inline int corner_feed_multiples(double step) {
   return static_cast<int>(std::ceil(1.0 / step * (1.0 - 1e-12))) - 1;
 }
 
+/// The largest multiple of a step up to a part of the feed; 0 if there is none. @param step  > 0
+inline double corner_feed_part(double part, double step) {
+  return std::floor(part / step) * step;
+}
+
 }  // namespace accdec

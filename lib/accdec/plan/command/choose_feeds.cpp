@@ -8,6 +8,7 @@
 #include <accdec/plan/feeds/split_blocks.hpp>
 #include <accdec/simulate/command_stream.hpp>
 #include <accdec/simulate/sample_check.hpp>
+#include <accdec/task/corner_feed.hpp>
 
 namespace accdec {
 namespace {
@@ -51,21 +52,25 @@ double held_speed(const std::vector<FeedPiece>& pieces, std::size_t first, std::
 
 /// Makes every run last whole samples by slowing its fastest pieces. This breaks no window's limits. The command stream
 /// would slow whole runs, by different factors for neighbours, and could break limits between them.
-void round_runs(const Toolpath& path, std::vector<FeedPiece>& pieces, double sample_period) {
-  for (std::size_t first = 0; first < pieces.size();) {
-    std::size_t last = first;
-    double time = 0.0, top = 0.0;
-    for (;; ++last) {
-      time += pieces[last].length / pieces[last].speed;
-      top = std::max(top, pieces[last].speed);
-      if (last + 1 == pieces.size()) break;
-      const std::uint32_t b = pieces[last].block;
-      if (pieces[last].rest > 0.0 || (pieces[last + 1].block != b && ends_leg(path, b))) break;
-    }
+/// @param keep_corners  the feeds at corners without a delay stay, and no piece becomes slower than they are
+void round_runs(const Toolpath& path, std::vector<FeedPiece>& pieces, double sample_period, bool keep_corners) {
+  const auto ends_at = [&](std::size_t i) {
+    return i + 1 == pieces.size() || pieces[i].rest > 0.0 ||
+           (pieces[i + 1].block != pieces[i].block && ends_leg(path, pieces[i].block));
+  };
+  const auto kept = [&](std::size_t i) { return keep_corners && i + 1 < pieces.size() && !(pieces[i].rest > 0.0); };
+  for (std::size_t first = 0, last = 0; first < pieces.size(); first = ++last) {
+    while (!ends_at(last)) ++last;
+    double time = 0.0, top = 0.0, corner = 0.0;
+    for (std::size_t i = first; i <= last; ++i) time += pieces[i].length / pieces[i].speed;
+    std::size_t from = first, to = last + 1;
+    if (first > 0 && kept(first - 1)) corner = pieces[from++].speed;
+    if (kept(last) && to > from) corner = std::max(corner, pieces[--to].speed);
+    for (std::size_t i = from; i < to; ++i) top = std::max(top, pieces[i].speed);
     const double missing = static_cast<double>(whole_samples(time / sample_period)) * sample_period - time;
-    const double speed = missing > 0.0 ? held_speed(pieces, first, last, top, missing) : 0.0;
-    for (std::size_t i = first; i <= last && speed > 0.0; ++i) pieces[i].speed = std::min(pieces[i].speed, speed);
-    first = last + 1;
+    const double speed = missing > 0.0 && to > from ? held_speed(pieces, from, to - 1, top, missing) : 0.0;
+    for (std::size_t i = from; i < to && speed >= corner && speed > 0.0; ++i)
+      pieces[i].speed = std::min(pieces[i].speed, speed);
   }
 }
 
@@ -73,19 +78,19 @@ void round_runs(const Toolpath& path, std::vector<FeedPiece>& pieces, double sam
 class Scheduler {
  public:
   Scheduler(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-            const Deadline& deadline)
+            const Deadline& deadline, double corner_feed_step)
       : path_(path),
         deadline_(deadline),
         filter_(filter),
         behind_(filter, machine, sample_period),
         period_(sample_period),
         machine_(machine),
+        feed_step_(corner_feed_step),
         window_(filter, machine, sample_period, path.dimensions()),
         feeds_(feed_path(path)),
         apart_(behind_.motion().order() + 2),
         joints_(path.blocks()),
-        speed_(path.blocks(), unlimited),
-        delay_(path.blocks(), 0) {
+        chosen_(path.blocks()) {
     for (std::size_t b = 0; b < path.blocks(); ++b) joints_[b].tolerance = path.tolerance[b];
     for (const auto& [block, delay] : path.given) {
       joints_[block].given = static_cast<int>(std::lround(std::min(delay / sample_period, 1e9)));
@@ -115,6 +120,7 @@ class Scheduler {
   }
 
  private:
+  static constexpr int walks_max = 100;  ///< while feeds of corners are lowered to steps
   struct JointState {
     double tolerance = 0.0;               ///< tolerance to plan for, m
     int given = 0;                        ///< delay given in the program, samples
@@ -124,33 +130,65 @@ class Scheduler {
   };
 
   void choose_joints() {
-    const FeedCaps caps(path_, feeds_, behind_, window_, period_);
+    const FeedCaps caps(path_, feeds_, behind_, window_, period_, feed_step_);
     for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
       JointState& joint = joints_[b];
       if (!joint.choose) continue;
       joint.choose = false;
-      delay_[b] = 0;
       if (ends_leg(path_, b)) {
-        const CornerFeed corner = caps.corner(b, joint.tolerance);
-        speed_[b] = corner.speed;
-        delay_[b] = corner.delay;
+        chosen_[b] = caps.corner(b, joint.tolerance);
       } else {
-        speed_[b] = caps.smooth(b, joint.tolerance);
+        const double speed = caps.smooth(b, joint.tolerance);
+        chosen_[b] = {speed, speed, 0};
       }
-      delay_[b] = std::max(joint.given, std::min(std::max(apart_, delay_[b]), delay_[b] + joint.extra));
-      if (delay_[b] > 0 && path_.joint[b] != Joint::stop)
-        delay_[b] = control_delay(path_.control, filter_, std::min(speed_[b], caps.feed(b)) * period_, delay_[b])
-                        .value_or(delay_[b]);
+      int& delay = chosen_[b].delay;
+      delay = std::max(joint.given, std::min(std::max(apart_, delay), delay + joint.extra));
+      if (delay > 0 && path_.joint[b] != Joint::stop)
+        delay = delay_had(std::min(chosen_[b].speed, caps.feed(b)), delay);
     }
   }
 
+  /// The shortest delay of the control of at least so many samples.
+  int delay_had(double speed, int least) const {
+    return control_delay(path_.control, filter_, speed * period_, least).value_or(least);
+  }
+
   std::vector<FeedPiece> march() {
-    const FeedCaps caps(path_, feeds_, behind_, window_, period_);
-    std::vector<FeedPiece> pieces =
-        march_feeds(feeds_, window_, caps.pieces(speed_, delay_), Walk::backward, deadline_);
-    pieces = march_feeds(feeds_, window_, pieces, Walk::forward, deadline_);
-    round_runs(path_, pieces, period_);
+    const FeedCaps caps(path_, feeds_, behind_, window_, period_, feed_step_);
+    std::vector<FeedPiece> pieces;
+    for (int walk = 0; walk < walks_max; ++walk) {
+      pieces = march_feeds(feeds_, window_, caps.pieces(chosen_), Walk::backward, deadline_);
+      pieces = march_feeds(feeds_, window_, pieces, Walk::forward, deadline_);
+      if (!(feed_step_ > 0.0) || deadline_.over() || !lower_corners(pieces)) break;
+    }
+    round_runs(path_, pieces, period_, feed_step_ > 0.0);
     return pieces;
+  }
+
+  /// Neighbours may let a corner without a delay be passed only at a feed between two steps of the control. It gets the
+  /// lower one, or a delay where that is 0.
+  /// @return whether any was
+  bool lower_corners(const std::vector<FeedPiece>& pieces) {
+    constexpr double same = 1e-9;
+    bool lowered = false;
+    for (std::size_t i = 0; i + 1 < pieces.size(); ++i) {
+      const std::size_t b = pieces[i].block;
+      CornerFeed& corner = chosen_[b];
+      if (pieces[i + 1].block == b || path_.joint[b] != Joint::corner || corner.delay > 0) continue;
+      const auto [first, second] = corner_feed_whole(path_, b);
+      const double in = pieces[i].speed / first, out = pieces[i + 1].speed / second;
+      const double least = std::min(in, out) * (1.0 + same);
+      const double part = least >= 1.0 ? 1.0 : corner_feed_part(least, feed_step_);
+      if (part > 0.0) {
+        if (std::max(in, out) <= part * (1.0 + same)) continue;
+        corner = {part * first, part * second, 0};
+      } else {
+        if (runs_on(path_.control)) continue;
+        corner.delay = delay_had(pieces[i].speed, 1);
+      }
+      lowered = true;
+    }
+    return lowered;
   }
 
   ScheduledPlan simulate(const std::vector<FeedPiece>& pieces) {
@@ -161,7 +199,7 @@ class Scheduler {
     block_of_.resize(pieces.size());
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       const std::uint32_t b = block_of_[i] = pieces[i].block;
-      if (i + 1 < pieces.size() && pieces[i + 1].block != b) plan.delays[i] = delay_[b];
+      if (i + 1 < pieces.size() && pieces[i + 1].block != b) plan.delays[i] = chosen_[b].delay;
     }
     if (path_.widen_arcs) compensate_arcs(result.path, behind_, plan.delays, period_);
     plan.errors.assign(pieces.size(), 0.0);
@@ -222,20 +260,20 @@ class Scheduler {
   const FilterBehind behind_;
   double period_;
   const Machine& machine_;
+  double feed_step_;  // part of the feeds; 0: any
   FeedWindow window_;
   FeedPath feeds_;
   int apart_;  // samples; with this delay or more a joint is passed at rest
   std::vector<JointState> joints_;
-  std::vector<double> speed_;
-  std::vector<int> delay_;
+  std::vector<CornerFeed> chosen_;       // of every joint
   std::vector<std::uint32_t> block_of_;  // of every piece
 };
 
 }  // namespace
 
 ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                             int rounds_max, const Deadline& deadline) {
-  return Scheduler(path, filter, sample_period, machine, deadline).run(rounds_max);
+                             int rounds_max, const Deadline& deadline, double corner_feed_step) {
+  return Scheduler(path, filter, sample_period, machine, deadline, corner_feed_step).run(rounds_max);
 }
 
 std::optional<ScheduledPlan> schedule_stops(const Toolpath& path, const Filter& filter, double sample_period,

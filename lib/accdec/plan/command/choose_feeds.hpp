@@ -18,8 +18,9 @@ struct ScheduledPlan {
 /// feed, so that the limits hold. Programmed feeds are upper bounds. The returned plan was simulated. Where a
 /// limit or a tolerance was broken, joints are passed slower and limits are used less around it, round by round.
 /// @param deadline  ends the rounds: what is returned then may not hold
+/// @param corner_feed_step  see FeedCaps
 ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                             int rounds_max = 40, const Deadline& deadline = {});
+                             int rounds_max = 40, const Deadline& deadline = {}, double corner_feed_step = 0.0);
 
 /// The same with a stop at the end of every block. No joint breaks its tolerance, and no two blocks act on each other,
 /// so that one round is often enough. None if that takes longer than the deadline.

@@ -153,17 +153,19 @@ ProgramPlan plan_with(Toolpath& path, const Filter& filter, double sample_period
   return plan;
 }
 
-/// A plan that starts from the path's feeds. Feeds above the limits are reached in steps, each within the limits. If
-/// several blocks fit into one filter length, steps can still add up. Then every block gets a feed it can start and
-/// stop from.
+/// A plan that starts from the path's feeds, with the delays that the control gives. Feeds above the limits are reached
+/// in steps, each within the limits. If several blocks fit into one filter length, steps can still add up. Then every
+/// block gets a feed it can start and stop from.
 ProgramPlan plan_at_feeds(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                           const Deadline& deadline) {
   const std::vector<double> before = path.duration;
   ProgramPlan plan = plan_with(path, filter, sample_period, machine, deadline, true);
+  settle_delays(path, filter, sample_period, machine, plan);
   if (plan.too_fast.empty() || all_holds(plan) || deadline.over()) return plan;
   std::vector<double> ramped = path.duration;
   path.duration = before;
   ProgramPlan slow = plan_with(path, filter, sample_period, machine, deadline, false);
+  settle_delays(path, filter, sample_period, machine, slow);
   if (all_holds(slow)) return slow;
   path.duration = std::move(ramped);
   return plan;

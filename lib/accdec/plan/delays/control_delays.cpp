@@ -10,6 +10,24 @@
 namespace accdec {
 namespace {
 
+double feed_of(const Toolpath& path, std::size_t b) {
+  double length = 0.0;
+  for (std::size_t a = 0; a < path.dimensions(); ++a)
+    length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
+  return length / path.duration[b];
+}
+
+/// Whether the feed steps down before the joint inside its block, or up behind it. Chords of an arc have feeds of their
+/// own.
+bool lowered_beside(const Toolpath& path, std::size_t b) {
+  const auto step = [&](std::size_t joint) {
+    return path.line[joint] == path.line[joint + 1] && path.joint[joint] == Joint::straight &&
+           path.inside_arc[joint] == 0;
+  };
+  return (b > 0 && step(b - 1) && feed_of(path, b - 1) > feed_of(path, b)) ||
+         (b + 2 < path.blocks() && step(b + 1) && feed_of(path, b + 2) > feed_of(path, b + 1));
+}
+
 /// Takes the command and finds how the control holds it back at each joint.
 class DelaySink {
  public:
@@ -48,7 +66,7 @@ class DelaySink {
  private:
   DelayKind kind(std::size_t b, int delay) {
     const ControlDelays& control = path_.control;
-    if (delay == 0 && control.names(DelayKind::corner_feed) && slowed(b)) return DelayKind::corner_feed;
+    if (delay == 0 && control.names(DelayKind::corner_feed) && lowered_beside(path_, b)) return DelayKind::corner_feed;
     if (delay == 0 && control.names(DelayKind::continuous)) return DelayKind::continuous;
     const bool stops = delay >= apart_ && control.names(DelayKind::exact_stop);
     if (stops && delay <= apart_ + stop_slack) return DelayKind::exact_stop;
@@ -60,20 +78,6 @@ class DelaySink {
       found_.wrong = fmt::format("line {}: the control cannot delay by {} samples", path_.line[b], delay);
     }
     return DelayKind::in_position;
-  }
-
-  double feed(std::size_t b) const {
-    double length = 0.0;
-    for (std::size_t a = 0; a < path_.dimensions(); ++a)
-      length = std::hypot(length, path_.point(b + 1)[a] - path_.point(b)[a]);
-    return length / path_.duration[b];
-  }
-
-  /// Whether the feed steps down before the joint inside its block, or up behind it.
-  bool slowed(std::size_t b) const {
-    const auto step = [&](std::size_t joint) { return path_.line[joint] == path_.line[joint + 1]; };
-    return (b > 0 && step(b - 1) && feed(b - 1) > feed(b)) ||
-           (b + 2 < path_.blocks() && step(b + 1) && feed(b + 2) > feed(b + 1));
   }
 
   void in_position(std::size_t b) {
@@ -129,6 +133,22 @@ CommandDelays command_delays(const Toolpath& path, const Filter& filter, double 
     found.wrong = "the delays of the in-position width do not settle";
     return found;
   }
+}
+
+bool corner_feeds_had(const Toolpath& path, const Toolpath& programmed, const std::vector<int>& delays, double step) {
+  if (!(step > 0.0)) return true;
+  constexpr double snapped = 1e-5;  // durations are lowered to whole samples by less
+  const auto multiple = [&](double part) { return part >= 1.0 - snapped ? 0.0 : part / step; };
+  for (std::size_t b = 0, p = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] != Joint::corner) continue;
+    while (programmed.joint[p] != Joint::corner) ++p;
+    const auto [first, second] = corner_feed_whole(programmed, p++);
+    const double in = multiple(feed_of(path, b) / first), out = multiple(feed_of(path, b + 1) / second);
+    if (delays[b] > 0 || !lowered_beside(path, b)) continue;
+    const double whole = std::round(in);
+    if (std::abs(in - whole) > snapped * whole || std::abs(out - whole) > snapped * whole) return false;
+  }
+  return true;
 }
 
 }  // namespace accdec

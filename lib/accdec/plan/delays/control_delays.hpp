@@ -24,4 +24,9 @@ struct CommandDelays {
 CommandDelays command_delays(const Toolpath& path, const Filter& filter, double sample_period,
                              const std::vector<int>& delays);
 
+/// Whether each corner that is passed without a delay, at a feed lowered beside it, has a part of both programmed feeds
+/// that is a multiple of the control's step.
+/// @param programmed  has the same corners at the programmed feeds  @param step  0: any part will do
+bool corner_feeds_had(const Toolpath& path, const Toolpath& programmed, const std::vector<int>& delays, double step);
+
 }  // namespace accdec

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <accdec/plan/feeds/control_delay.hpp>
 
@@ -13,6 +14,24 @@ ControlDelays control_of(const ControllerSettings& settings, double width) {
 
 bool runs_on(const ControlDelays& control) {
   return !control.any() && !control.names(DelayKind::exact_stop) && !control.names(DelayKind::in_position);
+}
+
+double corner_feed_step_of(const std::optional<ControllerSettings>& settings) {
+  return settings && settings->names(DelayKind::corner_feed) ? settings->corner_feed_step : 0.0;
+}
+
+std::array<double, 2> corner_feed_whole(const Toolpath& path, std::size_t b) {
+  std::array<double, 2> feeds{};
+  for (const std::size_t i : {0, 1}) {
+    double length = 0.0;
+    for (std::size_t a = 0; a < path.dimensions(); ++a)
+      length = std::hypot(length, path.point(b + i + 1)[a] - path.point(b + i)[a]);
+    feeds[i] = length / path.duration[b + i];
+  }
+  if (path.rapid[b] == path.rapid[b + 1]) return feeds;
+  const std::size_t rapid = path.rapid[b] != 0 ? 0 : 1;
+  feeds[rapid] = std::min(feeds[0], feeds[1]);
+  return feeds;
 }
 
 std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least) {

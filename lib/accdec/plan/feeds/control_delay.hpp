@@ -1,9 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <optional>
 
 #include <accdec/filter.hpp>
+#include <accdec/simulate.hpp>
 #include <accdec/task.hpp>
 
 namespace accdec {
@@ -15,6 +18,13 @@ ControlDelays control_of(const ControllerSettings& settings, double width);
 
 /// Whether the control runs on at every corner: only lower feeds hold a tolerance.
 bool runs_on(const ControlDelays& control);
+
+/// The part of both feeds of whose multiples corner feeds are; 0 if the control has none.
+double corner_feed_step_of(const std::optional<ControllerSettings>& settings);
+
+/// The feeds, m/s, of whose multiples corner feeds before and behind the end of block b are: those of the path. A rapid
+/// move beside a feed move has no more than that one's.
+std::array<double, 2> corner_feed_whole(const Toolpath& path, std::size_t b);
 
 /// Samples beyond an exact stop that a limit may ask for.
 inline constexpr int stop_slack = 2;

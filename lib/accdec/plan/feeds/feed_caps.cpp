@@ -4,6 +4,7 @@
 
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/feed_caps.hpp>
+#include <accdec/task/corner_feed.hpp>
 
 namespace accdec {
 namespace {
@@ -22,13 +23,14 @@ double norm2(const double* v, std::size_t n) {
 }  // namespace
 
 FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehind& behind, const FeedWindow& window,
-                   double sample_period)
+                   double sample_period, double feed_step)
     : path_(path),
       feeds_(feeds),
       filter_(behind.command()),
       motion_(behind.motion()),
       window_(window),
       period_(sample_period),
+      feed_step_(feed_step),
       finder_(motion_),
       arcs_(path, feeds, motion_, window, sample_period),
       acceleration_(path.blocks(), unlimited) {
@@ -62,6 +64,35 @@ double FeedCaps::largest(std::size_t b, double v_max, bool apart, bool together)
   return v;
 }
 
+bool FeedCaps::passes(std::size_t b, const CornerFeed& corner, double cosine, double tolerance) const {
+  const std::size_t n = feeds_.dimensions;
+  const double *u = feeds_.direction.data() + b * n, *w = u + n;
+  const double margin = std::min(feeds_.margin[b], feeds_.margin[b + 1]);
+  for (std::size_t a = 0; a < n; ++a) {
+    const double in = corner.speed * u[a], out = corner.leaving * w[a];
+    const double allowed = margin * std::min({window_.step(a), window_.change(a, std::abs(in), 0.0, false),
+                                              window_.change(a, std::abs(out), 0.0, true)});
+    if (std::abs(out - in) > allowed * (1.0 + 1e-9)) return false;
+  }
+  return finder_(cosine, corner.speed * period_, corner.leaving * period_, tolerance) == 0;
+}
+
+/// At the largest multiple of the control's step that holds tolerance and limits, at least one. Both grow with the
+/// feed.
+CornerFeed FeedCaps::without_delay(std::size_t b, double cosine, double tolerance) const {
+  const auto [in, out] = corner_feed_whole(path_, b);
+  const auto at = [&, in = in, out = out](int multiple) {
+    const double part = std::min(1.0, multiple * feed_step_);
+    return CornerFeed{part * in, part * out, 0};
+  };
+  int good = 1, bad = corner_feed_multiples(feed_step_) + 2;
+  while (bad - good > 1) {
+    const int middle = good + (bad - good) / 2;
+    (passes(b, at(middle), cosine, tolerance) ? good : bad) = middle;
+  }
+  return at(good);
+}
+
 double FeedCaps::ramp_time(std::size_t b, double v) const {
   const double a = acceleration_[b];
   const double top = std::min(feed(b), std::sqrt(v * v + a * feeds_.length[b]));
@@ -85,19 +116,26 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
   };
   const double alone = std::max(slowest * feed_max, largest(b, feed_max, true, false));
   const int apart = std::max(rest, within(alone));
-  CornerFeed best{alone, stops || path_.control.any() || apart <= rest + stop_slack ? apart : longest};
+  CornerFeed best{alone, alone, stops || path_.control.any() || apart <= rest + stop_slack ? apart : longest};
   double least = best.delay * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
-  const bool slow_only = !stops && runs_on(path_.control);
-  if (slow_only) best = {slowest * feed_max, 0}, least = unlimited;
+  const bool slow_only = !stops && runs_on(path_.control), stepped = !stops && feed_step_ > 0.0;
+  if (slow_only) best = {slowest * feed_max, slowest * feed_max, 0}, least = unlimited;
+  if (stepped) {
+    const CornerFeed corner = without_delay(b, cosine, tolerance);
+    const double time = ramp_time(b, corner.speed) + ramp_time(b + 1, corner.leaving);
+    if (slow_only) return corner;
+    if (time < least && passes(b, corner, cosine, tolerance)) best = corner, least = time;
+  }
   if (stops || !(tolerance > 0.0)) return best;
   const double no_delay = largest(b, feed_max, false, true), overlap = largest(b, feed_max, true, true);
   const auto offer = [&](double v) {
     const int delay = delay_at(v);
     if (v > (delay > 0 ? overlap : no_delay) * (1.0 + 1e-9) || (slow_only && delay > 0)) return;
+    if (stepped && delay == 0) return;
     const double time = delay * period_ + ramp_time(b, v) + ramp_time(b + 1, v);
     if (time >= least) return;
     least = time;
-    best = {v, delay};
+    best = {v, v, delay};
   };
   // The largest speed without delay: the error at the samples grows with the speed.
   double low = 0.0, high = no_delay;
@@ -242,23 +280,26 @@ void FeedCaps::add_pieces(std::size_t b, double cap, Zone first, Zone last, std:
   if (last.length > 0.0) pieces.push_back({block, last.length, last.speed, 0.0});
 }
 
-std::vector<FeedPiece> FeedCaps::pieces(const std::vector<double>& speed, const std::vector<int>& delay) const {
+std::vector<FeedPiece> FeedCaps::pieces(const std::vector<CornerFeed>& joints) const {
   const std::size_t blocks = feeds_.blocks();
   std::vector<Zone> begin(blocks), end(blocks);
   std::vector<double> cap(blocks);
   for (std::size_t b = 0; b < blocks; ++b) cap[b] = feed(b);
   for (std::size_t b = 0; b + 1 < blocks; ++b) {
-    const double v = speed[b];
-    if (!(v < unlimited) || (v >= cap[b] && v >= cap[b + 1])) continue;
-    const double way = std::max(v * period_, v * (window_.half() - 0.5 * delay[b] * period_));
-    hold(b, v, way, false, cap, end);
-    hold(b, v, way, true, cap, begin);
+    const CornerFeed& joint = joints[b];
+    if (!(joint.speed < unlimited) || (joint.speed >= cap[b] && joint.leaving >= cap[b + 1])) continue;
+    // The motion is nearest to a corner of equal feeds with half of the filter on each side, else with more on one
+    // side.
+    const double seen = joint.leaving == joint.speed ? window_.half() : motion_.order() * period_;
+    const double time = std::max(period_, seen - 0.5 * joint.delay * period_);
+    hold(b, joint.speed, joint.speed * time, false, cap, end);
+    hold(b, joint.leaving, joint.leaving * time, true, cap, begin);
   }
   std::vector<FeedPiece> pieces;
   pieces.reserve(blocks + blocks / 2);
   for (std::size_t b = 0; b < blocks; ++b) {
     add_pieces(b, cap[b], begin[b], end[b], pieces);
-    if (b + 1 < blocks) pieces.back().rest = delay[b] * period_;
+    if (b + 1 < blocks) pieces.back().rest = joints[b].delay * period_;
   }
   return pieces;
 }

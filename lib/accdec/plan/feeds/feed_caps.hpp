@@ -12,18 +12,22 @@
 
 namespace accdec {
 
-/// How corners and stops are passed: the speed at which they are reached and left, and the rest of the command in them.
+/// How corners and stops are passed: the speeds at which they are reached and left, and the rest of the command in
+/// them.
 struct CornerFeed {
-  double speed = unlimited;  ///< m/s
-  int delay = 0;             ///< samples
+  double speed = unlimited;    ///< m/s
+  double leaving = unlimited;  ///< m/s
+  int delay = 0;               ///< samples
 };
 
 /// The largest speeds of a path, and the needs of its joints.
 class FeedCaps {
  public:
   /// References are kept.
+  /// @param feed_step  DelayKind::corner_feed: corners without a delay are passed at a multiple of this part of both
+  /// feeds; 0: at any speed
   FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehind& behind, const FeedWindow& window,
-           double sample_period);
+           double sample_period, double feed_step);
 
   /// Speed and delay of the corner or stop at the end of block b. Among a grid of speeds it is the one that costs the
   /// least time, including the ramps to the neighbours' feeds at constant acceleration. @param tolerance  m
@@ -35,11 +39,14 @@ class FeedCaps {
   double feed(std::size_t b) const { return feeds_.length[b] / path_.duration[b]; }
 
   /// Pieces of the whole path with these speeds.
-  /// @param speed  of every joint  @param delay  of every joint, samples
-  std::vector<FeedPiece> pieces(const std::vector<double>& speed, const std::vector<int>& delay) const;
+  /// @param joints  one a block
+  std::vector<FeedPiece> pieces(const std::vector<CornerFeed>& joints) const;
 
  private:
   double largest(std::size_t b, double v_max, bool apart, bool together) const;
+  /// Whether the corner at the end of block b, by itself, holds tolerance and limits without a delay.
+  bool passes(std::size_t b, const CornerFeed& corner, double cosine, double tolerance) const;
+  CornerFeed without_delay(std::size_t b, double cosine, double tolerance) const;
   double ramp_time(std::size_t b, double v) const;
   double steady_error(std::size_t b, double v) const;
   double steady_change(std::size_t b, double v) const;
@@ -53,7 +60,7 @@ class FeedCaps {
   const Filter& filter_;  // of the command
   const Filter& motion_;
   const FeedWindow& window_;
-  double period_;
+  double period_, feed_step_;
   DelayFinder finder_;
   ArcCaps arcs_;
   std::vector<double> acceleration_;  // along every block, m/s^2

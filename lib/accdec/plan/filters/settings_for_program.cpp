@@ -43,6 +43,7 @@ class MemberSearch {
     const std::vector<SettableMember>& all = members_.all();
     bool passed = true;
     for (const SettableMember& member : all) passed = (planned_.contains(member.key()) || look(member)) && passed;
+    if (!best_ && !passed) take_guess();
     if (!best_) return std::nullopt;
     ProgramSettings result{.chosen = members_.chosen(*best_), .width = time_.width};
     result.members = static_cast<long>(all.size());
@@ -54,9 +55,20 @@ class MemberSearch {
  private:
   using Guess = SettingsTrials::Guess;
   static constexpr std::size_t first_planned = 4, starts = 3;
+  static constexpr int most_late = 8;
   static constexpr double part_for_guesses = 0.3;  ///< of the time
 
-  bool late() const { return best_ && deadline_.over(); }
+  /// Once the time is over. If none holds by then, a few more are planned.
+  bool late() const { return deadline_.over() && (best_ || late_ >= most_late); }
+
+  /// The best guess, for want of a plan that holds: a slower plan with it may.
+  void take_guess() {
+    double least = unlimited;
+    for (const auto& [key, guessed] : guesses_) {
+      const TimedSetting& time = guessed.second.best;
+      if (time.samples < least) best_ = guessed.first, time_.width = time.width, least = time.samples;
+    }
+  }
 
   const Guess& guess(const SettableMember& member) {
     const auto [at, fresh] = guesses_.try_emplace(member.key(), std::pair{member, Guess{}});
@@ -116,6 +128,7 @@ class MemberSearch {
   bool offer(const SettableMember& member) {
     if (late() || planned_.contains(member.key()) || hopeless(member)) return false;
     planned_.insert(member.key());
+    if (deadline_.over()) ++late_;
     const TimedSetting time = trials_.plan(make_filter(member.spec), guess(member), !best_);
     if (!(time.samples < time_.samples)) return false;
     time_ = time;
@@ -133,6 +146,7 @@ class MemberSearch {
   SettableMembers members_;
   std::map<std::vector<int>, std::pair<SettableMember, Guess>> guesses_;
   std::set<std::vector<int>> planned_;
+  int late_ = 0;  // planned after the time was over
   std::optional<SettableMember> best_;
   TimedSetting time_;
 };
@@ -170,8 +184,8 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
                                  families_in_words(*task.settings));
     if (keep && runs_on(control_of(*task.settings, 0.0)))
       result.message +=
-          "; its `delays` hold tolerances by lower feeds alone, which --feeds keep does not command: use --feeds "
-          "choose, or name a kind that waits, such as \"exact-stop\"";
+          "; the control's `delays` hold a tolerance by lower feeds alone, and --feeds keep commands the programmed "
+          "feeds: use --feeds choose, or name a kind that waits: exact-stop, in-position, dwell, timed-axis";
     return result;
   }
   result.settings = found.best;

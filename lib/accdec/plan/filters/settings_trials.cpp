@@ -5,6 +5,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/slow_blocks.hpp>
+#include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
@@ -67,7 +68,12 @@ class PairwiseTimes {
 }  // namespace
 
 SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline)
-    : path_(path), task_(task), machine_(program_machine(task.machine, path)), keep_(keep), deadline_(deadline) {
+    : path_(path),
+      task_(task),
+      machine_(program_machine(task.machine, path)),
+      keep_(keep),
+      deadline_(deadline),
+      feed_step_(corner_feed_step_of(task.settings)) {
   double time = 0.0;
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     time += path.duration[b];
@@ -151,7 +157,7 @@ double SettingsTrials::scheduled(const Filter& filter, const ControlDelays& cont
   Toolpath path = path_;
   path.control = control;
   return static_cast<double>(
-      schedule_feeds(path, filter, task_.sample_period, machine_, 0, deadline_).plan.simulation.samples);
+      schedule_feeds(path, filter, task_.sample_period, machine_, 0, deadline_, feed_step_).plan.simulation.samples);
 }
 
 double SettingsTrials::planned(const Filter& filter, const ControlDelays& control) const {
@@ -160,11 +166,13 @@ double SettingsTrials::planned(const Filter& filter, const ControlDelays& contro
   double best = unlimited;
   const auto take = [&](const Toolpath& planned, ProgramPlan plan) {
     settle_delays(planned, filter, task_.sample_period, machine_, plan);
-    if (all_holds(plan)) best = std::min(best, static_cast<double>(plan.simulation.samples));
+    if (all_holds(plan) && corner_feeds_had(planned, path_, plan.delays, feed_step_))
+      best = std::min(best, static_cast<double>(plan.simulation.samples));
   };
   const bool small = path.blocks() <= small_program;
   if (!keep_) {
-    const ScheduledPlan chosen = schedule_feeds(path, filter, task_.sample_period, machine_, small ? 40 : 3, deadline_);
+    const ScheduledPlan chosen =
+        schedule_feeds(path, filter, task_.sample_period, machine_, small ? 40 : 3, deadline_, feed_step_);
     take(chosen.path, chosen.plan);
   }
   if (keep_ || small) {

@@ -54,6 +54,7 @@ class SettingsTrials {
   Machine machine_;
   bool keep_;
   const Deadline& deadline_;
+  double feed_step_;  // see corner_feed_step_of
   double moving_ = 0.0, stops_ = 0.0;
   double step_ = 0.0;  // m, of the fastest corner
 };

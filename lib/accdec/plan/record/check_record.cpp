@@ -15,6 +15,7 @@
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/other_rules.hpp>
 #include <accdec/plan/result/program_departure.hpp>
+#include <accdec/plan/result/verify_delay_kinds.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 #include <accdec/task/blend_limits.hpp>
 
@@ -67,6 +68,8 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
   if (record.result.plan.trajectory() != nullptr) leave_room_for_arcs(asked, in.reading.read.arc_tolerance);
   if (const std::string wrong = departs_from(record.result.plan.path, asked); !wrong.empty())
     check.reasons.push_back(fmt::format("the commands are not those of {}: {}", in.program, wrong));
+  else if (record.task.settings)
+    check_corner_feeds(record.result, record.task, programmed, check.reasons);
   estimate_again(record, programmed, check);
   ProgramResult& found = check.found;
   found.programmed_blocks = blocks_of(programmed);

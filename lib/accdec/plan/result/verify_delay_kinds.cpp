@@ -11,6 +11,13 @@
 namespace accdec {
 namespace {
 
+double feed_of(const Toolpath& path, std::size_t b) {
+  double square = 0.0;
+  for (std::size_t a = 0; a < path.dimensions(); ++a)
+    square += std::pow((path.point(b + 1)[a] - path.point(b)[a]) / path.duration[b], 2);
+  return std::sqrt(square);
+}
+
 class DelayKindsCheck {
  public:
   DelayKindsCheck(const ProgramResult& result, const Task& task, const Filter& filter,
@@ -72,15 +79,9 @@ class DelayKindsCheck {
     while (first > 0 && path_.line[first - 1] == path_.line[b]) --first;
     while (last + 1 < path_.blocks() && path_.line[last + 1] == path_.line[b + 1]) ++last;
     for (std::size_t i = first; i <= last; ++i) {
-      if (feed_of(i) > feed_of(i <= b ? b : b + 1)) return true;
+      if (feed_of(path_, i) > feed_of(path_, i <= b ? b : b + 1)) return true;
     }
     return false;
-  }
-  double feed_of(std::size_t b) const {
-    double square = 0.0;
-    for (std::size_t a = 0; a < path_.dimensions(); ++a)
-      square += std::pow((path_.point(b + 1)[a] - path_.point(b)[a]) / path_.duration[b], 2);
-    return std::sqrt(square);
   }
 
   /// m, of the motion from the end of block b, d samples after the command has reached it.
@@ -106,6 +107,36 @@ class DelayKindsCheck {
 void check_delay_kinds(const ProgramResult& result, const Task& task, const Filter& filter, const DirectMotion& motion,
                        std::vector<std::string>& reasons) {
   DelayKindsCheck(result, task, filter, reasons).run(motion);
+}
+
+void check_corner_feeds(const ProgramResult& result, const Task& task, const Toolpath& programmed,
+                        std::vector<std::string>& reasons) {
+  const Toolpath& path = result.plan.path;
+  if (!result.settings || result.settings->chosen.delays.size() != path.blocks()) return;
+  std::vector<std::size_t> corners;
+  for (std::size_t b = 0; b + 1 < programmed.blocks(); ++b) {
+    if (programmed.joint[b] == Joint::corner) corners.push_back(b);
+  }
+  constexpr double snapped = 1e-5;  // runs are shortened to whole samples by less
+  std::size_t seen = 0;
+  for (std::size_t b = 0; b + 1 < path.blocks() && seen < corners.size(); ++b) {
+    if (path.joint[b] != Joint::corner) continue;
+    const std::size_t corner = corners[seen++];
+    if (result.settings->chosen.delays[b] != DelayKind::corner_feed) continue;
+    double before = feed_of(programmed, corner), behind = feed_of(programmed, corner + 1);
+    // A rapid move is slowed to the feed move beside it.
+    if (programmed.rapid[corner] != 0 && programmed.rapid[corner + 1] == 0) before = std::min(before, behind);
+    if (programmed.rapid[corner] == 0 && programmed.rapid[corner + 1] != 0) behind = std::min(before, behind);
+    const double in = feed_of(path, b) / before, out = feed_of(path, b + 1) / behind;
+    const double steps = std::round(in / task.settings->corner_feed_step);
+    const double part = in > 1.0 - snapped ? 1.0 : steps * task.settings->corner_feed_step;
+    if (part > 0.0 && std::abs(in / part - 1.0) < snapped && std::abs(out / part - 1.0) < snapped) continue;
+    if (reasons.size() >= most_reasons) return;
+    reasons.push_back(fmt::format(
+        "line {}: the corner is passed at {:.6g} and {:.6g} of the feeds before and behind it, which are not "
+        "one multiple of corner_feed_step = {:.6g}",
+        path.line[b], in, out, task.settings->corner_feed_step));
+  }
 }
 
 }  // namespace accdec

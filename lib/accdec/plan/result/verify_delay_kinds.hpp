@@ -21,4 +21,11 @@ inline constexpr std::size_t most_reasons = 20;    ///< for rejecting a result
 void check_delay_kinds(const ProgramResult& result, const Task& task, const Filter& filter, const DirectMotion& motion,
                        std::vector<std::string>& reasons);
 
+/// Whether each corner feed of a result with settings is a multiple of the control's step of both programmed feeds, or
+/// all of both.
+/// @param programmed  as it is read from the program, with the blocks whose commands the result has
+/// @param reasons     takes what does not hold
+void check_corner_feeds(const ProgramResult& result, const Task& task, const Toolpath& programmed,
+                        std::vector<std::string>& reasons);
+
 }  // namespace accdec
