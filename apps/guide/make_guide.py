@@ -21,7 +21,7 @@ import shutil
 import subprocess
 import sys
 
-from reference import write_reference
+from reference import folded, write_reference
 
 guide = pathlib.Path(__file__).resolve().parent
 root = guide.parent.parent
@@ -53,7 +53,7 @@ class Page:
             sys.exit(f"{self.name}: exit code {done.returncode} of\n{shown}\n{done.stdout}")
         text = f"```{language}\n{shown.rstrip()}\n```\n"
         if done.stdout.strip():
-            text += f"\n```text\n{done.stdout.rstrip()}\n```\n"
+            text += f"\n```text\n{folded(done.stdout.rstrip())}\n```\n"
         for figure in sorted(set(self.folder.rglob("*.svg")) - before):
             shutil.copy(figure, self.figures)
             text += f"\n![{figure.stem}](/figures/{self.name}/{figure.name})\n"

@@ -2,6 +2,7 @@
 docstrings (Sphinx autodoc), the C++ library from the comments of its headers (doxygen, Breathe)."""
 import re
 import subprocess
+import textwrap
 import xml.etree.ElementTree as ElementTree
 
 kinds = {
@@ -41,6 +42,23 @@ WARN_AS_ERROR = FAIL_ON_WARNINGS
 """
 
 
+columns = 120  # of printed output, as wide.css has room for
+
+
+def folded(output):
+    """Long sentences on several lines, below their first word. Rows of tables stay as they are."""
+    lines = []
+    for line in output.splitlines():
+        gaps = [gap.end() for gap in re.finditer(r"(?<=\S) {2,}", line)]
+        if len(line) <= columns or len(gaps) > 1:
+            lines.append(line)
+            continue
+        left = len(line) - len(line.lstrip())
+        indent = " " * (gaps[0] if gaps else left if left > 8 else left + 2)
+        lines += textwrap.wrap(line, columns, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines)
+
+
 def said(*command):
     return subprocess.run([str(word) for word in command], check=True, text=True, stdout=subprocess.PIPE).stdout
 
@@ -58,9 +76,9 @@ def commands(program):
     names = re.findall(r"^  (\w[\w-]*) ", overview.partition("\nSubcommands:\n")[2], flags=re.M)
     if not names:
         raise SystemExit("no subcommands in `accdec --help`")
-    parts = [f"# Commands\n\n```text\n{overview.rstrip()}\n```\n"]
+    parts = [f"# Commands\n\n```text\n{folded(overview.rstrip())}\n```\n"]
     for name in names:
-        parts.append(f"## accdec {name}\n\n```text\n{said(program, name, '--help').strip()}\n```\n")
+        parts.append(f"## accdec {name}\n\n```text\n{folded(said(program, name, '--help').strip())}\n```\n")
     return "\n".join(parts)
 
 

@@ -23,6 +23,7 @@ from ._motion import residual_vibration, simulate, smallest_delay, taps
 from ._nlp import Problem, problem, register_solver, solve, solvers
 from ._plot import export, plot
 from ._program import program
+from ._sliders import sliders
 from ._study import compare, study
 
 del _notebook  # it has given the classes what notebooks ask for
@@ -31,5 +32,5 @@ __all__ = [
     "Explanation", "InputError", "OutputError", "Problem", "Program", "Recheck", "Result",
     "StopRun", "Task", "__version__", "baselines", "compare", "design", "evaluate", "explain", "export",
     "identify", "plot", "problem", "program", "read_result", "register_solver", "residual_vibration", "simulate",
-    "smallest_delay", "solve", "solvers", "study", "taps", "verify",
+    "sliders", "smallest_delay", "solve", "solvers", "study", "taps", "verify",
 ]

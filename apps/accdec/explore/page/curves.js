@@ -107,7 +107,7 @@ export class Chart {
     for (const { value } of limits)
       if (Math.abs(value) <= 1.6 * peak) (low = Math.min(low, value)), (high = Math.max(high, value));
     if (high === low) return [0, 1];
-    const room = 0.12 * (high - low);
+    const room = 0.17 * (high - low); // a word stands above the largest value
     return [low < 0 ? low - room : low, high > 0 ? high + room : high];
   }
 
@@ -131,6 +131,7 @@ export class Chart {
         { ...ink, size: 26, values: ticks },
         {
           ...ink,
+          ...(this.log ? {} : { space: 24 }), // px between numbers: limits of both signs have one near
           size: tickWidth,
           values: this.log
             ? (s, v) => v.map((x) => (x !== null && Number.isInteger(Math.log10(x)) ? `${four(100 * x)} %` : ""))

@@ -126,7 +126,7 @@ function bars(chart, plan) {
 function tables() {
   const plan = program.plans[shown.plan],
     before = besides(plan);
-  $("#over-time").append(make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...limitsKey(plan)));
+  $("#over-time").firstElementChild.append(make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...limitsKey(plan)));
   const lost = new Map((before?.lost ?? []).map((l) => [l.turn, l.time_s]));
   const columns = ["turn", "joints", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
   const rows = plan.lost.map((l) => [

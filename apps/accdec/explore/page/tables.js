@@ -140,6 +140,9 @@ export const tapTable = (result) =>
     result.filter.taps.map((b, i) => [String(i), String(b)]),
   );
 
+/** A key, which a phone may show on several lines. */
+const keyCell = (key) => make("span", {}, ...key.split(/(?<=[._])/).flatMap((part) => [part, make("wbr")]));
+
 /** Of `explain`. */
 export function explanationTable(answer) {
   const parts = [];
@@ -162,7 +165,7 @@ export function explanationTable(answer) {
           .filter((g) => !nothing.includes(g))
           .map((g) => [
             g.name,
-            g.key,
+            keyCell(g.key),
             ms(g.gain_s),
             g.gain_at_most_s === null ? "\u2013" : ms(g.gain_at_most_s),
             g.proved ? "proved" : "",

@@ -47,6 +47,8 @@ export function tools(shared, draw) {
   // A page of paper cannot be unfolded.
   const folded = [];
   addEventListener("beforeprint", () => {
+    // The media query of the screen for two drawings beside each other, which paper cannot ask.
+    document.body.classList.toggle("columns", matchMedia("(min-width: 76rem)").matches);
     folded.push(...document.querySelectorAll("#controls details:not([open])"));
     for (const group of folded) group.open = true;
   });

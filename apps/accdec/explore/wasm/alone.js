@@ -13,14 +13,22 @@ const script = URL.createObjectURL(
   new Blob([document.getElementById("worker").textContent], { type: "text/javascript" }),
 );
 const workers = new Map(); // by question and slot: one asks while another computes
+const refused = () => new Response(null, { status: 204 });
 
-async function worker(kind) {
+async function worker() {
   const made = new Worker(script);
   made.postMessage({ module: await library });
   return made;
 }
 
-const refused = () => new Response(null, { status: 204 });
+/** Nobody wants its answer any more. */
+function end(kind) {
+  const one = workers.get(kind);
+  if (!one?.answer) return;
+  workers.delete(kind);
+  one.worker.then((w) => w.terminate());
+  one.answer(refused());
+}
 
 /** As fetch; of questions of one kind only the last is answered, as the server has it. */
 async function fetch(address, { body = "" } = {}) {
@@ -30,12 +38,9 @@ async function fetch(address, { body = "" } = {}) {
   if (style) return new Response(style.textContent);
   const ask = Object.fromEntries(url.searchParams);
   const kind = `${name} ${ask.slot ?? ""}`;
-  const before = workers.get(kind);
-  if (before?.answer) {
-    before.worker.then((w) => w.terminate());
-    before.answer(refused());
-  }
-  const mine = { worker: before && !before.answer ? before.worker : worker(kind) };
+  const ended = url.searchParams.getAll("ends");
+  for (const one of [...workers.keys()]) if (one === kind || ended.includes(one.split(" ")[1])) end(one);
+  const mine = { worker: workers.get(kind)?.worker ?? worker() };
   workers.set(kind, mine);
   return new Promise((answer) => {
     mine.answer = answer;
