@@ -224,7 +224,7 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
                       : use.event == Event::blend ? m.cruise_out
                                                   : static_cast<int>(m.velocity.rows()) - 1;
     const int row = zero + static_cast<int>(use.sample);
-    // What is behind an event belongs to the next one.
+    // A later sample belongs to the next event.
     if (use.event == Event::none || row < zero || row > last) break;
     if (use.kind == LimitKind::corner_error) return m.position.row(row).norm();
     if (use.kind == LimitKind::speed_min) return m.velocity.row(row).norm();
