@@ -33,7 +33,7 @@ def damped_shapers(page):
     shaper, deviations = damped_shapers.GUARD[name]
     cases[name] = shaper, damped_shapers.band_of(deviations)
     own = " to ".join(f"{100 * part:+.1f}" for part in damped_shapers.deviations_of(*shaper)) + " %"
-    page.same(f"{name}, deviations", own, page.row(page.rows("vibration guard", "of these impulses, at 5 %"),
+    page.same(f"{name}, deviations", own, page.row(page.rows("vibration guard"),
               "vibration guard", name)["of these impulses, at 5 %"])
     for name, (shaper, band) in cases.items():
         taps = damped_shapers.sampled(*shaper)
