@@ -103,8 +103,8 @@ TEST(ForgedResult, WhatACheckFoundMayBeRecorded) {
   EXPECT_FALSE(verify_result(result).accepted);
 }
 
-// A boxcar of 21 taps accelerates alike in 21 samples. Each of them is where the limit is used most, and no later one of
-// the blend.
+// A boxcar of 21 taps accelerates alike in 21 samples. Each of them is where the limit is used most, and no later one
+// of the blend.
 TEST(ForgedResult, ALimitIsUsedMostWhereItSays) {
   DesignResult result = design_task(parse_task(R"(sample_period_ms = 1.0
 [filter]
